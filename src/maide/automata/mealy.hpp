@@ -1,0 +1,77 @@
+// A deterministic, complete Mealy machine: in each state each input gives one output and one next
+// state. Plain value type; transitions lie in one flat table (state-major), so a step is one load.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "maide/automata/alphabet.hpp"
+
+namespace maide {
+
+using StateId = std::uint32_t;
+
+// Where a model came from: graph attributes of its file (sul, bound, versions, tests, seed, ...).
+// The alphabets, actors and hidden returns have fields of their own and do not appear here.
+using Origin = std::map<std::string, std::string>;
+
+// A named thread of the system that makes its blocking calls: it takes its inputs one at a time and
+// is the source of its outputs. Each input and each output belongs to at most one actor.
+struct Actor {
+  std::string name;
+  std::vector<std::string> inputs;
+  std::vector<std::string> outputs;
+  bool operator==(const Actor&) const = default;
+};
+
+class Mealy {
+ public:
+  static constexpr StateId no_state = ~StateId{0};
+
+  Mealy() = default;
+  // `states` states numbered from 0, state 0 initial, no transitions yet.
+  Mealy(Alphabet inputs, Alphabet outputs, std::size_t states);
+
+  const Alphabet& inputs() const { return inputs_; }
+  const Alphabet& outputs() const { return outputs_; }
+  Symbol intern_output(std::string_view name) { return outputs_.intern(name); }
+
+  std::size_t size() const { return size_; }
+  StateId initial() const { return initial_; }
+  void set_initial(StateId state) { initial_ = state; }
+  StateId add_state();
+
+  void set_transition(StateId from, Symbol input, Symbol output, StateId to);
+  StateId target(StateId from, Symbol input) const { return cells_[index(from, input)].target; }
+  Symbol output(StateId from, Symbol input) const { return cells_[index(from, input)].output; }
+  // Every state has a transition for every input. O(size x inputs).
+  bool is_complete() const;
+
+  // The state reached from `from` by `word`. O(length).
+  StateId run(StateId from, std::span<const Symbol> word) const;
+  StateId run(std::span<const Symbol> word) const { return run(initial_, word); }
+  // The outputs along `word`, as many as it has symbols. O(length).
+  Word output_word(StateId from, std::span<const Symbol> word) const;
+  Word output_word(std::span<const Symbol> word) const { return output_word(initial_, word); }
+
+  Origin origin;              // where the model came from
+  std::vector<Actor> actors;  // empty where the system has none
+
+ private:
+  struct Cell {
+    StateId target = no_state;
+    Symbol output = 0;
+  };
+  std::size_t index(StateId from, Symbol input) const {
+    return std::size_t{from} * inputs_.size() + input;
+  }
+  Alphabet inputs_, outputs_;
+  std::size_t size_ = 0;
+  StateId initial_ = 0;
+  std::vector<Cell> cells_;
+};
+
+}  // namespace maide

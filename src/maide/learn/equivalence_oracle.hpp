@@ -1,0 +1,29 @@
+// The teacher's other half: equivalence queries, approximated by conformance testing. An oracle
+// that finds nothing has not proven equivalence; `guarantee()` says what its last run does
+// establish.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "maide/automata/mealy.hpp"
+#include "maide/base/run_control.hpp"
+
+namespace maide {
+
+class EquivalenceOracle {
+ public:
+  virtual ~EquivalenceOracle() = default;
+
+  // A word on which `hypothesis` and the system differ, cut at the first output that differs;
+  // nothing if the oracle finds none. The first in the order of its tests, whatever the
+  // parallelism.
+  virtual std::optional<Word> find_counterexample(const Mealy& hypothesis,
+                                                  const RunControl& control = {}) = 0;
+
+  // In words, what "nothing found" means: "not refuted by 412 tests of the W-method; no machine
+  // with at most 2 more states behaves differently". For reports.
+  virtual std::string guarantee() const = 0;
+};
+
+}  // namespace maide

@@ -1,0 +1,78 @@
+// The IA translator of Aarts & Vaandrager, "Learning I/O automata" (CONCUR 2010): lets any Mealy
+// machine learner learn an interface automaton. Towards the learner it is a system that answers
+// Mealy queries; towards the system it is a client of a Sul. `translate` goes there, `to_*` come
+// back. Invariant: outputs are numbered in query order, never in arrival order.
+#pragma once
+
+#include <functional>
+#include <span>
+
+#include "maide/automata/interface_automaton.hpp"
+#include "maide/automata/mealy.hpp"
+#include "maide/sul/query.hpp"
+#include "maide/sul/sul.hpp"
+
+namespace maide {
+
+// A Mealy machine's answer to a Query.
+struct MealyAnswer {
+  Word inputs;   // the word, or the path taken in the tree
+  Word outputs;  // one for each input, fewer when the word did not complete
+  WordEnd end = WordEnd::complete;
+  std::uint32_t attempts = 1;
+  std::chrono::microseconds reset_duration{0};   // time of the reset
+  std::chrono::microseconds system_duration{0};  // time in the steps, the reset not included
+};
+
+class IaTranslator {
+ public:
+  // The name of the extra input of Translation::av.
+  static constexpr const char* delta_input = "Delta";
+
+  // Keeps a reference to `sul`. Throws UsageError if the system cannot be learned in this
+  // translation, or names an output with a reserved name.
+  IaTranslator(Sul& sul, Translation translation);
+
+  Translation translation() const { return translation_; }
+  const SulInfo& info() const { return sul_.info(); }
+  const Alphabet& inputs() const { return inputs_; }    // the system's, and Delta last under av
+  const Alphabet& outputs() const { return outputs_; }  // grows as outputs are seen
+
+  // Answers in the order of the queries, whatever the order in which the system gave them. A word
+  // that ended in a crash or a hang throws WrapperError naming the word. O(batch) resets.
+  std::vector<MealyAnswer> run(std::span<const Query> batch, const RunControl& control = {});
+  // As above, but hands over what was answered when the call ends early by an exception.
+  using PartialSink = std::function<void(std::size_t index, const MealyAnswer& answer)>;
+  std::vector<MealyAnswer> run(std::span<const Query> batch, const RunControl& control,
+                               const PartialSink& on_early_end);
+  // Symbol of an output that is known from elsewhere (a cache on disk).
+  Symbol intern_output(std::string_view name) { return outputs_.intern(name); }
+
+  // The interface automaton that a learned machine stands for, minimised, with the system's actors,
+  // hidden returns and origin. Throws Error if the machine breaks the translation's assumptions (a
+  // refusal or delta that changes the state).
+  InterfaceAutomaton to_interface_automaton(const Mealy& machine) const;
+
+ private:
+  Sul& sul_;
+  Translation translation_;
+  Alphabet inputs_, outputs_;
+};
+
+// Mealy -> interface automaton. Outputs of one step become one state for each pair (outputs still
+// due, next state), shared, then minimised; outputs of different actors may be taken in any order.
+// `actors` gives the actor of each output; outputs of no actor count as one actor's.
+InterfaceAutomaton to_interface_automaton(const Mealy& machine, Translation translation,
+                                          std::span<const Actor> actors);
+
+// Interface automaton -> minimal Mealy machine of the translation. The automaton must be
+// deterministic and always reach quiescence by outputs alone; throws UsageError otherwise. Of
+// several outputs that are due, the one of the first actor comes first (canonical order).
+Mealy to_mealy(const InterfaceAutomaton& automaton, Translation translation);
+
+// Inputs that were seen busy at quiescence and not all of whose returns are observed; sorted by
+// input. `machine` is a learned machine over the inputs of `info`.
+std::vector<std::string> find_hidden_returns(const Mealy& machine, Translation translation,
+                                             const SulInfo& info);
+
+}  // namespace maide

@@ -1,0 +1,112 @@
+#include "maide/sul/query_player.hpp"
+
+#include <algorithm>
+#include <deque>
+#include <utility>
+
+namespace maide {
+namespace {
+
+// The state of one word: monitors of the purposes and the av translation's queue.
+class Player {
+ public:
+  Player(SteppedSystem& system, const SulInfo& info, std::span<const LearningPurpose> purposes,
+         Translation translation)
+      : system_(system), info_(info), purposes_(purposes), translation_(translation) {
+    for (const LearningPurpose& purpose : purposes) monitors_.emplace_back(purpose);
+  }
+
+  SteppedSystem::Outcome play_step(Symbol input, SulStep& step) {
+    if (translation_ == Translation::av && input == info_.inputs.size()) {
+      step.status = StepStatus::delta;
+      take_due_output(step);
+      return SteppedSystem::Outcome::quiescent;
+    }
+    if (!due_.empty() || system_.is_busy(input)) {
+      step.status = StepStatus::refused;
+      return SteppedSystem::Outcome::quiescent;
+    }
+    const std::string& name = info_.inputs[input].name;
+    for (std::size_t i = 0; i < monitors_.size(); ++i) {
+      if (monitors_[i].allows(name)) continue;
+      step.status = purposes_[i].at_bound() == AtBound::absorb ? StepStatus::absorbed
+                                                               : StepStatus::unexplored;
+      return SteppedSystem::Outcome::quiescent;
+    }
+    const SteppedSystem::Outcome outcome = system_.take(input, step);
+    if (step.status != StepStatus::taken) return outcome;  // a simulated refusal
+    std::stable_sort(
+        step.events.begin(), step.events.end(),
+        [](const Event& left, const Event& right) { return left.actor < right.actor; });
+    for (LearningPurpose::Monitor& monitor : monitors_) monitor.on_input(name);
+    if (translation_ == Translation::av) {
+      due_.assign(step.events.begin(), step.events.end());
+      step.events.clear();
+    } else {
+      for (const Event& event : step.events) observe(event);
+    }
+    return outcome;
+  }
+
+ private:
+  void take_due_output(SulStep& step) {
+    if (due_.empty()) return;
+    observe(due_.front());
+    step.events.push_back(std::move(due_.front()));
+    due_.pop_front();
+  }
+  void observe(const Event& event) {
+    for (LearningPurpose::Monitor& monitor : monitors_) monitor.on_output(event.output);
+  }
+
+  SteppedSystem& system_;
+  const SulInfo& info_;
+  std::span<const LearningPurpose> purposes_;
+  Translation translation_;
+  std::vector<LearningPurpose::Monitor> monitors_;
+  std::deque<Event> due_;
+};
+
+WordEnd word_end(SteppedSystem::Outcome outcome) {
+  switch (outcome) {
+    case SteppedSystem::Outcome::crash: return WordEnd::crash;
+    case SteppedSystem::Outcome::hang: return WordEnd::hang;
+    case SteppedSystem::Outcome::aborted: return WordEnd::aborted;
+    case SteppedSystem::Outcome::quiescent: break;
+  }
+  return WordEnd::complete;
+}
+
+}  // namespace
+
+SulAnswer play(SteppedSystem& system, const SulQuery& query, const SulInfo& info,
+               std::span<const LearningPurpose> purposes) {
+  SulAnswer answer;
+  Player player(system, info, purposes, query.translation);
+  // Plays one step; false ends the word.
+  const auto play_one = [&](Symbol input) {
+    answer.inputs.push_back(input);
+    const auto outcome = player.play_step(input, answer.steps.emplace_back());
+    answer.end = word_end(outcome);
+    return answer.end == WordEnd::complete;
+  };
+  if (const Word* word = std::get_if<Word>(&query.inputs)) {
+    for (const Symbol input : *word) {
+      if (!play_one(input)) break;
+    }
+    return answer;
+  }
+  const auto& nodes = std::get<BasicDecisionTree<std::string>>(query.inputs).nodes;
+  for (std::size_t node = 0; node < nodes.size();) {
+    if (!play_one(nodes[node].input)) break;
+    const std::string output = mealy_output(answer.steps.back(), query.translation);
+    const auto& branches = nodes[node].branches;
+    const auto branch = std::find_if(branches.begin(), branches.end(),
+                                     [&](const auto& entry) { return entry.first == output; });
+    if (branch == branches.end()) break;
+    node = branch->second;
+  }
+  return answer;
+}
+
+}  // namespace maide

@@ -1,0 +1,33 @@
+#include "maide/sul/sul.hpp"
+
+#include <algorithm>
+#include <array>
+#include <string_view>
+
+namespace maide {
+
+std::string mealy_output(const SulStep& step, Translation translation) {
+  switch (step.status) {
+    case StepStatus::refused: return "refused";
+    case StepStatus::unexplored: return "unexplored";
+    case StepStatus::absorbed: return "absorbed";
+    case StepStatus::delta: return step.events.empty() ? "delta" : step.events.front().output;
+    case StepStatus::taken: break;
+  }
+  if (translation == Translation::av) return "+";
+  if (step.events.empty()) return "quiet";
+  std::string joined;
+  for (const Event& event : step.events) {
+    if (!joined.empty()) joined += ',';
+    joined += event.output;
+  }
+  return joined;
+}
+
+bool is_reserved_output(std::string_view name) {
+  static constexpr std::array<std::string_view, 6> reserved = {"+",       "quiet",      "delta",
+                                                               "refused", "unexplored", "absorbed"};
+  return std::find(reserved.begin(), reserved.end(), name) != reserved.end();
+}
+
+}  // namespace maide

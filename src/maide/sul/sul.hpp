@@ -1,0 +1,117 @@
+// The system under learning as the rest of Maide sees it: something that answers batches of queries
+// with traces of events. Each query starts from a fresh reset. A system refuses an input whose
+// actor is still in a call, and does not try one that lies beyond its learning purposes; both are
+// answers ("refused", "unexplored"), not errors, and the word goes on behind them.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "maide/automata/mealy.hpp"
+#include "maide/base/run_control.hpp"
+#include "maide/sul/query.hpp"
+
+namespace maide {
+
+class LearningPurpose;
+
+enum class StepStatus : std::uint8_t {
+  taken,       // the system took the input; `events` are its outputs until quiescence
+  refused,     // the actor is busy, or (av) an output is due: nothing was done
+  unexplored,  // beyond a bound of a learning purpose: never tried
+  absorbed,    // the same, under at-bound=absorb
+  delta,       // av only: Delta took the output in `events`, or none was due
+};
+
+// An output as it was observed: which actor's call or callback produced it, and its name.
+struct Event {
+  std::uint32_t actor = 0;  // index into SulInfo::actors
+  std::string output;
+  bool operator==(const Event&) const = default;
+};
+
+struct SulStep {
+  StepStatus status = StepStatus::taken;
+  // In the canonical order: actors as declared, an actor's own in the order in which they came.
+  std::vector<Event> events;
+  std::vector<std::uint32_t> busy;        // actors whose call had not returned at quiescence
+  std::chrono::microseconds duration{0};  // from the input to quiescence
+};
+
+// How a word ended.
+enum class WordEnd : std::uint8_t {
+  complete,
+  crash,    // the system died in the last step
+  hang,     // no quiescence within the step limit
+  aborted,  // cancelled by the client
+};
+
+struct SulAnswer {
+  Word inputs;                 // the inputs really asked: the word, or the path taken in the tree
+  std::vector<SulStep> steps;  // one for each input, fewer when the word did not complete
+  WordEnd end = WordEnd::complete;
+  std::uint32_t attempts = 1;                   // how often the word was run to get this answer
+  std::chrono::microseconds reset_duration{0};  // time of the reset before it
+};
+
+// The answer of a Mealy machine to a step: the outputs joined by ',' ("quiet" if none), "+" for an
+// input under av, the output or "delta" for Delta, "refused", "unexplored" or "absorbed".
+std::string mealy_output(const SulStep& step, Translation translation);
+
+// Names that a system's own outputs must not have, because answers use them.
+bool is_reserved_output(std::string_view name);
+
+struct SulInput {
+  std::string name;
+  std::uint32_t actor = 0;  // index into SulInfo::actors
+  // The outputs by which its call may return, observed or not ("written", "failed"); empty if the
+  // call never blocks.
+  std::vector<std::string> returns;
+};
+
+struct SulOutput {
+  std::string name;
+  std::uint32_t actor = 0;
+};
+
+// What a system says of itself once its options are set.
+struct SulInfo {
+  std::string name;                 // "port", "cyclonedds", "sim:coffee.dot"
+  std::vector<std::string> actors;  // in the canonical order
+  std::vector<SulInput> inputs;
+  std::vector<SulOutput> outputs;               // those observed; may grow as outputs are seen
+  std::map<std::string, std::string> options;   // effective values, defaults included
+  std::map<std::string, std::string> versions;  // wrapper, middleware: part of the fingerprint
+  std::string bound;            // what its own learning purpose bounds, "" if nothing:
+                                // "at most 6 messages in flight"
+  bool has_actors = true;       // false: a plain Mealy machine; answers are opaque outputs
+  bool speaks_trees = true;     // answers decision trees
+  bool speaks_purposes = true;  // can be given a learning purpose
+  bool speaks_av = true;        // understands Delta
+};
+
+// Called once for each query, with its index in the batch; in any order, from the calling thread.
+using SulAnswerSink = std::function<void(std::size_t index, SulAnswer answer)>;
+
+class Sul {
+ public:
+  virtual ~Sul() = default;
+
+  virtual const SulInfo& info() const = 0;
+
+  // Adds a learning purpose for all later queries. Throws UsageError where not supported.
+  virtual void add_purpose(const LearningPurpose& purpose) = 0;
+
+  // Runs every query from a fresh reset and hands its answer to `sink`. Throws WrapperError if the
+  // system fails, Interrupted if `control` says stop; answers already given to `sink` stay valid.
+  virtual void run(std::span<const SulQuery> batch, const SulAnswerSink& sink,
+                   const RunControl& control) = 0;
+};
+
+}  // namespace maide
