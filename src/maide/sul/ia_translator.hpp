@@ -1,7 +1,7 @@
 // The IA translator of Aarts & Vaandrager, "Learning I/O automata" (CONCUR 2010): lets any Mealy
 // machine learner learn an interface automaton. Towards the learner it is a system that answers
-// Mealy queries; towards the system it is a client of a Sul. `translate` goes there, `to_*` come
-// back. Invariant: outputs are numbered in query order, never in arrival order.
+// Mealy queries; towards the system it is a client of a Sul. Invariant: outputs are numbered in
+// query order, never in arrival order.
 #pragma once
 
 #include <functional>
@@ -9,6 +9,7 @@
 
 #include "maide/automata/interface_automaton.hpp"
 #include "maide/automata/mealy.hpp"
+#include "maide/sul/ia_translation.hpp"
 #include "maide/sul/query.hpp"
 #include "maide/sul/sul.hpp"
 
@@ -26,9 +27,6 @@ struct MealyAnswer {
 
 class IaTranslator {
  public:
-  // The name of the extra input of Translation::av.
-  static constexpr const char* delta_input = "Delta";
-
   // Keeps a reference to `sul`. Throws UsageError if the system cannot be learned in this
   // translation, or names an output with a reserved name.
   IaTranslator(Sul& sul, Translation translation);
@@ -49,30 +47,17 @@ class IaTranslator {
   Symbol intern_output(std::string_view name) { return outputs_.intern(name); }
 
   // The interface automaton that a learned machine stands for, minimised, with the system's actors,
-  // hidden returns and origin. Throws Error if the machine breaks the translation's assumptions (a
-  // refusal or delta that changes the state).
+  // hidden returns and origin. Throws UsageError if the machine breaks the translation's
+  // assumptions.
   InterfaceAutomaton to_interface_automaton(const Mealy& machine) const;
 
  private:
+  MealyAnswer to_mealy_answer(const SulAnswer& raw);
+  std::string describe_end(const MealyAnswer& answer) const;
+
   Sul& sul_;
   Translation translation_;
   Alphabet inputs_, outputs_;
 };
-
-// Mealy -> interface automaton. Outputs of one step become one state for each pair (outputs still
-// due, next state), shared, then minimised; outputs of different actors may be taken in any order.
-// `actors` gives the actor of each output; outputs of no actor count as one actor's.
-InterfaceAutomaton to_interface_automaton(const Mealy& machine, Translation translation,
-                                          std::span<const Actor> actors);
-
-// Interface automaton -> minimal Mealy machine of the translation. The automaton must be
-// deterministic and always reach quiescence by outputs alone; throws UsageError otherwise. Of
-// several outputs that are due, the one of the first actor comes first (canonical order).
-Mealy to_mealy(const InterfaceAutomaton& automaton, Translation translation);
-
-// Inputs that were seen busy at quiescence and not all of whose returns are observed; sorted by
-// input. `machine` is a learned machine over the inputs of `info`.
-std::vector<std::string> find_hidden_returns(const Mealy& machine, Translation translation,
-                                             const SulInfo& info);
 
 }  // namespace maide

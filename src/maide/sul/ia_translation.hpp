@@ -1,0 +1,41 @@
+// Interface automata <-> Mealy machines, in both translations (Aarts & Vaandrager, "Learning I/O
+// automata", CONCUR 2010; the eager one is ours). A Mealy step with outputs becomes one state for
+// each pair (outputs still due, next state), shared, then minimised: that gives the sizes of the
+// paper's models (a strict queue of N: 2N+2 states, 3N+2 transitions).
+#pragma once
+
+#include <span>
+
+#include "maide/automata/interface_automaton.hpp"
+#include "maide/automata/mealy.hpp"
+#include "maide/sul/sul.hpp"
+
+namespace maide {
+
+// The name of the extra input of Translation::av.
+inline constexpr const char* delta_input = "Delta";
+
+// The interface automaton that `machine` stands for, minimal. `actors` gives the actor of each
+// output: one actor's outputs keep their order, those of different actors that are due at the same
+// time may be taken in any order. Outputs of no actor count as one actor's. Throws UsageError where
+// the machine breaks the translation's assumptions: a refusal or delta that changes the state, an
+// input that is taken while an output is due, outputs without end.
+InterfaceAutomaton to_interface_automaton(const Mealy& machine, Translation translation,
+                                          std::span<const Actor> actors);
+
+// The minimal Mealy machine of `automaton` in a translation. Of several outputs that are due, the
+// one of the first actor comes first (the canonical order). Throws UsageError if the automaton is
+// not deterministic, is not quiescent at the start, or emits outputs without end.
+Mealy to_mealy(const InterfaceAutomaton& automaton, Translation translation);
+
+// The transition of the output that comes first in the canonical order among those due in `state`;
+// null if the state is quiescent.
+const InterfaceAutomaton::Transition* find_first_due(const InterfaceAutomaton& automaton,
+                                                     StateId state);
+
+// Inputs that were seen busy at quiescence and not all of whose returns are observed, in the order
+// of the inputs. `machine` is a learned machine over the inputs of `info`.
+std::vector<std::string> find_hidden_returns(const Mealy& machine, Translation translation,
+                                             const SulInfo& info);
+
+}  // namespace maide

@@ -1,0 +1,149 @@
+#include "maide/sul/ia_translator.hpp"
+
+#include <exception>
+#include <optional>
+#include <utility>
+
+#include "maide/base/error.hpp"
+
+namespace maide {
+namespace {
+
+void check_names(const SulInfo& info) {
+  for (const SulOutput& output : info.outputs) {
+    if (is_reserved_output(output.name) || output.name.find(',') != std::string::npos) {
+      throw UsageError("output '" + output.name + "' of " + info.name +
+                       " has a name with a meaning of its own in answers");
+    }
+  }
+  for (const SulInput& input : info.inputs) {
+    if (input.name == delta_input) {
+      throw UsageError("input 'Delta' of " + info.name +
+                       " has the name of the av translation's own");
+    }
+  }
+}
+
+SulQuery to_sul_query(const Query& query, Translation translation, const Alphabet& outputs) {
+  if (const Word* word = std::get_if<Word>(&query)) return {*word, translation};
+  BasicDecisionTree<std::string> tree;
+  for (const auto& node : std::get<DecisionTree>(query).nodes) {
+    auto& copy = tree.nodes.emplace_back();
+    copy.input = node.input;
+    for (const auto& [output, next] : node.branches) {
+      copy.branches.emplace_back(outputs.name(output), next);
+    }
+  }
+  return {std::move(tree), translation};
+}
+
+}  // namespace
+
+IaTranslator::IaTranslator(Sul& sul, Translation translation)
+    : sul_(sul), translation_(translation) {
+  const SulInfo& info = sul.info();
+  if (translation == Translation::av && (!info.speaks_av || !info.has_actors)) {
+    throw UsageError(info.name + " cannot be learned with --translation av");
+  }
+  if (info.has_actors) check_names(info);
+  for (const SulInput& input : info.inputs) {
+    if (inputs_.find(input.name))
+      throw UsageError(info.name + " names input '" + input.name + "' twice");
+    inputs_.intern(input.name);
+  }
+  if (inputs_.empty()) throw UsageError(info.name + " has no inputs to learn");
+  if (translation == Translation::av) inputs_.intern(delta_input);
+}
+
+std::vector<MealyAnswer> IaTranslator::run(std::span<const Query> batch,
+                                           const RunControl& control) {
+  return run(batch, control, {});
+}
+
+std::vector<MealyAnswer> IaTranslator::run(std::span<const Query> batch, const RunControl& control,
+                                           const PartialSink& on_early_end) {
+  std::vector<SulQuery> queries;
+  queries.reserve(batch.size());
+  for (const Query& query : batch) queries.push_back(to_sul_query(query, translation_, outputs_));
+
+  std::vector<std::optional<SulAnswer>> raw(batch.size());
+  std::exception_ptr failure;
+  try {
+    sul_.run(
+        queries, [&](std::size_t index, SulAnswer answer) { raw[index] = std::move(answer); },
+        control);
+  } catch (...) {
+    failure = std::current_exception();
+  }
+
+  // In query order, so that outputs get the same numbers whatever the order of arrival.
+  std::vector<MealyAnswer> answers(batch.size());
+  std::string broken;
+  for (std::size_t i = 0; i < raw.size(); ++i) {
+    if (!raw[i]) continue;
+    answers[i] = to_mealy_answer(*raw[i]);
+    if (answers[i].end == WordEnd::complete) {
+      if (failure && on_early_end) on_early_end(i, answers[i]);
+    } else if (!failure && broken.empty()) {
+      broken = describe_end(answers[i]);
+    }
+  }
+  if (failure) std::rethrow_exception(failure);
+  if (!broken.empty()) {
+    for (std::size_t i = 0; i < raw.size() && on_early_end; ++i) {
+      if (raw[i] && answers[i].end == WordEnd::complete) on_early_end(i, answers[i]);
+    }
+    throw WrapperError(broken, info().name);
+  }
+  return answers;
+}
+
+MealyAnswer IaTranslator::to_mealy_answer(const SulAnswer& raw) {
+  MealyAnswer answer;
+  answer.inputs = raw.inputs;
+  answer.end = raw.end;
+  answer.attempts = raw.attempts;
+  answer.reset_duration = raw.reset_duration;
+  for (const SulStep& step : raw.steps) {
+    const std::string output = mealy_output(step, translation_);
+    answer.outputs.push_back(outputs_.intern(output));
+    answer.system_duration += step.duration;
+  }
+  return answer;
+}
+
+std::string IaTranslator::describe_end(const MealyAnswer& answer) const {
+  const std::string word = " in the word \"" + to_string(answer.inputs, inputs_) + "\"";
+  switch (answer.end) {
+    case WordEnd::crash: return "the system crashed" + word;
+    case WordEnd::hang: return "the system did not come to rest within the step limit" + word;
+    default: return "the run was aborted" + word;
+  }
+}
+
+InterfaceAutomaton IaTranslator::to_interface_automaton(const Mealy& machine) const {
+  const SulInfo& its = info();
+  std::vector<Actor> actors;
+  for (std::size_t i = 0; i < its.actors.size(); ++i) {
+    Actor& actor = actors.emplace_back(Actor{its.actors[i], {}, {}});
+    for (const SulInput& input : its.inputs) {
+      if (input.actor == i) actor.inputs.push_back(input.name);
+    }
+    for (const SulOutput& output : its.outputs) {
+      if (output.actor == i) actor.outputs.push_back(output.name);
+    }
+  }
+  InterfaceAutomaton automaton = maide::to_interface_automaton(machine, translation_, actors);
+  automaton.hidden_returns = find_hidden_returns(machine, translation_, its);
+  automaton.origin["sul"] = its.name;
+  for (const auto& [key, value] : its.options) automaton.origin["sul"] += " " + key + "=" + value;
+  if (!its.bound.empty()) automaton.origin["bound"] = its.bound;
+  std::string versions;
+  for (const auto& [what, version] : its.versions) {
+    versions += (versions.empty() ? "" : ", ") + what + " " + version;
+  }
+  if (!versions.empty()) automaton.origin["versions"] = versions;
+  return automaton;
+}
+
+}  // namespace maide
