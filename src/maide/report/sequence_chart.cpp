@@ -1,0 +1,165 @@
+#include "maide/report/sequence_chart.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <ostream>
+#include <string_view>
+
+namespace maide {
+namespace {
+
+constexpr int margin = 16;
+constexpr int place_width = 70;  // the column of line numbers
+constexpr int lane_width = 150;
+constexpr int row_height = 26;
+constexpr int head_height = 28;
+
+std::string escape(std::string_view text) {
+  std::string result;
+  for (const char c : text) {
+    switch (c) {
+      case '&': result += "&amp;"; break;
+      case '<': result += "&lt;"; break;
+      case '>': result += "&gt;"; break;
+      case '"': result += "&quot;"; break;
+      default: result += static_cast<unsigned char>(c) < 0x20 ? ' ' : c;
+    }
+  }
+  return result;
+}
+
+// Draws a chart of which rows [0, head) and [size - tail, size) are shown.
+class Drawing {
+ public:
+  Drawing(std::ostream& out, const SequenceChart& chart, std::size_t most)
+      : out_(out), chart_(chart) {
+    const std::size_t size = chart.messages.size();
+    head_ = size <= most ? size : most / 2;
+    tail_ = size <= most ? 0 : most - head_;
+    top_ = margin + (chart.title.empty() ? 0 : row_height);
+    const std::size_t rows = head_ + tail_ + (tail_ > 0 ? 1 : 0);
+    bottom_ = top_ + head_height + static_cast<int>(rows + 1) * row_height;
+  }
+
+  void draw() {
+    open();
+    draw_lanes();
+    int y = top_ + head_height + row_height;
+    const std::size_t size = chart_.messages.size();
+    const int first_row = y;
+    int loop_y = 0;
+    for (std::size_t i = 0; i < size; ++i) {
+      if (i == head_ && tail_ > 0) {
+        draw_omission(y, size - head_ - tail_);
+        y += row_height;
+        i = size - tail_;
+      }
+      if (chart_.loop_start && *chart_.loop_start <= i && loop_y == 0) loop_y = y;
+      draw_message(chart_.messages[i], y);
+      y += row_height;
+    }
+    if (chart_.loop_start) draw_loop(loop_y == 0 ? first_row : loop_y, y);
+    for (const SequenceChart::Note& note : chart_.notes) draw_note(note);
+    out_ << "</svg>\n";
+  }
+
+ private:
+  int x(std::size_t lane) const {
+    return margin + place_width + static_cast<int>(lane) * lane_width + lane_width / 2;
+  }
+
+  void open() {
+    const int width = 2 * margin + place_width + static_cast<int>(chart_.lanes.size()) * lane_width;
+    const int height = bottom_ + (chart_.notes.empty() ? 0 : head_height) + margin;
+    out_ << fmt::format(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}\" height=\"{1}\" "
+        "viewBox=\"0 0 {0} {1}\" font-family=\"sans-serif\" font-size=\"13\">\n"
+        "<defs><marker id=\"arrow\" markerWidth=\"9\" markerHeight=\"8\" refX=\"8\" refY=\"4\" "
+        "orient=\"auto\"><path d=\"M0,0 L9,4 L0,8 z\" fill=\"#1f5fa8\"/></marker></defs>\n"
+        "<rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n",
+        width, height);
+    if (!chart_.title.empty()) {
+      out_ << fmt::format("<text x=\"{}\" y=\"{}\" font-weight=\"bold\">{}</text>\n", margin,
+                          margin + 12, escape(chart_.title));
+    }
+  }
+
+  void draw_lanes() {
+    for (std::size_t i = 0; i < chart_.lanes.size(); ++i) {
+      const auto& lane = chart_.lanes[i];
+      out_ << fmt::format(
+          "<line x1=\"{0}\" y1=\"{1}\" x2=\"{0}\" y2=\"{2}\" stroke=\"#999999\" "
+          "stroke-dasharray=\"4 3\"/>\n",
+          x(i), top_ + head_height, bottom_);
+      draw_box(x(i), top_, lane.name, lane.is_model ? "#e8f0fa" : "#f4f4f4",
+               lane.is_model ? 10 : 0);
+    }
+  }
+
+  void draw_box(int center, int y, std::string_view text, std::string_view fill, int radius) {
+    out_ << fmt::format(
+        "<rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" rx=\"{}\" fill=\"{}\" "
+        "stroke=\"#666666\"/>\n<text x=\"{}\" y=\"{}\" text-anchor=\"middle\">{}</text>\n",
+        center - lane_width / 2 + 6, y, lane_width - 12, head_height - 4, radius, fill, center,
+        y + 16, escape(text));
+  }
+
+  void draw_message(const SequenceChart::Message& message, int y) {
+    if (!message.place.empty()) {
+      out_ << fmt::format("<text x=\"{}\" y=\"{}\" font-size=\"11\" fill=\"#777777\">{}</text>\n",
+                          margin, y + 4, escape(message.place));
+    }
+    const int from = x(message.from);
+    if (message.from == message.to) {
+      out_ << fmt::format("<circle cx=\"{}\" cy=\"{}\" r=\"3\" fill=\"#1f5fa8\"/>\n", from, y);
+      draw_label(from + 8, y + 4, message.label, "start");
+      return;
+    }
+    out_ << fmt::format(
+        "<line x1=\"{}\" y1=\"{}\" x2=\"{}\" y2=\"{}\" stroke=\"#1f5fa8\" stroke-width=\"1.4\" "
+        "marker-end=\"url(#arrow)\"/>\n",
+        from, y, x(message.to), y);
+    // Beside the sender's lifeline, so that labels of long arrows do not hide other lifelines.
+    const int direction = message.to > message.from ? 1 : -1;
+    draw_label(from + direction * lane_width / 2, y - 5, message.label, "middle");
+  }
+
+  void draw_label(int at, int y, std::string_view text, std::string_view anchor) {
+    out_ << fmt::format("<text x=\"{}\" y=\"{}\" text-anchor=\"{}\" fill=\"#1f5fa8\">{}</text>\n",
+                        at, y, anchor, escape(text));
+  }
+
+  void draw_omission(int y, std::size_t count) {
+    out_ << fmt::format(
+        "<text x=\"{}\" y=\"{}\" font-style=\"italic\" fill=\"#777777\">... {} steps not drawn "
+        "...</text>\n",
+        margin + place_width, y + 4, count);
+  }
+
+  void draw_loop(int begin, int end) {
+    const int left = margin + place_width - 8;
+    out_ << fmt::format(
+        "<path d=\"M{0},{1} h-6 v{2} h6\" fill=\"none\" stroke=\"#b04a00\" stroke-width=\"1.4\"/>\n"
+        "<text x=\"{3}\" y=\"{4}\" font-size=\"11\" fill=\"#b04a00\">for ever</text>\n",
+        left, begin - 12, std::max(end - begin, row_height), margin, end + 2);
+  }
+
+  void draw_note(const SequenceChart::Note& note) {
+    draw_box(x(note.lane), bottom_, note.text, "#fdeaea", 0);
+  }
+
+  std::ostream& out_;
+  const SequenceChart& chart_;
+  std::size_t head_, tail_;
+  int top_, bottom_;
+};
+
+}  // namespace
+
+void write_sequence_chart_svg(std::ostream& out, const SequenceChart& chart,
+                              std::size_t most_messages) {
+  Drawing(out, chart, std::max<std::size_t>(most_messages, 2)).draw();
+}
+
+}  // namespace maide
