@@ -1,0 +1,119 @@
+// POSIX calls, because std::ofstream cannot say why it failed, nor sync.
+#include "maide/base/file.hpp"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <system_error>
+
+#include "maide/base/error.hpp"
+
+namespace maide {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+class Descriptor {
+ public:
+  explicit Descriptor(int fd) : fd_(fd) {}
+  ~Descriptor() {
+    if (fd_ >= 0) ::close(fd_);
+  }
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  int get() const { return fd_; }
+  // Closes and tells whether that went well: some file systems report a full disk only here.
+  bool close() {
+    const int fd = fd_;
+    fd_ = -1;
+    return ::close(fd) == 0;
+  }
+
+ private:
+  int fd_;
+};
+
+[[noreturn]] void fail(const char* what, int error, const fs::path& path) {
+  throw UsageError(std::string("cannot ") + what + " the file: " +
+                   std::generic_category().message(error) + " (" + path.string() + ")");
+}
+
+// Returns 0 or the error number.
+int write_all(int fd, std::string_view content) {
+  while (!content.empty()) {
+    const ssize_t count = ::write(fd, content.data(), content.size());
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0) return errno;
+    content.remove_prefix(static_cast<std::size_t>(count));
+  }
+  return 0;
+}
+
+void write_directly(const fs::path& path, std::string_view content) {
+  Descriptor file(::open(path.c_str(), O_WRONLY | O_CLOEXEC));
+  if (file.get() < 0) fail("write", errno, path);
+  if (const int error = write_all(file.get(), content); error != 0) fail("write", error, path);
+  if (!file.close()) fail("write", errno, path);
+}
+
+// The permissions a new file would get.
+mode_t default_mode() {
+  const mode_t mask = ::umask(0);
+  ::umask(mask);
+  return static_cast<mode_t>(0666) & ~mask;
+}
+
+}  // namespace
+
+std::string read_file(const fs::path& path) {
+  Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
+  if (file.get() < 0) fail("read", errno, path);
+  std::string content;
+  std::array<char, 65536> buffer{};
+  for (;;) {
+    const ssize_t count = ::read(file.get(), buffer.data(), buffer.size());
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0) fail("read", errno, path);
+    if (count == 0) return content;
+    content.append(buffer.data(), static_cast<std::size_t>(count));
+  }
+}
+
+void write_file_atomically(const fs::path& path, std::string_view content) {
+  if (path.empty() || !path.has_filename()) fail("write", EISDIR, path);
+  struct stat status {};
+  const bool exists = ::stat(path.c_str(), &status) == 0;
+  if (exists && S_ISDIR(status.st_mode)) fail("write", EISDIR, path);
+  if (exists && !S_ISREG(status.st_mode)) {
+    write_directly(path, content);
+    return;
+  }
+  // A file that must not be written to is not to be replaced either, though the folder allows it.
+  if (exists && ::access(path.c_str(), W_OK) != 0) fail("write", errno, path);
+  std::error_code ignored;
+  fs::path target = path;
+  if (exists) target = fs::canonical(path, ignored);
+  if (ignored) fail("write", ignored.value(), path);
+
+  std::string temporary = target.string() + ".XXXXXX";
+  Descriptor file(::mkostemp(temporary.data(), O_CLOEXEC));
+  if (file.get() < 0) fail("write", errno, path);
+  int error = write_all(file.get(), content);
+  if (error == 0 && ::fchmod(file.get(), exists ? status.st_mode & 07777 : default_mode()) != 0) {
+    error = errno;
+  }
+  if (error == 0 && ::fsync(file.get()) != 0) error = errno;
+  if (!file.close() && error == 0) error = errno;
+  if (error == 0 && ::rename(temporary.c_str(), target.c_str()) != 0) error = errno;
+  if (error != 0) {
+    ::unlink(temporary.c_str());
+    fail("write", error, path);
+  }
+}
+
+}  // namespace maide

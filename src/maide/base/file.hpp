@@ -1,0 +1,19 @@
+// Whole files: reading, and writing so that a crash or a full disk never leaves half a file behind.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+namespace maide {
+
+// The file's bytes. Throws UsageError "cannot read the file: reason (path)"; a directory is no
+// file.
+std::string read_file(const std::filesystem::path& path);
+
+// Puts `content` at `path`, all of it or none: a temporary file beside it, synced, then renamed. A
+// symbolic link stays and its target is replaced; a device or pipe is written to directly. Throws
+// UsageError "cannot write the file: reason (path)"; an earlier file is then untouched.
+void write_file_atomically(const std::filesystem::path& path, std::string_view content);
+
+}  // namespace maide

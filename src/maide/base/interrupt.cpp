@@ -1,0 +1,102 @@
+// A signal handler may not call request_stop(), which takes locks and runs callbacks. So the
+// handler writes a byte into a pipe (D. J. Bernstein's "self-pipe trick") and a thread that waits
+// at the other end asks for the stop. Signals are not blocked: children would inherit that.
+#include "maide/base/interrupt.hpp"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <array>
+#include <atomic>
+#include <cerrno>
+#include <csignal>
+#include <stdexcept>
+#include <system_error>
+#include <thread>
+
+#include "maide/base/error.hpp"
+
+namespace maide {
+
+namespace {
+
+std::atomic<int> pipe_in{-1};  // written to by the handler; -1: no Interrupt exists
+std::atomic<int> signals_seen{0};
+static_assert(std::atomic<int>::is_always_lock_free, "used in a signal handler");
+
+constexpr char signal_byte = 's';
+constexpr char end_byte = 'e';
+
+extern "C" void on_signal(int) {
+  const int saved_errno = errno;
+  if (signals_seen.fetch_add(1) > 0) ::_exit(static_cast<int>(ExitStatus::inconclusive));
+  // The pipe is empty, so the write cannot fail for want of room.
+  if (::write(pipe_in.load(), &signal_byte, 1) != 1) {
+    ::_exit(static_cast<int>(ExitStatus::inconclusive));
+  }
+  errno = saved_errno;
+}
+
+}  // namespace
+
+class Interrupt::State {
+ public:
+  State() {
+    if (::pipe2(pipe_.data(), O_CLOEXEC) != 0) {
+      throw std::system_error(errno, std::generic_category(), "cannot make a pipe");
+    }
+    int none = -1;
+    if (!pipe_in.compare_exchange_strong(none, pipe_[1])) {
+      ::close(pipe_[0]);
+      ::close(pipe_[1]);
+      throw std::logic_error("there is an Interrupt already");
+    }
+    signals_seen = 0;
+    watcher_ = std::thread([this] { watch(); });
+    struct sigaction action {};
+    action.sa_handler = on_signal;
+    action.sa_flags = SA_RESTART;
+    ::sigemptyset(&action.sa_mask);
+    ::sigaction(SIGINT, &action, &earlier_int_);
+    ::sigaction(SIGTERM, &action, &earlier_term_);
+  }
+
+  ~State() {
+    ::sigaction(SIGINT, &earlier_int_, nullptr);
+    ::sigaction(SIGTERM, &earlier_term_, nullptr);
+    while (::write(pipe_[1], &end_byte, 1) < 0 && errno == EINTR) {
+    }
+    watcher_.join();
+    pipe_in = -1;
+    ::close(pipe_[0]);
+    ::close(pipe_[1]);
+  }
+
+  State(const State&) = delete;
+  State& operator=(const State&) = delete;
+
+  std::stop_token token() const { return source_.get_token(); }
+
+ private:
+  void watch() {
+    for (;;) {
+      char byte = 0;
+      const ssize_t count = ::read(pipe_[0], &byte, 1);
+      if (count < 0 && errno == EINTR) continue;
+      if (count != 1 || byte == end_byte) return;
+      source_.request_stop();
+    }
+  }
+
+  std::array<int, 2> pipe_{-1, -1};
+  std::stop_source source_;
+  std::thread watcher_;
+  struct sigaction earlier_int_ {};
+  struct sigaction earlier_term_ {};
+};
+
+Interrupt::Interrupt() : state_(std::make_unique<State>()) {}
+Interrupt::~Interrupt() = default;
+std::stop_token Interrupt::token() const { return state_->token(); }
+
+}  // namespace maide

@@ -1,0 +1,27 @@
+// Ctrl-C and `kill` as a stop token. The first SIGINT or SIGTERM asks for a clean stop; a second
+// one ends the process at once (exit status 3).
+#pragma once
+
+#include <memory>
+#include <stop_token>
+
+namespace maide {
+
+class Interrupt {
+ public:
+  // Installs the signal handlers. At most one in a process at a time (std::logic_error).
+  Interrupt();
+  // Puts the earlier handlers back.
+  ~Interrupt();
+  Interrupt(const Interrupt&) = delete;
+  Interrupt& operator=(const Interrupt&) = delete;
+
+  // Stops when the signal comes.
+  std::stop_token token() const;
+
+ private:
+  class State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace maide

@@ -1,0 +1,45 @@
+// nlohmann::json reports the offset of a syntax error; people want its line and column.
+#include "maide/base/json.hpp"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "maide/base/error.hpp"
+
+namespace maide {
+
+namespace {
+
+SourcePosition position_of(std::string_view text, std::size_t offset, const std::string& file) {
+  const std::string_view before = text.substr(0, std::min(offset, text.size()));
+  const std::size_t line_start = before.rfind('\n') + 1;  // npos + 1 is 0
+  return {file, static_cast<int>(std::count(before.begin(), before.end(), '\n')) + 1,
+          static_cast<int>(before.size() - line_start) + 1};
+}
+
+// The library's text is "[json.exception.parse_error.101] parse error at line 1, column 2: reason";
+// its reason alone is for people.
+std::string reason_of(std::string text) {
+  const std::size_t colon = text.find(": ");
+  if (colon != std::string::npos) text.erase(0, colon + 2);
+  const std::size_t expected = text.find("; expected ");
+  if (expected != std::string::npos) text.erase(expected);
+  return text;
+}
+
+}  // namespace
+
+Json parse_json(std::string_view text, const std::string& file) {
+  try {
+    return Json::parse(text);
+  } catch (const Json::parse_error& error) {
+    const std::size_t offset = error.byte > 0 ? error.byte - 1 : 0;
+    throw ParseError("not valid JSON: " + reason_of(error.what()), position_of(text, offset, file));
+  }
+}
+
+std::string to_json_line(const Json& value) {
+  return value.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+}  // namespace maide
