@@ -1,0 +1,205 @@
+// posix_spawn rather than fork: the parent has threads. One poll loop feeds the program, collects
+// both its outputs and looks every 50 ms at the stop token and the time limit.
+#include "maide/base/subprocess.hpp"
+
+#include <fcntl.h>
+#include <poll.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <csignal>
+#include <string_view>
+#include <system_error>
+#include <utility>
+
+#include "maide/base/error.hpp"
+
+extern char** environ;
+
+namespace maide {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+// A file descriptor that is closed with its owner.
+class Descriptor {
+ public:
+  Descriptor() = default;
+  ~Descriptor() { reset(); }
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  void reset(int fd = -1) {
+    if (fd_ >= 0) ::close(fd_);
+    fd_ = fd;
+  }
+  int get() const { return fd_; }
+
+ private:
+  int fd_ = -1;
+};
+
+struct Pipe {
+  Descriptor read_end, write_end;
+  Pipe() {
+    std::array<int, 2> fds{};
+    if (::pipe2(fds.data(), O_CLOEXEC) != 0) {
+      throw std::system_error(errno, std::generic_category(), "cannot make a pipe");
+    }
+    read_end.reset(fds[0]);
+    write_end.reset(fds[1]);
+  }
+};
+
+// The attributes of posix_spawn, freed with their owner.
+struct SpawnSettings {
+  posix_spawn_file_actions_t actions{};
+  posix_spawnattr_t attributes{};
+  SpawnSettings() {
+    ::posix_spawn_file_actions_init(&actions);
+    ::posix_spawnattr_init(&attributes);
+  }
+  ~SpawnSettings() {
+    ::posix_spawn_file_actions_destroy(&actions);
+    ::posix_spawnattr_destroy(&attributes);
+  }
+  SpawnSettings(const SpawnSettings&) = delete;
+  SpawnSettings& operator=(const SpawnSettings&) = delete;
+};
+
+class Subprocess {
+ public:
+  Subprocess(const std::vector<std::string>& command, const SubprocessOptions& options)
+      : options_(options), unwritten_(options.input) {
+    SpawnSettings settings;
+    ::posix_spawn_file_actions_adddup2(&settings.actions, in_.read_end.get(), STDIN_FILENO);
+    ::posix_spawn_file_actions_adddup2(&settings.actions, out_.write_end.get(), STDOUT_FILENO);
+    ::posix_spawn_file_actions_adddup2(&settings.actions, err_.write_end.get(), STDERR_FILENO);
+    if (!options.folder.empty()) {
+      ::posix_spawn_file_actions_addchdir_np(&settings.actions, options.folder.c_str());
+    }
+    sigset_t defaults;
+    ::sigemptyset(&defaults);
+    for (const int signal : {SIGINT, SIGTERM, SIGPIPE}) ::sigaddset(&defaults, signal);
+    ::posix_spawnattr_setsigdefault(&settings.attributes, &defaults);
+    ::posix_spawnattr_setpgroup(&settings.attributes, 0);
+    ::posix_spawnattr_setflags(&settings.attributes, POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGDEF);
+
+    std::vector<char*> argv;
+    for (const std::string& word : command) argv.push_back(const_cast<char*>(word.c_str()));
+    argv.push_back(nullptr);
+    const int error = ::posix_spawnp(&pid_, argv[0], &settings.actions, &settings.attributes,
+                                     argv.data(), environ);
+    if (error != 0) {
+      pid_ = -1;
+      throw UsageError("cannot run '" + command.front() +
+                       "': " + std::generic_category().message(error));
+    }
+    in_.read_end.reset();
+    out_.write_end.reset();
+    err_.write_end.reset();
+    for (const int fd : {in_.write_end.get(), out_.read_end.get(), err_.read_end.get()}) {
+      ::fcntl(fd, F_SETFL, ::fcntl(fd, F_GETFL) | O_NONBLOCK);
+    }
+    if (unwritten_.empty()) in_.write_end.reset();
+  }
+
+  ~Subprocess() {
+    if (pid_ < 0) return;
+    kill_group();
+    while (::waitpid(pid_, nullptr, 0) < 0 && errno == EINTR) {
+    }
+  }
+  Subprocess(const Subprocess&) = delete;
+  Subprocess& operator=(const Subprocess&) = delete;
+
+  SubprocessResult run(const RunControl& control) {
+    const auto start = Clock::now();
+    SubprocessResult result;
+    while (!has_ended(result)) {
+      control.check("the program");
+      if (options_.time_limit && !result.timed_out &&
+          Clock::now() - start >= *options_.time_limit) {
+        result.timed_out = true;
+        kill_group();
+      }
+      transfer(result);
+    }
+    // What is still in the pipes; something that the program left behind may hold them open.
+    collect(out_.read_end, result.out);
+    collect(err_.read_end, result.err);
+    return result;
+  }
+
+ private:
+  void kill_group() const { ::kill(-pid_, SIGKILL); }
+
+  bool has_ended(SubprocessResult& result) {
+    int status = 0;
+    pid_t ended = 0;
+    do {
+      ended = ::waitpid(pid_, &status, WNOHANG);
+    } while (ended < 0 && errno == EINTR);
+    if (ended == 0) return false;
+    kill_group();
+    pid_ = -1;
+    result.exit_status = WIFSIGNALED(status) ? 128 + WTERMSIG(status) : WEXITSTATUS(status);
+    return true;
+  }
+
+  // Waits for something to do, at most 50 ms, and does it. Pipes at their end are closed, and poll
+  // leaves them out.
+  void transfer(SubprocessResult& result) {
+    std::array<pollfd, 3> waiting{pollfd{in_.write_end.get(), POLLOUT, 0},
+                                  pollfd{out_.read_end.get(), POLLIN, 0},
+                                  pollfd{err_.read_end.get(), POLLIN, 0}};
+    const bool all_closed = std::all_of(waiting.begin(), waiting.end(),
+                                        [](const pollfd& entry) { return entry.fd < 0; });
+    // A program that has closed its outputs is about to end.
+    ::poll(waiting.data(), waiting.size(), all_closed ? 2 : 50);
+    if (waiting[0].revents != 0) feed();
+    if (waiting[1].revents != 0) collect(out_.read_end, result.out);
+    if (waiting[2].revents != 0) collect(err_.read_end, result.err);
+  }
+
+  void feed() {
+    const ssize_t count = ::write(in_.write_end.get(), unwritten_.data(), unwritten_.size());
+    if (count < 0 && (errno == EAGAIN || errno == EINTR)) return;
+    unwritten_.remove_prefix(count < 0 ? unwritten_.size() : static_cast<std::size_t>(count));
+    if (unwritten_.empty()) in_.write_end.reset();
+  }
+
+  void collect(Descriptor& from, std::string& into) {
+    std::array<char, 65536> buffer{};
+    while (from.get() >= 0) {
+      const ssize_t count = ::read(from.get(), buffer.data(), buffer.size());
+      if (count < 0 && errno == EINTR) continue;
+      if (count < 0 && errno == EAGAIN) return;
+      if (count <= 0) {
+        from.reset();
+        return;
+      }
+      const std::size_t room = options_.output_limit - std::min(into.size(), options_.output_limit);
+      into.append(buffer.data(), std::min(room, static_cast<std::size_t>(count)));
+    }
+  }
+
+  const SubprocessOptions& options_;
+  std::string_view unwritten_;
+  Pipe in_, out_, err_;
+  pid_t pid_ = -1;
+};
+
+}  // namespace
+
+SubprocessResult run_program(const std::vector<std::string>& command,
+                             const SubprocessOptions& options, const RunControl& control) {
+  if (command.empty()) throw UsageError("no program to run");
+  return Subprocess(command, options).run(control);
+}
+
+}  // namespace maide

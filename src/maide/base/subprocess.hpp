@@ -1,0 +1,36 @@
+// Runs another program to its end and keeps what it prints: spin, cc, dot. No shell is involved.
+// The program gets a process group of its own, so that Ctrl-C reaches Maide alone, which then ends
+// the program and everything that it started.
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "maide/base/run_control.hpp"
+
+namespace maide {
+
+struct SubprocessOptions {
+  std::filesystem::path folder;                         // to run in; empty: the current one
+  std::string input;                                    // for its standard input
+  std::optional<std::chrono::milliseconds> time_limit;  // none: as long as it takes
+  std::size_t output_limit = std::size_t{1} << 28;  // bytes of out and err; what is more is lost
+};
+
+struct SubprocessResult {
+  int exit_status = 0;     // 128 + n if signal n ended it, as in a shell
+  bool timed_out = false;  // it reached its time limit and was killed
+  std::string out, err;    // standard output and standard error
+  bool succeeded() const { return exit_status == 0 && !timed_out; }
+};
+
+// `command` is the program (found on PATH unless it has a '/') and its arguments. Throws UsageError
+// if it cannot be started, Interrupted if `control` says stop; the program is dead then.
+SubprocessResult run_program(const std::vector<std::string>& command,
+                             const SubprocessOptions& options = {}, const RunControl& control = {});
+
+}  // namespace maide

@@ -1,0 +1,61 @@
+// CLI11 reports an unknown option only after everything else has parsed; here names come first.
+#include "maide/cli/argument_check.hpp"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cctype>
+
+#include "maide/base/error.hpp"
+#include "maide/base/suggest.hpp"
+
+namespace maide::cli {
+
+namespace {
+
+bool is_known(const CLI::App& app, const std::string& name) {
+  return app.get_option_no_throw(name) != nullptr;
+}
+
+bool is_number(const std::string& argument) {
+  return argument.size() > 1 &&
+         (std::isdigit(static_cast<unsigned char>(argument[1])) != 0 || argument[1] == '.');
+}
+
+}  // namespace
+
+void check_option_names(const CLI::App& app, const std::vector<std::string>& arguments,
+                        const std::string& hint) {
+  std::vector<std::string> names;
+  for (const CLI::Option* option : app.get_options()) {
+    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+  }
+  for (const std::string& argument : arguments) {
+    if (argument == "--") return;
+    if (argument.size() < 2 || argument[0] != '-') continue;
+    const bool is_long = argument[1] == '-';
+    if (!is_long && is_number(argument)) continue;
+    // "--name=value"; "-ovalue" and "-qv" begin with a short option.
+    const std::string name =
+        is_long ? argument.substr(0, argument.find('=')) : argument.substr(0, 2);
+    if (is_known(app, name)) continue;
+    throw UsageError("unknown option '" + (is_long ? name : argument) + "'" +
+                     did_you_mean(is_long ? name : "-" + argument, names) + hint);
+  }
+}
+
+std::string readable_message(const CLI::ParseError& error) {
+  std::string message = error.what();
+  std::replace(message.begin(), message.end(), '\n', ' ');
+  // "--seed: 1 required N missing" and "Could not convert: --seed = x" are the awkward ones.
+  constexpr std::string_view conversion = "Could not convert: ";
+  if (message.starts_with(conversion)) {
+    message = "unusable value: " + message.substr(conversion.size());
+  }
+  constexpr std::string_view extras = "The following argument was not expected: ";
+  if (message.starts_with(extras)) {
+    message = "unexpected argument '" + message.substr(extras.size()) + "'";
+  }
+  return message;
+}
+
+}  // namespace maide::cli

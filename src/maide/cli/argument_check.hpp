@@ -1,0 +1,22 @@
+// What CLI11 leaves to be wished for: suggestions for misspelt options, and errors in our words.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace CLI {
+class App;
+class ParseError;
+}  // namespace CLI
+
+namespace maide::cli {
+
+// Throws UsageError for the first argument that looks like an option and is none of `app`'s, with
+// the nearest name; `hint` ends the message. Looks no further than "--".
+void check_option_names(const CLI::App& app, const std::vector<std::string>& arguments,
+                        const std::string& hint);
+
+// The error of CLI11 without its class names and line breaks.
+std::string readable_message(const CLI::ParseError& error);
+
+}  // namespace maide::cli

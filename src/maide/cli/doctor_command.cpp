@@ -1,0 +1,210 @@
+// `maide doctor`: which programs and wrappers are on this machine, in which version, and what to
+// install for those that are not. The main job - learn a connection of a running system, check
+// programs against it - needs spin and a C compiler; everything else is an extra.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <array>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "maide/base/error.hpp"
+#include "maide/base/subprocess.hpp"
+#include "maide/base/version.hpp"
+#include "maide/cli/command.hpp"
+#include "maide/workflow/wrapper_search.hpp"
+
+namespace maide::cli {
+
+namespace {
+
+struct Tool {
+  std::string name;
+  std::string purpose;
+  std::vector<std::string> version_command;
+  std::string package;  // of Debian
+  bool needed;          // the main job cannot be done without it
+};
+
+const std::vector<Tool>& tools() {
+  static const std::vector<Tool> table{
+      {"spin", "checks systems (maide check)", {"spin", "-V"}, "spin", true},
+      {"cc", "compiles what spin generates", {"cc", "--version"}, "gcc", true},
+      {"dot", "draws models", {"dot", "-V"}, "graphviz", false},
+      {"python3", "runs wrappers written in Python", {"python3", "--version"}, "python3", false},
+  };
+  return table;
+}
+
+struct Middleware {
+  std::string name;
+  std::string description;
+  std::string package;  // what to install before building the wrapper; "" for none
+};
+
+// The wrappers of this version; others that are found are listed as well.
+const std::vector<Middleware>& middlewares() {
+  static const std::vector<Middleware> table{
+      {"port", "the built-in reference port", ""},
+      {"cyclonedds", "Eclipse Cyclone DDS", "cyclonedds-dev cyclonedds-tools"},
+  };
+  return table;
+}
+
+enum class State : std::uint8_t { usable, missing, broken };
+
+std::string_view to_string(State state) {
+  switch (state) {
+    case State::usable: return "usable";
+    case State::missing: return "missing";
+    case State::broken: return "broken";
+  }
+  return "";
+}
+
+// One line of the report.
+struct Finding {
+  std::string kind;  // "program", "wrapper"
+  std::string name;
+  std::string description;
+  State state = State::missing;
+  std::string version{};  // the program's own words, one line
+  std::string path{};
+  std::string advice{};  // what to do; "" if nothing
+  bool needed = false;
+};
+
+std::string first_line(const std::string& text) {
+  return text.substr(0, std::min(text.find('\n'), text.size()));
+}
+
+SubprocessResult ask(const std::vector<std::string>& command, const RunControl& control) {
+  SubprocessOptions options;
+  options.time_limit = std::chrono::seconds(30);
+  options.output_limit = 65536;
+  return run_program(command, options, control);
+}
+
+Finding examine(const Tool& tool, const RunControl& control) {
+  Finding finding{"program", tool.name, tool.purpose};
+  finding.needed = tool.needed;
+  const auto path = find_on_path(tool.name);
+  if (!path) {
+    finding.advice = "apt-get install " + tool.package;
+    return finding;
+  }
+  finding.path = path->string();
+  const SubprocessResult result = ask(tool.version_command, control);
+  // dot prints its version on standard error.
+  finding.version = first_line(result.out.empty() ? result.err : result.out);
+  finding.state = result.succeeded() ? State::usable : State::broken;
+  if (!result.succeeded()) {
+    finding.advice = fmt::format("'{}' {}", fmt::join(tool.version_command, " "),
+                                 result.timed_out ? "does not end" : "fails");
+  }
+  return finding;
+}
+
+// The wrapper tries itself: `--self-test` exits 0 and says in one line what it found, or says what
+// is wrong.
+Finding examine(const Middleware& middleware, const RunControl& control) {
+  Finding finding{"wrapper", middleware.name, middleware.description};
+  const auto path = find_wrapper(middleware.name);
+  if (!path) {
+    finding.advice = middleware.package.empty() ? "build it with maide; it needs nothing"
+                                                : "apt-get install " + middleware.package +
+                                                      ", then configure and build maide again";
+    return finding;
+  }
+  finding.path = path->string();
+  const SubprocessResult result = ask({finding.path, "--self-test"}, control);
+  if (result.succeeded()) {
+    finding.state = State::usable;
+    finding.version = first_line(result.out);
+  } else {
+    finding.state = State::broken;
+    const std::string reason = first_line(result.err.empty() ? result.out : result.err);
+    finding.advice = result.timed_out ? "its self-test does not end"
+                     : reason.empty()
+                         ? fmt::format("its self-test ends with {}", result.exit_status)
+                         : reason;
+  }
+  return finding;
+}
+
+std::vector<Finding> examine_all(const RunControl& control) {
+  std::vector<Finding> findings;
+  for (const Tool& tool : tools()) {
+    control.check("the examination");
+    findings.push_back(examine(tool, control));
+  }
+  std::vector<Middleware> all = middlewares();
+  for (const std::string& name : list_wrappers()) {
+    const bool known = std::any_of(all.begin(), all.end(),
+                                   [&](const Middleware& entry) { return entry.name == name; });
+    if (!known) all.push_back({name, "a wrapper that does not come with maide", ""});
+  }
+  for (const Middleware& middleware : all) {
+    control.check("the examination");
+    findings.push_back(examine(middleware, control));
+  }
+  return findings;
+}
+
+bool is_usable(const Finding& finding) { return finding.state == State::usable; }
+
+// The main job needs every needed program and one wrapper.
+bool can_run_main_job(const std::vector<Finding>& findings) {
+  const bool has_programs =
+      std::all_of(findings.begin(), findings.end(),
+                  [](const Finding& finding) { return !finding.needed || is_usable(finding); });
+  return has_programs && std::any_of(findings.begin(), findings.end(), [](const Finding& finding) {
+           return finding.kind == "wrapper" && is_usable(finding);
+         });
+}
+
+std::string as_text(const std::vector<Finding>& findings, bool usable) {
+  std::string text = fmt::format("Maide {}\n", version());
+  std::string kind;
+  for (const Finding& finding : findings) {
+    if (finding.kind != kind) {
+      kind = finding.kind;
+      text += kind == "program" ? "\nPrograms\n" : "\nMiddleware\n";
+    }
+    text += fmt::format("  {:<12} {:<8} {}\n", finding.name, to_string(finding.state),
+                        is_usable(finding) ? finding.version : finding.description);
+    if (!finding.advice.empty()) text += fmt::format("  {:<12} {:<8} {}\n", "", "", finding.advice);
+  }
+  return text + (usable ? "\nReady: systems can be learned and checked.\n"
+                        : "\nNot ready: something that learning or checking needs is missing.\n");
+}
+
+Json as_json(const std::vector<Finding>& findings, bool usable) {
+  Json list = Json::array();
+  for (const Finding& finding : findings) {
+    list.push_back({{"kind", finding.kind},
+                    {"name", finding.name},
+                    {"state", to_string(finding.state)},
+                    {"needed", finding.needed},
+                    {"version", finding.version},
+                    {"path", finding.path},
+                    {"advice", finding.advice}});
+  }
+  return {{"ready", usable}, {"maide", version()}, {"findings", list}};
+}
+
+ExitStatus run_doctor(Context& context) {
+  const std::vector<Finding> findings = examine_all(context.control());
+  const bool usable = can_run_main_job(findings);
+  context.print(as_text(findings, usable));
+  context.set_result(as_json(findings, usable));
+  return usable ? ExitStatus::ok : ExitStatus::usage;
+}
+
+}  // namespace
+
+RunFunction set_up_doctor(CLI::App&) { return run_doctor; }
+
+}  // namespace maide::cli

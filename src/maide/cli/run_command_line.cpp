@@ -1,0 +1,178 @@
+// From argv to exit status. Arguments are looked over before CLI11 parses them, because a misspelt
+// name deserves a suggestion rather than "is required" for what it swallowed.
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <exception>
+#include <map>
+#include <memory>
+#include <new>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "maide/base/interrupt.hpp"
+#include "maide/base/log.hpp"
+#include "maide/base/suggest.hpp"
+#include "maide/base/version.hpp"
+#include "maide/cli/argument_check.hpp"
+#include "maide/cli/command.hpp"
+
+namespace maide::cli {
+
+namespace {
+
+constexpr std::string_view exit_statuses =
+    "Exit status: 0 it holds, they agree, done; 1 violated, they differ; 2 unusable arguments or\n"
+    "input; 3 inconclusive (a bound, a limit, Ctrl-C); 4 the system under learning failed.\n";
+
+// What `maide` alone prints.
+std::string overview() {
+  std::string text =
+      "Maide " + std::string(version()) +
+      " learns models of robot middleware by experimenting with the real thing, and\n"
+      "checks control programs against them.\n\nCommands:\n";
+  std::size_t width = 0;
+  for (const Command& command : command_table()) width = std::max(width, command.name.size());
+  for (const Command& command : command_table()) {
+    text += "  " + std::string(command.name) + std::string(width - command.name.size() + 2, ' ') +
+            std::string(command.summary) + "\n";
+  }
+  return text + "\n`maide COMMAND --help` tells more about a command, with an example.\n" +
+         std::string(exit_statuses);
+}
+
+std::string footer(const Command& command) {
+  std::string text = "\nExample:\n";
+  std::string_view rest = command.examples;
+  while (!rest.empty()) {
+    const std::size_t end = std::min(rest.find('\n'), rest.size());
+    text += "  " + std::string(rest.substr(0, end)) + "\n";
+    rest.remove_prefix(std::min(end + 1, rest.size()));
+  }
+  return text + "\n" + std::string(exit_statuses);
+}
+
+// A command with its options declared.
+struct Prepared {
+  std::unique_ptr<CLI::App> app;
+  CommonOptions common;
+  RunFunction run;
+};
+
+std::unique_ptr<Prepared> prepare(const Command& command) {
+  auto prepared = std::make_unique<Prepared>();
+  prepared->app = std::make_unique<CLI::App>(std::string(command.summary),
+                                             "maide " + std::string(command.name));
+  CLI::App& app = *prepared->app;
+  app.option_defaults()->always_capture_default();
+  app.set_help_flag("-h,--help", "Print this help and exit");
+  prepared->run = command.set_up(app);
+  app.add_flag("--json", prepared->common.json, "Print one JSON object instead of text");
+  app.add_flag("-q,--quiet", prepared->common.quiet, "No progress line, no notes");
+  app.add_flag("-v,--verbose", prepared->common.verbose, "Say more about what is done");
+  app.footer(footer(command));
+  return prepared;
+}
+
+const Command& find_command(const std::string& name) {
+  // Commands that the design names and later versions will have.
+  static const std::vector<std::string> planned{"test", "replay", "view", "bench", "cache"};
+  std::vector<std::string> names;
+  for (const Command& command : command_table()) {
+    if (command.name == name) return command;
+    names.emplace_back(command.name);
+  }
+  if (std::find(planned.begin(), planned.end(), name) != planned.end()) {
+    throw UsageError("'" + name + "' is not part of this version of maide (" +
+                     std::string(version()) + ")");
+  }
+  throw UsageError((name.starts_with("-") ? "unknown option '" : "unknown command '") + name + "'" +
+                   did_you_mean(name, names) + " (see 'maide --help')");
+}
+
+ExitStatus run(const Command& command, const std::vector<std::string>& arguments) {
+  const std::unique_ptr<Prepared> prepared = prepare(command);
+  const std::string hint = " (see 'maide " + std::string(command.name) + " --help')";
+  check_option_names(*prepared->app, arguments, hint);
+  try {
+    prepared->app->parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));
+  } catch (const CLI::CallForHelp&) {
+    write_to_stdout(prepared->app->help());
+    return ExitStatus::ok;
+  } catch (const CLI::ParseError& error) {
+    throw UsageError(readable_message(error) + hint);
+  }
+  const CommonOptions& common = prepared->common;
+  if (common.quiet && common.verbose) throw UsageError("-q and -v exclude each other" + hint);
+  set_up_log("maide", common.quiet     ? LogLevel::quiet
+                      : common.verbose ? LogLevel::verbose
+                                       : LogLevel::normal);
+  const Interrupt interrupt;
+  Context context(common, interrupt.token());
+  const ExitStatus status = prepared->run(context);
+  context.finish();
+  return status;
+}
+
+ExitStatus dispatch(std::vector<std::string> arguments) {
+  if (arguments.empty()) {
+    write_to_stdout(overview());
+    return ExitStatus::ok;
+  }
+  std::string name = arguments.front();
+  arguments.erase(arguments.begin());
+  if (name == "--help" || name == "-h" || name == "help") {
+    if (arguments.empty()) {
+      write_to_stdout(overview());
+      return ExitStatus::ok;
+    }
+    name = arguments.front();
+    arguments = {"--help"};
+  }
+  if (name == "--version") {
+    write_to_stdout("maide " + std::string(version()) + "\n");
+    return ExitStatus::ok;
+  }
+  return run(find_command(name), arguments);
+}
+
+// The one place where an error becomes output.
+int report(const std::string& message, ExitStatus status, bool json) {
+  write_error_line(message);
+  if (json) {
+    try {
+      const Json object{{"error", message}, {"status", static_cast<int>(status)}};
+      write_to_stdout(to_json_line(object) + "\n");
+    } catch (const UsageError&) {  // standard output is what failed; the line above says so
+    }
+  }
+  return static_cast<int>(status);
+}
+
+}  // namespace
+
+CLI::Option* add_seed_option(CLI::App& app, std::uint64_t& seed) {
+  return app
+      .add_option("--seed", seed, "Seed of everything random; the same seed gives the same run")
+      ->type_name("N");
+}
+
+int run_command_line(int argc, const char* const* argv) noexcept {
+  bool json = false;
+  try {
+    const std::vector<std::string> arguments(argv + std::min(argc, 1), argv + argc);
+    json = std::find(arguments.begin(), arguments.end(), "--json") != arguments.end();
+    return static_cast<int>(dispatch(arguments));
+  } catch (const Error& error) {
+    return report(error.what(), error.status(), json);
+  } catch (const std::bad_alloc&) {
+    return report("out of memory", ExitStatus::inconclusive, json);
+  } catch (const std::exception& error) {
+    return report(std::string("internal error: ") + error.what() + " (please report it)",
+                  ExitStatus::inconclusive, json);
+  } catch (...) {
+    return report("internal error (please report it)", ExitStatus::inconclusive, json);
+  }
+}
+
+}  // namespace maide::cli
