@@ -1,0 +1,144 @@
+#include <algorithm>
+#include <array>
+
+#include "maide/formats/actors_text.hpp"
+#include "maide/formats/dot.hpp"
+#include "maide/formats/dot_syntax.hpp"
+#include "maide/formats/names.hpp"
+
+namespace maide {
+
+namespace {
+
+// Attributes that say how to draw the graph: not where the model came from.
+constexpr std::array drawing_attributes = {
+    "_background", "bb",       "bgcolor",  "center",     "charset",     "class",     "clusterrank",
+    "color",       "comment",  "compound", "dpi",        "fillcolor",   "fontcolor", "fontname",
+    "fontsize",    "id",       "label",    "labeljust",  "labelloc",    "landscape", "layout",
+    "lp",          "margin",   "nodesep",  "ordering",   "outputorder", "overlap",   "pad",
+    "page",        "pencolor", "penwidth", "rank",       "rankdir",     "ranksep",   "ratio",
+    "rotate",      "splines",  "style",    "stylesheet", "tooltip",     "URL",       "viewport"};
+
+class DotReader {
+ public:
+  DotReader(std::string_view text, const std::string& file) : dot_(parse_dot(text, file)) {
+    graph_.file = file;
+  }
+
+  Model read() {
+    read_graph_attributes();
+    read_nodes();
+    read_edges();
+    return to_model(graph_);
+  }
+
+ private:
+  using Attribute = DotGraph::Attribute;
+
+  static LabelledGraph::Place place(DotGraph::Place place) { return {place.line, place.column}; }
+
+  // Runs `parse` on an attribute's text; its complaint gets the attribute's place.
+  template <typename Parse>
+  auto placed(const Attribute& attribute, Parse parse) const {
+    try {
+      return parse(unescape_dot_label(attribute.value));
+    } catch (const UsageError& error) {
+      throw ParseError("attribute " + shown(attribute.key) + ": " + error.what(),
+                       graph_.at(place(attribute.place)));
+    }
+  }
+  std::vector<std::string> names(const Attribute& attribute) const {
+    return placed(attribute, [](const std::string& text) { return split_names(text); });
+  }
+  std::vector<std::string> alphabet(const Attribute& attribute) const {
+    return placed(attribute, [](const std::string& text) {
+      std::vector<std::string> list = split_names(text);
+      Alphabet{std::span<const std::string>(list)};  // throws for a name that appears twice
+      return list;
+    });
+  }
+
+  void read_graph_attributes() {
+    for (auto list = dot_.attributes; list != no_dot_attributes; list = dot_.arena[list].older) {
+      const Attribute& attribute = dot_.arena[list];
+      if (dot_.find(dot_.attributes, attribute.key) != &attribute) continue;  // overwritten
+      const std::string value = unescape_dot_label(attribute.value);
+      if (attribute.key == "inputs") {
+        graph_.inputs = alphabet(attribute);
+      } else if (attribute.key == "outputs") {
+        graph_.outputs = alphabet(attribute);
+      } else if (attribute.key == "hidden_returns") {
+        graph_.hidden_returns = names(attribute);
+      } else if (attribute.key == "actors") {
+        graph_.actors =
+            placed(attribute, [](const std::string& text) { return actors_from_text(text); });
+      } else if (attribute.key == "type" && (value == "mealy" || value == "interface automaton")) {
+        graph_.type = value;
+      } else if (std::find(drawing_attributes.begin(), drawing_attributes.end(), attribute.key) ==
+                 drawing_attributes.end()) {
+        graph_.origin.emplace(unescape_dot_label(attribute.key), value);
+      }
+    }
+  }
+
+  static bool is_start(const std::string& name) {
+    return name == "__start0" || name == "__start" || name == "__init";
+  }
+
+  void read_nodes() {
+    for (const DotGraph::Node& node : dot_.nodes) {
+      if (is_start(node.name)) {
+        numbers_.push_back(Mealy::no_state);
+        continue;
+      }
+      numbers_.push_back(static_cast<StateId>(graph_.states.size()));
+      LabelledGraph::State state{node.name, place(node.place), {}};
+      if (const Attribute* mark = dot_.find(node.attributes, "unexplored")) {
+        state.unexplored = names(*mark);
+      }
+      graph_.states.push_back(std::move(state));
+    }
+  }
+
+  void read_edges() {
+    const DotGraph::Edge* start = nullptr;
+    for (const DotGraph::Edge& edge : dot_.edges) {
+      const SourcePosition position = graph_.at(place(edge.place));
+      if (numbers_[edge.to] == Mealy::no_state) {
+        throw ParseError("an edge leads to " + shown(dot_.nodes[edge.to].name) +
+                             ", which only marks the initial state",
+                         position);
+      }
+      if (numbers_[edge.from] == Mealy::no_state) {
+        if (start != nullptr && start->to != edge.to) {
+          throw ParseError("a second initial state", position);
+        }
+        start = &edge;
+        graph_.initial = numbers_[edge.to];
+        continue;
+      }
+      const Attribute* label = dot_.find(edge.attributes, "label");
+      if (label == nullptr) throw ParseError("an edge without a label", position);
+      const Attribute* absorbed = dot_.find(edge.attributes, "absorbed");
+      if (absorbed != nullptr && absorbed->value != "true" && absorbed->value != "false") {
+        throw ParseError("absorbed is neither \"true\" nor \"false\"",
+                         graph_.at(place(absorbed->place)));
+      }
+      graph_.edges.push_back({numbers_[edge.from], numbers_[edge.to],
+                              unescape_dot_label(label->value), place(label->place),
+                              absorbed != nullptr && absorbed->value == "true"});
+    }
+  }
+
+  DotGraph dot_;
+  LabelledGraph graph_;
+  std::vector<StateId> numbers_;  // of each node; no_state for the mark of the initial state
+};
+
+}  // namespace
+
+Model read_dot(std::string_view text, const std::string& file) {
+  return DotReader(text, file).read();
+}
+
+}  // namespace maide

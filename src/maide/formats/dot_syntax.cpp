@@ -1,0 +1,413 @@
+// A tokenizer and a recursive-descent parser after the grammar in Graphviz's documentation ("The
+// DOT Language"). Subgraphs are the only recursion, and their depth is limited.
+#include "maide/formats/dot_syntax.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <unordered_map>
+#include <utility>
+
+#include "maide/formats/names.hpp"
+
+namespace maide {
+
+namespace {
+
+using Place = DotGraph::Place;
+
+// More than any model has; a few bytes of nested groups could otherwise ask for billions.
+constexpr std::size_t max_edges = std::size_t{1} << 23;
+constexpr int max_depth = 200;
+
+struct Token {
+  enum class Kind { end, identifier, punctuation, arrow, undirected };
+  Kind kind = Kind::end;
+  std::string text;     // identifier, or the punctuation mark
+  bool quoted = false;  // a quoted identifier is never a keyword
+  Place place;
+  bool is(char mark) const { return kind == Kind::punctuation && text[0] == mark; }
+};
+
+class Tokenizer {
+ public:
+  Tokenizer(std::string_view text, const std::string& file) : text_(text), file_(file) {
+    if (text_.starts_with("\xEF\xBB\xBF")) position_ = 3;  // byte order mark
+  }
+
+  Token next() {
+    skip_blanks();
+    Token token;
+    token.place = place_;
+    if (position_ >= text_.size()) return token;
+    const char letter = peek();
+    if (letter == '"') {
+      read_quoted(token);
+    } else if (is_letter(letter)) {
+      token.kind = Token::Kind::identifier;
+      while (position_ < text_.size() && (is_letter(peek()) || is_digit(peek()))) {
+        token.text += take();
+      }
+    } else if (letter == '-' && (peek(1) == '>' || peek(1) == '-')) {
+      take();
+      token.kind = take() == '>' ? Token::Kind::arrow : Token::Kind::undirected;
+    } else if (letter == '-' || letter == '.' || is_digit(letter)) {
+      read_number(token);
+    } else if (letter == '<') {
+      fail("HTML labels cannot be read: write the label in double quotes");
+    } else if (std::string_view("{}[]=;,:+").find(letter) != std::string_view::npos) {
+      token.kind = Token::Kind::punctuation;
+      token.text = take();
+    } else {
+      fail("unexpected character " + shown(text_.substr(position_, 1)));
+    }
+    return token;
+  }
+
+  [[noreturn]] void fail(const std::string& what) const { fail(what, place_); }
+  [[noreturn]] void fail(const std::string& what, Place place) const {
+    throw ParseError(what, {file_, place.line, place.column});
+  }
+
+ private:
+  static bool is_digit(char letter) { return letter >= '0' && letter <= '9'; }
+  static bool is_letter(char letter) {
+    return (letter >= 'a' && letter <= 'z') || (letter >= 'A' && letter <= 'Z') || letter == '_' ||
+           static_cast<unsigned char>(letter) >= 0x80;
+  }
+
+  char peek(std::size_t ahead = 0) const {
+    return position_ + ahead < text_.size() ? text_[position_ + ahead] : '\0';
+  }
+  char take() {
+    const char letter = text_[position_++];
+    if (letter == '\n') {
+      ++place_.line;
+      place_.column = 1;
+    } else if ((static_cast<unsigned char>(letter) & 0xc0) != 0x80) {
+      ++place_.column;  // columns count characters, not bytes of UTF-8
+    }
+    return letter;
+  }
+
+  void skip_blanks() {
+    while (position_ < text_.size()) {
+      const char letter = peek();
+      if (letter == '#' && place_.column == 1) {
+        skip_line();  // a preprocessor's line
+      } else if (letter == '/' && peek(1) == '/') {
+        skip_line();
+      } else if (letter == '/' && peek(1) == '*') {
+        skip_comment();
+      } else if (std::isspace(static_cast<unsigned char>(letter)) != 0) {
+        take();
+      } else {
+        return;
+      }
+    }
+  }
+  void skip_line() {
+    while (position_ < text_.size() && peek() != '\n') take();
+  }
+  void skip_comment() {
+    const Place begin = place_;
+    take();
+    take();
+    while (position_ < text_.size()) {
+      if (take() == '*' && peek() == '/') {
+        take();
+        return;
+      }
+    }
+    fail("unfinished comment", begin);
+  }
+
+  // Keeps every backslash sequence but \" and a backslash before the end of a line.
+  void read_quoted(Token& token) {
+    token.kind = Token::Kind::identifier;
+    token.quoted = true;
+    take();
+    while (position_ < text_.size()) {
+      const char letter = take();
+      if (letter == '"') return;
+      if (letter == '\\' && peek() == '"') {
+        token.text += take();
+      } else if (letter == '\\' && peek() == '\\') {
+        token.text += letter;
+        token.text += take();
+      } else if (letter == '\\' && peek() == '\n') {
+        take();
+      } else if (letter == '\\' && peek() == '\r' && peek(1) == '\n') {
+        take();
+        take();
+      } else {
+        token.text += letter;
+      }
+    }
+    fail("unfinished quoted name", token.place);
+  }
+
+  void read_number(Token& token) {
+    token.kind = Token::Kind::identifier;
+    bool digits = false;
+    if (peek() == '-') token.text += take();
+    while (is_digit(peek())) digits = true, token.text += take();
+    if (peek() == '.') token.text += take();
+    while (is_digit(peek())) digits = true, token.text += take();
+    if (!digits) fail("unexpected character " + shown(token.text), token.place);
+  }
+
+  std::string_view text_;
+  const std::string& file_;
+  std::size_t position_ = 0;
+  Place place_{1, 1};
+};
+
+class Parser {
+ public:
+  Parser(std::string_view text, const std::string& file) : tokens_(text, file) { advance(); }
+
+  DotGraph parse() {
+    if (keyword("strict")) advance();
+    if (keyword("graph")) fail("an undirected graph is not a model: 'digraph' expected");
+    if (!keyword("digraph")) fail("'digraph' expected");
+    advance();
+    if (current_.kind == Token::Kind::identifier) graph_.name = identifier("name");
+    expect('{');
+    Scope scope;
+    statements(scope);
+    expect('}');
+    if (current_.kind != Token::Kind::end) fail("text after the end of the graph");
+    return std::move(graph_);
+  }
+
+ private:
+  struct Scope {
+    DotAttributes node_defaults = no_dot_attributes;
+    DotAttributes edge_defaults = no_dot_attributes;
+    std::vector<std::uint32_t> members;  // in order of mention
+    int depth = 0;
+  };
+
+  void statements(Scope& scope) {
+    while (!current_.is('}')) {
+      if (current_.kind == Token::Kind::end) fail("'}' expected before the end of the file");
+      statement(scope);
+      if (current_.is(';') || current_.is(',')) advance();
+    }
+  }
+
+  void statement(Scope& scope) {
+    if (current_.is(';')) return;
+    if (keyword("graph") || keyword("node") || keyword("edge")) {
+      const char kind =
+          static_cast<char>(std::tolower(static_cast<unsigned char>(current_.text.front())));
+      advance();
+      if (!current_.is('[')) fail("'[' expected");
+      if (kind == 'n') scope.node_defaults = attributes(scope.node_defaults);
+      if (kind == 'e') scope.edge_defaults = attributes(scope.edge_defaults);
+      if (kind == 'g') {
+        DotAttributes list = scope.depth == 0 ? graph_.attributes : no_dot_attributes;
+        list = attributes(list);
+        if (scope.depth == 0) graph_.attributes = list;
+      }
+      return;
+    }
+    if (current_.kind == Token::Kind::identifier && !keyword("subgraph")) {
+      const Place place = current_.place;
+      std::string name = identifier("name");
+      if (current_.is('=')) {
+        advance();
+        const Place value_place = current_.place;
+        std::string value = identifier("value");
+        if (scope.depth == 0) {
+          graph_.attributes =
+              add_attribute(graph_.attributes, std::move(name), std::move(value), value_place);
+        }
+        return;
+      }
+      skip_port();
+      node_or_edges(scope, {node(scope, std::move(name), place)}, true);
+      return;
+    }
+    node_or_edges(scope, subgraph(scope), false);
+  }
+
+  // What follows the first operand of a statement: arrows and operands, then attributes.
+  void node_or_edges(Scope& scope, std::vector<std::uint32_t> left, bool is_node) {
+    if (current_.kind == Token::Kind::undirected) fail("'--' in a directed graph: '->' expected");
+    if (current_.kind != Token::Kind::arrow) {
+      if (is_node && current_.is('[')) {
+        auto& list = graph_.nodes[left.front()].attributes;
+        list = attributes(list);
+      }
+      return;
+    }
+    const std::size_t first_edge = graph_.edges.size();
+    while (current_.kind == Token::Kind::arrow) {
+      const Place place = current_.place;
+      advance();
+      std::vector<std::uint32_t> right = operand(scope);
+      if (left.size() * right.size() > max_edges - graph_.edges.size()) fail("too many edges");
+      for (const std::uint32_t from : left) {
+        for (const std::uint32_t to : right) {
+          graph_.edges.push_back({from, to, scope.edge_defaults, place});
+        }
+      }
+      left = std::move(right);
+    }
+    if (current_.kind == Token::Kind::undirected) fail("'--' in a directed graph: '->' expected");
+    const DotAttributes list = attributes(scope.edge_defaults);
+    for (std::size_t edge = first_edge; edge < graph_.edges.size(); ++edge) {
+      graph_.edges[edge].attributes = list;
+    }
+  }
+
+  std::vector<std::uint32_t> operand(Scope& scope) {
+    if (current_.is('{') || keyword("subgraph")) return subgraph(scope);
+    const Place place = current_.place;
+    const std::uint32_t found = node(scope, identifier("a node"), place);
+    skip_port();
+    return {found};
+  }
+
+  std::vector<std::uint32_t> subgraph(Scope& outer) {
+    std::string name;
+    if (keyword("subgraph")) {
+      advance();
+      if (current_.kind == Token::Kind::identifier) name = identifier("name");
+      if (!current_.is('{')) {
+        const auto known = subgraphs_.find(name);
+        return known == subgraphs_.end() ? std::vector<std::uint32_t>{} : known->second;
+      }
+    }
+    expect('{');
+    Scope scope{outer.node_defaults, outer.edge_defaults, {}, outer.depth + 1};
+    if (scope.depth > max_depth) fail("subgraphs are nested too deeply");
+    statements(scope);
+    expect('}');
+    std::sort(scope.members.begin(), scope.members.end());
+    scope.members.erase(std::unique(scope.members.begin(), scope.members.end()),
+                        scope.members.end());
+    outer.members.insert(outer.members.end(), scope.members.begin(), scope.members.end());
+    if (!name.empty()) subgraphs_[name] = scope.members;
+    return scope.members;
+  }
+
+  std::uint32_t node(Scope& scope, std::string name, Place place) {
+    const auto [entry, is_new] =
+        numbers_.try_emplace(name, static_cast<std::uint32_t>(graph_.nodes.size()));
+    if (is_new) graph_.nodes.push_back({std::move(name), place, scope.node_defaults});
+    if (scope.depth > 0) scope.members.push_back(entry->second);
+    return entry->second;
+  }
+
+  // Any number of [key=value, ...], put before `list`.
+  DotAttributes attributes(DotAttributes list) {
+    while (current_.is('[')) {
+      advance();
+      while (!current_.is(']')) {
+        std::string key = identifier("an attribute or ']'");
+        Place place = current_.place;
+        std::string value = "true";
+        if (current_.is('=')) {
+          advance();
+          place = current_.place;
+          value = identifier("value");
+        }
+        list = add_attribute(list, std::move(key), std::move(value), place);
+        if (current_.is(',') || current_.is(';')) advance();
+      }
+      advance();
+    }
+    return list;
+  }
+
+  DotAttributes add_attribute(DotAttributes older, std::string key, std::string value,
+                              Place place) {
+    graph_.arena.push_back({std::move(key), std::move(value), older, place});
+    return static_cast<DotAttributes>(graph_.arena.size() - 1);
+  }
+
+  void skip_port() {
+    for (int part = 0; part < 2 && current_.is(':'); ++part) {
+      advance();
+      identifier("a port");
+    }
+  }
+
+  bool keyword(std::string_view word) const {
+    return current_.kind == Token::Kind::identifier && !current_.quoted &&
+           std::equal(current_.text.begin(), current_.text.end(), word.begin(), word.end(),
+                      [](char left, char right) {
+                        return std::tolower(static_cast<unsigned char>(left)) == right;
+                      });
+  }
+
+  std::string identifier(std::string_view what) {
+    if (current_.kind != Token::Kind::identifier) fail(std::string(what) + " expected");
+    std::string text = std::move(current_.text);
+    bool quoted = current_.quoted;
+    advance();
+    while (quoted && current_.is('+')) {
+      advance();
+      if (!current_.quoted) fail("a quoted name expected after '+'");
+      text += current_.text;
+      advance();
+    }
+    return text;
+  }
+
+  void expect(char mark) {
+    if (!current_.is(mark)) fail("'" + std::string(1, mark) + "' expected");
+    advance();
+  }
+  void advance() { current_ = tokens_.next(); }
+  [[noreturn]] void fail(const std::string& what) const { tokens_.fail(what, current_.place); }
+
+  Tokenizer tokens_;
+  Token current_;
+  DotGraph graph_;
+  std::unordered_map<std::string, std::uint32_t> numbers_;
+  std::unordered_map<std::string, std::vector<std::uint32_t>> subgraphs_;
+};
+
+}  // namespace
+
+const DotGraph::Attribute* DotGraph::find(DotAttributes list, std::string_view key) const {
+  for (; list != no_dot_attributes; list = arena[list].older) {
+    if (arena[list].key == key) return &arena[list];
+  }
+  return nullptr;
+}
+
+DotGraph parse_dot(std::string_view text, const std::string& file) {
+  return Parser(text, file).parse();
+}
+
+std::string unescape_dot_label(std::string_view value) {
+  std::string text;
+  for (std::size_t place = 0; place < value.size(); ++place) {
+    char letter = value[place];
+    if (letter == '\\' && place + 1 < value.size()) {
+      letter = value[++place];
+      if (letter == 'n' || letter == 'l' || letter == 'r') letter = '\n';
+    }
+    text += letter;
+  }
+  return text;
+}
+
+std::string quote_dot_label(std::string_view text) {
+  std::string quoted = "\"";
+  for (const char letter : text) {
+    if (letter == '\n') {
+      quoted += "\\n";
+      continue;
+    }
+    if (letter == '"' || letter == '\\') quoted += '\\';
+    quoted += letter;
+  }
+  return quoted + '"';
+}
+
+}  // namespace maide

@@ -1,0 +1,62 @@
+// The DOT language (Graphviz), as far as models need it: one directed graph with its attributes;
+// comments, quoted names with escapes and +, defaults of nodes and edges, chains, subgraphs
+// (flattened), ports (ignored) and `strict` (ignored) are understood; HTML labels are not.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "maide/base/error.hpp"
+
+namespace maide {
+
+// Attributes lie in one arena as linked lists that share their tails, so that defaults cost nothing
+// for each node and edge that they apply to: a list is the place of its newest entry.
+using DotAttributes = std::uint32_t;
+inline constexpr DotAttributes no_dot_attributes = ~DotAttributes{0};
+
+struct DotGraph {
+  struct Place {
+    int line = 0;
+    int column = 0;
+  };
+  struct Attribute {
+    std::string key, value;
+    DotAttributes older = no_dot_attributes;
+    Place place;  // of the value
+  };
+  struct Node {
+    std::string name;
+    Place place;  // first mention
+    DotAttributes attributes = no_dot_attributes;
+  };
+  struct Edge {
+    std::uint32_t from = 0;
+    std::uint32_t to = 0;
+    DotAttributes attributes = no_dot_attributes;
+    Place place;  // of the arrow
+  };
+
+  std::string name;
+  DotAttributes attributes = no_dot_attributes;  // of the graph itself, not of its subgraphs
+  std::vector<Node> nodes;                       // in order of first mention
+  std::vector<Edge> edges;                       // in order
+  std::vector<Attribute> arena;
+
+  // The value in force, or null. O(length of the list).
+  const Attribute* find(DotAttributes list, std::string_view key) const;
+};
+
+// Throws ParseError (file:line:column). O(text), and edges between subgraphs cost what they
+// stand for (at most some millions).
+DotGraph parse_dot(std::string_view text, const std::string& file);
+
+// What a label stands for: Graphviz leaves all backslash sequences but \" to those who read labels.
+std::string unescape_dot_label(std::string_view value);
+// A quoted DOT identifier that unescapes to `text`.
+std::string quote_dot_label(std::string_view text);
+
+}  // namespace maide

@@ -1,0 +1,102 @@
+#include <ostream>
+
+#include "maide/formats/actors_text.hpp"
+#include "maide/formats/dot.hpp"
+#include "maide/formats/dot_syntax.hpp"
+#include "maide/formats/names.hpp"
+
+namespace maide {
+
+namespace {
+
+void write_attribute(std::ostream& out, const std::string& key, const std::string& value) {
+  bool plain = !key.empty() && !(key[0] >= '0' && key[0] <= '9') && key != "node" &&
+               key != "edge" && key != "graph" && key != "digraph" && key != "subgraph" &&
+               key != "strict";
+  for (const char letter : key) {
+    plain = plain && ((letter >= 'a' && letter <= 'z') || (letter >= 'A' && letter <= 'Z') ||
+                      (letter >= '0' && letter <= '9') || letter == '_');
+  }
+  out << "  " << (plain ? key : quote_dot_label(key)) << "=" << quote_dot_label(value) << ";\n";
+}
+
+// Everything before the states. `type` is written only where the labels would mislead a reader.
+void write_head(std::ostream& out, const std::string& type, const Alphabet& inputs,
+                const Alphabet& outputs, std::span<const Actor> actors,
+                std::span<const std::string> hidden_returns, const Origin& origin) {
+  out << "digraph g {\n";
+  if (!type.empty()) write_attribute(out, "type", type);
+  write_attribute(out, "inputs", join_names(inputs.names()));
+  write_attribute(out, "outputs", join_names(outputs.names()));
+  if (!actors.empty()) write_attribute(out, "actors", actors_to_text(actors));
+  if (!hidden_returns.empty()) write_attribute(out, "hidden_returns", join_names(hidden_returns));
+  for (const auto& [key, value] : origin) write_attribute(out, key, value);
+  out << "  __start0 [label=\"\" shape=\"none\"];\n";
+}
+
+void write_state(std::ostream& out, StateId state, const std::string& more = {}) {
+  out << "  s" << state << " [shape=\"circle\" label=\"s" << state << "\"" << more << "];\n";
+}
+
+void write_edge(std::ostream& out, StateId from, StateId to, const std::string& label,
+                const char* more = "") {
+  out << "  s" << from << " -> s" << to << " [label=" << quote_dot_label(label) << more << "];\n";
+}
+
+}  // namespace
+
+void write_dot(std::ostream& out, const Mealy& machine) {
+  std::vector<std::string> labels;  // state-major
+  labels.reserve(machine.size() * machine.inputs().size());
+  for (StateId state = 0; state < machine.size(); ++state) {
+    for (Symbol input = 0; input < machine.inputs().size(); ++input) {
+      if (machine.target(state, input) == Mealy::no_state) {
+        throw UsageError("an incomplete Mealy machine cannot be written");
+      }
+      labels.push_back(mealy_label(machine.inputs().name(input),
+                                   machine.outputs().name(machine.output(state, input))));
+    }
+  }
+  const bool misleads = looks_like_interface_automaton({labels.begin(), labels.end()});
+  write_head(out, misleads ? "mealy" : "", machine.inputs(), machine.outputs(), machine.actors, {},
+             machine.origin);
+  for (StateId state = 0; state < machine.size(); ++state) write_state(out, state);
+  out << "  __start0 -> s" << machine.initial() << ";\n";
+  auto label = labels.begin();
+  for (StateId state = 0; state < machine.size(); ++state) {
+    for (Symbol input = 0; input < machine.inputs().size(); ++input) {
+      write_edge(out, state, machine.target(state, input), *label++);
+    }
+  }
+  out << "}\n";
+}
+
+void write_dot(std::ostream& out, const InterfaceAutomaton& automaton) {
+  const bool misleads = automaton.transition_count() == 0;
+  write_head(out, misleads ? "interface automaton" : "", automaton.inputs(), automaton.outputs(),
+             automaton.actors, automaton.hidden_returns, automaton.origin);
+  for (StateId state = 0; state < automaton.size(); ++state) {
+    std::vector<std::string> unexplored;
+    for (const Symbol input : automaton.unexplored(state)) {
+      unexplored.push_back(automaton.inputs().name(input));
+    }
+    write_state(out, state,
+                unexplored.empty()
+                    ? ""
+                    : " style=\"dashed\" unexplored=" + quote_dot_label(join_names(unexplored)));
+  }
+  out << "  __start0 -> s" << automaton.initial() << ";\n";
+  for (StateId state = 0; state < automaton.size(); ++state) {
+    for (const auto& transition : automaton.transitions(state)) {
+      write_edge(out, state, transition.target, action_label(automaton, transition.action),
+                 transition.absorbed ? " style=\"dashed\" absorbed=\"true\"" : "");
+    }
+  }
+  out << "}\n";
+}
+
+void write_dot(std::ostream& out, const Model& model) {
+  std::visit([&](const auto& automaton) { write_dot(out, automaton); }, model);
+}
+
+}  // namespace maide

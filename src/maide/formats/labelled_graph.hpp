@@ -1,0 +1,66 @@
+// What the readers of all file formats have in common: a graph whose edges carry labels becomes a
+// Mealy machine ("input / output") or an interface automaton ("?input", "!output"); which of the
+// two is seen from the labels.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "maide/automata/interface_automaton.hpp"
+#include "maide/automata/mealy.hpp"
+#include "maide/base/error.hpp"
+
+namespace maide {
+
+using Model = std::variant<Mealy, InterfaceAutomaton>;
+
+struct LabelledGraph {
+  // A place in the text being read.
+  struct Place {
+    int line = 0;
+    int column = 0;
+  };
+  struct State {
+    std::string name;  // as in the file, for messages
+    Place place;
+    std::vector<std::string> unexplored;
+  };
+  struct Edge {
+    StateId from = 0;
+    StateId to = 0;
+    std::string label;
+    Place place;
+    bool absorbed = false;
+  };
+
+  std::string file;  // for messages
+  std::vector<State> states;
+  std::vector<Edge> edges;
+  StateId initial = 0;
+  std::optional<std::string> type;  // "mealy" or "interface automaton" where the file says so
+  std::optional<std::vector<std::string>> inputs, outputs;  // where the file declares them
+  std::vector<Actor> actors;
+  std::vector<std::string> hidden_returns;
+  Origin origin;
+
+  SourcePosition at(Place place) const { return {file, place.line, place.column}; }
+};
+
+// Throws ParseError with its place for a label that is neither form, a symbol that the file does
+// not declare though it declares its alphabet, and for a Mealy machine that is incomplete or
+// nondeterministic. Alphabets that are not declared are in order of appearance.
+Model to_model(const LabelledGraph& graph);
+
+// The labels as the writers write them.
+std::string mealy_label(std::string_view input, std::string_view output);
+std::string action_label(const InterfaceAutomaton& automaton, Action action);
+
+// Whether a reader without other knowledge takes a graph with these labels for an interface
+// automaton: every label begins with ? or !, or one does and has no '/'; no labels: no.
+bool looks_like_interface_automaton(const std::vector<std::string_view>& labels);
+
+}  // namespace maide
