@@ -1,10 +1,12 @@
-// posix_spawn rather than fork: the parent has threads. One poll loop feeds the program, collects
-// both its outputs and looks every 50 ms at the stop token and the time limit.
+// posix_spawn rather than fork: the parent has threads. The program's input is a file in memory, so
+// nothing has to be fed; one poll loop collects both its outputs and looks every 50 ms at the stop
+// token and the time limit.
 #include "maide/base/subprocess.hpp"
 
 #include <fcntl.h>
 #include <poll.h>
 #include <spawn.h>
+#include <sys/mman.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -55,6 +57,20 @@ struct Pipe {
   }
 };
 
+// A file in memory with this content, to be read from its beginning.
+void open_input(Descriptor& file, std::string_view content) {
+  file.reset(::memfd_create("maide-input", MFD_CLOEXEC));
+  while (!content.empty()) {
+    const ssize_t count = ::write(file.get(), content.data(), content.size());
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0) break;
+    content.remove_prefix(static_cast<std::size_t>(count));
+  }
+  if (!content.empty() || ::lseek(file.get(), 0, SEEK_SET) != 0) {
+    throw std::system_error(errno, std::generic_category(), "cannot keep a program's input");
+  }
+}
+
 // The attributes of posix_spawn, freed with their owner.
 struct SpawnSettings {
   posix_spawn_file_actions_t actions{};
@@ -74,9 +90,11 @@ struct SpawnSettings {
 class Subprocess {
  public:
   Subprocess(const std::vector<std::string>& command, const SubprocessOptions& options)
-      : options_(options), unwritten_(options.input) {
+      : options_(options) {
+    Descriptor input;
+    open_input(input, options.input);
     SpawnSettings settings;
-    ::posix_spawn_file_actions_adddup2(&settings.actions, in_.read_end.get(), STDIN_FILENO);
+    ::posix_spawn_file_actions_adddup2(&settings.actions, input.get(), STDIN_FILENO);
     ::posix_spawn_file_actions_adddup2(&settings.actions, out_.write_end.get(), STDOUT_FILENO);
     ::posix_spawn_file_actions_adddup2(&settings.actions, err_.write_end.get(), STDERR_FILENO);
     if (!options.folder.empty()) {
@@ -99,13 +117,11 @@ class Subprocess {
       throw UsageError("cannot run '" + command.front() +
                        "': " + std::generic_category().message(error));
     }
-    in_.read_end.reset();
     out_.write_end.reset();
     err_.write_end.reset();
-    for (const int fd : {in_.write_end.get(), out_.read_end.get(), err_.read_end.get()}) {
+    for (const int fd : {out_.read_end.get(), err_.read_end.get()}) {
       ::fcntl(fd, F_SETFL, ::fcntl(fd, F_GETFL) | O_NONBLOCK);
     }
-    if (unwritten_.empty()) in_.write_end.reset();
   }
 
   ~Subprocess() {
@@ -154,23 +170,14 @@ class Subprocess {
   // Waits for something to do, at most 50 ms, and does it. Pipes at their end are closed, and poll
   // leaves them out.
   void transfer(SubprocessResult& result) {
-    std::array<pollfd, 3> waiting{pollfd{in_.write_end.get(), POLLOUT, 0},
-                                  pollfd{out_.read_end.get(), POLLIN, 0},
+    std::array<pollfd, 2> waiting{pollfd{out_.read_end.get(), POLLIN, 0},
                                   pollfd{err_.read_end.get(), POLLIN, 0}};
     const bool all_closed = std::all_of(waiting.begin(), waiting.end(),
                                         [](const pollfd& entry) { return entry.fd < 0; });
     // A program that has closed its outputs is about to end.
     ::poll(waiting.data(), waiting.size(), all_closed ? 2 : 50);
-    if (waiting[0].revents != 0) feed();
-    if (waiting[1].revents != 0) collect(out_.read_end, result.out);
-    if (waiting[2].revents != 0) collect(err_.read_end, result.err);
-  }
-
-  void feed() {
-    const ssize_t count = ::write(in_.write_end.get(), unwritten_.data(), unwritten_.size());
-    if (count < 0 && (errno == EAGAIN || errno == EINTR)) return;
-    unwritten_.remove_prefix(count < 0 ? unwritten_.size() : static_cast<std::size_t>(count));
-    if (unwritten_.empty()) in_.write_end.reset();
+    if (waiting[0].revents != 0) collect(out_.read_end, result.out);
+    if (waiting[1].revents != 0) collect(err_.read_end, result.err);
   }
 
   void collect(Descriptor& from, std::string& into) {
@@ -189,8 +196,7 @@ class Subprocess {
   }
 
   const SubprocessOptions& options_;
-  std::string_view unwritten_;
-  Pipe in_, out_, err_;
+  Pipe out_, err_;
   pid_t pid_ = -1;
 };
 

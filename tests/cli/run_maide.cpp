@@ -1,0 +1,49 @@
+// The path of the program comes from the build.
+#include "run_maide.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+namespace maide::test {
+
+namespace {
+
+SubprocessOptions limits() {
+  SubprocessOptions options;
+  options.time_limit = std::chrono::minutes(10);
+  return options;
+}
+
+}  // namespace
+
+SubprocessResult run_maide(const std::vector<std::string>& arguments) {
+  std::vector<std::string> command{MAIDE_PROGRAM};
+  command.insert(command.end(), arguments.begin(), arguments.end());
+  return run_program(command, limits());
+}
+
+SubprocessResult run_with_maide(const std::string& script) {
+  return run_program({"/bin/sh", "-c", "maide=$1; " + script, "sh", MAIDE_PROGRAM}, limits());
+}
+
+Json json_of(const SubprocessResult& result) {
+  EXPECT_TRUE(result.out.ends_with('\n')) << result.out;
+  EXPECT_EQ(std::count(result.out.begin(), result.out.end(), '\n'), 1) << result.out;
+  Json object = parse_json(result.out, "standard output");
+  EXPECT_TRUE(object.is_object()) << result.out;
+  return object;
+}
+
+void expect_error(const SubprocessResult& result, int exit_status, const std::string& text) {
+  EXPECT_FALSE(result.timed_out);
+  EXPECT_EQ(result.exit_status, exit_status) << result.err;
+  EXPECT_EQ(result.out, "");
+  EXPECT_THAT(result.err, testing::StartsWith("maide: "));
+  EXPECT_THAT(result.err, testing::EndsWith("\n"));
+  EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+  EXPECT_THAT(result.err, testing::HasSubstr(text));
+}
+
+}  // namespace maide::test

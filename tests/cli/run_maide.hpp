@@ -1,0 +1,26 @@
+// Runs the real program `maide` as a person would, for tests of the command line.
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "maide/base/json.hpp"
+#include "maide/base/subprocess.hpp"
+
+namespace maide::test {
+
+// maide with these arguments, its input empty; ended after ten minutes.
+SubprocessResult run_maide(const std::vector<std::string>& arguments);
+
+// A shell script in which "$maide" is the program; for redirections and pipes.
+SubprocessResult run_with_maide(const std::string& script);
+
+// The one JSON object on standard output; fails the test if that is not what is there.
+Json json_of(const SubprocessResult& result);
+
+// Checks what every error must look like: nothing on standard output, exactly one line on standard
+// error, which begins with "maide: " and contains `text`, and the exit status.
+void expect_error(const SubprocessResult& result, int exit_status, const std::string& text);
+
+}  // namespace maide::test

@@ -1,0 +1,105 @@
+// What all commands share: overview, help, version, misspelt names, broken outputs.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "maide/base/version.hpp"
+#include "maide/cli/command.hpp"
+#include "run_maide.hpp"
+
+namespace maide::test {
+namespace {
+
+using testing::HasSubstr;
+
+TEST(CommandLine, AloneItGivesAnOverview) {
+  const SubprocessResult result = run_maide({});
+  EXPECT_EQ(result.exit_status, 0);
+  EXPECT_EQ(result.err, "");
+  for (const cli::Command& command : cli::command_table()) {
+    EXPECT_THAT(result.out, HasSubstr("\n  " + std::string(command.name) + " "));
+  }
+  EXPECT_EQ(run_maide({"--help"}).out, result.out);
+  EXPECT_EQ(run_maide({"help"}).out, result.out);
+}
+
+TEST(CommandLine, SaysItsVersion) {
+  EXPECT_EQ(run_maide({"--version"}).out, "maide " + std::string(version()) + "\n");
+}
+
+TEST(CommandLine, EveryCommandHasHelpWithAnExample) {
+  for (const cli::Command& command : cli::command_table()) {
+    const std::string name(command.name);
+    const SubprocessResult result = run_maide({name, "--help"});
+    EXPECT_EQ(result.exit_status, 0) << name;
+    EXPECT_EQ(result.err, "") << name;
+    EXPECT_THAT(result.out, HasSubstr("Usage: maide " + name));
+    EXPECT_THAT(result.out, HasSubstr("Example:\n  maide " + name));
+    EXPECT_THAT(result.out, HasSubstr("--json"));
+    EXPECT_EQ(run_maide({"help", name}).out, result.out);
+    EXPECT_EQ(run_maide({name, "-h"}).out, result.out);
+  }
+}
+
+TEST(CommandLine, SuggestsCommandsAndOptions) {
+  expect_error(run_maide({"doctr"}), 2, "unknown command 'doctr'; did you mean 'doctor'?");
+  expect_error(run_maide({"doctor", "--jsn"}), 2, "unknown option '--jsn'; did you mean '--json'?");
+  expect_error(run_maide({"doctor", "--jsn=1"}), 2, "unknown option '--jsn'");
+  expect_error(run_maide({"doctor", "-x"}), 2, "unknown option '-x'");
+  expect_error(run_maide({"--verbose"}), 2, "unknown option '--verbose'");
+  expect_error(run_maide({""}), 2, "unknown command ''");
+  expect_error(run_maide({"help", "nothing"}), 2, "unknown command 'nothing'");
+}
+
+TEST(CommandLine, LaterCommandsAreSaidToBeMissing) {
+  for (const std::string name : {"test", "replay", "view", "bench", "cache"}) {
+    expect_error(run_maide({name, "x", "--y"}), 2, "'" + name + "' is not part of this version");
+  }
+}
+
+TEST(CommandLine, RefusesWhatItDoesNotExpect) {
+  expect_error(run_maide({"doctor", "x"}), 2,
+               "unexpected argument 'x' (see 'maide doctor --help')");
+  expect_error(run_maide({"doctor", "-q", "-v"}), 2, "-q and -v exclude each other");
+  expect_error(run_maide({"doctor", "a\nb"}), 2, "a b");
+  expect_error(run_maide({std::string(100000, 'x')}), 2, "unknown command");
+}
+
+TEST(CommandLine, ErrorsAreJsonToo) {
+  const SubprocessResult result = run_maide({"doctor", "--json", "x"});
+  EXPECT_EQ(result.exit_status, 2);
+  const Json object = json_of(result);
+  EXPECT_EQ(object.at("status"), 2);
+  EXPECT_EQ("maide: " + object.at("error").get<std::string>() + "\n", result.err);
+}
+
+TEST(CommandLine, AResultThatCannotBeWrittenIsAnError) {
+  expect_error(run_with_maide("\"$maide\" doctor >/dev/full"), 2,
+               "cannot write the result: No space left on device (standard output)");
+  expect_error(run_with_maide("\"$maide\" doctor >&-"), 2, "(standard output)");
+  expect_error(run_with_maide("\"$maide\" doctor --json >/dev/full"), 2, "(standard output)");
+  expect_error(run_with_maide("\"$maide\" --help >&-"), 2, "(standard output)");
+}
+
+TEST(CommandLine, ABrokenPipeIsAnError) {
+  // The reader is gone before the writer starts.
+  const SubprocessResult result = run_with_maide(
+      "d=$(mktemp -d); mkfifo \"$d/p\"; (: <\"$d/p\") & exec 3>\"$d/p\"; wait; "
+      "\"$maide\" doctor >&3; s=$?; rm -r \"$d\"; exit $s");
+  expect_error(result, 2, "Broken pipe");
+}
+
+TEST(CommandLine, WorksWithoutInputAndErrorStream) {
+  EXPECT_EQ(run_with_maide("\"$maide\" --version <&- 2>&-").exit_status, 0);
+  EXPECT_EQ(run_with_maide("\"$maide\" nothing 2>&-").exit_status, 2);
+  EXPECT_EQ(run_with_maide("\"$maide\" nothing 2>/dev/full").exit_status, 2);
+}
+
+TEST(CommandLine, DoesNotDependOnTheLocale) {
+  EXPECT_EQ(run_with_maide("LC_ALL=de_DE.UTF-8 LANG=de_DE.UTF-8 \"$maide\" help doctor").out,
+            run_maide({"doctor", "--help"}).out);
+}
+
+}  // namespace
+}  // namespace maide::test
