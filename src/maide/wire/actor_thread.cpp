@@ -1,0 +1,78 @@
+#include "maide/wire/actor_thread.hpp"
+
+#include <pthread.h>
+
+#include <condition_variable>
+#include <mutex>
+#include <thread>
+#include <utility>
+
+namespace maide {
+
+// Shared with the thread itself, which may outlive its owner.
+struct ActorThread::State {
+  std::mutex mutex;
+  std::condition_variable changed;
+  std::function<void()> call;  // to be made; empty: none
+  bool busy = false;
+  bool ending = false;
+  std::thread thread;
+
+  void run() {
+    std::unique_lock lock(mutex);
+    while (true) {
+      changed.wait(lock, [this] { return ending || call; });
+      if (!call) return;
+      const std::function<void()> now = std::exchange(call, nullptr);
+      lock.unlock();
+      now();
+      lock.lock();
+      busy = false;
+      changed.notify_all();
+    }
+  }
+};
+
+ActorThread::ActorThread(const std::string& name) : state_(std::make_shared<State>()) {
+  state_->thread = std::thread([state = state_] { state->run(); });
+  ::pthread_setname_np(state_->thread.native_handle(), name.substr(0, 15).c_str());
+}
+
+ActorThread::~ActorThread() {
+  if (!state_) return;
+  std::unique_lock lock(state_->mutex);
+  state_->ending = true;
+  state_->changed.notify_all();
+  const bool is_busy = state_->busy;
+  lock.unlock();
+  if (is_busy) {
+    state_->thread.detach();
+  } else {
+    state_->thread.join();
+  }
+}
+
+ActorThread::ActorThread(ActorThread&&) noexcept = default;
+ActorThread& ActorThread::operator=(ActorThread&& other) noexcept {
+  std::swap(state_, other.state_);
+  return *this;
+}
+
+bool ActorThread::is_busy() const {
+  const std::scoped_lock lock(state_->mutex);
+  return state_->busy;
+}
+
+void ActorThread::start(std::function<void()> call) {
+  const std::scoped_lock lock(state_->mutex);
+  state_->call = std::move(call);
+  state_->busy = true;
+  state_->changed.notify_all();
+}
+
+bool ActorThread::wait_idle(std::chrono::steady_clock::time_point deadline) {
+  std::unique_lock lock(state_->mutex);
+  return state_->changed.wait_until(lock, deadline, [this] { return !state_->busy; });
+}
+
+}  // namespace maide

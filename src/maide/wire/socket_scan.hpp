@@ -1,0 +1,49 @@
+// What is on its way in the sockets of this process. A thread that waits for a socket is woken when
+// bytes arrive, so threads asleep say nothing about bytes that have not arrived yet: those that TCP
+// has sent and that are not acknowledged. Bytes that arrived and that nobody waits for are at rest.
+#pragma once
+
+#include <chrono>
+#include <vector>
+
+namespace maide {
+
+// One picture of the sockets; two that are equal show that nothing moved in between.
+struct SocketPicture {
+  struct Socket {
+    int descriptor = 0;
+    int unread = 0;   // bytes received and not read (of a datagram socket: the next datagram's)
+    int unacked = 0;  // bytes written and not acknowledged (local sockets: not read)
+    bool operator==(const Socket&) const = default;
+  };
+  std::vector<Socket> sockets;  // by descriptor
+  bool in_flight = false;       // some TCP connection has bytes unacknowledged
+  bool operator==(const SocketPicture&) const = default;
+};
+
+class SocketScan {
+ public:
+  SocketScan();
+  ~SocketScan();
+  SocketScan(const SocketScan&) = delete;
+  SocketScan& operator=(const SocketScan&) = delete;
+
+  // Leaves a socket of the SDK's own out.
+  void ignore(int descriptor) { ignored_.push_back(descriptor); }
+
+  // One system call a descriptor, three more a socket.
+  void take(SocketPicture& picture);
+
+  // Nothing is on its way: `picture` has no bytes in flight, or they have not moved for so long
+  // (longer than TCP delays an acknowledgement) that they wait for a reader.
+  bool is_at_rest(const SocketPicture& picture);
+  static constexpr std::chrono::milliseconds patience{60};
+
+ private:
+  void* directory_;  // DIR* of /proc/self/fd
+  std::vector<int> ignored_;
+  SocketPicture stalled_;  // the last picture with bytes in flight, and since when it is the same
+  std::chrono::steady_clock::time_point stalled_since_;
+};
+
+}  // namespace maide

@@ -1,0 +1,201 @@
+#include "maide/wire/thread_scan.hpp"
+
+#include <dirent.h>
+#include <fcntl.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cstdlib>
+#include <mutex>
+#include <string>
+#include <string_view>
+#include <thread>
+
+#include "maide/base/error.hpp"
+
+namespace maide {
+namespace {
+
+pid_t this_thread_id() { return static_cast<pid_t>(::syscall(SYS_gettid)); }
+
+// The process's set of threads that are not the system's.
+struct ExcludedThreads {
+  std::mutex mutex;
+  std::vector<pid_t> threads;
+};
+
+#if defined(__SANITIZE_THREAD__)
+// The thread sanitizer has a thread of its own that polls; it starts with the first other thread.
+std::vector<pid_t> find_runtime_threads() {
+  std::thread([] {}).join();
+  std::vector<pid_t> threads;
+  DIR* directory = ::opendir("/proc/self/task");
+  while (const dirent* entry = ::readdir(directory)) {
+    const pid_t thread = std::atoi(entry->d_name);
+    if (thread > 0 && thread != ::getpid()) threads.push_back(thread);
+  }
+  ::closedir(directory);
+  return threads;
+}
+#else
+std::vector<pid_t> find_runtime_threads() { return {}; }
+#endif
+
+// Lives until the process ends: threads may outlast static destructors.
+ExcludedThreads& excluded() {
+  static auto* set = new ExcludedThreads{{}, find_runtime_threads()};
+  return *set;
+}
+
+// Before main, while the process has no threads but the runtime's.
+[[maybe_unused]] const ExcludedThreads& initialised_early = excluded();
+
+using Buffer = std::array<char, 512>;
+
+// The text of a file of /proc, read anew; empty if its thread is gone.
+std::string_view read_text(int descriptor, Buffer& buffer) {
+  const ssize_t size = ::pread(descriptor, buffer.data(), buffer.size(), 0);
+  return size > 0 ? std::string_view(buffer.data(), static_cast<std::size_t>(size))
+                  : std::string_view();
+}
+
+class Descriptor {
+ public:
+  explicit Descriptor(const std::string& path)
+      : value_(::open(path.c_str(), O_RDONLY | O_CLOEXEC)) {}
+  ~Descriptor() {
+    if (value_ >= 0) ::close(value_);
+  }
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  int get() const { return value_; }
+
+ private:
+  int value_;
+};
+
+std::string folder_of(pid_t thread) { return "/proc/self/task/" + std::to_string(thread); }
+
+// The last of the three numbers of schedstat: how often the thread was put on a CPU; -1 if gone.
+std::int64_t parse_run_count(std::string_view text) {
+  const std::size_t last = text.find_last_of(' ');
+  std::int64_t count = -1;
+  if (last == std::string_view::npos) return -1;
+  std::from_chars(text.data() + last + 1, text.data() + text.size(), count);
+  return count;
+}
+
+// The letter behind the command's name in parentheses (which may hold anything).
+char parse_state(std::string_view text) {
+  const std::size_t paren = text.rfind(')');
+  return paren == std::string_view::npos || paren + 2 >= text.size() ? '?' : text[paren + 2];
+}
+
+enum class Block : std::uint8_t { running, timed_sleep, blocked };
+
+// What /proc/.../syscall says: "running", or the number of the call in which the thread sleeps.
+Block parse_syscall(std::string_view text) {
+  long number = -1;
+  if (text.empty() || text.front() == 'r') return Block::running;
+  std::from_chars(text.data(), text.data() + text.size(), number);
+  return number == SYS_nanosleep || number == SYS_clock_nanosleep ? Block::timed_sleep
+                                                                  : Block::blocked;
+}
+
+}  // namespace
+
+SdkThread::SdkThread() : thread_(this_thread_id()) {
+  const std::scoped_lock lock(excluded().mutex);
+  excluded().threads.push_back(thread_);
+}
+
+SdkThread::~SdkThread() {
+  const std::scoped_lock lock(excluded().mutex);
+  auto& threads = excluded().threads;
+  threads.erase(std::find(threads.begin(), threads.end(), thread_));
+}
+
+struct ThreadScan::Entry {
+  Entry(pid_t id, const std::string& folder)
+      : thread(id),
+        schedstat(folder + "/schedstat"),
+        syscall(folder + "/syscall"),
+        stat(folder + "/stat") {}
+  pid_t thread;
+  Descriptor schedstat, syscall, stat;
+  std::int64_t runs = -1;
+};
+
+ThreadScan::ThreadScan() : directory_(::opendir("/proc/self/task")) {
+  Buffer buffer;
+  const Entry self(this_thread_id(), folder_of(this_thread_id()));
+  shows_syscall_ = !read_text(self.syscall.get(), buffer).empty();
+  if (directory_ == nullptr || parse_run_count(read_text(self.schedstat.get(), buffer)) < 0) {
+    if (directory_ != nullptr) ::closedir(static_cast<DIR*>(directory_));
+    throw UsageError(
+        "this kernel does not show when threads run (/proc/self/task/*/schedstat); "
+        "give a fixed delay, quiescence=<ms>");
+  }
+}
+
+ThreadScan::~ThreadScan() { ::closedir(static_cast<DIR*>(directory_)); }
+
+void ThreadScan::list_threads(std::vector<pid_t>& threads) {
+  threads.clear();
+  ::rewinddir(static_cast<DIR*>(directory_));
+  while (const dirent* entry = ::readdir(static_cast<DIR*>(directory_))) {
+    const pid_t thread = std::atoi(entry->d_name);
+    if (thread > 0) threads.push_back(thread);
+  }
+  std::erase(threads, this_thread_id());
+  const std::scoped_lock lock(excluded().mutex);
+  std::erase_if(threads, [](pid_t thread) {
+    const auto& own = excluded().threads;
+    return std::find(own.begin(), own.end(), thread) != own.end();
+  });
+}
+
+ThreadScan::Entry* ThreadScan::find(pid_t thread) {
+  for (const auto& entry : entries_) {
+    if (entry->thread == thread) return entry.get();
+  }
+  return entries_.emplace_back(std::make_unique<Entry>(thread, folder_of(thread))).get();
+}
+
+bool ThreadScan::begin() {
+  list_threads(threads_);
+  std::erase_if(entries_, [this](const auto& entry) {
+    return std::find(threads_.begin(), threads_.end(), entry->thread) == threads_.end();
+  });
+  Buffer buffer;
+  for (const pid_t thread : threads_) {
+    Entry* entry = find(thread);
+    entry->runs = parse_run_count(read_text(entry->schedstat.get(), buffer));
+    if (entry->runs < 0) {
+      // The number may have been given to another thread; the old one's files stay empty.
+      std::erase_if(entries_, [&](const auto& known) { return known.get() == entry; });
+      return false;
+    }
+    const bool is_blocked =
+        shows_syscall_ ? parse_syscall(read_text(entry->syscall.get(), buffer)) == Block::blocked
+                       : parse_state(read_text(entry->stat.get(), buffer)) == 'S';
+    if (!is_blocked) return false;
+  }
+  return true;
+}
+
+bool ThreadScan::end() {
+  Buffer buffer;
+  for (const pid_t thread : threads_) {
+    Entry* entry = find(thread);
+    if (parse_state(read_text(entry->stat.get(), buffer)) != 'S') return false;
+    if (parse_run_count(read_text(entry->schedstat.get(), buffer)) != entry->runs) return false;
+  }
+  list_threads(again_);
+  return threads_ == again_;
+}
+
+}  // namespace maide

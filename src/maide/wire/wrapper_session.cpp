@@ -1,0 +1,236 @@
+#include "maide/wire/wrapper_session.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <exception>
+#include <stdexcept>
+#include <utility>
+
+#include "maide/base/error.hpp"
+
+namespace maide {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+std::chrono::microseconds since(Clock::time_point start) {
+  return std::chrono::duration_cast<std::chrono::microseconds>(Clock::now() - start);
+}
+
+}  // namespace
+
+// One word's instance as the query player sees it.
+class WrapperSession::Stepper : public SteppedSystem {
+ public:
+  Stepper(WrapperSession& session, const std::function<bool()>& is_aborted)
+      : session_(session), is_aborted_(is_aborted) {}
+
+  bool is_busy(Symbol input) override {
+    return session_.actors_[session_.info_.inputs[input].actor].is_busy();
+  }
+
+  Outcome take(Symbol input, SulStep& step) override {
+    const Clock::time_point start = Clock::now();
+    start_call(input);
+    StepRecorder& recorder = *session_.recorder_;
+    const Quiescence::Verdict verdict =
+        session_.quiescence_->wait([&] { return recorder.last_event(); }, is_aborted_);
+    step.duration = since(start);
+    step.events = recorder.take_events();
+    for (std::uint32_t actor = 0; actor < session_.actors_.size(); ++actor) {
+      if (session_.actors_[actor].is_busy()) step.busy.push_back(actor);
+    }
+    if (const std::string failure = recorder.failure(); !failure.empty()) {
+      throw std::runtime_error(failure);
+    }
+    if (!recorder.crash_reason().empty()) return Outcome::crash;
+    switch (verdict) {
+      case Quiescence::Verdict::hang: return Outcome::hang;
+      case Quiescence::Verdict::aborted: return Outcome::aborted;
+      case Quiescence::Verdict::quiescent: break;
+    }
+    return Outcome::quiescent;
+  }
+
+ private:
+  void start_call(Symbol input) {
+    const SulInput& spec = session_.info_.inputs[input];
+    session_.actors_[spec.actor].start(
+        [instance = session_.instance_.get(), name = spec.name, recorder = session_.recorder_] {
+          try {
+            instance->call(name);
+          } catch (const std::exception& error) {
+            recorder->failed(error.what());
+          } catch (...) {
+            recorder->failed("unknown exception in " + name);
+          }
+        });
+  }
+
+  WrapperSession& session_;
+  const std::function<bool()>& is_aborted_;
+};
+
+WrapperSession::WrapperSession(SystemWrapper& wrapper, Watchdog* watchdog)
+    : wrapper_(wrapper), watchdog_(watchdog) {
+  const WrapperDescription& description = wrapper.description();
+  table_ = description.options;
+  for (OptionSpec& row : common_options::quiescence_rows(description.floor.count())) {
+    table_.push_back(std::move(row));
+  }
+  info_.name = description.name;
+  info_.versions = description.versions;
+}
+
+WrapperSession::~WrapperSession() { end_instance(); }
+
+const SulInfo& WrapperSession::configure(const std::map<std::string, std::string>& given) {
+  options_ = OptionValues(table_, given);
+  const SystemSetup setup = wrapper_.configure(options_);
+  events_.message_event = setup.message_event;
+  events_.tells_gaps = options_.has("payload") && options_.is("payload", "gap");
+  messages_come_again_ = setup.messages_come_again;
+  info_.options = options_.all();
+  select_actors(setup);
+  select_events(setup);
+  select_inputs(setup);
+  select_bound(setup);
+  QuiescenceSettings settings;
+  settings.observed = options_.is("quiescence", "observed");
+  if (!settings.observed) settings.delay = std::chrono::milliseconds(options_.number("quiescence"));
+  settings.floor = std::chrono::milliseconds(options_.number("floor"));
+  settings.limit = step_limit_ = std::chrono::milliseconds(options_.number("step-limit"));
+  quiescence_ = std::make_unique<Quiescence>(settings);
+  return info_;
+}
+
+void WrapperSession::select_actors(const SystemSetup& setup) {
+  info_.actors = setup.actors;
+  for (const std::string& name : info_.actors) actors_.emplace_back(name);
+}
+
+std::uint32_t WrapperSession::actor_index(const std::string& name) const {
+  const auto found = std::find(info_.actors.begin(), info_.actors.end(), name);
+  if (found == info_.actors.end()) {
+    throw std::logic_error(fmt::format("the wrapper declares no actor '{}'", name));
+  }
+  return static_cast<std::uint32_t>(found - info_.actors.begin());
+}
+
+std::vector<std::string> WrapperSession::observed_names(const std::string& event) const {
+  if (!events_.tells_gaps || event != events_.message_event) return {event};
+  if (messages_come_again_) return {"next", "gap", "old"};
+  return {"next", "gap"};
+}
+
+void WrapperSession::select_events(const SystemSetup& setup) {
+  const std::vector<std::string> observed =
+      options_.has("observe") ? options_.list("observe") : std::vector<std::string>();
+  for (const SystemSetup::Event& event : setup.events) {
+    const bool is_observed = !options_.has("observe") || std::find(observed.begin(), observed.end(),
+                                                                   event.name) != observed.end();
+    for (const std::string& name : observed_names(event.name)) {
+      events_.events[name] = {actor_index(event.actor), is_observed};
+      if (is_observed) info_.outputs.push_back({name, actor_index(event.actor)});
+    }
+  }
+}
+
+void WrapperSession::select_inputs(const SystemSetup& setup) {
+  std::vector<std::string> wanted;
+  if (options_.has("inputs")) {
+    wanted = options_.list("inputs");
+  } else {
+    for (const SystemSetup::Input& input : setup.inputs) wanted.push_back(input.name);
+  }
+  for (const std::string& name : wanted) {
+    const auto input =
+        std::find_if(setup.inputs.begin(), setup.inputs.end(),
+                     [&](const SystemSetup::Input& known) { return known.name == name; });
+    if (input == setup.inputs.end()) {
+      throw UsageError(
+          fmt::format("option inputs: there is no input '{}' with these options", name));
+    }
+    SulInput selected{name, actor_index(input->actor), {}};
+    for (const std::string& event : input->returns) {
+      for (std::string& observed : observed_names(event)) selected.returns.push_back(observed);
+    }
+    info_.inputs.push_back(std::move(selected));
+  }
+}
+
+void WrapperSession::select_bound(const SystemSetup& setup) {
+  purposes_ = setup.purposes;
+  info_.bound = setup.bound;
+  if (!setup.in_flight || !options_.has("size")) return;
+  const auto size = static_cast<std::size_t>(options_.number("size"));
+  if (setup.in_flight->capacity != 0 && setup.in_flight->capacity <= size) return;  // never binds
+  std::vector<std::string> sends;
+  for (const SulInput& input : info_.inputs) {
+    const auto& all = setup.in_flight->sends;
+    if (std::find(all.begin(), all.end(), input.name) != all.end()) sends.push_back(input.name);
+  }
+  std::vector<std::string> receives;
+  for (const std::string& event : setup.in_flight->receives) {
+    for (std::string& name : observed_names(event)) {
+      if (!events_.events.at(name).observed) {
+        throw UsageError(fmt::format(
+            "option observe: size={} counts messages in flight, so '{}' must be observed", size,
+            event));
+      }
+      receives.push_back(std::move(name));
+    }
+  }
+  const bool absorbs = options_.has("at-bound") && options_.is("at-bound", "absorb");
+  purposes_.push_back(LearningPurpose::in_flight(size, setup.in_flight->capacity, sends, receives,
+                                                 absorbs ? AtBound::absorb : AtBound::refuse));
+  if (!info_.bound.empty()) info_.bound += ", ";
+  info_.bound += fmt::format("at most {} message{} in flight", size, size == 1 ? "" : "s");
+}
+
+void WrapperSession::start_instance() {
+  const Watchdog::Guard guard(watchdog_, "the reset", step_limit_);
+  recorder_ = std::make_shared<StepRecorder>(events_);
+  instance_ = wrapper_.reset(*recorder_);
+}
+
+SulAnswer WrapperSession::run(const SulQuery& query, const std::function<bool()>& is_aborted) {
+  end_instance();
+  const Clock::time_point start = Clock::now();
+  start_instance();
+  const std::chrono::microseconds reset = since(start) + std::exchange(teardown_, {});
+  Stepper stepper(*this, is_aborted);
+  SulAnswer answer = play(stepper, query, info_, purposes_);
+  answer.reset_duration = reset;
+  return answer;
+}
+
+std::string WrapperSession::end_instance() {
+  if (!instance_) return "";
+  const Clock::time_point start = Clock::now();
+  std::string stuck;
+  recorder_->close();
+  {
+    const Watchdog::Guard guard(watchdog_, "the teardown of the system", step_limit_);
+    instance_->shutdown();
+  }
+  for (std::uint32_t actor = 0; actor < actors_.size(); ++actor) {
+    if (actors_[actor].wait_idle(start + step_limit_)) continue;
+    if (!stuck.empty()) stuck += ", ";
+    stuck += info_.actors[actor];
+    actors_[actor] = ActorThread(info_.actors[actor]);  // the old one is left behind
+  }
+  if (stuck.empty()) {
+    const Watchdog::Guard guard(watchdog_, "the teardown of the system", step_limit_);
+    instance_.reset();
+  } else {
+    // Its calls still use them, for as long as the process lives.
+    static_cast<void>(instance_.release());
+    static_cast<void>(new std::shared_ptr<StepRecorder>(recorder_));
+  }
+  teardown_ = since(start);
+  return stuck;
+}
+
+}  // namespace maide

@@ -1,0 +1,75 @@
+// What stands between a SystemWrapper and whoever asks it questions, be it over the wire
+// (wrapper_server) or in the same process (local_sul): sets the options, resets, gives each actor
+// its thread, and plays queries on the instance.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "maide/sul/query_player.hpp"
+#include "maide/sul/sul.hpp"
+#include "maide/wire/actor_thread.hpp"
+#include "maide/wire/quiescence.hpp"
+#include "maide/wire/step_recorder.hpp"
+#include "maide/wire/system_wrapper.hpp"
+#include "maide/wire/watchdog.hpp"
+
+namespace maide {
+
+class WrapperSession {
+ public:
+  // Keeps references. `watchdog`, if there is one, sees resets and teardowns that never end.
+  explicit WrapperSession(SystemWrapper& wrapper, Watchdog* watchdog = nullptr);
+  ~WrapperSession();
+  WrapperSession(const WrapperSession&) = delete;
+  WrapperSession& operator=(const WrapperSession&) = delete;
+
+  // The wrapper's options and those that the SDK adds.
+  const std::vector<OptionSpec>& option_table() const { return table_; }
+  // Once, before anything else. Throws UsageError, one clear line.
+  const SulInfo& configure(const std::map<std::string, std::string>& given);
+  bool is_configured() const { return quiescence_ != nullptr; }
+  const SulInfo& info() const { return info_; }
+  void ignore_socket(int descriptor) { quiescence_->ignore_socket(descriptor); }
+  void add_purpose(const LearningPurpose& purpose) { purposes_.push_back(purpose); }
+
+  // Plays one query from a fresh reset; `is_aborted` is asked often. The instance stays until the
+  // next call or end_instance(). Throws std::runtime_error if the wrapper failed.
+  SulAnswer run(const SulQuery& query, const std::function<bool()>& is_aborted);
+
+  // Shuts the instance down, if there is one. Returns the actors whose calls could not be unblocked
+  // ("" if all could): then the instance is abandoned, and the process had better be replaced.
+  std::string end_instance();
+
+ private:
+  class Stepper;
+  void start_instance();
+  void select_actors(const SystemSetup& setup);
+  void select_events(const SystemSetup& setup);
+  void select_inputs(const SystemSetup& setup);
+  void select_bound(const SystemSetup& setup);
+  std::uint32_t actor_index(const std::string& name) const;
+  // `message` as it is observed: itself, or next, gap, ...
+  std::vector<std::string> observed_names(const std::string& event) const;
+
+  SystemWrapper& wrapper_;
+  Watchdog* watchdog_;
+  std::vector<OptionSpec> table_;
+  OptionValues options_;
+  SulInfo info_;
+  EventTable events_;
+  bool messages_come_again_ = false;
+  std::vector<LearningPurpose> purposes_;
+  std::unique_ptr<Quiescence> quiescence_;
+  std::chrono::milliseconds step_limit_{0};
+
+  std::vector<ActorThread> actors_;
+  std::shared_ptr<StepRecorder> recorder_;  // shared with calls that may outlive their word
+  std::unique_ptr<SystemInstance> instance_;
+  std::chrono::microseconds teardown_{0};  // of the last instance: part of the next reset's time
+};
+
+}  // namespace maide

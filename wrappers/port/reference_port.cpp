@@ -1,0 +1,78 @@
+#include "reference_port.hpp"
+
+#include <utility>
+
+namespace maide::port {
+
+bool Port::write(Message message) {
+  std::unique_lock lock(mutex_);
+  Offer mine{message};
+  taken_.wait(lock, [this] { return closed_ || offer_ == nullptr; });
+  if (closed_) return false;
+  offer_ = &mine;
+  offered_.notify_one();
+  taken_.wait(lock, [&] { return closed_ || mine.taken; });
+  if (!mine.taken) offer_ = nullptr;
+  return mine.taken;
+}
+
+std::optional<Message> Port::take() {
+  if (closed_ || offer_ == nullptr) return std::nullopt;
+  Offer& offer = *std::exchange(offer_, nullptr);
+  offer.taken = true;
+  taken_.notify_all();
+  return offer.message;
+}
+
+std::optional<Message> Port::read() {
+  std::unique_lock lock(mutex_);
+  offered_.wait(lock, [this] { return closed_ || offer_ != nullptr; });
+  return take();
+}
+
+std::optional<Message> Port::try_read() {
+  const std::scoped_lock lock(mutex_);
+  return take();
+}
+
+void Port::close() {
+  const std::scoped_lock lock(mutex_);
+  closed_ = true;
+  offered_.notify_all();
+  taken_.notify_all();
+}
+
+bool BufferedPort::write(Message message) {
+  const std::scoped_lock lock(mutex_);
+  if (closed_) return false;
+  if (!strict_) kept_.clear();
+  kept_.push_back(message);
+  arrived_.notify_one();
+  return true;
+}
+
+std::optional<Message> BufferedPort::take() {
+  if (closed_ || kept_.empty()) return std::nullopt;
+  const Message message = kept_.front();
+  kept_.pop_front();
+  return message;
+}
+
+std::optional<Message> BufferedPort::read() {
+  std::unique_lock lock(mutex_);
+  arrived_.wait(lock, [this] { return closed_ || !kept_.empty(); });
+  return take();
+}
+
+std::optional<Message> BufferedPort::try_read() {
+  const std::scoped_lock lock(mutex_);
+  return take();
+}
+
+void BufferedPort::close() {
+  const std::scoped_lock lock(mutex_);
+  closed_ = true;
+  arrived_.notify_all();
+}
+
+}  // namespace maide::port
