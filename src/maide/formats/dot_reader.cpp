@@ -1,3 +1,5 @@
+// DOT as it is read: both labelled forms, with the graph attributes that keep where a model came
+// from. What a foreign file lacks is worked out from its edges.
 #include <algorithm>
 #include <array>
 

@@ -1,3 +1,5 @@
+// DOT as it is written: one line a state and an edge, in the order of the model, so that the same
+// model always gives the same bytes.
 #include <ostream>
 
 #include "maide/formats/actors_text.hpp"

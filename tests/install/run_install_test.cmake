@@ -1,0 +1,37 @@
+# The steps of the install test; each must succeed.
+function(run)
+  execute_process(COMMAND ${ARGN} RESULT_VARIABLE result OUTPUT_VARIABLE output
+                  ERROR_VARIABLE output)
+  if(NOT result EQUAL 0)
+    list(JOIN ARGN " " command)
+    message(FATAL_ERROR "${command}\nended with ${result}:\n${output}")
+  endif()
+  set(output "${output}" PARENT_SCOPE)
+endfunction()
+
+file(REMOVE_RECURSE "${work_dir}")
+run(${CMAKE_COMMAND} --install ${build_dir} --prefix "${work_dir}/staging")
+# An installation works wherever it is put.
+file(RENAME "${work_dir}/staging" "${work_dir}/prefix")
+
+run("${work_dir}/prefix/bin/maide" --version)
+if(NOT output STREQUAL "maide ${version}\n")
+  message(FATAL_ERROR "the installed program says: ${output}")
+endif()
+
+# Every wrapper that was built is installed, and the program finds it there.
+file(GLOB built RELATIVE ${build_dir}/bin ${build_dir}/bin/maide-wrap-*)
+execute_process(COMMAND "${work_dir}/prefix/bin/maide" doctor --json OUTPUT_VARIABLE report)
+foreach(wrapper ${built})
+  string(FIND "${report}" "${work_dir}/prefix/libexec/maide/${wrapper}" place)
+  if(place EQUAL -1)
+    message(FATAL_ERROR "${wrapper} is not installed, or not found: ${report}")
+  endif()
+endforeach()
+
+run(${CMAKE_COMMAND} -S ${consumer_dir} -B "${work_dir}/consumer" -G ${generator}
+    -D CMAKE_BUILD_TYPE=${build_type} -D "CMAKE_PREFIX_PATH=${work_dir}/prefix"
+    -D maide_version=${version})
+run(${CMAKE_COMMAND} --build "${work_dir}/consumer")
+run("${work_dir}/consumer/use_maide")
+run("${work_dir}/consumer/use_wrapper")

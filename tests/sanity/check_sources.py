@@ -1,0 +1,193 @@
+"""Checks on the sources: what a reader relies on and no compiler looks at.
+
+    check_sources.py CHECK FOLDER
+
+Each check prints one line a finding, "file:line: what is wrong", and exits 1 if there is any.
+"""
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+# What each layer of src/maide may include. A wrapper's process carries no learner, so sul and wire
+# do without formats; check knows nothing of learning.
+LAYERS = ["base", "automata", "formats", "sul", "wire", "learn", "conformance", "check", "extract",
+          "workflow", "report", "cli"]
+WRAPPER_LAYERS = ["base", "automata", "sul", "wire"]
+
+
+def allowed_layers(layer):
+    if layer in WRAPPER_LAYERS:
+        return set(WRAPPER_LAYERS[: WRAPPER_LAYERS.index(layer) + 1])
+    allowed = set(LAYERS[: LAYERS.index(layer) + 1])
+    if layer == "check":
+        allowed -= {"sul", "wire", "learn", "conformance"}
+    return allowed
+
+
+LENGTH_LIMIT = 600
+CODE = {".cpp", ".hpp", ".py", ".sh"}
+INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]')
+
+
+class Sources:
+    """The files under version control, or, in an unpacked archive, all files."""
+
+    def __init__(self, root):
+        self.root = root
+        listing = subprocess.run(["git", "-C", root, "ls-files", "-z", "--cached", "--others",
+                                  "--exclude-standard"], capture_output=True, text=True)
+        if listing.returncode == 0:
+            names = [name for name in listing.stdout.split("\0") if name]
+        else:
+            names = [str(path.relative_to(root)) for path in root.rglob("*") if path.is_file()
+                     and path.relative_to(root).parts[0] not in ("build", ".git")]
+        self.files = sorted(Path(name) for name in names if (root / name).is_file())
+
+    def text(self, path):
+        return (self.root / path).read_text(encoding="utf-8", errors="replace")
+
+    def code(self):
+        return [path for path in self.files if path.suffix in CODE or
+                (path.parts[0] in ("scripts", ".ci") and path.suffix == "")]
+
+
+def layer_of(path):
+    """The layer of a file or of an include, such as "maide/base/error.hpp"; else None."""
+    parts = path.parts[1:] if path.parts[0] == "src" else path.parts
+    return parts[1] if len(parts) > 2 and parts[0] == "maide" else None
+
+
+def check_layering(sources):
+    for path in sources.code():
+        if path.suffix not in (".cpp", ".hpp"):
+            continue
+        in_library = path.parts[:2] == ("src", "maide")
+        in_wrapper = path.parts[0] == "wrappers"
+        for number, line in enumerate(sources.text(path).splitlines(), 1):
+            match = INCLUDE.match(line)
+            if not match:
+                continue
+            included = match.group(1)
+            if "../" in included:
+                yield path, number, f"includes {included}: write the path from src/"
+                continue
+            if in_library and "/" not in included and line.rstrip().endswith('"'):
+                yield path, number, f"includes {included}: write the path from src/"
+            layer = layer_of(Path(included))
+            if layer is None:
+                continue
+            if not (sources.root / "src" / included).is_file():
+                yield path, number, f"includes {included}, which is not there"
+            own = layer_of(path) if in_library else None
+            if own is not None and layer not in allowed_layers(own):
+                yield path, number, f"layer {own} must not include {included}"
+            if in_wrapper and layer not in WRAPPER_LAYERS:
+                yield path, number, f"a wrapper must not include {included}"
+
+
+def check_listed(sources):
+    """Every source is in the list of its folder's CMakeLists.txt, so that it is built."""
+    for path in sources.files:
+        if path.parts[:2] != ("src", "maide") or path.suffix not in (".cpp", ".hpp"):
+            continue
+        if layer_of(path) == "cli" and path.suffix == ".hpp":
+            continue  # not installed, so not listed
+        listing = path.parent / "CMakeLists.txt"
+        if not re.search(rf"(?<![\w.]){re.escape(path.name)}(?![\w.])", sources.text(listing)):
+            yield path, 1, f"is not listed in {listing}"
+
+
+def check_openings(sources):
+    """Every file says in its first lines what it is. A source whose header says it may begin with
+    that header, a unit test with the header that it tests."""
+    for path in sources.code():
+        lines = sources.text(path).splitlines()
+        if lines and lines[0].startswith("#!"):
+            lines = lines[1:]
+        first = lines[0] if lines else ""
+        if first.startswith(("// ", "# ", '"""')):
+            continue
+        header = path.with_suffix(".hpp")
+        if path.suffix == ".cpp" and header in sources.files and first == \
+                f'#include "{Path(*header.parts[1:])}"':
+            continue
+        if path.parts[:2] == ("tests", "unit"):
+            tested = path.stem.removeprefix("test_").removesuffix("_test") + ".hpp"
+            if first == f'#include "maide/{path.parts[2]}/{tested}"':
+                continue
+        yield path, 1, "does not open with a comment that says what it is"
+
+
+def check_length(sources):
+    for path in sources.code():
+        count = len(sources.text(path).splitlines())
+        if count > LENGTH_LIMIT:
+            yield path, count, f"has {count} lines; {LENGTH_LIMIT} is the limit: split by concept"
+
+
+def check_names(sources):
+    """A file's name says its concept; the same name twice in the library says it twice."""
+    seen = {}
+    for path in sources.files:
+        if path.parts[:2] == ("src", "maide") and path.suffix in (".cpp", ".hpp"):
+            other = seen.setdefault(path.name, path)
+            if other != path:
+                yield path, 1, f"has the name of {other}"
+            if not re.fullmatch(r"[a-z0-9_]+\.[ch]pp", path.name):
+                yield path, 1, "the name is not in snake_case"
+
+
+def check_machine(sources):
+    """Nothing that holds on one machine alone."""
+    pattern = re.compile(r"(?<![\w.~$}>)-])/(?:home|root|work|Users)/\w|\b192\.168\.|\b10\.\d+\.\d+\.\d+\b")
+    for path in sources.files:
+        if path.suffix in (".png", ".svg", ".jpg") or path.name == "check_sources.py":
+            continue
+        for number, line in enumerate(sources.text(path).splitlines(), 1):
+            if pattern.search(line):
+                yield path, number, f"names a place on one machine: {line.strip()[:80]}"
+
+
+def check_snippets(sources):
+    """C++ in the documentation is cut from files that are compiled and tested. Before each block
+    stands the file that it is from, `<!-- from examples/coffee/coffee.cpp -->`."""
+    marker = re.compile(r"<!-- from (\S+) -->")
+    for path in sources.files:
+        if path.suffix != ".md":
+            continue
+        lines = sources.text(path).splitlines()
+        for number, line in enumerate(lines, 1):
+            if line.strip() not in ("```cpp", "```c++"):
+                continue
+            end = next((i for i in range(number, len(lines)) if lines[i].strip() == "```"), None)
+            if end is None:
+                yield path, number, "the block does not end"
+                continue
+            match = marker.search(lines[number - 2]) if number > 1 else None
+            if match is None:
+                yield path, number, "no line `<!-- from FILE -->` before the block"
+                continue
+            origin = Path(match.group(1))
+            if origin not in sources.files:
+                yield path, number, f"{origin} is not there"
+                continue
+            block = "\n".join(lines[number:end])
+            if f"\n{block}\n" not in f"\n{sources.text(origin)}\n":
+                yield path, number, f"is not what {origin} says"
+
+
+def main():
+    check, root = sys.argv[1], Path(sys.argv[2])
+    sources = Sources(root)
+    if not sources.files:
+        sys.exit(f"no files under {root}")
+    findings = list(globals()["check_" + check](sources))
+    for path, number, what in findings:
+        print(f"{path}:{number}: {what}")
+    sys.exit(1 if findings else 0)
+
+
+if __name__ == "__main__":
+    main()
