@@ -110,8 +110,8 @@ def check_openings(sources):
         if first.startswith(("// ", "# ", '"""')):
             continue
         header = path.with_suffix(".hpp")
-        if path.suffix == ".cpp" and header in sources.files and first == \
-                f'#include "{Path(*header.parts[1:])}"':
+        own_includes = [f'#include "{Path(*header.parts[1:])}"', f'#include "{header.name}"']
+        if path.suffix == ".cpp" and header in sources.files and first in own_includes:
             continue
         if path.parts[:2] == ("tests", "unit"):
             tested = path.stem.removeprefix("test_").removesuffix("_test") + ".hpp"
