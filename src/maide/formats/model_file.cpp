@@ -1,6 +1,7 @@
 #include "maide/formats/model_file.hpp"
 
 #include "maide/base/file.hpp"
+#include "maide/formats/aut.hpp"
 #include "maide/formats/dot.hpp"
 
 namespace maide {
@@ -10,6 +11,7 @@ Model read_model(const std::filesystem::path& path) {
   if (extension == ".dot" || extension == ".gv") {
     return read_dot(read_file(path), path.string());
   }
+  if (extension == ".aut") return read_aut(read_file(path), path.string());
   throw UsageError("a model's file ends in .dot, .gv or .aut (" + path.string() + ")");
 }
 

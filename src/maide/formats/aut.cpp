@@ -1,0 +1,246 @@
+#include "maide/formats/aut.hpp"
+
+#include <charconv>
+#include <ostream>
+
+#include "maide/formats/names.hpp"
+
+namespace maide {
+
+namespace {
+
+// Beyond what the transitions touch: isolated states are legal, a file of 20 bytes that asks for
+// gigabytes of them is not.
+constexpr std::uint64_t max_isolated_states = 1'000'000;
+
+class AutReader {
+ public:
+  AutReader(std::string_view text, const std::string& file) : text_(text) { graph_.file = file; }
+
+  Model read() {
+    expect_word("des");
+    expect('(');
+    const auto initial_place = here();
+    const std::uint64_t initial = number("the initial state");
+    expect(',');
+    const auto count_place = here();
+    const std::uint64_t transitions = number("the number of transitions");
+    expect(',');
+    const auto states_place = here();
+    states_ = number("the number of states");
+    expect(')');
+    if (states_ == 0) fail("a model has at least one state", states_place);
+    if (initial >= states_)
+      fail("the initial state is not below the number of states", initial_place);
+    skip_blanks();
+    while (position_ < text_.size()) {
+      transition();
+      skip_blanks();
+    }
+    if (graph_.edges.size() != transitions) {
+      fail("the first line says " + std::to_string(transitions) + " transitions, there are " +
+               std::to_string(graph_.edges.size()),
+           count_place);
+    }
+    if (states_ > 2 * transitions + max_isolated_states) {
+      fail("the first line says " + std::to_string(states_) +
+               " states, most of them without transitions",
+           states_place);
+    }
+    graph_.initial = static_cast<StateId>(initial);
+    graph_.states.reserve(states_);
+    for (std::uint64_t state = 0; state < states_; ++state) {
+      graph_.states.push_back({std::to_string(state), states_place, {}});
+    }
+    return to_model(graph_);
+  }
+
+ private:
+  using Place = LabelledGraph::Place;
+
+  Place here() {
+    skip_blanks();
+    return {line_, column_};
+  }
+  [[noreturn]] void fail(const std::string& what, Place place) const {
+    throw ParseError(what, graph_.at(place));
+  }
+  [[noreturn]] void fail(const std::string& what) const { fail(what, {line_, column_}); }
+
+  char take() {
+    const char letter = text_[position_++];
+    if (letter == '\n') {
+      ++line_;
+      column_ = 1;
+    } else if ((static_cast<unsigned char>(letter) & 0xc0) != 0x80) {
+      ++column_;
+    }
+    return letter;
+  }
+  bool at(char letter) const { return position_ < text_.size() && text_[position_] == letter; }
+  void skip_blanks() {
+    while (at(' ') || at('\t') || at('\n') || at('\r')) take();
+  }
+  void expect(char letter) {
+    skip_blanks();
+    if (!at(letter)) fail("'" + std::string(1, letter) + "' expected");
+    take();
+  }
+  void expect_word(std::string_view word) {
+    skip_blanks();
+    if (!text_.substr(position_).starts_with(word)) fail("'" + std::string(word) + "' expected");
+    for (std::size_t letter = 0; letter < word.size(); ++letter) take();
+  }
+
+  std::uint64_t number(const std::string& what) {
+    skip_blanks();
+    std::uint64_t value = 0;
+    const char* begin = text_.data() + position_;
+    const auto [end, error] = std::from_chars(begin, text_.data() + text_.size(), value);
+    if (error == std::errc::invalid_argument) fail(what + " expected");
+    if (error != std::errc{} || value >= Mealy::no_state) fail(what + " is too large");
+    while (text_.data() + position_ != end) take();
+    return value;
+  }
+
+  StateId state() {
+    const Place place = here();
+    const std::uint64_t value = number("a state");
+    if (value >= states_) {
+      fail("state " + std::to_string(value) + " is not below the number of states", place);
+    }
+    return static_cast<StateId>(value);
+  }
+
+  void transition() {
+    expect('(');
+    LabelledGraph::Edge edge;
+    edge.from = state();
+    expect(',');
+    edge.place = here();
+    edge.label = label();
+    expect(',');
+    edge.to = state();
+    expect(')');
+    graph_.edges.push_back(std::move(edge));
+  }
+
+  // In quotes (\" and \\ inside, as write_aut writes them), or else up to the line's last comma.
+  std::string label() {
+    std::string text;
+    if (at('"')) {
+      const Place begin{line_, column_};
+      take();
+      while (position_ < text_.size()) {
+        char letter = take();
+        if (letter == '"') return text;
+        if (letter == '\\' && position_ < text_.size()) {
+          letter = take();
+          if (letter == 'n') letter = '\n';
+        }
+        text += letter;
+      }
+      fail("unfinished label", begin);
+    }
+    const std::string_view rest = text_.substr(position_);
+    const std::string_view line = rest.substr(0, rest.find('\n'));
+    const std::size_t comma = line.rfind(',');
+    if (comma == std::string_view::npos) fail("',' expected after the label");
+    while (text.size() < comma) text += take();
+    return std::string(trim(text));
+  }
+
+  std::string_view text_;
+  LabelledGraph graph_;
+  std::size_t position_ = 0;
+  int line_ = 1;
+  int column_ = 1;
+  std::uint64_t states_ = 0;
+};
+
+void write_line(std::ostream& out, StateId from, std::string_view label, StateId to) {
+  out << '(' << from << ", \"";
+  for (const char letter : label) {
+    if (letter == '\n') {
+      out << "\\n";
+      continue;
+    }
+    if (letter == '"' || letter == '\\') out << '\\';
+    out << letter;
+  }
+  out << "\", " << to << ")\n";
+}
+
+// There is no place to say what the labels are: a machine all of whose inputs begin with ? or !
+// would come back as an interface automaton.
+void refuse_misleading_labels(const Mealy& machine) {
+  std::vector<std::string> labels;
+  for (const std::string& input : machine.inputs().names()) {
+    labels.push_back(mealy_label(input, "output"));
+  }
+  if (looks_like_interface_automaton({labels.begin(), labels.end()})) {
+    throw UsageError(
+        "the .aut format cannot carry a Mealy machine whose inputs all begin with "
+        "'?' or '!'");
+  }
+}
+
+void write_transitions(std::ostream& out, const Mealy& machine) {
+  out << "des (" << machine.initial() << ", " << machine.size() * machine.inputs().size() << ", "
+      << machine.size() << ")\n";
+  for (StateId state = 0; state < machine.size(); ++state) {
+    for (Symbol input = 0; input < machine.inputs().size(); ++input) {
+      write_line(out, state,
+                 mealy_label(machine.inputs().name(input),
+                             machine.outputs().name(machine.output(state, input))),
+                 machine.target(state, input));
+    }
+  }
+}
+
+void write_transitions(std::ostream& out, const InterfaceAutomaton& automaton) {
+  out << "des (" << automaton.initial() << ", " << automaton.transition_count() << ", "
+      << automaton.size() << ")\n";
+  for (StateId state = 0; state < automaton.size(); ++state) {
+    for (const auto& transition : automaton.transitions(state)) {
+      write_line(out, state, action_label(automaton, transition.action), transition.target);
+    }
+  }
+}
+
+}  // namespace
+
+Model read_aut(std::string_view text, const std::string& file) {
+  return AutReader(text, file).read();
+}
+
+std::string marks_of(const Model& model) {
+  const auto* automaton = std::get_if<InterfaceAutomaton>(&model);
+  if (automaton == nullptr) return "";
+  bool unexplored = false;
+  bool absorbed = false;
+  for (StateId state = 0; state < automaton->size(); ++state) {
+    unexplored |= !automaton->unexplored(state).empty();
+    for (const auto& transition : automaton->transitions(state)) absorbed |= transition.absorbed;
+  }
+  std::string marks;
+  const auto add = [&](bool there, const char* what) {
+    if (there) marks += (marks.empty() ? "" : ", ") + std::string(what);
+  };
+  add(unexplored, "unexplored inputs");
+  add(absorbed, "absorbed edges");
+  add(!automaton->hidden_returns.empty(), "hidden returns");
+  return marks;
+}
+
+void write_aut(std::ostream& out, const Model& model, MarkLoss marks) {
+  const std::string lost = marks_of(model);
+  if (marks == MarkLoss::refuse && !lost.empty()) {
+    throw UsageError("the .aut format cannot carry the model's " + lost +
+                     ": --lossy writes it without");
+  }
+  if (const auto* machine = std::get_if<Mealy>(&model)) refuse_misleading_labels(*machine);
+  std::visit([&](const auto& automaton) { write_transitions(out, automaton); }, model);
+}
+
+}  // namespace maide
