@@ -1,12 +1,27 @@
 #include "maide/learn/output_oracle.hpp"
 
+#include <fmt/format.h>
+
 #include <utility>
+
+#include "maide/base/error.hpp"
 
 namespace maide {
 
 Word OutputOracle::ask(const Word& word, const RunControl& control) {
   const Query query = word;
-  return std::move(ask(std::span<const Query>(&query, 1), control).front().outputs);
+  MealyAnswer answer = std::move(ask(std::span<const Query>(&query, 1), control).front());
+  complete_outputs(answer, word);
+  return std::move(answer.outputs);
+}
+
+const Word& complete_outputs(const MealyAnswer& answer, const Word& word) {
+  if (answer.outputs.size() != word.size()) {
+    throw Error(ExitStatus::system_failed,
+                fmt::format("the system answered {} of the {} inputs of a word",
+                            answer.outputs.size(), word.size()));
+  }
+  return answer.outputs;
 }
 
 }  // namespace maide

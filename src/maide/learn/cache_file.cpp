@@ -1,0 +1,269 @@
+#include "maide/learn/cache_file.hpp"
+
+#include <fmt/format.h>
+#include <sqlite3.h>
+
+#include <cstdlib>
+#include <set>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "maide/base/error.hpp"
+
+namespace maide {
+namespace {
+
+constexpr const char* application_id = "1298229604";  // the letters "Maid"
+constexpr const char* format_version = "1";
+
+// Symbols as LEB128 numbers, one after the other.
+std::string encode(const Word& word) {
+  std::string bytes;
+  for (Symbol symbol : word) {
+    for (; symbol >= 0x80; symbol >>= 7) bytes.push_back(static_cast<char>(symbol | 0x80));
+    bytes.push_back(static_cast<char>(symbol));
+  }
+  return bytes;
+}
+
+// False if the bytes are no symbols below `limit`.
+bool decode(std::string_view bytes, std::size_t limit, Word& word) {
+  word.clear();
+  std::uint64_t symbol = 0;
+  unsigned shift = 0;
+  for (const char byte : bytes) {
+    symbol |= std::uint64_t{static_cast<unsigned char>(byte) & 0x7fu} << shift;
+    if ((static_cast<unsigned char>(byte) & 0x80) != 0) {
+      shift += 7;
+      if (shift > 28) return false;
+      continue;
+    }
+    if (symbol >= limit) return false;
+    word.push_back(static_cast<Symbol>(symbol));
+    symbol = 0;
+    shift = 0;
+  }
+  return shift == 0;
+}
+
+}  // namespace
+
+// A prepared statement, reset and finalised in time.
+class CacheFile::Statement {
+ public:
+  Statement(const CacheFile& file, const char* sql) : file_(file) {
+    if (sqlite3_prepare_v2(file.database_, sql, -1, &statement_, nullptr) != SQLITE_OK) {
+      file.fail("read");
+    }
+  }
+  ~Statement() { sqlite3_finalize(statement_); }
+  Statement(const Statement&) = delete;
+  Statement& operator=(const Statement&) = delete;
+
+  void bind(int place, std::string_view text) {
+    sqlite3_bind_text(statement_, place, text.data(), static_cast<int>(text.size()),
+                      SQLITE_TRANSIENT);
+  }
+  // True while there is a row.
+  bool step(const char* doing) {
+    const int result = sqlite3_step(statement_);
+    if (result == SQLITE_ROW) return true;
+    if (result != SQLITE_DONE) file_.fail(doing);
+    return false;
+  }
+  std::string_view column(int place) const {
+    const auto* bytes = static_cast<const char*>(sqlite3_column_blob(statement_, place));
+    const auto size = static_cast<std::size_t>(sqlite3_column_bytes(statement_, place));
+    return bytes == nullptr ? std::string_view() : std::string_view(bytes, size);
+  }
+
+ private:
+  const CacheFile& file_;
+  sqlite3_stmt* statement_ = nullptr;
+};
+
+CacheFile::CacheFile(const std::filesystem::path& path, const Alphabet& inputs,
+                     const Fingerprint& fingerprint)
+    : path_(path), inputs_(inputs) {
+  try {
+    open();
+    if (pragma("application_id") == "0" && pragma("schema_version") == "0") {
+      initialise(inputs, fingerprint);
+    } else {
+      verify(inputs, fingerprint);
+    }
+    if (sqlite3_prepare_v2(database_, "INSERT INTO words(inputs, outputs) VALUES (?, ?)", -1,
+                           &insert_word_, nullptr) != SQLITE_OK) {
+      fail("read");
+    }
+  } catch (...) {
+    close();
+    throw;
+  }
+}
+
+CacheFile::~CacheFile() {
+  if (in_transaction_) sqlite3_exec(database_, "COMMIT", nullptr, nullptr, nullptr);
+  close();
+}
+
+void CacheFile::close() noexcept {
+  sqlite3_finalize(insert_word_);
+  sqlite3_close(database_);
+  insert_word_ = nullptr;
+  database_ = nullptr;
+}
+
+// SQLite's last error as a line of ours.
+void CacheFile::fail(const char* doing) const {
+  const int code = sqlite3_errcode(database_) & 0xff;
+  const std::string name = path_.string();
+  if (code == SQLITE_BUSY || code == SQLITE_LOCKED) {
+    throw UsageError(fmt::format("the cache is in use by another process ({})", name));
+  }
+  if (code == SQLITE_NOTADB) throw UsageError(fmt::format("not a cache of Maide ({})", name));
+  if (code == SQLITE_CORRUPT) throw UsageError(fmt::format("the cache is damaged ({})", name));
+  throw UsageError(
+      fmt::format("cannot {} the cache: {} ({})", doing, sqlite3_errmsg(database_), name));
+}
+
+void CacheFile::execute(const char* sql) {
+  if (sqlite3_exec(database_, sql, nullptr, nullptr, nullptr) != SQLITE_OK) fail("write");
+}
+
+std::string CacheFile::pragma(const char* name) {
+  Statement statement(*this, fmt::format("PRAGMA {}", name).c_str());
+  return statement.step("read") ? std::string(statement.column(0)) : std::string();
+}
+
+void CacheFile::open() {
+  if (sqlite3_open_v2(path_.c_str(), &database_, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE,
+                      nullptr) != SQLITE_OK) {
+    fail("open");
+  }
+  sqlite3_extended_result_codes(database_, 0);
+  // An exclusive lock from the first access on: two runs must not write one cache. With it, WAL
+  // needs no shared memory and works on network file systems.
+  execute("PRAGMA locking_mode = EXCLUSIVE");
+  // Asked before anything is written, so a file that is not ours stays as it is.
+  const std::string id = pragma("application_id");
+  if (id != application_id && !(id == "0" && pragma("schema_version") == "0")) {
+    throw UsageError(fmt::format("a database, but not a cache of Maide ({})", path_.string()));
+  }
+  execute("PRAGMA journal_mode = WAL");
+  execute("PRAGMA synchronous = NORMAL");
+  execute("BEGIN EXCLUSIVE");
+  execute("COMMIT");
+}
+
+void CacheFile::initialise(const Alphabet& inputs, const Fingerprint& fingerprint) {
+  execute("BEGIN IMMEDIATE");
+  execute(fmt::format("PRAGMA application_id = {}", application_id).c_str());
+  execute(fmt::format("PRAGMA user_version = {}", format_version).c_str());
+  execute("CREATE TABLE fingerprint(name TEXT PRIMARY KEY, value TEXT NOT NULL)");
+  execute("CREATE TABLE inputs(id INTEGER PRIMARY KEY, name TEXT NOT NULL)");
+  execute("CREATE TABLE outputs(id INTEGER PRIMARY KEY, name TEXT NOT NULL)");
+  execute(
+      "CREATE TABLE words(id INTEGER PRIMARY KEY, inputs BLOB NOT NULL, outputs BLOB NOT NULL)");
+  for (const auto& [name, value] : fingerprint) {
+    Statement insert(*this, "INSERT INTO fingerprint VALUES (?, ?)");
+    insert.bind(1, name);
+    insert.bind(2, value);
+    insert.step("write");
+  }
+  for (const std::string& name : inputs.names()) {
+    Statement insert(*this, "INSERT INTO inputs(name) VALUES (?)");
+    insert.bind(1, name);
+    insert.step("write");
+  }
+  execute("COMMIT");
+}
+
+void CacheFile::verify(const Alphabet& inputs, const Fingerprint& fingerprint) {
+  const std::string version = pragma("user_version");
+  if (version != format_version) {
+    throw UsageError(fmt::format("the cache has format {}, this Maide reads format {} ({})",
+                                 version, format_version, path_.string()));
+  }
+  Fingerprint recorded;
+  Statement read_fingerprint(*this, "SELECT name, value FROM fingerprint");
+  while (read_fingerprint.step("read")) {
+    recorded.emplace(read_fingerprint.column(0), read_fingerprint.column(1));
+  }
+  std::string all_inputs;
+  Statement read_inputs(*this, "SELECT name FROM inputs ORDER BY id");
+  while (read_inputs.step("read")) {
+    all_inputs += (all_inputs.empty() ? "" : ",") + std::string(read_inputs.column(0));
+  }
+  Fingerprint expected = fingerprint;
+  std::string our_inputs;
+  for (const std::string& name : inputs.names()) {
+    our_inputs += (our_inputs.empty() ? "" : ",") + name;
+  }
+  recorded["the inputs"] = all_inputs;
+  expected["the inputs"] = our_inputs;
+  std::string differences;
+  const auto note = [&](const std::string& name, const char* there, const char* here) {
+    differences +=
+        fmt::format("{}{} {} there, {} here", differences.empty() ? "" : "; ", name, there, here);
+  };
+  const auto quoted = [](const std::string& value) { return "'" + value + "'"; };
+  for (const auto& [name, value] : recorded) {
+    const auto found = expected.find(name);
+    if (found == expected.end()) {
+      note(name, ("is " + quoted(value)).c_str(), "not set");
+    } else if (found->second != value) {
+      note(name, ("is " + quoted(value)).c_str(), quoted(found->second).c_str());
+    }
+  }
+  for (const auto& [name, value] : expected) {
+    if (!recorded.contains(name)) note(name, "is not set", quoted(value).c_str());
+  }
+  if (!differences.empty()) {
+    throw UsageError(fmt::format("the cache was recorded for another system: {} ({})", differences,
+                                 path_.string()));
+  }
+  Statement read_outputs(*this, "SELECT name FROM outputs ORDER BY id");
+  while (read_outputs.step("read")) outputs_.intern(read_outputs.column(0));
+}
+
+void CacheFile::for_each(const std::function<void(const Word&, const Word&)>& visit) {
+  Statement statement(*this, "SELECT inputs, outputs FROM words ORDER BY id");
+  Word inputs, outputs;
+  while (statement.step("read")) {
+    if (!decode(statement.column(0), inputs_.size(), inputs) ||
+        !decode(statement.column(1), outputs_.size(), outputs)) {
+      throw UsageError(fmt::format("the cache is damaged ({})", path_.string()));
+    }
+    visit(inputs, outputs);
+  }
+}
+
+void CacheFile::add(const Word& inputs, const Word& answer, const Alphabet& names) {
+  if (!in_transaction_) execute("BEGIN IMMEDIATE");
+  in_transaction_ = true;
+  while (outputs_.size() < names.size()) {
+    const std::string& name = names.name(static_cast<Symbol>(outputs_.size()));
+    Statement insert(*this, "INSERT INTO outputs(name) VALUES (?)");
+    insert.bind(1, name);
+    insert.step("write");
+    outputs_.intern(name);
+  }
+  const std::string input_bytes = encode(inputs), output_bytes = encode(answer);
+  sqlite3_bind_blob(insert_word_, 1, input_bytes.data(), static_cast<int>(input_bytes.size()),
+                    SQLITE_STATIC);
+  sqlite3_bind_blob(insert_word_, 2, output_bytes.data(), static_cast<int>(output_bytes.size()),
+                    SQLITE_STATIC);
+  const int result = sqlite3_step(insert_word_);
+  if (result != SQLITE_DONE) fail("write");
+  sqlite3_reset(insert_word_);
+}
+
+void CacheFile::commit() {
+  if (!in_transaction_) return;
+  execute("COMMIT");
+  in_transaction_ = false;
+}
+
+}  // namespace maide

@@ -1,0 +1,67 @@
+// The cache on disk: a SQLite database of the words that were run and their answers, written as the
+// run goes, so that a killed run resumes where it was. It belongs to one system: what the caller
+// gives as fingerprint (options, versions, translation) and the inputs must be the same when it is
+// opened again. One process at a time may have it open.
+//
+// Transactions end with each batch; in WAL mode a kill loses at most the words of the batch in
+// flight. All errors are UsageErrors of one line that name the file.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <string>
+
+#include "maide/automata/alphabet.hpp"
+
+struct sqlite3;
+struct sqlite3_stmt;
+
+namespace maide {
+
+// What identifies a system: names and values, say {"depth", "3"}.
+using Fingerprint = std::map<std::string, std::string>;
+
+class CacheFile {
+ public:
+  // Opens the file, or makes it. Throws UsageError if it cannot be written, is no cache, is open
+  // elsewhere, or was recorded for another system; the latter names what differs.
+  CacheFile(const std::filesystem::path& path, const Alphabet& inputs,
+            const Fingerprint& fingerprint);
+  ~CacheFile();
+  CacheFile(const CacheFile&) = delete;
+  CacheFile& operator=(const CacheFile&) = delete;
+
+  const std::filesystem::path& path() const { return path_; }
+  // The outputs of the words in the file, as those number them.
+  const Alphabet& outputs() const { return outputs_; }
+
+  // Hands over every word and its answer, in the order in which they were added.
+  void for_each(const std::function<void(const Word& inputs, const Word& outputs)>& visit);
+
+  // Adds a word and its answer; it is safe after the next commit(). `names` names the outputs; it
+  // begins with outputs().
+  void add(const Word& inputs, const Word& answer, const Alphabet& names);
+  // Ends the transaction that the first add() began; nothing to do is fine.
+  void commit();
+
+ private:
+  class Statement;
+
+  void execute(const char* sql);
+  void open();
+  void initialise(const Alphabet& inputs, const Fingerprint& fingerprint);
+  void verify(const Alphabet& inputs, const Fingerprint& fingerprint);
+  std::string pragma(const char* name);
+  [[noreturn]] void fail(const char* doing) const;
+  void close() noexcept;
+
+  std::filesystem::path path_;
+  sqlite3* database_ = nullptr;
+  sqlite3_stmt* insert_word_ = nullptr;
+  Alphabet inputs_, outputs_;
+  bool in_transaction_ = false;
+};
+
+}  // namespace maide

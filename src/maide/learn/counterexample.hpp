@@ -1,0 +1,32 @@
+// What all learners do with a counterexample: cut it where the outputs first differ, and find in it
+// a suffix that tells two states apart which the hypothesis takes for one (Rivest & Schapire,
+// "Inference of finite automata using homing sequences", Information and Computation 103, 1993).
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "maide/automata/mealy.hpp"
+#include "maide/learn/output_oracle.hpp"
+
+namespace maide {
+
+// Length of the shortest prefix of `word` on which the hypothesis' outputs are not `outputs`; 0 if
+// they agree. Both number outputs alike. O(length).
+std::size_t first_mismatch(const Mealy& hypothesis, const Word& word, const Word& outputs);
+
+// How a counterexample w of length m decomposes: for u = w[0..position), a = w[position] and
+// v = w[position+1..m), the words access(u) a and access(u a) lead the hypothesis to one state,
+// but v tells them apart in the system. v is never empty.
+struct Decomposition {
+  std::size_t position = 0;
+  std::uint64_t output_queries = 0;  // asked to find it, at most ceil(log2 m)
+};
+
+// Finds one by binary search. `counterexample` is cut at its first mismatch; `last_output` is what
+// the system answers to its last input; `access[q]` leads to state q in hypothesis and system.
+Decomposition decompose(const Mealy& hypothesis, std::span<const Word> access,
+                        const Word& counterexample, Symbol last_output, OutputOracle& oracle,
+                        const RunControl& control);
+
+}  // namespace maide

@@ -1,0 +1,34 @@
+#include "maide/learn/counting_oracle.hpp"
+
+namespace maide {
+
+void CountingOracle::count(const MealyAnswer& answer) {
+  QueryCounts& counts = statistics_.at(phase_);
+  ++counts.queries;
+  counts.symbols += answer.inputs.size() * std::uint64_t{answer.attempts};
+  counts.resets += answer.attempts;
+  counts.in_reset += answer.reset_duration;
+  counts.in_system += answer.system_duration;
+}
+
+std::vector<MealyAnswer> CountingOracle::ask(std::span<const Query> batch,
+                                             const RunControl& control,
+                                             const PartialSink& on_early_end) {
+  std::vector<MealyAnswer> answers =
+      system_.ask(batch, control, [&](std::size_t index, const MealyAnswer& answer) {
+        count(answer);
+        if (on_early_end) on_early_end(index, answer);
+      });
+  for (const MealyAnswer& answer : answers) count(answer);
+  return answers;
+}
+
+std::optional<Word> PhasedTeacher::find_counterexample(const Mealy& hypothesis,
+                                                       const RunControl& control) {
+  counter_.set_phase(LearnPhase::testing);
+  std::optional<Word> counterexample = teacher_.find_counterexample(hypothesis, control);
+  counter_.set_phase(LearnPhase::refinement);
+  return counterexample;
+}
+
+}  // namespace maide

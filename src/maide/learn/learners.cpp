@@ -1,0 +1,39 @@
+#include "maide/learn/learners.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+
+#include "maide/base/error.hpp"
+#include "maide/learn/lm_plus.hpp"
+#include "maide/learn/rivest_schapire.hpp"
+
+namespace maide {
+namespace {
+
+template <typename Algorithm>
+std::unique_ptr<Learner> make(OutputOracle& oracle) {
+  return std::make_unique<Algorithm>(oracle);
+}
+
+constexpr std::array table{
+    LearnerEntry{"rs", "observation table, Rivest & Schapire's handling of counterexamples",
+                 make<RivestSchapire>},
+    LearnerEntry{"lmplus", "L*M+: observation table, Shahbaz's handling of counterexamples",
+                 make<LmPlus>},
+};
+
+}  // namespace
+
+std::span<const LearnerEntry> learners() { return table; }
+
+const LearnerEntry& find_learner(std::string_view name) {
+  std::string known;
+  for (const LearnerEntry& entry : table) {
+    if (entry.name == name) return entry;
+    known += (known.empty() ? "" : ", ") + std::string(entry.name);
+  }
+  throw UsageError(fmt::format("unknown algorithm '{}'; known are: {}", name, known));
+}
+
+}  // namespace maide

@@ -1,0 +1,27 @@
+// The learning algorithms by name: the one place that the command line, its help and the
+// benchmarks read.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "maide/learn/learner.hpp"
+#include "maide/learn/output_oracle.hpp"
+
+namespace maide {
+
+struct LearnerEntry {
+  std::string_view name;         // as in `--algorithm NAME`
+  std::string_view description;  // one line, for help
+  std::unique_ptr<Learner> (*make)(OutputOracle& oracle);
+};
+
+// All of them, the default first.
+std::span<const LearnerEntry> learners();
+
+// The algorithm of this name; throws UsageError that lists the known ones.
+const LearnerEntry& find_learner(std::string_view name);
+
+}  // namespace maide

@@ -1,0 +1,79 @@
+// The observation table (S, E, T) of L* for Mealy machines (Angluin 1987; Shahbaz & Groz,
+// "Inferring Mealy Machines", FM 2009). Short rows S: access words, prefix-closed. Long rows: their
+// extensions by one input. Columns E: distinguishing suffixes, at first each single input. A cell T
+// holds the outputs along its suffix.
+//
+// Invariants: no two short rows are equal (so the table needs no consistency check); every short
+// row has all its extensions. Closed: every long row equals a short one.
+// Query cost: one output query a cell, (|S| k + 1) |E| in all; one batch for each filling round.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <unordered_map>
+#include <unordered_set>
+#include <vector>
+
+#include "maide/automata/mealy.hpp"
+#include "maide/learn/output_oracle.hpp"
+
+namespace maide {
+
+class ObservationTable {
+ public:
+  // The empty word as only short row, the single inputs as suffixes; nothing is asked yet. Keeps a
+  // reference to `oracle`. Throws UsageError if it has no inputs.
+  explicit ObservationTable(OutputOracle& oracle);
+
+  // Adds a non-empty suffix; false if it is there already.
+  bool add_suffix(const Word& suffix);
+
+  // Fills the table and moves long rows up until it is closed. Throws what the oracle throws; the
+  // table then keeps what was answered in the rounds before and can be closed later.
+  void close(const RunControl& control);
+
+  // The machine of a closed table, and each state's access word. States are numbered in the order
+  // of a breadth-first search. O(rows x suffixes).
+  struct Hypothesis {
+    Mealy machine;
+    std::vector<Word> access;
+  };
+  Hypothesis make_hypothesis() const;
+
+  std::size_t state_count() const { return short_rows_.size(); }
+  // Length of the longest prefix of `word` that is a row, short or long.
+  std::size_t longest_row_prefix(std::span<const Symbol> word) const;
+  std::uint64_t output_queries() const { return output_queries_; }
+
+ private:
+  using RowId = std::uint32_t;
+  static constexpr RowId no_row = ~RowId{0};
+  struct Row {
+    Word prefix;
+    std::vector<std::uint32_t> cells;  // one value for each suffix; fewer while not filled
+    RowId extensions = no_row;         // first of its k extensions; none: this is a long row
+  };
+  // A suffix and the different outputs seen along it; a cell holds an index into `values`.
+  struct Column {
+    Word suffix;
+    std::vector<Word> values;
+    std::unordered_map<Word, std::uint32_t, WordHash> index;
+  };
+
+  void fill(const RunControl& control);
+  bool promote_new_rows(RowId first);
+  void make_short(RowId row);
+  // The first extension of each row lies where `extensions` says.
+  RowId extension(RowId row, Symbol input) const { return rows_[row].extensions + input; }
+
+  OutputOracle& oracle_;
+  std::vector<Row> rows_;  // row 0 is the empty word's
+  std::vector<RowId> short_rows_;
+  std::vector<Column> columns_;  // column i < k is the single input i
+  std::unordered_set<Word, WordHash> suffixes_;
+  // Short rows by their cells (numbers like symbols, so WordHash serves).
+  std::unordered_map<Word, RowId, WordHash> short_by_cells_;
+  std::uint64_t output_queries_ = 0;
+};
+
+}  // namespace maide

@@ -1,0 +1,16 @@
+#include "maide/learn/rivest_schapire.hpp"
+
+#include "maide/learn/counterexample.hpp"
+
+namespace maide {
+
+std::vector<Word> RivestSchapire::suffixes_of(const Word& counterexample, Symbol last_output,
+                                              const RunControl& control) {
+  const Decomposition split =
+      decompose(hypothesis(), hypothesis_.access, counterexample, last_output, oracle_, control);
+  counterexample_queries_ += split.output_queries;
+  return {Word(counterexample.begin() + static_cast<std::ptrdiff_t>(split.position) + 1,
+               counterexample.end())};
+}
+
+}  // namespace maide

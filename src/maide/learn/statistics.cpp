@@ -1,0 +1,29 @@
+#include "maide/learn/statistics.hpp"
+
+namespace maide {
+
+std::string_view to_string(LearnPhase phase) {
+  switch (phase) {
+    case LearnPhase::learning: return "learning";
+    case LearnPhase::refinement: return "refinement";
+    case LearnPhase::testing: break;
+  }
+  return "testing";
+}
+
+QueryCounts& QueryCounts::operator+=(const QueryCounts& other) {
+  queries += other.queries;
+  symbols += other.symbols;
+  resets += other.resets;
+  in_reset += other.in_reset;
+  in_system += other.in_system;
+  return *this;
+}
+
+QueryCounts Statistics::total() const {
+  QueryCounts sum;
+  for (const QueryCounts& counts : phases_) sum += counts;
+  return sum;
+}
+
+}  // namespace maide

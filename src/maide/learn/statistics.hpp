@@ -1,0 +1,41 @@
+// What a run cost: queries, symbols, resets and seconds, by the phase of the learning loop.
+#pragma once
+
+#include <array>
+#include <chrono>
+#include <cstdint>
+#include <string_view>
+
+namespace maide {
+
+// What the learning loop is doing.
+enum class LearnPhase : std::uint8_t {
+  learning,    // the first hypothesis
+  refinement,  // a counterexample is analysed and the hypothesis made to agree with it
+  testing,     // an equivalence query
+};
+inline constexpr std::size_t learn_phase_count = 3;
+std::string_view to_string(LearnPhase phase);
+
+struct QueryCounts {
+  std::uint64_t queries = 0;               // words and decision trees
+  std::uint64_t symbols = 0;               // inputs given, those of repeated attempts included
+  std::uint64_t resets = 0;                // one for each attempt at each query
+  std::chrono::microseconds in_reset{0};   // summed over all systems that work in parallel
+  std::chrono::microseconds in_system{0};  // in the steps, resets not included; summed likewise
+
+  QueryCounts& operator+=(const QueryCounts& other);
+  bool operator==(const QueryCounts&) const = default;
+};
+
+class Statistics {
+ public:
+  QueryCounts& at(LearnPhase phase) { return phases_[static_cast<std::size_t>(phase)]; }
+  const QueryCounts& at(LearnPhase phase) const { return phases_[static_cast<std::size_t>(phase)]; }
+  QueryCounts total() const;
+
+ private:
+  std::array<QueryCounts, learn_phase_count> phases_{};
+};
+
+}  // namespace maide

@@ -1,0 +1,90 @@
+// A tree of execution traces: each edge is an input and the output it got. It is the data structure
+// under the cache, so it is small and quick: an edge takes 8 bytes, and a node with more than one
+// child has a block of child numbers, together never above 16 bytes an edge (chunks of memory that
+// are not full yet apart).
+//
+// A node is known by the edge that leads to it. Its `link` is its only child, or the place of its
+// block: a small hash table of children by input, of a power of two of slots, in which a child lies
+// at (input mod slots) or behind. A block as large as the alphabet is an array.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "maide/automata/alphabet.hpp"
+
+namespace maide {
+
+class TraceTree {
+ public:
+  using Node = std::uint32_t;
+  static constexpr Node root = 0;
+  static constexpr Node none = ~Node{0};
+  // Inputs and outputs must be below this.
+  static constexpr Symbol max_symbol = 0xffff;
+
+  TraceTree();
+
+  // The child of `node` by `input`, or none. O(1) on average.
+  Node child(Node node, Symbol input) const {
+    const std::uint32_t link = at(node).link;
+    if (link == 0) return none;
+    if ((link & block_flag) == 0) return at(link).input == input ? link : none;
+    return find_in_block(block(link & ~block_flag), input);
+  }
+  // Input and output of the edge that leads to `node`, which is not the root.
+  Symbol input(Node node) const { return at(node).input; }
+  Symbol output(Node node) const { return at(node).output; }
+
+  // Adds the child of `node` by `input`, which has none yet. Throws Error if a symbol is too large
+  // or the tree is full (2^31 edges). O(1) on average.
+  Node add_child(Node node, Symbol input, Symbol output);
+
+  // The children, by ascending input. O(children).
+  void children(Node node, std::vector<Node>& result) const;
+
+  std::uint64_t edge_count() const { return size_ - 1; }
+  // Memory held, in bytes.
+  std::uint64_t bytes() const;
+
+ private:
+  static constexpr std::uint32_t block_flag = 0x80000000;
+  static constexpr std::uint32_t node_bits = 15;   // nodes in a chunk: 2^15, 256 KiB
+  static constexpr std::uint32_t block_bits = 18;  // words in a chunk of blocks: 2^18, 1 MiB
+
+  struct Record {
+    std::uint32_t link = 0;  // 0: no child; flagged: place of a block; else: the only child
+    std::uint16_t input = 0, output = 0;
+  };
+  static_assert(sizeof(Record) == 8);
+
+  Record& at(Node node) { return nodes_[node >> node_bits][node & ((1u << node_bits) - 1)]; }
+  const Record& at(Node node) const {
+    return nodes_[node >> node_bits][node & ((1u << node_bits) - 1)];
+  }
+  // A block is its number of slots, then the slots: a child, or 0.
+  std::uint32_t* block(std::uint32_t place) const {
+    return &blocks_[place >> block_bits][place & ((1u << block_bits) - 1)];
+  }
+  Node find_in_block(const std::uint32_t* block, Symbol input) const {
+    const std::uint32_t mask = block[0] - 1;
+    for (std::uint32_t i = 0; i <= mask; ++i) {
+      const Node child = block[1 + ((input + i) & mask)];
+      if (child == 0) return none;
+      if (at(child).input == input) return child;
+    }
+    return none;
+  }
+  bool insert_into_block(std::uint32_t* block, Node child);
+  std::uint32_t allocate_block(std::uint32_t slots);
+  void free_block(std::uint32_t place);
+
+  std::vector<std::unique_ptr<Record[]>> nodes_;
+  std::uint64_t size_ = 0;  // nodes, the root included
+  std::vector<std::unique_ptr<std::uint32_t[]>> blocks_;
+  std::uint32_t block_end_ = 0;                          // words used of the blocks' chunks
+  std::vector<std::vector<std::uint32_t>> free_blocks_;  // by logarithm of their slots
+};
+
+}  // namespace maide
