@@ -1,0 +1,23 @@
+// The equivalence oracle that knows the answer: compares with a reference machine and sends nothing
+// to the system. For simulated systems, tests and benchmarks.
+#pragma once
+
+#include "maide/learn/equivalence_oracle.hpp"
+
+namespace maide {
+
+class PerfectOracle : public EquivalenceOracle {
+ public:
+  // Keeps a reference to `reference`, which must be complete.
+  explicit PerfectOracle(const Mealy& reference) : reference_(reference) {}
+
+  // A shortest counterexample, alphabet-least. Throws UsageError if the inputs differ.
+  std::optional<Word> find_counterexample(const Mealy& hypothesis,
+                                          const RunControl& control = {}) override;
+  std::string guarantee() const override;
+
+ private:
+  const Mealy& reference_;
+};
+
+}  // namespace maide

@@ -1,0 +1,105 @@
+#include "maide/conformance/test_methods.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <utility>
+#include <vector>
+
+#include "maide/base/error.hpp"
+#include "maide/conformance/chain_oracle.hpp"
+#include "maide/conformance/perfect_oracle.hpp"
+#include "maide/conformance/random_walk.hpp"
+#include "maide/conformance/random_words.hpp"
+#include "maide/conformance/standard_method.hpp"
+#include "maide/conformance/w_method.hpp"
+
+namespace maide {
+namespace {
+
+using Oracle = std::unique_ptr<EquivalenceOracle>;
+
+// Sets a field of a method's options where the user set one.
+template <typename Field, typename Value>
+void set(Field& field, const std::optional<Value>& value) {
+  if (value) field = *value;
+}
+
+Oracle make_standard(const TestMethodContext& context, const TestMethodOptions& options) {
+  StandardMethodOptions method{.seed = options.seed, .batch_size = options.batch_size};
+  set(method.extra_states, options.extra_states);
+  method.max_tests = options.max_tests;
+  return std::make_unique<StandardMethod>(context.oracle, method);
+}
+
+Oracle make_w(const TestMethodContext& context, const TestMethodOptions& options) {
+  WMethodOptions method;
+  method.runner.batch_size = options.batch_size;
+  set(method.extra_states, options.extra_states);
+  set(method.runner.max_tests, options.max_tests);
+  return std::make_unique<WMethod>(context.oracle, method);
+}
+
+Oracle make_random_words(const TestMethodContext& context, const TestMethodOptions& options) {
+  RandomWordsOptions method{.seed = options.seed, .batch_size = options.batch_size};
+  set(method.max_tests, options.max_tests);
+  set(method.min_length, options.min_length);
+  set(method.max_length, options.max_length);
+  return std::make_unique<RandomWords>(context.oracle, method);
+}
+
+Oracle make_random_walk(const TestMethodContext& context, const TestMethodOptions& options) {
+  RandomWalkOptions method{.seed = options.seed, .batch_size = options.batch_size};
+  set(method.max_tests, options.max_tests);
+  set(method.max_length, options.max_length);
+  set(method.restart_probability, options.restart_probability);
+  return std::make_unique<RandomWalk>(context.oracle, method);
+}
+
+Oracle make_perfect(const TestMethodContext& context, const TestMethodOptions&) {
+  if (context.reference == nullptr) {
+    throw UsageError("the perfect oracle needs a simulated system (sim:FILE.dot)");
+  }
+  return std::make_unique<PerfectOracle>(*context.reference);
+}
+
+// What was observed already is looked at first. Not by the perfect oracle, whose counterexamples
+// are the shortest that there are.
+template <Oracle (*make)(const TestMethodContext&, const TestMethodOptions&)>
+Oracle after_cache(const TestMethodContext& context, const TestMethodOptions& options) {
+  Oracle oracle = make(context, options);
+  if (context.cache == nullptr) return oracle;
+  std::vector<Oracle> links;
+  links.push_back(context.cache->make_consistency_test());
+  links.push_back(std::move(oracle));
+  return std::make_unique<ChainOracle>(std::move(links));
+}
+
+constexpr std::array table{
+    TestMethodEntry{"standard",
+                    "W-method as deep as a budget of 2000 + 100 n k tests goes, then random words",
+                    "extra-states max-tests seed", after_cache<make_standard>},
+    TestMethodEntry{"w", "W-method (Chow, Vasilevskii)", "extra-states max-tests",
+                    after_cache<make_w>},
+    TestMethodEntry{"random-words", "independent random words",
+                    "max-tests min-length max-length seed", after_cache<make_random_words>},
+    TestMethodEntry{"random-walk", "random inputs with random resets",
+                    "max-tests max-length restart-probability seed", after_cache<make_random_walk>},
+    TestMethodEntry{"perfect", "compares with the simulated model; sends nothing", "",
+                    make_perfect},
+};
+
+}  // namespace
+
+std::span<const TestMethodEntry> test_methods() { return table; }
+
+const TestMethodEntry& find_test_method(std::string_view name) {
+  std::string known;
+  for (const TestMethodEntry& entry : table) {
+    if (entry.name == name) return entry;
+    known += (known.empty() ? "" : ", ") + std::string(entry.name);
+  }
+  throw UsageError(fmt::format("unknown equivalence method '{}'; known are: {}", name, known));
+}
+
+}  // namespace maide

@@ -1,0 +1,52 @@
+// The methods of equivalence testing by name: the one place that the command line, its help and the
+// experiments read.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "maide/conformance/test_runner.hpp"
+#include "maide/learn/cache.hpp"
+#include "maide/learn/equivalence_oracle.hpp"
+#include "maide/learn/output_oracle.hpp"
+
+namespace maide {
+
+// What is not set is the method's own default; what a method does not use, it does not look at.
+struct TestMethodOptions {
+  std::optional<std::size_t> extra_states;    // w, standard
+  std::optional<std::uint64_t> max_tests;     // of one equivalence query
+  std::optional<std::size_t> min_length;      // random-words
+  std::optional<std::size_t> max_length;      // random-words, random-walk
+  std::optional<double> restart_probability;  // random-walk
+  std::uint64_t seed = 0;
+  std::size_t batch_size = TestRunnerOptions{}.batch_size;
+};
+
+// What a method tests on.
+struct TestMethodContext {
+  OutputOracle& oracle;              // the tests are run here
+  Cache* cache = nullptr;            // if given, hypotheses are first compared with what it knows
+  const Mealy* reference = nullptr;  // the system as a machine, where it is known (simulations)
+};
+
+struct TestMethodEntry {
+  std::string_view name;         // as in `--eq NAME`
+  std::string_view description;  // one line, for help
+  std::string_view options;      // the options it looks at, separated by spaces
+  std::unique_ptr<EquivalenceOracle> (*make)(const TestMethodContext&, const TestMethodOptions&);
+};
+
+// All of them, the default first.
+std::span<const TestMethodEntry> test_methods();
+
+// The method of this name; throws UsageError that lists the known ones. What it makes keeps
+// references to the context's parts; `make` throws UsageError where the method cannot work on it
+// (`perfect` without a reference).
+const TestMethodEntry& find_test_method(std::string_view name);
+
+}  // namespace maide

@@ -1,0 +1,89 @@
+#include "maide/conformance/test_runner.hpp"
+
+#include <algorithm>
+
+#include "maide/base/error.hpp"
+
+namespace maide {
+namespace {
+
+constexpr Symbol unknown_output = ~Symbol{0};
+
+// The hypothesis' outputs in the oracle's numbering, matched by name; the oracle's grow.
+class OutputMap {
+ public:
+  OutputMap(const Alphabet& from, const Alphabet& to) : from_(from), to_(to) {}
+  void update() {
+    if (known_ == to_.size() && !map_.empty()) return;
+    known_ = to_.size();
+    map_.clear();
+    for (const std::string& name : from_.names()) {
+      map_.push_back(to_.find(name).value_or(unknown_output));
+    }
+  }
+  Symbol operator[](Symbol output) const { return map_[output]; }
+
+ private:
+  const Alphabet& from_;
+  const Alphabet& to_;
+  std::size_t known_ = 0;
+  std::vector<Symbol> map_;
+};
+
+// Length of the shortest prefix on which they differ, 0 if none. An answer that ends early differs
+// where it ends.
+std::size_t find_difference(const Mealy& hypothesis, const Word& word, const MealyAnswer& answer,
+                            const OutputMap& map) {
+  StateId state = hypothesis.initial();
+  for (std::size_t i = 0; i < word.size(); ++i) {
+    if (i >= answer.outputs.size()) return i + 1;
+    if (map[hypothesis.output(state, word[i])] != answer.outputs[i]) return i + 1;
+    state = hypothesis.target(state, word[i]);
+  }
+  return 0;
+}
+
+}  // namespace
+
+std::optional<Word> TestRunner::run(TestSuite& suite, const Mealy& hypothesis,
+                                    const RunControl& control) {
+  if (!(hypothesis.inputs() == oracle_.inputs())) {
+    throw UsageError("the model has other inputs than the system");
+  }
+  last_tests_ = 0;
+  last_was_complete_ = false;
+  OutputMap outputs(hypothesis.outputs(), oracle_.outputs());
+  Progress progress;
+  progress.phase = "testing";
+  progress.states = hypothesis.size();
+  progress.total = std::min(suite.size().value_or(options_.max_tests), options_.max_tests);
+  std::vector<Query> batch;
+  Word word;
+  while (last_tests_ < options_.max_tests) {
+    control.check("the equivalence test");
+    batch.clear();
+    while (batch.size() < options_.batch_size && last_tests_ + batch.size() < options_.max_tests &&
+           suite.next(word)) {
+      batch.emplace_back(word);
+    }
+    if (batch.empty()) {
+      last_was_complete_ = true;
+      return std::nullopt;
+    }
+    const std::vector<MealyAnswer> answers = oracle_.ask(batch, control);
+    outputs.update();
+    for (std::size_t i = 0; i < batch.size(); ++i) {
+      const Word& test = std::get<Word>(batch[i]);
+      ++last_tests_;
+      if (const std::size_t length = find_difference(hypothesis, test, answers[i], outputs)) {
+        return Word(test.begin(), test.begin() + static_cast<std::ptrdiff_t>(length));
+      }
+    }
+    progress.done = last_tests_;
+    control.report(progress);
+  }
+  last_was_complete_ = suite.size() == last_tests_;
+  return std::nullopt;
+}
+
+}  // namespace maide

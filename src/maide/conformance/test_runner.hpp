@@ -1,0 +1,47 @@
+// Runs test suites, for all methods: in batches, in the order of the suite, up to the first test
+// that tells hypothesis and system apart. The result does not depend on what runs in parallel below
+// the output oracle: the whole batch is answered, then looked through in order.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <optional>
+
+#include "maide/automata/mealy.hpp"
+#include "maide/base/run_control.hpp"
+#include "maide/conformance/test_suite.hpp"
+#include "maide/learn/equivalence_oracle.hpp"
+#include "maide/learn/output_oracle.hpp"
+
+namespace maide {
+
+struct TestRunnerOptions {
+  std::uint64_t max_tests = std::numeric_limits<std::uint64_t>::max();  // in one suite
+  std::size_t batch_size = 64;  // tests in flight; those behind a counterexample are wasted
+};
+
+class TestRunner {
+ public:
+  // Keeps a reference to `oracle`.
+  TestRunner(OutputOracle& oracle, TestRunnerOptions options)
+      : oracle_(oracle), options_(options) {}
+
+  // The first test on which they differ, cut at the first output that does; nothing if all pass.
+  // Throws UsageError if the hypothesis has other inputs than the system, Interrupted, and what the
+  // oracle throws. One output query a test.
+  std::optional<Word> run(TestSuite& suite, const Mealy& hypothesis, const RunControl& control);
+
+  std::uint64_t max_tests() const { return options_.max_tests; }
+  // Tests of the last run, up to and with the counterexample.
+  std::uint64_t last_tests() const { return last_tests_; }
+  // The last run came to the end of its suite (not to max_tests, nor to a counterexample).
+  bool last_was_complete() const { return last_was_complete_; }
+
+ private:
+  OutputOracle& oracle_;
+  TestRunnerOptions options_;
+  std::uint64_t last_tests_ = 0;
+  bool last_was_complete_ = false;
+};
+
+}  // namespace maide
