@@ -45,22 +45,26 @@ void Quiescence::ignore_socket(int descriptor) {
   if (scans_) scans_->sockets.ignore(descriptor);
 }
 
-bool Quiescence::observe() {
-  if (!scans_->threads.begin()) return false;
+bool Quiescence::observe(const std::function<bool()>& polls_in_vain) {
+  const bool polls = polls_in_vain();
+  if (!scans_->threads.begin(polls)) return false;
   scans_->sockets.take(scans_->before);
   if (!scans_->sockets.is_at_rest(scans_->before)) return false;
   sleep(shortest_pause);
   scans_->sockets.take(scans_->after);
-  return scans_->before == scans_->after && scans_->threads.end();
+  return scans_->before == scans_->after && scans_->threads.end() && polls == polls_in_vain();
 }
 
 Quiescence::Verdict Quiescence::wait(const std::function<Clock::time_point()>& last_event,
-                                     const std::function<bool()>& is_aborted) {
-  return settings_.observed ? wait_observed(last_event, is_aborted) : wait_fixed(is_aborted);
+                                     const std::function<bool()>& is_aborted,
+                                     const std::function<bool()>& polls_in_vain) {
+  return settings_.observed ? wait_observed(last_event, is_aborted, polls_in_vain)
+                            : wait_fixed(is_aborted);
 }
 
 Quiescence::Verdict Quiescence::wait_observed(const std::function<Clock::time_point()>& last_event,
-                                              const std::function<bool()>& is_aborted) {
+                                              const std::function<bool()>& is_aborted,
+                                              const std::function<bool()>& polls_in_vain) {
   const Clock::time_point start = Clock::now();
   std::chrono::nanoseconds pause = shortest_pause;
   while (true) {
@@ -73,7 +77,8 @@ Quiescence::Verdict Quiescence::wait_observed(const std::function<Clock::time_po
       continue;
     }
     // An event during the observation moves the floor.
-    if (observe() && (settings_.floor == 0ms || last_event() + settings_.floor <= now)) {
+    if (observe(polls_in_vain) &&
+        (settings_.floor == 0ms || last_event() + settings_.floor <= now)) {
       return Verdict::quiescent;
     }
     sleep(pause);

@@ -35,17 +35,22 @@ class Quiescence {
   void ignore_socket(int descriptor);
 
   // Blocks until quiescence, the limit, or `is_aborted`. `last_event` is asked for the time of the
-  // last event (any time in the past if there was none). The input has just been given.
+  // last event (any time in the past if there was none). The input has just been given. A thread in
+  // a timed sleep is at rest only while `polls_in_vain` says so (SystemInstance::polls_in_vain).
   Verdict wait(const std::function<Clock::time_point()>& last_event,
-               const std::function<bool()>& is_aborted);
+               const std::function<bool()>& is_aborted,
+               const std::function<bool()>& polls_in_vain = never);
 
   // One observation: was there an instant just now at which nothing was going on?
-  bool observe();
+  bool observe(const std::function<bool()>& polls_in_vain = never);
 
  private:
+  static bool never() { return false; }
+
   struct Scans;
   Verdict wait_observed(const std::function<Clock::time_point()>& last_event,
-                        const std::function<bool()>& is_aborted);
+                        const std::function<bool()>& is_aborted,
+                        const std::function<bool()>& polls_in_vain);
   Verdict wait_fixed(const std::function<bool()>& is_aborted) const;
 
   QuiescenceSettings settings_;

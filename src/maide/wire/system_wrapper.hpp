@@ -93,6 +93,10 @@ class SystemInstance {
   // From another thread: lets every blocked call return soon, now and for all later calls. What is
   // still reported is dropped. If a call stays blocked the process ends and is replaced.
   virtual void shutdown() = 0;
+  // A call that sleeps for a set time means "not quiescent yet". Some calls block by sleeping and
+  // looking, again and again; where the instance knows that such a call will find nothing until the
+  // next input, it says true. Asked from another thread while all threads sleep.
+  virtual bool polls_in_vain() const { return false; }
 };
 
 class SystemWrapper {

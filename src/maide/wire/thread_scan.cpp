@@ -165,7 +165,7 @@ ThreadScan::Entry* ThreadScan::find(pid_t thread) {
   return entries_.emplace_back(std::make_unique<Entry>(thread, folder_of(thread))).get();
 }
 
-bool ThreadScan::begin() {
+bool ThreadScan::begin(bool timed_sleep_is_rest) {
   list_threads(threads_);
   std::erase_if(entries_, [this](const auto& entry) {
     return std::find(threads_.begin(), threads_.end(), entry->thread) == threads_.end();
@@ -179,10 +179,13 @@ bool ThreadScan::begin() {
       std::erase_if(entries_, [&](const auto& known) { return known.get() == entry; });
       return false;
     }
-    const bool is_blocked =
-        shows_syscall_ ? parse_syscall(read_text(entry->syscall.get(), buffer)) == Block::blocked
-                       : parse_state(read_text(entry->stat.get(), buffer)) == 'S';
-    if (!is_blocked) return false;
+    if (!shows_syscall_) {
+      if (parse_state(read_text(entry->stat.get(), buffer)) != 'S') return false;
+      continue;
+    }
+    const Block block = parse_syscall(read_text(entry->syscall.get(), buffer));
+    if (block == Block::running) return false;
+    if (block == Block::timed_sleep && !timed_sleep_is_rest) return false;
   }
   return true;
 }

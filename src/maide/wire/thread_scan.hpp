@@ -35,8 +35,9 @@ class ThreadScan {
   ThreadScan(const ThreadScan&) = delete;
   ThreadScan& operator=(const ThreadScan&) = delete;
 
-  // First pass: false if a thread is not asleep, or sleeps only for a set time (nanosleep).
-  bool begin();
+  // First pass: false if a thread is not asleep, or sleeps only for a set time (nanosleep) and that
+  // is not `timed_sleep_is_rest`.
+  bool begin(bool timed_sleep_is_rest = false);
   // Second pass, after begin() said true: false if a thread has run since, is about to, has come or
   // gone. Some 3 to 8 microseconds a thread for both passes.
   bool end();

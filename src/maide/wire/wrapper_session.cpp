@@ -35,7 +35,8 @@ class WrapperSession::Stepper : public SteppedSystem {
     start_call(input);
     StepRecorder& recorder = *session_.recorder_;
     const Quiescence::Verdict verdict =
-        session_.quiescence_->wait([&] { return recorder.last_event(); }, is_aborted_);
+        session_.quiescence_->wait([&] { return recorder.last_event(); }, is_aborted_,
+                                   [&] { return session_.instance_->polls_in_vain(); });
     step.duration = since(start);
     step.events = recorder.take_events();
     for (std::uint32_t actor = 0; actor < session_.actors_.size(); ++actor) {

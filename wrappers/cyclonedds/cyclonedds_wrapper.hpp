@@ -1,0 +1,39 @@
+// The wrapper for Eclipse Cyclone DDS: `maide learn cyclonedds history=keep_last depth=10`. One
+// writer and one reader of one topic, in one process, with the QoS that the user names. The actor
+// `writer` calls dds_write; `reader` waits for data on a waitset and takes one sample (read), or
+// takes one if there is one (tryread).
+//
+// The domain has no network at all (transport `none`): within a process Cyclone hands a sample to
+// the readers of its own domain from within dds_write. So nothing leaves the process, no protocol
+// timer runs, wrappers side by side never meet, and CYCLONEDDS_URI is not looked at.
+//
+// A reset keeps process, domain and participant; topic, writer and reader are fresh for each word.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "connection.hpp"
+#include "maide/wire/system_wrapper.hpp"
+
+namespace maide::cyclonedds {
+
+class CycloneDdsWrapper : public SystemWrapper {
+ public:
+  CycloneDdsWrapper();
+  const WrapperDescription& description() const override { return description_; }
+  SystemSetup configure(const OptionValues& options) override;
+  std::unique_ptr<SystemInstance> reset(EventSink& sink) override;
+
+ private:
+  void start_domain();
+
+  WrapperDescription description_;
+  Policies policies_;
+  std::uint64_t words_ = 0;
+  Entity domain_, participant_;
+  std::vector<Endpoints> retired_;  // of past words, to be deleted
+};
+
+}  // namespace maide::cyclonedds

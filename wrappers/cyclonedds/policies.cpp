@@ -1,0 +1,73 @@
+#include "policies.hpp"
+
+#include "maide/base/error.hpp"
+
+namespace maide::cyclonedds {
+
+std::vector<OptionSpec> Policies::options() {
+  return {
+      OptionSpec::choice("history", "keep_last", {"keep_last", "keep_all"},
+                         "QoS of both ends: what is kept for the reader; DDS's default"),
+      OptionSpec::integer("depth", 1, 1, 1000, "samples that keep_last keeps; DDS's default"),
+      OptionSpec::choice("reliability", "default", {"default", "reliable", "best_effort"},
+                         "QoS of both ends; by DDS's default the writer is reliable, the reader "
+                         "best_effort"),
+      OptionSpec::integer("max-samples", 0, 0, 1000,
+                          "resource limit of a keep_all reader, 0 for none; DDS's default"),
+      OptionSpec::choice("max-blocking-time", "infinite", {"infinite", "0"},
+                         "how long a reliable write waits for room before it fails (DDS's default "
+                         "is 100 ms, but time is not modelled)"),
+  };
+}
+
+Policies Policies::from(const OptionValues& options) {
+  Policies policies;
+  const bool keep_all = options.is("history", "keep_all");
+  if (keep_all) policies.history = DDS_HISTORY_KEEP_ALL;
+  policies.depth = static_cast<std::int32_t>(options.number("depth"));
+  if (!options.is("reliability", "default")) {
+    policies.reliable_writer = policies.reliable_reader = options.is("reliability", "reliable");
+  }
+  const bool limited = options.number("max-samples") > 0;
+  if (limited) policies.max_samples = static_cast<std::int32_t>(options.number("max-samples"));
+  if (options.is("max-blocking-time", "0")) policies.max_blocking_time = 0;
+
+  if (keep_all && policies.depth != 1) {
+    throw UsageError("option depth: it means nothing with history=keep_all");
+  }
+  if (!keep_all && limited) {
+    throw UsageError("option max-samples: it needs history=keep_all");
+  }
+  if (keep_all && !limited && options.number("size") == 0) {
+    throw UsageError(
+        "option history: keep_all grows without limit, so say size=N (messages in flight to try) "
+        "or max-samples=N");
+  }
+  return policies;
+}
+
+Qos Policies::reader_qos() const {
+  Qos qos(dds_create_qos());
+  dds_qset_history(qos.get(), history, depth);
+  dds_qset_reliability(qos.get(),
+                       reliable_reader ? DDS_RELIABILITY_RELIABLE : DDS_RELIABILITY_BEST_EFFORT, 0);
+  dds_qset_resource_limits(qos.get(), max_samples, DDS_LENGTH_UNLIMITED, DDS_LENGTH_UNLIMITED);
+  return qos;
+}
+
+Qos Policies::writer_qos() const {
+  Qos qos(dds_create_qos());
+  dds_qset_history(qos.get(), history, depth);
+  dds_qset_reliability(qos.get(),
+                       reliable_writer ? DDS_RELIABILITY_RELIABLE : DDS_RELIABILITY_BEST_EFFORT,
+                       max_blocking_time);
+  return qos;
+}
+
+std::size_t Policies::capacity() const {
+  if (history == DDS_HISTORY_KEEP_LAST) return static_cast<std::size_t>(depth);
+  if (max_samples == DDS_LENGTH_UNLIMITED) return 0;
+  return static_cast<std::size_t>(max_samples) + (write_may_block() ? 1 : 0);
+}
+
+}  // namespace maide::cyclonedds
