@@ -5,8 +5,9 @@
 // others of the same batch, decision trees as far as the tree knows their path. A fresh answer that
 // contradicts the tree is a NondeterminismError with both answers.
 //
-// Invariant: outputs are numbered in the order in which answers are handed up, whatever a file held
-// before or a system below answered first: a resumed run numbers them as an uninterrupted one.
+// Invariants: outputs are numbered in the order in which answers are handed up, and the consistency
+// test knows only what was handed up, whatever a file held before or a system below answered first:
+// a resumed run goes the way of an uninterrupted one, word for word.
 #pragma once
 
 #include <cstdint>
@@ -37,7 +38,8 @@ class Cache : public OutputOracle {
                                const PartialSink& on_early_end = {}) override;
 
   // Equivalence oracle that sends nothing: finds a shortest (then alphabet-least) known word that
-  // the hypothesis gets wrong. Lives no longer than the cache.
+  // the hypothesis gets wrong. Knows only what was asked in this run, not what a file holds beyond
+  // that: so a resumed run goes the way of an uninterrupted one. Lives no longer than the cache.
   std::unique_ptr<EquivalenceOracle> make_consistency_test();
 
   std::uint64_t hits() const { return hits_; }      // queries that needed no system
@@ -51,9 +53,9 @@ class Cache : public OutputOracle {
 
   static constexpr Symbol no_symbol = ~Symbol{0};
 
-  // A word or a tree, outputs in the tree's numbering; from the tree as far as it goes; true if to
-  // the end of the query.
-  bool answer_from_tree(const Query& query, MealyAnswer& answer) const;
+  // Answers, outputs in the tree's numbering, as far as the tree goes; true if to the end of the
+  // query. Marks what it reads as asked in this run.
+  bool answer_from_tree(const Query& query, MealyAnswer& answer);
   void ask_system(std::span<const Query> batch, std::vector<std::size_t> unknown,
                   std::vector<MealyAnswer>& answers, const RunControl& control);
   std::vector<MealyAnswer> send(std::span<const Query> batch, std::span<const std::size_t> selected,

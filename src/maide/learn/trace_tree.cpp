@@ -13,8 +13,8 @@ TraceTree::TraceTree() {
 }
 
 TraceTree::Node TraceTree::add_child(Node node, Symbol input, Symbol output) {
-  if (input >= max_symbol || output >= max_symbol) {
-    throw Error(ExitStatus::inconclusive, "the cache holds at most 65535 inputs and outputs");
+  if (input >= symbol_limit || output >= symbol_limit) {
+    throw Error(ExitStatus::inconclusive, "the cache holds at most 32768 inputs and outputs");
   }
   if (size_ >= block_flag) {
     throw Error(ExitStatus::inconclusive, "the cache is full: it holds 2^31 observations");

@@ -22,7 +22,7 @@ class TraceTree {
   static constexpr Node root = 0;
   static constexpr Node none = ~Node{0};
   // Inputs and outputs must be below this.
-  static constexpr Symbol max_symbol = 0xffff;
+  static constexpr Symbol symbol_limit = 0x8000;
 
   TraceTree();
 
@@ -35,7 +35,13 @@ class TraceTree {
   }
   // Input and output of the edge that leads to `node`, which is not the root.
   Symbol input(Node node) const { return at(node).input; }
-  Symbol output(Node node) const { return at(node).output; }
+  Symbol output(Node node) const { return at(node).output & ~mark_flag; }
+
+  // A mark that users may set on nodes. Not set at first.
+  bool is_marked(Node node) const { return (at(node).output & mark_flag) != 0; }
+  void mark(Node node) {
+    if (!is_marked(node)) at(node).output |= mark_flag;
+  }
 
   // Adds the child of `node` by `input`, which has none yet. Throws Error if a symbol is too large
   // or the tree is full (2^31 edges). O(1) on average.
@@ -50,8 +56,9 @@ class TraceTree {
 
  private:
   static constexpr std::uint32_t block_flag = 0x80000000;
-  static constexpr std::uint32_t node_bits = 15;   // nodes in a chunk: 2^15, 256 KiB
-  static constexpr std::uint32_t block_bits = 18;  // words in a chunk of blocks: 2^18, 1 MiB
+  static constexpr std::uint16_t mark_flag = 0x8000;  // in `output`
+  static constexpr std::uint32_t node_bits = 15;      // nodes in a chunk: 2^15, 256 KiB
+  static constexpr std::uint32_t block_bits = 18;     // words in a chunk of blocks: 2^18, 1 MiB
 
   struct Record {
     std::uint32_t link = 0;  // 0: no child; flagged: place of a block; else: the only child
