@@ -1,0 +1,129 @@
+#include "maide/workflow/experiment.hpp"
+
+#include <chrono>
+#include <memory>
+#include <optional>
+
+#include "maide/learn/cache.hpp"
+#include "maide/learn/counting_oracle.hpp"
+#include "maide/learn/learners.hpp"
+#include "maide/learn/sul_oracle.hpp"
+#include "maide/workflow/paced_oracle.hpp"
+
+namespace maide {
+namespace {
+
+// Passes on what learner and tests report, with the counts of what has reached the system; and the
+// last report again whenever those have grown.
+class CountedProgress : public ProgressObserver {
+ public:
+  CountedProgress(ProgressObserver* observer, const CountingOracle& counter)
+      : observer_(observer), counter_(counter) {}
+
+  void on_progress(const Progress& progress) override {
+    last_ = progress;
+    repeat();
+  }
+  void set_hypothesis(std::size_t states) {
+    last_ = {};
+    last_.states = states;
+  }
+  void repeat() {
+    if (observer_ == nullptr) return;
+    if (last_.total == 0) last_.phase = to_string(counter_.phase());
+    const QueryCounts counts = counter_.statistics().total();
+    last_.words = counts.queries;
+    last_.symbols = counts.symbols;
+    observer_->on_progress(last_);
+  }
+
+ private:
+  ProgressObserver* observer_;
+  const CountingOracle& counter_;
+  Progress last_;
+};
+
+double to_seconds(std::chrono::microseconds duration) {
+  return std::chrono::duration<double>(duration).count();
+}
+
+void fill_counts(ExperimentResult& result, const Learner& learner, const CountingOracle& counter,
+                 const Cache& cache, std::chrono::steady_clock::time_point start) {
+  const QueryCounts total = counter.statistics().total();
+  result.output_queries = learner.output_queries();
+  result.experiments = total.queries;
+  result.symbols = total.symbols;
+  result.resets = total.resets;
+  result.cache_hits = cache.hits();
+  result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  result.seconds_in_system = to_seconds(total.in_system);
+  result.seconds_in_reset = to_seconds(total.in_reset);
+  result.statistics = counter.statistics();
+}
+
+}  // namespace
+
+ExperimentResult run_experiment(OutputOracle& system, const ExperimentOptions& options,
+                                const RunControl& control) {
+  const auto start = std::chrono::steady_clock::now();
+  const LearnerEntry& algorithm =
+      options.algorithm.empty() ? learners().front() : find_learner(options.algorithm);
+  const TestMethodEntry& method =
+      options.test_method.empty() ? test_methods().front() : find_test_method(options.test_method);
+  CountingOracle counter(system);
+  CountedProgress progress(control.progress, counter);
+  PaceOptions pace;
+  if (options.max_experiments != 0) pace.max_queries = options.max_experiments;
+  pace.after_portion = [&progress] { progress.repeat(); };
+  PacedOracle paced(counter, pace);
+  std::optional<CacheFile> file;
+  if (!options.cache_file.empty()) {
+    file.emplace(options.cache_file, system.inputs(), options.fingerprint);
+  }
+  Cache cache = file ? Cache(paced, *file) : Cache(paced);
+  const auto tests = method.make({cache, &cache, options.reference}, options.testing);
+  PhasedTeacher teacher(*tests, counter);
+  const auto learner = algorithm.make(cache);
+
+  ExperimentResult result;
+  result.algorithm = algorithm.name;
+  result.test_method = method.name;
+  RunControl counted = control;
+  counted.progress = &progress;
+  try {
+    run_learner(*learner, teacher, counted, [&](const Mealy& hypothesis, std::uint64_t round) {
+      result.equivalence_queries = round;
+      progress.set_hypothesis(hypothesis.size());
+      if (options.on_hypothesis) options.on_hypothesis(hypothesis, round);
+    });
+  } catch (...) {
+    result.error = std::current_exception();
+  }
+  result.model = learner->hypothesis();
+  result.guarantee = teacher.guarantee();
+  result.model.origin["algorithm"] = result.algorithm;
+  result.model.origin["tests"] = result.guarantee;
+  result.model.origin["seed"] = std::to_string(options.testing.seed);
+  fill_counts(result, *learner, counter, cache, start);
+  return result;
+}
+
+ExperimentResult run_experiment(IaTranslator& translator, const ExperimentOptions& options,
+                                const RunControl& control) {
+  ExperimentOptions completed = options;
+  completed.fingerprint.merge(identify(translator));
+  SulOracle system(translator);
+  return run_experiment(system, completed, control);
+}
+
+Fingerprint identify(const IaTranslator& translator) {
+  const SulInfo& info = translator.info();
+  Fingerprint result(info.options);
+  result["the system"] = info.name;
+  result["the translation"] = translator.translation() == Translation::eager ? "eager" : "av";
+  if (!info.bound.empty()) result["the bound"] = info.bound;
+  for (const auto& [what, version] : info.versions) result["the version of " + what] = version;
+  return result;
+}
+
+}  // namespace maide

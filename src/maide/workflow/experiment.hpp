@@ -1,0 +1,73 @@
+// A whole learning run, wired up:
+//
+//   learner, teacher -> Cache -> PacedOracle -> CountingOracle -> SulOracle -> the system
+//
+// It always comes back with what was learned: a run that is interrupted, or whose system fails,
+// returns its last hypothesis and the error that ended it.
+#pragma once
+
+#include <cstdint>
+#include <exception>
+#include <filesystem>
+#include <string>
+
+#include "maide/automata/mealy.hpp"
+#include "maide/base/run_control.hpp"
+#include "maide/conformance/test_methods.hpp"
+#include "maide/learn/cache_file.hpp"
+#include "maide/learn/learner.hpp"
+#include "maide/learn/output_oracle.hpp"
+#include "maide/learn/statistics.hpp"
+#include "maide/sul/ia_translator.hpp"
+
+namespace maide {
+
+struct ExperimentOptions {
+  std::string algorithm;              // a name of learners(); empty: the default
+  std::string test_method;            // a name of test_methods(); empty: the default
+  TestMethodOptions testing;          // seed, extra states, ...
+  const Mealy* reference = nullptr;   // the system as a machine, for the perfect oracle
+  std::filesystem::path cache_file;   // empty: the cache is in memory only
+  Fingerprint fingerprint;            // whose words the cache file holds, besides the inputs
+  std::uint64_t max_experiments = 0;  // words run on the system; 0: no limit
+  HypothesisObserver on_hypothesis;   // called with each hypothesis before it is tested
+};
+
+struct ExperimentResult {
+  // The last hypothesis; without states if the run ended before the first. `origin` says how it was
+  // made: "algorithm", "tests" (the guarantee), "seed".
+  Mealy model;
+  // Why the run ended before its end: Interrupted, WrapperError, NondeterminismError, ...; null:
+  // the teacher found no counterexample to the model.
+  std::exception_ptr error;
+  std::string algorithm, test_method;  // as used
+  std::string guarantee;               // what the last equivalence query establishes, in words
+
+  std::uint64_t output_queries = 0;       // asked by the learning algorithm, cached or not
+  std::uint64_t equivalence_queries = 0;  // the last one, which found nothing, included
+  std::uint64_t experiments = 0;          // words run on the system: learning and tests
+  std::uint64_t symbols = 0;              // inputs given to the system
+  std::uint64_t resets = 0;               // of the system
+  std::uint64_t cache_hits = 0;           // queries of learner and tests that needed no system
+  double seconds = 0;                     // of the whole run, by the clock
+  double seconds_in_system = 0;           // in steps; summed over systems that work in parallel
+  double seconds_in_reset = 0;            // in resets; summed likewise
+  Statistics statistics;                  // what reached the system, by phase
+
+  bool is_complete() const { return error == nullptr; }
+};
+
+// Learns the system behind `system`. Throws UsageError before anything is run: an unknown name, a
+// method that cannot work here, a cache file that cannot be used. Everything that happens once the
+// system is being asked is in the result.
+ExperimentResult run_experiment(OutputOracle& system, const ExperimentOptions& options,
+                                const RunControl& control = {});
+
+// The same through a translator; what identify() says is added to the fingerprint.
+ExperimentResult run_experiment(IaTranslator& translator, const ExperimentOptions& options,
+                                const RunControl& control = {});
+
+// The system behind a translator: name, translation, options, versions, bound.
+Fingerprint identify(const IaTranslator& translator);
+
+}  // namespace maide

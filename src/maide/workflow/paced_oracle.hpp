@@ -1,0 +1,39 @@
+// Between the cache and the system: cuts large batches into portions, so that a limit on the number
+// of words is kept exactly and somebody can watch the counts grow.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <limits>
+
+#include "maide/learn/output_oracle.hpp"
+
+namespace maide {
+
+struct PaceOptions {
+  std::size_t portion = 64;  // words given to the system at once
+  std::uint64_t max_queries = std::numeric_limits<std::uint64_t>::max();
+  std::function<void()> after_portion;  // called when a portion is answered
+};
+
+class PacedOracle : public OutputOracle {
+ public:
+  // Keeps a reference to `system`.
+  PacedOracle(OutputOracle& system, PaceOptions options)
+      : system_(system), options_(std::move(options)) {}
+
+  using OutputOracle::ask;
+  const Alphabet& inputs() const override { return system_.inputs(); }
+  const Alphabet& outputs() const override { return system_.outputs(); }
+  Symbol intern_output(std::string_view name) override { return system_.intern_output(name); }
+  // Throws Interrupted when max_queries were answered and another is asked.
+  std::vector<MealyAnswer> ask(std::span<const Query> batch, const RunControl& control = {},
+                               const PartialSink& on_early_end = {}) override;
+
+ private:
+  OutputOracle& system_;
+  PaceOptions options_;
+  std::uint64_t answered_ = 0;
+};
+
+}  // namespace maide

@@ -1,0 +1,309 @@
+// Whole runs: the reference models of the paper's ports are learned exactly, in both translations;
+// interrupted and failing runs give back what they have; resumed runs ask nothing twice.
+#include "maide/workflow/experiment.hpp"
+
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <csignal>
+#include <filesystem>
+
+#include "maide/automata/compare.hpp"
+#include "maide/automata/random_automata.hpp"
+#include "maide/base/error.hpp"
+#include "maide/base/temp_dir.hpp"
+#include "maide/formats/model_file.hpp"
+#include "maide/learn/learners.hpp"
+#include "maide/learn/mealy_oracle.hpp"
+#include "maide/sul/simulated_sul.hpp"
+
+namespace maide {
+namespace {
+
+InterfaceAutomaton read_reference(const std::filesystem::path& path) {
+  return std::get<InterfaceAutomaton>(read_model(path));
+}
+
+TEST(Experiment, LearnsEveryReferenceModelExactlyInBothTranslations) {
+  int learned = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(MAIDE_SOURCE_DIR "/tests/models")) {
+    if (entry.path().extension() != ".dot") continue;
+    const InterfaceAutomaton reference = read_reference(entry.path());
+    for (const Translation translation : {Translation::eager, Translation::av}) {
+      for (const LearnerEntry& algorithm : learners()) {
+        SimulatedSul sul(reference, "sim");
+        IaTranslator translator(sul, translation);
+        ExperimentOptions options;
+        options.algorithm = algorithm.name;
+        const ExperimentResult result = run_experiment(translator, options);
+        ASSERT_TRUE(result.is_complete());
+        const InterfaceAutomaton model = translator.to_interface_automaton(result.model);
+        EXPECT_TRUE(compare(model, reference).same()) << entry.path();
+        EXPECT_EQ(model.size(), reference.size()) << entry.path();
+        EXPECT_EQ(result.resets, result.experiments);
+        EXPECT_GT(result.symbols, result.experiments);
+        EXPECT_EQ(result.experiments, result.statistics.total().queries);
+        EXPECT_NE(result.guarantee.find("extra"), std::string::npos) << result.guarantee;
+        ++learned;
+      }
+    }
+  }
+  EXPECT_GE(learned, 4 * 13);
+}
+
+Mealy example_machine(std::uint64_t seed) {
+  Random random(seed);
+  return random_mealy({.states = 30, .inputs = 3, .outputs = 3}, random);
+}
+
+TEST(Experiment, PerfectOracleSendsNothing) {
+  const Mealy reference = example_machine(1);
+  MealyOracle system(reference);
+  ExperimentOptions options;
+  options.test_method = "perfect";
+  options.reference = &reference;
+  const ExperimentResult result = run_experiment(system, options);
+  EXPECT_TRUE(result.is_complete());
+  EXPECT_FALSE(find_difference(result.model, reference).has_value());
+  EXPECT_EQ(result.statistics.at(LearnPhase::testing), QueryCounts());
+  EXPECT_GT(result.statistics.at(LearnPhase::refinement).queries, 0U);
+  options.reference = nullptr;
+  EXPECT_THROW(run_experiment(system, options), UsageError);
+}
+
+TEST(Experiment, UnknownNamesAreUsageErrors) {
+  const Mealy reference = example_machine(1);
+  MealyOracle system(reference);
+  ExperimentOptions options;
+  options.algorithm = "magic";
+  EXPECT_THROW(run_experiment(system, options), UsageError);
+  options.algorithm = "";
+  options.test_method = "magic";
+  EXPECT_THROW(run_experiment(system, options), UsageError);
+}
+
+TEST(Experiment, ALimitIsKeptExactlyAndTheLastHypothesisIsGivenBack) {
+  const Mealy reference = example_machine(2);
+  for (const std::uint64_t limit : {1U, 10U, 200U, 1000U}) {
+    MealyOracle system(reference);
+    ExperimentOptions options;
+    options.max_experiments = limit;
+    const ExperimentResult result = run_experiment(system, options);
+    ASSERT_FALSE(result.is_complete());
+    EXPECT_THROW(std::rethrow_exception(result.error), Interrupted);
+    EXPECT_EQ(result.experiments, limit);
+    EXPECT_EQ(result.model.size() == 0, limit < 12);
+    EXPECT_TRUE(result.model.is_complete());
+  }
+}
+
+// A system that stops the run, fails, or kills the process after a number of words.
+class FailingOracle : public MealyOracle {
+ public:
+  FailingOracle(const Mealy& machine, std::uint64_t words, std::function<void()> end)
+      : MealyOracle(machine), words_(words), end_(std::move(end)) {}
+  using MealyOracle::ask;
+  std::vector<MealyAnswer> ask(std::span<const Query> batch, const RunControl& control,
+                               const PartialSink& sink) override {
+    std::vector<MealyAnswer> answers;
+    for (std::size_t i = 0; i < batch.size(); ++i) {
+      if (asked_++ == words_) {
+        try {
+          end_();
+        } catch (...) {
+          for (std::size_t j = 0; j < i; ++j) sink(j, answers[j]);
+          throw;
+        }
+      }
+      answers.push_back(MealyOracle::ask(batch.subspan(i, 1), control, {}).front());
+    }
+    return answers;
+  }
+  std::uint64_t asked() const { return asked_; }
+
+ private:
+  std::uint64_t words_, asked_ = 0;
+  std::function<void()> end_;
+};
+
+TEST(Experiment, AFailureIsInTheResult) {
+  const Mealy reference = example_machine(3);
+  FailingOracle system(reference, 300, [] { throw WrapperError("it died", "test"); });
+  const ExperimentResult result = run_experiment(system, {});
+  ASSERT_FALSE(result.is_complete());
+  EXPECT_THROW(std::rethrow_exception(result.error), WrapperError);
+  EXPECT_EQ(result.experiments, 300U);
+  EXPECT_GT(result.model.size(), 0U);
+}
+
+TEST(Experiment, AStopTokenEndsTheRun) {
+  const Mealy reference = example_machine(4);
+  std::stop_source source;
+  FailingOracle system(reference, 100, [&] { source.request_stop(); });
+  RunControl control;
+  control.stop = source.get_token();
+  const ExperimentResult result = run_experiment(system, {}, control);
+  ASSERT_FALSE(result.is_complete());
+  EXPECT_THROW(std::rethrow_exception(result.error), Interrupted);
+}
+
+class Resume : public testing::TestWithParam<std::string> {
+ protected:
+  ExperimentOptions options() const {
+    ExperimentOptions result;
+    result.algorithm = GetParam();
+    result.cache_file = directory.path() / "cache";
+    result.fingerprint = {{"depth", "3"}};
+    return result;
+  }
+  TempDir directory;
+};
+
+INSTANTIATE_TEST_SUITE_P(All, Resume, testing::Values("rs", "lmplus"),
+                         [](const auto& entry) { return entry.param; });
+
+// Words that reach the system in an uninterrupted run, and its model.
+ExperimentResult run_uninterrupted(const Mealy& reference, const std::string& algorithm) {
+  MealyOracle system(reference);
+  ExperimentOptions options;
+  options.algorithm = algorithm;
+  return run_experiment(system, options);
+}
+
+void expect_same_model(const Mealy& left, const Mealy& right) {
+  EXPECT_EQ(left.outputs(), right.outputs());  // the numbering, too
+  EXPECT_EQ(left.size(), right.size());
+  EXPECT_FALSE(find_difference(left, right).has_value());
+}
+
+// Outputs become known to it only as they are seen, as those of a real system.
+class ForgetfulOracle : public OutputOracle {
+ public:
+  explicit ForgetfulOracle(OutputOracle& system) : system_(system) {}
+  using OutputOracle::ask;
+  const Alphabet& inputs() const override { return system_.inputs(); }
+  const Alphabet& outputs() const override { return outputs_; }
+  Symbol intern_output(std::string_view name) override { return outputs_.intern(name); }
+  std::vector<MealyAnswer> ask(std::span<const Query> batch, const RunControl& control,
+                               const PartialSink& sink) override {
+    const auto rename = [this](MealyAnswer answer) {
+      for (Symbol& output : answer.outputs) {
+        output = outputs_.intern(system_.outputs().name(output));
+      }
+      return answer;
+    };
+    auto answers = system_.ask(batch, control, [&](std::size_t index, const MealyAnswer& answer) {
+      if (sink) sink(index, rename(answer));
+    });
+    for (MealyAnswer& answer : answers) answer = rename(std::move(answer));
+    return answers;
+  }
+
+ private:
+  OutputOracle& system_;
+  Alphabet outputs_;
+};
+
+TEST_P(Resume, AskNothingTwiceAndReachTheSameModel) {
+  const Mealy reference = example_machine(5);
+  MealyOracle whole_machine(reference);
+  ForgetfulOracle whole(whole_machine);
+  ExperimentOptions uncached = options();
+  uncached.cache_file.clear();
+  const ExperimentResult expected = run_experiment(whole, uncached);
+  ASSERT_TRUE(expected.is_complete());
+
+  std::uint64_t experiments = 0;
+  int runs = 0;
+  while (true) {
+    ++runs;
+    FailingOracle machine(reference, 333, [] { throw WrapperError("it died", "test"); });
+    ForgetfulOracle system(machine);
+    const ExperimentResult result = run_experiment(system, options());
+    experiments += result.experiments;
+    if (!result.is_complete()) continue;
+    expect_same_model(result.model, expected.model);
+    break;
+  }
+  EXPECT_GT(runs, 5);
+  EXPECT_EQ(experiments, expected.experiments);
+
+  FailingOracle unused(reference, 0, [] { throw WrapperError("asked again", "test"); });
+  ForgetfulOracle system(unused);
+  const ExperimentResult again = run_experiment(system, options());
+  EXPECT_TRUE(again.is_complete());
+  EXPECT_EQ(again.experiments, 0U);
+  expect_same_model(again.model, expected.model);
+}
+
+TEST_P(Resume, AKillLosesAtMostTheBatchInFlight) {
+  const Mealy reference = example_machine(6);
+  const ExperimentResult expected = run_uninterrupted(reference, GetParam());
+  std::uint64_t experiments = 0;
+  for (const std::uint64_t words : {100U, 700U, 701U, 1500U}) {
+    const pid_t child = fork();
+    ASSERT_GE(child, 0);
+    if (child == 0) {
+      FailingOracle system(reference, words, [] { kill(getpid(), SIGKILL); });
+      run_experiment(system, options());
+      _exit(0);
+    }
+    int status = 0;
+    ASSERT_EQ(waitpid(child, &status, 0), child);
+    ASSERT_TRUE(WIFSIGNALED(status)) << "not killed after " << words;
+    experiments += words;
+  }
+  MealyOracle system(reference);
+  const ExperimentResult result = run_experiment(system, options());
+  ASSERT_TRUE(result.is_complete());
+  expect_same_model(result.model, expected.model);
+  experiments += result.experiments;
+  EXPECT_GE(experiments, expected.experiments);
+  EXPECT_LT(experiments, expected.experiments + 4 * 64);
+}
+
+TEST_P(Resume, AnotherSystemIsRefused) {
+  const Mealy reference = example_machine(7);
+  MealyOracle system(reference);
+  ExperimentOptions first = options();
+  first.max_experiments = 100;
+  run_experiment(system, first);
+  ExperimentOptions second = options();
+  second.fingerprint["depth"] = "4";
+  try {
+    run_experiment(system, second);
+    FAIL() << "not refused";
+  } catch (const UsageError& error) {
+    EXPECT_NE(std::string(error.what()).find("depth is '3' there, '4' here"), std::string::npos)
+        << error.what();
+  }
+}
+
+// Keeps the reports.
+class Observer : public ProgressObserver {
+ public:
+  void on_progress(const Progress& progress) override {
+    EXPECT_GE(progress.words, words);
+    EXPECT_FALSE(progress.phase.empty());
+    words = progress.words;
+    ++reports;
+  }
+  std::uint64_t words = 0;
+  int reports = 0;
+};
+
+TEST(Experiment, ProgressCountsWhatReachedTheSystem) {
+  const Mealy reference = example_machine(8);
+  MealyOracle system(reference);
+  Observer observer;
+  RunControl control;
+  control.progress = &observer;
+  const ExperimentResult result = run_experiment(system, {}, control);
+  EXPECT_EQ(observer.words, result.experiments);
+  EXPECT_GT(observer.reports, 10);
+}
+
+}  // namespace
+}  // namespace maide
