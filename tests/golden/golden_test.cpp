@@ -1,0 +1,84 @@
+// Every format, byte for byte, against approved files. After a change that is meant:
+//   MAIDE_APPROVE=1 build/dev/bin/test_golden    and look at what git says.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <sstream>
+
+#include "maide/base/file.hpp"
+#include "maide/formats/exporters.hpp"
+#include "maide/formats/model_file.hpp"
+
+namespace maide {
+namespace {
+
+// What is hard for the formats: names that are no identifiers, keywords, or collide.
+Model strange_mealy() {
+  Mealy machine({"in put", "a / b", "class", "\"quoted\"", "zwölf*/"},
+                {"quiet", "written,message", "mtype", "MODULE"}, 2);
+  for (Symbol input = 0; input < 5; ++input) {
+    machine.set_transition(0, input, input % 4, 1);
+    machine.set_transition(1, input, (input + 1) % 4, input % 2);
+  }
+  machine.set_initial(1);
+  machine.origin = {{"sul", "sim:strange.dot"}, {"versions", "1 */ -- \\ 2"}};
+  machine.actors = {{"the writer", {"in put"}, {"quiet"}}};
+  return machine;
+}
+
+Model strange_automaton() {
+  InterfaceAutomaton automaton({"do", "in-put", "in put"}, {"od", "do", "never"}, 3);
+  automaton.add_transition(0, {Action::Kind::input, 0}, 1);
+  automaton.add_transition(0, {Action::Kind::input, 1}, 2);
+  automaton.add_transition(0, {Action::Kind::input, 2}, 0, true);
+  automaton.add_transition(1, {Action::Kind::output, 0}, 0);
+  automaton.add_transition(1, {Action::Kind::output, 1}, 2);
+  automaton.mark_unexplored(2, 0);
+  automaton.mark_unexplored(2, 2);
+  automaton.set_initial(2);
+  automaton.hidden_returns = {"in put"};
+  automaton.origin = {{"bound", "1"}};
+  return automaton;
+}
+
+Model model_of(const std::string& name) {
+  if (name == "strange-mealy") return strange_mealy();
+  if (name == "strange-automaton") return strange_automaton();
+  return read_model(MAIDE_SOURCE_DIR "/tests/models/" + name + ".dot");
+}
+
+class Golden : public testing::TestWithParam<std::tuple<const char*, std::string_view>> {};
+
+TEST_P(Golden, IsAsApproved) {
+  const auto [name, format] = GetParam();
+  const Exporter& exporter = find_exporter(format);
+  std::ostringstream out;
+  exporter.write(out, model_of(name), {name, MarkLoss::accept});
+  const std::string path = std::string(MAIDE_SOURCE_DIR "/tests/golden/approved/") + name +
+                           std::string(exporter.extension);
+  if (std::getenv("MAIDE_APPROVE") != nullptr) write_file_atomically(path, out.str());
+  EXPECT_EQ(out.str(), read_file(path)) << path;
+}
+
+INSTANTIATE_TEST_SUITE_P(Exports, Golden,
+                         testing::Combine(testing::Values("strange-mealy", "strange-automaton",
+                                                          "buffered-tryread", "strict-2",
+                                                          "strict-1-absorb"),
+                                          testing::Values("dot", "aut", "promela", "smv", "cpp")),
+                         [](const auto& test) {
+                           std::string name = std::get<0>(test.param);
+                           for (char& letter : name) letter = letter == '-' ? '_' : letter;
+                           return name + "_" + std::string(std::get<1>(test.param));
+                         });
+
+TEST(Exporters, UnknownFormatsAreRefusedByName) {
+  try {
+    find_exporter("png");
+    FAIL();
+  } catch (const UsageError& error) {
+    EXPECT_STREQ(error.what(), "unknown format 'png'; known are: dot, aut, promela, smv, cpp");
+  }
+}
+
+}  // namespace
+}  // namespace maide
