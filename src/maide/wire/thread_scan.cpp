@@ -15,6 +15,7 @@
 #include <thread>
 
 #include "maide/base/error.hpp"
+#include "maide/wire/descriptor.hpp"
 
 namespace maide {
 namespace {
@@ -62,20 +63,9 @@ std::string_view read_text(int descriptor, Buffer& buffer) {
                   : std::string_view();
 }
 
-class Descriptor {
- public:
-  explicit Descriptor(const std::string& path)
-      : value_(::open(path.c_str(), O_RDONLY | O_CLOEXEC)) {}
-  ~Descriptor() {
-    if (value_ >= 0) ::close(value_);
-  }
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  int get() const { return value_; }
-
- private:
-  int value_;
-};
+Descriptor open_file(const std::string& path) {
+  return Descriptor(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
+}
 
 std::string folder_of(pid_t thread) { return "/proc/self/task/" + std::to_string(thread); }
 
@@ -121,9 +111,9 @@ SdkThread::~SdkThread() {
 struct ThreadScan::Entry {
   Entry(pid_t id, const std::string& folder)
       : thread(id),
-        schedstat(folder + "/schedstat"),
-        syscall(folder + "/syscall"),
-        stat(folder + "/stat") {}
+        schedstat(open_file(folder + "/schedstat")),
+        syscall(open_file(folder + "/syscall")),
+        stat(open_file(folder + "/stat")) {}
   pid_t thread;
   Descriptor schedstat, syscall, stat;
   std::int64_t runs = -1;

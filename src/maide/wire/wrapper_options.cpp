@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "maide/base/error.hpp"
+#include "maide/base/suggest.hpp"
 
 namespace maide {
 namespace {
@@ -178,8 +179,8 @@ OptionValues::OptionValues(const std::vector<OptionSpec>& table,
     if (spec == table.end()) {
       std::vector<std::string> known;
       for (const OptionSpec& row : table) known.push_back(row.key);
-      throw UsageError(
-          fmt::format("unknown option '{}'; known are: {}", key, fmt::join(known, ", ")));
+      throw UsageError(fmt::format("unknown option '{}'; known are: {}{}", key, join(known),
+                                   did_you_mean(normalised(key), known)));
     }
     if (!seen.insert(spec->key).second) {
       throw UsageError(fmt::format("option '{}' is given twice", spec->key));

@@ -20,6 +20,14 @@ std::chrono::microseconds since(Clock::time_point start) {
 
 }  // namespace
 
+std::vector<OptionSpec> full_option_table(const WrapperDescription& description) {
+  std::vector<OptionSpec> table = description.options;
+  for (OptionSpec& row : common_options::quiescence_rows(description.floor.count())) {
+    table.push_back(std::move(row));
+  }
+  return table;
+}
+
 // One word's instance as the query player sees it.
 class WrapperSession::Stepper : public SteppedSystem {
  public:
@@ -76,10 +84,7 @@ class WrapperSession::Stepper : public SteppedSystem {
 WrapperSession::WrapperSession(SystemWrapper& wrapper, Watchdog* watchdog)
     : wrapper_(wrapper), watchdog_(watchdog) {
   const WrapperDescription& description = wrapper.description();
-  table_ = description.options;
-  for (OptionSpec& row : common_options::quiescence_rows(description.floor.count())) {
-    table_.push_back(std::move(row));
-  }
+  table_ = full_option_table(description);
   info_.name = description.name;
   info_.versions = description.versions;
 }

@@ -19,6 +19,9 @@
 
 namespace maide {
 
+// The wrapper's options, and those that the SDK adds.
+std::vector<OptionSpec> full_option_table(const WrapperDescription& description);
+
 class WrapperSession {
  public:
   // Keeps references. `watchdog`, if there is one, sees resets and teardowns that never end.
@@ -27,7 +30,6 @@ class WrapperSession {
   WrapperSession(const WrapperSession&) = delete;
   WrapperSession& operator=(const WrapperSession&) = delete;
 
-  // The wrapper's options and those that the SDK adds.
   const std::vector<OptionSpec>& option_table() const { return table_; }
   // Once, before anything else. Throws UsageError, one clear line.
   const SulInfo& configure(const std::map<std::string, std::string>& given);

@@ -1,0 +1,174 @@
+// run_wrapper: the main function of a wrapper's executable. Over pipes it serves the one client
+// that started it. Listening, it forks for each client, so that every client has a fresh process of
+// the middleware, several at once do not disturb one another, and one that crashes or hangs its
+// system leaves the others and the listener alone.
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/prctl.h>
+#include <sys/socket.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <fstream>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "maide/base/error.hpp"
+#include "maide/wire/descriptor.hpp"
+#include "maide/wire/system_wrapper.hpp"
+#include "maide/wire/tcp.hpp"
+#include "maide/wire/wrapper_server.hpp"
+
+namespace maide {
+namespace {
+
+// Clients at the same time; more wait until one has gone.
+constexpr std::size_t most_clients = 64;
+
+struct Arguments {
+  bool help = false, list_options = false;
+  std::optional<std::string> listen, token_file;
+};
+
+Arguments parse_arguments(int argc, char** argv) {
+  Arguments arguments;
+  for (int i = 1; i < argc; ++i) {
+    const std::string word = argv[i];
+    // True if `word` is this argument; its value is behind '=', or the next word.
+    const auto take_value = [&](std::optional<std::string>& value, const std::string& name) {
+      if (word != name && !word.starts_with(name + "=")) return false;
+      if (word == name && i + 1 == argc) throw UsageError(name + " needs a value");
+      value = word == name ? argv[++i] : word.substr(name.size() + 1);
+      return true;
+    };
+    if (word == "--help" || word == "-h") {
+      arguments.help = true;
+    } else if (word == "--list-options") {
+      arguments.list_options = true;
+    } else if (!take_value(arguments.listen, "--listen") &&
+               !take_value(arguments.token_file, "--token-file")) {
+      throw UsageError(fmt::format("unknown argument '{}'; see --help", word));
+    }
+  }
+  return arguments;
+}
+
+void print_help(const WrapperDescription& description, const char* program) {
+  fmt::print(
+      "{1}: {2}\n\n"
+      "Usage: {0} [--listen HOST:PORT] [--token-file FILE] [--list-options] [--help]\n\n"
+      "Speaks Maide's wire protocol over standard input and output, or over TCP:\n"
+      "  --listen HOST:PORT  serve clients that connect, each in a process of its own; port 0 "
+      "takes\n"
+      "                      a free one; the first line printed names it\n"
+      "  --token-file FILE   clients must name the token in FILE (or in MAIDE_TOKEN); needed to\n"
+      "                      listen on anything but loopback\n"
+      "  --list-options      the options of the system\n\n"
+      "Example: maide learn {1}\n\n"
+      "Options of the system (maide learn {1} KEY=VALUE ...):\n{3}",
+      program, description.name, description.summary, to_string(full_option_table(description)));
+}
+
+// The token that clients must name, if there is one.
+std::optional<std::string> read_token(const Arguments& arguments) {
+  std::string token;
+  if (arguments.token_file) {
+    std::ifstream file(*arguments.token_file);
+    if (!std::getline(file, token) || token.empty()) {
+      throw UsageError("there is no token in file '" + *arguments.token_file + "'");
+    }
+  } else if (const char* variable = std::getenv("MAIDE_TOKEN")) {
+    token = variable;
+  }
+  if (token.empty()) return std::nullopt;
+  return token;
+}
+
+// What the middleware prints must not get between the protocol's lines, nor may it read them.
+void serve_pipes(SystemWrapper& wrapper) {
+  const Descriptor in(::fcntl(STDIN_FILENO, F_DUPFD_CLOEXEC, 3));
+  const Descriptor out(::fcntl(STDOUT_FILENO, F_DUPFD_CLOEXEC, 3));
+  const Descriptor nothing(::open("/dev/null", O_RDONLY | O_CLOEXEC));
+  ::dup2(nothing.get(), STDIN_FILENO);
+  ::dup2(STDERR_FILENO, STDOUT_FILENO);
+  WrapperServer(wrapper, in.get(), out.get()).serve();
+}
+
+// In the process of one client.
+void serve_client(SystemWrapper& wrapper, const Descriptor& client,
+                  const std::optional<std::string>& token, pid_t listener) {
+  ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+  if (::getppid() != listener) return;
+  tcp::set_up(client.get());
+  WrapperServer(wrapper, client.get(), client.get(), token).serve();
+}
+
+// Clears away the processes of clients that have gone; waits for one if there are too many.
+void reap(std::size_t& clients) {
+  while (clients > 0) {
+    const pid_t ended = ::waitpid(-1, nullptr, clients >= most_clients ? 0 : WNOHANG);
+    if (ended < 0 && errno == EINTR) continue;
+    if (ended <= 0) return;
+    --clients;
+  }
+}
+
+int listen_for_clients(SystemWrapper& wrapper, const Arguments& arguments) {
+  const std::optional<std::string> token = read_token(arguments);
+  tcp::Listener listener = tcp::listen(tcp::parse_address(*arguments.listen));
+  if (!listener.is_loopback && !token) {
+    throw UsageError("listening on " + listener.name +
+                     ", which is not loopback, needs a token (--token-file or MAIDE_TOKEN)");
+  }
+  fmt::print("listening on {}\n", listener.name);
+  std::fflush(stdout);
+  const pid_t self = ::getpid();
+  for (std::size_t clients = 0;;) {
+    Descriptor client(::accept4(listener.socket.get(), nullptr, nullptr, SOCK_CLOEXEC));
+    const int error = errno;
+    reap(clients);
+    if (!client.is_open()) {
+      if (error == EINTR || error == ECONNABORTED) continue;
+      throw UsageError("cannot accept clients any more on " + listener.name);
+    }
+    const pid_t child = ::fork();
+    if (child > 0) ++clients;
+    if (child != 0) continue;
+    listener.socket.reset();
+    serve_client(wrapper, client, token, self);
+    return 0;
+  }
+}
+
+}  // namespace
+
+int run_wrapper(SystemWrapper& wrapper, int argc, char** argv) {
+  const WrapperDescription& description = wrapper.description();
+  try {
+    const Arguments arguments = parse_arguments(argc, argv);
+    if (arguments.help) {
+      print_help(description, argv[0]);
+    } else if (arguments.list_options) {
+      fmt::print("{}", to_string(full_option_table(description)));
+    } else if (arguments.listen) {
+      return listen_for_clients(wrapper, arguments);
+    } else {
+      serve_pipes(wrapper);
+    }
+    return static_cast<int>(ExitStatus::ok);
+  } catch (const Error& error) {
+    fmt::print(stderr, "maide-wrap-{}: {}\n", description.name, error.what());
+    return static_cast<int>(error.status());
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "maide-wrap-{}: {}\n", description.name, error.what());
+    return static_cast<int>(ExitStatus::system_failed);
+  }
+}
+
+}  // namespace maide

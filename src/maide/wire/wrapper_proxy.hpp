@@ -1,0 +1,93 @@
+// The wrapper as a Sul: the client's side of the protocol, over a child's pipes or TCP. Keeps
+// several words in flight. A wrapper that dies in a word is started once more and asked that word
+// again; whatever else is wrong with it is one clear WrapperError that names its endpoint.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "maide/sul/learning_purpose.hpp"
+#include "maide/sul/sul.hpp"
+#include "maide/wire/protocol.hpp"
+#include "maide/wire/wrapper_connection.hpp"
+
+namespace maide {
+
+struct ProxySettings {
+  std::chrono::milliseconds hello_limit{10'000};  // for the connection, the hello and the options
+  // How long a step may take, where the wrapper does not say so itself (option step-limit).
+  std::chrono::milliseconds step_limit{10'000};
+  std::size_t window = 32;  // words in flight
+};
+
+class WrapperProxy : public Sul {
+ public:
+  // Starts or connects to the wrapper and sets its options. Throws WrapperError, UsageError (the
+  // options, in the wrapper's words), Interrupted.
+  WrapperProxy(WrapperEndpoint endpoint, std::map<std::string, std::string> options,
+               ProxySettings settings = {}, const RunControl& control = {});
+  // Ends the wrapper. Nothing of it is left behind.
+  ~WrapperProxy() override;
+
+  const SulInfo& info() const override { return info_; }
+  void add_purpose(const LearningPurpose& purpose) override;
+  void run(std::span<const SulQuery> batch, const SulAnswerSink& sink,
+           const RunControl& control) override;
+
+  const std::string& endpoint() const { return endpoint_.name(); }
+
+ private:
+  class Context;
+  struct Pending {
+    SulQuery query;
+    std::size_t index = 0;   // in the batch
+    bool abandoned = false;  // its batch is over: the answer goes nowhere
+  };
+  struct Batch;
+
+  void connect(const RunControl& control);
+  void reconnect(const RunControl& control);
+  protocol::FromWrapper await_reply(const RunControl& control, const char* what);
+  void send_purpose(const LearningPurpose& purpose, const RunControl& control);
+  void run_batch(Batch& batch, const RunControl& control);
+  void send_query(Batch& batch, std::size_t index);
+  void fill_window(Batch& batch);
+  void take_line(Batch& batch, const std::string& line);
+  void take_answer(Batch& batch, protocol::Answer message);
+  void recover(Batch& batch, const std::string& reason, bool was_announced,
+               const RunControl& control);
+  void abandon();
+  void check_silence(const Batch& batch);
+  std::chrono::milliseconds step_limit() const;
+  std::string describe(const SulQuery& query) const;
+  [[noreturn]] void fail(const std::string& message) const;
+
+  WrapperEndpoint endpoint_;
+  std::map<std::string, std::string> options_;
+  ProxySettings settings_;
+  SulInfo info_;
+  bool open_outputs_ = false;
+  std::vector<LearningPurpose> purposes_;  // to be told again to a wrapper that is started anew
+  std::unique_ptr<WrapperConnection> connection_;
+  std::map<std::uint64_t, Pending> pending_;  // by id: the oldest first
+  std::uint64_t next_id_ = 1;
+};
+
+// What a wrapper says of itself, its options among it; it is started and ended for that.
+protocol::Hello ask_hello(const WrapperEndpoint& endpoint, const ProxySettings& settings = {},
+                          const RunControl& control = {});
+
+// Shorthands.
+std::unique_ptr<WrapperProxy> spawn_wrapper(std::vector<std::string> argv,
+                                            std::map<std::string, std::string> options = {},
+                                            const RunControl& control = {});
+std::unique_ptr<WrapperProxy> connect_tcp(const std::string& host_port, const std::string& token,
+                                          std::map<std::string, std::string> options = {},
+                                          const RunControl& control = {});
+
+}  // namespace maide

@@ -1,0 +1,254 @@
+#include "maide/wire/wrapper_server.hpp"
+
+#include <fmt/format.h>
+#include <poll.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <exception>
+#include <utility>
+
+#include "maide/base/error.hpp"
+#include "maide/wire/line_io.hpp"
+#include "maide/wire/thread_scan.hpp"
+
+namespace maide {
+namespace {
+
+// Lines that wait to be played; a client that sends more of them is not read until some are done.
+constexpr std::size_t most_waiting = 4096;
+// A client that listens on a wrapper with a token has this long to name it.
+constexpr int token_limit_ms = 10'000;
+
+std::string one_line(std::string text) {
+  std::replace(text.begin(), text.end(), '\n', ' ');
+  return text;
+}
+
+// The reader's own look at a line: cancellation overtakes the lines that wait, and a client that
+// said bye waits for its answers even if it then closes its end.
+template <typename Message>
+bool is_a(const std::string& line) {
+  constexpr std::size_t longest = 64;
+  if (line.size() > longest) return false;
+  try {
+    return std::holds_alternative<Message>(protocol::decode_to_wrapper(line, {}));
+  } catch (const protocol::ProtocolError&) {
+    return false;
+  }
+}
+
+}  // namespace
+
+bool equal_in_constant_time(std::string_view left, std::string_view right) {
+  std::size_t difference = left.size() ^ right.size();
+  for (std::size_t i = 0; i < left.size(); ++i) {
+    const char other = right.empty() ? '\0' : right[i % right.size()];
+    difference |= static_cast<std::size_t>(static_cast<unsigned char>(left[i] ^ other));
+  }
+  return difference == 0;
+}
+
+WrapperServer::WrapperServer(SystemWrapper& wrapper, int in, int out,
+                             std::optional<std::string> token)
+    : in_(in),
+      out_(out),
+      token_(std::move(token)),
+      watchdog_([this](const std::string& work) { leave(work + " did not end in time"); }),
+      session_(wrapper, &watchdog_) {
+  protocol::Hello hello;
+  hello.name = session_.info().name;
+  hello.versions = session_.info().versions;
+  hello.speaks_trees = hello.speaks_purposes = hello.speaks_av = true;
+  hello.needs_token = token_.has_value();
+  hello.options = session_.option_table();
+  send(protocol::encode(hello));
+  reader_ = std::thread([this] { read_lines(); });
+}
+
+WrapperServer::~WrapperServer() {
+  {
+    const std::scoped_lock lock(mutex_);
+    stopping_ = true;
+  }
+  changed_.notify_all();
+  reader_.join();
+}
+
+void WrapperServer::push(std::string line) {
+  std::unique_lock lock(mutex_);
+  changed_.wait(lock, [this] { return stopping_ || lines_.size() < most_waiting; });
+  lines_.push_back({++received_, std::move(line)});
+  changed_.notify_all();
+}
+
+void WrapperServer::cancel() {
+  const std::scoped_lock lock(mutex_);
+  cancelled_up_to_ = received_;
+}
+
+void WrapperServer::end_reading(std::string problem) {
+  const std::scoped_lock lock(mutex_);
+  ended_ = true;
+  problem_ = std::move(problem);
+  changed_.notify_all();
+}
+
+void WrapperServer::read_lines() {
+  const SdkThread own;
+  constexpr int piece_ms = 100;  // a server that stops is not kept waiting for its client
+  LineSplitter splitter;
+  std::string bytes;
+  bool said_bye = false;
+  try {
+    while (true) {
+      {
+        const std::scoped_lock lock(mutex_);
+        if (stopping_) return;
+      }
+      pollfd waiting{in_, POLLIN, 0};
+      if (::poll(&waiting, 1, piece_ms) <= 0) continue;
+      if (read_some(in_, bytes) != ReadResult::some) break;
+      splitter.append(bytes);
+      while (auto line = splitter.take_line()) {
+        said_bye = is_a<protocol::Bye>(*line);
+        if (is_a<protocol::Cancel>(*line)) {
+          cancel();
+        } else {
+          push(std::move(*line));
+        }
+      }
+    }
+    if (!said_bye) cancel();
+    end_reading("");
+  } catch (const protocol::ProtocolError& error) {
+    cancel();
+    end_reading(error.what());
+  }
+}
+
+std::optional<WrapperServer::Line> WrapperServer::pop() {
+  std::unique_lock lock(mutex_);
+  changed_.wait(lock, [this] { return ended_ || !lines_.empty(); });
+  if (lines_.empty()) return std::nullopt;
+  Line line = std::move(lines_.front());
+  lines_.pop_front();
+  changed_.notify_all();
+  return line;
+}
+
+void WrapperServer::send(const std::string& line) {
+  const std::scoped_lock lock(output_mutex_);
+  write_all(out_, line + '\n');  // a client that is gone is noticed by the reader
+}
+
+void WrapperServer::send_error(protocol::ErrorCode code, const std::string& message,
+                               std::optional<std::uint64_t> id) {
+  send(protocol::encode(protocol::ErrorReport{code, one_line(message), id}));
+}
+
+void WrapperServer::leave(const std::string& reason) {
+  std::fprintf(stderr, "%s: %s\n", session_.info().name.c_str(), reason.c_str());
+  send(protocol::encode(protocol::Leaving{reason}));
+  ::_exit(static_cast<int>(ExitStatus::system_failed));
+}
+
+bool WrapperServer::check_token() {
+  std::unique_lock lock(mutex_);
+  const bool came = changed_.wait_for(lock, std::chrono::milliseconds(token_limit_ms),
+                                      [this] { return ended_ || !lines_.empty(); });
+  lock.unlock();
+  std::string given;
+  if (const auto line = came ? pop() : std::nullopt) {
+    try {
+      const auto message = protocol::decode_to_wrapper(line->text, session_.info());
+      if (const auto* token = std::get_if<protocol::Token>(&message)) given = token->token;
+    } catch (const protocol::ProtocolError&) {
+    }
+  }
+  if (equal_in_constant_time(*token_, given)) return true;
+  send_error(protocol::ErrorCode::token,
+             given.empty() ? "a token is needed" : "the token is wrong");
+  return false;
+}
+
+void WrapperServer::serve() {
+  if (token_ && !check_token()) return;
+  serve_lines();
+  end_instance();
+}
+
+void WrapperServer::end_instance() {
+  const std::string stuck = session_.end_instance();
+  if (!stuck.empty()) leave("a call of " + stuck + " could not be unblocked");
+}
+
+void WrapperServer::serve_lines() {
+  while (const auto line = pop()) {
+    try {
+      if (handle(*line) == Next::stop) return;
+    } catch (const protocol::ProtocolError& error) {
+      send_error(protocol::ErrorCode::protocol, error.what());
+      return;
+    }
+  }
+  const std::scoped_lock lock(mutex_);
+  if (!problem_.empty()) send_error(protocol::ErrorCode::protocol, problem_);
+}
+
+WrapperServer::Next WrapperServer::handle(const Line& line) {
+  protocol::ToWrapper message = protocol::decode_to_wrapper(line.text, session_.info());
+  if (std::holds_alternative<protocol::Bye>(message)) return Next::stop;
+  if (std::holds_alternative<protocol::Token>(message)) return Next::go_on;  // not asked for
+  if (const auto* options = std::get_if<protocol::Configure>(&message)) {
+    return configure(*options);
+  }
+  if (!session_.is_configured()) {
+    throw protocol::ProtocolError("the first line must be of type 'configure'");
+  }
+  if (const auto* purpose = std::get_if<protocol::Purpose>(&message)) {
+    session_.add_purpose(purpose->purpose);
+    send(protocol::encode(protocol::Ok{}));
+  } else if (const auto* query = std::get_if<protocol::Run>(&message)) {
+    run(*query, line.number);
+  }
+  return Next::go_on;
+}
+
+WrapperServer::Next WrapperServer::configure(const protocol::Configure& message) {
+  if (session_.is_configured()) throw protocol::ProtocolError("'configure' came twice");
+  try {
+    session_.configure(message.options);
+    // Its own connection is no part of the system.
+    session_.ignore_socket(in_);
+    session_.ignore_socket(out_);
+    send(protocol::encode(protocol::Info{session_.info(), false}));
+    return Next::go_on;
+  } catch (const UsageError& error) {
+    send_error(protocol::ErrorCode::option, error.what());
+  } catch (const std::exception& error) {
+    send_error(protocol::ErrorCode::system, error.what());
+  }
+  return Next::stop;
+}
+
+void WrapperServer::run(const protocol::Run& message, std::uint64_t number) {
+  const auto is_cancelled = [&] { return number <= cancelled_up_to_; };
+  protocol::Answer answer;
+  answer.id = message.id;
+  try {
+    if (is_cancelled()) {
+      answer.answer.end = WordEnd::aborted;
+    } else {
+      answer.answer = session_.run(message.query, is_cancelled);
+    }
+    send(protocol::encode(answer, session_.info(), message.query));
+  } catch (const std::exception& error) {
+    send_error(protocol::ErrorCode::system, error.what(), message.id);
+  }
+  end_instance();
+}
+
+}  // namespace maide

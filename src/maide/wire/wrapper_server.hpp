@@ -1,0 +1,78 @@
+// The wrapper's side of the protocol over one connection. A thread of its own reads lines, so that
+// a cancellation, or the client's end, is seen while a word plays; the calling thread plays words
+// and answers, in the order in which they came.
+#pragma once
+
+#include <atomic>
+#include <condition_variable>
+#include <cstdint>
+#include <deque>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <thread>
+
+#include "maide/wire/protocol.hpp"
+#include "maide/wire/system_wrapper.hpp"
+#include "maide/wire/wrapper_session.hpp"
+
+namespace maide {
+
+class WrapperServer {
+ public:
+  // Speaks over two descriptors, which may be the same (a socket), and which stay the caller's.
+  // With a token, a client must name it before anything else.
+  WrapperServer(SystemWrapper& wrapper, int in, int out, std::optional<std::string> token = {});
+  ~WrapperServer();
+  WrapperServer(const WrapperServer&) = delete;
+  WrapperServer& operator=(const WrapperServer&) = delete;
+
+  // Serves until the client says bye or goes away. Ends the process if the system cannot be reset
+  // or unblocked any more.
+  void serve();
+
+ private:
+  struct Line {
+    std::uint64_t number = 0;
+    std::string text;
+  };
+  enum class Next : std::uint8_t { go_on, stop };
+
+  void read_lines();
+  void push(std::string line);
+  void cancel();
+  void end_reading(std::string problem);
+  std::optional<Line> pop();
+  bool check_token();
+  Next handle(const Line& line);
+  void serve_lines();
+  Next configure(const protocol::Configure& message);
+  void run(const protocol::Run& message, std::uint64_t number);
+  void send(const std::string& line);
+  void send_error(protocol::ErrorCode code, const std::string& message,
+                  std::optional<std::uint64_t> id = {});
+  void end_instance();
+  [[noreturn]] void leave(const std::string& reason);
+
+  int in_, out_;
+  std::optional<std::string> token_;
+  std::mutex output_mutex_;
+  Watchdog watchdog_;
+  WrapperSession session_;
+
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::deque<Line> lines_;
+  std::uint64_t received_ = 0;                    // lines so far
+  std::atomic<std::uint64_t> cancelled_up_to_{};  // queries in lines up to this are not wanted
+  bool ended_ = false;                            // nothing more will come
+  std::string problem_;                           // why, if not in good order
+  bool stopping_ = false;
+  std::thread reader_;
+};
+
+// Equal, in a time that depends on the lengths only.
+bool equal_in_constant_time(std::string_view left, std::string_view right);
+
+}  // namespace maide
