@@ -50,7 +50,7 @@ class WSuite : public TestSuite {
 
 struct WMethodOptions {
   std::size_t extra_states = 2;
-  TestRunnerOptions runner;
+  TestRunnerOptions runner = {};
 };
 
 class WMethod : public EquivalenceOracle {
