@@ -10,6 +10,7 @@
 #include <cstring>
 #include <system_error>
 
+#include "maide/base/descriptor.hpp"
 #include "maide/base/error.hpp"
 
 namespace maide {
@@ -17,26 +18,6 @@ namespace maide {
 namespace {
 
 namespace fs = std::filesystem;
-
-class Descriptor {
- public:
-  explicit Descriptor(int fd) : fd_(fd) {}
-  ~Descriptor() {
-    if (fd_ >= 0) ::close(fd_);
-  }
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  int get() const { return fd_; }
-  // Closes and tells whether that went well: some file systems report a full disk only here.
-  bool close() {
-    const int fd = fd_;
-    fd_ = -1;
-    return ::close(fd) == 0;
-  }
-
- private:
-  int fd_;
-};
 
 [[noreturn]] void fail(const char* what, int error, const fs::path& path) {
   throw UsageError(std::string("cannot ") + what + " the file: " +
@@ -58,7 +39,7 @@ void write_directly(const fs::path& path, std::string_view content) {
   Descriptor file(::open(path.c_str(), O_WRONLY | O_CLOEXEC));
   if (file.get() < 0) fail("write", errno, path);
   if (const int error = write_all(file.get(), content); error != 0) fail("write", error, path);
-  if (!file.close()) fail("write", errno, path);
+  if (const int error = file.close(); error != 0) fail("write", error, path);
 }
 
 // The permissions a new file would get.
@@ -108,7 +89,7 @@ void write_file_atomically(const fs::path& path, std::string_view content) {
     error = errno;
   }
   if (error == 0 && ::fsync(file.get()) != 0) error = errno;
-  if (!file.close() && error == 0) error = errno;
+  if (const int close_error = file.close(); error == 0) error = close_error;
   if (error == 0 && ::rename(temporary.c_str(), target.c_str()) != 0) error = errno;
   if (error != 0) {
     ::unlink(temporary.c_str());

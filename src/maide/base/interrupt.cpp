@@ -3,17 +3,15 @@
 // at the other end asks for the stop. Signals are not blocked: children would inherit that.
 #include "maide/base/interrupt.hpp"
 
-#include <fcntl.h>
 #include <unistd.h>
 
-#include <array>
 #include <atomic>
 #include <cerrno>
 #include <csignal>
 #include <stdexcept>
-#include <system_error>
 #include <thread>
 
+#include "maide/base/descriptor.hpp"
 #include "maide/base/error.hpp"
 
 namespace maide {
@@ -42,13 +40,8 @@ extern "C" void on_signal(int) {
 class Interrupt::State {
  public:
   State() {
-    if (::pipe2(pipe_.data(), O_CLOEXEC) != 0) {
-      throw std::system_error(errno, std::generic_category(), "cannot make a pipe");
-    }
     int none = -1;
-    if (!pipe_in.compare_exchange_strong(none, pipe_[1])) {
-      ::close(pipe_[0]);
-      ::close(pipe_[1]);
+    if (!pipe_in.compare_exchange_strong(none, pipe_.write_end.get())) {
       throw std::logic_error("there is an Interrupt already");
     }
     signals_seen = 0;
@@ -64,12 +57,10 @@ class Interrupt::State {
   ~State() {
     ::sigaction(SIGINT, &earlier_int_, nullptr);
     ::sigaction(SIGTERM, &earlier_term_, nullptr);
-    while (::write(pipe_[1], &end_byte, 1) < 0 && errno == EINTR) {
+    while (::write(pipe_.write_end.get(), &end_byte, 1) < 0 && errno == EINTR) {
     }
     watcher_.join();
     pipe_in = -1;
-    ::close(pipe_[0]);
-    ::close(pipe_[1]);
   }
 
   State(const State&) = delete;
@@ -81,14 +72,14 @@ class Interrupt::State {
   void watch() {
     for (;;) {
       char byte = 0;
-      const ssize_t count = ::read(pipe_[0], &byte, 1);
+      const ssize_t count = ::read(pipe_.read_end.get(), &byte, 1);
       if (count < 0 && errno == EINTR) continue;
       if (count != 1 || byte == end_byte) return;
       source_.request_stop();
     }
   }
 
-  std::array<int, 2> pipe_{-1, -1};
+  Pipe pipe_;
   std::stop_source source_;
   std::thread watcher_;
   struct sigaction earlier_int_ {};

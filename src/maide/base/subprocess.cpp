@@ -18,6 +18,7 @@
 #include <system_error>
 #include <utility>
 
+#include "maide/base/descriptor.hpp"
 #include "maide/base/error.hpp"
 
 extern char** environ;
@@ -28,38 +29,9 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// A file descriptor that is closed with its owner.
-class Descriptor {
- public:
-  Descriptor() = default;
-  ~Descriptor() { reset(); }
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  void reset(int fd = -1) {
-    if (fd_ >= 0) ::close(fd_);
-    fd_ = fd;
-  }
-  int get() const { return fd_; }
-
- private:
-  int fd_ = -1;
-};
-
-struct Pipe {
-  Descriptor read_end, write_end;
-  Pipe() {
-    std::array<int, 2> fds{};
-    if (::pipe2(fds.data(), O_CLOEXEC) != 0) {
-      throw std::system_error(errno, std::generic_category(), "cannot make a pipe");
-    }
-    read_end.reset(fds[0]);
-    write_end.reset(fds[1]);
-  }
-};
-
 // A file in memory with this content, to be read from its beginning.
 void open_input(Descriptor& file, std::string_view content) {
-  file.reset(::memfd_create("maide-input", MFD_CLOEXEC));
+  file = Descriptor(::memfd_create("maide-input", MFD_CLOEXEC));
   while (!content.empty()) {
     const ssize_t count = ::write(file.get(), content.data(), content.size());
     if (count < 0 && errno == EINTR) continue;

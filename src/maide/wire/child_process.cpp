@@ -30,16 +30,6 @@ namespace {
   throw std::runtime_error(what + ": " + std::generic_category().message(error));
 }
 
-struct Pipe {
-  Descriptor read_end, write_end;
-  Pipe() {
-    std::array<int, 2> ends{};
-    if (::pipe2(ends.data(), O_CLOEXEC) != 0) fail("cannot make a pipe", errno);
-    read_end = Descriptor(ends[0]);
-    write_end = Descriptor(ends[1]);
-  }
-};
-
 // The thread that forks. Never ends: it is the parent that children do not outlive.
 class Spawner {
  public:

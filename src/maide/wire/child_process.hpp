@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "maide/wire/descriptor.hpp"
+#include "maide/base/descriptor.hpp"
 
 namespace maide {
 

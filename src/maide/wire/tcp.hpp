@@ -5,7 +5,7 @@
 #include <functional>
 #include <string>
 
-#include "maide/wire/descriptor.hpp"
+#include "maide/base/descriptor.hpp"
 
 namespace maide::tcp {
 

@@ -14,8 +14,8 @@
 #include <string_view>
 #include <thread>
 
+#include "maide/base/descriptor.hpp"
 #include "maide/base/error.hpp"
-#include "maide/wire/descriptor.hpp"
 
 namespace maide {
 namespace {

@@ -11,8 +11,8 @@
 #include <string_view>
 #include <vector>
 
+#include "maide/base/descriptor.hpp"
 #include "maide/wire/child_process.hpp"
-#include "maide/wire/descriptor.hpp"
 #include "maide/wire/line_io.hpp"
 
 namespace maide {

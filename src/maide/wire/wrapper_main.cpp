@@ -19,8 +19,8 @@
 #include <string>
 #include <vector>
 
+#include "maide/base/descriptor.hpp"
 #include "maide/base/error.hpp"
-#include "maide/wire/descriptor.hpp"
 #include "maide/wire/system_wrapper.hpp"
 #include "maide/wire/tcp.hpp"
 #include "maide/wire/wrapper_server.hpp"

@@ -6,9 +6,7 @@
 
 class buffered_tryread {
  public:
-  enum class State : unsigned long {
-    s0, s1, s2, s3
-  };
+  enum class State : unsigned long { s0, s1, s2, s3 };
   enum class Input : unsigned long {
     write,
     read,
@@ -68,16 +66,16 @@ class buffered_tryread {
   static constexpr State initial = State::s0;
   // The next state; -1: refused, -2: never tried.
   static constexpr std::array<std::array<long, 3>, 4> input_targets{{
-    {{1, 2, 0}},
-    {{1, 3, 3}},
-    {{3, -1, -1}},
-    {{-1, -1, -1}},
+      {{1, 2, 0}},
+      {{1, 3, 3}},
+      {{3, -1, -1}},
+      {{-1, -1, -1}},
   }};
   static constexpr std::array<std::array<long, 1>, 4> output_targets{{
-    {{-1}},
-    {{-1}},
-    {{-1}},
-    {{0}},
+      {{-1}},
+      {{-1}},
+      {{-1}},
+      {{0}},
   }};
   State state_ = initial;
 };

@@ -7,9 +7,7 @@
 
 class strange_automaton {
  public:
-  enum class State : unsigned long {
-    s0, s1, s2
-  };
+  enum class State : unsigned long { s0, s1, s2 };
   enum class Input : unsigned long {
     do_2,
     in_put,
@@ -71,14 +69,14 @@ class strange_automaton {
   static constexpr State initial = State::s2;
   // The next state; -1: refused, -2: never tried.
   static constexpr std::array<std::array<long, 3>, 3> input_targets{{
-    {{1, 2, -2}},
-    {{-1, -1, -1}},
-    {{-2, -1, -2}},
+      {{1, 2, -2}},
+      {{-1, -1, -1}},
+      {{-2, -1, -2}},
   }};
   static constexpr std::array<std::array<long, 3>, 3> output_targets{{
-    {{-1, -1, -1}},
-    {{0, 2, -1}},
-    {{-1, -1, -1}},
+      {{-1, -1, -1}},
+      {{0, 2, -1}},
+      {{-1, -1, -1}},
   }};
   State state_ = initial;
 };

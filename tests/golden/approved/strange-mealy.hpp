@@ -8,9 +8,7 @@
 
 class strange_mealy {
  public:
-  enum class State : unsigned long {
-    s0, s1
-  };
+  enum class State : unsigned long { s0, s1 };
   enum class Input : unsigned long {
     in_put,
     a___b,
@@ -25,9 +23,11 @@ class strange_mealy {
     MODULE,
   };
   // The names as the model has them, in the order of Input.
-  static constexpr std::array<const char*, 5> input_names{"in put", "a / b", "class", "\"quoted\"", "zw\303\266lf*/"};
+  static constexpr std::array<const char*, 5> input_names{"in put", "a / b", "class", "\"quoted\"",
+                                                          "zw\303\266lf*/"};
   // The names as the model has them, in the order of Output.
-  static constexpr std::array<const char*, 4> output_names{"quiet", "written,message", "mtype", "MODULE"};
+  static constexpr std::array<const char*, 4> output_names{"quiet", "written,message", "mtype",
+                                                           "MODULE"};
 
   void reset() { state_ = initial; }
   State state() const { return state_; }
@@ -45,8 +45,8 @@ class strange_mealy {
   };
   static constexpr State initial = State::s1;
   static constexpr std::array<std::array<Step, 5>, 2> steps{{
-    {{{1, 0}, {1, 1}, {1, 2}, {1, 3}, {1, 0}}},
-    {{{0, 1}, {1, 2}, {0, 3}, {1, 0}, {0, 1}}},
+      {{{1, 0}, {1, 1}, {1, 2}, {1, 3}, {1, 0}}},
+      {{{0, 1}, {1, 2}, {0, 3}, {1, 0}, {0, 1}}},
   }};
   State state_ = initial;
 };

@@ -6,9 +6,7 @@
 
 class strict_1_absorb {
  public:
-  enum class State : unsigned long {
-    s0, s1, s2, s3
-  };
+  enum class State : unsigned long { s0, s1, s2, s3 };
   enum class Input : unsigned long {
     write,
     read,
@@ -67,16 +65,16 @@ class strict_1_absorb {
   static constexpr State initial = State::s0;
   // The next state; -1: refused, -2: never tried.
   static constexpr std::array<std::array<long, 2>, 4> input_targets{{
-    {{2, 1}},
-    {{3, -1}},
-    {{-2, 3}},
-    {{-1, -1}},
+      {{2, 1}},
+      {{3, -1}},
+      {{-2, 3}},
+      {{-1, -1}},
   }};
   static constexpr std::array<std::array<long, 1>, 4> output_targets{{
-    {{-1}},
-    {{-1}},
-    {{-1}},
-    {{0}},
+      {{-1}},
+      {{-1}},
+      {{-1}},
+      {{0}},
   }};
   State state_ = initial;
 };

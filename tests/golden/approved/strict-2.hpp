@@ -6,9 +6,7 @@
 
 class strict_2 {
  public:
-  enum class State : unsigned long {
-    s0, s1, s2, s3, s4, s5
-  };
+  enum class State : unsigned long { s0, s1, s2, s3, s4, s5 };
   enum class Input : unsigned long {
     write,
     read,
@@ -67,20 +65,20 @@ class strict_2 {
   static constexpr State initial = State::s0;
   // The next state; -1: refused, -2: never tried.
   static constexpr std::array<std::array<long, 2>, 6> input_targets{{
-    {{2, 1}},
-    {{4, -1}},
-    {{3, 4}},
-    {{-2, 5}},
-    {{-1, -1}},
-    {{-1, -1}},
+      {{2, 1}},
+      {{4, -1}},
+      {{3, 4}},
+      {{-2, 5}},
+      {{-1, -1}},
+      {{-1, -1}},
   }};
   static constexpr std::array<std::array<long, 1>, 6> output_targets{{
-    {{-1}},
-    {{-1}},
-    {{-1}},
-    {{-1}},
-    {{0}},
-    {{2}},
+      {{-1}},
+      {{-1}},
+      {{-1}},
+      {{-1}},
+      {{0}},
+      {{2}},
   }};
   State state_ = initial;
 };
