@@ -43,7 +43,7 @@ std::uint64_t query_bound(std::string_view algorithm, std::uint64_t states, std:
   if (algorithm == "lmplus") return rows * (inputs + (states - 1) * longest) + states;
   if (algorithm == "rs") {
     const auto logarithm = static_cast<std::uint64_t>(std::bit_width(longest));
-    return rows * (inputs + states - 1) + (states - 1) * (1 + logarithm);
+    return rows - 1 + rows * (states - 1) + (states - 1) * (1 + logarithm);
   }
   ADD_FAILURE() << "no bound for " << algorithm;
   return 0;

@@ -12,7 +12,7 @@ StandardMethod::StandardMethod(OutputOracle& oracle, StandardMethodOptions optio
 std::optional<Word> StandardMethod::find_counterexample(const Mealy& hypothesis,
                                                         const RunControl& control) {
   const std::uint64_t budget =
-      options_.max_tests.value_or(2000 + 100 * hypothesis.size() * hypothesis.inputs().size());
+      options_.max_tests.value_or(1000 + 50 * hypothesis.size() * hypothesis.inputs().size());
   WMethod w_method(oracle_, {options_.extra_states, {budget, options_.batch_size}});
   guarantee_ = "not tested to the end";
   std::optional<Word> counterexample = w_method.find_counterexample(hypothesis, control);

@@ -2,9 +2,10 @@
 // so far (which costs nothing), pass the W-method for as many extra states as the budget allows,
 // and then some random words, which look where the W-method does not.
 //
-// Small models need few tests, so the budget grows with the hypothesis: 2000 + 100 n k tests for n
+// Small models need few tests, so the budget grows with the hypothesis: 1000 + 50 n k tests for n
 // states and k inputs. With the three extra states that are tried at most, that completes all three
-// for a queue of six messages, two for 20 states and 5 inputs.
+// for a queue of six messages, two for its av translation, one and most of two for 20 states and 5
+// inputs. `guarantee()` says how far it came.
 #pragma once
 
 #include <cstdint>

@@ -77,7 +77,7 @@ Oracle after_cache(const TestMethodContext& context, const TestMethodOptions& op
 
 constexpr std::array table{
     TestMethodEntry{"standard",
-                    "W-method as deep as a budget of 2000 + 100 n k tests goes, then random words",
+                    "W-method as deep as a budget of 1000 + 50 n k tests goes, then random words",
                     "extra-states max-tests seed", after_cache<make_standard>},
     TestMethodEntry{"w", "W-method (Chow, Vasilevskii)", "extra-states max-tests",
                     after_cache<make_w>},

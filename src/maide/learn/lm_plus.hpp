@@ -1,6 +1,7 @@
 // L*M+ (Shahbaz, PhD thesis, Grenoble 2008; Shahbaz & Groz, "Inferring Mealy Machines", FM 2009):
-// an observation table whose counterexamples become suffixes. A counterexample u v, u its longest
-// prefix that is a row, gives all non-empty suffixes of v.
+// an observation table that begins with the single inputs as columns and whose counterexamples
+// become suffixes. A counterexample u v, u its longest prefix that is a row, gives all non-empty
+// suffixes of v.
 //
 // Invariant: E is suffix-closed, so the hypothesis agrees with the table and no word is a
 // counterexample twice. For n states, k inputs and counterexamples of length m: at most
@@ -14,7 +15,7 @@ namespace maide {
 class LmPlus : public TableLearner {
  public:
   // Keeps a reference to `oracle`.
-  explicit LmPlus(OutputOracle& oracle) : TableLearner(oracle) {}
+  explicit LmPlus(OutputOracle& oracle) : TableLearner(oracle, FirstSuffixes::inputs) {}
 
  private:
   std::vector<Word> suffixes_of(const Word& counterexample, Symbol last_output,

@@ -6,59 +6,71 @@
 
 namespace maide {
 
-ObservationTable::ObservationTable(OutputOracle& oracle) : oracle_(oracle) {
+ObservationTable::ObservationTable(OutputOracle& oracle, FirstSuffixes first) : oracle_(oracle) {
   if (oracle.inputs().empty()) throw UsageError("the system has no inputs to learn from");
-  for (Symbol input = 0; input < oracle.inputs().size(); ++input) add_suffix({input});
+  if (first == FirstSuffixes::inputs) {
+    for (Symbol input = 0; input < oracle.inputs().size(); ++input) add_suffix({input});
+  }
   rows_.emplace_back();
   make_short(0);
 }
 
 bool ObservationTable::add_suffix(const Word& suffix) {
   if (!suffixes_.insert(suffix).second) return false;
-  columns_.push_back({suffix, {}, {}});
+  columns_.push_back({suffix, {}});
   short_by_cells_.clear();  // rows are compared by one cell more from now on
   return true;
 }
 
-void ObservationTable::make_short(RowId row) {
-  short_rows_.push_back(row);
-  const RowId first = static_cast<RowId>(rows_.size());
-  rows_[row].extensions = first;
+void ObservationTable::make_short(RowId id) {
+  short_rows_.push_back(id);
+  rows_[id].extensions = static_cast<RowId>(rows_.size());
   for (Symbol input = 0; input < oracle_.inputs().size(); ++input) {
-    Word prefix = rows_[row].prefix;
-    prefix.push_back(input);
-    rows_.push_back({std::move(prefix), {}, no_row});
+    Row extension;
+    extension.prefix = rows_[id].prefix;
+    extension.prefix.push_back(input);
+    rows_.push_back(std::move(extension));
   }
 }
 
-// Asks for every missing cell in one batch.
+// Asks for every missing cell in one batch; for a row's output alone only if it has no cell to ask.
 void ObservationTable::fill(const RunControl& control) {
+  struct Cell {
+    RowId row;
+    std::size_t column;  // past the end: the output alone
+  };
+  std::vector<Cell> cells;
   std::vector<Query> batch;
-  for (const Row& row : rows_) {
+  for (RowId id = 0; id < rows_.size(); ++id) {
+    const Row& row = rows_[id];
     for (std::size_t column = row.cells.size(); column < columns_.size(); ++column) {
       Word word = row.prefix;
       const Word& suffix = columns_[column].suffix;
       word.insert(word.end(), suffix.begin(), suffix.end());
       batch.emplace_back(std::move(word));
+      cells.push_back({id, column});
+    }
+    if (columns_.empty() && row.output == unknown_output && id != 0) {
+      batch.emplace_back(row.prefix);
+      cells.push_back({id, columns_.size()});
     }
   }
   if (batch.empty()) return;
   const std::vector<MealyAnswer> answers = oracle_.ask(batch, control);
   output_queries_ += answers.size();
-  auto answer = answers.begin();
-  auto query = batch.begin();
-  for (Row& row : rows_) {
-    for (std::size_t i = row.cells.size(); i < columns_.size(); ++i, ++answer, ++query) {
-      const Word& outputs = complete_outputs(*answer, std::get<Word>(*query));
-      Column& column = columns_[i];
-      const Word value(outputs.end() - static_cast<std::ptrdiff_t>(column.suffix.size()),
-                       outputs.end());
-      const auto [entry, is_new] =
-          column.index.try_emplace(value, static_cast<std::uint32_t>(column.values.size()));
-      if (is_new) column.values.push_back(value);
-      row.cells.push_back(entry->second);
-    }
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    const Word& outputs = complete_outputs(answers[i], std::get<Word>(batch[i]));
+    fill_row(rows_[cells[i].row], cells[i].column, outputs);
   }
+}
+
+void ObservationTable::fill_row(Row& row, std::size_t column, const Word& outputs) {
+  if (!row.prefix.empty()) row.output = outputs[row.prefix.size() - 1];
+  if (column == columns_.size()) return;
+  auto& values = columns_[column].values;
+  const Word value(outputs.begin() + static_cast<std::ptrdiff_t>(row.prefix.size()), outputs.end());
+  const auto next = static_cast<std::uint32_t>(values.size());
+  row.cells.push_back(values.try_emplace(value, next).first->second);
 }
 
 // Makes a short row of each long row from `first` on that equals no short one. All that are
@@ -103,11 +115,11 @@ ObservationTable::Hypothesis ObservationTable::make_hypothesis() const {
     const RowId row = order[state];
     result.access.push_back(rows_[row].prefix);
     for (Symbol input = 0; input < inputs; ++input) {
-      const RowId target = short_by_cells_.at(rows_[extension(row, input)].cells);
+      const Row& next = rows_[extension(row, input)];
+      const RowId target = short_by_cells_.at(next.cells);
       const auto [entry, is_new] = state_of.try_emplace(target, static_cast<StateId>(order.size()));
       if (is_new) order.push_back(target);
-      const Symbol output = columns_[input].values[rows_[row].cells[input]].front();
-      result.machine.set_transition(state, input, output, entry->second);
+      result.machine.set_transition(state, input, next.output, entry->second);
     }
   }
   return result;

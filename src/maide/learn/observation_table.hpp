@@ -1,11 +1,12 @@
 // The observation table (S, E, T) of L* for Mealy machines (Angluin 1987; Shahbaz & Groz,
 // "Inferring Mealy Machines", FM 2009). Short rows S: access words, prefix-closed. Long rows: their
-// extensions by one input. Columns E: distinguishing suffixes, at first each single input. A cell T
-// holds the outputs along its suffix.
+// extensions by one input, each with the output of that input. Columns E: distinguishing suffixes.
+// A cell T holds the outputs along its suffix.
 //
 // Invariants: no two short rows are equal (so the table needs no consistency check); every short
 // row has all its extensions. Closed: every long row equals a short one.
-// Query cost: one output query a cell, (|S| k + 1) |E| in all; one batch for each filling round.
+// Query cost: one output query a cell, (|S| k + 1) |E| in all, and one for each row while there are
+// no columns; one batch for each filling round.
 #pragma once
 
 #include <cstdint>
@@ -19,11 +20,17 @@
 
 namespace maide {
 
+// The columns that a table begins with.
+enum class FirstSuffixes : std::uint8_t {
+  none,    // states are told apart by what counterexamples show: fewer output queries
+  inputs,  // each single input: fewer equivalence queries
+};
+
 class ObservationTable {
  public:
-  // The empty word as only short row, the single inputs as suffixes; nothing is asked yet. Keeps a
-  // reference to `oracle`. Throws UsageError if it has no inputs.
-  explicit ObservationTable(OutputOracle& oracle);
+  // The empty word as only short row; nothing is asked yet. Keeps a reference to `oracle`. Throws
+  // UsageError if it has no inputs.
+  ObservationTable(OutputOracle& oracle, FirstSuffixes first);
 
   // Adds a non-empty suffix; false if it is there already.
   bool add_suffix(const Word& suffix);
@@ -48,28 +55,30 @@ class ObservationTable {
  private:
   using RowId = std::uint32_t;
   static constexpr RowId no_row = ~RowId{0};
+  static constexpr Symbol unknown_output = ~Symbol{0};
   struct Row {
     Word prefix;
     std::vector<std::uint32_t> cells;  // one value for each suffix; fewer while not filled
+    Symbol output = unknown_output;    // of the prefix' last input
     RowId extensions = no_row;         // first of its k extensions; none: this is a long row
   };
-  // A suffix and the different outputs seen along it; a cell holds an index into `values`.
+  // A suffix, and the different outputs seen along it, numbered; cells hold their numbers.
   struct Column {
     Word suffix;
-    std::vector<Word> values;
-    std::unordered_map<Word, std::uint32_t, WordHash> index;
+    std::unordered_map<Word, std::uint32_t, WordHash> values;
   };
 
   void fill(const RunControl& control);
+  void fill_row(Row& row, std::size_t column, const Word& outputs);
   bool promote_new_rows(RowId first);
-  void make_short(RowId row);
+  void make_short(RowId id);
   // The first extension of each row lies where `extensions` says.
   RowId extension(RowId row, Symbol input) const { return rows_[row].extensions + input; }
 
   OutputOracle& oracle_;
   std::vector<Row> rows_;  // row 0 is the empty word's
   std::vector<RowId> short_rows_;
-  std::vector<Column> columns_;  // column i < k is the single input i
+  std::vector<Column> columns_;
   std::unordered_set<Word, WordHash> suffixes_;
   // Short rows by their cells (numbers like symbols, so WordHash serves).
   std::unordered_map<Word, RowId, WordHash> short_by_cells_;

@@ -19,7 +19,8 @@ class TableLearner : public Learner {
 
  protected:
   // Keeps a reference to `oracle`.
-  explicit TableLearner(OutputOracle& oracle) : oracle_(oracle), table_(oracle) {}
+  TableLearner(OutputOracle& oracle, FirstSuffixes first)
+      : oracle_(oracle), table_(oracle, first) {}
 
   // Suffixes that make the table unclosed. `counterexample` is cut at its first mismatch;
   // `last_output` is what the system answers to its last input.
