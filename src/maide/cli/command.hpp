@@ -47,7 +47,9 @@ struct Command {
 std::span<const Command> command_table();
 
 // One function for each row of the table, in a file of its own.
+RunFunction set_up_compare(CLI::App& app);
 RunFunction set_up_doctor(CLI::App& app);
+RunFunction set_up_export(CLI::App& app);
 
 // The options that several commands have, so that they read the same everywhere.
 CLI::Option* add_seed_option(CLI::App& app, std::uint64_t& seed);

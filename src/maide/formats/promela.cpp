@@ -18,11 +18,10 @@ class ProctypeWriter {
       : out_(out), automaton_(automaton), options_(options) {}
 
   void write(const std::string& name) {
-    out_ << "proctype " << name << "(chan InChannel; chan OutChannel"
-         << (options_.quiet.empty() ? "" : "; chan QuietChannel") << ") {\n";
+    out_ << "proctype " << name << "(chan InChannel; chan OutChannel) {\n";
     if (automaton_.initial() != 0) out_ << "  goto end_s" << automaton_.initial() << ";\n";
     for (StateId state = 0; state < automaton_.size(); ++state) write_state(state);
-    if (stops_) out_ << "end_unexplored:  /* never tried */\n  " << options_.at_unexplored << "\n";
+    if (stops_) out_ << "end_unexplored:  /* never tried */\n  false\n";
     out_ << "}\n";
   }
 
@@ -31,21 +30,17 @@ class ProctypeWriter {
     out_ << "end_s" << state << ":\n";
     has_option_ = false;
     for (const auto& transition : automaton_.transitions(state)) {
-      if (!transition.absorbed)
-        write_option(state, transition.action, state_label(transition.target));
+      if (!transition.absorbed) write_option(transition.action, state_label(transition.target));
     }
     for (Symbol input = 0; input < automaton_.inputs().size(); ++input) {
       if (!was_never_tried(state, input)) continue;
       const Action action{Action::Kind::input, input};
       if (options_.unexplored == PromelaUnexplored::drop) {
-        write_option(state, action, state_label(state));
+        write_option(action, state_label(state));
       } else if (options_.unexplored == PromelaUnexplored::stop) {
-        write_option(state, action, "end_unexplored");
+        write_option(action, "end_unexplored");
         stops_ = true;
       }
-    }
-    if (!options_.quiet.empty() && automaton_.is_quiescent(state)) {
-      write_send("QuietChannel!" + options_.quiet, state_label(state));
     }
     out_ << (has_option_ ? "  fi;\n" : "  false;\n");
   }
@@ -62,25 +57,17 @@ class ProctypeWriter {
     return false;
   }
 
-  void write_option(StateId from, Action action, const std::string& target) {
-    if (!action.is_input()) {
-      write_send("OutChannel!" + options_.outputs[action.symbol], target);
-      return;
-    }
-    const std::string effect =
-        options_.input_effect ? options_.input_effect(from, action.symbol) : "";
-    begin_option();
-    out_ << "atomic { InChannel?" << options_.inputs[action.symbol] << " -> " << effect
-         << (effect.empty() ? "" : "; ") << "goto " << target << " }\n";
-  }
-  // Not in atomic { }: a rendezvous send passes control on, and the goto would become a step.
-  void write_send(const std::string& send, const std::string& target) {
-    begin_option();
-    out_ << send << " -> goto " << target << "\n";
-  }
-  void begin_option() {
+  // The send is not in atomic { }: a rendezvous passes control on to the receiver, and the goto
+  // would become a step of its own.
+  void write_option(Action action, const std::string& target) {
     out_ << (has_option_ ? "  :: " : "  if\n  :: ");
     has_option_ = true;
+    if (action.is_input()) {
+      out_ << "atomic { InChannel?" << options_.inputs[action.symbol] << " -> goto " << target
+           << " }\n";
+    } else {
+      out_ << "OutChannel!" << options_.outputs[action.symbol] << " -> goto " << target << "\n";
+    }
   }
 
   std::ostream& out_;

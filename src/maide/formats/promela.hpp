@@ -5,7 +5,6 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <iosfwd>
 #include <string>
 #include <vector>
@@ -25,15 +24,6 @@ struct PromelaProctypeOptions {
   // A Promela identifier or number for each symbol of the automaton's alphabets.
   std::vector<std::string> inputs, outputs;
   PromelaUnexplored unexplored = PromelaUnexplored::stop;
-  // What is sent in each quiescent state on a third parameter, QuietChannel, to whoever wants to
-  // know that no output is due; "": there is no such channel.
-  std::string quiet;
-  // The statement at end_unexplored, for systems that want to record it; it must end blocked.
-  std::string at_unexplored = "false";
-  // A statement ("last = 3") that is executed in the same step as the input; "" for none. Also
-  // called for inputs that were never tried. For an output it must stand with whoever receives it:
-  // SPIN gives up the atomicity of a sequence behind a rendezvous send.
-  std::function<std::string(StateId from, Symbol input)> input_effect;
 };
 
 // `proctype NAME(chan InChannel; chan OutChannel) { ... }`. One pan state for each state (with

@@ -1,0 +1,199 @@
+// `maide compare A B`: whether two models - of two versions, two configurations, two vendors - are
+// the same, and if not, the shortest word that tells them apart. What one model knows and the other
+// never tried is no contradiction, and is told apart from one.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "maide/automata/compare.hpp"
+#include "maide/cli/command.hpp"
+#include "maide/formats/model_file.hpp"
+#include "maide/sul/ia_translation.hpp"
+
+namespace maide::cli {
+
+namespace {
+
+struct CompareArguments {
+  std::string a, b;
+};
+
+struct Outcome {
+  bool same = false;
+  std::string text;
+  Json json;
+};
+
+std::string counted(std::size_t count, const char* what) {
+  return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
+}
+
+// The names under which the report speaks of the models.
+struct Names {
+  std::string left, right;
+};
+
+Outcome compare_mealy(const Mealy& left, const Mealy& right, const Names& names) {
+  const auto difference = find_difference(left, right);
+  Json json{{"same", !difference}, {"kind", "mealy"}};
+  if (!difference) {
+    return {true,
+            fmt::format("The same: {} ({}) and {} ({}) answer every word alike.\n", names.left,
+                        counted(left.size(), "state"), names.right, counted(right.size(), "state")),
+            json};
+  }
+  const auto answer = [](const std::optional<std::string>& output, const std::string& input) {
+    return output ? "answers " + *output : "has no input " + input;
+  };
+  const std::string& last = difference->word.back();
+  json["word"] = difference->word;
+  json["left"] = difference->left ? Json(*difference->left) : Json(nullptr);
+  json["right"] = difference->right ? Json(*difference->right) : Json(nullptr);
+  return {false,
+          fmt::format("They differ: a shortest word of {} tells them apart\n  {}\n  {} {}\n  {} "
+                      "{}\n",
+                      counted(difference->word.size(), "input"), fmt::join(difference->word, " "),
+                      names.left, answer(difference->left, last), names.right,
+                      answer(difference->right, last)),
+          json};
+}
+
+std::string after(const std::vector<std::string>& word) {
+  return word.empty() ? "at the start" : fmt::format("after {}", fmt::join(word, " "));
+}
+
+std::string offers(const std::vector<std::string>& actions) {
+  return actions.empty() ? "nothing" : fmt::format("{}", fmt::join(actions, ", "));
+}
+
+std::string describe(const HardDifference& difference, const Names& names) {
+  const std::vector<std::string> before(difference.word.begin(), difference.word.end() - 1);
+  return fmt::format(
+      "They differ: a shortest word of {} tells them apart\n  {}\n{}, {} is\n  {} in {}, which "
+      "offers {}\n  {} in {}, which offers {}\n",
+      counted(difference.word.size(), "action"), fmt::join(difference.word, " "), after(before),
+      difference.word.back(), to_string(difference.left), names.left,
+      offers(difference.left_offers), to_string(difference.right), names.right,
+      offers(difference.right_offers));
+}
+
+Json to_json(const HardDifference& difference) {
+  return {{"word", difference.word},
+          {"left", to_string(difference.left)},
+          {"right", to_string(difference.right)},
+          {"left_offers", difference.left_offers},
+          {"right_offers", difference.right_offers}};
+}
+
+std::string describe(const SoftDifference& difference, const Names& names) {
+  std::string text;
+  for (const auto& input : difference.inputs) {
+    text += fmt::format("  {}: ?{} is {} in {}, {} in {}\n", after(difference.word), input.name,
+                        to_string(input.left), names.left, to_string(input.right), names.right);
+  }
+  return text;
+}
+
+Json to_json(const SoftDifference& difference) {
+  Json inputs = Json::array();
+  for (const auto& input : difference.inputs) {
+    inputs.push_back({{"input", input.name},
+                      {"left", to_string(input.left)},
+                      {"right", to_string(input.right)}});
+  }
+  return {{"word", difference.word}, {"inputs", inputs}};
+}
+
+Outcome compare_automata(const InterfaceAutomaton& left, const InterfaceAutomaton& right,
+                         const Names& names, const std::vector<std::string>& notes,
+                         const RunControl& control) {
+  IaComparison result = compare(left, right, control);
+  result.notes.insert(result.notes.begin(), notes.begin(), notes.end());
+  Outcome outcome;
+  outcome.same = result.same();
+  if (result.same()) {
+    outcome.text = fmt::format(
+        "The same: {} ({}, {}) and {} ({}, {}) take and emit the same actions.\n", names.left,
+        counted(left.size(), "state"), counted(left.transition_count(), "transition"), names.right,
+        counted(right.size(), "state"), counted(right.transition_count(), "transition"));
+  } else if (result.hard) {
+    outcome.text = describe(*result.hard, names);
+    if (!result.soft.empty()) outcome.text += "Besides, one knows what the other never tried:\n";
+  } else {
+    outcome.text = "They do not contradict each other; one knows what the other never tried:\n";
+  }
+  for (const SoftDifference& difference : result.soft) outcome.text += describe(difference, names);
+  for (const std::string& note : result.notes) outcome.text += "Note: " + note + ".\n";
+
+  outcome.json = {{"same", outcome.same},
+                  {"kind", "interface automaton"},
+                  {"differ_in_marks_alone", result.differ_in_marks_alone()},
+                  {"hard", result.hard ? to_json(*result.hard) : Json(nullptr)},
+                  {"soft", Json::array()},
+                  {"notes", result.notes}};
+  for (const SoftDifference& difference : result.soft) {
+    outcome.json["soft"].push_back(to_json(difference));
+  }
+  return outcome;
+}
+
+// The interface automaton that a Mealy machine stands for, to compare it with one.
+InterfaceAutomaton as_automaton(const Mealy& machine, const InterfaceAutomaton& other,
+                                const std::string& file, std::vector<std::string>& notes) {
+  const Translation translation =
+      machine.inputs().find(delta_input) ? Translation::av : Translation::eager;
+  notes.push_back(fmt::format(
+      "{} is a Mealy machine and is compared as the interface automaton that it stands for "
+      "({} translation)",
+      file, translation == Translation::av ? "av" : "eager"));
+  const auto& actors = machine.actors.empty() ? other.actors : machine.actors;
+  try {
+    return to_interface_automaton(machine, translation, actors);
+  } catch (const UsageError& error) {
+    throw UsageError(fmt::format("a Mealy machine that stands for no interface automaton: {} ({})",
+                                 error.what(), file));
+  }
+}
+
+ExitStatus run_compare(const CompareArguments& arguments, Context& context) {
+  Names names{std::filesystem::path(arguments.a).filename().string(),
+              std::filesystem::path(arguments.b).filename().string()};
+  if (names.left == names.right) names = {arguments.a, arguments.b};
+  const Model left = read_model(arguments.a);
+  const Model right = read_model(arguments.b);
+  const auto* left_machine = std::get_if<Mealy>(&left);
+  const auto* right_machine = std::get_if<Mealy>(&right);
+  Outcome outcome;
+  if (left_machine != nullptr && right_machine != nullptr) {
+    outcome = compare_mealy(*left_machine, *right_machine, names);
+  } else {
+    std::vector<std::string> notes;
+    const InterfaceAutomaton left_automaton =
+        left_machine == nullptr
+            ? std::get<InterfaceAutomaton>(left)
+            : as_automaton(*left_machine, std::get<InterfaceAutomaton>(right), names.left, notes);
+    const InterfaceAutomaton right_automaton =
+        right_machine == nullptr
+            ? std::get<InterfaceAutomaton>(right)
+            : as_automaton(*right_machine, std::get<InterfaceAutomaton>(left), names.right, notes);
+    outcome = compare_automata(left_automaton, right_automaton, names, notes, context.control());
+  }
+  context.print(outcome.text);
+  outcome.json["models"] = {arguments.a, arguments.b};
+  context.set_result(outcome.json);
+  return outcome.same ? ExitStatus::ok : ExitStatus::violated;
+}
+
+}  // namespace
+
+RunFunction set_up_compare(CLI::App& app) {
+  auto arguments = std::make_shared<CompareArguments>();
+  app.add_option("A", arguments->a, "A model file (.dot, .gv or .aut)")->required();
+  app.add_option("B", arguments->b, "Another model file")->required();
+  return [arguments](Context& context) { return run_compare(*arguments, context); };
+}
+
+}  // namespace maide::cli
