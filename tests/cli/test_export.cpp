@@ -18,7 +18,7 @@ std::string model(const std::string& name) {
   return MAIDE_SOURCE_DIR "/tests/models/" + name + ".dot";
 }
 std::string approved(const std::string& file) {
-  return read_file(MAIDE_SOURCE_DIR "/tests/golden/approved/" + file);
+  return read_file(MAIDE_SOURCE_DIR "/tests/golden/approved/" + file + ".approved");
 }
 
 TEST(Export, WritesToStandardOutput) {

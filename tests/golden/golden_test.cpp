@@ -55,7 +55,7 @@ TEST_P(Golden, IsAsApproved) {
   std::ostringstream out;
   exporter.write(out, model_of(name), {name, MarkLoss::accept});
   const std::string path = std::string(MAIDE_SOURCE_DIR "/tests/golden/approved/") + name +
-                           std::string(exporter.extension);
+                           std::string(exporter.extension) + ".approved";
   if (std::getenv("MAIDE_APPROVE") != nullptr) write_file_atomically(path, out.str());
   EXPECT_EQ(out.str(), read_file(path)) << path;
 }
