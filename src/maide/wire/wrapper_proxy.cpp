@@ -35,11 +35,13 @@ protocol::FromWrapper await_message(WrapperConnection& connection, const Wrapper
   const Clock::time_point deadline = Clock::now() + limit;
   try {
     while (true) {
+      if (control.should_stop()) connection.kill();
       control.check("starting the wrapper");
       if (const auto line = connection.receive(piece)) {
         return protocol::decode_from_wrapper(*line, NoQueries());
       }
       if (Clock::now() < deadline) continue;
+      connection.kill();
       throw WrapperError(
           fmt::format("no {} within {} s", what, std::chrono::duration<double>(limit).count()),
           endpoint.name());
@@ -47,6 +49,7 @@ protocol::FromWrapper await_message(WrapperConnection& connection, const Wrapper
   } catch (const ConnectionLost& lost) {
     throw WrapperError(fmt::format("{} before its {}", lost.what(), what), endpoint.name());
   } catch (const protocol::ProtocolError& error) {
+    connection.kill();
     throw WrapperError(error.what(), endpoint.name());
   }
 }
@@ -218,6 +221,10 @@ void WrapperProxy::run_batch(Batch& batch, const RunControl& control) {
     } catch (const ConnectionLost& lost) {
       recover(batch, batch.leaving ? batch.leaving_reason : lost.what(), batch.leaving, control);
     } catch (const protocol::ProtocolError& error) {
+      // Whatever else it says means nothing either.
+      connection_->kill();
+      connection_.reset();
+      pending_.clear();
       fail(error.what());
     }
   }

@@ -1,0 +1,211 @@
+#include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+
+#include <atomic>
+
+#include "maide/wire/descriptor.hpp"
+#include "maide/wire/line_io.hpp"
+#include "maide/wire/quiescence.hpp"
+#include "maide/wire/socket_scan.hpp"
+#include "maide/wire/thread_scan.hpp"
+#include "thread_chain.hpp"
+
+namespace maide {
+namespace {
+
+using namespace std::chrono_literals;
+using Clock = Quiescence::Clock;
+using Verdict = Quiescence::Verdict;
+
+Clock::time_point never() { return {}; }
+bool not_aborted() { return false; }
+
+QuiescenceSettings with_limit(std::chrono::milliseconds limit) {
+  QuiescenceSettings settings;
+  settings.limit = limit;
+  return settings;
+}
+
+// The claim itself: after the verdict the work is done, whatever the scheduler does.
+void expect_no_wrong_verdicts(std::size_t trials, std::uint64_t seed) {
+  test::ThreadChain chain(4, seed);
+  Quiescence quiescence(with_limit(60s));
+  Random random(seed);
+  std::size_t wrong = 0;
+  for (std::size_t trial = 0; trial < trials; ++trial) {
+    chain.start(1 + random.below(12));
+    ASSERT_EQ(quiescence.wait(never, not_aborted), Verdict::quiescent);
+    if (!chain.is_done()) ++wrong;
+    // The next one must start from rest.
+    while (!chain.is_done()) std::this_thread::yield();
+  }
+  EXPECT_EQ(wrong, 0u) << "of " << trials;
+}
+
+TEST(Quiescence, IsNeverSeenTooEarly) { expect_no_wrong_verdicts(4000, 1); }
+
+TEST(Quiescence, IsNeverSeenTooEarlyUnderLoad) {
+  const test::BusyMachine load(4);
+  expect_no_wrong_verdicts(1000, 2);
+}
+
+TEST(Quiescence, ThreadsThatComeAndGoAreSeen) {
+  Quiescence quiescence(with_limit(60s));
+  for (int trial = 0; trial < 200; ++trial) {
+    std::atomic<int> done = 0;
+    constexpr int depth = 5;
+    // Each thread starts the next one and ends: none of those at the first look does the work.
+    const std::function<void(int)> descend = [&](int level) {
+      if (level == depth) {
+        done = 1;
+        return;
+      }
+      std::thread([&descend, level] { descend(level + 1); }).join();
+    };
+    std::thread first([&] { descend(0); });
+    ASSERT_EQ(quiescence.wait(never, not_aborted), Verdict::quiescent);
+    EXPECT_EQ(done, 1);
+    first.join();
+  }
+}
+
+TEST(Quiescence, ASleepForASetTimeIsNotQuiescence) {
+  Quiescence quiescence(with_limit(60s));
+  for (int trial = 0; trial < 10; ++trial) {
+    std::atomic<bool> awake = false;
+    std::thread sleeper([&] {
+      std::this_thread::sleep_for(20ms);
+      awake = true;
+    });
+    ASSERT_EQ(quiescence.wait(never, not_aborted), Verdict::quiescent);
+    EXPECT_TRUE(awake);
+    sleeper.join();
+  }
+}
+
+// A thread that computes until it is told to stop.
+class Spinner {
+ public:
+  explicit Spinner(bool is_sdk_thread)
+      : thread_([this, is_sdk_thread] {
+          std::optional<SdkThread> own;
+          if (is_sdk_thread) own.emplace();
+          ready_ = true;
+          while (!stop_) std::this_thread::yield();
+        }) {
+    while (!ready_) std::this_thread::yield();
+  }
+  ~Spinner() {
+    stop_ = true;
+    thread_.join();
+  }
+
+ private:
+  std::atomic<bool> ready_ = false, stop_ = false;
+  std::thread thread_;
+};
+
+TEST(Quiescence, WorkWithoutEndIsAHang) {
+  const Spinner spinner(false);
+  Quiescence quiescence(with_limit(30ms));
+  EXPECT_EQ(quiescence.wait(never, not_aborted), Verdict::hang);
+}
+
+TEST(Quiescence, EndsWhenTold) {
+  const Spinner spinner(false);
+  Quiescence quiescence(with_limit(600s));
+  int asked = 0;
+  EXPECT_EQ(quiescence.wait(never, [&] { return ++asked > 20; }), Verdict::aborted);
+}
+
+TEST(Quiescence, TheSdksOwnThreadsDoNotCount) {
+  const Spinner spinner(true);
+  Quiescence quiescence(with_limit(60s));
+  EXPECT_EQ(quiescence.wait(never, not_aborted), Verdict::quiescent);
+}
+
+TEST(Quiescence, TheFloorCoversTimersThatNobodySees) {
+  QuiescenceSettings settings = with_limit(60s);
+  settings.floor = 500ms;
+  Quiescence quiescence(settings);
+  std::mutex mutex;
+  std::condition_variable timer;
+  std::atomic<Clock::time_point> last_event = Clock::time_point();
+  std::thread protocol([&] {
+    std::unique_lock lock(mutex);
+    timer.wait_for(lock, 20ms, [] { return false; });
+    last_event = Clock::now();
+  });
+  EXPECT_EQ(quiescence.wait([&] { return last_event.load(); }, not_aborted), Verdict::quiescent);
+  EXPECT_NE(last_event.load(), Clock::time_point());
+  protocol.join();
+}
+
+TEST(Quiescence, AFixedDelayDoesNotLook) {
+  const Spinner spinner(false);
+  QuiescenceSettings settings;
+  settings.observed = false;
+  settings.delay = 1ms;
+  Quiescence quiescence(settings);
+  EXPECT_EQ(quiescence.wait(never, not_aborted), Verdict::quiescent);
+}
+
+// Two ends of a TCP connection over loopback.
+struct TcpPair {
+  Descriptor writer, reader;
+  TcpPair() {
+    const Descriptor listener(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    socklen_t size = sizeof address;
+    auto* generic = reinterpret_cast<sockaddr*>(&address);
+    EXPECT_EQ(::bind(listener.get(), generic, size), 0);
+    EXPECT_EQ(::listen(listener.get(), 1), 0);
+    EXPECT_EQ(::getsockname(listener.get(), generic, &size), 0);
+    writer = Descriptor(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
+    EXPECT_EQ(::connect(writer.get(), generic, size), 0);
+    reader = Descriptor(::accept4(listener.get(), nullptr, nullptr, SOCK_CLOEXEC));
+  }
+};
+
+TEST(SocketScan, BytesThatCannotArriveAreInFlightAndThenAtRest) {
+  const TcpPair pair;
+  SocketScan scan;
+  SocketPicture picture;
+  scan.take(picture);
+  EXPECT_TRUE(scan.is_at_rest(picture));
+  // Nobody reads: once both kernel buffers are full, bytes stay unacknowledged.
+  const std::string block(65536, 'x');
+  while (::send(pair.writer.get(), block.data(), block.size(), MSG_DONTWAIT) > 0) {
+  }
+  scan.take(picture);
+  EXPECT_TRUE(picture.in_flight);
+  EXPECT_FALSE(scan.is_at_rest(picture));
+  bool is_at_rest = false;
+  while (!is_at_rest) {
+    std::this_thread::sleep_for(10ms);
+    scan.take(picture);
+    is_at_rest = scan.is_at_rest(picture);
+  }
+  EXPECT_TRUE(picture.in_flight);
+}
+
+TEST(SocketScan, SeesArrivedBytesAndIgnoresWhatItIsTold) {
+  const TcpPair pair;
+  SocketScan scan;
+  SocketPicture before, after;
+  scan.take(before);
+  EXPECT_TRUE(write_all(pair.writer.get(), "hello"));
+  scan.take(after);
+  EXPECT_FALSE(before == after);
+  SocketScan blind;
+  blind.ignore(pair.writer.get());
+  blind.ignore(pair.reader.get());
+  blind.take(after);
+  EXPECT_EQ(before.sockets.size(), after.sockets.size() + 2);
+}
+
+}  // namespace
+}  // namespace maide
