@@ -4,7 +4,7 @@
 
 #include <atomic>
 
-#include "maide/wire/descriptor.hpp"
+#include "maide/base/descriptor.hpp"
 #include "maide/wire/line_io.hpp"
 #include "maide/wire/quiescence.hpp"
 #include "maide/wire/socket_scan.hpp"
