@@ -1,3 +1,5 @@
+#include "maide/wire/quiescence.hpp"
+
 #include <gtest/gtest.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
@@ -6,7 +8,6 @@
 
 #include "maide/base/descriptor.hpp"
 #include "maide/wire/line_io.hpp"
-#include "maide/wire/quiescence.hpp"
 #include "maide/wire/socket_scan.hpp"
 #include "maide/wire/thread_scan.hpp"
 #include "thread_chain.hpp"

@@ -1,9 +1,10 @@
+#include "maide/wire/protocol.hpp"
+
 #include <gtest/gtest.h>
 
 #include <optional>
 
 #include "maide/base/random.hpp"
-#include "maide/wire/protocol.hpp"
 
 namespace maide::protocol {
 namespace {

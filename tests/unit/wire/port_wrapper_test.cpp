@@ -1,12 +1,13 @@
 // The reference port through the SDK, in this process: its answers to random words are those of a
 // model written by hand.
+#include "port_wrapper.hpp"
+
 #include <gtest/gtest.h>
 
 #include "maide/base/error.hpp"
 #include "maide/base/random.hpp"
 #include "maide/wire/local_sul.hpp"
 #include "port_model.hpp"
-#include "port_wrapper.hpp"
 
 namespace maide {
 namespace {

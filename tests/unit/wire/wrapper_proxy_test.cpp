@@ -1,4 +1,6 @@
 // The real wrapper of the reference port in a process of its own, through the proxy.
+#include "maide/wire/wrapper_proxy.hpp"
+
 #include <gtest/gtest.h>
 #include <signal.h>
 
@@ -7,7 +9,6 @@
 
 #include "maide/base/error.hpp"
 #include "maide/base/random.hpp"
-#include "maide/wire/wrapper_proxy.hpp"
 #include "port_model.hpp"
 
 namespace maide {
