@@ -26,6 +26,7 @@ pid_t this_thread_id() { return static_cast<pid_t>(::syscall(SYS_gettid)); }
 struct ExcludedThreads {
   std::mutex mutex;
   std::vector<pid_t> threads;
+  pid_t process = 0;  // whose threads these are
 };
 
 #if defined(__SANITIZE_THREAD__)
@@ -47,12 +48,23 @@ std::vector<pid_t> find_runtime_threads() { return {}; }
 
 // Lives until the process ends: threads may outlast static destructors.
 ExcludedThreads& excluded() {
-  static auto* set = new ExcludedThreads{{}, find_runtime_threads()};
+  static auto* set = new ExcludedThreads;
   return *set;
 }
 
-// Before main, while the process has no threads but the runtime's.
-[[maybe_unused]] const ExcludedThreads& initialised_early = excluded();
+void add_excluded(pid_t thread) {
+  ExcludedThreads& set = excluded();
+  const std::scoped_lock lock(set.mutex);
+  // The runtime's threads are found once in a process, before the system has any: first before
+  // main, and after a fork with the SDK's first thread.
+  if (set.process != ::getpid()) {
+    set.threads = find_runtime_threads();
+    set.process = ::getpid();
+  }
+  if (thread > 0) set.threads.push_back(thread);
+}
+
+[[maybe_unused]] const bool initialised_early = (add_excluded(0), true);
 
 using Buffer = std::array<char, 512>;
 
@@ -97,15 +109,13 @@ Block parse_syscall(std::string_view text) {
 
 }  // namespace
 
-SdkThread::SdkThread() : thread_(this_thread_id()) {
-  const std::scoped_lock lock(excluded().mutex);
-  excluded().threads.push_back(thread_);
-}
+SdkThread::SdkThread() : thread_(this_thread_id()) { add_excluded(thread_); }
 
 SdkThread::~SdkThread() {
   const std::scoped_lock lock(excluded().mutex);
   auto& threads = excluded().threads;
-  threads.erase(std::find(threads.begin(), threads.end(), thread_));
+  const auto found = std::find(threads.begin(), threads.end(), thread_);
+  if (found != threads.end()) threads.erase(found);
 }
 
 struct ThreadScan::Entry {
