@@ -1,0 +1,81 @@
+// A control program as an automaton. Each transition is one step: an input given to a model
+// instance, an output taken from one, a `quiet` observed, or an internal choice made; `loop`,
+// `repeat`, `skip` and labels cost no step and leave no trace but the shape of the graph (`repeat`
+// is unrolled). Every transition knows its place in the system file. Plain value type; transitions
+// lie in one flat table, so that 10^6 control states fit.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "maide/automata/interface_automaton.hpp"
+#include "maide/check/scalar_text.hpp"
+
+namespace maide {
+
+using ControlState = std::uint32_t;
+
+struct ProgramEdge {
+  enum class Kind : std::uint8_t {
+    give,    // gives input `symbol` to instance `model`
+    take,    // takes output `symbol` of instance `model`
+    quiet,   // sees that instance `model` has no output due
+    choice,  // takes branch number `symbol` of an `if *`
+  };
+  Kind kind = Kind::choice;
+  std::uint32_t model = 0;
+  Symbol symbol = 0;
+  ControlState target = 0;
+  int line = 0, column = 0;  // in the system file
+};
+
+struct Program {
+  struct State {
+    std::uint32_t first_edge = 0;
+    std::uint32_t edge_count = 0;
+    std::uint32_t label_set = 0;  // index into label_sets
+  };
+  std::string name;
+  SourcePosition position;                             // of the program in the system file
+  std::vector<State> states;                           // state 0 is the initial one
+  std::vector<ProgramEdge> edges;                      // grouped by state
+  std::vector<std::string> labels;                     // names, in the order of the text
+  std::vector<std::vector<std::uint32_t>> label_sets;  // [0] is empty; each sorted
+
+  std::span<const ProgramEdge> edges_of(ControlState state) const {
+    return std::span(edges).subspan(states[state].first_edge, states[state].edge_count);
+  }
+  // The program has ended. A program's other states always have a transition.
+  bool is_end(ControlState state) const { return states[state].edge_count == 0; }
+  bool has_label(ControlState state, std::uint32_t label) const;
+};
+
+// A model instance as a program's text sees it.
+struct ProgramInterface {
+  std::string name;
+  const Alphabet* inputs = nullptr;
+  const Alphabet* outputs = nullptr;
+};
+
+// Most control states of one program after unrolling.
+inline constexpr std::size_t max_control_states = 1'000'000;
+
+// Parses a program and unrolls it. Names are checked against the instances' alphabets. Throws
+// ParseError with the place in the file: syntax, unknown names, a loop that never steps, more than
+// max_control_states. O(control states).
+//
+// The language (names that are no identifiers are in double quotes; comments run from `//` or `#`
+// to the end of the line):
+//   statement := label* ( M.input; | M.input -> output; | switch M.input { arm* }
+//              | wait M -> output; | loop block | repeat N block
+//              | if * block [ else block ] | skip; | stop; )
+//   arm := (output | quiet) block      block := { statement* }      label := @name
+// A label on a statement that takes no step of its own (`skip`, `stop`, an empty `repeat`) marks
+// the point: it holds where control comes to rest.
+Program parse_program(const std::string& name, const ScalarText& text,
+                      std::span<const ProgramInterface> models);
+
+}  // namespace maide
