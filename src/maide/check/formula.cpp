@@ -112,8 +112,8 @@ Truth solve(std::size_t loop, bool start, const Truth& now, const Truth& later) 
 class LassoEvaluator {
  public:
   LassoEvaluator(std::size_t length, std::size_t loop,
-                 const std::function<bool(const Atom&, std::size_t)>& value)
-      : length_(length), loop_(loop), value_(value) {}
+                 const std::function<bool(const Atom&, std::size_t)>& value, std::size_t cut)
+      : length_(length), loop_(loop), value_(value), cut_(cut) {}
 
   // `formula` in negation normal form.
   Truth evaluate(const Formula& formula) const {
@@ -124,10 +124,12 @@ class LassoEvaluator {
     };
     switch (formula->op) {
       case Operator::atom:
-        for (std::size_t at = 0; at < length_; ++at) result[at] = value_(formula->atom, at);
+        for (std::size_t at = 0; at < length_; ++at)
+          result[at] = at >= cut_ || value_(formula->atom, at);
         break;
       case Operator::negation:
-        for (std::size_t at = 0; at < length_; ++at) result[at] = !value_(formula->left->atom, at);
+        for (std::size_t at = 0; at < length_; ++at)
+          result[at] = at >= cut_ || !value_(formula->left->atom, at);
         break;
       case Operator::conjunction: combine([](bool l, bool r) { return l && r; }); break;
       case Operator::disjunction: combine([](bool l, bool r) { return l || r; }); break;
@@ -146,7 +148,9 @@ class LassoEvaluator {
         result = solve(loop_, true, result, evaluate(formula->right));
         break;
       }
-      default: break;  // constants; nothing else is left in the normal form
+      default:  // constants; nothing else is left in the normal form
+        for (std::size_t at = cut_; at < length_; ++at) result[at] = true;
+        break;
     }
     return result;
   }
@@ -154,6 +158,7 @@ class LassoEvaluator {
  private:
   std::size_t length_, loop_;
   const std::function<bool(const Atom&, std::size_t)>& value_;
+  std::size_t cut_;
 };
 
 }  // namespace
@@ -209,8 +214,9 @@ std::string to_string(const Formula& formula, const FormulaScope& scope) {
 }
 
 bool holds_on_lasso(const Formula& formula, std::size_t length, std::size_t loop,
-                    const std::function<bool(const Atom&, std::size_t position)>& value) {
-  return LassoEvaluator(length, loop, value).evaluate(negation_normal_form(formula))[0];
+                    const std::function<bool(const Atom&, std::size_t position)>& value,
+                    std::size_t cut) {
+  return LassoEvaluator(length, loop, value, cut).evaluate(negation_normal_form(formula))[0];
 }
 
 }  // namespace maide

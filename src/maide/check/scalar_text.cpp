@@ -7,6 +7,19 @@ namespace {
 
 bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
 
+bool is_line_break(char c) { return c == '\n' || c == '\r'; }
+bool is_continuation(char c) { return (static_cast<unsigned char>(c) & 0xC0) == 0x80; }  // of UTF-8
+
+// Characters of the escape \c in a double-quoted scalar.
+int escape_length(char c) {
+  switch (c) {
+    case 'x': return 4;
+    case 'u': return 6;
+    case 'U': return 10;
+    default: return 2;
+  }
+}
+
 // A place in the source that walks forward and counts lines and columns.
 class Cursor {
  public:
@@ -27,6 +40,9 @@ class Cursor {
       ++column_;
     }
     ++at_;
+  }
+  void skip(int count) {
+    for (; count > 0; --count) advance();
   }
   void skip_blanks() {
     while (!at_end() && is_blank(peek())) advance();
@@ -63,15 +79,24 @@ ScalarText::ScalarText(std::string value, std::string_view source, SourcePositio
     cursor.advance();
   }
   places_.reserve(value_.size() + 1);
+  bool in_escape = false;  // the bytes of one character that an escape stands for share its place
   for (const char c : value_) {
-    if (!is_blank(c)) {
-      cursor.skip_blanks();
-      // An escape stands for the character: the two are not compared.
-      if (style == '"' && cursor.peek() == '\\') cursor.advance();
-      if (style == '\'' && c == '\'') cursor.advance();  // '' is one quote
+    if (in_escape && is_continuation(c)) {
+      places_.push_back(places_.back());
+      continue;
+    }
+    if (!is_blank(c)) cursor.skip_blanks();
+    while (style == '"' && cursor.peek() == '\\' && is_line_break(cursor.peek(1))) {
+      cursor.advance();  // an escaped line break stands for nothing
+      if (!is_blank(c)) cursor.skip_blanks();
     }
     places_.push_back({cursor.line(), cursor.column()});
-    if (!is_blank(c) || cursor.peek() == c) cursor.advance();
+    in_escape = style == '"' && cursor.peek() == '\\';
+    if (in_escape) {
+      cursor.skip(escape_length(cursor.peek(1)));
+    } else if (!is_blank(c) || cursor.peek() == c) {
+      cursor.skip(style == '\'' && c == '\'' ? 2 : 1);  // '' is one quote
+    }
   }
   places_.push_back({cursor.line(), cursor.column()});
 }

@@ -1,0 +1,145 @@
+#include "maide/check/spin_engine.hpp"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+
+#include "systems.hpp"
+
+namespace maide {
+namespace {
+
+PropertyResult check(const System& system, const Property& property,
+                     const EngineOptions& options = {}) {
+  return SpinEngine().check(system, property, options);
+}
+
+TEST(SpinEngine, FindsAShortestDeadlock) {
+  const System system = test::system_of("  p: loop { via.write; sync.read -> message; }\n");
+  const PropertyResult result = check(system, test::deadlock_property());
+  EXPECT_EQ(result.verdict, Verdict::violated);
+  ASSERT_TRUE(result.trace);
+  EXPECT_EQ(result.trace->steps.size(), 2u);
+  EXPECT_EQ(find_flaw(system, test::deadlock_property(), *result.trace), "");
+}
+
+TEST(SpinEngine, ProgramsThatEndAreNoDeadlock) {
+  const PropertyResult result =
+      check(test::system_of("  p: via.write;\n"), test::deadlock_property());
+  EXPECT_EQ(result.verdict, Verdict::holds);
+  EXPECT_EQ(result.states, 2u);
+}
+
+TEST(SpinEngine, AnOutputThatNobodyTakesBlocksItsModel) {
+  const System system = test::system_of("  p: 'via.write; via.read; via.write;'\n");
+  const PropertyResult result = check(system, test::deadlock_property());
+  EXPECT_EQ(result.verdict, Verdict::violated);
+  ASSERT_TRUE(result.trace);
+  EXPECT_EQ(result.trace->steps.size(), 2u);
+}
+
+TEST(SpinEngine, TheBoundIsWhatTheInstanceSays) {
+  const std::string program = "  p: repeat 3 { via.write; }\n";
+  const System stop = test::system_of(program, "", "stop");
+  EXPECT_EQ(check(stop, test::deadlock_property()).verdict, Verdict::holds);
+  const CutResult cut = SpinEngine().find_cut(stop, {});
+  EXPECT_EQ(cut.verdict, Verdict::violated);
+  ASSERT_TRUE(cut.trace);
+  EXPECT_EQ(cut.trace->steps.size(), 3u);
+  const System wait = test::system_of(program, "", "wait");
+  EXPECT_EQ(check(wait, test::deadlock_property()).verdict, Verdict::violated);
+  EXPECT_EQ(SpinEngine().find_cut(wait, {}).verdict, Verdict::holds);
+  const System drop = test::system_of(program, "", "drop");
+  EXPECT_EQ(check(drop, test::deadlock_property()).verdict, Verdict::holds);
+}
+
+TEST(SpinEngine, FormulasOverEventsAndLabels) {
+  const System system =
+      test::system_of("  p: '@go via.write; @on loop { sync.write; sync.read -> message; }'\n",
+                      "  start: p@go\n"
+                      "  goes_on: G F sync!message\n"
+                      "  written: F via.write\n"
+                      "  not_for_ever: F G via.write\n"
+                      "  once: {ltl: \"G (via.write -> p@on)\", fairness: none}\n"
+                      "  wrong: {always: \"!sync!message\"}\n"
+                      "  ends: F p@end\n");
+  const Verdict expected[] = {Verdict::holds,    Verdict::holds, Verdict::holds,
+                              Verdict::violated, Verdict::holds, Verdict::violated,
+                              Verdict::violated};
+  for (std::size_t index = 0; index < system.properties.size(); ++index) {
+    const Property& property = system.properties[index];
+    const PropertyResult result = check(system, property);
+    EXPECT_EQ(result.verdict, expected[index]) << property.name;
+    EXPECT_EQ(result.trace.has_value(), expected[index] == Verdict::violated) << property.name;
+    if (result.trace) {
+      EXPECT_EQ(find_flaw(system, property, *result.trace), "");
+    }
+  }
+}
+
+TEST(SpinEngine, TheLastEventIsForgottenWhenNothingFollows) {
+  const System system =
+      test::system_of("  p: via.write;\n", "  stays: F G via.write\n  goes: F G !via.write\n");
+  EXPECT_EQ(check(system, system.properties[0]).verdict, Verdict::violated);
+  EXPECT_EQ(check(system, system.properties[1]).verdict, Verdict::holds);
+}
+
+TEST(SpinEngine, WeakFairnessLetsEveryProgramGoOn) {
+  const System system =
+      test::system_of("  p: loop { if * { } else { } }\n  q: '@go via.write;'\n",
+                      "  fair: F q@end\n  unfair: {ltl: F q@end, fairness: none}\n");
+  EXPECT_EQ(check(system, system.properties[0]).verdict, Verdict::holds);
+  EXPECT_EQ(check(system, system.properties[1]).verdict, Verdict::violated);
+}
+
+TEST(SpinEngine, CutRunsViolateWithABadPrefixOnly) {
+  const System system =
+      test::system_of("  p: 'repeat 3 { via.write; } @later sync.read -> message;'\n",
+                      "  later: F p@later\n  never: {always: \"!via.write\"}\n");
+  EXPECT_EQ(check(system, system.properties[0]).verdict, Verdict::holds);
+  EXPECT_EQ(check(system, system.properties[1]).verdict, Verdict::violated);
+}
+
+TEST(SpinEngine, SaysWhatItCannotCheck) {
+  const System system =
+      test::system_of("  p: '@a via.write;'\n",
+                      "  next: X p@a\n  strong: {ltl: F p@a, fairness: strong}\n  good: F p@a\n");
+  const SpinEngine engine;
+  EXPECT_NE(engine.obstacle(system.properties[0]), "");
+  EXPECT_NE(engine.obstacle(system.properties[1]), "");
+  EXPECT_EQ(engine.obstacle(system.properties[2]), "");
+  Property stuck;
+  stuck.kind = Property::Kind::stuck;
+  EXPECT_NE(engine.obstacle(stuck), "");
+}
+
+TEST(SpinEngine, LimitsMakeTheVerdictInconclusive) {
+  const System system = test::system_of("  p: loop { via.write; via.read -> message; }\n");
+  EngineOptions options;
+  options.control.deadline = std::chrono::steady_clock::now();
+  EXPECT_EQ(check(system, test::deadlock_property(), options).verdict, Verdict::inconclusive);
+  EXPECT_EQ(check(system, test::deadlock_property(), options).reason, "out of time");
+  EngineOptions small;
+  small.memory_mib = 1;
+  const PropertyResult result = check(system, test::deadlock_property(), small);
+  EXPECT_EQ(result.verdict, Verdict::inconclusive);
+  EXPECT_EQ(result.reason, "the search needs more than 1 MiB of memory");
+}
+
+TEST(SpinEngine, MissingToolsAreNamed) {
+  const System system = test::system_of("  p: via.write;\n");
+  SpinOptions no_spin, no_compiler;
+  no_spin.spin = "no-such-spin";
+  no_compiler.compiler = "no-such-cc";
+  EXPECT_NE(test::error_of([&] {
+              SpinEngine(no_spin).check(system, test::deadlock_property(), {});
+            }).find("needs the program 'no-such-spin'"),
+            std::string::npos);
+  EXPECT_NE(test::error_of([&] {
+              SpinEngine(no_compiler).check(system, test::deadlock_property(), {});
+            }).find("needs the program 'no-such-cc'"),
+            std::string::npos);
+}
+
+}  // namespace
+}  // namespace maide

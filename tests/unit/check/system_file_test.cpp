@@ -1,0 +1,146 @@
+#include "maide/check/system_file.hpp"
+
+#include <gtest/gtest.h>
+
+#include <utility>
+#include <vector>
+
+#include "systems.hpp"
+
+namespace maide {
+namespace {
+
+const std::string models = "models:\n  via: {file: strict-2.dot}\n";
+
+std::string error(const std::string& text) {
+  return test::error_of([&] { parse_system(text, "s.yaml", test::test_model); });
+}
+
+TEST(SystemFile, ReadsEverything) {
+  const System system = parse_system(
+      "models:\n"
+      "  via: {file: strict-2.dot, when_unexplored: drop}\n"
+      "  sync: {file: buffered.dot}\n"
+      "programs:\n"
+      "  p: |\n"
+      "    @go via.write;\n"
+      "  q: 'via.read -> message;'\n"
+      "properties:\n"
+      "  one: G F p@go\n"
+      "  two: {ltl: F q@end, fairness: none}\n"
+      "  three: {always: \"!sync!message\"}\n",
+      "s.yaml", test::test_model);
+  ASSERT_EQ(system.models.size(), 2u);
+  EXPECT_EQ(system.models[0].when_unexplored, WhenUnexplored::drop);
+  EXPECT_EQ(system.models[1].when_unexplored, WhenUnexplored::stop);
+  ASSERT_EQ(system.programs.size(), 2u);
+  EXPECT_EQ(system.programs[0].edges[0].line, 6);
+  EXPECT_EQ(system.programs[0].edges[0].column, 9);
+  EXPECT_EQ(system.programs[1].edges[1].line, 7);
+  EXPECT_EQ(system.programs[1].edges[1].column, 19);
+  ASSERT_EQ(system.properties.size(), 3u);
+  EXPECT_EQ(system.properties[0].fairness, Fairness::weak);
+  EXPECT_EQ(system.properties[1].fairness, Fairness::none);
+  ASSERT_EQ(system.remarks.size(), 1u);
+  EXPECT_EQ(system.remarks[0], "no program uses model 'sync' (s.yaml:3:3)");
+}
+
+TEST(SystemFile, ModelsToBeLearnedAreAskedFor) {
+  ModelRequest seen;
+  const auto source = [&](const ModelRequest& request) {
+    seen = request;
+    return InterfaceAutomaton({"write"}, {}, 1);
+  };
+  parse_system(
+      "models: {m: {learn: cyclonedds, with: {history: keep_last, depth: 10}}}\n"
+      "programs: {p: m.write;}",
+      "dir/s.yaml", source);
+  EXPECT_EQ(seen.learn, "cyclonedds");
+  const std::vector<std::pair<std::string, std::string>> with{{"history", "keep_last"},
+                                                              {"depth", "10"}};
+  EXPECT_EQ(seen.with, with);
+  EXPECT_NE(error("models: {m: {learn: cyclonedds}}\nprograms: {p: m.write;}")
+                .find("run `maide learn cyclonedds"),
+            std::string::npos);
+}
+
+TEST(SystemFile, PlacesInsideScalarsOfEveryStyle) {
+  const std::string wrong = "via.wirte";
+  const std::vector<std::pair<std::string, std::string>> cases{
+      {"  p: |\n    via.write;\n    via.wirte;\n", "(s.yaml:5:9)"},
+      {"  p: |2-\n       via.write;\n\n       via.wirte;\n", "(s.yaml:6:12)"},
+      {"  p: >\n    via.write;\n    via.wirte;\n", "(s.yaml:5:9)"},
+      {"  p: via.write;\n    via.wirte;\n", "(s.yaml:4:9)"},
+      {"  p: 'via.write; via.wirte;'\n", "(s.yaml:3:22)"},
+      {"  p: \"via.\\\"write\\\";\\n via.wirte;\"\n", "(s.yaml:3:28)"},
+      {"  p: \"via.\\x77rite; \\u0023 \\u00e9 \\n  via.wirte;\"\n", "(s.yaml:3:43)"},
+      {"  p: 'via.\"write\"; # it''s\n\n   via.wirte;'\n", "(s.yaml:5:8)"},
+      {"  p: !text &here |  # text\n    via.wirte;\n", "(s.yaml:4:9)"},
+      {"  p: \"via.write;\\\n      via.wirte;\"\n", "(s.yaml:4:11)"},
+  };
+  for (const auto& [program, place] : cases) {
+    const std::string message = error(
+        models.substr(0, 0) + "models: {via: {file: strict-2.dot}}\n" + "programs:\n" + program);
+    EXPECT_NE(message.find("no input 'wirte'"), std::string::npos) << program << message;
+    EXPECT_NE(message.find(place), std::string::npos) << program << message;
+  }
+}
+
+TEST(SystemFile, ErrorsNameThePlace) {
+  const std::vector<std::pair<std::string, std::string>> cases{
+      {"", "empty (s.yaml:1:1)"},
+      {"- 1\n", "a system file must be a map (key: value) (s.yaml:1:1)"},
+      {"models: {}\nprogrms: {}", "has no key 'progrms'"},
+      {models, "there is no 'programs:' (s.yaml:1:1)"},
+      {models + "programs: {}", "there is no program (s.yaml:3:11)"},
+      {models + "programs: {p: [1]}", "program 'p' must be a text (s.yaml:3:15)"},
+      {models + "programs: {p: via.write;}\nprogams: {}\n",
+       "a system file has no key 'progams'; it may have: models, programs, properties "
+       "(s.yaml:4:1)"},
+      {models + "programs: {p: via.write;, p: via.read;}", "'p' is there twice (s.yaml:3:27)"},
+      {models + "programs: {p: {source: p.cpp, entry: \"P::run\"}}", "not built yet"},
+      {models + "programs: {p: {sauce: p.cpp}}", "has no key 'sauce'"},
+      {"models:\n  via: {file: x.dot, when: stop}\nprograms: {p: via.write;}", "has no key 'when'"},
+      {"models:\n  via: {file: strict-2.dot, when_unexplored: never}\nprograms: {p: via.write;}",
+       "'when_unexplored' is one of stop, wait, drop, not 'never' (s.yaml:2:46)"},
+      {"models:\n  via: {when_unexplored: stop}\nprograms: {p: via.write;}",
+       "model 'via' needs 'file:' or 'learn:' (s.yaml:2:3)"},
+      {"models:\n  via: {file: a.dot, learn: b}\nprograms: {p: via.write;}", "not both"},
+      {"models:\n  via: {file: nowhere.dot}\nprograms: {p: via.write;}", "there is no file"},
+      {models + "programs: {p: via.write;}\nproperties: {deadlock: \"true\"}", "always there"},
+      {models + "programs: {p: via.write;}\nproperties: {x: {fairness: none}}", "needs 'ltl:'"},
+      {models + "programs: {p: via.write;}\nproperties: {x: {always: \"G p@end\"}}",
+       "without X, F, G, U, R, W"},
+      {models + "programs: {p: via.write;}\nproperties:\n  x: \"G p@ende\"",
+       "program p has no label 'ende'; it has: end (s.yaml:5:11)"},
+      {"a: b: c", "not YAML"},
+      {"a: [1", "not YAML"},
+      {"a: 1\n---\nb: 2", "one YAML document (s.yaml:3:1)"},
+      {std::string(100000, '['), "nested too deeply"},
+  };
+  for (const auto& [text, expected] : cases) {
+    const std::string message = error(text);
+    EXPECT_NE(message.find(expected), std::string::npos) << text.substr(0, 200) << "\n" << message;
+  }
+}
+
+TEST(SystemFile, TextsThatAreCutOffAreErrorsOrSystems) {
+  const std::string text =
+      "models:\n  via: {file: strict-2.dot}\nprograms:\n  p: |\n    loop { @a via.read -> message; "
+      "}\n"
+      "properties:\n  x: {ltl: \"G (p@a -> F via!message)\", fairness: none}\n";
+  for (std::size_t length = 0; length <= text.size(); ++length) {
+    const std::string message = error(text.substr(0, length));
+    EXPECT_TRUE(message.empty() || message.find("s.yaml") != std::string::npos) << message;
+  }
+  EXPECT_EQ(error(text), "");
+}
+
+TEST(SystemFile, DeeplyIndentedTextIsAnError) {
+  std::string text;
+  for (int level = 0; level < 200000; ++level) text += "- ";
+  EXPECT_NE(error(text), "");
+}
+
+}  // namespace
+}  // namespace maide
