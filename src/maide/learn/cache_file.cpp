@@ -142,7 +142,9 @@ void CacheFile::open() {
                       nullptr) != SQLITE_OK) {
     fail("open");
   }
-  sqlite3_extended_result_codes(database_, 0);
+  if (sqlite3_db_readonly(database_, "main") == 1) {
+    throw UsageError(fmt::format("cannot write the cache: no permission ({})", path_.string()));
+  }
   // An exclusive lock from the first access on: two runs must not write one cache. With it, WAL
   // needs no shared memory and works on network file systems.
   execute("PRAGMA locking_mode = EXCLUSIVE");
@@ -233,7 +235,8 @@ void CacheFile::for_each(const std::function<void(const Word&, const Word&)>& vi
   Word inputs, outputs;
   while (statement.step("read")) {
     if (!decode(statement.column(0), inputs_.size(), inputs) ||
-        !decode(statement.column(1), outputs_.size(), outputs)) {
+        !decode(statement.column(1), outputs_.size(), outputs) ||
+        outputs.size() > inputs.size()) {
       throw UsageError(fmt::format("the cache is damaged ({})", path_.string()));
     }
     visit(inputs, outputs);

@@ -1,0 +1,94 @@
+#include "maide/learn/trace_tree.hpp"
+
+#include <gtest/gtest.h>
+
+#include <map>
+
+#include "maide/base/error.hpp"
+#include "maide/base/random.hpp"
+
+namespace maide {
+namespace {
+
+// Random insertions against a map from words to outputs.
+TEST(TraceTree, HoldsWhatAMapHolds) {
+  for (const std::uint64_t inputs : {1U, 2U, 3U, 5U, 17U, 100U}) {
+    Random random(inputs);
+    TraceTree tree;
+    std::map<Word, Symbol> map;
+    for (int i = 0; i < 3000; ++i) {
+      TraceTree::Node node = TraceTree::root;
+      Word word;
+      const std::uint64_t length = random.between(1, 6);
+      for (std::uint64_t step = 0; step < length; ++step) {
+        const auto input = static_cast<Symbol>(random.below(inputs));
+        word.push_back(input);
+        TraceTree::Node child = tree.child(node, input);
+        const auto known = map.find(word);
+        ASSERT_EQ(child == TraceTree::none, known == map.end());
+        if (child == TraceTree::none) {
+          const auto output = static_cast<Symbol>(random.below(TraceTree::symbol_limit));
+          child = tree.add_child(node, input, output);
+          map.emplace(word, output);
+        }
+        ASSERT_EQ(tree.output(child), map.at(word));
+        ASSERT_EQ(tree.input(child), input);
+        node = child;
+      }
+    }
+    EXPECT_EQ(tree.edge_count(), map.size());
+  }
+}
+
+TEST(TraceTree, ChildrenAreSorted) {
+  TraceTree tree;
+  for (const Symbol input : {9U, 3U, 64U, 1U, 17U, 33U}) {
+    tree.add_child(TraceTree::root, input, input + 1);
+  }
+  std::vector<TraceTree::Node> children;
+  tree.children(TraceTree::root, children);
+  Word inputs;
+  for (const TraceTree::Node child : children) inputs.push_back(tree.input(child));
+  EXPECT_EQ(inputs, (Word{1, 3, 9, 17, 33, 64}));
+  tree.children(children[0], children);
+  EXPECT_TRUE(children.empty());
+}
+
+TEST(TraceTree, MarksAreApartFromOutputs) {
+  TraceTree tree;
+  const auto node = tree.add_child(TraceTree::root, 0, TraceTree::symbol_limit - 1);
+  EXPECT_FALSE(tree.is_marked(node));
+  tree.mark(node);
+  EXPECT_TRUE(tree.is_marked(node));
+  EXPECT_EQ(tree.output(node), TraceTree::symbol_limit - 1);
+}
+
+TEST(TraceTree, RefusesSymbolsThatDoNotFit) {
+  TraceTree tree;
+  EXPECT_THROW(tree.add_child(TraceTree::root, TraceTree::symbol_limit, 0), Error);
+  EXPECT_THROW(tree.add_child(TraceTree::root, 0, TraceTree::symbol_limit), Error);
+  EXPECT_EQ(tree.edge_count(), 0U);
+}
+
+// Complete trees, the dearest shape (every node has a block), and random ones.
+TEST(TraceTree, AnEdgeTakesAtMost16Bytes) {
+  for (const Symbol inputs : {2U, 3U, 5U, 9U, 17U, 78U}) {
+    TraceTree tree;
+    std::vector<TraceTree::Node> level{TraceTree::root}, next;
+    while (tree.edge_count() < 2'000'000) {
+      next.clear();
+      for (const TraceTree::Node node : level) {
+        for (Symbol input = 0; input < inputs; ++input) {
+          next.push_back(tree.add_child(node, input, input));
+        }
+        if (tree.edge_count() > 2'500'000) break;
+      }
+      level.swap(next);
+    }
+    const std::uint64_t open_chunks = 5 << 18;  // one of nodes, one of blocks
+    EXPECT_LE(tree.bytes(), 16 * tree.edge_count() + open_chunks) << inputs;
+  }
+}
+
+}  // namespace
+}  // namespace maide
