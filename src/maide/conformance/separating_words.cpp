@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <map>
 #include <span>
+#include <unordered_map>
 #include <utility>
 
 namespace maide {
@@ -216,6 +217,65 @@ std::optional<Word> SeparatingWords::find(StateId left, StateId right) const {
   }
 }
 
+namespace {
+
+bool is_shorter(const Word& left, const Word& right) {
+  return left.size() != right.size() ? left.size() < right.size() : left < right;
+}
+
+// A partition of the states: the number of each state's class.
+struct Partition {
+  std::vector<std::uint32_t> classes;
+  std::size_t count = 1;
+};
+
+// By the answers to a word.
+Partition answers_to(const Word& word, const Mealy& machine) {
+  std::unordered_map<Word, std::uint32_t, WordHash> numbers;
+  Partition result;
+  for (StateId state = 0; state < machine.size(); ++state) {
+    const auto number = static_cast<std::uint32_t>(numbers.size());
+    result.classes.push_back(
+        numbers.try_emplace(machine.output_word(state, word), number).first->second);
+  }
+  result.count = numbers.size();
+  return result;
+}
+
+// The coarsest that is finer than both.
+Partition intersect(const Partition& left, const Partition& right) {
+  std::unordered_map<std::uint64_t, std::uint32_t> numbers;
+  Partition result;
+  for (std::size_t state = 0; state < left.classes.size(); ++state) {
+    const auto number = static_cast<std::uint32_t>(numbers.size());
+    const std::uint64_t pair = std::uint64_t{left.classes[state]} << 32 | right.classes[state];
+    result.classes.push_back(numbers.try_emplace(pair, number).first->second);
+  }
+  result.count = numbers.size();
+  return result;
+}
+
+// Leaves out words as long as the others still tell as many classes apart; long ones are tried
+// first, for they cost most. O(|W| n l).
+void drop_needless_words(const Mealy& machine, std::size_t class_count, std::vector<Word>& words) {
+  std::sort(words.begin(), words.end(), is_shorter);
+  std::vector<Partition> by_word, by_shorter{{std::vector<std::uint32_t>(machine.size(), 0)}};
+  for (const Word& word : words) {
+    by_word.push_back(answers_to(word, machine));
+    by_shorter.push_back(intersect(by_shorter.back(), by_word.back()));
+  }
+  Partition by_kept = by_shorter.front();  // by the longer words that stay
+  for (std::size_t i = words.size(); i-- > 0;) {
+    if (intersect(by_shorter[i], by_kept).count == class_count) {
+      words.erase(words.begin() + static_cast<std::ptrdiff_t>(i));
+    } else {
+      by_kept = intersect(by_kept, by_word[i]);
+    }
+  }
+}
+
+}  // namespace
+
 std::vector<Word> compute_characterising_set(const Mealy& machine,
                                              const SeparatingWords& separating) {
   std::vector<Word> words;
@@ -245,9 +305,8 @@ std::vector<Word> compute_characterising_set(const Mealy& machine,
     blocks.swap(next);
     words.push_back(*std::move(word));
   }
-  std::sort(words.begin(), words.end(), [](const Word& left, const Word& right) {
-    return left.size() != right.size() ? left.size() < right.size() : left < right;
-  });
+  drop_needless_words(machine, separating.class_count(), words);
+  std::sort(words.begin(), words.end(), is_shorter);
   return words;
 }
 

@@ -3,9 +3,9 @@
 // and then some random words, which look where the W-method does not.
 //
 // Small models need few tests, so the budget grows with the hypothesis: 1000 + 50 n k tests for n
-// states and k inputs. With the three extra states that are tried at most, that completes all three
-// for a queue of six messages, two for its av translation, one and most of two for 20 states and 5
-// inputs. `guarantee()` says how far it came.
+// states and k inputs. Of the three extra states that are tried at most, that completes all three
+// for a queue of six messages, two for its av translation, one or two for 20 states and 5 inputs.
+// `guarantee()` says how far it came.
 #pragma once
 
 #include <cstdint>
