@@ -235,8 +235,7 @@ void CacheFile::for_each(const std::function<void(const Word&, const Word&)>& vi
   Word inputs, outputs;
   while (statement.step("read")) {
     if (!decode(statement.column(0), inputs_.size(), inputs) ||
-        !decode(statement.column(1), outputs_.size(), outputs) ||
-        outputs.size() > inputs.size()) {
+        !decode(statement.column(1), outputs_.size(), outputs) || outputs.size() > inputs.size()) {
       throw UsageError(fmt::format("the cache is damaged ({})", path_.string()));
     }
     visit(inputs, outputs);

@@ -1,3 +1,4 @@
+// Random suites: their ranges, their lengths, and that a seed means a run.
 #include <gtest/gtest.h>
 
 #include "maide/base/error.hpp"

@@ -1,3 +1,5 @@
+// The runner stops at the first difference in test order, whatever the batch; and what is built on
+// it: chains, and the table of methods.
 #include "maide/conformance/test_runner.hpp"
 
 #include <gtest/gtest.h>

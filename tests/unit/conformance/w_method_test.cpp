@@ -5,7 +5,6 @@
 #include <filesystem>
 #include <set>
 
-#include "../../laws/small_machines.hpp"
 #include "maide/automata/compare.hpp"
 #include "maide/automata/minimize.hpp"
 #include "maide/automata/random_automata.hpp"
@@ -13,6 +12,7 @@
 #include "maide/formats/model_file.hpp"
 #include "maide/learn/mealy_oracle.hpp"
 #include "maide/sul/ia_translator.hpp"
+#include "small_machines.hpp"
 
 namespace maide {
 namespace {
