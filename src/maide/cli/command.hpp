@@ -50,6 +50,8 @@ std::span<const Command> command_table();
 RunFunction set_up_compare(CLI::App& app);
 RunFunction set_up_doctor(CLI::App& app);
 RunFunction set_up_export(CLI::App& app);
+RunFunction set_up_learn(CLI::App& app);
+RunFunction set_up_reproduce(CLI::App& app);
 
 // The options that several commands have, so that they read the same everywhere.
 CLI::Option* add_seed_option(CLI::App& app, std::uint64_t& seed);

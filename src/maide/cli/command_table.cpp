@@ -7,6 +7,11 @@ namespace maide::cli {
 
 std::span<const Command> command_table() {
   static constexpr std::array table{
+      Command{"learn", "Learn a model of a running system",
+              "maide learn port kind=strict size=3 -o strict-3.dot\n"
+              "maide learn cyclonedds history=keep_last depth=1 inputs=write,read -o via.dot\n"
+              "maide learn sim:strict-3.dot --eq perfect | dot -Tsvg > strict-3.svg",
+              set_up_learn},
       Command{"compare", "Tell whether two models are the same, and what tells them apart",
               "maide compare port.dot strict-1.dot\nmaide compare old.dot new.dot --json",
               set_up_compare},
@@ -14,6 +19,9 @@ std::span<const Command> command_table() {
               "maide export port.dot --to promela -o port.pml\n"
               "maide export strict-6.dot --to aut --lossy",
               set_up_export},
+      Command{"reproduce", "Reproduce the paper's results, theirs beside ours",
+              "maide reproduce table1\nmaide reproduce table1 --system port --json",
+              set_up_reproduce},
       Command{"doctor", "Tell what is usable on this machine, and what to install",
               "maide doctor\nmaide doctor --json", set_up_doctor},
   };

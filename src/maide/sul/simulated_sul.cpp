@@ -117,6 +117,10 @@ void SimulatedSul::run(std::span<const SulQuery> batch, const SulAnswerSink& sin
   }
 }
 
+void SimulatedSul::add_version(const std::string& what, const std::string& version) {
+  info_.versions[what] = version;
+}
+
 Mealy SimulatedSul::reference(Translation translation) const {
   return is_plain_ ? machine_ : to_mealy(automaton_, translation);
 }

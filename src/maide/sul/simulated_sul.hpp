@@ -29,6 +29,9 @@ class SimulatedSul : public Sul {
   void run(std::span<const SulQuery> batch, const SulAnswerSink& sink,
            const RunControl& control) override;
 
+  // Adds to info().versions: what identifies the model ("model", a hash of its text).
+  void add_version(const std::string& what, const std::string& version);
+
   // The machine behind it, in the given translation (a plain machine: as it is): what a perfect
   // equivalence oracle compares with. The purposes added are not part of it.
   Mealy reference(Translation translation) const;

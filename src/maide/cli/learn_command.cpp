@@ -1,0 +1,260 @@
+// `maide learn`: learns a model of a running system and writes it as DOT.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "maide/base/error.hpp"
+#include "maide/base/file.hpp"
+#include "maide/cli/command.hpp"
+#include "maide/conformance/test_methods.hpp"
+#include "maide/formats/dot.hpp"
+#include "maide/formats/model_file.hpp"
+#include "maide/learn/learners.hpp"
+#include "maide/sul/learning_purpose.hpp"
+#include "maide/workflow/learn_model.hpp"
+#include "maide/workflow/open_system.hpp"
+
+namespace maide::cli {
+namespace {
+
+struct LearnArguments {
+  std::string sul;
+  std::vector<std::string> key_values;
+  std::string output;
+  std::string algorithm{learners().front().name};
+  std::string test_method{test_methods().front().name};
+  std::string translation;
+  std::string cache;
+  std::string purpose;
+  std::string token_file;
+  std::optional<std::size_t> extra_states;
+  std::optional<std::uint64_t> max_tests;
+  std::uint64_t max_experiments = 0;
+  std::optional<double> time_limit;
+  std::uint64_t seed = 1;
+  bool list_options = false;
+};
+
+std::optional<Translation> wanted_translation(const LearnArguments& arguments) {
+  if (arguments.translation.empty()) return std::nullopt;
+  return arguments.translation == "av" ? Translation::av : Translation::eager;
+}
+
+ExperimentOptions experiment_options(const LearnArguments& arguments, const Mealy* reference) {
+  ExperimentOptions options;
+  options.algorithm = arguments.algorithm;
+  options.test_method = arguments.test_method;
+  options.testing.extra_states = arguments.extra_states;
+  options.testing.max_tests = arguments.max_tests;
+  options.testing.seed = arguments.seed;
+  options.reference = reference;
+  options.cache_file = arguments.cache;
+  options.max_experiments = arguments.max_experiments;
+  return options;
+}
+
+Json as_json(const LearnedModel& learned, const std::string& path) {
+  const ExperimentResult& run = learned.experiment;
+  Json json{{"algorithm", run.algorithm},
+            {"equivalence_method", run.test_method},
+            {"translation", learned.is_plain                            ? "none"
+                            : learned.translation == Translation::eager ? "eager"
+                                                                        : "av"},
+            {"complete", run.is_complete()},
+            {"states", learned.states()},
+            {"transitions", learned.transitions()},
+            {"mealy_states", learned.mealy_states},
+            {"output_queries", run.output_queries},
+            {"equivalence_queries", run.equivalence_queries},
+            {"experiments", run.experiments},
+            {"symbols", run.symbols},
+            {"resets", run.resets},
+            {"seconds", run.seconds},
+            {"seconds_in_system", run.seconds_in_system},
+            {"seconds_in_reset", run.seconds_in_reset},
+            {"guarantee", run.guarantee},
+            {"model", path.empty() ? Json() : Json(path)}};
+  if (learned.model) {
+    if (const auto* automaton = std::get_if<InterfaceAutomaton>(&*learned.model)) {
+      json["hidden_returns"] = automaton->hidden_returns;
+      const auto bound = automaton->origin.find("bound");
+      json["bound"] = bound == automaton->origin.end() ? Json() : Json(bound->second);
+    }
+  }
+  return json;
+}
+
+// What an interface automaton's marks mean for whoever uses it, a line each.
+std::string remarks(const InterfaceAutomaton& automaton) {
+  std::string text;
+  std::size_t untried = 0;
+  for (StateId state = 0; state < automaton.size(); ++state) {
+    untried += automaton.unexplored(state).size();
+    for (const auto& transition : automaton.transitions(state)) {
+      untried += transition.absorbed ? 1 : 0;
+    }
+  }
+  if (const auto bound = automaton.origin.find("bound");
+      untried > 0 && bound != automaton.origin.end()) {
+    text += fmt::format("  bound                {}: beyond it nothing was tried\n", bound->second);
+  }
+  for (const std::string& input : automaton.hidden_returns) {
+    text += fmt::format(
+        "  hidden return        {0} was seen to block, and its return is not observed: see "
+        "observe=\n",
+        input);
+  }
+  return text;
+}
+
+std::string as_text(const LearnedModel& learned, const SulInfo& info, const std::string& path) {
+  const ExperimentResult& run = learned.experiment;
+  std::string text = info.name;
+  for (const auto& [key, value] : info.options) text += " " + key + "=" + value;
+  text += run.is_complete() ? "\n" : "  (not finished)\n";
+  if (learned.model && std::holds_alternative<InterfaceAutomaton>(*learned.model)) {
+    text += fmt::format("  interface automaton  {} states, {} transitions\n", learned.states(),
+                        learned.transitions());
+  }
+  text += fmt::format("  Mealy machine        {} states{}\n", learned.mealy_states,
+                      learned.is_plain                            ? ""
+                      : learned.translation == Translation::eager ? " (eager)"
+                                                                  : " (av)");
+  text +=
+      fmt::format("  queries              {} output queries ({}), {} equivalence queries ({})\n",
+                  run.output_queries, run.algorithm, run.equivalence_queries, run.test_method);
+  text += fmt::format("  experiments          {} words run on the system: {} resets, {} symbols\n",
+                      run.experiments, run.resets, run.symbols);
+  text += fmt::format("  time                 {:.2f} s: {:.2f} in the system, {:.2f} in resets\n",
+                      run.seconds, run.seconds_in_system, run.seconds_in_reset);
+  text += fmt::format("  result               {}\n", run.guarantee);
+  if (learned.model) {
+    if (const auto* automaton = std::get_if<InterfaceAutomaton>(&*learned.model)) {
+      text += remarks(*automaton);
+    }
+  }
+  if (!path.empty()) text += fmt::format("  model                {}\n", path);
+  return text;
+}
+
+// Writes the model where it belongs: to the file, or, for people who gave none, to standard output
+// with the summary on standard error.
+void give_result(const LearnedModel& learned, const SulInfo& info, const std::string& path,
+                 Context& context) {
+  std::string dot;
+  if (learned.model) {
+    std::ostringstream text;
+    write_dot(text, *learned.model);
+    dot = text.str();
+  }
+  const std::string written = dot.empty() ? "" : path;
+  if (!written.empty()) write_file_atomically(written, dot);
+  const std::string summary = as_text(learned, info, written);
+  if (written.empty()) {
+    if (!context.json() && !context.quiet()) fmt::print(stderr, "{}", summary);
+    context.print(dot);
+  } else {
+    context.print(summary);
+  }
+  context.set_result(as_json(learned, written));
+}
+
+ExitStatus learn(const LearnArguments& arguments, Context& context) {
+  const SystemSpec spec = parse_system_spec(arguments.sul, arguments.key_values);
+  SystemAccess access;
+  access.token_file = arguments.token_file;
+  access.translation = wanted_translation(arguments);
+  RunControl control = context.control();
+  if (arguments.list_options) {
+    const std::string list = list_system_options(spec, access, control);
+    context.print(list);
+    context.set_result({{"system", arguments.sul}, {"options", list}});
+    return ExitStatus::ok;
+  }
+  const OpenedSystem system = open_system(spec, access, control);
+  std::optional<Mealy> reference = system.reference;
+  if (!arguments.purpose.empty()) {
+    system.sul->add_purpose(LearningPurpose(read_interface_automaton(arguments.purpose)));
+    reference.reset();  // the purpose hides a part of it
+  }
+  if (arguments.time_limit) {
+    control.deadline = std::chrono::steady_clock::now() +
+                       std::chrono::duration_cast<std::chrono::steady_clock::duration>(
+                           std::chrono::duration<double>(*arguments.time_limit));
+  }
+  ExperimentOptions options = experiment_options(arguments, reference ? &*reference : nullptr);
+  if (!arguments.purpose.empty()) options.fingerprint["purpose"] = read_file(arguments.purpose);
+  const LearnedModel learned =
+      learn_model(*system.sul, access.translation.value_or(Translation::eager), options, control);
+  give_result(learned, system.sul->info(), arguments.output, context);
+  if (learned.experiment.is_complete()) return ExitStatus::ok;
+  try {
+    std::rethrow_exception(learned.experiment.error);
+  } catch (const Error& error) {
+    context.complain(error.what());
+    return error.status();
+  }
+}
+
+// "lmplus (Shahbaz's L*M+), rs (...)", for help texts.
+template <typename Entries>
+std::string describe(const Entries& entries) {
+  std::string text;
+  for (const auto& entry : entries) {
+    text += fmt::format("{}{}: {}", text.empty() ? "" : "; ", entry.name, entry.description);
+  }
+  return text;
+}
+
+void add_limits(CLI::App& app, LearnArguments& arguments) {
+  app.add_option("--extra-states", arguments.extra_states,
+                 "How many states more than the hypothesis the system may have for the tests to "
+                 "find it (--eq w, standard)");
+  app.add_option("--max-tests", arguments.max_tests, "Most tests of one equivalence query");
+  app.add_option("--max-experiments", arguments.max_experiments,
+                 "Most words run on the system in all; 0: no limit");
+  app.add_option("--time", arguments.time_limit, "Most seconds; then the last hypothesis is kept")
+      ->check(CLI::PositiveNumber);
+}
+
+}  // namespace
+
+RunFunction set_up_learn(CLI::App& app) {
+  auto arguments = std::make_shared<LearnArguments>();
+  app.add_option("SUL", arguments->sul,
+                 "The system: a wrapper's name (port, cyclonedds), sim:FILE (a model, simulated), "
+                 "tcp://HOST:PORT, or exec:PROGRAM ARGS")
+      ->required();
+  app.add_option("KEY=VALUE", arguments->key_values,
+                 "Options of the system; --list-options tells which it has");
+  app.add_option("-o,--output", arguments->output,
+                 "Where the model goes, as DOT; without it, to standard output");
+  app.add_option("--algorithm", arguments->algorithm, describe(learners()));
+  app.add_option("--eq", arguments->test_method, describe(test_methods()));
+  app.add_option("--translation", arguments->translation,
+                 "Which Mealy machine stands for the interface automaton: eager (an input and all "
+                 "its outputs are one step; the default) or av (Aarts & Vaandrager)")
+      ->check(CLI::IsMember({"eager", "av"}));
+  app.add_option(
+      "--cache", arguments->cache,
+      "Keep every answer of the system in this file; a run that was ended resumes there");
+  app.add_option("--purpose", arguments->purpose,
+                 "A learning purpose: an interface automaton (DOT) that says which inputs may be "
+                 "offered when; what it does not allow is never tried");
+  app.add_option("--token-file", arguments->token_file,
+                 "A file with the token of a listening wrapper (or set MAIDE_TOKEN)");
+  add_limits(app, *arguments);
+  add_seed_option(app, arguments->seed);
+  app.add_flag("--list-options", arguments->list_options,
+               "List the options of the system, with defaults and allowed values, and exit");
+  return [arguments](Context& context) { return learn(*arguments, context); };
+}
+
+}  // namespace maide::cli

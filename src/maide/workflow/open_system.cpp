@@ -1,0 +1,90 @@
+#include "maide/workflow/open_system.hpp"
+
+#include <fmt/format.h>
+
+#include <cstdlib>
+#include <utility>
+
+#include "maide/base/error.hpp"
+#include "maide/base/file.hpp"
+#include "maide/formats/model_file.hpp"
+#include "maide/sul/ia_translation.hpp"
+#include "maide/sul/simulated_sul.hpp"
+#include "maide/wire/wrapper_proxy.hpp"
+#include "maide/workflow/wrapper_search.hpp"
+
+namespace maide {
+namespace {
+
+// From --token-file, or the environment; never from the command line, which others can read.
+std::string read_token(const SystemAccess& access) {
+  if (access.token_file.empty()) {
+    const char* token = std::getenv("MAIDE_TOKEN");
+    return token == nullptr ? "" : token;
+  }
+  std::string token = read_file(access.token_file);
+  while (!token.empty() && (token.back() == '\n' || token.back() == '\r')) token.pop_back();
+  if (token.empty()) throw UsageError("the token file is empty (" + access.token_file + ")");
+  return token;
+}
+
+// A model's text as a short number, so that a cache knows when the file was changed.
+std::string fingerprint(const std::string& path) {
+  std::uint64_t hash = 14695981039346656037ULL;
+  for (const char c : read_file(path)) {
+    hash = (hash ^ static_cast<unsigned char>(c)) * 1099511628211ULL;
+  }
+  return fmt::format("{:016x}", hash);
+}
+
+OpenedSystem open_simulation(const SystemSpec& spec, const SystemAccess& access) {
+  if (!spec.options.empty()) {
+    throw UsageError("unknown option '" + spec.options.begin()->first +
+                     "': a simulated model has none (" + spec.text + ")");
+  }
+  Model model = read_model(spec.target);
+  if (const auto* machine = std::get_if<Mealy>(&model); machine != nullptr && access.translation) {
+    model = to_interface_automaton(*machine, Translation::eager, machine->actors);
+  }
+  auto simulated = std::visit(
+      [&](auto& its) { return std::make_unique<SimulatedSul>(std::move(its), spec.text); }, model);
+  simulated->add_version("model", fingerprint(spec.target));
+  OpenedSystem opened;
+  opened.reference = simulated->reference(access.translation.value_or(Translation::eager));
+  opened.sul = std::move(simulated);
+  return opened;
+}
+
+WrapperEndpoint endpoint_of(const SystemSpec& spec, const SystemAccess& access) {
+  if (spec.kind == SystemSpec::Kind::tcp) {
+    return WrapperEndpoint::tcp(spec.target, read_token(access));
+  }
+  if (spec.kind == SystemSpec::Kind::program) {
+    return WrapperEndpoint::program(spec.command, spec.text);
+  }
+  const auto program = find_wrapper(spec.target);
+  if (!program) {
+    throw UsageError("unknown system '" + spec.target + "', or its wrapper maide-wrap-" +
+                     spec.target + " is not built here; " + describe_wrapper_search());
+  }
+  return WrapperEndpoint::program({program->string()}, spec.target);
+}
+
+}  // namespace
+
+OpenedSystem open_system(const SystemSpec& spec, const SystemAccess& access,
+                         const RunControl& control) {
+  if (spec.kind == SystemSpec::Kind::simulated) return open_simulation(spec, access);
+  OpenedSystem opened;
+  opened.sul = std::make_unique<WrapperProxy>(endpoint_of(spec, access), spec.options,
+                                              ProxySettings{}, control);
+  return opened;
+}
+
+std::string list_system_options(const SystemSpec& spec, const SystemAccess& access,
+                                const RunControl& control) {
+  if (spec.kind == SystemSpec::Kind::simulated) return "a simulated model has no options\n";
+  return to_string(ask_hello(endpoint_of(spec, access), {}, control).options);
+}
+
+}  // namespace maide

@@ -1,0 +1,228 @@
+// `maide learn` and `maide reproduce`: the real program, real processes, the reference port.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "maide/automata/compare.hpp"
+#include "maide/base/file.hpp"
+#include "maide/base/temp_dir.hpp"
+#include "maide/formats/model_file.hpp"
+#include "run_maide.hpp"
+
+namespace maide::test {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+const fs::path models = fs::path(MAIDE_SOURCE_DIR) / "tests" / "models";
+
+std::vector<std::string> learn(std::vector<std::string> more) {
+  std::vector<std::string> arguments{"learn"};
+  arguments.insert(arguments.end(), more.begin(), more.end());
+  return arguments;
+}
+
+// A row of the paper's Table 1: the port's options, the sizes printed there, the reference model.
+struct Row {
+  std::vector<std::string> options;
+  std::size_t states, transitions;
+  std::string reference;
+};
+
+const std::vector<Row>& table1() {
+  static const std::vector<Row> rows = [] {
+    const std::string tryread = "inputs=write,read,tryread";
+    std::vector<Row> list{
+        {{"kind=port"}, 4, 5, "port"},
+        {{"kind=buffered"}, 4, 6, "buffered"},
+        {{"kind=buffered", tryread, "at-bound=absorb"}, 4, 8, "buffered-tryread"},
+        {{"kind=strict", "size=3", tryread}, 8, 15, "strict-3-tryread"},
+        {{"kind=strict", "size=3", tryread, "at_bound=absorb"}, 8, 16, "strict-3-tryread-absorb"},
+    };
+    for (std::size_t size = 1; size <= 6; ++size) {
+      const std::string number = std::to_string(size);
+      list.push_back(
+          {{"kind=strict", "size=" + number}, 2 * size + 2, 3 * size + 2, "strict-" + number});
+    }
+    return list;
+  }();
+  return rows;
+}
+
+class LearnTable1 : public testing::TestWithParam<std::string> {};
+INSTANTIATE_TEST_SUITE_P(Translations, LearnTable1, testing::Values("eager", "av"),
+                         [](const auto& row) { return row.param; });
+
+TEST_P(LearnTable1, GivesThePapersSizesAndTheReferenceModels) {
+  const TempDir folder("learn-test");
+  const std::string file = (folder.path() / "model.dot").string();
+  for (const Row& row : table1()) {
+    std::vector<std::string> arguments{"port", "--translation", GetParam(), "-o", file, "--json"};
+    arguments.insert(arguments.end(), row.options.begin(), row.options.end());
+    const SubprocessResult result = run_maide(learn(arguments));
+    ASSERT_EQ(result.exit_status, 0) << row.reference << ": " << result.err;
+    const Json json = json_of(result);
+    EXPECT_EQ(json.at("states"), row.states) << row.reference;
+    EXPECT_EQ(json.at("transitions"), row.transitions) << row.reference;
+    EXPECT_EQ(json.at("model"), file);
+
+    const InterfaceAutomaton learned = read_interface_automaton(file);
+    const auto reference = read_interface_automaton(models / (row.reference + ".dot"));
+    const IaComparison difference = compare(learned, reference);
+    EXPECT_FALSE(difference.hard) << row.reference;
+    EXPECT_TRUE(difference.soft.empty()) << row.reference;
+    EXPECT_EQ(learned.size(), reference.size());
+    EXPECT_EQ(learned.hidden_returns, reference.hidden_returns) << row.reference;
+    std::size_t untried = 0;
+    for (StateId state = 0; state < learned.size(); ++state) {
+      untried += learned.unexplored(state).size();
+    }
+    const bool is_refusing = row.options.front() == "kind=strict" &&
+                             row.options.back().find("absorb") == std::string::npos;
+    EXPECT_EQ(untried, is_refusing ? 1U : 0U) << row.reference;
+  }
+}
+
+TEST(Learn, JsonHasWhatTheDesignNames) {
+  const Json json = json_of(run_maide(learn({"port", "--json"})));
+  for (const char* key : {"algorithm", "translation", "states", "transitions", "mealy_states",
+                          "output_queries", "equivalence_queries", "experiments", "symbols",
+                          "resets", "seconds", "seconds_in_system", "seconds_in_reset", "model"}) {
+    EXPECT_TRUE(json.contains(key)) << key;
+  }
+  EXPECT_EQ(json.at("translation"), "eager");
+  EXPECT_TRUE(json.at("model").is_null());
+}
+
+TEST(Learn, PrintsTheModelAloneOnStandardOutputWithoutAFile) {
+  const SubprocessResult result = run_maide(learn({"port", "kind=buffered"}));
+  EXPECT_TRUE(result.out.starts_with("digraph ")) << result.out;
+  EXPECT_THAT(result.err, HasSubstr("4 states, 6 transitions"));
+  EXPECT_TRUE(run_maide(learn({"port", "kind=buffered", "-q"})).err.empty());
+}
+
+TEST(Learn, SaysWhichReturnsAreHidden) {
+  const SubprocessResult result = run_maide(learn({"port", "kind=port"}));
+  EXPECT_THAT(result.err, HasSubstr("write was seen to block"));
+  const Json observed = json_of(run_maide(learn({"port", "observe=message,written", "--json"})));
+  EXPECT_TRUE(observed.at("hidden_returns").empty());
+}
+
+TEST(Learn, SimulatedModelsComeBackFromAPerfectTeacher) {
+  for (const char* name : {"port", "strict-6-tryread", "strict-3-tryread-absorb"}) {
+    for (const char* algorithm : {"lmplus", "rs"}) {
+      const TempDir folder("learn-test");
+      const std::string file = (folder.path() / "model.dot").string();
+      const std::string model = (models / (std::string(name) + ".dot")).string();
+      const SubprocessResult result = run_maide(
+          learn({"sim:" + model, "--eq", "perfect", "--algorithm", algorithm, "-o", file}));
+      ASSERT_EQ(result.exit_status, 0) << result.err;
+      EXPECT_TRUE(compare(read_interface_automaton(file), read_interface_automaton(model)).same());
+    }
+  }
+}
+
+TEST(Learn, PlainMealyMachinesStayWhatTheyAre) {
+  const TempDir folder("learn-test");
+  const std::string machine = (folder.path() / "machine.dot").string();
+  write_file_atomically(machine,
+                        "digraph g { __start0 -> a; a -> b [label=\"x / 1,2\"]; "
+                        "b -> a [label=\"x / quiet\"]; }");
+  const Json plain = json_of(run_maide(learn({"sim:" + machine, "--json"})));
+  EXPECT_EQ(plain.at("translation"), "none");
+  EXPECT_EQ(plain.at("states"), 2);
+  EXPECT_EQ(plain.at("transitions"), 2);
+  // Asked for a translation, the outputs are taken apart: 1 and 2 are due one after the other.
+  const Json taken =
+      json_of(run_maide(learn({"sim:" + machine, "--translation", "eager", "--json"})));
+  EXPECT_EQ(taken.at("states"), 4);
+  EXPECT_EQ(taken.at("transitions"), 4);
+}
+
+TEST(Learn, PurposesAreNeverLeft) {
+  const TempDir folder("learn-test");
+  const std::string purpose = (folder.path() / "purpose.dot").string();
+  write_file_atomically(purpose,
+                        "digraph g { inputs=\"write\"; outputs=\"message\"; __start0 -> a; "
+                        "a -> b [label=\"?write\"]; b -> a [label=\"!message\"]; }");
+  const std::string file = (folder.path() / "model.dot").string();
+  const SubprocessResult result =
+      run_maide(learn({"port", "kind=strict", "size=5", "--purpose", purpose, "-o", file}));
+  ASSERT_EQ(result.exit_status, 0) << result.err;
+  EXPECT_TRUE(
+      compare(read_interface_automaton(file), read_interface_automaton(models / "strict-1.dot"))
+          .same());
+}
+
+TEST(Learn, ResumesFromItsCacheWithoutAskingAgain) {
+  const TempDir folder("learn-test");
+  const std::string cache = (folder.path() / "answers.sqlite").string();
+  const auto arguments = learn({"port", "kind=strict", "size=2", "--cache", cache, "--json"});
+  const Json first = json_of(run_maide(arguments));
+  EXPECT_GT(first.at("experiments"), 0);
+  const Json second = json_of(run_maide(arguments));
+  EXPECT_EQ(second.at("experiments"), 0);
+  EXPECT_EQ(second.at("states"), first.at("states"));
+  expect_error(run_maide(learn({"port", "kind=strict", "size=3", "--cache", cache})), 2, "size");
+}
+
+TEST(Learn, KeepsWhatWasLearnedWhenInterrupted) {
+  const TempDir folder("learn-test");
+  const std::string file = (folder.path() / "model.dot").string();
+  // A fixed delay of 30 ms a step makes the run far longer than the interrupt is away.
+  const SubprocessResult result = run_with_maide(
+      "timeout -s INT 4 \"$maide\" learn port kind=strict size=4 quiescence=30 "
+      "--json -o '" +
+      file + "'; exit_status=$?; exit $exit_status");
+  // `timeout` says 124 for whatever it interrupted; the JSON says the rest.
+  EXPECT_EQ(result.exit_status, 124);
+  const Json json = json_of(result);
+  EXPECT_EQ(json.at("complete"), false);
+  EXPECT_GT(json.at("experiments"), 0);
+  EXPECT_THAT(result.err, HasSubstr("interrupted"));
+  EXPECT_EQ(fs::exists(file), json.at("states") > 0);
+}
+
+TEST(Learn, LimitsEndInconclusive) {
+  const SubprocessResult result =
+      run_maide(learn({"port", "kind=strict", "--max-experiments", "20", "--json"}));
+  EXPECT_EQ(result.exit_status, 3);
+  EXPECT_EQ(json_of(result).at("complete"), false);
+}
+
+TEST(Learn, RefusesWhatItCannotUseInOneLine) {
+  expect_error(run_maide(learn({"nothing-here"})), 2, "nothing-here");
+  expect_error(run_maide(learn({"udp://1"})), 2, "udp://1");
+  expect_error(run_maide(learn({"port", "kind=round"})), 2, "round");
+  expect_error(run_maide(learn({"port", "colour=red"})), 2, "colour");
+  expect_error(run_maide(learn({"port", "size"})), 2, "KEY=VALUE");
+  expect_error(run_maide(learn({"port", "--algorithm", "magic"})), 2, "magic");
+  expect_error(run_maide(learn({"port", "--eq", "perfect"})), 2, "perfect");
+  expect_error(run_maide(learn({"port", "--translation", "lazy"})), 2, "lazy");
+  expect_error(run_maide(learn({"sim:/no/such/file.dot"})), 2, "/no/such/file.dot");
+  expect_error(run_maide(learn({"port", "-o", "/no/such/folder/m.dot"})), 2, "/no/such/folder");
+  expect_error(run_maide(learn({"tcp://127.0.0.1:1"})), 4, "127.0.0.1:1");
+  expect_error(run_maide(learn({"exec:/no/such/program"})), 4, "/no/such/program");
+  expect_error(run_maide(learn({"exec:sh -c 'echo nonsense'"})), 4, "sh -c");
+}
+
+TEST(Reproduce, Table1OnTheReferencePort) {
+  const SubprocessResult result = run_maide({"reproduce", "table1", "--system", "port", "--json"});
+  EXPECT_EQ(result.exit_status, 0);
+  const Json json = json_of(result);
+  EXPECT_EQ(json.at("sizes_equal"), true);
+  EXPECT_EQ(json.at("rows").size(), 11U);
+}
+
+TEST(Reproduce, SaysWhatIsNotThere) {
+  expect_error(run_maide({"reproduce", "table7"}), 2, "table7");
+  expect_error(run_maide({"reproduce", "table2"}), 2, "not part of this version");
+  expect_error(run_maide({"reproduce", "table1", "--system", "ros"}), 2, "ros");
+}
+
+}  // namespace
+}  // namespace maide::test
