@@ -2,22 +2,15 @@
 // models written by hand, and those models have the sizes that theory gives.
 #include <gtest/gtest.h>
 
-#include <map>
-#include <ostream>
 #include <string>
 #include <vector>
 
-#include "connection_models.hpp"
+#include "cyclonedds_cases.hpp"
 #include "cyclonedds_wrapper.hpp"
-#include "maide/base/error.hpp"
 #include "maide/wire/local_sul.hpp"
 
 namespace maide {
 namespace {
-
-using Options = std::map<std::string, std::string>;
-using test::ConnectionModel;
-using test::WhenFull;
 
 std::vector<SulQuery> all_words(std::size_t inputs, std::size_t length) {
   std::vector<SulQuery> words;
@@ -45,48 +38,7 @@ std::vector<std::string> outputs(const Mealy& machine, const Word& word) {
   return names;
 }
 
-struct Case {
-  std::string name;
-  Options options;
-  ConnectionModel model;
-  std::size_t states;  // of the minimal machine
-};
-
-void PrintTo(const Case& tested, std::ostream* out) { *out << tested.name; }
-
-Options with(Options options, bool gap) {
-  options["inputs"] = "write,tryread";
-  options["payload"] = gap ? "gap" : "none";
-  options.try_emplace("observe", "message,null");
-  return options;
-}
-
-std::vector<Case> cases() {
-  std::vector<Case> all{{"defaults", with({}, false), {1, WhenFull::drop_oldest, false}, 2}};
-  const Options limited{{"history", "keep_all"}};
-  for (std::size_t n = 1; n <= 4; ++n) {
-    const std::string depth = std::to_string(n);
-    all.push_back({"keep_last_" + depth,
-                   with({{"depth", depth}, {"reliability", "reliable"}}, true),
-                   {n, WhenFull::drop_oldest, true},
-                   n + 2});
-    if (n == 4) break;
-    all.push_back({"best_effort_max_samples_" + depth,
-                   with({{"history", "keep_all"}, {"max-samples", depth}}, true),
-                   {n, WhenFull::drop_newest, true},
-                   (std::size_t{1} << (n + 2)) - 2});
-    Options reliable{{"history", "keep_all"}, {"max-samples", depth}, {"reliability", "reliable"}};
-    all.push_back(
-        {"blocking_max_samples_" + depth, with(reliable, true), {n, WhenFull::block, true}, n + 2});
-    reliable["max_blocking_time"] = "0";
-    reliable["observe"] = "message,null,failed";
-    all.push_back(
-        {"failing_max_samples_" + depth, with(reliable, true), {n, WhenFull::fail, true}, n + 1});
-  }
-  return all;
-}
-
-class CycloneDds : public testing::TestWithParam<Case> {};
+class CycloneDds : public testing::TestWithParam<test::CycloneDdsCase> {};
 
 TEST_P(CycloneDds, AnswersAllWordsAsItsModel) {
   const Mealy model = test::make_connection(GetParam().model);
@@ -106,7 +58,7 @@ TEST_P(CycloneDds, AnswersAllWordsAsItsModel) {
   EXPECT_EQ(answered, batch.size());
 }
 
-INSTANTIATE_TEST_SUITE_P(Policies, CycloneDds, testing::ValuesIn(cases()),
+INSTANTIATE_TEST_SUITE_P(Policies, CycloneDds, testing::ValuesIn(test::cyclonedds_cases()),
                          [](const auto& tested) { return tested.param.name; });
 
 }  // namespace

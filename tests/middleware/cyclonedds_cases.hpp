@@ -1,0 +1,61 @@
+// Configurations of Cyclone DDS, and the model that each must have over write and tryread.
+#pragma once
+
+#include <map>
+#include <ostream>
+#include <string>
+#include <vector>
+
+#include "connection_models.hpp"
+
+namespace maide::test {
+
+using SystemOptions = std::map<std::string, std::string>;
+
+struct CycloneDdsCase {
+  std::string name;
+  SystemOptions options;
+  ConnectionModel model;
+  std::size_t states;  // of the minimal machine
+};
+
+inline void PrintTo(const CycloneDdsCase& tested, std::ostream* out) { *out << tested.name; }
+
+inline SystemOptions with_tryread(SystemOptions options, bool gap) {
+  options["inputs"] = "write,tryread";
+  options["payload"] = gap ? "gap" : "none";
+  options.try_emplace("observe", "message,null");
+  return options;
+}
+
+inline std::vector<CycloneDdsCase> cyclonedds_cases() {
+  std::vector<CycloneDdsCase> all{
+      {"defaults", with_tryread({}, false), {1, WhenFull::drop_oldest, false}, 2}};
+  for (std::size_t n = 1; n <= 4; ++n) {
+    const std::string depth = std::to_string(n);
+    all.push_back({"keep_last_" + depth,
+                   with_tryread({{"depth", depth}, {"reliability", "reliable"}}, true),
+                   {n, WhenFull::drop_oldest, true},
+                   n + 2});
+    if (n == 4) break;
+    all.push_back({"best_effort_max_samples_" + depth,
+                   with_tryread({{"history", "keep_all"}, {"max-samples", depth}}, true),
+                   {n, WhenFull::drop_newest, true},
+                   (std::size_t{1} << (n + 2)) - 2});
+    SystemOptions reliable{
+        {"history", "keep_all"}, {"max-samples", depth}, {"reliability", "reliable"}};
+    all.push_back({"blocking_max_samples_" + depth,
+                   with_tryread(reliable, true),
+                   {n, WhenFull::block, true},
+                   n + 2});
+    reliable["max_blocking_time"] = "0";
+    reliable["observe"] = "message,null,failed";
+    all.push_back({"failing_max_samples_" + depth,
+                   with_tryread(reliable, true),
+                   {n, WhenFull::fail, true},
+                   n + 1});
+  }
+  return all;
+}
+
+}  // namespace maide::test

@@ -1,0 +1,122 @@
+// Cyclone DDS learned for real: what comes out is the model written by hand, the paper's buffered
+// port among them, every time the same, on a busy machine too.
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <sstream>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "../support/busy_processes.hpp"
+#include "cyclonedds_cases.hpp"
+#include "cyclonedds_wrapper.hpp"
+#include "maide/automata/compare.hpp"
+#include "maide/conformance/test_methods.hpp"
+#include "maide/formats/dot.hpp"
+#include "maide/formats/model_file.hpp"
+#include "maide/learn/cache.hpp"
+#include "maide/learn/learners.hpp"
+#include "maide/learn/sul_oracle.hpp"
+#include "maide/wire/local_sul.hpp"
+
+namespace maide {
+namespace {
+
+using test::SystemOptions;
+
+struct Learned {
+  Mealy machine;
+  InterfaceAutomaton automaton;
+};
+
+Learned learn_cyclonedds(const SystemOptions& options, std::string_view algorithm = "rs",
+                         Translation translation = Translation::eager) {
+  cyclonedds::CycloneDdsWrapper wrapper;
+  LocalSul sul(wrapper, options);
+  IaTranslator translator(sul, translation);
+  SulOracle system(translator);
+  Cache cache(system);
+  const std::unique_ptr<Learner> learner = find_learner(algorithm).make(cache);
+  const std::unique_ptr<EquivalenceOracle> teacher =
+      find_test_method("standard").make({cache, &cache, nullptr}, {});
+  Mealy machine = learn(*learner, *teacher);
+  InterfaceAutomaton automaton = translator.to_interface_automaton(machine);
+  return {std::move(machine), std::move(automaton)};
+}
+
+InterfaceAutomaton reference(const std::string& name) {
+  return read_interface_automaton(std::string(MAIDE_SOURCE_DIR "/tests/models/") + name + ".dot");
+}
+
+class CycloneDdsMealy : public testing::TestWithParam<test::CycloneDdsCase> {};
+
+TEST_P(CycloneDdsMealy, IsLearned) {
+  const Mealy model = test::make_connection(GetParam().model);
+  for (const LearnerEntry& algorithm : learners()) {
+    const Mealy learned = learn_cyclonedds(GetParam().options, algorithm.name).machine;
+    EXPECT_EQ(learned.size(), GetParam().states) << algorithm.name;
+    EXPECT_FALSE(find_difference(model, learned).has_value()) << algorithm.name;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Policies, CycloneDdsMealy, testing::ValuesIn(test::cyclonedds_cases()),
+                         [](const auto& tested) { return tested.param.name; });
+
+// The names of the reference ports whose models Cyclone's connections share.
+struct PortCase {
+  std::string name;
+  SystemOptions options;
+  std::string reference;
+};
+
+void PrintTo(const PortCase& tested, std::ostream* out) { *out << tested.name; }
+
+class CycloneDdsAutomaton : public testing::TestWithParam<PortCase> {};
+
+TEST_P(CycloneDdsAutomaton, IsThatOfThePort) {
+  const InterfaceAutomaton expected = reference(GetParam().reference);
+  for (const Translation translation : {Translation::eager, Translation::av}) {
+    const InterfaceAutomaton learned =
+        learn_cyclonedds(GetParam().options, "rs", translation).automaton;
+    EXPECT_EQ(learned.size(), expected.size());
+    EXPECT_TRUE(compare(expected, learned).same());
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Ports, CycloneDdsAutomaton,
+    testing::Values(PortCase{"defaults", {}, "buffered"},
+                    PortCase{"tryread", {{"inputs", "write,read,tryread"}}, "buffered-tryread"},
+                    PortCase{"keep_all_1", {{"history", "keep_all"}, {"size", "1"}}, "strict-1"},
+                    PortCase{"keep_all_3", {{"history", "keep_all"}, {"size", "3"}}, "strict-3"},
+                    PortCase{"keep_all_3_tryread_absorb",
+                             {{"history", "keep_all"},
+                              {"size", "3"},
+                              {"at-bound", "absorb"},
+                              {"inputs", "write,read,tryread"}},
+                             "strict-3-tryread-absorb"},
+                    PortCase{"keep_all_6", {{"history", "keep_all"}, {"size", "6"}}, "strict-6"}),
+    [](const auto& tested) { return tested.param.name; });
+
+class CycloneDdsRepeatedly : public testing::TestWithParam<int> {};
+
+TEST_P(CycloneDdsRepeatedly, GivesTheSameModelTwentyTimes) {
+  const test::BusyProcesses load(GetParam());
+  const SystemOptions options{
+      {"depth", "2"}, {"payload", "gap"}, {"inputs", "write,tryread"}, {"observe", "message,null"}};
+  std::string first;
+  for (int run = 0; run < 20; ++run) {
+    const Learned learned = learn_cyclonedds(options);
+    ASSERT_EQ(learned.machine.size(), 4u) << "run " << run;
+    std::ostringstream text;
+    write_dot(text, learned.machine);
+    if (run == 0) first = text.str();
+    ASSERT_EQ(text.str(), first) << "run " << run;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(BusyProcesses, CycloneDdsRepeatedly, testing::Values(0, 2));
+
+}  // namespace
+}  // namespace maide
