@@ -13,6 +13,7 @@
 #include <thread>
 #include <vector>
 
+#include "busy_machine.hpp"
 #include "maide/wire/socket_scan.hpp"
 #include "maide/wire/thread_scan.hpp"
 #include "thread_chain.hpp"

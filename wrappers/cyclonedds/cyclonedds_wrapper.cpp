@@ -12,6 +12,14 @@ constexpr std::size_t most_retired = 50;
 // takes 3 ms and gives that back.
 constexpr std::uint64_t words_per_domain = 5000;
 
+// keep_last and max-samples bound themselves; only keep_all alone needs a bound to be learned.
+OptionSpec size_row() {
+  OptionSpec row = common_options::size(0, 1000);
+  row.least = 0;
+  row.help += "; 0: no bound but the QoS";
+  return row;
+}
+
 }  // namespace
 
 CycloneDdsWrapper::CycloneDdsWrapper() {
@@ -23,7 +31,7 @@ CycloneDdsWrapper::CycloneDdsWrapper() {
            common_options::inputs({"write", "read", "tryread"}),
            common_options::observe({"message", "null", "written", "failed"}),
            common_options::payload(),
-           common_options::size(0, 1000),
+           size_row(),
            common_options::at_bound(),
        }) {
     description_.options.push_back(std::move(row));

@@ -111,8 +111,8 @@ class SystemWrapper {
   virtual std::unique_ptr<SystemInstance> reset(EventSink& sink) = 0;
 };
 
-// The main function of a wrapper's executable: --help, --list-options, the protocol over standard
-// input and output, or --listen HOST:PORT. Returns the exit status.
+// The main function of a wrapper's executable: --help, --list-options, --self-test, the protocol
+// over standard input and output, or --listen HOST:PORT. Returns the exit status.
 int run_wrapper(SystemWrapper& wrapper, int argc, char** argv);
 
 }  // namespace maide

@@ -21,6 +21,7 @@
 
 #include "maide/base/descriptor.hpp"
 #include "maide/base/error.hpp"
+#include "maide/wire/self_test.hpp"
 #include "maide/wire/system_wrapper.hpp"
 #include "maide/wire/tcp.hpp"
 #include "maide/wire/wrapper_server.hpp"
@@ -32,7 +33,7 @@ namespace {
 constexpr std::size_t most_clients = 64;
 
 struct Arguments {
-  bool help = false, list_options = false;
+  bool help = false, list_options = false, self_test = false;
   std::optional<std::string> listen, token_file;
 };
 
@@ -51,6 +52,8 @@ Arguments parse_arguments(int argc, char** argv) {
       arguments.help = true;
     } else if (word == "--list-options") {
       arguments.list_options = true;
+    } else if (word == "--self-test") {
+      arguments.self_test = true;
     } else if (!take_value(arguments.listen, "--listen") &&
                !take_value(arguments.token_file, "--token-file")) {
       throw UsageError(fmt::format("unknown argument '{}'; see --help", word));
@@ -62,14 +65,16 @@ Arguments parse_arguments(int argc, char** argv) {
 void print_help(const WrapperDescription& description, const char* program) {
   fmt::print(
       "{1}: {2}\n\n"
-      "Usage: {0} [--listen HOST:PORT] [--token-file FILE] [--list-options] [--help]\n\n"
+      "Usage: {0} [--listen HOST:PORT] [--token-file FILE] [--list-options] [--self-test] "
+      "[--help]\n\n"
       "Speaks Maide's wire protocol over standard input and output, or over TCP:\n"
       "  --listen HOST:PORT  serve clients that connect, each in a process of its own; port 0 "
       "takes\n"
       "                      a free one; the first line printed names it\n"
       "  --token-file FILE   clients must name the token in FILE (or in MAIDE_TOKEN); needed to\n"
       "                      listen on anything but loopback\n"
-      "  --list-options      the options of the system\n\n"
+      "  --list-options      the options of the system\n"
+      "  --self-test         try the system once: one line, and status 0 if it is usable\n\n"
       "Example: maide learn {1}\n\n"
       "Options of the system (maide learn {1} KEY=VALUE ...):\n{3}",
       program, description.name, description.summary, to_string(full_option_table(description)));
@@ -156,6 +161,8 @@ int run_wrapper(SystemWrapper& wrapper, int argc, char** argv) {
       print_help(description, argv[0]);
     } else if (arguments.list_options) {
       fmt::print("{}", to_string(full_option_table(description)));
+    } else if (arguments.self_test) {
+      fmt::print("{}\n", run_self_test(wrapper));
     } else if (arguments.listen) {
       return listen_for_clients(wrapper, arguments);
     } else {

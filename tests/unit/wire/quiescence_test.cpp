@@ -6,6 +6,7 @@
 
 #include <atomic>
 
+#include "busy_machine.hpp"
 #include "maide/base/descriptor.hpp"
 #include "maide/wire/line_io.hpp"
 #include "maide/wire/socket_scan.hpp"
@@ -83,6 +84,19 @@ TEST(Quiescence, ASleepForASetTimeIsNotQuiescence) {
     EXPECT_TRUE(awake);
     sleeper.join();
   }
+}
+
+TEST(Quiescence, APollThatFindsNothingIsQuiescence) {
+  Quiescence quiescence(with_limit(60s));
+  std::atomic<bool> there = false;
+  std::thread poller([&] {
+    while (!there) std::this_thread::sleep_for(1ms);
+  });
+  ASSERT_EQ(quiescence.wait(never, not_aborted, [&] { return !there; }), Verdict::quiescent);
+  EXPECT_FALSE(there);
+  there = true;
+  ASSERT_EQ(quiescence.wait(never, not_aborted, [&] { return !there; }), Verdict::quiescent);
+  poller.join();
 }
 
 // A thread that computes until it is told to stop.

@@ -1,15 +1,13 @@
 // Work whose end only its result shows: a token that goes from thread to thread through condition
-// variables, with random amounts of computing in between. Also the load to do it under.
+// variables, with random amounts of computing in between.
 #pragma once
 
 #include <condition_variable>
-#include <memory>
 #include <mutex>
 #include <thread>
 #include <vector>
 
 #include "maide/base/random.hpp"
-#include "maide/wire/child_process.hpp"
 
 namespace maide::test {
 
@@ -65,20 +63,6 @@ class ThreadChain {
   std::size_t holder_ = 0, left_ = 0;
   bool ending_ = false;
   std::vector<std::thread> threads_;
-};
-
-// Processes that compute as long as this lives.
-class BusyMachine {
- public:
-  explicit BusyMachine(std::size_t processes) {
-    for (std::size_t i = 0; i < processes; ++i) {
-      processes_.push_back(std::make_unique<ChildProcess>(
-          std::vector<std::string>{"sh", "-c", "while :; do :; done"}));
-    }
-  }
-
- private:
-  std::vector<std::unique_ptr<ChildProcess>> processes_;
 };
 
 }  // namespace maide::test

@@ -1,6 +1,6 @@
 // What a word on Cyclone DDS costs, and how often a verdict of quiescence is wrong:
 //
-//   cyclonedds_cost [TRIALS] [BUSY]
+//   bench_cyclonedds [TRIALS] [BUSY]
 //
 // plays TRIALS words (default 2000) with each way to wait for quiescence, beside BUSY processes
 // (default 0) that take all the time they get, and prints one row each. A word counts as wrong if
@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "../tests/support/busy_processes.hpp"
+#include "busy_machine.hpp"
 #include "cyclonedds_wrapper.hpp"
 #include "maide/wire/local_sul.hpp"
 
@@ -63,7 +63,7 @@ void measure(const std::string& quiescence, std::size_t trials) {
 
 int main(int argc, char** argv) {
   const std::size_t trials = argc > 1 ? std::strtoul(argv[1], nullptr, 10) : 2000;
-  const maide::test::BusyProcesses load(argc > 2 ? std::atoi(argv[2]) : 0);
+  const maide::test::BusyMachine load(argc > 2 ? std::strtoul(argv[2], nullptr, 10) : 0);
   fmt::print("{:>10} {:>8} {:>8} {:>14} {:>14} {:>12}\n", "quiescence", "words", "wrong",
              "reset ms (med)", "step ms (med)", "word ms");
   for (const char* quiescence : {"0", "1", "5", "observed"}) measure(quiescence, trials);

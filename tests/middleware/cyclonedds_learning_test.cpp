@@ -1,5 +1,5 @@
-// Cyclone DDS learned for real: what comes out is the model written by hand, the paper's buffered
-// port among them, every time the same, on a busy machine too.
+// Cyclone DDS learned for real, over its wrapper's pipes: what comes out is the model written by
+// hand, the paper's buffered port among them, every time the same, on a busy machine too.
 #include <gtest/gtest.h>
 
 #include <memory>
@@ -8,17 +8,14 @@
 #include <string_view>
 #include <vector>
 
-#include "../support/busy_processes.hpp"
+#include "busy_machine.hpp"
 #include "cyclonedds_cases.hpp"
-#include "cyclonedds_wrapper.hpp"
 #include "maide/automata/compare.hpp"
-#include "maide/conformance/test_methods.hpp"
 #include "maide/formats/dot.hpp"
 #include "maide/formats/model_file.hpp"
-#include "maide/learn/cache.hpp"
 #include "maide/learn/learners.hpp"
-#include "maide/learn/sul_oracle.hpp"
-#include "maide/wire/local_sul.hpp"
+#include "maide/wire/wrapper_proxy.hpp"
+#include "maide/workflow/experiment.hpp"
 
 namespace maide {
 namespace {
@@ -30,19 +27,15 @@ struct Learned {
   InterfaceAutomaton automaton;
 };
 
-Learned learn_cyclonedds(const SystemOptions& options, std::string_view algorithm = "rs",
+Learned learn_cyclonedds(const SystemOptions& options, std::string_view algorithm = "",
                          Translation translation = Translation::eager) {
-  cyclonedds::CycloneDdsWrapper wrapper;
-  LocalSul sul(wrapper, options);
-  IaTranslator translator(sul, translation);
-  SulOracle system(translator);
-  Cache cache(system);
-  const std::unique_ptr<Learner> learner = find_learner(algorithm).make(cache);
-  const std::unique_ptr<EquivalenceOracle> teacher =
-      find_test_method("standard").make({cache, &cache, nullptr}, {});
-  Mealy machine = learn(*learner, *teacher);
-  InterfaceAutomaton automaton = translator.to_interface_automaton(machine);
-  return {std::move(machine), std::move(automaton)};
+  const auto sul = spawn_wrapper({MAIDE_BINARY_DIR "/bin/maide-wrap-cyclonedds"}, options);
+  IaTranslator translator(*sul, translation);
+  ExperimentOptions experiment;
+  experiment.algorithm = algorithm;
+  const ExperimentResult result = run_experiment(translator, experiment);
+  if (result.error) std::rethrow_exception(result.error);
+  return {result.model, translator.to_interface_automaton(result.model)};
 }
 
 InterfaceAutomaton reference(const std::string& name) {
@@ -78,7 +71,7 @@ TEST_P(CycloneDdsAutomaton, IsThatOfThePort) {
   const InterfaceAutomaton expected = reference(GetParam().reference);
   for (const Translation translation : {Translation::eager, Translation::av}) {
     const InterfaceAutomaton learned =
-        learn_cyclonedds(GetParam().options, "rs", translation).automaton;
+        learn_cyclonedds(GetParam().options, "", translation).automaton;
     EXPECT_EQ(learned.size(), expected.size());
     EXPECT_TRUE(compare(expected, learned).same());
   }
@@ -99,10 +92,10 @@ INSTANTIATE_TEST_SUITE_P(
                     PortCase{"keep_all_6", {{"history", "keep_all"}, {"size", "6"}}, "strict-6"}),
     [](const auto& tested) { return tested.param.name; });
 
-class CycloneDdsRepeatedly : public testing::TestWithParam<int> {};
+class CycloneDdsRepeatedly : public testing::TestWithParam<std::size_t> {};
 
 TEST_P(CycloneDdsRepeatedly, GivesTheSameModelTwentyTimes) {
-  const test::BusyProcesses load(GetParam());
+  const test::BusyMachine load(GetParam());
   const SystemOptions options{
       {"depth", "2"}, {"payload", "gap"}, {"inputs", "write,tryread"}, {"observe", "message,null"}};
   std::string first;
