@@ -127,7 +127,7 @@ class CppWriter {
   void write_head(const Origin& origin, const char* what) {
     out_ << "// " << what << "\n";
     for (const auto& [key, value] : origin) {
-      out_ << "// " << comment_text(key + ": " + value) << "\n";
+      out_ << "// " << comment_text(key) << ": " << comment_text(value) << "\n";
     }
     out_ << "#pragma once\n\n#include <array>\n#include <cstddef>\n\nclass " << name_
          << " {\n public:\n";

@@ -92,9 +92,8 @@ class Tokenizer {
   void skip_blanks() {
     while (position_ < text_.size()) {
       const char letter = peek();
-      if (letter == '#' && place_.column == 1) {
-        skip_line();  // a preprocessor's line
-      } else if (letter == '/' && peek(1) == '/') {
+      const bool is_directive = letter == '#' && place_.column == 1;  // a preprocessor's line
+      if (is_directive || (letter == '/' && peek(1) == '/')) {
         skip_line();
       } else if (letter == '/' && peek(1) == '*') {
         skip_comment();

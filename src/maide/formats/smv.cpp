@@ -76,7 +76,7 @@ class SmvWriter {
 
  private:
   std::vector<std::string> declare(const Alphabet& alphabet, const char* prefix) {
-    const auto identifiers = table_.unique(alphabet.names(), prefix);
+    auto identifiers = table_.unique(alphabet.names(), prefix);
     for (Symbol symbol = 0; symbol < alphabet.size(); ++symbol) {
       if (identifiers[symbol] != prefix + alphabet.name(symbol)) {
         remarks_.push_back(identifiers[symbol] + ": " + alphabet.name(symbol));
@@ -88,7 +88,7 @@ class SmvWriter {
   void write_head(const Origin& origin, const char* what) {
     out_ << "-- " << what << "\n";
     for (const auto& [key, value] : origin) {
-      out_ << "-- " << comment_text(key + ": " + value) << "\n";
+      out_ << "-- " << comment_text(key) << ": " << comment_text(value) << "\n";
     }
     for (const std::string& remark : remarks_) out_ << "-- " << comment_text(remark) << "\n";
     out_ << "MODULE main\n";
