@@ -59,6 +59,25 @@ TEST(Export, MarksAreLostOnlyWhenAsked) {
   EXPECT_THAT(result.out, StartsWith("des (0, 8, 6)"));
 }
 
+// A system is written as Promela that spin accepts; other languages have no word for it.
+TEST(Export, SystemsAsPromela) {
+  const TempDir folder;
+  const std::string system = (folder.path() / "system.yaml").string();
+  write_file_atomically(system, "models:\n  via: {file: " + model("port") +
+                                    "}\nprograms:\n  planner: |\n    loop { via.write; }\n  "
+                                    "tracker: |\n    loop { via.read -> message; }\n");
+  const std::string file = (folder.path() / "system.pml").string();
+  const SubprocessResult result =
+      run_maide({"export", system, "--to", "promela", "-o", file, "--json"});
+  EXPECT_EQ(result.exit_status, 0) << result.err;
+  EXPECT_EQ(json_of(result).at("programs"), 2);
+  SubprocessOptions options;
+  options.folder = folder.path();
+  const SubprocessResult generated = run_program({"spin", "-a", file}, options);
+  EXPECT_TRUE(generated.succeeded()) << generated.out << generated.err;
+  expect_error(run_maide({"export", system, "--to", "smv"}), 2, "promela alone");
+}
+
 TEST(Export, UnknownFormatsAreErrors) {
   expect_error(run_maide({"export", model("port"), "--to", "png"}), 2,
                "unknown format 'png'; known are: dot, aut, promela, smv, cpp");

@@ -15,9 +15,10 @@ std::span<const Command> command_table() {
       Command{"compare", "Tell whether two models are the same, and what tells them apart",
               "maide compare port.dot strict-1.dot\nmaide compare old.dot new.dot --json",
               set_up_compare},
-      Command{"export", "Write a model in another tool's language",
+      Command{"export", "Write a model or a system in another tool's language",
               "maide export port.dot --to promela -o port.pml\n"
-              "maide export strict-6.dot --to aut --lossy",
+              "maide export strict-6.dot --to aut --lossy\n"
+              "maide export system.yaml --to promela -o system.pml",
               set_up_export},
       Command{"reproduce", "Reproduce the paper's results, theirs beside ours",
               "maide reproduce table1\nmaide reproduce table1 --system port --json",

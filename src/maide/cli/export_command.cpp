@@ -1,4 +1,5 @@
-// `maide export MODEL --to FORMAT`: a model in another tool's language.
+// `maide export MODEL|SYSTEM --to FORMAT`: a model in another tool's language, or a whole system -
+// its models and programs - as Promela, as `maide check` hands it to SPIN.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -7,6 +8,8 @@
 #include <sstream>
 
 #include "maide/base/file.hpp"
+#include "maide/check/promela_system.hpp"
+#include "maide/check/system_file.hpp"
 #include "maide/cli/command.hpp"
 #include "maide/formats/exporters.hpp"
 #include "maide/formats/model_file.hpp"
@@ -22,17 +25,49 @@ struct ExportArguments {
   bool lossy = false;
 };
 
-struct Size {
-  std::size_t states = 0;
-  std::size_t transitions = 0;
+// What is written, and what --json tells of it.
+struct Export {
+  std::string text;
+  std::string summary;
+  Json details;
 };
 
-Size size_of(const Model& model) {
+Export export_model(const ExportArguments& arguments, const Exporter& exporter) {
+  const Model model = read_model(arguments.source);
+  const std::filesystem::path named =
+      arguments.output.empty() ? arguments.source : arguments.output;
+  std::ostringstream text;
+  exporter.write(text, model,
+                 {named.stem().string(), arguments.lossy ? MarkLoss::accept : MarkLoss::refuse});
+  std::size_t states = 0;
+  std::size_t transitions = 0;
   if (const auto* machine = std::get_if<Mealy>(&model)) {
-    return {machine->size(), machine->size() * machine->inputs().size()};
+    states = machine->size();
+    transitions = machine->size() * machine->inputs().size();
+  } else {
+    const auto& automaton = std::get<InterfaceAutomaton>(model);
+    states = automaton.size();
+    transitions = automaton.transition_count();
   }
-  const auto& automaton = std::get<InterfaceAutomaton>(model);
-  return {automaton.size(), automaton.transition_count()};
+  return {std::move(text).str(), fmt::format("{} states, {} transitions", states, transitions),
+          Json{{"states", states}, {"transitions", transitions}}};
+}
+
+bool is_system(const std::string& source) {
+  const std::string extension = std::filesystem::path(source).extension().string();
+  return extension == ".yaml" || extension == ".yml";
+}
+
+// Deadlocks are the text's invalid end states; properties are not part of it.
+Export export_system(const ExportArguments& arguments, const Exporter& exporter) {
+  if (exporter.name != "promela") {
+    throw UsageError(fmt::format("a system is exported to promela alone, not to {} ({})",
+                                 exporter.name, arguments.source));
+  }
+  const System system = read_system(arguments.source);
+  return {write_promela(system).text,
+          fmt::format("{} models, {} programs", system.models.size(), system.programs.size()),
+          Json{{"models", system.models.size()}, {"programs", system.programs.size()}}};
 }
 
 const Exporter& requested_exporter(const std::string& format) {
@@ -42,24 +77,16 @@ const Exporter& requested_exporter(const std::string& format) {
 
 ExitStatus run_export(const ExportArguments& arguments, Context& context) {
   const Exporter& exporter = requested_exporter(arguments.format);
-  const Model model = read_model(arguments.source);
-  const std::filesystem::path named =
-      arguments.output.empty() ? arguments.source : arguments.output;
-  std::ostringstream text;
-  exporter.write(text, model,
-                 {named.stem().string(), arguments.lossy ? MarkLoss::accept : MarkLoss::refuse});
-  const Size size = size_of(model);
-  Json result{{"source", arguments.source},
-              {"format", exporter.name},
-              {"states", size.states},
-              {"transitions", size.transitions}};
+  const Export exported = is_system(arguments.source) ? export_system(arguments, exporter)
+                                                      : export_model(arguments, exporter);
+  Json result{{"source", arguments.source}, {"format", exporter.name}};
+  result.update(exported.details);
   if (arguments.output.empty()) {
-    context.print(text.str());
-    result["text"] = text.str();
+    context.print(exported.text);
+    result["text"] = exported.text;
   } else {
-    write_file_atomically(arguments.output, text.str());
-    context.print(fmt::format("{}: {} states, {} transitions\n", arguments.output, size.states,
-                              size.transitions));
+    write_file_atomically(arguments.output, exported.text);
+    context.print(fmt::format("{}: {}\n", arguments.output, exported.summary));
     result["output"] = arguments.output;
   }
   context.set_result(result);
@@ -75,7 +102,9 @@ RunFunction set_up_export(CLI::App& app) {
     formats +=
         fmt::format("{}{} ({})", formats.empty() ? "" : "; ", exporter.name, exporter.summary);
   }
-  app.add_option("MODEL", arguments->source, "A model file (.dot, .gv or .aut)")->required();
+  app.add_option("SOURCE", arguments->source,
+                 "A model file (.dot, .gv or .aut), or a system file (.yaml) for --to promela")
+      ->required();
   app.add_option("--to", arguments->format, "The format: " + formats)->required();
   app.add_option("-o,--output", arguments->output,
                  "The file to write; standard output if not given");
