@@ -77,10 +77,8 @@ INSTANTIATE_TEST_SUITE_P(
         Fault{"info_first", "the wrapper's first line is not a hello"},
         Fault{"endless_line", "a line is longer than 4194304 bytes"},
         Fault{"dies_at_start",
-              "the wrapper exited with status 3: cannot find the middleware's daemon before its "
-              "hello"},
-        Fault{"cut_hello",
-              "the wrapper exited with status 0 in the middle of a line before its hello"},
+              "no hello: the wrapper exited with status 3: cannot find the middleware's daemon"},
+        Fault{"cut_hello", "no hello: the wrapper exited with status 0 in the middle of a line"},
         Fault{"no_answer_to_options", "no answer to the options within 5 s"},
         Fault{"rejects_options", "usage: option color: no such color"},
         Fault{"cannot_configure", "no licence for the lamp"},

@@ -47,7 +47,7 @@ protocol::FromWrapper await_message(WrapperConnection& connection, const Wrapper
           endpoint.name());
     }
   } catch (const ConnectionLost& lost) {
-    throw WrapperError(fmt::format("{} before its {}", lost.what(), what), endpoint.name());
+    throw WrapperError(fmt::format("no {}: {}", what, lost.what()), endpoint.name());
   } catch (const protocol::ProtocolError& error) {
     connection.kill();
     throw WrapperError(error.what(), endpoint.name());
@@ -71,6 +71,7 @@ std::unique_ptr<WrapperConnection> open_connection(const WrapperEndpoint& endpoi
   return connection;
 }
 
+// The most steps that it can take; for a tree an upper bound.
 std::size_t depth_of(const SulQuery& query) {
   if (const Word* word = std::get_if<Word>(&query.inputs)) return word->size();
   return std::get<BasicDecisionTree<std::string>>(query.inputs).nodes.size();
