@@ -31,15 +31,20 @@ std::map<std::string, std::string> strict(const std::string& size, bool tryread 
           {"at-bound", absorb ? "absorb" : "refuse"}};
 }
 
+InterfaceAutomaton learn(const std::map<std::string, std::string>& options,
+                         Translation translation) {
+  const auto sul = spawn_wrapper({MAIDE_BINARY_DIR "/bin/maide-wrap-port"}, options);
+  IaTranslator translator(*sul, translation);
+  const ExperimentResult result = run_experiment(translator, ExperimentOptions{});
+  if (result.error) std::rethrow_exception(result.error);
+  return translator.to_interface_automaton(result.model);
+}
+
 class LearnedPort : public testing::TestWithParam<std::tuple<Row, Translation>> {};
 
 TEST_P(LearnedPort, IsTheModelWrittenByHand) {
   const auto& [row, translation] = GetParam();
-  const auto sul = spawn_wrapper({MAIDE_BINARY_DIR "/bin/maide-wrap-port"}, row.options);
-  IaTranslator translator(*sul, translation);
-  const ExperimentResult result = run_experiment(translator, ExperimentOptions{});
-  if (result.error) std::rethrow_exception(result.error);
-  const InterfaceAutomaton learned = translator.to_interface_automaton(result.model);
+  const InterfaceAutomaton learned = learn(row.options, translation);
   const auto reference = std::get<InterfaceAutomaton>(
       read_model(MAIDE_SOURCE_DIR "/tests/models/" + row.model + ".dot"));
   EXPECT_TRUE(compare(learned, reference).same());
@@ -50,6 +55,16 @@ TEST_P(LearnedPort, IsTheModelWrittenByHand) {
     if (!learned.unexplored(state).empty()) ++unexplored;
   }
   EXPECT_EQ(unexplored, row.unexplored);
+}
+
+// A strict buffer for one message at most and a rendezvous: only what was never tried tells them
+// apart.
+TEST(LearnedPorts, StrictOneAndPortDifferInAMarkAlone) {
+  const InterfaceAutomaton buffer = learn(strict("1"), Translation::eager);
+  const InterfaceAutomaton rendezvous = learn({{"kind", "port"}}, Translation::eager);
+  const IaComparison comparison = compare(buffer, rendezvous);
+  EXPECT_TRUE(comparison.differ_in_marks_alone());
+  EXPECT_EQ(comparison.soft.size(), 1u);
 }
 
 INSTANTIATE_TEST_SUITE_P(
