@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdlib>
+#include <numeric>
 #include <string>
 #include <vector>
 
@@ -23,10 +24,15 @@ using Milliseconds = std::chrono::duration<double, std::milli>;
 
 constexpr maide::Symbol write = 0, tryread = 1;
 
-double median(std::vector<double>& values) {
+struct Summary {
+  double mean = 0, median = 0;
+};
+
+Summary summarize(std::vector<double>& values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
-  return *middle;
+  return {std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size()),
+          *middle};
 }
 
 void measure(const std::string& quiescence, std::size_t trials) {
@@ -55,8 +61,10 @@ void measure(const std::string& quiescence, std::size_t trials) {
           },
           {});
   const Milliseconds all = std::chrono::steady_clock::now() - start;
-  fmt::print("{:>10} {:>8} {:>8} {:>14.3f} {:>14.3f} {:>12.3f}\n", quiescence, trials, wrong,
-             median(resets), median(steps), all.count() / static_cast<double>(trials));
+  const Summary reset = summarize(resets), step = summarize(steps);
+  fmt::print("{:>10} {:>7} {:>7} {:>9.3f} {:>9.3f} {:>9.3f} {:>9.3f} {:>9.3f}\n", quiescence,
+             trials, wrong, reset.mean, reset.median, step.mean, step.median,
+             all.count() / static_cast<double>(trials));
 }
 
 }  // namespace
@@ -64,7 +72,7 @@ void measure(const std::string& quiescence, std::size_t trials) {
 int main(int argc, char** argv) {
   const std::size_t trials = argc > 1 ? std::strtoul(argv[1], nullptr, 10) : 2000;
   const maide::test::BusyMachine load(argc > 2 ? std::strtoul(argv[2], nullptr, 10) : 0);
-  fmt::print("{:>10} {:>8} {:>8} {:>14} {:>14} {:>12}\n", "quiescence", "words", "wrong",
-             "reset ms (med)", "step ms (med)", "word ms");
+  fmt::print("{:>10} {:>7} {:>7} {:>19} {:>19} {:>9}\n", "quiescence", "words", "wrong",
+             "reset mean, median", "step mean, median", "word (ms)");
   for (const char* quiescence : {"0", "1", "5", "observed"}) measure(quiescence, trials);
 }

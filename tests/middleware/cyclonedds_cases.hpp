@@ -31,6 +31,13 @@ inline SystemOptions with_tryread(SystemOptions options, bool gap) {
 inline std::vector<CycloneDdsCase> cyclonedds_cases() {
   std::vector<CycloneDdsCase> all{
       {"defaults", with_tryread({}, false), {1, WhenFull::drop_oldest, false}, 2}};
+  // What keep_last drops does not depend on the reliability.
+  for (const std::string reliability : {"default", "best_effort"}) {
+    all.push_back({"keep_last_2_" + reliability,
+                   with_tryread({{"depth", "2"}, {"reliability", reliability}}, true),
+                   {2, WhenFull::drop_oldest, true},
+                   4});
+  }
   for (std::size_t n = 1; n <= 4; ++n) {
     const std::string depth = std::to_string(n);
     all.push_back({"keep_last_" + depth,

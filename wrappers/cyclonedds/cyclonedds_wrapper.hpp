@@ -28,6 +28,7 @@ class CycloneDdsWrapper : public SystemWrapper {
 
  private:
   void start_domain();
+  void delete_retired();
 
   WrapperDescription description_;
   Policies policies_;
