@@ -59,7 +59,7 @@ TEST(WSuite, HugeSuitesAreCountedWithoutOverflow) {
 
 bool finds_difference(const Mealy& hypothesis, const Mealy& system, std::size_t extra) {
   MealyOracle oracle(system);
-  WMethod method(oracle, {.extra_states = extra, .runner = {}});
+  WMethod method(oracle, {.extra_states = extra});
   const auto word = method.find_counterexample(hypothesis);
   if (word) {
     const Word expected = hypothesis.output_word(*word), real = system.output_word(*word);
@@ -111,7 +111,7 @@ Mealy counting_machine() {
 TEST(WMethod, SaysWhatItEstablishes) {
   const Mealy machine = counting_machine();
   MealyOracle oracle(machine);
-  WMethod whole(oracle, {.extra_states = 2, .runner = {}});
+  WMethod whole(oracle, {.extra_states = 2});
   EXPECT_EQ(whole.guarantee(), "not tested");
   whole.find_counterexample(machine);
   const std::uint64_t all = WSuite(machine, 2).size_up_to(2),

@@ -45,7 +45,7 @@ TEST(SulOracle, LearnsAnyClassThatCanBeResetAndStepped) {
   SulOracle system{machine};
   Cache oracle{system};
   RivestSchapire learner{oracle};
-  WMethod teacher{oracle, {.extra_states = 2, .runner = {}}};
+  WMethod teacher{oracle, {.extra_states = 2}};
 
   const Mealy model = learn(learner, teacher);
 
