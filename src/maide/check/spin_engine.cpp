@@ -88,7 +88,9 @@ class Verification {
     compile({"-DREACH"});
     // A step is at most two of pan's moves, and the processes have to be started.
     const std::size_t depth = 2 * trace.steps.size() + 2 * promela_.processes + 10;
-    run({"./pan", fmt::format("-m{}", depth), "-i", "-n"}, shortening_time);
+    std::vector<std::string> command{"./pan", fmt::format("-m{}", depth), "-i", "-n"};
+    if (purpose_ != Purpose::deadlock) command.emplace_back("-E");
+    run(command, shortening_time);
     if (!fs::exists(trail, error)) return trace;
     try {
       Trace shorter = read_trace();
@@ -147,7 +149,8 @@ class Verification {
 
   void compile(const std::vector<std::string>& definitions) {
     // Optimising what comes of a long program takes longer than most searches in it.
-    const char* optimisation = promela_.lines.size() > 300 ? "-O0" : "-O1";
+    std::string optimisation = tools_.optimisation;
+    if (optimisation.empty()) optimisation = promela_.lines.size() > 300 ? "-O0" : "-O1";
     std::vector<std::string> command{tools_.compiler, optimisation, "-w", "-DNOREDUCE", "-o",
                                      "pan",           "pan.c"};
     if (purpose_ != Purpose::ltl) command.emplace_back("-DSAFETY");
@@ -162,7 +165,8 @@ class Verification {
                     std::optional<std::chrono::milliseconds> limit) {
     arguments.insert(arguments.begin(), "./pan");
     arguments.emplace_back("-n");
-    if (purpose_ == Purpose::ltl) arguments.insert(arguments.end(), {"-a", "-E"});
+    if (purpose_ == Purpose::ltl) arguments.emplace_back("-a");
+    if (purpose_ != Purpose::deadlock) arguments.emplace_back("-E");
     if (is_fair_) arguments.emplace_back("-f");
     const SubprocessResult result = run(arguments, limit);
     const auto output = parse_pan_output(result.out + result.err);

@@ -12,6 +12,7 @@ namespace maide {
 
 struct SpinOptions {
   std::string spin = "spin", compiler = "cc";  // programs
+  std::string optimisation;                    // for the compiler; empty: by the size of the system
   bool shortens = true;                        // look for shorter counterexamples
 };
 

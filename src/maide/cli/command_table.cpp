@@ -12,6 +12,10 @@ std::span<const Command> command_table() {
               "maide learn cyclonedds history=keep_last depth=1 inputs=write,read -o via.dot\n"
               "maide learn sim:strict-3.dot --eq perfect | dot -Tsvg > strict-3.svg",
               set_up_learn},
+      Command{"check", "Tell whether programs that use learned models deadlock or break a property",
+              "maide check examples/case-study-1/buffered.yaml\n"
+              "maide check system.yaml --property deadlock --trace deadlock.json --json",
+              set_up_check},
       Command{"compare", "Tell whether two models are the same, and what tells them apart",
               "maide compare port.dot strict-1.dot\nmaide compare old.dot new.dot --json",
               set_up_compare},

@@ -1,0 +1,250 @@
+#include "maide/check/check_system.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <optional>
+#include <set>
+#include <tuple>
+
+#include "maide/base/error.hpp"
+#include "maide/base/suggest.hpp"
+
+namespace maide {
+namespace {
+
+// A use of an input by some program: the first place of each.
+struct Use {
+  std::uint32_t model = 0;
+  Symbol input = 0;
+  const Program* program = nullptr;
+  const ProgramEdge* edge = nullptr;
+};
+
+std::vector<Use> find_uses(const System& system) {
+  std::vector<Use> uses;
+  std::set<std::tuple<std::uint32_t, Symbol>> seen;
+  for (const Program& program : system.programs) {
+    for (const ProgramEdge& edge : program.edges) {
+      if (edge.kind != ProgramEdge::Kind::give) continue;
+      if (!seen.insert({edge.model, edge.symbol}).second) continue;
+      uses.push_back({edge.model, edge.symbol, &program, &edge});
+    }
+  }
+  return uses;
+}
+
+bool has_beyond(const InterfaceAutomaton& automaton, Symbol input) {
+  for (StateId state = 0; state < automaton.size(); ++state) {
+    if (is_beyond_learned(automaton, state, input)) return true;
+  }
+  return false;
+}
+
+std::string input_name(const System& system, const Use& use) {
+  const ModelInstance& model = system.models[use.model];
+  return model.name + "." + model.automaton.inputs().name(use.input);
+}
+
+// What the return of a call is called in models that observe it.
+std::string return_name(const std::string& input) { return input == "write" ? "written" : "done"; }
+
+std::optional<std::string> find_hidden_return(const System& system, const std::vector<Use>& uses) {
+  for (const Use& use : uses) {
+    const InterfaceAutomaton& automaton = system.models[use.model].automaton;
+    const std::string& input = automaton.inputs().name(use.input);
+    const auto& hidden = automaton.hidden_returns;
+    if (std::find(hidden.begin(), hidden.end(), input) == hidden.end()) continue;
+    std::vector<std::string> observed = automaton.outputs().names();
+    observed.push_back(return_name(input));
+    return fmt::format(
+        "{}'s {} at line {} really blocks, and the model of {} does not show when it returns: "
+        "learn "
+        "with observe={}, write `{} -> {};`",
+        use.program->name, input_name(system, use), use.edge->line, system.models[use.model].name,
+        fmt::join(observed, ","), input_name(system, use), return_name(input));
+  }
+  return std::nullopt;
+}
+
+// Inputs that a model has in states where an output is due: the meaning of systems leaves them out.
+std::size_t count_inputs_while_due(const InterfaceAutomaton& automaton) {
+  std::size_t count = 0;
+  for (StateId state = 0; state < automaton.size(); ++state) {
+    if (automaton.is_quiescent(state)) continue;
+    for (const auto& transition : automaton.transitions(state)) {
+      count += transition.action.is_input() ? 1 : 0;
+    }
+  }
+  return count;
+}
+
+class Checker {
+ public:
+  Checker(const System& system, Engine& engine, const CheckRequest& request)
+      : system_(system), engine_(engine), options_(request.options), uses_(find_uses(system)) {
+    select(request.properties);
+  }
+
+  CheckReport run() {
+    for (const Property& property : properties_) {
+      options_.control.report({"checking", 0, 0, 0, report_.properties.size(), properties_.size()});
+      PropertyResult result = engine_.check(system_, property, options_);
+      if (result.verdict == Verdict::holds) weaken(result);
+      report_.properties.push_back(std::move(result));
+    }
+    for (const Verdict verdict : {Verdict::inconclusive, Verdict::violated}) {
+      for (const PropertyResult& result : report_.properties) {
+        if (result.verdict == verdict) report_.verdict = verdict;
+      }
+    }
+    state_assumptions();
+    return std::move(report_);
+  }
+
+ private:
+  void select(const std::vector<std::string>& names) {
+    std::set<std::string> seen;
+    for (const std::string& name : names) {
+      if (seen.insert(name).second) properties_.push_back(find_property(system_, name));
+    }
+    if (names.empty()) {
+      properties_.push_back(find_property(system_, "deadlock"));
+      const Property stuck = find_property(system_, "stuck");
+      leaves_out_stuck_ = !engine_.obstacle(stuck).empty();
+      if (!leaves_out_stuck_) properties_.push_back(stuck);
+      properties_.insert(properties_.end(), system_.properties.begin(), system_.properties.end());
+    }
+    for (const Property& property : properties_) {
+      const std::string obstacle = engine_.obstacle(property);
+      if (obstacle.empty()) continue;
+      const std::string place = to_string(property.position);
+      throw UsageError(fmt::format("property '{}': {}{}", property.name, obstacle,
+                                   place.empty() ? "" : " (" + place + ")"));
+    }
+  }
+
+  // A "holds" that leans on something that is not known.
+  void weaken(PropertyResult& result) {
+    if (!cut_) cut_ = engine_.find_cut(system_, options_);
+    const std::optional<std::string> hidden = find_hidden_return(system_, uses_);
+    if (cut_->verdict == Verdict::violated) {
+      result.reason = describe_cut(*cut_->trace);
+    } else if (cut_->verdict == Verdict::inconclusive) {
+      result.reason = "whether a run goes beyond what was learned: " + cut_->reason;
+    } else if (hidden) {
+      result.reason = *hidden;
+    } else {
+      return;
+    }
+    result.verdict = Verdict::inconclusive;
+  }
+
+  std::string describe_cut(const Trace& trace) const {
+    const Step& step = trace.steps.back();
+    const Program& program = system_.programs[step.program];
+    const ProgramEdge& edge = program.edges[step.edge];
+    return fmt::format("{}; {}'s {} at line {} goes beyond",
+                       describe_bound(system_.models[edge.model]), program.name,
+                       describe_edge(system_, edge), edge.line);
+  }
+
+  void state_assumptions() {
+    auto& assumptions = report_.assumptions;
+    for (const Use& use : uses_) {
+      const ModelInstance& model = system_.models[use.model];
+      if (model.when_unexplored == WhenUnexplored::stop) continue;
+      if (!has_beyond(model.automaton, use.input)) continue;
+      assumptions.push_back(fmt::format(
+          "{} {} (when_unexplored: {}; {})", input_name(system_, use),
+          model.when_unexplored == WhenUnexplored::wait
+              ? "waits where it was never tried, until it is possible"
+              : "is taken where it was never tried, and changes nothing",
+          model.when_unexplored == WhenUnexplored::wait ? "wait" : "drop", describe_bound(model)));
+    }
+    for (const Property& property : properties_) {
+      if (property.kind != Property::Kind::ltl || is_syntactically_safe(property.formula)) continue;
+      if (property.fairness == Fairness::none) continue;
+      const bool is_weak = property.fairness == Fairness::weak;
+      assumptions.push_back(fmt::format(
+          "{}: {} fairness: no program waits for ever that could go on {}", property.name,
+          is_weak ? "weak" : "strong", is_weak ? "all the time" : "again and again"));
+    }
+    if (const auto hidden = find_hidden_return(system_, uses_)) assumptions.push_back(*hidden);
+    for (const ModelInstance& model : system_.models) {
+      const std::size_t count = count_inputs_while_due(model.automaton);
+      if (count > 0) {
+        assumptions.push_back(fmt::format(
+            "{} takes no input while an output is due: {} transitions of its file are not used",
+            model.name, count));
+      }
+      const auto tests = model.automaton.origin.find("tests");
+      if (tests != model.automaton.origin.end()) {
+        assumptions.push_back(
+            fmt::format("{} is a hypothesis, not refuted by: {}", model.name, tests->second));
+      }
+    }
+    if (leaves_out_stuck_) {
+      assumptions.push_back("stuck was not checked: " +
+                            engine_.obstacle(find_property(system_, "stuck")));
+    }
+  }
+
+  const System& system_;
+  Engine& engine_;
+  const EngineOptions& options_;
+  std::vector<Use> uses_;
+  std::vector<Property> properties_;
+  bool leaves_out_stuck_ = false;
+  std::optional<CutResult> cut_;
+  CheckReport report_;
+};
+
+}  // namespace
+
+Property find_property(const System& system, const std::string& name) {
+  Property property;
+  property.name = name;
+  if (name == "deadlock" || name == "stuck") {
+    property.kind = name == "stuck" ? Property::Kind::stuck : Property::Kind::deadlock;
+    return property;
+  }
+  std::vector<std::string> known{"deadlock", "stuck"};
+  for (const Property& candidate : system.properties) {
+    if (candidate.name == name) return candidate;
+    known.push_back(candidate.name);
+  }
+  throw UsageError(
+      fmt::format("there is no property '{}'; there is: {} ({})", name, join(known), system.file));
+}
+
+std::string describe_bound(const ModelInstance& model) {
+  const auto bound = model.automaton.origin.find("bound");
+  if (bound == model.automaton.origin.end()) {
+    return model.name + " was learned up to a bound that its file does not name";
+  }
+  const std::string& text = bound->second;
+  const bool is_number = !text.empty() && std::all_of(text.begin(), text.end(),
+                                                      [](char c) { return c >= '0' && c <= '9'; });
+  if (!is_number) return fmt::format("{} was learned for {}", model.name, text);
+  return fmt::format("{} was learned for at most {} message{} in flight", model.name, text,
+                     text == "1" ? "" : "s");
+}
+
+std::string describe_edge(const System& system, const ProgramEdge& edge) {
+  if (edge.kind == ProgramEdge::Kind::choice) return edge.symbol == 0 ? "if *" : "if * ... else";
+  const ModelInstance& model = system.models[edge.model];
+  switch (edge.kind) {
+    case ProgramEdge::Kind::give:
+      return model.name + "." + model.automaton.inputs().name(edge.symbol);
+    case ProgramEdge::Kind::take:
+      return model.name + "!" + model.automaton.outputs().name(edge.symbol);
+    default: return model.name + " quiet";
+  }
+}
+
+CheckReport check_system(const System& system, Engine& engine, const CheckRequest& request) {
+  return Checker(system, engine, request).run();
+}
+
+}  // namespace maide

@@ -1,0 +1,38 @@
+// Checks a system: runs an engine on each property and says what the verdicts rest on. An engine's
+// "holds" is weakened here where it leans on what was not learned: on an input beyond the bound, or
+// on one whose call really blocks while its return is not in the model.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "maide/check/engine.hpp"
+
+namespace maide {
+
+struct CheckRequest {
+  std::vector<std::string> properties;  // names; none: `deadlock`, `stuck` and those of the file
+  EngineOptions options;
+};
+
+struct CheckReport {
+  Verdict verdict = Verdict::holds;  // violated before inconclusive before holds
+  std::vector<std::string> assumptions;
+  std::vector<PropertyResult> properties;  // in the order asked for
+};
+
+// Throws UsageError, before anything is run, for a property that is not there or that the engine
+// cannot check; only `stuck` is left out silently - but for an assumption - unless it is asked for
+// by name. An interruption makes what is left inconclusive.
+CheckReport check_system(const System& system, Engine& engine, const CheckRequest& request = {});
+
+// The property of that name, the built-in ones included; throws UsageError for others.
+Property find_property(const System& system, const std::string& name);
+
+// "via was learned for at most 6 messages in flight".
+std::string describe_bound(const ModelInstance& model);
+
+// "via.write -> written", in the system file's words.
+std::string describe_edge(const System& system, const ProgramEdge& edge);
+
+}  // namespace maide

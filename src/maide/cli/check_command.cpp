@@ -1,0 +1,117 @@
+// `maide check SYSTEM.yaml`: do these programs, with these models, deadlock, or violate what the
+// system file says?
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "maide/base/file.hpp"
+#include "maide/base/log.hpp"
+#include "maide/check/check_system.hpp"
+#include "maide/check/system_file.hpp"
+#include "maide/cli/command.hpp"
+#include "maide/report/trace_text.hpp"
+
+namespace maide::cli {
+
+namespace {
+
+struct CheckArguments {
+  std::string system;
+  std::string engine = "spin";
+  std::vector<std::string> properties;
+  std::string trace;
+  std::uint64_t memory_mib = 0;
+  double seconds = 0;
+};
+
+std::string describe(const System& system, const PropertyResult& result, std::size_t width) {
+  std::ostringstream text;
+  text << fmt::format("{:<{}}  {}  ({} states, {} transitions, {:.2f} s)\n", result.name, width,
+                      to_string(result.verdict), result.states, result.transitions, result.seconds);
+  if (!result.reason.empty()) text << "  " << result.reason << "\n";
+  if (result.trace) write_trace_text(text, system, *result.trace);
+  return text.str();
+}
+
+std::string describe(const System& system, const CheckReport& report) {
+  std::size_t width = 0;
+  for (const PropertyResult& result : report.properties) {
+    width = std::max(width, result.name.size());
+  }
+  std::string text;
+  for (const PropertyResult& result : report.properties) text += describe(system, result, width);
+  if (!report.assumptions.empty()) text += "this rests on:\n";
+  for (const std::string& assumption : report.assumptions) text += "  - " + assumption + "\n";
+  return text + "verdict: " + to_string(report.verdict) + "\n";
+}
+
+// The trace of the first violated property.
+void write_trace_file(const std::string& path, const System& system, const CheckReport& report) {
+  for (const PropertyResult& result : report.properties) {
+    if (!result.trace) continue;
+    Json trace{{"system", system.file},
+               {"property", result.name},
+               {"steps", trace_to_json(system, *result.trace)},
+               {"loop_start", nullptr}};
+    if (result.trace->loop_start) trace["loop_start"] = *result.trace->loop_start;
+    write_file_atomically(path, to_json_line(trace) + "\n");
+    return;
+  }
+  log_note("no property is violated, so there is no trace to write to " + path);
+}
+
+ExitStatus run_check(const CheckArguments& arguments, Context& context) {
+  const std::unique_ptr<Engine> engine = make_engine(arguments.engine);
+  const System system = read_system(arguments.system);
+  for (const std::string& remark : system.remarks) log_note(remark);
+  CheckRequest request;
+  request.properties = arguments.properties;
+  request.options.control = context.control();
+  if (arguments.memory_mib > 0) request.options.memory_mib = arguments.memory_mib;
+  if (arguments.seconds > 0) {
+    request.options.control.deadline =
+        std::chrono::steady_clock::now() +
+        std::chrono::duration_cast<std::chrono::steady_clock::duration>(
+            std::chrono::duration<double>(arguments.seconds));
+  }
+  const CheckReport report = check_system(system, *engine, request);
+  context.print(describe(system, report));
+  context.set_result(report_to_json(system, report));
+  if (!arguments.trace.empty()) write_trace_file(arguments.trace, system, report);
+  switch (report.verdict) {
+    case Verdict::holds: return ExitStatus::ok;
+    case Verdict::violated: return ExitStatus::violated;
+    case Verdict::inconclusive: break;
+  }
+  return ExitStatus::inconclusive;
+}
+
+}  // namespace
+
+RunFunction set_up_check(CLI::App& app) {
+  auto arguments = std::make_shared<CheckArguments>();
+  app.add_option("SYSTEM", arguments->system, "A system file (YAML): models, programs, properties")
+      ->required();
+  app.add_option("--engine", arguments->engine, "What decides: spin (native is not built yet)")
+      ->capture_default_str();
+  app.add_option("--property", arguments->properties,
+                 "Check this property alone; may be given several times (default: deadlock and "
+                 "all properties of the file)")
+      ->allow_extra_args(false);
+  app.add_option("--trace", arguments->trace,
+                 "Write the first counterexample to this file, as JSON");
+  app.add_option("--memory", arguments->memory_mib,
+                 "Most memory of a search, in MiB (default: three quarters of the machine's)")
+      ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1} << 30));
+  app.add_option("--time", arguments->seconds,
+                 "Most time in all, in seconds; what is not decided by then is inconclusive "
+                 "(default: as long as it takes)")
+      ->check(CLI::Range(0.001, 1e8));
+  return [arguments](Context& context) { return run_check(*arguments, context); };
+}
+
+}  // namespace maide::cli
