@@ -1,0 +1,104 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "run_maide.hpp"
+
+namespace maide::test {
+namespace {
+
+using testing::HasSubstr;
+
+std::string example(const std::string& name) {
+  return std::string(MAIDE_SOURCE_DIR) + "/examples/" + name;
+}
+
+SubprocessResult check(const std::string& name, const std::vector<std::string>& options = {}) {
+  std::vector<std::string> arguments{"check", example(name), "--json"};
+  arguments.insert(arguments.end(), options.begin(), options.end());
+  return run_maide(arguments);
+}
+
+const Json& property(const Json& report, const std::string& name) {
+  for (const Json& entry : report["properties"]) {
+    if (entry["name"] == name) return entry;
+  }
+  static const Json none = Json::object();
+  ADD_FAILURE() << "no property " << name;
+  return none;
+}
+
+TEST(CaseStudy1, BufferedPortDeadlocks) {
+  const SubprocessResult result = check("case-study-1/buffered.yaml");
+  EXPECT_EQ(result.exit_status, 1);
+  const Json report = json_of(result);
+  EXPECT_EQ(report["verdict"], "violated");
+  const Json& deadlock = property(report, "deadlock");
+  EXPECT_EQ(deadlock["verdict"], "violated");
+  // Six writes, of which one is read, two reads, and the planner's read: no shorter way.
+  EXPECT_EQ(deadlock["trace"].size(), 10u);
+  EXPECT_EQ(deadlock["trace"][0]["program"], "planner");
+  EXPECT_EQ(deadlock["trace"][0]["line"], 10);
+  EXPECT_EQ(deadlock["trace"][0]["model"], "via");
+  EXPECT_EQ(deadlock["trace"][0]["event"], "?write");
+  EXPECT_EQ(property(report, "acknowledged")["verdict"], "violated");
+  EXPECT_EQ(property(report, "in_step")["verdict"], "holds");
+}
+
+TEST(CaseStudy1, StrictPortsThatFitHold) {
+  for (const std::string name : {"strict-1", "strict-6"}) {
+    const SubprocessResult result = check("case-study-1/" + name + ".yaml");
+    EXPECT_EQ(result.exit_status, 0) << result.out;
+    const Json report = json_of(result);
+    EXPECT_EQ(report["verdict"], "holds");
+    EXPECT_EQ(report["properties"].size(), 3u);
+    for (const Json& entry : report["properties"]) EXPECT_EQ(entry["verdict"], "holds") << entry;
+  }
+}
+
+TEST(CaseStudy1, ABurstAboveTheBoundIsInconclusiveAndNamesIt) {
+  const SubprocessResult result =
+      check("case-study-1/beyond-the-bound.yaml", {"--property", "deadlock"});
+  EXPECT_EQ(result.exit_status, 3);
+  const Json report = json_of(result);
+  EXPECT_EQ(report["verdict"], "inconclusive");
+  EXPECT_EQ(property(report, "deadlock")["reason"],
+            "via was learned for at most 6 messages in flight; planner's via.write at line 9 goes "
+            "beyond");
+}
+
+struct Row {
+  std::string name;
+  std::string verdict;
+  std::uint64_t states;  // of a search that found nothing; 0: it found something
+};
+
+class Table2 : public testing::TestWithParam<Row> {};
+
+TEST_P(Table2, HasThePapersConclusion) {
+  const Row& row = GetParam();
+  const SubprocessResult result =
+      check("case-study-2/" + row.name + ".yaml", {"--property", "deadlock"});
+  EXPECT_EQ(result.exit_status, row.verdict == "holds" ? 0 : 1) << result.err;
+  const Json report = json_of(result);
+  EXPECT_EQ(report["verdict"], row.verdict);
+  if (row.states > 0) EXPECT_EQ(property(report, "deadlock")["states"], row.states);
+  EXPECT_THAT(report["assumptions"].dump(), HasSubstr("when_unexplored: "));
+}
+
+INSTANTIATE_TEST_SUITE_P(Rows, Table2,
+                         testing::Values(Row{"100-100-100-size-1", "holds", 1597},
+                                         Row{"90-100-100-size-1", "violated", 0},
+                                         Row{"100-100-100-size-6", "holds", 18927},
+                                         Row{"90-100-100-size-6", "violated", 0},
+                                         Row{"200-200-200-size-6", "holds", 38527},
+                                         Row{"180-200-200-size-6", "violated", 0},
+                                         Row{"nonblocking-drop", "holds", 1986726},
+                                         Row{"nonblocking-wait", "violated", 0}),
+                         [](const auto& info) {
+                           std::string name = info.param.name;
+                           for (char& c : name) c = c == '-' ? '_' : c;
+                           return name;
+                         });
+
+}  // namespace
+}  // namespace maide::test

@@ -1,0 +1,140 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "maide/base/file.hpp"
+#include "maide/base/temp_dir.hpp"
+#include "run_maide.hpp"
+
+namespace maide::test {
+namespace {
+
+using testing::HasSubstr;
+
+// A system file in a folder of its own, over the models of tests/models.
+class CheckCommand : public testing::Test {
+ protected:
+  std::string system(const std::string& programs, const std::string& properties = "",
+                     const std::string& via = "strict-2.dot") {
+    const std::string path = (folder_.path() / "s.yaml").string();
+    const std::string models = std::string(MAIDE_SOURCE_DIR) + "/tests/models/";
+    write_file_atomically(path, "models:\n  via: {file: " + models + via + "}\n  sync: {file: " +
+                                    models + "buffered.dot}\nprograms:\n" + programs +
+                                    (properties.empty() ? "" : "properties:\n" + properties));
+    return path;
+  }
+  std::string file(const std::string& name, const std::string& text) {
+    const std::string path = (folder_.path() / name).string();
+    write_file_atomically(path, text);
+    return path;
+  }
+  TempDir folder_{"maide-test-"};
+};
+
+const std::string waiting =
+    "  p: |\n    via.write;\n    sync.read -> message;\n  q: |\n    via.read;\n    if * { skip; "
+    "}\n";
+
+TEST_F(CheckCommand, ReadableTrace) {
+  const SubprocessResult result = run_maide({"check", system(waiting)});
+  EXPECT_EQ(result.exit_status, 1);
+  EXPECT_THAT(result.out, HasSubstr("deadlock  violated"));
+  EXPECT_THAT(result.out, HasSubstr("p  line 6    via.write"));
+  EXPECT_THAT(result.out, HasSubstr("nothing can happen any more:\n  p waits at line 7 for "
+                                    "sync!message; sync has nothing to give; it would take write"));
+  EXPECT_THAT(result.out, HasSubstr("q has ended"));
+  EXPECT_THAT(result.out, HasSubstr("via has message due, which no program takes"));
+  EXPECT_THAT(result.out, HasSubstr("stuck was not checked"));
+  EXPECT_THAT(result.out, HasSubstr("verdict: violated"));
+}
+
+TEST_F(CheckCommand, TraceFile) {
+  const std::string trace = (folder_.path() / "trace.json").string();
+  const SubprocessResult result =
+      run_maide({"check",
+                 system("  p: loop { if * { via.write; via.read -> message; } }\n",
+                        "  busy: G F via!message\n"),
+                 "--property", "busy", "--trace", trace, "--json"});
+  EXPECT_EQ(result.exit_status, 1);
+  const Json file = Json::parse(read_file(trace));
+  EXPECT_EQ(file["property"], "busy");
+  ASSERT_TRUE(file["loop_start"].is_number());
+  const Json& step = file["steps"][file["loop_start"].get<std::size_t>()];
+  EXPECT_EQ(step["program"], "p");
+  EXPECT_EQ(step["model"], nullptr);
+  EXPECT_EQ(step["event"], "else");
+  const Json report = json_of(result);
+  EXPECT_EQ(report["properties"][0]["trace"], file["steps"]);
+  EXPECT_EQ(report["properties"][0]["loop_start"], file["loop_start"]);
+}
+
+TEST_F(CheckCommand, JsonOfAPropertyThatHolds) {
+  const SubprocessResult result =
+      run_maide({"check", system("  p: via.write;\n", "  done: F p@end\n"), "--json"});
+  EXPECT_EQ(result.exit_status, 0) << result.err;
+  const Json report = json_of(result);
+  EXPECT_EQ(report["verdict"], "holds");
+  EXPECT_EQ(report["assumptions"].size(), 2u);
+  ASSERT_EQ(report["properties"].size(), 2u);
+  const Json& deadlock = report["properties"][0];
+  for (const char* key :
+       {"name", "verdict", "states", "transitions", "seconds", "peak_bytes", "trace"}) {
+    EXPECT_TRUE(deadlock.contains(key)) << key;
+  }
+  EXPECT_EQ(deadlock["states"], 2);
+  EXPECT_GT(deadlock["peak_bytes"], 0);
+  EXPECT_THAT(result.err, HasSubstr("no program uses model 'sync'"));
+}
+
+TEST_F(CheckCommand, HiddenReturnsMakeHoldsInconclusive) {
+  const std::string model =
+      "digraph g { inputs=\"write,read\"; outputs=\"message\"; hidden_returns=\"write\"; __start0 "
+      "[label=\"\"];\n__start0 -> a; a -> b [label=\"?write\"]; b -> c [label=\"?read\"]; c -> a "
+      "[label=\"!message\"]; }";
+  const std::string path = file("port.dot", model);
+  const SubprocessResult result = run_maide({"check",
+                                             file("h.yaml",
+                                                  "models: {via: {file: port.dot}}\nprograms: {p: "
+                                                  "loop { via.write; via.read -> message; }}"),
+                                             "--json"});
+  EXPECT_EQ(result.exit_status, 3) << result.err;
+  const Json report = json_of(result);
+  EXPECT_THAT(report["properties"][0]["reason"].get<std::string>(),
+              HasSubstr("learn with observe=message,written, write `via.write -> written;`"));
+}
+
+TEST_F(CheckCommand, ErrorsAreOneLineWithThePlace) {
+  expect_error(run_maide({"check", system("  p: via.wirte;\n")}), 2,
+               "model via has no input 'wirte'; it has: write, read");
+  expect_error(run_maide({"check", system("  p: via.wirte;\n")}), 2, "s.yaml:5:10)");
+  const std::string good = system("  p: '@a via.write;'\n", "  next: X p@a\n");
+  expect_error(run_maide({"check", good}), 2, "checks no formula with X");
+  expect_error(run_maide({"check", good, "--property", "stuck"}), 2, "does not check 'stuck'");
+  expect_error(run_maide({"check", good, "--property", "nothing"}), 2, "there is no property");
+  expect_error(run_maide({"check", good, "--engine", "native"}), 2, "not built yet");
+  expect_error(run_maide({"check", good, "--engine", "magic"}), 2, "there is no engine 'magic'");
+  expect_error(run_maide({"check", good, "--time", "-1"}), 2, "--time");
+  expect_error(run_maide({"check", (folder_.path() / "none.yaml").string()}), 2, "none.yaml");
+  expect_error(run_maide({"check", file("bad.yaml", "a: [1")}), 2, "bad.yaml:");
+  file("bad.dot", "digraph g { a -> b [label=\"?x\"");
+  expect_error(
+      run_maide({"check", file("b.yaml", "models: {m: {file: bad.dot}}\nprograms: {p: m.x;}")}), 2,
+      "bad.dot:1:");
+}
+
+TEST_F(CheckCommand, LimitsAreInconclusive) {
+  const std::string path = system("  p: loop { via.write; via.read -> message; }\n");
+  const SubprocessResult late = run_maide({"check", path, "--time", "0.001", "--json"});
+  EXPECT_EQ(late.exit_status, 3);
+  EXPECT_EQ(json_of(late)["properties"][0]["reason"], "out of time");
+  const SubprocessResult large = run_maide({"check", path, "--memory", "1", "--json"});
+  EXPECT_EQ(large.exit_status, 3);
+}
+
+TEST_F(CheckCommand, ToolsThatAreMissingAreNamed) {
+  const std::string path = system("  p: via.write;\n");
+  const SubprocessResult result = run_with_maide("PATH=/nowhere \"$maide\" check '" + path + "'");
+  expect_error(result, 2, "needs the program 'spin'");
+}
+
+}  // namespace
+}  // namespace maide::test
