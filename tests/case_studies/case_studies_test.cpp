@@ -62,7 +62,7 @@ TEST(CaseStudy1, ABurstAboveTheBoundIsInconclusiveAndNamesIt) {
   const Json report = json_of(result);
   EXPECT_EQ(report["verdict"], "inconclusive");
   EXPECT_EQ(property(report, "deadlock")["reason"],
-            "via was learned for at most 6 messages in flight; planner's via.write at line 9 goes "
+            "via was learned for at most 6 messages in flight; planner's via.write at line 10 goes "
             "beyond");
 }
 
@@ -81,7 +81,9 @@ TEST_P(Table2, HasThePapersConclusion) {
   EXPECT_EQ(result.exit_status, row.verdict == "holds" ? 0 : 1) << result.err;
   const Json report = json_of(result);
   EXPECT_EQ(report["verdict"], row.verdict);
-  if (row.states > 0) EXPECT_EQ(property(report, "deadlock")["states"], row.states);
+  if (row.states > 0) {
+    EXPECT_EQ(property(report, "deadlock")["states"], row.states);
+  }
   EXPECT_THAT(report["assumptions"].dump(), HasSubstr("when_unexplored: "));
 }
 
@@ -94,8 +96,8 @@ INSTANTIATE_TEST_SUITE_P(Rows, Table2,
                                          Row{"180-200-200-size-6", "violated", 0},
                                          Row{"nonblocking-drop", "holds", 1986726},
                                          Row{"nonblocking-wait", "violated", 0}),
-                         [](const auto& info) {
-                           std::string name = info.param.name;
+                         [](const auto& row) {
+                           std::string name = row.param.name;
                            for (char& c : name) c = c == '-' ? '_' : c;
                            return name;
                          });

@@ -91,12 +91,13 @@ TEST_F(CheckCommand, HiddenReturnsMakeHoldsInconclusive) {
       "[label=\"\"];\n__start0 -> a; a -> b [label=\"?write\"]; b -> c [label=\"?read\"]; c -> a "
       "[label=\"!message\"]; }";
   const std::string path = file("port.dot", model);
-  const SubprocessResult result = run_maide({"check",
-                                             file("h.yaml",
-                                                  "models: {via: {file: port.dot}}\nprograms: {p: "
-                                                  "loop { via.write; via.read -> message; }}"),
-                                             "--json"});
-  EXPECT_EQ(result.exit_status, 3) << result.err;
+  const SubprocessResult result =
+      run_maide({"check",
+                 file("h.yaml",
+                      "models: {via: {file: port.dot}}\nprograms:\n  p: loop "
+                      "{ via.write; via.read -> message; }\n"),
+                 "--json"});
+  ASSERT_EQ(result.exit_status, 3) << result.err;
   const Json report = json_of(result);
   EXPECT_THAT(report["properties"][0]["reason"].get<std::string>(),
               HasSubstr("learn with observe=message,written, write `via.write -> written;`"));
@@ -133,7 +134,7 @@ TEST_F(CheckCommand, LimitsAreInconclusive) {
 TEST_F(CheckCommand, ToolsThatAreMissingAreNamed) {
   const std::string path = system("  p: via.write;\n");
   const SubprocessResult result = run_with_maide("PATH=/nowhere \"$maide\" check '" + path + "'");
-  expect_error(result, 2, "needs the program 'spin'");
+  expect_error(result, 2, "'spin' cannot be run");
 }
 
 }  // namespace

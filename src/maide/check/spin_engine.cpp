@@ -120,9 +120,9 @@ class Verification {
       result = run(command, std::nullopt);
     } catch (const UsageError&) {
       throw UsageError(
-          fmt::format("the engine spin needs the program '{}' ({}): `maide doctor` "
-                      "says what to install",
-                      command.front(), what));
+          fmt::format("the engine spin needs {}, and '{}' cannot be run: `maide "
+                      "doctor` says what to install",
+                      what, command.front()));
     }
     std::error_code ignored;
     const bool has_product =

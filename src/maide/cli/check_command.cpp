@@ -67,7 +67,6 @@ void write_trace_file(const std::string& path, const System& system, const Check
 ExitStatus run_check(const CheckArguments& arguments, Context& context) {
   const std::unique_ptr<Engine> engine = make_engine(arguments.engine);
   const System system = read_system(arguments.system);
-  for (const std::string& remark : system.remarks) log_note(remark);
   CheckRequest request;
   request.properties = arguments.properties;
   request.options.control = context.control();
@@ -79,6 +78,7 @@ ExitStatus run_check(const CheckArguments& arguments, Context& context) {
             std::chrono::duration<double>(arguments.seconds));
   }
   const CheckReport report = check_system(system, *engine, request);
+  for (const std::string& remark : system.remarks) log_note(remark);
   context.print(describe(system, report));
   context.set_result(report_to_json(system, report));
   if (!arguments.trace.empty()) write_trace_file(arguments.trace, system, report);

@@ -133,11 +133,11 @@ TEST(SpinEngine, MissingToolsAreNamed) {
   no_compiler.compiler = "no-such-cc";
   EXPECT_NE(test::error_of([&] {
               SpinEngine(no_spin).check(system, test::deadlock_property(), {});
-            }).find("needs the program 'no-such-spin'"),
+            }).find("'no-such-spin' cannot be run"),
             std::string::npos);
   EXPECT_NE(test::error_of([&] {
               SpinEngine(no_compiler).check(system, test::deadlock_property(), {});
-            }).find("needs the program 'no-such-cc'"),
+            }).find("'no-such-cc' cannot be run"),
             std::string::npos);
 }
 
