@@ -1,3 +1,5 @@
+// The paper's case studies as examples/ has them: the real program must come to the paper's
+// conclusions, and to the state counts that the meaning of steps gives.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

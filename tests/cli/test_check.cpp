@@ -1,3 +1,4 @@
+// `maide check` as a person meets it: the readable trace, the JSON, errors in one line, limits.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,5 +1,6 @@
 #include "maide/check/promela_names.hpp"
 
+#include <algorithm>
 #include <cctype>
 #include <utility>
 
@@ -34,7 +35,14 @@ bool is_reserved(const std::string& word) {
       "W",        "weakuntil",    "X",           "xr",
       "xs",       "not",          "const",       "define",
       "ifdef",    "include",      "unix",        "linux"};
-  return words.contains(word);
+  if (words.contains(word)) return true;
+  // Labels and macros of the text itself, and labels with a meaning.
+  for (const std::string_view prefix : {"end", "accept", "progress", "T0", "is_cut", "never"}) {
+    if (word.starts_with(prefix)) return true;
+  }
+  const auto is_digit = [](char c) { return std::isdigit(static_cast<unsigned char>(c)) != 0; };
+  return word.size() > 1 && (word[0] == 's' || word[0] == 'p') &&
+         std::all_of(word.begin() + 1, word.end(), is_digit);
 }
 
 std::string sanitise(std::string_view name) {

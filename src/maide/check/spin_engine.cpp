@@ -125,8 +125,7 @@ class Verification {
                       what, command.front()));
     }
     std::error_code ignored;
-    const bool has_product =
-        product.empty() || fs::file_size(folder_.path() / product, ignored) + 1 > 1;
+    const bool has_product = product.empty() || fs::exists(folder_.path() / product, ignored);
     if (result.succeeded() && has_product) return result;
     const fs::space_info space = fs::space(folder_.path(), ignored);
     if (space.available < 1 << 20) {

@@ -126,6 +126,47 @@ TEST(SpinEngine, LimitsMakeTheVerdictInconclusive) {
   EXPECT_EQ(result.reason, "the search needs more than 1 MiB of memory");
 }
 
+TEST(SpinEngine, NamesOfAllKinds) {
+  const std::vector<std::string> names{
+      "s0", "p0",     "end_q0",  "event", "if", "in put", "in_put", "a!b", "main",   "int",
+      "\\", "accept", "T0_init", "*/",    "é",  "0",      "quiet",  "cut", "timeout"};
+  const Alphabet inputs{std::span(names)};
+  InterfaceAutomaton automaton(inputs, Alphabet{std::span(names)}, 2);
+  std::string text, formula;
+  for (Symbol symbol = 0; symbol < names.size(); ++symbol) {
+    automaton.add_transition(0, {Action::Kind::input, symbol}, 1);
+    automaton.add_transition(1, {Action::Kind::output, symbol}, 0);
+    text += "m.\"" + names[symbol] + "\" -> \"" + names[symbol] + "\"; ";
+    formula += (symbol > 0 ? " || " : "") + std::string("m!\"") + names[symbol] + "\"";
+  }
+  System system;
+  ModelInstance model;
+  model.name = "end \" model */";
+  model.automaton = automaton;
+  system.models.push_back(model);
+  const ProgramInterface interfaces[] = {{"m", &inputs, &inputs}};
+  for (const std::string name : {"never", "_pid", "42"}) {
+    system.programs.push_back(
+        parse_program(name, ScalarText(text, text, {"s.yaml", 1, 1}), interfaces));
+  }
+  Property property;
+  property.name = formula = "G F (" + formula + ")";
+  property.formula =
+      parse_formula(ScalarText(formula, formula, {"f", 1, 1}), {system.programs, interfaces});
+  property.fairness = Fairness::none;
+  EXPECT_EQ(check(system, test::deadlock_property()).verdict, Verdict::holds);
+  EXPECT_EQ(check(system, property).verdict, Verdict::violated);
+}
+
+TEST(SpinEngine, ConstantFormulas) {
+  const System system = test::system_of("  p: via.write;\n",
+                                        "  t: 'true'\n  f: 'false'\n  gt: G true\n  ff: F false\n");
+  const Verdict expected[] = {Verdict::holds, Verdict::violated, Verdict::holds, Verdict::violated};
+  for (std::size_t index = 0; index < 4; ++index) {
+    EXPECT_EQ(check(system, system.properties[index]).verdict, expected[index]) << index;
+  }
+}
+
 TEST(SpinEngine, MissingToolsAreNamed) {
   const System system = test::system_of("  p: via.write;\n");
   SpinOptions no_spin, no_compiler;
