@@ -10,10 +10,18 @@
 
 #include "maide/base/file.hpp"
 #include "maide/base/log.hpp"
+#include "maide/base/subprocess.hpp"
+#include "maide/base/temp_dir.hpp"
 #include "maide/check/check_system.hpp"
 #include "maide/check/system_file.hpp"
 #include "maide/cli/command.hpp"
+#include "maide/formats/dot.hpp"
+#include "maide/report/html_report.hpp"
+#include "maide/report/sequence_chart.hpp"
+#include "maide/report/trace_chart.hpp"
 #include "maide/report/trace_text.hpp"
+#include "maide/workflow/learned_models.hpp"
+#include "maide/workflow/wrapper_search.hpp"
 
 namespace maide::cli {
 
@@ -24,6 +32,7 @@ struct CheckArguments {
   std::string engine = "spin";
   std::vector<std::string> properties;
   std::string trace;
+  std::string report;
   std::uint64_t memory_mib = 0;
   double seconds = 0;
 };
@@ -64,9 +73,46 @@ void write_trace_file(const std::string& path, const System& system, const Check
   log_note("no property is violated, so there is no trace to write to " + path);
 }
 
+// The picture of a model as an <svg> element, drawn by Graphviz; "" where that is not installed.
+std::string draw(const InterfaceAutomaton& automaton, const RunControl& control) {
+  if (!find_on_path("dot")) return "";
+  const TempDir folder("report");
+  std::ostringstream dot;
+  write_dot(dot, automaton);
+  const std::string file = (folder.path() / "model.dot").string();
+  write_file_atomically(file, dot.str());
+  const SubprocessResult drawn = run_program({"dot", "-Tsvg", file}, {}, control);
+  const std::size_t begin = drawn.out.find("<svg");
+  return drawn.succeeded() && begin != std::string::npos ? drawn.out.substr(begin) : "";
+}
+
+// A page, or, if the name ends in .svg, the chart of the first counterexample alone.
+void write_report_file(const std::string& path, const System& system, const CheckReport& report,
+                       const RunControl& control) {
+  std::ostringstream text;
+  if (!path.ends_with(".svg")) {
+    write_html_report(text, system, report, [&](const InterfaceAutomaton& automaton) {
+      return draw(automaton, control);
+    });
+    write_file_atomically(path, text.str());
+    return;
+  }
+  for (const PropertyResult& result : report.properties) {
+    if (!result.trace) continue;
+    write_sequence_chart_svg(
+        text, make_trace_chart(system, *result.trace, result.name + " of " + system.file));
+    write_file_atomically(path, text.str());
+    return;
+  }
+  log_note("no property is violated, so there is no chart to write to " + path);
+}
+
 ExitStatus run_check(const CheckArguments& arguments, Context& context) {
   const std::unique_ptr<Engine> engine = make_engine(arguments.engine);
-  const System system = read_system(arguments.system);
+  const ModelSource models =
+      make_learning_source({std::filesystem::path(arguments.system).parent_path(),
+                            [](const std::string& line) { log_note(line); }, context.control()});
+  const System system = read_system(arguments.system, models);
   CheckRequest request;
   request.properties = arguments.properties;
   request.options.control = context.control();
@@ -82,6 +128,9 @@ ExitStatus run_check(const CheckArguments& arguments, Context& context) {
   context.print(describe(system, report));
   context.set_result(report_to_json(system, report));
   if (!arguments.trace.empty()) write_trace_file(arguments.trace, system, report);
+  if (!arguments.report.empty()) {
+    write_report_file(arguments.report, system, report, request.options.control);
+  }
   switch (report.verdict) {
     case Verdict::holds: return ExitStatus::ok;
     case Verdict::violated: return ExitStatus::violated;
@@ -104,6 +153,10 @@ RunFunction set_up_check(CLI::App& app) {
       ->allow_extra_args(false);
   app.add_option("--trace", arguments->trace,
                  "Write the first counterexample to this file, as JSON");
+  app.add_option(
+      "--report", arguments->report,
+      "Write a page with verdicts, charts and pictures of the models (FILE.html), or the "
+      "chart of the first counterexample alone (FILE.svg)");
   app.add_option("--memory", arguments->memory_mib,
                  "Most memory of a search, in MiB (default: three quarters of the machine's)")
       ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1} << 30));

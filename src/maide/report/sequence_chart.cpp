@@ -6,6 +6,8 @@
 #include <ostream>
 #include <string_view>
 
+#include "maide/report/markup.hpp"
+
 namespace maide {
 namespace {
 
@@ -14,20 +16,6 @@ constexpr int place_width = 70;  // the column of line numbers
 constexpr int lane_width = 150;
 constexpr int row_height = 26;
 constexpr int head_height = 28;
-
-std::string escape(std::string_view text) {
-  std::string result;
-  for (const char c : text) {
-    switch (c) {
-      case '&': result += "&amp;"; break;
-      case '<': result += "&lt;"; break;
-      case '>': result += "&gt;"; break;
-      case '"': result += "&quot;"; break;
-      default: result += static_cast<unsigned char>(c) < 0x20 ? ' ' : c;
-    }
-  }
-  return result;
-}
 
 // Draws a chart of which rows [0, head) and [size - tail, size) are shown.
 class Drawing {
@@ -81,7 +69,7 @@ class Drawing {
         width, height);
     if (!chart_.title.empty()) {
       out_ << fmt::format("<text x=\"{}\" y=\"{}\" font-weight=\"bold\">{}</text>\n", margin,
-                          margin + 12, escape(chart_.title));
+                          margin + 12, escape_markup(chart_.title));
     }
   }
 
@@ -102,13 +90,13 @@ class Drawing {
         "<rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" rx=\"{}\" fill=\"{}\" "
         "stroke=\"#666666\"/>\n<text x=\"{}\" y=\"{}\" text-anchor=\"middle\">{}</text>\n",
         center - lane_width / 2 + 6, y, lane_width - 12, head_height - 4, radius, fill, center,
-        y + 16, escape(text));
+        y + 16, escape_markup(text));
   }
 
   void draw_message(const SequenceChart::Message& message, int y) {
     if (!message.place.empty()) {
       out_ << fmt::format("<text x=\"{}\" y=\"{}\" font-size=\"11\" fill=\"#777777\">{}</text>\n",
-                          margin, y + 4, escape(message.place));
+                          margin, y + 4, escape_markup(message.place));
     }
     const int from = x(message.from);
     if (message.from == message.to) {
@@ -127,7 +115,7 @@ class Drawing {
 
   void draw_label(int at, int y, std::string_view text, std::string_view anchor) {
     out_ << fmt::format("<text x=\"{}\" y=\"{}\" text-anchor=\"{}\" fill=\"#1f5fa8\">{}</text>\n",
-                        at, y, anchor, escape(text));
+                        at, y, anchor, escape_markup(text));
   }
 
   void draw_omission(int y, std::size_t count) {

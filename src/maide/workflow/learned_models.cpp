@@ -1,0 +1,80 @@
+#include "maide/workflow/learned_models.hpp"
+
+#include <fmt/format.h>
+
+#include <cctype>
+#include <sstream>
+#include <utility>
+
+#include "maide/base/error.hpp"
+#include "maide/base/file.hpp"
+#include "maide/formats/dot.hpp"
+#include "maide/formats/model_file.hpp"
+#include "maide/workflow/learn_model.hpp"
+#include "maide/workflow/open_system.hpp"
+
+namespace maide {
+namespace {
+
+std::string describe(const ModelRequest& request) {
+  std::string text = request.learn;
+  for (const auto& [key, value] : request.with) text += " " + key + "=" + value;
+  return text;
+}
+
+InterfaceAutomaton learn(const ModelRequest& request, const RunControl& control) {
+  std::vector<std::string> key_values;
+  for (const auto& [key, value] : request.with) key_values.push_back(key + "=" + value);
+  const SystemSpec spec = parse_system_spec(request.learn, key_values);
+  SystemAccess access;
+  access.translation = Translation::eager;
+  const OpenedSystem system = open_system(spec, access, control);
+  const LearnedModel learned = learn_model(*system.sul, Translation::eager, {}, control);
+  if (!learned.experiment.is_complete()) std::rethrow_exception(learned.experiment.error);
+  return std::get<InterfaceAutomaton>(*learned.model);
+}
+
+}  // namespace
+
+std::filesystem::path kept_model_path(const std::filesystem::path& folder,
+                                      const ModelRequest& request) {
+  const std::string text = describe(request);
+  std::string name;
+  std::uint64_t hash = 14695981039346656037ULL;
+  for (const char c : text) {
+    hash = (hash ^ static_cast<unsigned char>(c)) * 1099511628211ULL;
+    const bool is_plain = std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '=' || c == '-';
+    name += is_plain ? c : '_';
+  }
+  name.resize(std::min<std::size_t>(name.size(), 100));
+  return folder / learned_models_folder / fmt::format("{}-{:08x}.dot", name, hash & 0xffffffffU);
+}
+
+ModelSource make_learning_source(LearnedModelsOptions options) {
+  return [options = std::move(options)](const ModelRequest& request) {
+    if (request.learn.empty()) return read_requested_model(request);
+    const std::filesystem::path kept = kept_model_path(options.folder, request);
+    const auto note = [&](const std::string& line) {
+      if (options.note) options.note(line);
+    };
+    if (std::filesystem::exists(kept)) {
+      note(fmt::format("{}: learned before ({})", request.instance, kept.string()));
+      return read_interface_automaton(kept);
+    }
+    note(fmt::format("{}: learning {}", request.instance, describe(request)));
+    try {
+      const InterfaceAutomaton automaton = learn(request, options.control);
+      std::error_code failure;  // the write that follows says it better
+      std::filesystem::create_directories(kept.parent_path(), failure);
+      std::ostringstream text;
+      write_dot(text, automaton);
+      write_file_atomically(kept, text.str());
+      return automaton;
+    } catch (const Error& error) {
+      throw Error(error.status(), fmt::format("model {}: {} ({})", request.instance, error.what(),
+                                              to_string(request.position)));
+    }
+  };
+}
+
+}  // namespace maide
