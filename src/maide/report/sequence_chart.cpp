@@ -13,7 +13,7 @@ namespace {
 
 constexpr int margin = 16;
 constexpr int place_width = 70;  // the column of line numbers
-constexpr int lane_width = 150;
+constexpr int lane_width = 164;
 constexpr int row_height = 26;
 constexpr int head_height = 28;
 

@@ -1,0 +1,76 @@
+#include "maide/report/html_report.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <sstream>
+
+#include "maide/check/system_file.hpp"
+#include "maide/report/trace_chart.hpp"
+
+namespace maide {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+// A connection that never has a message to give.
+InterfaceAutomaton silent_connection() {
+  InterfaceAutomaton automaton({"read"}, {"message"}, 2);
+  automaton.add_transition(0, {Action::Kind::input, 0}, 1);
+  return automaton;
+}
+
+System waiting_system() {
+  return parse_system(
+      "models:\n  via: {file: via.dot}\nprograms:\n  reader: |\n    via.read -> message;\n",
+      "a<b.yaml", [](const ModelRequest&) { return silent_connection(); });
+}
+
+// The reader gives its read and waits for ever.
+Trace the_only_run(const System& system) {
+  Trace trace;
+  for (GlobalState state = initial_state(system); !enabled_steps(system, state).empty();
+       state = apply(system, state, trace.steps.back())) {
+    trace.steps.push_back(enabled_steps(system, state).front());
+  }
+  return trace;
+}
+
+TEST(TraceChart, HasALaneForEachPartAndSaysWhatIsWaitedFor) {
+  const System system = waiting_system();
+  const SequenceChart chart = make_trace_chart(system, the_only_run(system), "title");
+  ASSERT_EQ(chart.lanes.size(), 2U);
+  EXPECT_EQ(chart.lanes[0].name, "reader");
+  EXPECT_TRUE(chart.lanes[1].is_model);
+  ASSERT_EQ(chart.messages.size(), 1U);
+  EXPECT_EQ(chart.messages[0].from, 0U);
+  EXPECT_EQ(chart.messages[0].to, 1U);
+  EXPECT_EQ(chart.messages[0].label, "read");
+  EXPECT_EQ(chart.messages[0].place, "line 5");
+  ASSERT_EQ(chart.notes.size(), 1U);
+  EXPECT_EQ(chart.notes[0].text, "waits: via!message");
+}
+
+TEST(HtmlReport, ShowsVerdictsChartsAndModels) {
+  const System system = waiting_system();
+  CheckReport report;
+  report.verdict = Verdict::violated;
+  report.assumptions = {"x < y"};
+  PropertyResult& result = report.properties.emplace_back();
+  result.name = "deadlock";
+  result.verdict = Verdict::violated;
+  result.trace = the_only_run(system);
+  std::ostringstream out;
+  write_html_report(out, system, report,
+                    [](const InterfaceAutomaton&) { return "<svg id=\"model\"/>"; });
+  EXPECT_THAT(out.str(), HasSubstr("a&lt;b.yaml"));
+  EXPECT_THAT(out.str(), Not(HasSubstr("a<b")));
+  EXPECT_THAT(out.str(), HasSubstr("x &lt; y"));
+  EXPECT_THAT(out.str(), HasSubstr("marker-end"));
+  EXPECT_THAT(out.str(), HasSubstr("<svg id=\"model\"/>"));
+  EXPECT_THAT(out.str(), HasSubstr("reader waits at line 5"));
+}
+
+}  // namespace
+}  // namespace maide
