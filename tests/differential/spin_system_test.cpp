@@ -55,6 +55,25 @@ TEST_P(RandomSystems, DeadlocksCutsAndStates) {
   EXPECT_GT(deadlocks, 0);
 }
 
+// Where the time suffices - these searches take milliseconds - shortened runs are shortest.
+TEST_P(RandomSystems, ShortestDeadlocks) {
+  Random random(static_cast<std::uint64_t>(3000 + GetParam()));
+  SpinOptions options = fast();
+  options.shortens = true;
+  SpinEngine engine(options);
+  for (int compared = 0; compared < 3;) {
+    const System system = test::random_system(random);
+    const test::ExplicitChecker expected(system, node_limit);
+    if (!expected.is_complete() || expected.shortest_deadlock().value_or(0) < 4) continue;
+    ++compared;
+    Property deadlock;
+    deadlock.kind = Property::Kind::deadlock;
+    const PropertyResult result = engine.check(system, deadlock, {});
+    ASSERT_TRUE(result.trace);
+    EXPECT_EQ(result.trace->steps.size(), *expected.shortest_deadlock()) << show(system);
+  }
+}
+
 TEST_P(RandomSystems, TemporalPatterns) {
   Random random(static_cast<std::uint64_t>(2000 + GetParam()));
   SpinEngine engine(fast());

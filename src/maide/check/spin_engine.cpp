@@ -150,14 +150,16 @@ class Verification {
     // Optimising what comes of a long program takes longer than most searches in it.
     std::string optimisation = tools_.optimisation;
     if (optimisation.empty()) optimisation = promela_.lines.size() > 300 ? "-O0" : "-O1";
-    std::vector<std::string> command{tools_.compiler, optimisation, "-w", "-DNOREDUCE", "-o",
-                                     "pan",           "pan.c"};
+    // In two steps and through pipes: a compiler that is killed leaves no file elsewhere.
+    std::vector<std::string> command{
+        tools_.compiler, optimisation, "-w", "-pipe", "-c", "-o", "pan.o", "pan.c", "-DNOREDUCE"};
     if (purpose_ != Purpose::ltl) command.emplace_back("-DSAFETY");
     if (is_fair_) command.push_back(fmt::format("-DNFAIR={}", (promela_.processes + 2) / 8 + 2));
     command.push_back(fmt::format("-DMEMLIM={}", memory_mib_));
     command.push_back(fmt::format("-DVECTORSZ={}", 1024 + 64 * promela_.processes));
     command.insert(command.end(), definitions.begin(), definitions.end());
-    run_tool(command, "a C compiler", "pan");
+    run_tool(command, "a C compiler", "pan.o");
+    run_tool({tools_.compiler, "-o", "pan", "pan.o"}, "a C compiler", "pan");
   }
 
   PanOutput run_pan(std::vector<std::string> arguments,
