@@ -54,7 +54,8 @@ std::vector<std::vector<std::uint32_t>> components(
 
 }  // namespace
 
-ExplicitChecker::ExplicitChecker(const System& system, std::size_t limit) : system_(system) {
+ExplicitChecker::ExplicitChecker(const System& system, std::size_t limit, LastEvent last_event)
+    : system_(system) {
   std::map<std::vector<std::uint32_t>, std::uint32_t> known;
   std::deque<std::uint32_t> queue;
   const auto add = [&](const GlobalState& state, const std::optional<Step>& last,
@@ -96,7 +97,9 @@ ExplicitChecker::ExplicitChecker(const System& system, std::size_t limit) : syst
       if (!has_ended(system, state)) {
         shortest_deadlock_ = std::min(shortest_deadlock_.value_or(depth), depth);
       }
-      const std::uint32_t target = add(state, std::nullopt, depth);
+      const bool keeps = last_event == LastEvent::kept;
+      const std::uint32_t target =
+          add(state, keeps ? nodes_[at].last : std::optional<Step>(), depth);
       nodes_[at].edges.push_back({target, 0});
     }
   }

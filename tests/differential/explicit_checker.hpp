@@ -17,8 +17,12 @@ namespace maide::test {
 // finished or deadlocked state goes on to itself without an event.
 class ExplicitChecker {
  public:
+  // What becomes of the last event once nothing can happen any more: it is forgotten. To keep it is
+  // wrong; that shows which comparisons depend on it.
+  enum class LastEvent : std::uint8_t { forgotten, kept };
   // Gives up - is_complete() is then false - beyond `limit` nodes.
-  ExplicitChecker(const System& system, std::size_t limit);
+  ExplicitChecker(const System& system, std::size_t limit,
+                  LastEvent last_event = LastEvent::forgotten);
 
   bool is_complete() const { return is_complete_; }
   std::size_t states() const { return state_depths_.size(); }  // before any cut

@@ -74,65 +74,106 @@ TEST_P(RandomSystems, ShortestDeadlocks) {
   }
 }
 
+// A formula of one of the patterns that the explicit checker knows.
+struct Pattern {
+  enum class Kind : std::uint8_t { globally, until, infinitely_often, from_some_point, response };
+  Kind kind = Kind::globally;
+  std::string p, q;  // boolean expressions
+
+  std::string text() const {
+    switch (kind) {
+      case Kind::globally: return "G " + q;
+      case Kind::until: return p + " U " + q;
+      case Kind::infinitely_often: return "G F " + p;
+      case Kind::from_some_point: return "F G " + p;
+      case Kind::response: return "G (" + p + " -> F " + q + ")";
+    }
+    return "";
+  }
+};
+
+Formula parse(const std::string& text, const System& system) {
+  const std::vector<ProgramInterface> interfaces = system.interfaces();
+  return parse_formula(ScalarText(text, text, {"f", 1, 1}), {system.programs, interfaces});
+}
+
+Pattern random_pattern(const System& system, Random& random) {
+  const auto atom = [&] {
+    const Program& program = system.programs[random.below(system.programs.size())];
+    const std::array<std::string, 4> atoms{
+        "m.i0", "m!o0", program.name + "@end",
+        program.name + "@" + (program.labels.empty() ? "end" : program.labels[0])};
+    return (random.chance(0.4) ? "!" : "") + atoms[random.below(4)];
+  };
+  const std::string p = atom();
+  return {static_cast<Pattern::Kind>(random.below(5)), p, "(" + atom() + " || " + atom() + ")"};
+}
+
+bool holds(const test::ExplicitChecker& checker, const Pattern& pattern, const System& system,
+           bool fair) {
+  const auto p = checker.label(parse(pattern.p, system));
+  const auto q = checker.label(parse(pattern.q, system));
+  switch (pattern.kind) {
+    case Pattern::Kind::globally: return checker.holds_globally(q);
+    case Pattern::Kind::until: return checker.holds_until(p, q, fair);
+    case Pattern::Kind::infinitely_often: return checker.holds_infinitely_often(p, fair);
+    case Pattern::Kind::from_some_point: return checker.holds_from_some_point(p, fair);
+    case Pattern::Kind::response: return checker.holds_response(p, q, fair);
+  }
+  return false;
+}
+
+void compare(const System& system, const Pattern& pattern, bool fair, bool expected) {
+  Property property;
+  property.name = pattern.text();
+  property.fairness = fair ? Fairness::weak : Fairness::none;
+  property.formula = parse(property.name, system);
+  // A violation's trace is replayed and held against the formula inside.
+  SpinEngine engine(fast());
+  const PropertyResult result = engine.check(system, property, {});
+  ASSERT_NE(result.verdict, Verdict::inconclusive) << result.reason;
+  EXPECT_EQ(result.verdict == Verdict::holds, expected)
+      << property.name << (fair ? " (weak fairness)" : "") << "\n"
+      << write_promela(system, {PromelaOptions::Purpose::ltl, property.formula}).text;
+}
+
+// Counts one down, if any are left.
+bool take(int& left) {
+  if (left == 0) return false;
+  --left;
+  return true;
+}
+
+// Of each batch some are any formulas, some depend on fairness, some on the last event of a run
+// that ends, and some on runs that are cut.
 TEST_P(RandomSystems, TemporalPatterns) {
   Random random(static_cast<std::uint64_t>(2000 + GetParam()));
-  SpinEngine engine(fast());
-  int compared = 0;
-  while (compared < 12) {
+  int any = 3, on_fairness = 3, on_last_event = 3, on_cut = 2;
+  while (any + on_fairness + on_last_event + on_cut > 0) {
     const System system = test::random_system(random);
     const test::ExplicitChecker expected(system, node_limit);
     if (!expected.is_complete() || expected.states() < 4) continue;
-    ++compared;
-    const std::vector<ProgramInterface> interfaces = system.interfaces();
-    const FormulaScope scope{system.programs, interfaces};
-    const auto parse = [&](const std::string& text) {
-      return parse_formula(ScalarText(text, text, {"f", 1, 1}), scope);
-    };
-    const auto atom = [&] {
-      const Program& program = system.programs[random.below(system.programs.size())];
-      const std::array<std::string, 4> atoms{
-          "m.i0", "m!o0", program.name + "@end",
-          program.name + "@" + (program.labels.empty() ? "end" : program.labels[0])};
-      return (random.chance(0.3) ? "!" : "") + atoms[random.below(4)];
-    };
-    const std::string p = atom(), q = "(" + atom() + " || " + atom() + ")";
-    const auto label_p = expected.label(parse(p)), label_q = expected.label(parse(q));
-    Property property;
-    property.fairness = random.chance(0.7) ? Fairness::weak : Fairness::none;
-    const bool fair = property.fairness == Fairness::weak;
-    bool holds = false;
-    switch (random.below(5)) {
-      case 0:
-        property.name = "G " + q;
-        holds = expected.holds_globally(label_q);
-        break;
-      case 1:
-        property.name = p + " U " + q;
-        holds = expected.holds_until(label_p, label_q, fair);
-        break;
-      case 2:
-        property.name = "G F " + p;
-        holds = expected.holds_infinitely_often(label_p, fair);
-        break;
-      case 3:
-        property.name = "F G " + p;
-        holds = expected.holds_from_some_point(label_p, fair);
-        break;
-      default:
-        property.name = "G (" + p + " -> F " + q + ")";
-        holds = expected.holds_response(label_p, label_q, fair);
+    const Pattern pattern = random_pattern(system, random);
+    const bool fair = holds(expected, pattern, system, true);
+    const bool unfair = holds(expected, pattern, system, false);
+    if (fair != unfair && take(on_fairness)) {
+      compare(system, pattern, true, fair);
+      compare(system, pattern, false, unfair);
+      continue;
     }
-    property.formula = parse(property.name);
-    // A violation's trace is replayed and held against the formula inside.
-    const PropertyResult result = engine.check(system, property, {});
-    ASSERT_NE(result.verdict, Verdict::inconclusive) << result.reason;
-    EXPECT_EQ(result.verdict == Verdict::holds, holds)
-        << property.name << (fair ? " (weak fairness)" : "") << "\n"
-        << write_promela(system, {PromelaOptions::Purpose::ltl, property.formula}).text;
+    using Checker = test::ExplicitChecker;
+    const Checker keeping(system, node_limit, Checker::LastEvent::kept);
+    if (holds(keeping, pattern, system, true) != fair && take(on_last_event)) {
+      compare(system, pattern, true, fair);
+    } else if (fair && expected.shortest_cut() && take(on_cut)) {
+      compare(system, pattern, true, fair);
+    } else if (fair == unfair && take(any)) {
+      compare(system, pattern, random.chance(0.5), fair);
+    }
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Seeds, RandomSystems, testing::Range(0, 10));
+INSTANTIATE_TEST_SUITE_P(Seeds, RandomSystems, testing::Range(0, 6));
 
 }  // namespace
 }  // namespace maide

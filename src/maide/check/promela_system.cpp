@@ -160,6 +160,17 @@ class Writer {
     return has_events() ? ",event" : ",_";
   }
 
+  // The two sides of an output. Under a claim its message goes the other way round, from the
+  // program to the model: pan's weak fairness is owed to processes that can send, never to those
+  // that could receive, and it is programs that fairness is about. A rendezvous is the same both
+  // ways.
+  std::string emission(const std::string& name) const {
+    return is_ltl() ? "?" + name + received() : "!" + name;
+  }
+  std::string acceptance(const std::string& name, const std::string& value) const {
+    return is_ltl() ? "!" + name + value : "?" + name;
+  }
+
   // One way on from a state.
   struct Option {
     std::string statement;
@@ -222,9 +233,8 @@ class Writer {
     for (const auto& transition : automaton.transitions(state)) {
       const Symbol code = transition.action.symbol;
       if (!transition.action.is_input()) {
-        option(fmt::format("OutChannel!{}{}", symbol(automaton.outputs().name(code)),
-                           sent(Atom::Kind::output, index, code)),
-               transition.target, false);
+        option("OutChannel" + emission(symbol(automaton.outputs().name(code))), transition.target,
+               false);
       } else if (is_quiescent && !transition.absorbed &&
                  usage_.instances[index].inputs.contains(code)) {
         option(fmt::format("InChannel?{}{}", symbol(automaton.inputs().name(code)), received()),
@@ -242,7 +252,7 @@ class Writer {
       }
     }
     if (usage_.instances[index].quiet) {
-      option(fmt::format("OutChannel!quiet{}", has_value() ? ",0" : ""), state, false);
+      option("OutChannel" + emission("quiet"), state, false);
     }
     return options;
   }
@@ -291,11 +301,12 @@ class Writer {
         option(has_events() ? "event = 0" : "(_pid >= 0)");
         break;
       case ProgramEdge::Kind::quiet:
-        option(fmt::format("{}?quiet{}", out_channel(edge.model), received()));
+        option(out_channel(edge.model) + acceptance("quiet", has_value() ? ",0" : ""));
         break;
       case ProgramEdge::Kind::take: {
         const std::string& name = system_.models[edge.model].automaton.outputs().name(edge.symbol);
-        option(fmt::format("{}?{}{}", out_channel(edge.model), symbol(name), received()));
+        option(out_channel(edge.model) +
+               acceptance(symbol(name), sent(Atom::Kind::output, edge.model, edge.symbol)));
         break;
       }
       case ProgramEdge::Kind::give: {

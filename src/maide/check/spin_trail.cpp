@@ -1,5 +1,5 @@
 // From the lines that `spin -t -p` prints back to steps. Each transition stands in a line of its
-// own in the Promela, so a line number says all: a rendezvous is two of them, sender first.
+// own in the Promela, so a line number says all: a rendezvous is two of them.
 #include <cctype>
 #include <sstream>
 #include <stdexcept>
