@@ -180,8 +180,7 @@ class Checker {
       }
       const auto tests = model.automaton.origin.find("tests");
       if (tests != model.automaton.origin.end()) {
-        assumptions.push_back(
-            fmt::format("{} is a hypothesis, not refuted by: {}", model.name, tests->second));
+        assumptions.push_back(fmt::format("{} is a hypothesis: {}", model.name, tests->second));
       }
     }
     if (leaves_out_stuck_) {

@@ -114,10 +114,10 @@ std::string remarks(const InterfaceAutomaton& automaton) {
   return text;
 }
 
-std::string as_text(const LearnedModel& learned, const SulInfo& info, const std::string& path) {
+std::string as_text(const LearnedModel& learned, const SystemSpec& spec, const std::string& path) {
   const ExperimentResult& run = learned.experiment;
-  std::string text = info.name;
-  for (const auto& [key, value] : info.options) text += " " + key + "=" + value;
+  std::string text = spec.text;
+  for (const auto& [key, value] : spec.options) text += " " + key + "=" + value;
   text += run.is_complete() ? "\n" : "  (not finished)\n";
   if (learned.model && std::holds_alternative<InterfaceAutomaton>(*learned.model)) {
     text += fmt::format("  interface automaton  {} states, {} transitions\n", learned.states(),
@@ -146,7 +146,7 @@ std::string as_text(const LearnedModel& learned, const SulInfo& info, const std:
 
 // Writes the model where it belongs: to the file, or, for people who gave none, to standard output
 // with the summary on standard error.
-void give_result(const LearnedModel& learned, const SulInfo& info, const std::string& path,
+void give_result(const LearnedModel& learned, const SystemSpec& spec, const std::string& path,
                  Context& context) {
   std::string dot;
   if (learned.model) {
@@ -156,7 +156,7 @@ void give_result(const LearnedModel& learned, const SulInfo& info, const std::st
   }
   const std::string written = dot.empty() ? "" : path;
   if (!written.empty()) write_file_atomically(written, dot);
-  const std::string summary = as_text(learned, info, written);
+  const std::string summary = as_text(learned, spec, written);
   if (written.empty()) {
     if (!context.json() && !context.quiet()) fmt::print(stderr, "{}", summary);
     context.print(dot);
@@ -193,7 +193,7 @@ ExitStatus learn(const LearnArguments& arguments, Context& context) {
   if (!arguments.purpose.empty()) options.fingerprint["purpose"] = read_file(arguments.purpose);
   const LearnedModel learned =
       learn_model(*system.sul, access.translation.value_or(Translation::eager), options, control);
-  give_result(learned, system.sul->info(), arguments.output, context);
+  give_result(learned, spec, arguments.output, context);
   if (learned.experiment.is_complete()) return ExitStatus::ok;
   try {
     std::rethrow_exception(learned.experiment.error);
