@@ -1,6 +1,8 @@
 #include "maide/automata/alphabet.hpp"
 
 #include "maide/base/error.hpp"
+#include "maide/base/hash.hpp"
+#include "maide/base/named_table.hpp"
 
 namespace maide {
 
@@ -20,10 +22,7 @@ std::optional<Symbol> Alphabet::find(std::string_view name) const {
 
 Symbol Alphabet::at(std::string_view name, std::string_view what) const {
   if (const auto symbol = find(name)) return *symbol;
-  std::string known;
-  for (const std::string& candidate : names_) known += (known.empty() ? "" : ", ") + candidate;
-  throw UsageError("unknown " + std::string(what) + " '" + std::string(name) +
-                   "'; known are: " + (known.empty() ? "none" : known));
+  throw unknown_name(what, name, names_);
 }
 
 Symbol Alphabet::intern(std::string_view name) {
@@ -44,8 +43,8 @@ std::string to_string(std::span<const Symbol> word, const Alphabet& alphabet) {
 }
 
 std::size_t WordHash::operator()(const Word& word) const {
-  std::size_t hash = 14695981039346656037ULL;
-  for (const Symbol symbol : word) hash = (hash ^ symbol) * 1099511628211ULL;
+  std::uint64_t hash = hash_start;
+  for (const Symbol symbol : word) hash = hash_step(hash, symbol);
   return hash;
 }
 

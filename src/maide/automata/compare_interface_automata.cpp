@@ -4,10 +4,12 @@
 // themselves what they let the environment choose.
 #include <algorithm>
 #include <map>
-#include <unordered_map>
+#include <tuple>
+#include <unordered_set>
 #include <utility>
 
 #include "maide/automata/compare.hpp"
+#include "maide/base/join.hpp"
 
 namespace maide {
 
@@ -132,7 +134,7 @@ class PairExploration {
 
   void visit(SetId left, SetId right, std::size_t parent, std::size_t last) {
     const std::uint64_t key = (std::uint64_t{left} << 32) | right;
-    if (seen_.try_emplace(key, true).second) queue_.push_back({left, right, parent, last});
+    if (seen_.insert(key).second) queue_.push_back({left, right, parent, last});
   }
 
   void expand(std::size_t place, IaComparison& result) {
@@ -189,14 +191,12 @@ class PairExploration {
 
   std::vector<JointAction> actions_;
   SetTable left_sets_, right_sets_;
-  std::unordered_map<std::uint64_t, bool> seen_;
+  std::unordered_set<std::uint64_t> seen_;
   std::vector<Pair> queue_;
 };
 
 std::string listed(std::span<const std::string> names) {
-  std::string text;
-  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
-  return text.empty() ? "none" : text;
+  return names.empty() ? "none" : join(names);
 }
 
 // Symbols that only one automaton has, whether they ever occur or not.
@@ -211,10 +211,12 @@ void note_alphabets(const std::string& what, const Alphabet& left, const Alphabe
   };
   const auto only_left = missing(left, right);
   const auto only_right = missing(right, left);
-  if (!only_left.empty())
-    notes.push_back("only the first has the " + what + " " + listed(only_left));
-  if (!only_right.empty())
-    notes.push_back("only the second has the " + what + " " + listed(only_right));
+  if (!only_left.empty()) {
+    notes.push_back("only the first has the " + what + " " + join(only_left));
+  }
+  if (!only_right.empty()) {
+    notes.push_back("only the second has the " + what + " " + join(only_right));
+  }
 }
 
 }  // namespace

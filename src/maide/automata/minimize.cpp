@@ -248,10 +248,9 @@ InterfaceAutomaton minimize(const InterfaceAutomaton& automaton) {
   const std::vector<StateId> states =
       breadth_first_order(automaton.initial(), automaton.size(), each_successor);
   std::vector<std::uint32_t> block_of(automaton.size());
-  for (std::size_t blocks = 0, before = 1; blocks != before;) {
-    before = std::max<std::size_t>(blocks, 1);
+  for (std::size_t before = 0, blocks = 1; blocks != before;) {
+    before = blocks;
     blocks = refine_by_signatures(automaton, states, block_of);
-    if (blocks == 1) break;
   }
   InterfaceAutomaton result(automaton.inputs(), automaton.outputs(), 0);
   std::vector<StateId> number(automaton.size(), Mealy::no_state);  // by block

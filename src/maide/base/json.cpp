@@ -35,6 +35,8 @@ Json parse_json(std::string_view text, const std::string& file) {
   } catch (const Json::parse_error& error) {
     const std::size_t offset = error.byte > 0 ? error.byte - 1 : 0;
     throw ParseError("not valid JSON: " + reason_of(error.what()), position_of(text, offset, file));
+  } catch (const Json::out_of_range& error) {  // a number; the library does not say where
+    throw ParseError("not valid JSON: " + reason_of(error.what()), {file, 0, 0});
   }
 }
 

@@ -43,13 +43,4 @@ std::string did_you_mean(std::string_view name, std::span<const std::string> kno
   return nearest.empty() ? "" : "; did you mean '" + nearest + "'?";
 }
 
-std::string join(std::span<const std::string> names, std::string_view separator) {
-  std::string text;
-  for (const std::string& name : names) {
-    if (!text.empty()) text += separator;
-    text += name;
-  }
-  return text;
-}
-
 }  // namespace maide

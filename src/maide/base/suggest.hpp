@@ -19,7 +19,4 @@ std::string find_nearest(std::string_view name, std::span<const std::string> kno
 // "; did you mean 'depth'?", or "" if nothing is near. To be put behind an error message.
 std::string did_you_mean(std::string_view name, std::span<const std::string> known);
 
-// "a, b, c", for messages.
-std::string join(std::span<const std::string> names, std::string_view separator = ", ");
-
 }  // namespace maide

@@ -8,7 +8,7 @@
 #include <tuple>
 
 #include "maide/base/error.hpp"
-#include "maide/base/suggest.hpp"
+#include "maide/base/join.hpp"
 
 namespace maide {
 namespace {

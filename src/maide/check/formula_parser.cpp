@@ -2,7 +2,7 @@
 // operator unless `@` or `.` follows it: `F !a!b` is "finally not", a model named F is quoted.
 #include <algorithm>
 
-#include "maide/base/suggest.hpp"
+#include "maide/base/join.hpp"
 #include "maide/check/formula.hpp"
 #include "maide/check/tokens.hpp"
 

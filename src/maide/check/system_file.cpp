@@ -6,7 +6,7 @@
 #include <set>
 
 #include "maide/base/file.hpp"
-#include "maide/base/suggest.hpp"
+#include "maide/base/join.hpp"
 #include "maide/formats/model_file.hpp"
 
 namespace maide {

@@ -148,7 +148,7 @@ InterfaceAutomaton as_automaton(const Mealy& machine, const InterfaceAutomaton& 
   notes.push_back(fmt::format(
       "{} is a Mealy machine and is compared as the interface automaton that it stands for "
       "({} translation)",
-      file, translation == Translation::av ? "av" : "eager"));
+      file, to_string(translation)));
   const auto& actors = machine.actors.empty() ? other.actors : machine.actors;
   try {
     return to_interface_automaton(machine, translation, actors);

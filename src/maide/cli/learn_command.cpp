@@ -64,9 +64,7 @@ Json as_json(const LearnedModel& learned, const std::string& path) {
   const ExperimentResult& run = learned.experiment;
   Json json{{"algorithm", run.algorithm},
             {"equivalence_method", run.test_method},
-            {"translation", learned.is_plain                            ? "none"
-                            : learned.translation == Translation::eager ? "eager"
-                                                                        : "av"},
+            {"translation", learned.is_plain ? "none" : to_string(learned.translation)},
             {"complete", run.is_complete()},
             {"states", learned.states()},
             {"transitions", learned.transitions()},
@@ -124,9 +122,7 @@ std::string as_text(const LearnedModel& learned, const SystemSpec& spec, const s
                         learned.transitions());
   }
   text += fmt::format("  Mealy machine        {} states{}\n", learned.mealy_states,
-                      learned.is_plain                            ? ""
-                      : learned.translation == Translation::eager ? " (eager)"
-                                                                  : " (av)");
+                      learned.is_plain ? "" : fmt::format(" ({})", to_string(learned.translation)));
   text +=
       fmt::format("  queries              {} output queries ({}), {} equivalence queries ({})\n",
                   run.output_queries, run.algorithm, run.equivalence_queries, run.test_method);

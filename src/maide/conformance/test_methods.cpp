@@ -1,12 +1,11 @@
 #include "maide/conformance/test_methods.hpp"
 
-#include <fmt/format.h>
-
 #include <array>
 #include <utility>
 #include <vector>
 
 #include "maide/base/error.hpp"
+#include "maide/base/named_table.hpp"
 #include "maide/conformance/chain_oracle.hpp"
 #include "maide/conformance/perfect_oracle.hpp"
 #include "maide/conformance/random_walk.hpp"
@@ -94,12 +93,7 @@ constexpr std::array table{
 std::span<const TestMethodEntry> test_methods() { return table; }
 
 const TestMethodEntry& find_test_method(std::string_view name) {
-  std::string known;
-  for (const TestMethodEntry& entry : table) {
-    if (entry.name == name) return entry;
-    known += (known.empty() ? "" : ", ") + std::string(entry.name);
-  }
-  throw UsageError(fmt::format("unknown equivalence method '{}'; known are: {}", name, known));
+  return find_row(test_methods(), "equivalence method", name);
 }
 
 }  // namespace maide

@@ -2,6 +2,7 @@
 
 #include <array>
 
+#include "maide/base/named_table.hpp"
 #include "maide/formats/cpp_source.hpp"
 #include "maide/formats/dot.hpp"
 #include "maide/formats/promela.hpp"
@@ -35,12 +36,7 @@ constexpr std::array<Exporter, 5> table{{
 std::span<const Exporter> exporters() { return table; }
 
 const Exporter& find_exporter(std::string_view name) {
-  std::string known;
-  for (const Exporter& exporter : table) {
-    if (exporter.name == name) return exporter;
-    known += (known.empty() ? "" : ", ") + std::string(exporter.name);
-  }
-  throw UsageError("unknown format '" + std::string(name) + "'; known are: " + known);
+  return find_row(exporters(), "format", name);
 }
 
 }  // namespace maide

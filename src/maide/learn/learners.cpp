@@ -1,10 +1,8 @@
 #include "maide/learn/learners.hpp"
 
-#include <fmt/format.h>
-
 #include <array>
 
-#include "maide/base/error.hpp"
+#include "maide/base/named_table.hpp"
 #include "maide/learn/lm_plus.hpp"
 #include "maide/learn/rivest_schapire.hpp"
 
@@ -28,12 +26,7 @@ constexpr std::array table{
 std::span<const LearnerEntry> learners() { return table; }
 
 const LearnerEntry& find_learner(std::string_view name) {
-  std::string known;
-  for (const LearnerEntry& entry : table) {
-    if (entry.name == name) return entry;
-    known += (known.empty() ? "" : ", ") + std::string(entry.name);
-  }
-  throw UsageError(fmt::format("unknown algorithm '{}'; known are: {}", name, known));
+  return find_row(learners(), "algorithm", name);
 }
 
 }  // namespace maide

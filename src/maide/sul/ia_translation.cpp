@@ -7,6 +7,7 @@
 
 #include "maide/automata/minimize.hpp"
 #include "maide/base/error.hpp"
+#include "maide/base/join.hpp"
 
 namespace maide {
 namespace {
@@ -206,9 +207,7 @@ class QuiescentSteps {
 };
 
 std::string joined(const std::vector<std::string>& outputs) {
-  std::string text;
-  for (const std::string& output : outputs) text += (text.empty() ? "" : ",") + output;
-  return text.empty() ? "quiet" : text;
+  return outputs.empty() ? "quiet" : join(outputs, ",");
 }
 
 // Numbers pairs (outputs still due, quiescent state behind them) and fills a Mealy machine.

@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -20,6 +21,7 @@ enum class Translation : std::uint8_t {
   av,     // Aarts & Vaandrager (CONCUR 2010): inputs answer "+", the extra input Delta takes one
           // output, or says "delta"; while outputs are due inputs are refused
 };
+std::string_view to_string(Translation translation);  // "eager", "av"
 
 // A tree of inputs: node 0 is asked first; after an output without a branch of its own the query
 // ends. `Output` is Symbol (learner's side) or std::string (on the wire).

@@ -6,6 +6,10 @@
 
 namespace maide {
 
+std::string_view to_string(Translation translation) {
+  return translation == Translation::av ? "av" : "eager";
+}
+
 std::string mealy_output(const SulStep& step, Translation translation) {
   switch (step.status) {
     case StepStatus::refused: return "refused";

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "maide/base/error.hpp"
-#include "maide/base/suggest.hpp"
+#include "maide/base/join.hpp"
 #include "maide/wire/protocol.hpp"
 #include "maide/wire/tcp.hpp"
 

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "maide/base/error.hpp"
+#include "maide/base/join.hpp"
 #include "maide/base/suggest.hpp"
 
 namespace maide {

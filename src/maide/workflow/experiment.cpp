@@ -120,7 +120,7 @@ Fingerprint identify(const IaTranslator& translator) {
   const SulInfo& info = translator.info();
   Fingerprint result(info.options);
   result["the system"] = info.name;
-  result["the translation"] = translator.translation() == Translation::eager ? "eager" : "av";
+  result["the translation"] = to_string(translator.translation());
   if (!info.bound.empty()) result["the bound"] = info.bound;
   for (const auto& [what, version] : info.versions) result["the version of " + what] = version;
   return result;

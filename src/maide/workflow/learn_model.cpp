@@ -13,8 +13,7 @@ Model to_model(const Mealy& machine, const IaTranslator& translator, bool is_com
   if (!translator.info().has_actors) return machine;
   try {
     InterfaceAutomaton automaton = translator.to_interface_automaton(machine);
-    automaton.origin["translation"] =
-        translator.translation() == Translation::eager ? "eager" : "av";
+    automaton.origin["translation"] = to_string(translator.translation());
     return automaton;
   } catch (const UsageError&) {
     if (is_complete) throw;

@@ -2,12 +2,15 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cctype>
 #include <sstream>
+#include <system_error>
 #include <utility>
 
 #include "maide/base/error.hpp"
 #include "maide/base/file.hpp"
+#include "maide/base/hash.hpp"
 #include "maide/formats/dot.hpp"
 #include "maide/formats/model_file.hpp"
 #include "maide/workflow/learn_model.hpp"
@@ -31,7 +34,13 @@ InterfaceAutomaton learn(const ModelRequest& request, const RunControl& control)
   const OpenedSystem system = open_system(spec, access, control);
   const LearnedModel learned = learn_model(*system.sul, Translation::eager, {}, control);
   if (!learned.experiment.is_complete()) std::rethrow_exception(learned.experiment.error);
-  return std::get<InterfaceAutomaton>(*learned.model);
+  const auto* automaton = std::get_if<InterfaceAutomaton>(&*learned.model);
+  if (automaton == nullptr) {
+    throw UsageError("'" + request.learn +
+                     "' is a plain Mealy machine, and programs meet interface "
+                     "automata");
+  }
+  return *automaton;
 }
 
 }  // namespace
@@ -40,14 +49,12 @@ std::filesystem::path kept_model_path(const std::filesystem::path& folder,
                                       const ModelRequest& request) {
   const std::string text = describe(request);
   std::string name;
-  std::uint64_t hash = 14695981039346656037ULL;
   for (const char c : text) {
-    hash = (hash ^ static_cast<unsigned char>(c)) * 1099511628211ULL;
     const bool is_plain = std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '=' || c == '-';
     name += is_plain ? c : '_';
   }
   name.resize(std::min<std::size_t>(name.size(), 100));
-  return folder / learned_models_folder / fmt::format("{}-{:08x}.dot", name, hash & 0xffffffffU);
+  return folder / learned_models_folder / fmt::format("{}-{:016x}.dot", name, hash_text(text));
 }
 
 ModelSource make_learning_source(LearnedModelsOptions options) {

@@ -7,6 +7,7 @@
 
 #include "maide/base/error.hpp"
 #include "maide/base/file.hpp"
+#include "maide/base/hash.hpp"
 #include "maide/formats/model_file.hpp"
 #include "maide/sul/ia_translation.hpp"
 #include "maide/sul/simulated_sul.hpp"
@@ -29,12 +30,8 @@ std::string read_token(const SystemAccess& access) {
 }
 
 // A model's text as a short number, so that a cache knows when the file was changed.
-std::string fingerprint(const std::string& path) {
-  std::uint64_t hash = 14695981039346656037ULL;
-  for (const char c : read_file(path)) {
-    hash = (hash ^ static_cast<unsigned char>(c)) * 1099511628211ULL;
-  }
-  return fmt::format("{:016x}", hash);
+std::string text_version(const std::string& path) {
+  return fmt::format("{:016x}", hash_text(read_file(path)));
 }
 
 OpenedSystem open_simulation(const SystemSpec& spec, const SystemAccess& access) {
@@ -48,7 +45,7 @@ OpenedSystem open_simulation(const SystemSpec& spec, const SystemAccess& access)
   }
   auto simulated = std::visit(
       [&](auto& its) { return std::make_unique<SimulatedSul>(std::move(its), spec.text); }, model);
-  simulated->add_version("model", fingerprint(spec.target));
+  simulated->add_version("model", text_version(spec.target));
   OpenedSystem opened;
   opened.reference = simulated->reference(access.translation.value_or(Translation::eager));
   opened.sul = std::move(simulated);

@@ -9,7 +9,7 @@
 #include <string>
 #include <system_error>
 
-#include "maide/base/suggest.hpp"
+#include "maide/base/join.hpp"
 
 namespace maide {
 

@@ -1,0 +1,35 @@
+// Rows are found by name; an unknown name is answered with all that there are.
+#include "maide/base/named_table.hpp"
+
+#include <gtest/gtest.h>
+
+#include <array>
+
+namespace maide {
+namespace {
+
+struct Row {
+  std::string_view name;
+  int value;
+};
+
+TEST(NamedTable, FindsItsRows) {
+  constexpr std::array<Row, 2> table{{{"one", 1}, {"two", 2}}};
+  EXPECT_EQ(find_row(std::span<const Row>(table), "number", "two").value, 2);
+  try {
+    find_row(std::span<const Row>(table), "number", "three");
+    FAIL() << "it was found";
+  } catch (const UsageError& error) {
+    EXPECT_STREQ(error.what(), "unknown number 'three'; known are: one, two");
+  }
+  EXPECT_STREQ(unknown_name("symbol", "x", {}).what(), "unknown symbol 'x'; known are: none");
+}
+
+TEST(Join, PutsTheSeparatorBetweenNames) {
+  EXPECT_EQ(join({}), "");
+  EXPECT_EQ(join(std::vector<std::string>{"", "b"}), ", b");
+  EXPECT_EQ(join(std::vector<std::string>{"a", "b"}, " "), "a b");
+}
+
+}  // namespace
+}  // namespace maide
