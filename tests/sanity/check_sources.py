@@ -114,7 +114,7 @@ def check_openings(sources):
         if path.suffix == ".cpp" and header in sources.files and first in own_includes:
             continue
         if path.parts[:2] == ("tests", "unit"):
-            tested = path.stem.removeprefix("test_").removesuffix("_test") + ".hpp"
+            tested = path.stem.removesuffix("_test") + ".hpp"
             if first == f'#include "maide/{path.parts[2]}/{tested}"':
                 continue
         yield path, 1, "does not open with a comment that says what it is"
@@ -137,6 +137,16 @@ def check_names(sources):
                 yield path, 1, f"has the name of {other}"
             if not re.fullmatch(r"[a-z0-9_]+\.[ch]pp", path.name):
                 yield path, 1, "the name is not in snake_case"
+
+
+def check_test_names(sources):
+    """Every file with tests of GoogleTest is called <concept>_test.cpp."""
+    for path in sources.files:
+        if path.parts[0] != "tests" or path.suffix != ".cpp":
+            continue
+        has_tests = re.search(r"^(TEST|TEST_F|TEST_P|TYPED_TEST)\(", sources.text(path), re.MULTILINE)
+        if has_tests and not path.stem.endswith("_test"):
+            yield path, 1, f"is called {path.stem}_test.cpp in this project"
 
 
 def check_machine(sources):

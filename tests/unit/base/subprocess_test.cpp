@@ -1,4 +1,6 @@
 // Real programs: what they print, how they end, and how they are ended.
+#include "maide/base/subprocess.hpp"
+
 #include <gtest/gtest.h>
 
 #include <csignal>
@@ -8,7 +10,6 @@
 #include <thread>
 
 #include "maide/base/error.hpp"
-#include "maide/base/subprocess.hpp"
 #include "maide/base/temp_dir.hpp"
 
 namespace maide {

@@ -1,4 +1,6 @@
 // Signals become stop requests; the second one ends the process.
+#include "maide/base/interrupt.hpp"
+
 #include <gtest/gtest.h>
 
 #include <condition_variable>
@@ -6,8 +8,6 @@
 #include <mutex>
 #include <stdexcept>
 #include <stop_token>
-
-#include "maide/base/interrupt.hpp"
 
 namespace maide {
 namespace {

@@ -1,4 +1,6 @@
 // Files are written whole or not at all, and every failure names its reason and the file.
+#include "maide/base/file.hpp"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
@@ -8,7 +10,6 @@
 #include <string>
 
 #include "maide/base/error.hpp"
-#include "maide/base/file.hpp"
 #include "maide/base/temp_dir.hpp"
 
 namespace maide {

@@ -1,9 +1,9 @@
 // The form of a line, and what each level lets through.
+#include "maide/base/log.hpp"
+
 #include <gtest/gtest.h>
 
 #include <string>
-
-#include "maide/base/log.hpp"
 
 namespace maide {
 namespace {

@@ -1,11 +1,12 @@
 // JSON errors carry a position; writing never fails.
+#include "maide/base/json.hpp"
+
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
 #include <string>
 
 #include "maide/base/error.hpp"
-#include "maide/base/json.hpp"
 
 namespace maide {
 namespace {
@@ -40,6 +41,10 @@ TEST(Json, EmptyAndTruncatedTextIsAnError) {
 
 TEST(Json, DeepNestingIsNotACrash) {
   EXPECT_THROW(parse_json(std::string(1000000, '['), "f"), ParseError);
+}
+
+TEST(Json, NumbersThatNobodyCanHoldAreAnError) {
+  EXPECT_EQ(std::string(error_of("[1e999]").what()).find("not valid JSON: number overflow"), 0U);
 }
 
 TEST(Json, WritesBytesThatAreNotUtf8) {

@@ -1,12 +1,12 @@
 // The generator against published reference values, and its bounded draws.
+#include "maide/base/random.hpp"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <array>
 #include <numeric>
 #include <vector>
-
-#include "maide/base/random.hpp"
 
 namespace maide {
 namespace {
