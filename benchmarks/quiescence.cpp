@@ -2,7 +2,7 @@
 // fixed delays, on an idle machine and under load. The work is a token that four threads hand on,
 // with random computing in between; a verdict is wrong if the token was still going round.
 //
-//   quiescence [TRIALS] [BUSY_PROCESSES]
+//   bench_quiescence [TRIALS] [BUSY_PROCESSES]
 #include "maide/wire/quiescence.hpp"
 
 #include <fmt/format.h>

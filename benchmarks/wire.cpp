@@ -1,7 +1,7 @@
 // What the wire costs: the same words on the reference port in this process, over a child's pipes,
 // and over TCP to loopback; one word at a time, and pipelined.
 //
-//   wire MAIDE-WRAP-PORT [WORDS]
+//   bench_wire MAIDE-WRAP-PORT [WORDS]
 #include <fmt/format.h>
 
 #include <chrono>
@@ -61,7 +61,7 @@ std::string read_address(const maide::ChildProcess& wrapper) {
 
 int main(int argc, char** argv) {
   if (argc < 2) {
-    fmt::print(stderr, "usage: wire MAIDE-WRAP-PORT [WORDS]\n");
+    fmt::print(stderr, "usage: bench_wire MAIDE-WRAP-PORT [WORDS]\n");
     return 2;
   }
   const std::string program = argv[1];

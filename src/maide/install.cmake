@@ -28,6 +28,9 @@ install(TARGETS maide_wrapper EXPORT maideWrapperTargets ${install_sets_maide_wr
 install(TARGETS maide EXPORT maideTargets ${install_sets_maide}
   FILE_SET umbrella DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 install(TARGETS maide_program)
+install(FILES ${PROJECT_SOURCE_DIR}/README.md ${PROJECT_SOURCE_DIR}/LICENSE
+              ${PROJECT_SOURCE_DIR}/CHANGELOG.md
+        DESTINATION ${CMAKE_INSTALL_DOCDIR})
 install(EXPORT maideWrapperTargets NAMESPACE maide:: DESTINATION ${config_dir})
 install(EXPORT maideTargets NAMESPACE maide:: DESTINATION ${config_dir})
 configure_package_config_file(maideConfig.cmake.in ${PROJECT_BINARY_DIR}/maideConfig.cmake
