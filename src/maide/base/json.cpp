@@ -17,13 +17,20 @@ SourcePosition position_of(std::string_view text, std::size_t offset, const std:
           static_cast<int>(before.size() - line_start) + 1};
 }
 
-// The library's text is "[json.exception.parse_error.101] parse error at line 1, column 2: reason";
-// its reason alone is for people.
+// The library's text is "[json.exception.parse_error.101] parse error at line 1, column 2: reason"
+// or "[json.exception.out_of_range.406] reason"; the reason alone is for people.
 std::string reason_of(std::string text) {
-  const std::size_t colon = text.find(": ");
-  if (colon != std::string::npos) text.erase(0, colon + 2);
-  const std::size_t expected = text.find("; expected ");
-  if (expected != std::string::npos) text.erase(expected);
+  if (const std::size_t bracket = text.find("] "); bracket != std::string::npos) {
+    text.erase(0, bracket + 2);
+  }
+  if (text.starts_with("parse error")) {
+    if (const std::size_t colon = text.find(": "); colon != std::string::npos) {
+      text.erase(0, colon + 2);
+    }
+  }
+  if (const std::size_t expected = text.find("; expected "); expected != std::string::npos) {
+    text.erase(expected);
+  }
   return text;
 }
 
