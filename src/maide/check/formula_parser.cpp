@@ -15,11 +15,20 @@ constexpr std::string_view symbols[] = {"<->", "->", "[]", "<>", "&&", "||", "&"
                                         "|",   "!",  "(",  ")",  "@",  "."};
 constexpr int max_nesting = 200;  // the parser and all walks over formulas recurse
 constexpr int max_size = 2000;
+constexpr double max_expanded_size = 10'000;  // of the normal form, in which each <-> doubles
+
+// Nodes of the negation normal form, or an upper bound.
+double expanded_size(const Formula& formula) {
+  if (!formula) return 0;
+  const double size = 1 + expanded_size(formula->left) + expanded_size(formula->right);
+  const bool doubles = formula->op == Operator::equivalence || formula->op == Operator::weak_until;
+  return doubles ? 2 * size : size;
+}
 
 class Parser {
  public:
   Parser(const ScalarText& text, const FormulaScope& scope)
-      : tokens_(text, symbols), scope_(scope) {}
+      : text_(text), tokens_(text, symbols), scope_(scope) {}
 
   Formula parse() {
     Formula formula = parse_equivalence();
@@ -27,6 +36,10 @@ class Parser {
     if (rest.is(")")) tokens_.fail("this ')' closes nothing", rest);
     if (rest.kind != Token::Kind::end) {
       tokens_.fail("expected an operator, not " + to_string(rest), rest);
+    }
+    if (expanded_size(formula) > max_expanded_size) {
+      throw ParseError("the formula is too large: each <-> and W doubles what stands around it",
+                       text_.position(0));
     }
     return formula;
   }
@@ -194,6 +207,7 @@ class Parser {
     tokens_.fail("unknown model '" + owner.text + "'; there is: " + join(known), owner);
   }
 
+  const ScalarText& text_;
   TokenStream tokens_;
   const FormulaScope& scope_;
   int nesting_ = 0, size_ = 0;

@@ -22,6 +22,7 @@ using Purpose = PromelaOptions::Purpose;
 
 constexpr std::uint64_t first_depth = 100'000;
 constexpr std::uint64_t last_depth = 1'000'000'000;
+constexpr std::size_t largest_claim = 16'000;  // bytes of a formula; spin refuses shorter ones, too
 constexpr std::chrono::seconds shortening_time{5};  // what "cheap" means
 
 std::uint64_t default_memory_mib() {
@@ -41,12 +42,13 @@ std::string complaint(const SubprocessResult& result) {
 class Verification {
  public:
   Verification(const SpinOptions& tools, const EngineOptions& options, const System& system,
-               const PromelaOptions& promela_options, bool is_fair)
+               const PromelaOptions& promela_options, bool is_fair, std::string what)
       : tools_(tools),
         options_(options),
         system_(system),
         purpose_(promela_options.purpose),
         is_fair_(is_fair),
+        what_(std::move(what)),
         memory_mib_(options.memory_mib.value_or(default_memory_mib())),
         promela_(write_promela(system, promela_options)) {
     std::string text = promela_.text;
@@ -79,24 +81,26 @@ class Verification {
   }
 
   // A trace that is no longer than `trace`, and shortest if the time suffices: pan searches on for
-  // errors at a smaller depth than the last one.
+  // errors at a smaller depth than the last one. Whatever goes wrong here, `trace` stays true.
   Trace shorten(Trace trace) {
     const fs::path trail = folder_.path() / "system.pml.trail";
     const fs::path first = folder_.path() / "first.trail";
     std::error_code error;
     fs::rename(trail, first, error);
-    compile({"-DREACH"});
-    // A step is at most two of pan's moves, and the processes have to be started.
-    const std::size_t depth = 2 * trace.steps.size() + 2 * promela_.processes + 10;
-    std::vector<std::string> command{"./pan", fmt::format("-m{}", depth), "-i", "-n"};
-    if (purpose_ != Purpose::deadlock) command.emplace_back("-E");
-    run(command, shortening_time);
-    if (!fs::exists(trail, error)) return trace;
     try {
+      compile({"-DREACH"});
+      // A step is at most two of pan's moves, and the processes have to be started.
+      const std::size_t depth = 2 * trace.steps.size() + 2 * promela_.processes + 10;
+      std::vector<std::string> command{"./pan", fmt::format("-m{}", depth), "-i", "-n"};
+      if (purpose_ != Purpose::deadlock) command.emplace_back("-E");
+      run(command, shortening_time);
+      if (!fs::exists(trail, error)) return trace;
       Trace shorter = read_trace();
       return shorter.steps.size() < trace.steps.size() ? shorter : trace;
     } catch (const std::logic_error&) {
-      return trace;  // it was being written when the time was over
+      return trace;  // the trail was being written when the time was over
+    } catch (const Error&) {
+      return trace;  // interrupted, or out of disk
     }
   }
 
@@ -112,18 +116,21 @@ class Verification {
     return run_program(command, options, options_.control);
   }
 
-  // Runs a tool that has to succeed and to leave `product` behind.
-  SubprocessResult run_tool(const std::vector<std::string>& command, const std::string& what,
-                            const std::string& product) {
-    SubprocessResult result;
+  SubprocessResult start_tool(const std::vector<std::string>& command, const std::string& what) {
     try {
-      result = run(command, std::nullopt);
+      return run(command, std::nullopt);
     } catch (const UsageError&) {
       throw UsageError(
           fmt::format("the engine spin needs {}, and '{}' cannot be run: `maide "
                       "doctor` says what to install",
                       what, command.front()));
     }
+  }
+
+  // Runs a tool that has to succeed and to leave `product` behind.
+  SubprocessResult run_tool(const std::vector<std::string>& command, const std::string& what,
+                            const std::string& product) {
+    SubprocessResult result = start_tool(command, what);
     std::error_code ignored;
     const bool has_product = product.empty() || fs::exists(folder_.path() / product, ignored);
     if (result.succeeded() && has_product) return result;
@@ -136,12 +143,16 @@ class Verification {
 
   // The never claim, which first lets the processes be started.
   std::string never_claim() {
-    const SubprocessResult result = run_tool({tools_.spin, "-f", promela_.claim}, "spin", "");
+    SubprocessResult result;
+    if (promela_.claim.size() <= largest_claim) {
+      result = start_tool({tools_.spin, "-f", promela_.claim}, "spin");
+    }
     const std::size_t begin = result.out.find("never");
     const std::size_t brace = result.out.find('{', begin);
     const std::size_t body = result.out.find('\n', brace);
-    if (begin == std::string::npos || body == std::string::npos) {
-      throw UsageError("spin does not translate the formula: " + complaint(result));
+    if (!result.succeeded() || begin == std::string::npos || body == std::string::npos) {
+      throw UsageError(what_ +
+                       " is too large for spin (once <-> and W are spelled out by U and R)");
     }
     return "never {\n  true;\n" + result.out.substr(body + 1);
   }
@@ -180,6 +191,7 @@ class Verification {
   const System& system_;
   Purpose purpose_;
   bool is_fair_;
+  std::string what_;  // is verified; for messages
   std::uint64_t memory_mib_;
   PromelaSystem promela_;
   TempDir folder_{"maide-check-"};
@@ -222,10 +234,13 @@ PropertyResult SpinEngine::check(const System& system, const Property& property,
   // A violation of a safety property shows on a prefix, and every prefix goes on to a fair run.
   const bool is_fair =
       is_ltl && property.fairness == Fairness::weak && !is_syntactically_safe(property.formula);
+  const std::string place = to_string(property.position);
+  const std::string what =
+      fmt::format("property '{}'{}", property.name, place.empty() ? "" : " (" + place + ")");
   try {
     Verification verification(options_, options, system,
                               {is_ltl ? Purpose::ltl : Purpose::deadlock, property.formula},
-                              is_fair);
+                              is_fair, what);
     const PanOutput output = verification.search();
     result.states = is_ltl || output.states == 0 ? output.states : output.states - 1;
     result.transitions = output.transitions;
@@ -258,7 +273,7 @@ CutResult SpinEngine::find_cut(const System& system, const EngineOptions& option
     return result;
   }
   try {
-    Verification verification(options_, options, system, {Purpose::cut, nullptr}, false);
+    Verification verification(options_, options, system, {Purpose::cut, nullptr}, false, "");
     const PanOutput output = verification.search();
     if (output.errors == 0) {
       result.verdict = output.is_complete ? Verdict::holds : Verdict::inconclusive;

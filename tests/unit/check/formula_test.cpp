@@ -58,6 +58,9 @@ TEST_F(FormulaTest, ErrorsNameThePlace) {
   std::string wide = "p@a";
   for (int count = 0; count < 5000; ++count) wide += " && p@a";
   EXPECT_NE(error(wide).find("too large"), std::string::npos);
+  std::string doubling = "p@a";
+  for (int count = 0; count < 40; ++count) doubling += " <-> p@a";
+  EXPECT_NE(error(doubling).find("too large"), std::string::npos);
 }
 
 TEST_F(FormulaTest, Classes) {

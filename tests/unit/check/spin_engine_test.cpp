@@ -3,7 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
+#include <filesystem>
 
+#include "maide/base/file.hpp"
+#include "maide/base/temp_dir.hpp"
 #include "systems.hpp"
 
 namespace maide {
@@ -75,6 +78,43 @@ TEST(SpinEngine, FormulasOverEventsAndLabels) {
       EXPECT_EQ(find_flaw(system, property, *result.trace), "");
     }
   }
+}
+
+// A program that waits for an output, or for quiet, is served under weak fairness though the model
+// serves another one again and again.
+TEST(SpinEngine, WeakFairnessIsAboutProgramsThatWait) {
+  const System system = test::system_of(
+      "  busy: 'loop { switch sync.write { quiet { } } }'\n"
+      "  late: 'switch sync.write { quiet { } }'\n",
+      "  fair: F late@end\n"
+      "  unfair: {ltl: F late@end, fairness: none}\n");
+  EXPECT_EQ(check(system, system.properties[0]).verdict, Verdict::holds);
+  EXPECT_EQ(check(system, system.properties[1]).verdict, Verdict::violated);
+}
+
+TEST(SpinEngine, AFormulaThatIsTooLargeForSpinIsNamed) {
+  std::string formula = "p@end";
+  for (int count = 0; count < 9; ++count) formula += " <-> p@end";
+  const System system = test::system_of("  p: via.write;\n", "  large: " + formula + "\n");
+  EXPECT_NE(test::error_of([&] {
+              check(system, system.properties[0]);
+            }).find("property 'large' (system.yaml:7:3) is too large"),
+            std::string::npos);
+}
+
+// Whatever happens while a shorter counterexample is looked for, the one that is there is true.
+TEST(SpinEngine, AViolationIsKeptWhenShorteningItFails) {
+  const TempDir folder("compiler");
+  const std::string compiler = (folder.path() / "cc").string();
+  write_file_atomically(compiler,
+                        "#!/bin/sh\ncase \"$*\" in *-DREACH*) exit 1;; esac\nexec cc \"$@\"\n");
+  std::filesystem::permissions(compiler, std::filesystem::perms::owner_all);
+  SpinOptions tools;
+  tools.compiler = compiler;
+  const System system = test::system_of("  p: loop { via.write; sync.read -> message; }\n");
+  const PropertyResult result = SpinEngine(tools).check(system, test::deadlock_property(), {});
+  EXPECT_EQ(result.verdict, Verdict::violated);
+  EXPECT_TRUE(result.trace);
 }
 
 TEST(SpinEngine, TheLastEventIsForgottenWhenNothingFollows) {
