@@ -15,7 +15,7 @@ bool is_reserved(const std::string& word) {
       "atomic",   "bit",          "bool",        "break",
       "byte",     "c_code",       "c_decl",      "c_expr",
       "c_state",  "c_track",      "chan",        "cond_expr",
-      "cut",      "d_proctype",   "d_step",      "do",
+      "cut",      "D_proctype",   "d_step",      "do",
       "else",     "empty",        "enabled",     "equivalent",
       "eval",     "eventually",   "event",       "false",
       "fi",       "for",          "full",        "get_priority",

@@ -13,7 +13,7 @@ namespace maide {
 namespace {
 
 using Purpose = PromelaOptions::Purpose;
-constexpr std::size_t most_names = 250;  // SPIN's mtype and process numbers are bytes
+constexpr std::size_t most_names = 250;  // SPIN's mtype, process and channel numbers are bytes
 
 // Whether giving this input may cut a run, as far as the model alone tells.
 bool cuts(const ModelInstance& model, Symbol input) {
@@ -72,6 +72,10 @@ class Writer {
     const std::size_t processes = system_.models.size() + system_.programs.size() + 3;
     if (processes > most_names) {
       throw UsageError(fmt::format("SPIN takes at most {} models and programs", most_names - 3));
+    }
+    if (2 * system_.models.size() > most_names) {
+      throw UsageError(
+          fmt::format("SPIN takes at most {} models, each of two channels", most_names / 2));
     }
     result_.processes = processes;
     result_.lines.emplace_back();

@@ -69,6 +69,7 @@ ScalarText::ScalarText(std::string value, std::string_view source, SourcePositio
     : value_(std::move(value)), file_(std::move(begin.file)) {
   Cursor cursor(source, begin.line, begin.column);
   while (cursor.peek() == '!' || cursor.peek() == '&') {  // tag, anchor
+    has_tag_ = has_tag_ || cursor.peek() == '!';
     cursor.skip_word();
     cursor.skip_blanks();
   }

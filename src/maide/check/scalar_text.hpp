@@ -20,6 +20,8 @@ class ScalarText {
   ScalarText(std::string value, std::string_view source, SourcePosition begin);
 
   const std::string& value() const { return value_; }
+  // A YAML tag stands before it: what looks like a leading `!` is no part of the value.
+  bool has_tag() const { return has_tag_; }
   // Place of the character at `offset`; of the end if the offset is the value's size.
   SourcePosition position(std::size_t offset) const;
 
@@ -29,6 +31,7 @@ class ScalarText {
   };
   std::string value_;
   std::string file_;
+  bool has_tag_ = false;
   std::vector<Place> places_;  // one for each character, and one for the end
 };
 

@@ -165,7 +165,8 @@ class Verification {
     std::vector<std::string> command{
         tools_.compiler, optimisation, "-w", "-pipe", "-c", "-o", "pan.o", "pan.c", "-DNOREDUCE"};
     if (purpose_ != Purpose::ltl) command.emplace_back("-DSAFETY");
-    if (is_fair_) command.push_back(fmt::format("-DNFAIR={}", (promela_.processes + 2) / 8 + 2));
+    // pan keeps room for 4 NFAIR - 2 processes.
+    if (is_fair_) command.push_back(fmt::format("-DNFAIR={}", (promela_.processes + 2) / 4 + 2));
     command.push_back(fmt::format("-DMEMLIM={}", memory_mib_));
     command.push_back(fmt::format("-DVECTORSZ={}", 1024 + 64 * promela_.processes));
     command.insert(command.end(), definitions.begin(), definitions.end());

@@ -231,7 +231,11 @@ class SystemReader {
 
   Formula formula(const YAML::Node& node) const {
     if (!node.IsScalar()) fail("a property must be a formula or a map", node);
-    return parse_formula(text_of(node), {system_.programs, interfaces_});
+    const ScalarText text = text_of(node);
+    if (text.has_tag()) {
+      fail("to YAML, this '!' begins a tag and no formula: put the formula in quotes", node);
+    }
+    return parse_formula(text, {system_.programs, interfaces_});
   }
 
   Formula invariant(const YAML::Node& node) const {

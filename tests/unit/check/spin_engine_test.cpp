@@ -102,6 +102,39 @@ TEST(SpinEngine, AFormulaThatIsTooLargeForSpinIsNamed) {
             std::string::npos);
 }
 
+TEST(SpinEngine, ManyProcessesUnderFairness) {
+  std::string programs;
+  for (int count = 0; count < 80; ++count) programs += "  p" + std::to_string(count) + ": skip;\n";
+  const System system = test::system_of(programs, "  ends: F p7@end\n");
+  EXPECT_EQ(check(system, system.properties[0]).verdict, Verdict::holds);
+}
+
+TEST(SpinEngine, MoreModelsThanSpinHasChannelsFor) {
+  std::string text = "models:\n";
+  for (int count = 0; count < 126; ++count) {
+    text += "  m" + std::to_string(count) + ": {file: buffered.dot}\n";
+  }
+  const System system =
+      parse_system(text + "programs: {p: skip;}\n", "system.yaml", test::test_model);
+  EXPECT_EQ(test::error_of([&] { check(system, test::deadlock_property()); }),
+            "SPIN takes at most 125 models, each of two channels");
+}
+
+TEST(SpinEngine, AKeywordOfPromelaMayNameAnInput) {
+  System system;
+  ModelInstance model;
+  model.name = "m";
+  model.automaton = InterfaceAutomaton({"D_proctype", "proctype"}, {}, 1);
+  model.automaton.add_transition(0, {Action::Kind::input, 0}, 0);
+  model.automaton.add_transition(0, {Action::Kind::input, 1}, 0);
+  system.models.push_back(model);
+  const std::string text = "m.D_proctype; m.proctype;";
+  const auto interfaces = system.interfaces();
+  system.programs.push_back(
+      parse_program("p", ScalarText(text, text, {"system.yaml", 1, 1}), interfaces));
+  EXPECT_EQ(check(system, test::deadlock_property()).verdict, Verdict::holds);
+}
+
 // Whatever happens while a shorter counterexample is looked for, the one that is there is true.
 TEST(SpinEngine, AViolationIsKeptWhenShorteningItFails) {
   const TempDir folder("compiler");
