@@ -192,6 +192,14 @@ def hangs():
     serve(lambda query: time.sleep(1000), info={**INFO, "options": {"step-limit": "100"}})
 
 
+def endless_limit():
+    """Slow, and says that a step may take longer than there are milliseconds in 64 bits."""
+    def on_run(query):
+        time.sleep(0.2)
+        send(answer(query))
+    serve(on_run, info={**INFO, "options": {"step-limit": str(2**63 - 1)}})
+
+
 def dies_in_word():
     serve(lambda query: die("first words\nbulb burst"))
 

@@ -126,6 +126,7 @@ INSTANTIATE_TEST_SUITE_P(Survived, WrapperFault,
                          testing::Values(Fault{"leaves_after_each_word", "6 answers, 0 repeated"},
                                          Fault{"out_of_order", "6 answers, 0 repeated"},
                                          Fault{"flood_of_errors", "6 answers, 0 repeated"},
+                                         Fault{"endless_limit", "6 answers, 0 repeated"},
                                          Fault{"slow_bytes", "6 answers, 0 repeated"},
                                          Fault{"new_outputs", "6 answers, 0 repeated"}),
                          [](const auto& fault) { return fault.param.name; });

@@ -13,8 +13,6 @@
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
-#include <cstdlib>
-#include <fstream>
 #include <optional>
 #include <string>
 #include <vector>
@@ -24,6 +22,7 @@
 #include "maide/wire/self_test.hpp"
 #include "maide/wire/system_wrapper.hpp"
 #include "maide/wire/tcp.hpp"
+#include "maide/wire/token.hpp"
 #include "maide/wire/wrapper_server.hpp"
 
 namespace maide {
@@ -80,21 +79,6 @@ void print_help(const WrapperDescription& description, const char* program) {
       program, description.name, description.summary, to_string(full_option_table(description)));
 }
 
-// The token that clients must name, if there is one.
-std::optional<std::string> read_token(const Arguments& arguments) {
-  std::string token;
-  if (arguments.token_file) {
-    std::ifstream file(*arguments.token_file);
-    if (!std::getline(file, token) || token.empty()) {
-      throw UsageError("there is no token in file '" + *arguments.token_file + "'");
-    }
-  } else if (const char* variable = std::getenv("MAIDE_TOKEN")) {
-    token = variable;
-  }
-  if (token.empty()) return std::nullopt;
-  return token;
-}
-
 // What the middleware prints must not get between the protocol's lines, nor may it read them.
 void serve_pipes(SystemWrapper& wrapper) {
   const Descriptor in(::fcntl(STDIN_FILENO, F_DUPFD_CLOEXEC, 3));
@@ -125,7 +109,7 @@ void reap(std::size_t& clients) {
 }
 
 int listen_for_clients(SystemWrapper& wrapper, const Arguments& arguments) {
-  const std::optional<std::string> token = read_token(arguments);
+  const std::optional<std::string> token = read_token(arguments.token_file);
   tcp::Listener listener = tcp::listen(tcp::parse_address(*arguments.listen));
   if (!listener.is_loopback && !token) {
     throw UsageError("listening on " + listener.name +

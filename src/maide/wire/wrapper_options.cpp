@@ -175,8 +175,9 @@ OptionValues::OptionValues(const std::vector<OptionSpec>& table,
   for (const OptionSpec& spec : table) values_[spec.key] = spec.default_value;
   std::set<std::string> seen;
   for (const auto& [key, value] : given) {
-    const auto spec = std::find_if(table.begin(), table.end(),
-                                   [&](const OptionSpec& row) { return same_key(row.key, key); });
+    const auto spec =
+        std::find_if(table.begin(), table.end(),
+                     [&name = key](const OptionSpec& row) { return same_key(row.key, name); });
     if (spec == table.end()) {
       std::vector<std::string> known;
       for (const OptionSpec& row : table) known.push_back(row.key);

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 #include <charconv>
-#include <set>
+#include <system_error>
 #include <utility>
 
 #include "maide/base/error.hpp"
@@ -341,12 +341,14 @@ void WrapperProxy::check_silence(const Batch& batch) {
 }
 
 std::chrono::milliseconds WrapperProxy::step_limit() const {
+  // What a wrapper says is multiplied by the length of words: a day a step is as good as for ever.
+  constexpr std::int64_t longest = 86'400'000;
   for (const auto& [key, value] : info_.options) {
     std::int64_t limit = 0;
     const char* end = value.data() + value.size();
-    if (same_key(key, "step-limit") && std::from_chars(value.data(), end, limit).ptr == end) {
-      return std::chrono::milliseconds(limit);
-    }
+    const auto [stop, error] = std::from_chars(value.data(), end, limit);
+    if (!same_key(key, "step-limit") || error != std::errc() || stop != end || limit <= 0) continue;
+    return std::chrono::milliseconds(std::min(limit, longest));
   }
   return settings_.step_limit;
 }

@@ -89,7 +89,13 @@ WrapperSession::WrapperSession(SystemWrapper& wrapper, Watchdog* watchdog)
   info_.versions = description.versions;
 }
 
-WrapperSession::~WrapperSession() { end_instance(); }
+WrapperSession::~WrapperSession() {
+  try {
+    end_instance();
+  } catch (const std::exception&) {
+    leave_instance_behind();  // whoever called end_instance() before has been told
+  }
+}
 
 const SulInfo& WrapperSession::configure(const std::map<std::string, std::string>& given) {
   options_ = OptionValues(table_, given);
@@ -212,6 +218,12 @@ SulAnswer WrapperSession::run(const SulQuery& query, const std::function<bool()>
   return answer;
 }
 
+// Its calls still use it, and the recorder, for as long as the process lives.
+void WrapperSession::leave_instance_behind() {
+  static_cast<void>(instance_.release());
+  static_cast<void>(new std::shared_ptr<StepRecorder>(recorder_));
+}
+
 std::string WrapperSession::end_instance() {
   if (!instance_) return "";
   const Clock::time_point start = Clock::now();
@@ -231,9 +243,7 @@ std::string WrapperSession::end_instance() {
     const Watchdog::Guard guard(watchdog_, "the teardown of the system", step_limit_);
     instance_.reset();
   } else {
-    // Its calls still use them, for as long as the process lives.
-    static_cast<void>(instance_.release());
-    static_cast<void>(new std::shared_ptr<StepRecorder>(recorder_));
+    leave_instance_behind();
   }
   teardown_ = since(start);
   return stuck;

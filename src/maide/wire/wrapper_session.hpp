@@ -44,11 +44,13 @@ class WrapperSession {
 
   // Shuts the instance down, if there is one. Returns the actors whose calls could not be unblocked
   // ("" if all could): then the instance is abandoned, and the process had better be replaced.
+  // Throws what the instance's shutdown() throws.
   std::string end_instance();
 
  private:
   class Stepper;
   void start_instance();
+  void leave_instance_behind();
   void select_actors(const SystemSetup& setup);
   void select_events(const SystemSetup& setup);
   void select_inputs(const SystemSetup& setup);

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <cstdlib>
 #include <utility>
 
 #include "maide/base/error.hpp"
@@ -11,23 +10,12 @@
 #include "maide/formats/model_file.hpp"
 #include "maide/sul/ia_translation.hpp"
 #include "maide/sul/simulated_sul.hpp"
+#include "maide/wire/token.hpp"
 #include "maide/wire/wrapper_proxy.hpp"
 #include "maide/workflow/wrapper_search.hpp"
 
 namespace maide {
 namespace {
-
-// From --token-file, or the environment; never from the command line, which others can read.
-std::string read_token(const SystemAccess& access) {
-  if (access.token_file.empty()) {
-    const char* token = std::getenv("MAIDE_TOKEN");
-    return token == nullptr ? "" : token;
-  }
-  std::string token = read_file(access.token_file);
-  while (!token.empty() && (token.back() == '\n' || token.back() == '\r')) token.pop_back();
-  if (token.empty()) throw UsageError("the token file is empty (" + access.token_file + ")");
-  return token;
-}
 
 // A model's text as a short number, so that a cache knows when the file was changed.
 std::string text_version(const std::string& path) {
@@ -54,7 +42,9 @@ OpenedSystem open_simulation(const SystemSpec& spec, const SystemAccess& access)
 
 WrapperEndpoint endpoint_of(const SystemSpec& spec, const SystemAccess& access) {
   if (spec.kind == SystemSpec::Kind::tcp) {
-    return WrapperEndpoint::tcp(spec.target, read_token(access));
+    const auto file =
+        access.token_file.empty() ? std::nullopt : std::optional<std::string>(access.token_file);
+    return WrapperEndpoint::tcp(spec.target, read_token(file).value_or(""));
   }
   if (spec.kind == SystemSpec::Kind::program) {
     return WrapperEndpoint::program(spec.command, spec.text);

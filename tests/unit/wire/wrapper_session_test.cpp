@@ -1,0 +1,63 @@
+// A session whose system cannot be shut down says so, and ends without harm.
+#include "maide/wire/wrapper_session.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <stdexcept>
+
+#include "maide/base/error.hpp"
+#include "maide/wire/local_sul.hpp"
+
+namespace maide {
+namespace {
+
+class NeverShutDown : public SystemWrapper {
+ public:
+  NeverShutDown() { description_.name = "never-shut-down"; }
+  const WrapperDescription& description() const override { return description_; }
+  SystemSetup configure(const OptionValues&) override {
+    SystemSetup setup;
+    setup.actors = {"actor"};
+    setup.inputs = {{"poke", "actor", {}}};
+    setup.events = {{"done", "actor"}};
+    return setup;
+  }
+  std::unique_ptr<SystemInstance> reset(EventSink& sink) override {
+    return std::make_unique<Instance>(sink);
+  }
+
+ private:
+  struct Instance : SystemInstance {
+    explicit Instance(EventSink& events) : sink(events) {}
+    void call(std::string_view) override { sink.report("done"); }
+    void shutdown() override { throw std::runtime_error("the port is not mine"); }
+    EventSink& sink;
+  };
+  WrapperDescription description_;
+};
+
+TEST(WrapperSession, AShutdownThatThrowsIsAnErrorOfTheNextWord) {
+  NeverShutDown wrapper;
+  LocalSul sul(wrapper);
+  std::size_t answers = 0;
+  const std::vector<SulQuery> batch(2, {Word{0}, Translation::eager});
+  try {
+    sul.run(batch, [&](std::size_t, const SulAnswer&) { ++answers; }, {});
+    FAIL() << "nobody noticed";
+  } catch (const WrapperError& error) {
+    EXPECT_THAT(error.what(), testing::HasSubstr("the port is not mine"));
+  }
+  EXPECT_EQ(answers, 1U);
+}
+
+TEST(WrapperSession, MayEndWhenTheShutdownThrows) {
+  NeverShutDown wrapper;
+  LocalSul sul(wrapper);
+  const std::vector<SulQuery> batch(1, {Word{0}, Translation::eager});
+  sul.run(batch, [](std::size_t, const SulAnswer& answer) { EXPECT_EQ(answer.steps.size(), 1U); },
+          {});
+}
+
+}  // namespace
+}  // namespace maide
