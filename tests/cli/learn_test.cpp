@@ -197,6 +197,7 @@ TEST(Learn, LimitsEndInconclusive) {
 TEST(Learn, RefusesWhatItCannotUseInOneLine) {
   expect_error(run_maide(learn({"nothing-here"})), 2, "nothing-here");
   expect_error(run_maide(learn({"udp://1"})), 2, "udp://1");
+  expect_error(run_maide(learn({"port", "--time", "1e300"})), 2, "--time");
   expect_error(run_maide(learn({"port", "kind=round"})), 2, "round");
   expect_error(run_maide(learn({"port", "colour=red"})), 2, "colour");
   expect_error(run_maide(learn({"port", "size"})), 2, "KEY=VALUE");

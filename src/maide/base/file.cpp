@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <array>
+#include <atomic>
 #include <cerrno>
 #include <cstring>
 #include <system_error>
@@ -42,11 +43,18 @@ void write_directly(const fs::path& path, std::string_view content) {
   if (const int error = file.close(); error != 0) fail("write", error, path);
 }
 
-// The permissions a new file would get.
-mode_t default_mode() {
-  const mode_t mask = ::umask(0);
-  ::umask(mask);
-  return static_cast<mode_t>(0666) & ~mask;
+// A new file beside `target`; `path` is set to its name. Not mkostemp, whose files are private
+// whatever the umask, which cannot be asked for without changing it for all threads. Returns a
+// descriptor, or -1 with errno.
+int make_temporary(const fs::path& target, std::string& path) {
+  static std::atomic<unsigned> counter{0};
+  for (int attempt = 0; attempt < 1000; ++attempt) {
+    path = target.string() + ".part-" + std::to_string(::getpid()) + "-" +
+           std::to_string(counter.fetch_add(1));
+    const int file = ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    if (file >= 0 || errno != EEXIST) return file;
+  }
+  return -1;
 }
 
 }  // namespace
@@ -81,13 +89,11 @@ void write_file_atomically(const fs::path& path, std::string_view content) {
   if (exists) target = fs::canonical(path, ignored);
   if (ignored) fail("write", ignored.value(), path);
 
-  std::string temporary = target.string() + ".XXXXXX";
-  Descriptor file(::mkostemp(temporary.data(), O_CLOEXEC));
+  std::string temporary;
+  Descriptor file(make_temporary(target, temporary));
   if (file.get() < 0) fail("write", errno, path);
   int error = write_all(file.get(), content);
-  if (error == 0 && ::fchmod(file.get(), exists ? status.st_mode & 07777 : default_mode()) != 0) {
-    error = errno;
-  }
+  if (error == 0 && exists && ::fchmod(file.get(), status.st_mode & 07777) != 0) error = errno;
   if (error == 0 && ::fsync(file.get()) != 0) error = errno;
   if (const int close_error = file.close(); error == 0) error = close_error;
   if (error == 0 && ::rename(temporary.c_str(), target.c_str()) != 0) error = errno;

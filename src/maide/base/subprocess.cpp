@@ -21,8 +21,6 @@
 #include "maide/base/descriptor.hpp"
 #include "maide/base/error.hpp"
 
-extern char** environ;
-
 namespace maide {
 
 namespace {
@@ -80,6 +78,7 @@ class Subprocess {
     ::posix_spawnattr_setflags(&settings.attributes, POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGDEF);
 
     std::vector<char*> argv;
+    argv.reserve(command.size() + 1);
     for (const std::string& word : command) argv.push_back(const_cast<char*>(word.c_str()));
     argv.push_back(nullptr);
     const int error = ::posix_spawnp(&pid_, argv[0], &settings.actions, &settings.attributes,

@@ -76,7 +76,7 @@ void write_trace_file(const std::string& path, const System& system, const Check
 // The picture of a model as an <svg> element, drawn by Graphviz; "" where that is not installed.
 std::string draw(const InterfaceAutomaton& automaton, const RunControl& control) {
   if (!find_on_path("dot")) return "";
-  const TempDir folder("report");
+  const TempDir folder("maide-report-");
   std::ostringstream dot;
   write_dot(dot, automaton);
   const std::string file = (folder.path() / "model.dot").string();

@@ -217,7 +217,7 @@ void add_limits(CLI::App& app, LearnArguments& arguments) {
   app.add_option("--max-experiments", arguments.max_experiments,
                  "Most words run on the system in all; 0: no limit");
   app.add_option("--time", arguments.time_limit, "Most seconds; then the last hypothesis is kept")
-      ->check(CLI::PositiveNumber);
+      ->check(CLI::Range(0.001, 1e8));
 }
 
 }  // namespace

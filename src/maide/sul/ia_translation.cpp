@@ -125,6 +125,11 @@ class Expander {
         default: break;
       }
     }
+    while (!unfinished_.empty()) {
+      const auto [due, target, source] = std::move(unfinished_.back());
+      unfinished_.pop_back();
+      take_each_first(due, target, source);
+    }
   }
 
   InterfaceAutomaton take() { return std::move(automaton_); }
@@ -143,27 +148,37 @@ class Expander {
     return result;
   }
 
-  // The state in which `due` is owed on the way to `target`. Recursion is as deep as outputs are
-  // due in one step.
+  // The state in which `due` is owed on the way to `target`; a new one is finished later.
   StateId due_state(const Due& due, StateId target) {
     if (due.empty()) return target;
     const auto [place, is_new] = due_states_.emplace(std::pair(due, target), 0);
-    if (!is_new) return place->second;
-    const StateId state = place->second = automaton_.add_state();
+    if (is_new) {
+      place->second = automaton_.add_state();
+      unfinished_.push_back({due, target, place->second});
+    }
+    return place->second;
+  }
+
+  // The transitions of a state in which `due` is owed: any actor's first output may be taken.
+  void take_each_first(const Due& due, StateId target, StateId source) {
     for (std::size_t i = 0; i < due.size(); ++i) {
       Due rest = due;
       const Action action{Action::Kind::output, rest[i].front()};
       rest[i].erase(rest[i].begin());
       if (rest[i].empty()) rest.erase(rest.begin() + static_cast<std::ptrdiff_t>(i));
-      automaton_.add_transition(state, action, due_state(rest, target));
+      automaton_.add_transition(source, action, due_state(rest, target));
     }
-    return state;
   }
 
+  struct Unfinished {
+    Due due;
+    StateId target, source;
+  };
   const MacroMachine& machine_;
   InterfaceAutomaton automaton_;
   std::map<std::string, std::size_t> actor_of_;  // 0: of no actor
   std::map<std::pair<Due, StateId>, StateId> due_states_;
+  std::vector<Unfinished> unfinished_;
 };
 
 // The answers of an interface automaton at a quiescent state, for to_mealy.
