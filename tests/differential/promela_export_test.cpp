@@ -123,8 +123,9 @@ TEST(PromelaExport, LargeAlphabetsAndStrangeNames) {
                          number % 2);
   }
   expect_counts_agree(large);
-  InterfaceAutomaton strange({"do", "in put", "in-put", "*/ a", "unix"}, {"do", "\"", "never"}, 1);
-  for (Symbol symbol = 0; symbol < 5; ++symbol) {
+  InterfaceAutomaton strange({"do", "in put", "in-put", "*/ a", "unix", "end_s0"},
+                             {"do", "\"", "never"}, 1);
+  for (Symbol symbol = 0; symbol < 6; ++symbol) {
     strange.add_transition(0, {Action::Kind::input, symbol}, 0);
   }
   for (Symbol symbol = 0; symbol < 3; ++symbol) {

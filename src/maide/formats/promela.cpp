@@ -191,6 +191,10 @@ void write_promela(std::ostream& out, const Model& model) {
                                 "FromModel", "ToTheModel", "FromTheModel"}) {
           table.unique(own);
         }
+        table.unique("end_unexplored");  // labels: spin would read them as the names
+        for (StateId state = 0; state < automaton.size(); ++state) {
+          table.unique("end_s" + std::to_string(state));
+        }
         const SymbolNames symbols(automaton.inputs(), automaton.outputs(), table);
         write_comments(out, automaton.origin, symbols);
         const std::string type = declare_symbols(out, symbols);
