@@ -3,13 +3,12 @@
 #include <fmt/format.h>
 #include <sqlite3.h>
 
-#include <cstdlib>
-#include <set>
 #include <span>
 #include <utility>
 #include <vector>
 
 #include "maide/base/error.hpp"
+#include "maide/base/join.hpp"
 
 namespace maide {
 namespace {
@@ -45,6 +44,24 @@ bool decode(std::string_view bytes, std::size_t limit, Word& word) {
     shift = 0;
   }
   return shift == 0;
+}
+
+// What is not the same "there" (in the file) and "here"; "" if nothing.
+std::string describe_differences(const Fingerprint& there, const Fingerprint& here) {
+  std::vector<std::string> differences;
+  for (const auto& [name, value] : there) {
+    const auto found = here.find(name);
+    if (found == here.end()) {
+      differences.push_back(fmt::format("{} is '{}' there, not set here", name, value));
+    } else if (found->second != value) {
+      differences.push_back(fmt::format("{} is '{}' there, '{}' here", name, value, found->second));
+    }
+  }
+  for (const auto& [name, value] : here) {
+    if (there.contains(name)) continue;
+    differences.push_back(fmt::format("{} is not set there, '{}' here", name, value));
+  }
+  return join(differences, "; ");
 }
 
 }  // namespace
@@ -193,35 +210,13 @@ void CacheFile::verify(const Alphabet& inputs, const Fingerprint& fingerprint) {
   while (read_fingerprint.step("read")) {
     recorded.emplace(read_fingerprint.column(0), read_fingerprint.column(1));
   }
-  std::string all_inputs;
+  std::vector<std::string> recorded_inputs;
   Statement read_inputs(*this, "SELECT name FROM inputs ORDER BY id");
-  while (read_inputs.step("read")) {
-    all_inputs += (all_inputs.empty() ? "" : ",") + std::string(read_inputs.column(0));
-  }
+  while (read_inputs.step("read")) recorded_inputs.emplace_back(read_inputs.column(0));
   Fingerprint expected = fingerprint;
-  std::string our_inputs;
-  for (const std::string& name : inputs.names()) {
-    our_inputs += (our_inputs.empty() ? "" : ",") + name;
-  }
-  recorded["the inputs"] = all_inputs;
-  expected["the inputs"] = our_inputs;
-  std::string differences;
-  const auto note = [&](const std::string& name, const char* there, const char* here) {
-    differences +=
-        fmt::format("{}{} {} there, {} here", differences.empty() ? "" : "; ", name, there, here);
-  };
-  const auto quoted = [](const std::string& value) { return "'" + value + "'"; };
-  for (const auto& [name, value] : recorded) {
-    const auto found = expected.find(name);
-    if (found == expected.end()) {
-      note(name, ("is " + quoted(value)).c_str(), "not set");
-    } else if (found->second != value) {
-      note(name, ("is " + quoted(value)).c_str(), quoted(found->second).c_str());
-    }
-  }
-  for (const auto& [name, value] : expected) {
-    if (!recorded.contains(name)) note(name, "is not set", quoted(value).c_str());
-  }
+  recorded["the inputs"] = join(recorded_inputs, ",");
+  expected["the inputs"] = join(inputs.names(), ",");
+  const std::string differences = describe_differences(recorded, expected);
   if (!differences.empty()) {
     throw UsageError(fmt::format("the cache was recorded for another system: {} ({})", differences,
                                  path_.string()));
