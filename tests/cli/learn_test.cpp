@@ -196,6 +196,7 @@ TEST(Learn, LimitsEndInconclusive) {
 
 TEST(Learn, RefusesWhatItCannotUseInOneLine) {
   expect_error(run_maide(learn({"nothing-here"})), 2, "nothing-here");
+  expect_error(run_maide(learn({""})), 2, "the system's name is empty");
   expect_error(run_maide(learn({"udp://1"})), 2, "udp://1");
   expect_error(run_maide(learn({"port", "--time", "1e300"})), 2, "--time");
   expect_error(run_maide(learn({"port", "kind=round"})), 2, "round");
@@ -209,6 +210,76 @@ TEST(Learn, RefusesWhatItCannotUseInOneLine) {
   expect_error(run_maide(learn({"tcp://127.0.0.1:1"})), 4, "127.0.0.1:1");
   expect_error(run_maide(learn({"exec:/no/such/program"})), 4, "/no/such/program");
   expect_error(run_maide(learn({"exec:sh -c 'echo nonsense'"})), 4, "sh -c");
+}
+
+TEST(Learn, RefusesNumbersThatAreNone) {
+  for (const char* option :
+       {"--extra-states", "--max-tests", "--max-experiments", "--seed", "--time"}) {
+    for (const char* text : {"-1", "1e30", "x", "99999999999999999999999", "nan", "inf", "1 2"}) {
+      const SubprocessResult result = run_maide(learn({"port", std::string(option) + "=" + text}));
+      expect_error(result, 2, option);
+      EXPECT_THAT(result.err, HasSubstr("'" + std::string(text) + "' is not a ")) << option;
+    }
+  }
+  const std::string most = "18446744073709551615";
+  EXPECT_EQ(run_maide(learn({"port", "--extra-states", most, "--max-tests", "5"})).exit_status, 0);
+  EXPECT_EQ(run_maide(learn({"port", "--time", "1e8", "--seed", most})).exit_status, 0);
+}
+
+TEST(Learn, NamesTheFileOfAModelThatCannotBeSimulated) {
+  const TempDir folder("learn-test");
+  const std::string model = (folder.path() / "model.dot").string();
+  write_file_atomically(model,
+                        "digraph g { __start0 -> a; a -> b [label=\"!x\"]; "
+                        "b -> a [label=\"?y\"]; }");
+  expect_error(run_maide(learn({"sim:" + model})), 2, "(" + model + ")");
+}
+
+// Without it, a long run would end in nothing.
+TEST(Learn, KnowsBeforehandWhereTheModelCannotGo) {
+  const TempDir folder("learn-test");
+  const std::string trace = (folder.path() / "started").string();
+  expect_error(run_maide(learn({"exec:sh -c 'touch " + trace + "'", "-o", folder.path().string()})),
+               2, "Is a directory");
+  EXPECT_FALSE(fs::exists(trace));
+}
+
+TEST(Learn, AFullDiskDoesNotCostTheModel) {
+  const SubprocessResult text = run_maide(learn({"port", "-o", "/dev/full"}));
+  EXPECT_EQ(text.exit_status, 2);
+  EXPECT_TRUE(text.out.starts_with("digraph ")) << text.out;
+  EXPECT_THAT(text.err, HasSubstr("/dev/full"));
+  const SubprocessResult result = run_maide(learn({"port", "-o", "/dev/full", "--json"}));
+  EXPECT_EQ(result.exit_status, 2);
+  const Json json = json_of(result);
+  EXPECT_THAT(json.at("dot").get<std::string>(), testing::StartsWith("digraph "));
+  EXPECT_THAT(json.at("error").get<std::string>(), HasSubstr("/dev/full"));
+}
+
+// A state that changes though the input was not tried: what was learned is kept, as it was seen.
+TEST(Learn, KeepsTheMachineOfAWrapperThatBreaksTheRules) {
+  const TempDir folder("learn-test");
+  const std::string wrapper = (folder.path() / "wrapper.py").string();
+  write_file_atomically(wrapper, R"(
+import json, sys
+def send(**message): print(json.dumps(message), flush=True)
+send(type="hello", protocol=1, name="fickle")
+for line in sys.stdin:
+    message = json.loads(line)
+    if message["type"] == "configure":
+        send(type="info", inputs=["press"], outputs=["on"])
+    elif message["type"] == "run":
+        steps = [{"events": ["on"]} if i % 2 else {"status": "unexplored"}
+                 for i in range(len(message["word"]))]
+        send(type="answer", id=message["id"], steps=steps)
+)");
+  const std::string file = (folder.path() / "model.dot").string();
+  const SubprocessResult result =
+      run_maide(learn({"exec:python3 '" + wrapper + "'", "-o", file, "--json"}));
+  EXPECT_EQ(result.exit_status, 4) << result.err;
+  EXPECT_THAT(result.err, HasSubstr("input 'press' is refused and yet changes the state"));
+  EXPECT_EQ(json_of(result).at("states"), 2);
+  EXPECT_EQ(std::get<Mealy>(read_model(file)).size(), 2U);
 }
 
 TEST(Reproduce, Table1OnTheReferencePort) {

@@ -222,6 +222,31 @@ def leaves_at_once():
     serve(on_run)
 
 
+def reserved_output():
+    serve(lambda query: send({"type": "answer", "id": query["id"],
+                              "steps": [{"events": ["refused"]} for _ in query["word"]]}),
+          info={**INFO, "outputs": [], "open_outputs": True})
+
+
+def too_many_events():
+    answer_with(lambda message: message["steps"][0].update(events=["on"] * 1001))
+
+
+def leaves_for_ever():
+    def on_run(query):
+        while True:
+            send({"type": "leaving", "reason": "tired"})
+    serve(on_run)
+
+
+def dies_before_its_child():
+    """The child holds the wrapper's output open, but is not the wrapper."""
+    def on_run(query):
+        subprocess.Popen(["sleep", "1000"])
+        die("orphans!")
+    serve(on_run)
+
+
 # ---- Faults that are survived ----
 
 def dies_once():

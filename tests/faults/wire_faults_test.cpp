@@ -119,6 +119,12 @@ INSTANTIATE_TEST_SUITE_P(
               "press press\""},
         Fault{"closes_output",
               "the wrapper closed its output; it did so twice in the word \"press press press\""},
+        Fault{"reserved_output", "event 'refused' has a name with a meaning of its own"},
+        Fault{"too_many_events", "a step has 1001 events, more than 1000"},
+        Fault{"leaves_for_ever", "'leaving' came twice"},
+        Fault{"dies_before_its_child",
+              "the wrapper exited with status 3: orphans!; it did so twice in the word \"press "
+              "press press\""},
         Fault{"leaves_at_once", "tired; it did so twice in the word \"press press press\""}),
     [](const auto& fault) { return fault.param.name; });
 

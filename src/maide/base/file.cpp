@@ -103,4 +103,19 @@ void write_file_atomically(const fs::path& path, std::string_view content) {
   }
 }
 
+void check_can_write(const fs::path& path) {
+  struct stat status {};
+  const bool exists = !path.empty() && ::stat(path.c_str(), &status) == 0;
+  if (path.empty() || !path.has_filename() || (exists && S_ISDIR(status.st_mode))) {
+    fail("write", EISDIR, path);
+  }
+  if (exists && ::access(path.c_str(), W_OK) != 0) fail("write", errno, path);
+  if (exists && !S_ISREG(status.st_mode)) return;
+  std::error_code ignored;
+  const fs::path target = exists ? fs::canonical(path, ignored) : path;
+  const fs::path folder = target.has_parent_path() ? target.parent_path() : fs::path(".");
+  if (::access(folder.c_str(), W_OK | X_OK) != 0) fail("write", errno, path);
+  if (!fs::is_directory(folder, ignored)) fail("write", ENOTDIR, path);
+}
+
 }  // namespace maide

@@ -16,4 +16,8 @@ std::string read_file(const std::filesystem::path& path);
 // UsageError "cannot write the file: reason (path)"; an earlier file is then untouched.
 void write_file_atomically(const std::filesystem::path& path, std::string_view content);
 
+// For work that is long and ends with a file: throws the error of write_file_atomically() now, as
+// far as it can be foreseen (no such folder, no permission, a folder). Writes nothing.
+void check_can_write(const std::filesystem::path& path);
+
 }  // namespace maide

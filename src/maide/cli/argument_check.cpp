@@ -4,6 +4,8 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cctype>
+#include <charconv>
+#include <cstdint>
 
 #include "maide/base/error.hpp"
 #include "maide/base/suggest.hpp"
@@ -41,6 +43,22 @@ void check_option_names(const CLI::App& app, const std::vector<std::string>& arg
     throw UsageError("unknown option '" + (is_long ? name : argument) + "'" +
                      did_you_mean(is_long ? name : "-" + argument, names) + hint);
   }
+}
+
+std::string check_count(const std::string& text) {
+  std::uint64_t number = 0;
+  const char* end = text.data() + text.size();
+  const auto [rest, error] = std::from_chars(text.data(), end, number);
+  if (error == std::errc() && rest == end) return "";
+  return "'" + text + "' is not a whole number from 0 to 18446744073709551615";
+}
+
+std::string check_seconds(const std::string& text) {
+  double seconds = 0;
+  const char* end = text.data() + text.size();
+  const auto [rest, error] = std::from_chars(text.data(), end, seconds);
+  if (error == std::errc() && rest == end && seconds >= 0.001 && seconds <= 1e8) return "";
+  return "'" + text + "' is not a number of seconds from 0.001 to 1e8";
 }
 
 std::string readable_message(const CLI::ParseError& error) {

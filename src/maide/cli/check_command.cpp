@@ -14,6 +14,7 @@
 #include "maide/base/temp_dir.hpp"
 #include "maide/check/check_system.hpp"
 #include "maide/check/system_file.hpp"
+#include "maide/cli/argument_check.hpp"
 #include "maide/cli/command.hpp"
 #include "maide/formats/dot.hpp"
 #include "maide/report/html_report.hpp"
@@ -163,7 +164,7 @@ RunFunction set_up_check(CLI::App& app) {
   app.add_option("--time", arguments->seconds,
                  "Most time in all, in seconds; what is not decided by then is inconclusive "
                  "(default: as long as it takes)")
-      ->check(CLI::Range(0.001, 1e8));
+      ->check(check_seconds);
   return [arguments](Context& context) { return run_check(*arguments, context); };
 }
 

@@ -12,6 +12,7 @@
 
 #include "maide/base/error.hpp"
 #include "maide/base/file.hpp"
+#include "maide/cli/argument_check.hpp"
 #include "maide/cli/command.hpp"
 #include "maide/conformance/test_methods.hpp"
 #include "maide/formats/dot.hpp"
@@ -140,10 +141,23 @@ std::string as_text(const LearnedModel& learned, const SystemSpec& spec, const s
   return text;
 }
 
+// A file that cannot be written after all (a full disk) does not cost the model: it goes to
+// standard output.
+ExitStatus rescue(const LearnedModel& learned, const std::string& dot, const Error& failure,
+                  Context& context) {
+  context.complain(failure.what());
+  context.print(dot);
+  Json json = as_json(learned, "");
+  json["error"] = failure.what();
+  json["dot"] = dot;
+  context.set_result(json);
+  return failure.status();
+}
+
 // Writes the model where it belongs: to the file, or, for people who gave none, to standard output
 // with the summary on standard error.
-void give_result(const LearnedModel& learned, const SystemSpec& spec, const std::string& path,
-                 Context& context) {
+ExitStatus give_result(const LearnedModel& learned, const SystemSpec& spec, const std::string& path,
+                       Context& context) {
   std::string dot;
   if (learned.model) {
     std::ostringstream text;
@@ -151,7 +165,11 @@ void give_result(const LearnedModel& learned, const SystemSpec& spec, const std:
     dot = text.str();
   }
   const std::string written = dot.empty() ? "" : path;
-  if (!written.empty()) write_file_atomically(written, dot);
+  try {
+    if (!written.empty()) write_file_atomically(written, dot);
+  } catch (const Error& failure) {
+    return rescue(learned, dot, failure, context);
+  }
   const std::string summary = as_text(learned, spec, written);
   if (written.empty()) {
     if (!context.json() && !context.quiet()) fmt::print(stderr, "{}", summary);
@@ -160,6 +178,7 @@ void give_result(const LearnedModel& learned, const SystemSpec& spec, const std:
     context.print(summary);
   }
   context.set_result(as_json(learned, written));
+  return ExitStatus::ok;
 }
 
 ExitStatus learn(const LearnArguments& arguments, Context& context) {
@@ -174,6 +193,7 @@ ExitStatus learn(const LearnArguments& arguments, Context& context) {
     context.set_result({{"system", arguments.sul}, {"options", list}});
     return ExitStatus::ok;
   }
+  if (!arguments.output.empty()) check_can_write(arguments.output);
   const OpenedSystem system = open_system(spec, access, control);
   std::optional<Mealy> reference = system.reference;
   if (!arguments.purpose.empty()) {
@@ -189,8 +209,8 @@ ExitStatus learn(const LearnArguments& arguments, Context& context) {
   if (!arguments.purpose.empty()) options.fingerprint["purpose"] = read_file(arguments.purpose);
   const LearnedModel learned =
       learn_model(*system.sul, access.translation.value_or(Translation::eager), options, control);
-  give_result(learned, spec, arguments.output, context);
-  if (learned.experiment.is_complete()) return ExitStatus::ok;
+  const ExitStatus given = give_result(learned, spec, arguments.output, context);
+  if (learned.experiment.is_complete()) return given;
   try {
     std::rethrow_exception(learned.experiment.error);
   } catch (const Error& error) {
@@ -212,12 +232,15 @@ std::string describe(const Entries& entries) {
 void add_limits(CLI::App& app, LearnArguments& arguments) {
   app.add_option("--extra-states", arguments.extra_states,
                  "How many states more than the hypothesis the system may have for the tests to "
-                 "find it (--eq w, standard)");
-  app.add_option("--max-tests", arguments.max_tests, "Most tests of one equivalence query");
+                 "find it (--eq w, standard)")
+      ->check(check_count);
+  app.add_option("--max-tests", arguments.max_tests, "Most tests of one equivalence query")
+      ->check(check_count);
   app.add_option("--max-experiments", arguments.max_experiments,
-                 "Most words run on the system in all; 0: no limit");
+                 "Most words run on the system in all; 0: no limit")
+      ->check(check_count);
   app.add_option("--time", arguments.time_limit, "Most seconds; then the last hypothesis is kept")
-      ->check(CLI::Range(0.001, 1e8));
+      ->check(check_seconds);
 }
 
 }  // namespace

@@ -154,6 +154,7 @@ int report(const std::string& message, ExitStatus status, bool json) {
 CLI::Option* add_seed_option(CLI::App& app, std::uint64_t& seed) {
   return app
       .add_option("--seed", seed, "Seed of everything random; the same seed gives the same run")
+      ->check(check_count)
       ->type_name("N");
 }
 

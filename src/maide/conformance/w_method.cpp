@@ -47,6 +47,9 @@ WSuite::WSuite(const Mealy& hypothesis, std::size_t extra_states)
 std::uint64_t WSuite::size_up_to(std::size_t extra_states) const {
   std::uint64_t total = cover_.size();
   std::uint64_t level = transitions_.size();
+  if (inputs_ == 1) {  // every level has as many
+    return multiply(add(total, multiply(level, add(extra_states, 1))), characterising_.size());
+  }
   for (std::size_t i = 0; i <= extra_states && level != 0; ++i) {
     total = add(total, level);
     if (total == saturated) break;
@@ -76,7 +79,7 @@ bool WSuite::advance() {
   }
   if (++base_ < (level_ == 0 ? cover_ : transitions_).size()) return true;
   base_ = 0;
-  if (level_++ == extra_states_ + 1 || transitions_.empty()) return false;
+  if (level_++ > extra_states_ || transitions_.empty()) return false;
   infix_.assign(level_ - 1, 0);
   return true;
 }
@@ -93,8 +96,11 @@ std::optional<Word> WMethod::find_counterexample(const Mealy& hypothesis,
   const std::uint64_t tests = runner_.last_tests();
   guarantee_ = fmt::format("not refuted by {} tests of the W-method", tests);
   std::optional<std::size_t> complete_for;
+  // The sizes grow, or there is nothing to test.
   for (std::size_t extra = 0; extra <= options_.extra_states; ++extra) {
-    if (suite.size_up_to(extra) <= tests) complete_for = extra;
+    if (suite.size_up_to(extra) > tests) break;
+    complete_for = extra;
+    if (extra == tests) break;
   }
   if (complete_for) {
     guarantee_ +=

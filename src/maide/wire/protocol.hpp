@@ -24,6 +24,8 @@ namespace maide::protocol {
 inline constexpr int version = 1;
 // A longer line is nonsense: the connection ends.
 inline constexpr std::size_t max_line = std::size_t{4} << 20;
+// A step with more events is nonsense, too: nobody reads such a model.
+inline constexpr std::size_t max_events = 1000;
 // How Delta, the extra input of the av translation, is called in queries.
 inline constexpr const char* delta = "Delta";
 

@@ -251,6 +251,10 @@ Event decode_event(const Json& json, const SulInfo& info, bool open_outputs) {
       throw ProtocolError(fmt::format("unknown event '{}'", excerpt(event.output)));
     }
     check_output_name(event.output);
+    if (is_reserved_output(event.output)) {
+      throw ProtocolError(
+          fmt::format("event '{}' has a name with a meaning of its own", event.output));
+    }
     return event;
   }
   if (json.is_string()) event.actor = known->actor;
@@ -265,7 +269,12 @@ Event decode_event(const Json& json, const SulInfo& info, bool open_outputs) {
 SulStep decode_step(const Json& json, const SulInfo& info, bool open_outputs) {
   SulStep step;
   step.status = find_name(text_member(json, "status", "taken"), "status", status_names);
-  for (const Json& event : list_member(json, "events")) {
+  const Json& events = list_member(json, "events");
+  if (events.size() > max_events) {
+    throw ProtocolError(
+        fmt::format("a step has {} events, more than {}", events.size(), max_events));
+  }
+  for (const Json& event : events) {
     step.events.push_back(decode_event(event, info, open_outputs));
   }
   const bool has_events = !step.events.empty();

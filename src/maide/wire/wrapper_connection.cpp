@@ -87,7 +87,13 @@ void WrapperConnection::transfer(std::chrono::milliseconds limit) {
                                    pollfd{child_ ? child_->errors.get() : -1, POLLIN, 0},
                                    pollfd{-1, POLLOUT, 0}};
   if (wants_to_write != 0) waiting[2].fd = write_descriptor();
-  if (::poll(waiting.data(), waiting.size(), static_cast<int>(limit.count())) <= 0) return;
+  if (::poll(waiting.data(), waiting.size(), static_cast<int>(limit.count())) <= 0) {
+    // What the wrapper started may hold its output open longer than it lives. What it said itself
+    // has been read if nothing was there after it was seen to have ended.
+    if (child_gone_) ended_ = true;
+    child_gone_ = child_ && child_->wait(std::chrono::milliseconds(0));
+    return;
+  }
   if (waiting[1].revents != 0) child_->collect_errors();
   if (waiting[2].revents != 0) flush();
   if (waiting[0].revents == 0) return;

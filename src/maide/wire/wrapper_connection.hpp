@@ -72,7 +72,8 @@ class WrapperConnection {
   Descriptor socket_;
   LineSplitter lines_;
   std::string outgoing_;
-  bool ended_ = false;  // nothing more will be read
+  bool ended_ = false;       // nothing more will be read
+  bool child_gone_ = false;  // the wrapper's process has ended
 };
 
 }  // namespace maide

@@ -257,6 +257,7 @@ void WrapperProxy::take_line(Batch& batch, const std::string& line) {
   if (auto* answer = std::get_if<protocol::Answer>(&message)) {
     take_answer(batch, std::move(*answer));
   } else if (const auto* leaving = std::get_if<protocol::Leaving>(&message)) {
+    if (batch.leaving) throw protocol::ProtocolError("'leaving' came twice");
     batch.leaving = true;
     batch.leaving_reason = leaving->reason;
   } else if (const auto* error = std::get_if<protocol::ErrorReport>(&message)) {

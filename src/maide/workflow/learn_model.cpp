@@ -1,5 +1,6 @@
 #include "maide/workflow/learn_model.hpp"
 
+#include <exception>
 #include <utility>
 
 #include "maide/automata/minimize.hpp"
@@ -8,15 +9,18 @@
 namespace maide {
 namespace {
 
-// What the machine stands for. A hypothesis of an unfinished run may stand for nothing yet.
-Model to_model(const Mealy& machine, const IaTranslator& translator, bool is_complete) {
+// What the machine stands for. A hypothesis of an unfinished run may stand for nothing yet; that of
+// a finished one shows a wrapper that breaks the rules, which is `error` then.
+Model to_model(const Mealy& machine, const IaTranslator& translator, std::exception_ptr& error) {
   if (!translator.info().has_actors) return machine;
   try {
     InterfaceAutomaton automaton = translator.to_interface_automaton(machine);
     automaton.origin["translation"] = to_string(translator.translation());
     return automaton;
-  } catch (const UsageError&) {
-    if (is_complete) throw;
+  } catch (const UsageError& failure) {
+    if (!error) {
+      error = std::make_exception_ptr(WrapperError(failure.what(), translator.info().name));
+    }
     return machine;
   }
 }
@@ -49,7 +53,7 @@ LearnedModel learn_model(Sul& sul, Translation translation, const ExperimentOpti
   machine.origin.emplace("sul", sul.info().name);
   if (!learned.experiment.is_complete()) machine.origin["incomplete"] = "the run ended early";
   learned.mealy_states = machine.size();
-  learned.model = to_model(machine, translator, learned.experiment.is_complete());
+  learned.model = to_model(machine, translator, learned.experiment.error);
   return learned;
 }
 

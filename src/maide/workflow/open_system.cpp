@@ -22,12 +22,7 @@ std::string text_version(const std::string& path) {
   return fmt::format("{:016x}", hash_text(read_file(path)));
 }
 
-OpenedSystem open_simulation(const SystemSpec& spec, const SystemAccess& access) {
-  if (!spec.options.empty()) {
-    throw UsageError("unknown option '" + spec.options.begin()->first +
-                     "': a simulated model has none (" + spec.text + ")");
-  }
-  Model model = read_model(spec.target);
+OpenedSystem simulate(Model model, const SystemSpec& spec, const SystemAccess& access) {
   if (const auto* machine = std::get_if<Mealy>(&model); machine != nullptr && access.translation) {
     model = to_interface_automaton(*machine, Translation::eager, machine->actors);
   }
@@ -38,6 +33,19 @@ OpenedSystem open_simulation(const SystemSpec& spec, const SystemAccess& access)
   opened.reference = simulated->reference(access.translation.value_or(Translation::eager));
   opened.sul = std::move(simulated);
   return opened;
+}
+
+OpenedSystem open_simulation(const SystemSpec& spec, const SystemAccess& access) {
+  if (!spec.options.empty()) {
+    throw UsageError("unknown option '" + spec.options.begin()->first +
+                     "': a simulated model has none (" + spec.text + ")");
+  }
+  Model model = read_model(spec.target);
+  try {
+    return simulate(std::move(model), spec, access);
+  } catch (const UsageError& error) {
+    throw UsageError(fmt::format("{} ({})", error.what(), spec.target));
+  }
 }
 
 WrapperEndpoint endpoint_of(const SystemSpec& spec, const SystemAccess& access) {

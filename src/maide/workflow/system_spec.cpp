@@ -37,6 +37,7 @@ void parse_target(SystemSpec& spec) {
 }  // namespace
 
 SystemSpec parse_system_spec(const std::string& sul, std::span<const std::string> key_values) {
+  if (sul.empty()) throw UsageError("the system's name is empty");
   SystemSpec spec;
   spec.text = sul;
   parse_target(spec);

@@ -89,6 +89,18 @@ TEST(File, SaysWhyItCannotWrite) {
               HasSubstr("No space left on device (/dev/full)"));
 }
 
+TEST(File, ForeseesWhatCannotBeWritten) {
+  const TempDir folder;
+  for (const fs::path& path : {folder.path() / "no" / "a", folder.path(), fs::path("")}) {
+    EXPECT_EQ(message_of([&] { check_can_write(path); }),
+              message_of([&] { write_file_atomically(path, "1"); }));
+  }
+  EXPECT_NO_THROW(check_can_write(folder.path() / "new"));
+  EXPECT_FALSE(fs::exists(folder.path() / "new"));
+  EXPECT_NO_THROW(check_can_write("in-the-current-folder"));
+  EXPECT_NO_THROW(check_can_write("/dev/full"));
+}
+
 TEST(File, WritesIntoDevices) { EXPECT_NO_THROW(write_file_atomically("/dev/null", "1")); }
 
 TEST(TempDir, IsGoneWithItsContent) {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <limits>
 #include <set>
 
 #include "maide/automata/compare.hpp"
@@ -106,6 +107,20 @@ Mealy counting_machine() {
     machine.set_transition(state, 1, 0, state);
   }
   return machine;
+}
+
+// Sizes of suites nobody could count: known at once, and what was tested is what is claimed.
+TEST(WMethod, AnyNumberOfExtraStatesIsANumber) {
+  constexpr std::size_t most = std::numeric_limits<std::size_t>::max();
+  const Mealy machine = counting_machine();
+  MealyOracle oracle(machine);
+  WMethod cut(oracle, {.extra_states = most, .runner = {.max_tests = 1000}});
+  EXPECT_FALSE(cut.find_counterexample(machine));
+  EXPECT_NE(cut.guarantee().find("not refuted by 1000 tests"), std::string::npos);
+  Mealy one({"a"}, {"0"}, 1);
+  one.set_transition(0, 0, 0, 0);
+  EXPECT_EQ(WSuite(one, 3).size_up_to(3), 1U + 4U);
+  EXPECT_EQ(WSuite(one, most).size_up_to(most), most);
 }
 
 TEST(WMethod, SaysWhatItEstablishes) {
