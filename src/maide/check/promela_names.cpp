@@ -15,7 +15,7 @@ bool is_digit(char c) { return c >= '0' && c <= '9'; }
 std::vector<std::string_view> reserved_words() {
   const auto promela = promela_reserved();
   std::vector<std::string_view> words(promela.begin(), promela.end());
-  words.insert(words.end(), {"InChannel", "OutChannel", "quiet", "event", "cut"});
+  words.insert(words.end(), {"InChannel", "OutChannel", "quiet", "event", "cut", "idling"});
   words.insert(words.end(), {"and", "or", "not", "next", "strong", "cond_expr", "R"});
   words.insert(words.end(), {"const", "define", "ifdef", "include"});
   return words;

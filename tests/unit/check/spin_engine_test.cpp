@@ -124,15 +124,22 @@ TEST(SpinEngine, AKeywordOfPromelaMayNameAnInput) {
   System system;
   ModelInstance model;
   model.name = "m";
-  model.automaton = InterfaceAutomaton({"D_proctype", "proctype"}, {}, 1);
-  model.automaton.add_transition(0, {Action::Kind::input, 0}, 0);
-  model.automaton.add_transition(0, {Action::Kind::input, 1}, 0);
+  model.automaton = InterfaceAutomaton({"D_proctype", "proctype", "idling"}, {}, 1);
+  for (Symbol input = 0; input < 3; ++input) {
+    model.automaton.add_transition(0, {Action::Kind::input, input}, 0);
+  }
   system.models.push_back(model);
-  const std::string text = "m.D_proctype; m.proctype;";
+  const std::string text = "m.D_proctype; m.proctype; m.idling;";
   const auto interfaces = system.interfaces();
   system.programs.push_back(
       parse_program("p", ScalarText(text, text, {"system.yaml", 1, 1}), interfaces));
   EXPECT_EQ(check(system, test::deadlock_property()).verdict, Verdict::holds);
+  Property ends;
+  ends.name = "ends";
+  const std::string formula = "F p@end";
+  ends.formula = parse_formula(ScalarText(formula, formula, {"system.yaml", 1, 1}),
+                               {system.programs, interfaces});
+  EXPECT_EQ(check(system, ends).verdict, Verdict::holds);
 }
 
 // Whatever happens while a shorter counterexample is looked for, the one that is there is true.
