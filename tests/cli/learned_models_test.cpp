@@ -55,6 +55,26 @@ TEST(LearnedModels, AreLearnedOnceAndKeptBesideTheSystem) {
   EXPECT_EQ(kept_models(folder), 2U);
 }
 
+TEST(LearnedModels, AreLearnedAgainWhenTheSystemIsAnother) {
+  const TempDir folder("check-test");
+  const std::string file = (folder.path() / "system.yaml").string();
+  const auto write_model = [&](const std::string& label) {
+    write_file_atomically(folder.path() / "model.dot",
+                          "digraph g { __start0 -> a; a -> b [label=\"?read\"]; "
+                          "b -> a [label=\"!" +
+                              label + "\"]; }");
+  };
+  write_file_atomically(file,
+                        "models:\n  via: {learn: \"sim:model.dot\"}\n"
+                        "programs:\n  reader: |\n    via.read -> message;\n");
+  write_model("message");
+  EXPECT_EQ(run_maide({"check", file, "--property", "deadlock", "-q"}).exit_status, 0);
+  write_model("other");
+  const SubprocessResult changed = run_maide({"check", file, "--property", "deadlock", "-q"});
+  EXPECT_EQ(changed.exit_status, 2);
+  EXPECT_THAT(changed.err, HasSubstr("message"));
+}
+
 TEST(LearnedModels, FailWithThePlaceThatAsksForThem) {
   const TempDir folder("check-test");
   const std::string file = write_system(folder, "round");

@@ -121,6 +121,19 @@ std::string IaTranslator::describe_end(const MealyAnswer& answer) const {
   }
 }
 
+Origin describe_origin(const SulInfo& info) {
+  Origin origin;
+  origin["sul"] = info.name;
+  for (const auto& [key, value] : info.options) origin["sul"] += " " + key + "=" + value;
+  if (!info.bound.empty()) origin["bound"] = info.bound;
+  std::string versions;
+  for (const auto& [what, version] : info.versions) {
+    versions += (versions.empty() ? "" : ", ") + what + " " + version;
+  }
+  if (!versions.empty()) origin["versions"] = versions;
+  return origin;
+}
+
 InterfaceAutomaton IaTranslator::to_interface_automaton(const Mealy& machine) const {
   const SulInfo& its = info();
   std::vector<Actor> actors;
@@ -135,14 +148,7 @@ InterfaceAutomaton IaTranslator::to_interface_automaton(const Mealy& machine) co
   }
   InterfaceAutomaton automaton = maide::to_interface_automaton(machine, translation_, actors);
   automaton.hidden_returns = find_hidden_returns(machine, translation_, its);
-  automaton.origin["sul"] = its.name;
-  for (const auto& [key, value] : its.options) automaton.origin["sul"] += " " + key + "=" + value;
-  if (!its.bound.empty()) automaton.origin["bound"] = its.bound;
-  std::string versions;
-  for (const auto& [what, version] : its.versions) {
-    versions += (versions.empty() ? "" : ", ") + what + " " + version;
-  }
-  if (!versions.empty()) automaton.origin["versions"] = versions;
+  for (const auto& [key, value] : describe_origin(its)) automaton.origin[key] = value;
   return automaton;
 }
 

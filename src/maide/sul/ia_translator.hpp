@@ -25,6 +25,10 @@ struct MealyAnswer {
   std::chrono::microseconds system_duration{0};  // time in the steps, the reset not included
 };
 
+// What a model learned from the system says of where it came from: "sul" (name and options),
+// "versions", and "bound" where there is one.
+Origin describe_origin(const SulInfo& info);
+
 class IaTranslator {
  public:
   // Keeps a reference to `sul`. Throws UsageError if the system cannot be learned in this

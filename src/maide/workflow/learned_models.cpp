@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <optional>
 #include <sstream>
 #include <system_error>
 #include <utility>
@@ -25,22 +26,47 @@ std::string describe(const ModelRequest& request) {
   return text;
 }
 
-InterfaceAutomaton learn(const ModelRequest& request, const RunControl& control) {
+OpenedSystem open(const ModelRequest& request, const LearnedModelsOptions& options) {
   std::vector<std::string> key_values;
   for (const auto& [key, value] : request.with) key_values.push_back(key + "=" + value);
-  const SystemSpec spec = parse_system_spec(request.learn, key_values);
+  SystemSpec spec = parse_system_spec(request.learn, key_values);
+  if (spec.kind == SystemSpec::Kind::simulated) {
+    spec.target = (options.folder / spec.target).string();  // like every file that is named there
+  }
   SystemAccess access;
   access.translation = Translation::eager;
-  const OpenedSystem system = open_system(spec, access, control);
-  const LearnedModel learned = learn_model(*system.sul, Translation::eager, {}, control);
+  return open_system(spec, access, options.control);
+}
+
+InterfaceAutomaton learn(const ModelRequest& request, Sul& system, const RunControl& control) {
+  const LearnedModel learned = learn_model(system, Translation::eager, {}, control);
   if (!learned.experiment.is_complete()) std::rethrow_exception(learned.experiment.error);
   const auto* automaton = std::get_if<InterfaceAutomaton>(&*learned.model);
   if (automaton == nullptr) {
     throw UsageError("'" + request.learn +
-                     "' is a plain Mealy machine, and programs meet interface "
-                     "automata");
+                     "' is a plain Mealy machine, and programs meet interface automata");
   }
   return *automaton;
+}
+
+// The kept model, if it was learned from this very system: name, options, versions, bound.
+std::optional<InterfaceAutomaton> read_kept(const std::filesystem::path& file,
+                                            const SulInfo& system) {
+  if (!std::filesystem::exists(file)) return std::nullopt;
+  InterfaceAutomaton automaton = read_interface_automaton(file);
+  for (const auto& [key, value] : describe_origin(system)) {
+    const auto kept = automaton.origin.find(key);
+    if (kept == automaton.origin.end() || kept->second != value) return std::nullopt;
+  }
+  return automaton;
+}
+
+void keep(const std::filesystem::path& file, const InterfaceAutomaton& automaton) {
+  std::error_code failure;  // the write that follows says it better
+  std::filesystem::create_directories(file.parent_path(), failure);
+  std::ostringstream text;
+  write_dot(text, automaton);
+  write_file_atomically(file, text.str());
 }
 
 }  // namespace
@@ -64,18 +90,15 @@ ModelSource make_learning_source(LearnedModelsOptions options) {
     const auto note = [&](const std::string& line) {
       if (options.note) options.note(line);
     };
-    if (std::filesystem::exists(kept)) {
-      note(fmt::format("{}: learned before ({})", request.instance, kept.string()));
-      return read_interface_automaton(kept);
-    }
-    note(fmt::format("{}: learning {}", request.instance, describe(request)));
     try {
-      const InterfaceAutomaton automaton = learn(request, options.control);
-      std::error_code failure;  // the write that follows says it better
-      std::filesystem::create_directories(kept.parent_path(), failure);
-      std::ostringstream text;
-      write_dot(text, automaton);
-      write_file_atomically(kept, text.str());
+      const OpenedSystem system = open(request, options);
+      if (const auto before = read_kept(kept, system.sul->info())) {
+        note(fmt::format("{}: learned before ({})", request.instance, kept.string()));
+        return *before;
+      }
+      note(fmt::format("{}: learning {}", request.instance, describe(request)));
+      const InterfaceAutomaton automaton = learn(request, *system.sul, options.control);
+      keep(kept, automaton);
       return automaton;
     } catch (const Error& error) {
       throw Error(error.status(), fmt::format("model {}: {} ({})", request.instance, error.what(),

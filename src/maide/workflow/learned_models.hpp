@@ -20,8 +20,9 @@ struct LearnedModelsOptions {
   RunControl control;
 };
 
-// Reads models that are files, reads kept models, and learns the others with the defaults of
-// `maide learn`. What goes wrong is an Error with its exit status and the place that asks for it.
+// Reads models that are files, reads kept models that were learned from the same system (options
+// and versions; it is opened to see), and learns the others with the defaults of `maide learn`.
+// What goes wrong is an Error with its exit status and the place that asks for it.
 ModelSource make_learning_source(LearnedModelsOptions options);
 
 // Where the model of a request is kept: the system, its options, and a hash of both.
