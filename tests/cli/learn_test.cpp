@@ -96,6 +96,7 @@ TEST(Learn, JsonHasWhatTheDesignNames) {
   }
   EXPECT_EQ(json.at("translation"), "eager");
   EXPECT_TRUE(json.at("model").is_null());
+  EXPECT_TRUE(json.at("dot").get<std::string>().starts_with("digraph "));
 }
 
 TEST(Learn, PrintsTheModelAloneOnStandardOutputWithoutAFile) {
@@ -197,6 +198,7 @@ TEST(Learn, LimitsEndInconclusive) {
 TEST(Learn, RefusesWhatItCannotUseInOneLine) {
   expect_error(run_maide(learn({"nothing-here"})), 2, "nothing-here");
   expect_error(run_maide(learn({""})), 2, "the system's name is empty");
+  expect_error(run_maide(learn({"prot"})), 2, "did you mean 'port'");
   expect_error(run_maide(learn({"udp://1"})), 2, "udp://1");
   expect_error(run_maide(learn({"port", "--time", "1e300"})), 2, "--time");
   expect_error(run_maide(learn({"port", "kind=round"})), 2, "round");

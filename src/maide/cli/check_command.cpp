@@ -109,6 +109,10 @@ void write_report_file(const std::string& path, const System& system, const Chec
 }
 
 ExitStatus run_check(const CheckArguments& arguments, Context& context) {
+  if (!arguments.report.empty() && !arguments.report.ends_with(".html") &&
+      !arguments.report.ends_with(".svg")) {
+    throw UsageError("a report's name ends in .html or .svg (" + arguments.report + ")");
+  }
   const std::unique_ptr<Engine> engine = make_engine(arguments.engine);
   const ModelSource models =
       make_learning_source({std::filesystem::path(arguments.system).parent_path(),

@@ -177,7 +177,9 @@ ExitStatus give_result(const LearnedModel& learned, const SystemSpec& spec, cons
   } else {
     context.print(summary);
   }
-  context.set_result(as_json(learned, written));
+  Json result = as_json(learned, written);
+  if (written.empty() && !dot.empty()) result["dot"] = dot;
+  context.set_result(result);
   return ExitStatus::ok;
 }
 

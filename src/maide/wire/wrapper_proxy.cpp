@@ -133,6 +133,8 @@ protocol::FromWrapper WrapperProxy::await_reply(const RunControl& control, const
 void WrapperProxy::connect(const RunControl& control) {
   protocol::Hello hello;
   connection_ = open_connection(endpoint_, settings_, control, hello);
+  // A wrapper that lists its options need not check them itself.
+  if (!hello.options.empty()) OptionValues(hello.options, options_);
   connection_->send(protocol::encode(protocol::Configure{options_}));
   auto message = await_reply(control, "answer to the options");
   auto* reply = std::get_if<protocol::Info>(&message);

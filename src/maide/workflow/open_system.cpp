@@ -7,6 +7,7 @@
 #include "maide/base/error.hpp"
 #include "maide/base/file.hpp"
 #include "maide/base/hash.hpp"
+#include "maide/base/suggest.hpp"
 #include "maide/formats/model_file.hpp"
 #include "maide/sul/ia_translation.hpp"
 #include "maide/sul/simulated_sul.hpp"
@@ -59,8 +60,11 @@ WrapperEndpoint endpoint_of(const SystemSpec& spec, const SystemAccess& access) 
   }
   const auto program = find_wrapper(spec.target);
   if (!program) {
+    const std::string hint = std::filesystem::exists(spec.target)
+                                 ? "; a model is simulated as sim:" + spec.target
+                                 : did_you_mean(spec.target, list_wrappers());
     throw UsageError("unknown system '" + spec.target + "', or its wrapper maide-wrap-" +
-                     spec.target + " is not built here; " + describe_wrapper_search());
+                     spec.target + " is not built here; " + describe_wrapper_search() + hint);
   }
   return WrapperEndpoint::program({program->string()}, spec.target);
 }
