@@ -1,5 +1,6 @@
-// Ctrl-C and `kill` as a stop token. The first SIGINT or SIGTERM asks for a clean stop; a second
-// one ends the process at once (exit status 3).
+// Ctrl-C and `kill` as a stop token. The first SIGINT or SIGTERM asks for a clean stop; another one
+// ends the process at once (exit status 3), unless it comes within a quarter of a second:
+// timeout(1) signals the process and then its group, which is one request and not two.
 #pragma once
 
 #include <memory>

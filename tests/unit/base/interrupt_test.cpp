@@ -2,12 +2,15 @@
 #include "maide/base/interrupt.hpp"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
+#include <chrono>
 #include <condition_variable>
 #include <csignal>
 #include <mutex>
 #include <stdexcept>
 #include <stop_token>
+#include <thread>
 
 namespace maide {
 namespace {
@@ -49,10 +52,26 @@ TEST(InterruptDeathTest, TheSecondSignalEndsTheProcess) {
   EXPECT_EXIT(
       {
         const Interrupt interrupt;
-        std::raise(SIGINT);
-        std::raise(SIGINT);
+        while (true) {
+          std::raise(SIGINT);
+          std::this_thread::sleep_for(std::chrono::milliseconds(100));
+        }
       },
       testing::ExitedWithCode(3), "");
+}
+
+// As timeout(1) does: once for the process, once for its group.
+TEST(InterruptDeathTest, TwoSignalsAtOnceAreOneRequest) {
+  testing::GTEST_FLAG(death_test_style) = "threadsafe";
+  EXPECT_EXIT(
+      {
+        const Interrupt interrupt;
+        std::raise(SIGINT);
+        std::raise(SIGINT);
+        wait_for_stop(interrupt.token());
+        ::_exit(0);
+      },
+      testing::ExitedWithCode(0), "");
 }
 
 }  // namespace
