@@ -1,5 +1,7 @@
 #include "maide/conformance/standard_method.hpp"
 
+#include "maide/sul/ia_translation.hpp"
+
 namespace maide {
 
 StandardMethod::StandardMethod(OutputOracle& oracle, StandardMethodOptions options)
@@ -7,7 +9,8 @@ StandardMethod::StandardMethod(OutputOracle& oracle, StandardMethodOptions optio
       options_(options),
       random_words_(oracle, {.max_tests = options.random_tests,
                              .seed = options.seed,
-                             .batch_size = options.batch_size}) {}
+                             .batch_size = options.batch_size}),
+      random_walk_(oracle, {.seed = options.seed, .batch_size = options.batch_size}) {}
 
 std::optional<Word> StandardMethod::find_counterexample(const Mealy& hypothesis,
                                                         const RunControl& control) {
@@ -20,6 +23,11 @@ std::optional<Word> StandardMethod::find_counterexample(const Mealy& hypothesis,
   if (!counterexample && options_.random_tests > 0) {
     counterexample = random_words_.find_counterexample(hypothesis, control);
     guarantee_ += "; " + random_words_.guarantee();
+  }
+  const bool takes_delta = hypothesis.inputs().find(delta_input).has_value();
+  if (!counterexample && takes_delta && options_.random_tests > 0) {
+    counterexample = random_walk_.find_counterexample(hypothesis, control);
+    guarantee_ += "; " + random_walk_.guarantee();
   }
   return counterexample;
 }

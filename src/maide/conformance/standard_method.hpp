@@ -6,12 +6,17 @@
 // states and k inputs. Of the three extra states that are tried at most, that completes all three
 // for a queue of six messages, two for its av translation, one or two for 20 states and 5 inputs.
 // `guarantee()` says how far it came.
+//
+// The av translation spreads a step over several symbols, so the same difference lies deeper: there
+// a random walk follows. (A Cyclone DDS connection of 41 states was learned with 10 from 13 seeds
+// of 20 without it.)
 #pragma once
 
 #include <cstdint>
 #include <optional>
 #include <string>
 
+#include "maide/conformance/random_walk.hpp"
 #include "maide/conformance/random_words.hpp"
 #include "maide/conformance/w_method.hpp"
 #include "maide/learn/equivalence_oracle.hpp"
@@ -39,6 +44,7 @@ class StandardMethod : public EquivalenceOracle {
   OutputOracle& oracle_;
   StandardMethodOptions options_;
   RandomWords random_words_;
+  RandomWalk random_walk_;
   std::string guarantee_ = "not tested";
 };
 
