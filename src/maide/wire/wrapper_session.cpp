@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <exception>
+#include <mutex>
 #include <stdexcept>
 #include <utility>
+#include <vector>
 
 #include "maide/base/error.hpp"
 
@@ -218,10 +220,14 @@ SulAnswer WrapperSession::run(const SulQuery& query, const std::function<bool()>
   return answer;
 }
 
-// Its calls still use it, and the recorder, for as long as the process lives.
+// Its calls still use it, and the recorder, for as long as the process lives: never destroyed, but
+// still pointed to, so that it is no leak.
 void WrapperSession::leave_instance_behind() {
-  static_cast<void>(instance_.release());
-  static_cast<void>(new std::shared_ptr<StepRecorder>(recorder_));
+  static auto* left_behind =
+      new std::vector<std::pair<std::shared_ptr<StepRecorder>, std::unique_ptr<SystemInstance>>>();
+  static auto* mutex = new std::mutex();
+  const std::scoped_lock lock(*mutex);
+  left_behind->emplace_back(recorder_, std::move(instance_));
 }
 
 std::string WrapperSession::end_instance() {
