@@ -9,6 +9,7 @@
 #include <sys/prctl.h>
 #include <sys/syscall.h>
 #include <sys/wait.h>
+#include <unistd.h>
 
 #include <array>
 #include <cerrno>
@@ -18,6 +19,7 @@
 #include <future>
 #include <mutex>
 #include <stdexcept>
+#include <string_view>
 #include <system_error>
 #include <thread>
 
@@ -67,8 +69,8 @@ class Spawner {
 };
 
 // In the child: everything from fork to exec. Reports why it failed through `report`.
-[[noreturn]] void become(char* const* argv, const std::array<int, 3>& standard, int report,
-                         pid_t parent) {
+[[noreturn]] void become(char* const* argv, char* const* environment,
+                         const std::array<int, 3>& standard, int report, pid_t parent) {
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (::getppid() == parent) {
     ::setpgid(0, 0);
@@ -84,11 +86,24 @@ class Spawner {
     for (int i = 0; i < 3; ++i) ::dup2(moved[static_cast<std::size_t>(i)], i);
     // Whatever a library opened without asking for it.
     ::syscall(SYS_close_range, 3U, ~0U, CLOSE_RANGE_CLOEXEC);
-    ::execvp(argv[0], argv);
+    ::execvpe(argv[0], argv, environment);
     const int error = errno;
     static_cast<void>(!::write(report, &error, sizeof error));
   }
   ::_exit(127);
+}
+
+// This process's variables, those of `changes` set: NAME=value.
+std::vector<std::string> merge_environment(const std::map<std::string, std::string>& changes) {
+  std::vector<std::string> settings;
+  for (char** variable = environ; *variable != nullptr; ++variable) {
+    const std::string_view setting = *variable;
+    if (!changes.contains(std::string(setting.substr(0, setting.find('='))))) {
+      settings.emplace_back(setting);
+    }
+  }
+  for (const auto& [name, value] : changes) settings.push_back(name + "=" + value);
+  return settings;
 }
 
 void set_nonblocking(const Descriptor& descriptor) {
@@ -97,17 +112,22 @@ void set_nonblocking(const Descriptor& descriptor) {
 
 }  // namespace
 
-ChildProcess::ChildProcess(const std::vector<std::string>& argv) {
+ChildProcess::ChildProcess(const std::vector<std::string>& argv,
+                           const std::map<std::string, std::string>& environment) {
   if (argv.empty()) throw std::runtime_error("no program to start");
   Pipe to_child, from_child, child_errors, report;
   std::vector<char*> words;
   for (const std::string& word : argv) words.push_back(const_cast<char*>(word.c_str()));
   words.push_back(nullptr);
+  std::vector<std::string> settings = merge_environment(environment);
+  std::vector<char*> variables;
+  for (std::string& setting : settings) variables.push_back(setting.data());
+  variables.push_back(nullptr);
   const pid_t self = ::getpid();
   id_ = Spawner::instance().run([&] {
     const pid_t child = ::fork();
     if (child == 0) {
-      become(words.data(),
+      become(words.data(), variables.data(),
              {to_child.read_end.get(), from_child.write_end.get(), child_errors.write_end.get()},
              report.write_end.get(), self);
     }

@@ -7,6 +7,7 @@
 #include <sys/types.h>
 
 #include <chrono>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -18,7 +19,9 @@ class ChildProcess {
  public:
   // `argv[0]` is found on PATH unless it has a '/'. Throws std::runtime_error, in a few words, if
   // it cannot be started.
-  explicit ChildProcess(const std::vector<std::string>& argv);
+  // `environment`: variables set for it, beside those of this process.
+  explicit ChildProcess(const std::vector<std::string>& argv,
+                        const std::map<std::string, std::string>& environment = {});
   // Kills what is left of it.
   ~ChildProcess();
   ChildProcess(const ChildProcess&) = delete;

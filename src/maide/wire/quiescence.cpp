@@ -45,6 +45,12 @@ void Quiescence::ignore_socket(int descriptor) {
   if (scans_) scans_->sockets.ignore(descriptor);
 }
 
+void Quiescence::watch_process(pid_t process) {
+  if (!scans_) return;
+  scans_->threads.watch_process(process);
+  scans_->sockets.watch_process(process);
+}
+
 bool Quiescence::observe(const std::function<bool()>& polls_in_vain) {
   const bool polls = polls_in_vain();
   if (!scans_->threads.begin(polls)) return false;

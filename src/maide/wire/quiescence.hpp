@@ -1,12 +1,14 @@
 // When has a step ended? When the system under learning does nothing more of its own accord: every
-// thread of the process asleep at one instant, no bytes on their way in its sockets, and the floor
-// passed that the wrapper declares for its protocol's timers, which nobody can observe. Where even
-// that does not fit (a middleware that polls), a fixed delay remains. Observation is not a guess,
-// so the machine's load makes it slower, never wrong; a fixed delay is wrong under load.
+// thread of its processes asleep at one instant, no bytes on their way in its sockets, and the
+// floor passed that the wrapper declares for its protocol's timers, which nobody can observe. Where
+// even that does not fit (a middleware that polls), a fixed delay remains. Observation is not a
+// guess, so the machine's load makes it slower, never wrong; a fixed delay is wrong under load.
 //
 // Invariant of an observed verdict: there was an instant, after the input and after the last event,
 // at which no thread of the system ran or was about to.
 #pragma once
+
+#include <sys/types.h>
 
 #include <chrono>
 #include <cstdint>
@@ -33,6 +35,9 @@ class Quiescence {
 
   // The SDK's own socket, not the system's.
   void ignore_socket(int descriptor);
+
+  // Another process that belongs to the system: a child of this one.
+  void watch_process(pid_t process);
 
   // Blocks until quiescence, the limit, or `is_aborted`. `last_event` is asked for the time of the
   // last event (any time in the past if there was none). The input has just been given. A thread in

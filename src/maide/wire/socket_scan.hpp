@@ -1,9 +1,13 @@
-// What is on its way in the sockets of this process. A thread that waits for a socket is woken when
-// bytes arrive, so threads asleep say nothing about bytes that have not arrived yet: those that TCP
-// has sent and that are not acknowledged. Bytes that arrived and that nobody waits for are at rest.
+// What is on its way in the sockets of the system's processes. A thread that waits for a socket is
+// woken when bytes arrive, so threads asleep say nothing about bytes that have not arrived yet:
+// those that TCP has sent and that are not acknowledged. Bytes that arrived and that nobody waits
+// for are at rest.
 #pragma once
 
+#include <sys/types.h>
+
 #include <chrono>
+#include <memory>
 #include <vector>
 
 namespace maide {
@@ -11,12 +15,13 @@ namespace maide {
 // One picture of the sockets; two that are equal show that nothing moved in between.
 struct SocketPicture {
   struct Socket {
+    pid_t process = 0;  // 0: this one
     int descriptor = 0;
     int unread = 0;   // bytes received and not read (of a datagram socket: the next datagram's)
     int unacked = 0;  // bytes written and not acknowledged (local sockets: not read)
     bool operator==(const Socket&) const = default;
   };
-  std::vector<Socket> sockets;  // by descriptor
+  std::vector<Socket> sockets;  // this process's first, by descriptor
   bool in_flight = false;       // some TCP connection has bytes unacknowledged
   bool operator==(const SocketPicture&) const = default;
 };
@@ -31,7 +36,11 @@ class SocketScan {
   // Leaves a socket of the SDK's own out.
   void ignore(int descriptor) { ignored_.push_back(descriptor); }
 
-  // One system call a descriptor, three more a socket.
+  // The sockets of that process too, where the kernel lets us look (Linux 5.6, and the right to
+  // trace it: a child's is given as a rule); false where it does not.
+  bool watch_process(pid_t process);
+
+  // One system call a descriptor, three more a socket; two more for a socket of another process.
   void take(SocketPicture& picture);
 
   // Nothing is on its way: `picture` has no bytes in flight, or they have not moved for so long
@@ -40,7 +49,8 @@ class SocketScan {
   static constexpr std::chrono::milliseconds patience{60};
 
  private:
-  void* directory_;  // DIR* of /proc/self/fd
+  struct Process;
+  std::vector<std::unique_ptr<Process>> processes_;  // this one first
   std::vector<int> ignored_;
   SocketPicture stalled_;  // the last picture with bytes in flight, and since when it is the same
   std::chrono::steady_clock::time_point stalled_since_;

@@ -11,6 +11,8 @@
 //   }
 #pragma once
 
+#include <sys/types.h>
+
 #include <chrono>
 #include <cstdint>
 #include <map>
@@ -66,6 +68,10 @@ struct SystemSetup {
   std::optional<InFlight> in_flight;      // set it if the table has `size`
   std::vector<LearningPurpose> purposes;  // further ones
   std::string bound;                      // of the further ones, in words
+  // Other processes that belong to the system: children that configure() started (ServiceProcess: a
+  // broker, a name server). Quiescence watches them too; when one dies the wrapper ends and the
+  // client starts it anew.
+  std::vector<pid_t> processes;
 };
 
 // Where an instance reports what happens. Any thread may call these, from within a call or a

@@ -79,7 +79,11 @@ Descriptor open_file(const std::string& path) {
   return Descriptor(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
 }
 
-std::string folder_of(pid_t thread) { return "/proc/self/task/" + std::to_string(thread); }
+// Thread numbers are unique among all processes, and a thread's folder is there under its own.
+std::string folder_of(pid_t thread) {
+  const std::string number = std::to_string(thread);
+  return "/proc/" + number + "/task/" + number;
+}
 
 // The last of the three numbers of schedstat: how often the thread was put on a CPU; -1 if gone.
 std::int64_t parse_run_count(std::string_view text) {
@@ -129,26 +133,49 @@ struct ThreadScan::Entry {
   std::int64_t runs = -1;
 };
 
-ThreadScan::ThreadScan() : directory_(::opendir("/proc/self/task")) {
+// The folder that lists its threads, kept open.
+struct ThreadScan::Process {
+  explicit Process(const std::string& folder) : directory(::opendir(folder.c_str())) {}
+  ~Process() {
+    if (directory != nullptr) ::closedir(directory);
+  }
+  Process(const Process&) = delete;
+  Process& operator=(const Process&) = delete;
+  DIR* directory;
+};
+
+ThreadScan::ThreadScan() {
+  processes_.push_back(std::make_unique<Process>("/proc/self/task"));
   Buffer buffer;
   const Entry self(this_thread_id(), folder_of(this_thread_id()));
   shows_syscall_ = !read_text(self.syscall.get(), buffer).empty();
-  if (directory_ == nullptr || parse_run_count(read_text(self.schedstat.get(), buffer)) < 0) {
-    if (directory_ != nullptr) ::closedir(static_cast<DIR*>(directory_));
+  if (processes_.front()->directory == nullptr ||
+      parse_run_count(read_text(self.schedstat.get(), buffer)) < 0) {
     throw UsageError(
         "this kernel does not show when threads run (/proc/self/task/*/schedstat); "
         "give a fixed delay, quiescence=<ms>");
   }
 }
 
-ThreadScan::~ThreadScan() { ::closedir(static_cast<DIR*>(directory_)); }
+ThreadScan::~ThreadScan() = default;
 
-void ThreadScan::list_threads(std::vector<pid_t>& threads) {
+void ThreadScan::watch_process(pid_t process) {
+  processes_.push_back(std::make_unique<Process>("/proc/" + std::to_string(process) + "/task"));
+}
+
+// False if a process is gone.
+bool ThreadScan::list_threads(std::vector<pid_t>& threads) {
   threads.clear();
-  ::rewinddir(static_cast<DIR*>(directory_));
-  while (const dirent* entry = ::readdir(static_cast<DIR*>(directory_))) {
-    const pid_t thread = std::atoi(entry->d_name);
-    if (thread > 0) threads.push_back(thread);
+  bool all_there = true;
+  for (const auto& process : processes_) {
+    if (process->directory == nullptr) return false;
+    const std::size_t before = threads.size();
+    ::rewinddir(process->directory);
+    while (const dirent* entry = ::readdir(process->directory)) {
+      const pid_t thread = std::atoi(entry->d_name);
+      if (thread > 0) threads.push_back(thread);
+    }
+    all_there = all_there && threads.size() > before;
   }
   std::erase(threads, this_thread_id());
   const std::scoped_lock lock(excluded().mutex);
@@ -156,6 +183,7 @@ void ThreadScan::list_threads(std::vector<pid_t>& threads) {
     const auto& own = excluded().threads;
     return std::find(own.begin(), own.end(), thread) != own.end();
   });
+  return all_there;
 }
 
 ThreadScan::Entry* ThreadScan::find(pid_t thread) {
@@ -166,7 +194,7 @@ ThreadScan::Entry* ThreadScan::find(pid_t thread) {
 }
 
 bool ThreadScan::begin(bool timed_sleep_is_rest) {
-  list_threads(threads_);
+  if (!list_threads(threads_)) return false;
   std::erase_if(entries_, [this](const auto& entry) {
     return std::find(threads_.begin(), threads_.end(), entry->thread) == threads_.end();
   });
@@ -197,8 +225,7 @@ bool ThreadScan::end() {
     if (parse_state(read_text(entry->stat.get(), buffer)) != 'S') return false;
     if (parse_run_count(read_text(entry->schedstat.get(), buffer)) != entry->runs) return false;
   }
-  list_threads(again_);
-  return threads_ == again_;
+  return list_threads(again_) && threads_ == again_;
 }
 
 }  // namespace maide

@@ -245,6 +245,8 @@ void WrapperServer::run(const protocol::Run& message, std::uint64_t number) {
       answer.answer = session_.run(message.query, is_cancelled);
     }
     send(protocol::encode(answer, session_.info(), message.query));
+  } catch (const SystemProcessEnded& ended) {
+    leave(ended.what());
   } catch (const std::exception& error) {
     send_error(protocol::ErrorCode::system, error.what(), message.id);
   }

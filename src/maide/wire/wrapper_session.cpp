@@ -1,11 +1,15 @@
 #include "maide/wire/wrapper_session.hpp"
 
 #include <fmt/format.h>
+#include <sys/wait.h>
 
 #include <algorithm>
+#include <csignal>
+#include <cstring>
 #include <exception>
 #include <mutex>
 #include <stdexcept>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -45,8 +49,9 @@ class WrapperSession::Stepper : public SteppedSystem {
     start_call(input);
     StepRecorder& recorder = *session_.recorder_;
     const Quiescence::Verdict verdict =
-        session_.quiescence_->wait([&] { return recorder.last_event(); }, is_aborted_,
+        session_.quiescence_->wait([&] { return recorder.last_event(); }, [&] { return is_over(); },
                                    [&] { return session_.instance_->polls_in_vain(); });
+    session_.check_processes();
     step.duration = since(start);
     step.events = recorder.take_events();
     for (std::uint32_t actor = 0; actor < session_.actors_.size(); ++actor) {
@@ -65,6 +70,11 @@ class WrapperSession::Stepper : public SteppedSystem {
   }
 
  private:
+  bool is_over() const {
+    session_.check_processes();
+    return is_aborted_();
+  }
+
   void start_call(Symbol input) {
     const SulInput& spec = session_.info_.inputs[input];
     session_.actors_[spec.actor].start(
@@ -116,7 +126,27 @@ const SulInfo& WrapperSession::configure(const std::map<std::string, std::string
   settings.floor = std::chrono::milliseconds(options_.number("floor"));
   settings.limit = step_limit_ = std::chrono::milliseconds(options_.number("step-limit"));
   quiescence_ = std::make_unique<Quiescence>(settings);
+  processes_ = setup.processes;
+  for (const pid_t process : processes_) quiescence_->watch_process(process);
   return info_;
+}
+
+// Leaves them where they are: whoever started them takes them away.
+void WrapperSession::check_processes() const {
+  for (const pid_t process : processes_) {
+    siginfo_t ended{};
+    const int result =
+        ::waitid(P_PID, static_cast<id_t>(process), &ended, WEXITED | WNOHANG | WNOWAIT);
+    if (result == 0 && ended.si_pid == 0) continue;
+    std::string how = "is gone";
+    if (result == 0) {
+      how = ended.si_code == CLD_EXITED
+                ? fmt::format("exited with status {}", ended.si_status)
+                : fmt::format("was killed by signal {} ({})", ended.si_status,
+                              ::strsignal(ended.si_status));
+    }
+    throw SystemProcessEnded(fmt::format("process {} of the system {}", process, how));
+  }
 }
 
 void WrapperSession::select_actors(const SystemSetup& setup) {
@@ -206,11 +236,23 @@ void WrapperSession::select_bound(const SystemSetup& setup) {
 void WrapperSession::start_instance() {
   const Watchdog::Guard guard(watchdog_, "the reset", step_limit_);
   recorder_ = std::make_shared<StepRecorder>(events_);
-  instance_ = wrapper_.reset(*recorder_);
+  try {
+    instance_ = wrapper_.reset(*recorder_);
+  } catch (const std::exception&) {
+    // A process that dies closes its connections first.
+    constexpr auto longest_death = std::chrono::milliseconds(100);
+    const Clock::time_point start = Clock::now();
+    while (!processes_.empty() && Clock::now() - start < longest_death) {
+      check_processes();
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    throw;
+  }
 }
 
 SulAnswer WrapperSession::run(const SulQuery& query, const std::function<bool()>& is_aborted) {
   end_instance();
+  check_processes();
   const Clock::time_point start = Clock::now();
   start_instance();
   const std::chrono::microseconds reset = since(start) + std::exchange(teardown_, {});

@@ -6,6 +6,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -21,6 +22,12 @@ namespace maide {
 
 // The wrapper's options, and those that the SDK adds.
 std::vector<OptionSpec> full_option_table(const WrapperDescription& description);
+
+// A process of the system's (SystemSetup::processes) has died; this one had better be replaced.
+class SystemProcessEnded : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
 
 class WrapperSession {
  public:
@@ -39,7 +46,8 @@ class WrapperSession {
   void add_purpose(const LearningPurpose& purpose) { purposes_.push_back(purpose); }
 
   // Plays one query from a fresh reset; `is_aborted` is asked often. The instance stays until the
-  // next call or end_instance(). Throws std::runtime_error if the wrapper failed.
+  // next call or end_instance(). Throws SystemProcessEnded if a process of the system died, other
+  // std::runtime_errors if the wrapper failed.
   SulAnswer run(const SulQuery& query, const std::function<bool()>& is_aborted);
 
   // Shuts the instance down, if there is one. Returns the actors whose calls could not be unblocked
@@ -49,6 +57,7 @@ class WrapperSession {
 
  private:
   class Stepper;
+  void check_processes() const;
   void start_instance();
   void leave_instance_behind();
   void select_actors(const SystemSetup& setup);
@@ -67,6 +76,7 @@ class WrapperSession {
   EventTable events_;
   bool messages_come_again_ = false;
   std::vector<LearningPurpose> purposes_;
+  std::vector<pid_t> processes_;
   std::unique_ptr<Quiescence> quiescence_;
   std::chrono::milliseconds step_limit_{0};
 
