@@ -5,6 +5,8 @@
 #include <array>
 #include <thread>
 
+#include "dds/wrapper_table.hpp"
+
 namespace maide::cyclonedds {
 namespace {
 
@@ -17,54 +19,29 @@ constexpr std::size_t deleting_threads = 4;
 // takes 3 ms and gives that back.
 constexpr std::uint64_t words_per_domain = 5000;
 
-// keep_last and max-samples bound themselves; only keep_all alone needs a bound to be learned.
-OptionSpec size_row() {
-  OptionSpec row = common_options::size(0, 1000);
-  row.least = 0;
-  row.help += "; 0: no bound but the QoS";
-  return row;
-}
-
 }  // namespace
 
 CycloneDdsWrapper::CycloneDdsWrapper() {
   description_.name = "cyclonedds";
   description_.summary = "Eclipse Cyclone DDS: a writer and a reader of one topic, in one process";
   description_.versions = {{"cyclonedds", DDS_VERSION}, {"wrapper", "1"}};
-  description_.options = Policies::options();
-  for (OptionSpec& row : std::vector<OptionSpec>{
-           common_options::inputs({"write", "read", "tryread"}),
-           common_options::observe({"message", "null", "written", "failed"}),
-           common_options::payload(),
-           size_row(),
-           common_options::at_bound(),
-       }) {
-    description_.options.push_back(std::move(row));
-  }
+  description_.options = dds::option_table();
 }
 
 SystemSetup CycloneDdsWrapper::configure(const OptionValues& options) {
-  policies_ = Policies::from(options);
+  policies_ = dds::Policies::from(options);
   // What fails says so by its return code; the log would repeat each write that finds no room.
   dds_set_log_sink([](void*, const dds_log_data_t*) {}, nullptr);
   start_domain();
-
-  SystemSetup setup;
-  setup.actors = {"writer", "reader"};
-  setup.inputs = {
-      {"write", "writer", {}}, {"read", "reader", {"message"}}, {"tryread", "reader", {}}};
-  if (policies_.write_may_block()) setup.inputs[0].returns = {"written"};
-  setup.events = {
-      {"message", "reader"}, {"null", "reader"}, {"written", "writer"}, {"failed", "writer"}};
-  if (options.number("size") > 0) setup.in_flight.emplace().capacity = policies_.capacity();
-  return setup;
+  return dds::make_setup(policies_, options);
 }
 
 std::unique_ptr<SystemInstance> CycloneDdsWrapper::reset(EventSink& sink) {
   if (++words_ % words_per_domain == 0) start_domain();
   if (retired_.size() >= most_retired) delete_retired();
-  return std::make_unique<Connection>(participant_.get(), "maide_" + std::to_string(words_),
-                                      policies_, sink, retired_);
+  retired_.push_back(std::make_shared<Endpoints>(participant_.get(),
+                                                 "maide_" + std::to_string(words_), policies_));
+  return std::make_unique<dds::Connection>(retired_.back(), sink);
 }
 
 void CycloneDdsWrapper::delete_retired() {
@@ -72,7 +49,7 @@ void CycloneDdsWrapper::delete_retired() {
     std::array<std::jthread, deleting_threads> threads;
     for (std::size_t first = 0; first < threads.size(); ++first) {
       threads[first] = std::jthread([this, first] {
-        for (std::size_t i = first; i < retired_.size(); i += deleting_threads) retired_[i] = {};
+        for (std::size_t i = first; i < retired_.size(); i += deleting_threads) retired_[i].reset();
       });
     }
   }

@@ -14,7 +14,8 @@
 #include <memory>
 #include <vector>
 
-#include "connection.hpp"
+#include "dds/policies.hpp"
+#include "endpoints.hpp"
 #include "maide/wire/system_wrapper.hpp"
 
 namespace maide::cyclonedds {
@@ -31,10 +32,11 @@ class CycloneDdsWrapper : public SystemWrapper {
   void delete_retired();
 
   WrapperDescription description_;
-  Policies policies_;
+  dds::Policies policies_;
   std::uint64_t words_ = 0;
   Entity domain_, participant_;
-  std::vector<Endpoints> retired_;  // of past words, to be deleted
+  // Of past words, to be deleted, and of the present one.
+  std::vector<std::shared_ptr<Endpoints>> retired_;
 };
 
 }  // namespace maide::cyclonedds

@@ -1,8 +1,8 @@
-#include "policies.hpp"
+#include "dds/policies.hpp"
 
 #include "maide/base/error.hpp"
 
-namespace maide::cyclonedds {
+namespace maide::dds {
 
 std::vector<OptionSpec> Policies::options() {
   return {
@@ -22,23 +22,22 @@ std::vector<OptionSpec> Policies::options() {
 
 Policies Policies::from(const OptionValues& options) {
   Policies policies;
-  const bool keep_all = options.is("history", "keep_all");
-  if (keep_all) policies.history = DDS_HISTORY_KEEP_ALL;
+  policies.keep_all = options.is("history", "keep_all");
   policies.depth = static_cast<std::int32_t>(options.number("depth"));
   if (!options.is("reliability", "default")) {
     policies.reliable_writer = policies.reliable_reader = options.is("reliability", "reliable");
   }
-  const bool limited = options.number("max-samples") > 0;
-  if (limited) policies.max_samples = static_cast<std::int32_t>(options.number("max-samples"));
-  if (options.is("max-blocking-time", "0")) policies.max_blocking_time = 0;
+  policies.max_samples = static_cast<std::int32_t>(options.number("max-samples"));
+  policies.write_waits = options.is("max-blocking-time", "infinite");
 
-  if (keep_all && policies.depth != 1) {
+  const bool limited = policies.max_samples > 0;
+  if (policies.keep_all && policies.depth != 1) {
     throw UsageError("option depth: it means nothing with history=keep_all");
   }
-  if (!keep_all && limited) {
+  if (!policies.keep_all && limited) {
     throw UsageError("option max-samples: it needs history=keep_all");
   }
-  if (keep_all && !limited && options.number("size") == 0) {
+  if (policies.keep_all && !limited && options.number("size") == 0) {
     throw UsageError(
         "option history: keep_all grows without limit, so say size=N (messages in flight to try) "
         "or max-samples=N");
@@ -46,28 +45,10 @@ Policies Policies::from(const OptionValues& options) {
   return policies;
 }
 
-Qos Policies::reader_qos() const {
-  Qos qos(dds_create_qos());
-  dds_qset_history(qos.get(), history, depth);
-  dds_qset_reliability(qos.get(),
-                       reliable_reader ? DDS_RELIABILITY_RELIABLE : DDS_RELIABILITY_BEST_EFFORT, 0);
-  dds_qset_resource_limits(qos.get(), max_samples, DDS_LENGTH_UNLIMITED, DDS_LENGTH_UNLIMITED);
-  return qos;
-}
-
-Qos Policies::writer_qos() const {
-  Qos qos(dds_create_qos());
-  dds_qset_history(qos.get(), history, depth);
-  dds_qset_reliability(qos.get(),
-                       reliable_writer ? DDS_RELIABILITY_RELIABLE : DDS_RELIABILITY_BEST_EFFORT,
-                       max_blocking_time);
-  return qos;
-}
-
 std::size_t Policies::capacity() const {
-  if (history == DDS_HISTORY_KEEP_LAST) return static_cast<std::size_t>(depth);
-  if (max_samples == DDS_LENGTH_UNLIMITED) return 0;
+  if (!keep_all) return static_cast<std::size_t>(depth);
+  if (max_samples == 0) return 0;
   return static_cast<std::size_t>(max_samples) + (write_may_block() ? 1 : 0);
 }
 
-}  // namespace maide::cyclonedds
+}  // namespace maide::dds

@@ -1,0 +1,37 @@
+// A writer and a reader of Cyclone DDS, matched, and the calls that an application makes on them.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "dds/connection.hpp"
+#include "dds/policies.hpp"
+#include "dds_entity.hpp"
+
+namespace maide::cyclonedds {
+
+class Endpoints : public dds::Endpoints {
+ public:
+  // `topic`: a name that no other of the participant has. Throws std::runtime_error.
+  Endpoints(dds_entity_t participant, const std::string& topic, const dds::Policies& policies);
+
+  bool write(std::uint32_t number) override;
+  std::optional<std::uint32_t> take() override;
+  void wait_for_data() override;
+  void stop() override;
+  bool polls_in_vain() const override;
+
+ private:
+  void wait_until_matched() const;
+
+  const std::int32_t room_;  // the reader's max_samples; 0: no limit
+  // Deleted in the opposite order.
+  Entity topic_, reader_, writer_;
+  Entity stop_, data_, waitset_;        // a guard and a read condition, and who waits for both
+  std::atomic<std::int32_t> kept_ = 0;  // accepted and not yet taken, where nothing is dropped
+  std::atomic<bool> writing_ = false;   // within dds_write
+};
+
+}  // namespace maide::cyclonedds

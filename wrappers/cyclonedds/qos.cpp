@@ -1,0 +1,28 @@
+#include "qos.hpp"
+
+namespace maide::cyclonedds {
+namespace {
+
+Qos make_qos(const dds::Policies& policies, bool reliable, dds_duration_t max_blocking_time) {
+  Qos qos(dds_create_qos());
+  dds_qset_history(qos.get(), policies.keep_all ? DDS_HISTORY_KEEP_ALL : DDS_HISTORY_KEEP_LAST,
+                   policies.depth);
+  dds_qset_reliability(qos.get(), reliable ? DDS_RELIABILITY_RELIABLE : DDS_RELIABILITY_BEST_EFFORT,
+                       max_blocking_time);
+  return qos;
+}
+
+}  // namespace
+
+Qos make_reader_qos(const dds::Policies& policies) {
+  Qos qos = make_qos(policies, policies.reliable_reader, 0);
+  const std::int32_t limit = policies.max_samples > 0 ? policies.max_samples : DDS_LENGTH_UNLIMITED;
+  dds_qset_resource_limits(qos.get(), limit, DDS_LENGTH_UNLIMITED, DDS_LENGTH_UNLIMITED);
+  return qos;
+}
+
+Qos make_writer_qos(const dds::Policies& policies) {
+  return make_qos(policies, policies.reliable_writer, policies.write_waits ? DDS_INFINITY : 0);
+}
+
+}  // namespace maide::cyclonedds

@@ -1,0 +1,33 @@
+// The options of a DDS wrapper that are QoS policies, and what they mean for a write. Names and
+// defaults as in the OMG's "Data Distribution Service", version 1.4 (2015), section 2.2.3; a vendor
+// turns them into QoS of its own.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "maide/wire/wrapper_options.hpp"
+
+namespace maide::dds {
+
+struct Policies {
+  bool keep_all = false;  // else keep_last
+  std::int32_t depth = 1;
+  bool reliable_writer = true, reliable_reader = false;
+  std::int32_t max_samples = 0;  // of a keep_all reader; 0: no limit
+  bool write_waits = true;       // without limit for room; else it fails at once
+
+  // The rows of the wrapper's table that these come from.
+  static std::vector<OptionSpec> options();
+  // Throws UsageError for combinations that make no sense.
+  static Policies from(const OptionValues& options);
+
+  // A reader that is full holds the writer up; otherwise it drops what comes.
+  bool pushes_back() const { return reliable_reader && max_samples > 0; }
+  bool write_may_block() const { return pushes_back() && write_waits; }
+  // How many messages can be in flight, one in a blocked write included; 0: no limit.
+  std::size_t capacity() const;
+};
+
+}  // namespace maide::dds

@@ -1,0 +1,17 @@
+// What a DDS wrapper says of itself and of its system, whatever the vendor: the same options,
+// actors, inputs and events, so that models of two vendors can be compared.
+#pragma once
+
+#include <vector>
+
+#include "dds/policies.hpp"
+#include "maide/wire/system_wrapper.hpp"
+
+namespace maide::dds {
+
+// The QoS policies and the options of common_options that mean something here.
+std::vector<OptionSpec> option_table();
+
+SystemSetup make_setup(const Policies& policies, const OptionValues& options);
+
+}  // namespace maide::dds
