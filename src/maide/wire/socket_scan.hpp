@@ -1,7 +1,8 @@
 // What is on its way in the sockets of the system's processes. A thread that waits for a socket is
-// woken when bytes arrive, so threads asleep say nothing about bytes that have not arrived yet:
-// those that TCP has sent and that are not acknowledged. Bytes that arrived and that nobody waits
-// for are at rest.
+// woken when bytes arrive, so threads asleep say nothing about bytes that have not arrived yet.
+// Where both ends of a TCP connection are in sight, bytes are on their way when the one has sent
+// more than the other has received; elsewhere when they are not acknowledged, which TCP delays by
+// some 40 ms. Bytes that arrived and that nobody waits for are at rest.
 #pragma once
 
 #include <sys/types.h>
@@ -22,7 +23,7 @@ struct SocketPicture {
     bool operator==(const Socket&) const = default;
   };
   std::vector<Socket> sockets;  // this process's first, by descriptor
-  bool in_flight = false;       // some TCP connection has bytes unacknowledged
+  bool in_flight = false;       // some TCP connection has bytes on their way
   bool operator==(const SocketPicture&) const = default;
 };
 
@@ -40,7 +41,8 @@ class SocketScan {
   // trace it: a child's is given as a rule); false where it does not.
   bool watch_process(pid_t process);
 
-  // One system call a descriptor, three more a socket; two more for a socket of another process.
+  // One system call a descriptor, three more a socket, three more a TCP connection; two more for a
+  // socket of another process.
   void take(SocketPicture& picture);
 
   // Nothing is on its way: `picture` has no bytes in flight, or they have not moved for so long
@@ -50,8 +52,12 @@ class SocketScan {
 
  private:
   struct Process;
+  struct TcpEnd;
+  bool is_in_flight(const TcpEnd& end) const;
+
   std::vector<std::unique_ptr<Process>> processes_;  // this one first
   std::vector<int> ignored_;
+  std::vector<TcpEnd> ends_;  // those in sight, of the picture that is taken
   SocketPicture stalled_;  // the last picture with bytes in flight, and since when it is the same
   std::chrono::steady_clock::time_point stalled_since_;
 };

@@ -2,8 +2,10 @@
 
 #include <gtest/gtest.h>
 #include <netinet/in.h>
+#include <netinet/tcp.h>
 #include <sys/socket.h>
 
+#include <algorithm>
 #include <atomic>
 
 #include "busy_machine.hpp"
@@ -205,6 +207,45 @@ TEST(SocketScan, BytesThatCannotArriveAreInFlightAndThenAtRest) {
     is_at_rest = scan.is_at_rest(picture);
   }
   EXPECT_TRUE(picture.in_flight);
+}
+
+// After the first few, TCP acknowledges what nobody answers only after some 40 ms.
+TEST(SocketScan, BytesThatArrivedAreNotInFlightWhateverIsAcknowledged) {
+  const TcpPair pair;
+  const int at_once = 1;
+  ASSERT_EQ(::setsockopt(pair.writer.get(), IPPROTO_TCP, TCP_NODELAY, &at_once, sizeof at_once), 0);
+  SocketScan scan;
+  SocketPicture picture;
+  for (int sent = 1; sent <= 100; ++sent) {
+    EXPECT_TRUE(write_all(pair.writer.get(), "x"));
+    const auto has_arrived = [&](const SocketPicture::Socket& socket) {
+      return socket.descriptor == pair.reader.get() && socket.unread == sent;
+    };
+    do {
+      scan.take(picture);
+    } while (std::none_of(picture.sockets.begin(), picture.sockets.end(), has_arrived));
+    scan.take(picture);  // the one before was perhaps half taken when it arrived
+    ASSERT_FALSE(picture.in_flight) << sent;
+  }
+}
+
+// The end of a connection counts as a byte that was received, not as one that was sent.
+TEST(SocketScan, AClosedConnectionIsAtRest) {
+  TcpPair pair;
+  EXPECT_TRUE(write_all(pair.writer.get(), "hello"));
+  ASSERT_EQ(::shutdown(pair.writer.get(), SHUT_WR), 0);
+  char text[8];
+  while (::recv(pair.reader.get(), text, sizeof text, 0) > 0) {
+  }
+  SocketScan scan;
+  SocketPicture picture;
+  scan.take(picture);
+  EXPECT_FALSE(picture.in_flight);
+  EXPECT_TRUE(write_all(pair.reader.get(), "farewell"));
+  while (::recv(pair.writer.get(), text, 1, MSG_PEEK | MSG_DONTWAIT) <= 0) {
+  }
+  scan.take(picture);
+  EXPECT_FALSE(picture.in_flight);
 }
 
 TEST(SocketScan, SeesArrivedBytesAndIgnoresWhatItIsTold) {
