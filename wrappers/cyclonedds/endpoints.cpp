@@ -1,6 +1,7 @@
 #include "endpoints.hpp"
 
 #include <stdexcept>
+#include <vector>
 
 #include "qos.hpp"
 
@@ -12,37 +13,65 @@ namespace maide::cyclonedds {
 
 Endpoints::Endpoints(dds_entity_t participant, const std::string& topic,
                      const dds::Policies& policies)
-    : room_(policies.max_samples),
+    : participant_(participant),
+      reader_qos_(make_reader_qos(policies)),
+      room_(policies.max_samples),
       topic_(dds_create_topic(participant, &maide_dds_Sample_desc, topic.c_str(), nullptr, nullptr),
              "dds_create_topic"),
-      reader_(
-          dds_create_reader(participant, topic_.get(), make_reader_qos(policies).get(), nullptr),
-          "dds_create_reader"),
       writer_(
           dds_create_writer(participant, topic_.get(), make_writer_qos(policies).get(), nullptr),
           "dds_create_writer"),
       stop_(dds_create_guardcondition(participant), "dds_create_guardcondition"),
-      data_(dds_create_readcondition(reader_.get(), DDS_ANY_STATE), "dds_create_readcondition"),
       waitset_(dds_create_waitset(participant), "dds_create_waitset") {
   checked(dds_waitset_attach(waitset_.get(), stop_.get(), 0), "dds_waitset_attach");
+  connect();
+}
+
+void Endpoints::connect() {
+  reader_ = {dds_create_reader(participant_, topic_.get(), reader_qos_.get(), nullptr),
+             "dds_create_reader"};
+  data_ = {dds_create_readcondition(reader_.get(), DDS_ANY_STATE), "dds_create_readcondition"};
   checked(dds_waitset_attach(waitset_.get(), data_.get(), 0), "dds_waitset_attach");
-  wait_until_matched();
+  wait_for_matches(1);
+  kept_ = count_kept();
+}
+
+void Endpoints::disconnect() {
+  checked(dds_waitset_detach(waitset_.get(), data_.get()), "dds_waitset_detach");
+  data_ = {};
+  reader_ = {};
+  wait_for_matches(0);
 }
 
 // Within a process both ends match while they are made; but a writer that had no reader yet would
 // drop what it writes, so that is made sure of.
-void Endpoints::wait_until_matched() const {
+void Endpoints::wait_for_matches(std::uint32_t count) const {
   for (int attempts = 0; attempts < 1000; ++attempts) {
     dds_publication_matched_status_t writer{};
     dds_subscription_matched_status_t reader{};
+    reader.current_count = count;
     checked(dds_get_publication_matched_status(writer_.get(), &writer),
             "dds_get_publication_matched_status");
-    checked(dds_get_subscription_matched_status(reader_.get(), &reader),
-            "dds_get_subscription_matched_status");
-    if (writer.current_count == 1 && reader.current_count == 1) return;
+    if (reader_.get() > 0) {
+      checked(dds_get_subscription_matched_status(reader_.get(), &reader),
+              "dds_get_subscription_matched_status");
+    }
+    if (writer.current_count == count && reader.current_count == count) return;
     dds_sleepfor(DDS_MSECS(1));
   }
-  throw std::runtime_error("writer and reader do not match within a second");
+  throw std::runtime_error("writer and reader do not meet, or part, within a second");
+}
+
+// What a late reader was given, up to its limit.
+std::int32_t Endpoints::count_kept() const {
+  std::vector<maide_dds_Sample> samples(static_cast<std::size_t>(room_));
+  std::vector<dds_sample_info_t> infos(samples.size());
+  std::vector<void*> places;
+  for (maide_dds_Sample& sample : samples) places.push_back(&sample);
+  if (places.empty()) return 0;
+  return checked(dds_read(reader_.get(), places.data(), infos.data(), places.size(),
+                          static_cast<std::uint32_t>(places.size())),
+                 "dds_read");
 }
 
 bool Endpoints::write(std::uint32_t number) {
@@ -57,6 +86,7 @@ bool Endpoints::write(std::uint32_t number) {
 }
 
 std::optional<std::uint32_t> Endpoints::take() {
+  if (reader_.get() <= 0) return std::nullopt;
   maide_dds_Sample sample{};
   void* samples[] = {&sample};
   dds_sample_info_t info[1];

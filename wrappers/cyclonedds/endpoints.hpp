@@ -20,16 +20,22 @@ class Endpoints : public dds::Endpoints {
   bool write(std::uint32_t number) override;
   std::optional<std::uint32_t> take() override;
   void wait_for_data() override;
+  void disconnect() override;
+  void connect() override;
   void stop() override;
   bool polls_in_vain() const override;
 
  private:
-  void wait_until_matched() const;
+  void wait_for_matches(std::uint32_t count) const;
+  std::int32_t count_kept() const;
 
+  const dds_entity_t participant_;
+  const Qos reader_qos_;
   const std::int32_t room_;  // the reader's max_samples; 0: no limit
   // Deleted in the opposite order.
-  Entity topic_, reader_, writer_;
-  Entity stop_, data_, waitset_;        // a guard and a read condition, and who waits for both
+  Entity topic_, writer_;
+  Entity reader_, data_;                // a reader and its read condition; none if disconnected
+  Entity stop_, waitset_;               // a guard condition, and who waits for it and for data
   std::atomic<std::int32_t> kept_ = 0;  // accepted and not yet taken, where nothing is dropped
   std::atomic<bool> writing_ = false;   // within dds_write
 };

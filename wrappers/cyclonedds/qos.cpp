@@ -9,6 +9,13 @@ Qos make_qos(const dds::Policies& policies, bool reliable, dds_duration_t max_bl
                    policies.depth);
   dds_qset_reliability(qos.get(), reliable ? DDS_RELIABILITY_RELIABLE : DDS_RELIABILITY_BEST_EFFORT,
                        max_blocking_time);
+  if (policies.keeps_for_late_readers()) {
+    // What is kept for late readers has a depth of its own, 1 by default.
+    const auto history = policies.keep_all ? DDS_HISTORY_KEEP_ALL : DDS_HISTORY_KEEP_LAST;
+    dds_qset_durability(qos.get(), DDS_DURABILITY_TRANSIENT_LOCAL);
+    dds_qset_durability_service(qos.get(), 0, history, policies.depth, DDS_LENGTH_UNLIMITED,
+                                DDS_LENGTH_UNLIMITED, DDS_LENGTH_UNLIMITED);
+  }
   return qos;
 }
 

@@ -2,6 +2,7 @@
 
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 namespace maide::dds {
 
@@ -12,7 +13,11 @@ void Connection::call(std::string_view input) {
   } else if (input == "read") {
     read();
   } else if (input == "tryread") {
-    if (!take_one()) sink_.report("null");
+    try_read();
+  } else if (input == "disconnect") {
+    if (std::exchange(connected_, false)) ends_->disconnect();
+  } else if (input == "connect") {
+    if (!std::exchange(connected_, true)) ends_->connect();
   } else {
     throw std::logic_error("no input '" + std::string(input) + "'");
   }
@@ -28,9 +33,19 @@ void Connection::write() {
 }
 
 void Connection::read() {
-  do {
-    ends_->wait_for_data();
-  } while (!stopped_ && !take_one());
+  if (!connected_) {
+    sink_.report("unconnected");
+    return;
+  }
+  while (!stopped_ && !take_one()) ends_->wait_for_data();
+}
+
+void Connection::try_read() {
+  if (!connected_) {
+    sink_.report("unconnected");
+  } else if (!take_one()) {
+    sink_.report("null");
+  }
 }
 
 bool Connection::take_one() {

@@ -4,6 +4,8 @@
 //   write       writes one sample: `written`, or `failed` if it found no room in time
 //   read        waits for a sample, without limit, and takes it: `message`
 //   tryread     takes a sample if there is one: `message` or `null`
+//   disconnect  deletes the reader; until it is made again, reads say `unconnected`
+//   connect     makes the reader anew: a late joiner, if something was written before
 #pragma once
 
 #include <atomic>
@@ -27,6 +29,10 @@ class Endpoints {
   virtual std::optional<std::uint32_t> take() = 0;
   // Blocks until there may be a sample to take, or stop().
   virtual void wait_for_data() = 0;
+  // Deletes the reader; returns when the writer knows.
+  virtual void disconnect() = 0;
+  // Makes a reader; returns when it and the writer know each other.
+  virtual void connect() = 0;
   // From another thread: waits end, now and later, and a blocked write finds room.
   virtual void stop() = 0;
   // SystemInstance::polls_in_vain.
@@ -46,11 +52,13 @@ class Connection : public SystemInstance {
  private:
   void write();
   void read();
+  void try_read();
   bool take_one();
 
   const std::shared_ptr<Endpoints> ends_;
   EventSink& sink_;
   std::uint32_t written_ = 0;  // only the writer's thread writes
+  bool connected_ = true;      // only the reader's thread connects
   std::atomic<bool> stopped_ = false;
 };
 

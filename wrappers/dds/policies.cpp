@@ -1,5 +1,7 @@
 #include "dds/policies.hpp"
 
+#include <algorithm>
+
 #include "maide/base/error.hpp"
 
 namespace maide::dds {
@@ -12,8 +14,11 @@ std::vector<OptionSpec> Policies::options() {
       OptionSpec::choice("reliability", "default", {"default", "reliable", "best_effort"},
                          "QoS of both ends; by DDS's default the writer is reliable, the reader "
                          "best_effort"),
+      OptionSpec::choice("durability", "default", {"default", "volatile", "transient_local"},
+                         "QoS of both ends; transient_local: a reader that connects gets what the "
+                         "writer keeps"),
       OptionSpec::integer("max-samples", 0, 0, 1000,
-                          "resource limit of a keep_all reader, 0 for none; DDS's default"),
+                          "resource limit of keep_all, 0 for none; DDS's default"),
       OptionSpec::choice("max-blocking-time", "infinite", {"infinite", "0"},
                          "how long a reliable write waits for room before it fails (DDS's default "
                          "is 100 ms, but time is not modelled)"),
@@ -26,6 +31,9 @@ Policies Policies::from(const OptionValues& options) {
   policies.depth = static_cast<std::int32_t>(options.number("depth"));
   if (!options.is("reliability", "default")) {
     policies.reliable_writer = policies.reliable_reader = options.is("reliability", "reliable");
+  }
+  if (!options.is("durability", "default")) {
+    policies.transient_local = options.is("durability", "transient_local");
   }
   policies.max_samples = static_cast<std::int32_t>(options.number("max-samples"));
   policies.write_waits = options.is("max-blocking-time", "infinite");
@@ -42,7 +50,17 @@ Policies Policies::from(const OptionValues& options) {
         "option history: keep_all grows without limit, so say size=N (messages in flight to try) "
         "or max-samples=N");
   }
+  if (disconnects(options) && options.number("size") > 0) {
+    throw UsageError(
+        "option size: it counts messages in flight, and disconnect loses some; say max-samples=N "
+        "or keep_last");
+  }
   return policies;
+}
+
+bool disconnects(const OptionValues& options) {
+  const std::vector<std::string> inputs = options.list("inputs");
+  return std::find(inputs.begin(), inputs.end(), "disconnect") != inputs.end();
 }
 
 std::size_t Policies::capacity() const {

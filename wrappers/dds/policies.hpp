@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "maide/wire/wrapper_options.hpp"
@@ -15,19 +16,25 @@ struct Policies {
   bool keep_all = false;  // else keep_last
   std::int32_t depth = 1;
   bool reliable_writer = true, reliable_reader = false;
-  std::int32_t max_samples = 0;  // of a keep_all reader; 0: no limit
-  bool write_waits = true;       // without limit for room; else it fails at once
+  std::optional<bool> transient_local;  // of both ends; none: the vendor's own default
+  std::int32_t max_samples = 0;         // of keep_all; 0: no limit
+  bool write_waits = true;              // without limit for room; else it fails at once
 
   // The rows of the wrapper's table that these come from.
   static std::vector<OptionSpec> options();
   // Throws UsageError for combinations that make no sense.
   static Policies from(const OptionValues& options);
 
+  // A late reader gets what the writer keeps.
+  bool keeps_for_late_readers() const { return transient_local.value_or(false); }
   // A reader that is full holds the writer up; otherwise it drops what comes.
   bool pushes_back() const { return reliable_reader && max_samples > 0; }
   bool write_may_block() const { return pushes_back() && write_waits; }
   // How many messages can be in flight, one in a blocked write included; 0: no limit.
   std::size_t capacity() const;
 };
+
+// Is there an input that takes the reader away?
+bool disconnects(const OptionValues& options);
 
 }  // namespace maide::dds

@@ -18,8 +18,8 @@ OptionSpec size_row() {
 std::vector<OptionSpec> option_table() {
   std::vector<OptionSpec> table = Policies::options();
   for (OptionSpec& row : std::vector<OptionSpec>{
-           common_options::inputs({"write", "read", "tryread"}),
-           common_options::observe({"message", "null", "written", "failed"}),
+           common_options::inputs({"write", "read", "tryread", "disconnect", "connect"}),
+           common_options::observe({"message", "null", "written", "failed", "unconnected"}),
            common_options::payload(),
            size_row(),
            common_options::at_bound(),
@@ -32,11 +32,19 @@ std::vector<OptionSpec> option_table() {
 SystemSetup make_setup(const Policies& policies, const OptionValues& options) {
   SystemSetup setup;
   setup.actors = {"writer", "reader"};
-  setup.inputs = {
-      {"write", "writer", {}}, {"read", "reader", {"message"}}, {"tryread", "reader", {}}};
+  setup.inputs = {{"write", "writer", {}},
+                  {"read", "reader", {"message"}},
+                  {"tryread", "reader", {}},
+                  {"disconnect", "reader", {}},
+                  {"connect", "reader", {}}};
+  if (disconnects(options)) setup.inputs[1].returns.push_back("unconnected");
   if (policies.write_may_block()) setup.inputs[0].returns = {"written"};
-  setup.events = {
-      {"message", "reader"}, {"null", "reader"}, {"written", "writer"}, {"failed", "writer"}};
+  setup.events = {{"message", "reader"},
+                  {"null", "reader"},
+                  {"unconnected", "reader"},
+                  {"written", "writer"},
+                  {"failed", "writer"}};
+  setup.messages_come_again = policies.keeps_for_late_readers();
   if (options.number("size") > 0) setup.in_flight.emplace().capacity = policies.capacity();
   return setup;
 }

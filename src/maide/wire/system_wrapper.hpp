@@ -68,6 +68,8 @@ struct SystemSetup {
   std::optional<InFlight> in_flight;      // set it if the table has `size`
   std::vector<LearningPurpose> purposes;  // further ones
   std::string bound;                      // of the further ones, in words
+  // The default of option `floor` with these options, if it is not the wrapper's usual one.
+  std::optional<std::chrono::milliseconds> floor;
   // Other processes that belong to the system: children that configure() started (ServiceProcess: a
   // broker, a name server). Quiescence watches them too; when one dies the wrapper ends and the
   // client starts it anew.

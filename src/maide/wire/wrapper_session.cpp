@@ -112,6 +112,13 @@ WrapperSession::~WrapperSession() {
 const SulInfo& WrapperSession::configure(const std::map<std::string, std::string>& given) {
   options_ = OptionValues(table_, given);
   const SystemSetup setup = wrapper_.configure(options_);
+  if (setup.floor && std::none_of(given.begin(), given.end(), [](const auto& entry) {
+        return same_key(entry.first, "floor");
+      })) {
+    std::map<std::string, std::string> completed = given;
+    completed["floor"] = std::to_string(setup.floor->count());
+    options_ = OptionValues(table_, completed);
+  }
   events_.message_event = setup.message_event;
   events_.tells_gaps = options_.has("payload") && options_.is("payload", "gap");
   messages_come_again_ = setup.messages_come_again;

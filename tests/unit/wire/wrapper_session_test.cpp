@@ -37,6 +37,22 @@ class NeverShutDown : public SystemWrapper {
   WrapperDescription description_;
 };
 
+// Its protocol has timers only over a network.
+class WithNetwork : public NeverShutDown {
+ public:
+  SystemSetup configure(const OptionValues& options) override {
+    SystemSetup setup = NeverShutDown::configure(options);
+    setup.floor = std::chrono::milliseconds(40);
+    return setup;
+  }
+};
+
+TEST(WrapperSession, ASetupSetsTheDefaultOfTheFloorButNotTheUsersWord) {
+  WithNetwork wrapper;
+  EXPECT_EQ(LocalSul(wrapper).info().options.at("floor"), "40");
+  EXPECT_EQ(LocalSul(wrapper, {{"floor", "7"}}).info().options.at("floor"), "7");
+}
+
 TEST(WrapperSession, AShutdownThatThrowsIsAnErrorOfTheNextWord) {
   NeverShutDown wrapper;
   LocalSul sul(wrapper);
