@@ -1,5 +1,6 @@
 #include "connection_models.hpp"
 
+#include <algorithm>
 #include <deque>
 #include <map>
 #include <utility>
@@ -10,11 +11,13 @@
 namespace maide::test {
 namespace {
 
-// What is kept, as far as the reader can ever tell: for each message whether one was lost before
-// it; and whether one was lost since the newest.
+// Messages are numbered as they are written.
 struct Content {
-  std::deque<bool> gaps;
-  bool lost = false;
+  std::deque<int> queue;    // to be read
+  std::deque<int> history;  // what the writer keeps for a reader that connects
+  int seen = 0, newest = 0;
+  std::size_t uncredited = 0;  // read, and the writer does not know it
+  bool connected = true;
   bool write_blocked = false;
   auto operator<=>(const Content&) const = default;
 };
@@ -24,48 +27,107 @@ struct Step {
   std::string output;
 };
 
-Content accept(Content content) {
-  content.gaps.push_back(std::exchange(content.lost, false));
+// Which numbers are larger, and which follow on each other, is all that a reader can ever tell:
+// numbered anew from 0, with steps of one and two.
+Content renumber(Content content) {
+  std::vector<int*> numbers{&content.seen, &content.newest};
+  for (int& number : content.queue) numbers.push_back(&number);
+  for (int& number : content.history) numbers.push_back(&number);
+  std::sort(numbers.begin(), numbers.end(), [](const int* a, const int* b) { return *a < *b; });
+  int last = *numbers.front();
+  int renumbered = 0;
+  for (int* number : numbers) {
+    renumbered += std::min(*number - std::exchange(last, *number), 2);
+    *number = renumbered;
+  }
+  return content;
+}
+
+bool has_room(const ConnectionModel& model, const Content& content) {
+  if (!content.connected) return model.when_alone == WhenAlone::lose;
+  return content.queue.size() + content.uncredited < model.capacity;
+}
+
+Content accept(const ConnectionModel& model, Content content) {
+  ++content.newest;
+  if (content.connected) content.queue.push_back(content.newest);
+  content.history.push_back(content.newest);
+  if (content.history.size() > model.replayed) content.history.pop_front();
   return content;
 }
 
 Step write(const ConnectionModel& model, Content content) {
   if (content.write_blocked) return {content, "refused"};
-  if (content.gaps.size() < model.capacity) return {accept(content), "quiet"};
+  if (has_room(model, content)) return {accept(model, content), "quiet"};
   switch (model.when_full) {
     case WhenFull::drop_oldest:
-      content = accept(content);
-      content.gaps.pop_front();
-      content.gaps.front() = true;
+      if (!content.connected) {
+        content.write_blocked = true;
+        break;
+      }
+      content = accept(model, content);
+      content.queue.pop_front();
       break;
-    case WhenFull::drop_newest: content.lost = true; break;
+    case WhenFull::drop_newest: ++content.newest; break;
     case WhenFull::fail: return {content, "failed"};
     case WhenFull::block: content.write_blocked = true; break;
   }
   return {content, "quiet"};
 }
 
+// A blocked write goes on once there is room.
+Content unblock(const ConnectionModel& model, Content content) {
+  if (!content.write_blocked || !has_room(model, content)) return content;
+  content.write_blocked = false;
+  return accept(model, content);
+}
+
 Step try_read(const ConnectionModel& model, Content content) {
-  if (content.gaps.empty()) return {content, "null"};
-  const bool gap = content.gaps.front();
-  content.gaps.pop_front();
-  if (std::exchange(content.write_blocked, false)) content = accept(content);
-  return {content, !model.payload_gap ? "message" : gap ? "gap" : "next"};
+  if (content.queue.empty()) return {content, "null"};
+  const int number = content.queue.front();
+  content.queue.pop_front();
+  content.uncredited = (content.uncredited + 1) % model.credit_batch;
+  std::string output = "message";
+  if (model.payload_gap) {
+    output = number <= content.seen ? "old" : number == content.seen + 1 ? "next" : "gap";
+  }
+  content.seen = std::max(content.seen, number);
+  return {unblock(model, content), output};
+}
+
+Step disconnect(Content content) {
+  content.connected = false;
+  content.queue.clear();
+  content.uncredited = 0;
+  return {content, "quiet"};
+}
+
+Step connect(const ConnectionModel& model, Content content) {
+  if (!std::exchange(content.connected, true)) content.queue = content.history;
+  return {unblock(model, content), "quiet"};
 }
 
 }  // namespace
 
 Mealy make_connection(const ConnectionModel& model) {
-  Mealy machine({"write", "tryread"}, {}, 1);
+  Mealy machine(model.reconnects ? Alphabet{"write", "tryread", "disconnect", "connect"}
+                                 : Alphabet{"write", "tryread"},
+                {}, 1);
   std::map<Content, StateId> numbers{{Content{}, 0}};
   std::vector<Content> contents{Content{}};
   for (StateId state = 0; state < contents.size(); ++state) {
-    const Step steps[] = {write(model, contents[state]), try_read(model, contents[state])};
-    for (Symbol input = 0; input < 2; ++input) {
-      const auto [entry, is_new] = numbers.try_emplace(steps[input].next, machine.size());
+    const Content content = contents[state];
+    std::vector<Step> steps{write(model, content), try_read(model, content)};
+    if (model.reconnects) {
+      steps.push_back(disconnect(content));
+      steps.push_back(connect(model, content));
+    }
+    for (Symbol input = 0; input < steps.size(); ++input) {
+      const Content next = renumber(steps[input].next);
+      const auto [entry, is_new] = numbers.try_emplace(next, machine.size());
       if (is_new) {
         machine.add_state();
-        contents.push_back(steps[input].next);
+        contents.push_back(next);
       }
       machine.set_transition(state, input, machine.intern_output(steps[input].output),
                              entry->second);

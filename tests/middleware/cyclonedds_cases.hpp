@@ -1,16 +1,14 @@
 // Configurations of Cyclone DDS, and the model that each must have over write and tryread.
 #pragma once
 
-#include <map>
 #include <ostream>
 #include <string>
 #include <vector>
 
 #include "connection_models.hpp"
+#include "wrapper_checks.hpp"
 
 namespace maide::test {
-
-using SystemOptions = std::map<std::string, std::string>;
 
 struct CycloneDdsCase {
   std::string name;

@@ -2,41 +2,19 @@
 // hand, the paper's buffered port among them, every time the same, on a busy machine too.
 #include <gtest/gtest.h>
 
-#include <memory>
-#include <sstream>
 #include <string>
-#include <string_view>
 #include <vector>
 
-#include "busy_machine.hpp"
 #include "cyclonedds_cases.hpp"
 #include "maide/automata/compare.hpp"
-#include "maide/formats/dot.hpp"
 #include "maide/formats/model_file.hpp"
 #include "maide/learn/learners.hpp"
-#include "maide/wire/wrapper_proxy.hpp"
-#include "maide/workflow/experiment.hpp"
+#include "wrapper_checks.hpp"
 
 namespace maide {
 namespace {
 
 using test::SystemOptions;
-
-struct Learned {
-  Mealy machine;
-  InterfaceAutomaton automaton;
-};
-
-Learned learn_cyclonedds(const SystemOptions& options, std::string_view algorithm = "",
-                         Translation translation = Translation::eager) {
-  const auto sul = spawn_wrapper({MAIDE_BINARY_DIR "/bin/maide-wrap-cyclonedds"}, options);
-  IaTranslator translator(*sul, translation);
-  ExperimentOptions experiment;
-  experiment.algorithm = algorithm;
-  const ExperimentResult result = run_experiment(translator, experiment);
-  if (result.error) std::rethrow_exception(result.error);
-  return {result.model, translator.to_interface_automaton(result.model)};
-}
 
 InterfaceAutomaton reference(const std::string& name) {
   return read_interface_automaton(std::string(MAIDE_SOURCE_DIR "/tests/models/") + name + ".dot");
@@ -47,7 +25,8 @@ class CycloneDdsMealy : public testing::TestWithParam<test::CycloneDdsCase> {};
 TEST_P(CycloneDdsMealy, IsLearned) {
   const Mealy model = test::make_connection(GetParam().model);
   for (const LearnerEntry& algorithm : learners()) {
-    const Mealy learned = learn_cyclonedds(GetParam().options, algorithm.name).machine;
+    const Mealy learned =
+        test::learn_system("cyclonedds", GetParam().options, algorithm.name).machine;
     EXPECT_EQ(learned.size(), GetParam().states) << algorithm.name;
     EXPECT_FALSE(find_difference(model, learned).has_value()) << algorithm.name;
   }
@@ -71,7 +50,7 @@ TEST_P(CycloneDdsAutomaton, IsThatOfThePort) {
   const InterfaceAutomaton expected = reference(GetParam().reference);
   for (const Translation translation : {Translation::eager, Translation::av}) {
     const InterfaceAutomaton learned =
-        learn_cyclonedds(GetParam().options, "", translation).automaton;
+        test::learn_system("cyclonedds", GetParam().options, "", translation).automaton;
     EXPECT_EQ(learned.size(), expected.size());
     EXPECT_TRUE(compare(expected, learned).same());
   }
@@ -95,18 +74,12 @@ INSTANTIATE_TEST_SUITE_P(
 class CycloneDdsRepeatedly : public testing::TestWithParam<std::size_t> {};
 
 TEST_P(CycloneDdsRepeatedly, GivesTheSameModelTwentyTimes) {
-  const test::BusyMachine load(GetParam());
-  const SystemOptions options{
-      {"depth", "2"}, {"payload", "gap"}, {"inputs", "write,tryread"}, {"observe", "message,null"}};
-  std::string first;
-  for (int run = 0; run < 20; ++run) {
-    const Learned learned = learn_cyclonedds(options);
-    ASSERT_EQ(learned.machine.size(), 4u) << "run " << run;
-    std::ostringstream text;
-    write_dot(text, learned.machine);
-    if (run == 0) first = text.str();
-    ASSERT_EQ(text.str(), first) << "run " << run;
-  }
+  test::expect_same_twenty_times("cyclonedds",
+                                 {{"depth", "2"},
+                                  {"payload", "gap"},
+                                  {"inputs", "write,tryread"},
+                                  {"observe", "message,null"}},
+                                 4, GetParam());
 }
 
 INSTANTIATE_TEST_SUITE_P(BusyProcesses, CycloneDdsRepeatedly, testing::Values(0, 2));

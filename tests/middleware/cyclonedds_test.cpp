@@ -11,38 +11,12 @@
 
 #include "cyclonedds_cases.hpp"
 #include "cyclonedds_wrapper.hpp"
-#include "maide/base/error.hpp"
 #include "maide/wire/local_sul.hpp"
 #include "maide/wire/self_test.hpp"
+#include "wrapper_checks.hpp"
 
 namespace maide {
 namespace {
-
-std::vector<SulQuery> all_words(std::size_t inputs, std::size_t length) {
-  std::vector<SulQuery> words;
-  Word word(length, 0);
-  while (true) {
-    words.push_back({word, Translation::eager});
-    std::size_t place = length;
-    while (place > 0 && word[place - 1] + 1 == inputs) word[--place] = 0;
-    if (place == 0) return words;
-    ++word[place - 1];
-  }
-}
-
-std::vector<std::string> outputs(const SulAnswer& answer) {
-  std::vector<std::string> names;
-  for (const SulStep& step : answer.steps) names.push_back(mealy_output(step, Translation::eager));
-  return names;
-}
-
-std::vector<std::string> outputs(const Mealy& machine, const Word& word) {
-  std::vector<std::string> names;
-  for (const Symbol output : machine.output_word(word)) {
-    names.push_back(machine.outputs().name(output));
-  }
-  return names;
-}
 
 class CycloneDds : public testing::TestWithParam<test::CycloneDdsCase> {};
 
@@ -50,18 +24,7 @@ TEST_P(CycloneDds, AnswersAllWordsAsItsModel) {
   const Mealy model = test::make_connection(GetParam().model);
   EXPECT_EQ(model.size(), GetParam().states);
   cyclonedds::CycloneDdsWrapper wrapper;
-  LocalSul sul(wrapper, GetParam().options);
-  const std::vector<SulQuery> batch = all_words(sul.info().inputs.size(), 9);
-  std::size_t answered = 0;
-  sul.run(batch,
-          [&](std::size_t index, const SulAnswer& answer) {
-            const Word& word = std::get<Word>(batch[index].inputs);
-            ASSERT_EQ(answer.end, WordEnd::complete);
-            ASSERT_EQ(outputs(answer), outputs(model, word)) << to_string(word, model.inputs());
-            ++answered;
-          },
-          {});
-  EXPECT_EQ(answered, batch.size());
+  test::expect_answers(wrapper, GetParam().options, model, 9);
 }
 
 INSTANTIATE_TEST_SUITE_P(Policies, CycloneDds, testing::ValuesIn(test::cyclonedds_cases()),
@@ -69,12 +32,7 @@ INSTANTIATE_TEST_SUITE_P(Policies, CycloneDds, testing::ValuesIn(test::cyclonedd
 
 std::string error_of(const test::SystemOptions& options) {
   cyclonedds::CycloneDdsWrapper wrapper;
-  try {
-    const LocalSul sul(wrapper, options);
-  } catch (const UsageError& error) {
-    return error.what();
-  }
-  return "";
+  return test::usage_error_of(wrapper, options);
 }
 
 TEST(CycloneDdsOptions, ThatMakeNoSenseAreRefused) {
@@ -109,7 +67,7 @@ TEST(CycloneDdsWrapper, HasNoNetworkWhateverTheEnvironmentSays) {
   std::vector<std::string> answer;
   const SulQuery query{Word{0, 1}, Translation::eager};
   sul.run(std::span(&query, 1),
-          [&](std::size_t, const SulAnswer& given) { answer = outputs(given); }, {});
+          [&](std::size_t, const SulAnswer& given) { answer = test::outputs(given); }, {});
   EXPECT_EQ(answer, (std::vector<std::string>{"quiet", "message"}));
   for (const auto& entry : std::filesystem::directory_iterator("/proc/self/fd")) {
     std::error_code gone;  // the iterator's own descriptor

@@ -49,6 +49,7 @@ const std::vector<Middleware>& middlewares() {
   static const std::vector<Middleware> table{
       {"port", "the built-in reference port", ""},
       {"cyclonedds", "Eclipse Cyclone DDS", "cyclonedds-dev cyclonedds-tools"},
+      {"zeromq", "ZeroMQ", "libzmq3-dev cppzmq-dev"},
   };
   return table;
 }

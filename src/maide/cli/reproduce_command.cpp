@@ -88,7 +88,7 @@ LearnedModel learn_row(const std::string& system, const ReproducedRow& row,
 std::vector<std::string> chosen_systems(const ReproduceArguments& arguments, Context& context) {
   if (!arguments.systems.empty()) return arguments.systems;
   std::vector<std::string> systems;
-  for (const char* system : {"port", "cyclonedds"}) {
+  for (const std::string& system : table1_systems()) {
     if (find_wrapper(system)) {
       systems.emplace_back(system);
     } else if (!context.quiet()) {
@@ -135,7 +135,8 @@ RunFunction set_up_reproduce(CLI::App& app) {
         return "there is no '" + what + "' to reproduce; there is table1";
       });
   app.add_option("--system", arguments->systems,
-                 "Learn from this system: port, cyclonedds (default: all that are built here)");
+                 fmt::format("Learn from this system: {} (default: all that are built here)",
+                             fmt::join(table1_systems(), ", ")));
   app.add_option("--algorithm", arguments->algorithm, "As in maide learn; the paper's is lmplus");
   app.add_option("--eq", arguments->test_method, "As in maide learn");
   add_seed_option(app, arguments->seed);

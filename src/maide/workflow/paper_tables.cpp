@@ -1,5 +1,7 @@
 #include "maide/workflow/paper_tables.hpp"
 
+#include <fmt/format.h>
+
 #include "maide/base/error.hpp"
 
 namespace maide {
@@ -44,27 +46,48 @@ std::vector<ReproducedRow> port_rows() {
   return rows;
 }
 
-// Keep-last 1 keeps the newest sample, keep-all keeps every one: the two buffered ports.
-std::vector<ReproducedRow> cyclonedds_rows() {
-  const Options newest{{"history", "keep_last"}, {"depth", "1"}};
-  const Options all{{"history", "keep_all"}, {"size", "3"}};
+// The two buffered ports: `newest` keeps the newest message, `all` and a `size` every one.
+std::vector<ReproducedRow> buffered_rows(const Options& newest, const Options& all) {
+  const Options three = with(all, {{"size", "3"}});
   std::vector<ReproducedRow> rows{{buffered, newest},
-                                  {strict, all},
+                                  {strict, three},
                                   {buffered_tryread, with(newest, tryread)},
-                                  {strict_tryread, with(all, tryread)}};
+                                  {strict_tryread, with(three, tryread)}};
   std::size_t size = 0;
   for (const PaperLearningRow& row : rows_by_size()) {
-    rows.push_back({row, {{"history", "keep_all"}, {"size", std::to_string(++size)}}});
+    rows.push_back({row, with(all, {{"size", std::to_string(++size)}})});
   }
   return rows;
+}
+
+struct BufferedSystem {
+  std::string name;
+  Options newest, all;
+};
+
+const std::vector<BufferedSystem>& buffered_systems() {
+  static const std::vector<BufferedSystem> systems{
+      {"cyclonedds", {{"history", "keep_last"}, {"depth", "1"}}, {{"history", "keep_all"}}},
+      {"zeromq", {{"conflate", "yes"}}, {{"conflate", "no"}}},
+  };
+  return systems;
 }
 
 }  // namespace
 
 std::vector<ReproducedRow> table1_rows(const std::string& system) {
   if (system == "port") return port_rows();
-  if (system == "cyclonedds") return cyclonedds_rows();
-  throw UsageError("table 1 has no rows for '" + system + "'; there are rows for port, cyclonedds");
+  for (const BufferedSystem& known : buffered_systems()) {
+    if (system == known.name) return buffered_rows(known.newest, known.all);
+  }
+  throw UsageError(fmt::format("table 1 has no rows for '{}'; there are rows for {}", system,
+                               fmt::join(table1_systems(), ", ")));
+}
+
+std::vector<std::string> table1_systems() {
+  std::vector<std::string> names{"port"};
+  for (const BufferedSystem& known : buffered_systems()) names.push_back(known.name);
+  return names;
 }
 
 }  // namespace maide

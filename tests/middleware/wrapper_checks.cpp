@@ -1,0 +1,101 @@
+#include "wrapper_checks.hpp"
+
+#include <gtest/gtest.h>
+
+#include <exception>
+#include <sstream>
+
+#include "busy_machine.hpp"
+#include "maide/base/error.hpp"
+#include "maide/formats/dot.hpp"
+#include "maide/wire/local_sul.hpp"
+#include "maide/wire/wrapper_proxy.hpp"
+#include "maide/workflow/experiment.hpp"
+
+namespace maide::test {
+namespace {
+
+std::vector<std::string> outputs(const Mealy& machine, const Word& word) {
+  std::vector<std::string> names;
+  for (const Symbol output : machine.output_word(word)) {
+    names.push_back(machine.outputs().name(output));
+  }
+  return names;
+}
+
+std::string text_of(const Mealy& machine) {
+  std::ostringstream text;
+  write_dot(text, machine);
+  return text.str();
+}
+
+}  // namespace
+
+std::vector<SulQuery> all_words(std::size_t inputs, std::size_t length) {
+  std::vector<SulQuery> words;
+  Word word(length, 0);
+  while (true) {
+    words.push_back({word, Translation::eager});
+    std::size_t place = length;
+    while (place > 0 && word[place - 1] + 1 == inputs) word[--place] = 0;
+    if (place == 0) return words;
+    ++word[place - 1];
+  }
+}
+
+std::vector<std::string> outputs(const SulAnswer& answer) {
+  std::vector<std::string> names;
+  for (const SulStep& step : answer.steps) names.push_back(mealy_output(step, Translation::eager));
+  return names;
+}
+
+void expect_answers(SystemWrapper& wrapper, const SystemOptions& options, const Mealy& model,
+                    std::size_t length) {
+  LocalSul sul(wrapper, options);
+  ASSERT_EQ(sul.info().inputs.size(), model.inputs().size());
+  const std::vector<SulQuery> batch = all_words(model.inputs().size(), length);
+  std::size_t answered = 0;
+  sul.run(batch,
+          [&](std::size_t index, const SulAnswer& answer) {
+            const Word& word = std::get<Word>(batch[index].inputs);
+            ASSERT_EQ(answer.end, WordEnd::complete);
+            ASSERT_EQ(outputs(answer), outputs(model, word)) << to_string(word, model.inputs());
+            ++answered;
+          },
+          {});
+  EXPECT_EQ(answered, batch.size());
+}
+
+std::string usage_error_of(SystemWrapper& wrapper, const SystemOptions& options) {
+  try {
+    const LocalSul sul(wrapper, options);
+  } catch (const UsageError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+LearnedSystem learn_system(const std::string& name, const SystemOptions& options,
+                           std::string_view algorithm, Translation translation) {
+  const auto sul = spawn_wrapper({MAIDE_BINARY_DIR "/bin/maide-wrap-" + name}, options);
+  IaTranslator translator(*sul, translation);
+  ExperimentOptions experiment;
+  experiment.algorithm = algorithm;
+  const ExperimentResult result = run_experiment(translator, experiment);
+  if (result.error) std::rethrow_exception(result.error);
+  return {result.model, translator.to_interface_automaton(result.model)};
+}
+
+void expect_same_twenty_times(const std::string& name, const SystemOptions& options,
+                              std::size_t states, std::size_t busy_processes) {
+  const BusyMachine load(busy_processes);
+  std::string first;
+  for (int run = 0; run < 20; ++run) {
+    const Mealy learned = learn_system(name, options).machine;
+    ASSERT_EQ(learned.size(), states) << "run " << run;
+    if (run == 0) first = text_of(learned);
+    ASSERT_EQ(text_of(learned), first) << "run " << run;
+  }
+}
+
+}  // namespace maide::test

@@ -1,0 +1,49 @@
+// What the tests of every real middleware do: play words on a wrapper in this process, or learn
+// from its own process.
+#pragma once
+
+#include <cstddef>
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "maide/automata/interface_automaton.hpp"
+#include "maide/automata/mealy.hpp"
+#include "maide/sul/sul.hpp"
+#include "maide/wire/system_wrapper.hpp"
+
+namespace maide::test {
+
+using SystemOptions = std::map<std::string, std::string>;
+
+// Every word of `length` over so many inputs.
+std::vector<SulQuery> all_words(std::size_t inputs, std::size_t length);
+
+std::vector<std::string> outputs(const SulAnswer& answer);
+
+// Plays all words of `length` on a system and fails the test unless it answers as `model`, over the
+// same inputs in the same order.
+void expect_answers(SystemWrapper& wrapper, const SystemOptions& options, const Mealy& model,
+                    std::size_t length);
+
+// What is wrong with these options; "" if nothing is.
+std::string usage_error_of(SystemWrapper& wrapper, const SystemOptions& options);
+
+struct LearnedSystem {
+  Mealy machine;
+  InterfaceAutomaton automaton;
+};
+
+// Learns from maide-wrap-`name`, a process of its own; throws what ended a run early. An empty
+// `algorithm` is the default.
+LearnedSystem learn_system(const std::string& name, const SystemOptions& options,
+                           std::string_view algorithm = "",
+                           Translation translation = Translation::eager);
+
+// Learns twenty times beside so many busy processes and fails the test unless each model has
+// `states` states and the same text.
+void expect_same_twenty_times(const std::string& name, const SystemOptions& options,
+                              std::size_t states, std::size_t busy_processes);
+
+}  // namespace maide::test

@@ -1,0 +1,65 @@
+// ZeroMQ for real, in this process: the answers to all words up to a length are those of the models
+// written by hand, of the sizes that they should have.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "maide/wire/local_sul.hpp"
+#include "maide/wire/self_test.hpp"
+#include "wrapper_checks.hpp"
+#include "zeromq_cases.hpp"
+#include "zeromq_wrapper.hpp"
+
+namespace maide {
+namespace {
+
+class ZeroMq : public testing::TestWithParam<test::ZeroMqCase> {};
+
+TEST_P(ZeroMq, AnswersAllWordsAsItsModel) {
+  const Mealy model = test::make_connection(GetParam().model);
+  EXPECT_EQ(model.size(), GetParam().states);
+  zeromq::ZeroMqWrapper wrapper;
+  test::expect_answers(wrapper, GetParam().options, model, GetParam().model.reconnects ? 5 : 10);
+}
+
+INSTANTIATE_TEST_SUITE_P(Patterns, ZeroMq, testing::ValuesIn(test::zeromq_cases()),
+                         [](const auto& tested) { return tested.param.name; });
+
+std::string error_of(const test::SystemOptions& options) {
+  zeromq::ZeroMqWrapper wrapper;
+  return test::usage_error_of(wrapper, options);
+}
+
+TEST(ZeroMqOptions, ThatMakeNoSenseAreRefused) {
+  EXPECT_THAT(error_of({{"size", "0"}, {"transport", "tcp"}}), testing::HasSubstr("say size=N"));
+  EXPECT_THAT(error_of({{"size", "0"}, {"sndhwm", "0"}}), testing::HasSubstr("say size=N"));
+  EXPECT_EQ(error_of({{"pattern", "pub-sub"}, {"sndtimeo", "0"}}),
+            "option sndtimeo: only a write of pattern=push-pull without conflate waits");
+  EXPECT_THAT(error_of({{"pattern", "req-rep"}, {"conflate", "yes"}}),
+              testing::StartsWith("option conflate:"));
+  EXPECT_THAT(error_of({{"send", "plain"}}), testing::HasSubstr("needs floor=3"));
+  EXPECT_EQ(error_of({{"send", "plain"}, {"floor", "3"}}), "");
+  EXPECT_THAT(error_of({{"inputs", "write,read,disconnect"}}),
+              testing::StartsWith("option inputs: disconnect loses messages"));
+  EXPECT_THAT(error_of({{"pattern", "req-rep"}, {"inputs", "write,disconnect"}}),
+              testing::HasSubstr("there is no input 'disconnect'"));
+}
+
+TEST(ZeroMqWrapper, SaysWhatItIs) {
+  zeromq::ZeroMqWrapper wrapper;
+  const LocalSul sul(wrapper);
+  EXPECT_EQ(sul.info().name, "zeromq");
+  EXPECT_FALSE(sul.info().versions.at("zeromq").empty());
+  EXPECT_EQ(sul.info().actors, (std::vector<std::string>{"writer", "reader"}));
+  EXPECT_EQ(sul.info().inputs.at(0).returns, std::vector<std::string>{"written"});
+  EXPECT_EQ(sul.info().bound, "at most 3 messages in flight");
+}
+
+TEST(ZeroMqWrapper, TriesItself) {
+  zeromq::ZeroMqWrapper wrapper;
+  EXPECT_THAT(run_self_test(wrapper), testing::EndsWith(": write -> quiet, read -> message"));
+}
+
+}  // namespace
+}  // namespace maide
