@@ -89,9 +89,11 @@ TEST_P(LearnTable1, GivesThePapersSizesAndTheReferenceModels) {
 
 TEST(Learn, JsonHasWhatTheDesignNames) {
   const Json json = json_of(run_maide(learn({"port", "--json"})));
-  for (const char* key : {"algorithm", "translation", "states", "transitions", "mealy_states",
-                          "output_queries", "equivalence_queries", "experiments", "symbols",
-                          "resets", "seconds", "seconds_in_system", "seconds_in_reset", "model"}) {
+  for (const char* key :
+       {"algorithm", "translation", "states", "transitions", "mealy_states", "output_queries",
+        "equivalence_queries", "experiments", "symbols", "resets", "seconds", "seconds_in_system",
+        "seconds_in_calls", "seconds_in_quiescence", "seconds_in_reset",
+        "seconds_waiting_for_reset", "seconds_in_learner", "model"}) {
     EXPECT_TRUE(json.contains(key)) << key;
   }
   EXPECT_EQ(json.at("translation"), "eager");

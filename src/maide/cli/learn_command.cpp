@@ -77,7 +77,11 @@ Json as_json(const LearnedModel& learned, const std::string& path) {
             {"resets", run.resets},
             {"seconds", run.seconds},
             {"seconds_in_system", run.seconds_in_system},
+            {"seconds_in_calls", run.seconds_in_system - run.seconds_in_settling},
+            {"seconds_in_quiescence", run.seconds_in_settling},
             {"seconds_in_reset", run.seconds_in_reset},
+            {"seconds_waiting_for_reset", run.seconds_in_reset_wait},
+            {"seconds_in_learner", run.seconds_in_learner},
             {"guarantee", run.guarantee},
             {"model", path.empty() ? Json() : Json(path)}};
   if (learned.model) {
@@ -129,8 +133,13 @@ std::string as_text(const LearnedModel& learned, const SystemSpec& spec, const s
                   run.output_queries, run.algorithm, run.equivalence_queries, run.test_method);
   text += fmt::format("  experiments          {} words run on the system: {} resets, {} symbols\n",
                       run.experiments, run.resets, run.symbols);
-  text += fmt::format("  time                 {:.2f} s: {:.2f} in the system, {:.2f} in resets\n",
-                      run.seconds, run.seconds_in_system, run.seconds_in_reset);
+  text += fmt::format("  time                 {:.2f} s: {:.2f} learner and tests, {:.2f} asking\n",
+                      run.seconds, run.seconds_in_learner, run.seconds - run.seconds_in_learner);
+  text += fmt::format(
+      "  in the system        {:.2f} s calls, {:.2f} waiting for quiescence, {:.2f} resets ({:.2f} "
+      "waited for)\n",
+      run.seconds_in_system - run.seconds_in_settling, run.seconds_in_settling,
+      run.seconds_in_reset, run.seconds_in_reset_wait);
   text += fmt::format("  result               {}\n", run.guarantee);
   if (learned.model) {
     if (const auto* automaton = std::get_if<InterfaceAutomaton>(&*learned.model)) {

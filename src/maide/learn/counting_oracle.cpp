@@ -8,12 +8,35 @@ void CountingOracle::count(const MealyAnswer& answer) {
   counts.symbols += answer.inputs.size() * std::uint64_t{answer.attempts};
   counts.resets += answer.attempts;
   counts.in_reset += answer.reset_duration;
+  counts.in_reset_wait += answer.reset_wait;
   counts.in_system += answer.system_duration;
+  counts.in_settling += answer.settling;
 }
+
+namespace {
+
+// Adds the time that it lives.
+class Clocked {
+ public:
+  explicit Clocked(std::chrono::microseconds& total) : total_(total) {}
+  ~Clocked() {
+    total_ += std::chrono::duration_cast<std::chrono::microseconds>(
+        std::chrono::steady_clock::now() - start_);
+  }
+  Clocked(const Clocked&) = delete;
+  Clocked& operator=(const Clocked&) = delete;
+
+ private:
+  std::chrono::microseconds& total_;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+}  // namespace
 
 std::vector<MealyAnswer> CountingOracle::ask(std::span<const Query> batch,
                                              const RunControl& control,
                                              const PartialSink& on_early_end) {
+  const Clocked clocked(statistics_.at(phase_).asking);
   std::vector<MealyAnswer> answers =
       system_.ask(batch, control, [&](std::size_t index, const MealyAnswer& answer) {
         count(answer);

@@ -16,7 +16,10 @@ QueryCounts& QueryCounts::operator+=(const QueryCounts& other) {
   symbols += other.symbols;
   resets += other.resets;
   in_reset += other.in_reset;
+  in_reset_wait += other.in_reset_wait;
   in_system += other.in_system;
+  in_settling += other.in_settling;
+  asking += other.asking;
   return *this;
 }
 

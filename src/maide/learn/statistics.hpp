@@ -18,11 +18,16 @@ inline constexpr std::size_t learn_phase_count = 3;
 std::string_view to_string(LearnPhase phase);
 
 struct QueryCounts {
-  std::uint64_t queries = 0;               // words and decision trees
-  std::uint64_t symbols = 0;               // inputs given, those of repeated attempts included
-  std::uint64_t resets = 0;                // one for each attempt at each query
-  std::chrono::microseconds in_reset{0};   // summed over all systems that work in parallel
-  std::chrono::microseconds in_system{0};  // in the steps, resets not included; summed likewise
+  std::uint64_t queries = 0;  // words and decision trees
+  std::uint64_t symbols = 0;  // inputs given, those of repeated attempts included
+  std::uint64_t resets = 0;   // one for each attempt at each query
+  // Summed over all systems that work in parallel:
+  std::chrono::microseconds in_reset{0};       // resets
+  std::chrono::microseconds in_reset_wait{0};  // the part of them that a query waited for
+  std::chrono::microseconds in_system{0};      // steps, resets not included
+  std::chrono::microseconds in_settling{0};    // the part of them in which nothing came any more
+  // By the clock: from the question to the answer of each batch.
+  std::chrono::microseconds asking{0};
 
   QueryCounts& operator+=(const QueryCounts& other);
   bool operator==(const QueryCounts&) const = default;

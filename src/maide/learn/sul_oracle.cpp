@@ -45,7 +45,7 @@ void SulOracle::play_on_machine(const Query& query, MealyAnswer& answer) {
   play_query(query, answer, [&](Symbol input) -> std::optional<Symbol> {
     return machine_.outputs.intern(machine_.step(machine_.inputs.name(input)));
   });
-  answer.reset_duration = duration_cast<microseconds>(ready - start);
+  answer.reset_duration = answer.reset_wait = duration_cast<microseconds>(ready - start);
   answer.system_duration = duration_cast<microseconds>(Clock::now() - ready);
 }
 

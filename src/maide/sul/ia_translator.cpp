@@ -104,10 +104,12 @@ MealyAnswer IaTranslator::to_mealy_answer(const SulAnswer& raw) {
   answer.end = raw.end;
   answer.attempts = raw.attempts;
   answer.reset_duration = raw.reset_duration;
+  answer.reset_wait = raw.reset_wait;
   for (const SulStep& step : raw.steps) {
     const std::string output = mealy_output(step, translation_);
     answer.outputs.push_back(outputs_.intern(output));
     answer.system_duration += step.duration;
+    answer.settling += step.settling;
   }
   return answer;
 }

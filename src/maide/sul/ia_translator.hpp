@@ -22,7 +22,9 @@ struct MealyAnswer {
   WordEnd end = WordEnd::complete;
   std::uint32_t attempts = 1;
   std::chrono::microseconds reset_duration{0};   // time of the reset
+  std::chrono::microseconds reset_wait{0};       // the part of it that the query waited for
   std::chrono::microseconds system_duration{0};  // time in the steps, the reset not included
+  std::chrono::microseconds settling{0};         // the part of it in which nothing came any more
 };
 
 // What a model learned from the system says of where it came from: "sul" (name and options),

@@ -42,6 +42,9 @@ struct SulStep {
   std::vector<Event> events;
   std::vector<std::uint32_t> busy;        // actors whose call had not returned at quiescence
   std::chrono::microseconds duration{0};  // from the input to quiescence
+  // The part of `duration` behind the last thing seen (an event, a call's return): what it took to
+  // be sure that nothing more would come.
+  std::chrono::microseconds settling{0};
 };
 
 // How a word ended.
@@ -58,6 +61,9 @@ struct SulAnswer {
   WordEnd end = WordEnd::complete;
   std::uint32_t attempts = 1;                   // how often the word was run to get this answer
   std::chrono::microseconds reset_duration{0};  // time of the reset before it
+  // The part of `reset_duration` during which this query was there and waited; a reset that was
+  // made while nobody asked costs time, but nobody's.
+  std::chrono::microseconds reset_wait{0};
 };
 
 // The answer of a Mealy machine to a step: the outputs joined by ',' ("quiet" if none), "+" for an

@@ -16,6 +16,7 @@ struct ActorThread::State {
   std::function<void()> call;  // to be made; empty: none
   bool busy = false;
   bool ending = false;
+  std::chrono::steady_clock::time_point last_return;
   std::thread thread;
 
   void run() {
@@ -28,6 +29,7 @@ struct ActorThread::State {
       now();
       lock.lock();
       busy = false;
+      last_return = std::chrono::steady_clock::now();
       changed.notify_all();
     }
   }
@@ -61,6 +63,11 @@ ActorThread& ActorThread::operator=(ActorThread&& other) noexcept {
 bool ActorThread::is_busy() const {
   const std::scoped_lock lock(state_->mutex);
   return state_->busy;
+}
+
+std::chrono::steady_clock::time_point ActorThread::last_return() const {
+  const std::scoped_lock lock(state_->mutex);
+  return state_->last_return;
 }
 
 void ActorThread::start(std::function<void()> call) {

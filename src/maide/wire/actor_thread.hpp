@@ -22,6 +22,8 @@ class ActorThread {
   bool is_busy() const;
   // Makes `call` on the thread and returns at once; must not be busy. `call` must not throw.
   void start(std::function<void()> call);
+  // When a call last returned; long ago if none has.
+  std::chrono::steady_clock::time_point last_return() const;
   // Waits until the call has returned; false if it has not at `deadline`.
   bool wait_idle(std::chrono::steady_clock::time_point deadline);
 

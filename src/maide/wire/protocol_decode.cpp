@@ -289,6 +289,7 @@ SulStep decode_step(const Json& json, const SulInfo& info, bool open_outputs) {
   }
   std::sort(step.busy.begin(), step.busy.end());
   step.duration = duration_member(json, "us");
+  step.settling = std::min(step.duration, duration_member(json, "settling_us"));
   return step;
 }
 
@@ -336,6 +337,9 @@ Answer decode_answer(const Json& json, const AnswerContext& context) {
   }
   answer.end = find_name(text_member(json, "end", "complete"), "end", end_names);
   answer.reset_duration = duration_member(json, "reset_us");
+  answer.reset_wait = find(json, "reset_wait_us") != nullptr
+                          ? duration_member(json, "reset_wait_us")
+                          : answer.reset_duration;
   const bool is_complete = answer.end == WordEnd::complete;
   if (const Word* word = std::get_if<Word>(&query->inputs)) {
     if (answer.steps.size() > word->size() ||

@@ -80,6 +80,7 @@ Json step_json(const SulStep& step, const SulInfo& info) {
   }
   for (const std::uint32_t actor : step.busy) json["busy"].push_back(info.actors[actor]);
   json["us"] = step.duration.count();
+  if (step.settling.count() != 0) json["settling_us"] = step.settling.count();
   return json;
 }
 
@@ -127,6 +128,7 @@ std::string encode(const Answer& message, const SulInfo& info, const SulQuery& q
   for (const SulStep& step : answer.steps) json["steps"].push_back(step_json(step, info));
   if (answer.end != WordEnd::complete) json["end"] = end_name(answer.end);
   json["reset_us"] = answer.reset_duration.count();
+  json["reset_wait_us"] = answer.reset_wait.count();
   return to_json_line(json);
 }
 

@@ -80,7 +80,7 @@ WrapperServer::~WrapperServer() {
 void WrapperServer::push(std::string line) {
   std::unique_lock lock(mutex_);
   changed_.wait(lock, [this] { return stopping_ || lines_.size() < most_waiting; });
-  lines_.push_back({++received_, std::move(line)});
+  lines_.push_back({++received_, std::move(line), std::chrono::steady_clock::now()});
   changed_.notify_all();
 }
 
@@ -212,7 +212,7 @@ WrapperServer::Next WrapperServer::handle(const Line& line) {
     session_.add_purpose(purpose->purpose);
     send(protocol::encode(protocol::Ok{}));
   } else if (const auto* query = std::get_if<protocol::Run>(&message)) {
-    run(*query, line.number);
+    run(*query, line);
   }
   return Next::go_on;
 }
@@ -234,15 +234,15 @@ WrapperServer::Next WrapperServer::configure(const protocol::Configure& message)
   return Next::stop;
 }
 
-void WrapperServer::run(const protocol::Run& message, std::uint64_t number) {
-  const auto is_cancelled = [&] { return number <= cancelled_up_to_; };
+void WrapperServer::run(const protocol::Run& message, const Line& line) {
+  const auto is_cancelled = [&] { return line.number <= cancelled_up_to_; };
   protocol::Answer answer;
   answer.id = message.id;
   try {
     if (is_cancelled()) {
       answer.answer.end = WordEnd::aborted;
     } else {
-      answer.answer = session_.run(message.query, is_cancelled);
+      answer.answer = session_.run(message.query, is_cancelled, line.arrived);
     }
     send(protocol::encode(answer, session_.info(), message.query));
   } catch (const SystemProcessEnded& ended) {
@@ -250,7 +250,22 @@ void WrapperServer::run(const protocol::Run& message, std::uint64_t number) {
   } catch (const std::exception& error) {
     send_error(protocol::ErrorCode::system, error.what(), message.id);
   }
+  if (is_cancelled()) {
+    end_instance();
+  } else {
+    prepare_next();
+  }
+}
+
+// While the answer travels and the learner thinks. Not while a word is still played: an instance
+// that comes up would disturb the observation of quiescence.
+void WrapperServer::prepare_next() {
   end_instance();
+  {
+    const std::scoped_lock lock(mutex_);
+    if (ended_ && lines_.empty()) return;  // nobody will ask
+  }
+  session_.prepare();
 }
 
 }  // namespace maide

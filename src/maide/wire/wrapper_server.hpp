@@ -4,6 +4,7 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <condition_variable>
 #include <cstdint>
 #include <deque>
@@ -36,6 +37,7 @@ class WrapperServer {
   struct Line {
     std::uint64_t number = 0;
     std::string text;
+    std::chrono::steady_clock::time_point arrived;
   };
   enum class Next : std::uint8_t { go_on, stop };
 
@@ -48,7 +50,8 @@ class WrapperServer {
   Next handle(const Line& line);
   void serve_lines();
   Next configure(const protocol::Configure& message);
-  void run(const protocol::Run& message, std::uint64_t number);
+  void run(const protocol::Run& message, const Line& line);
+  void prepare_next();
   void send(const std::string& line);
   void send_error(protocol::ErrorCode code, const std::string& message,
                   std::optional<std::uint64_t> id = {});

@@ -20,6 +20,10 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
+// How long an instance may wait for its first input. In a system that was left alone for longer
+// than a word ever takes, a lease may have ended, or a connection.
+constexpr std::chrono::seconds longest_prepared{10};
+
 std::chrono::microseconds since(Clock::time_point start) {
   return std::chrono::duration_cast<std::chrono::microseconds>(Clock::now() - start);
 }
@@ -51,12 +55,17 @@ class WrapperSession::Stepper : public SteppedSystem {
     const Quiescence::Verdict verdict =
         session_.quiescence_->wait([&] { return recorder.last_event(); }, [&] { return is_over(); },
                                    [&] { return session_.instance_->polls_in_vain(); });
+    const Clock::time_point end = Clock::now();
+    step.duration = std::chrono::duration_cast<std::chrono::microseconds>(end - start);
     session_.check_processes();
-    step.duration = since(start);
+    Clock::time_point last_seen = std::max(start, recorder.last_event());
     step.events = recorder.take_events();
     for (std::uint32_t actor = 0; actor < session_.actors_.size(); ++actor) {
       if (session_.actors_[actor].is_busy()) step.busy.push_back(actor);
+      last_seen = std::max(last_seen, session_.actors_[actor].last_return());
     }
+    step.settling =
+        std::chrono::duration_cast<std::chrono::microseconds>(std::max(end, last_seen) - last_seen);
     if (const std::string failure = recorder.failure(); !failure.empty()) {
       throw std::runtime_error(failure);
     }
@@ -242,30 +251,55 @@ void WrapperSession::select_bound(const SystemSetup& setup) {
 
 void WrapperSession::start_instance() {
   const Watchdog::Guard guard(watchdog_, "the reset", step_limit_);
+  const Clock::time_point start = Clock::now();
+  if (teardown_.count() == 0) reset_began_ = start;
   recorder_ = std::make_shared<StepRecorder>(events_);
   try {
     instance_ = wrapper_.reset(*recorder_);
   } catch (const std::exception&) {
     // A process that dies closes its connections first.
     constexpr auto longest_death = std::chrono::milliseconds(100);
-    const Clock::time_point start = Clock::now();
-    while (!processes_.empty() && Clock::now() - start < longest_death) {
+    const Clock::time_point failed = Clock::now();
+    while (!processes_.empty() && Clock::now() - failed < longest_death) {
       check_processes();
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
     throw;
   }
+  is_fresh_ = true;
+  ready_ = Clock::now();
+  reset_ = since(start) + std::exchange(teardown_, {});
 }
 
-SulAnswer WrapperSession::run(const SulQuery& query, const std::function<bool()>& is_aborted) {
+bool WrapperSession::is_prepared() const {
+  return instance_ && is_fresh_ && Clock::now() - ready_ < longest_prepared &&
+         recorder_->failure().empty() && recorder_->crash_reason().empty();
+}
+
+void WrapperSession::prepare() {
+  if (is_prepared()) return;
   end_instance();
+  try {
+    start_instance();
+  } catch (const std::exception&) {
+    // The next query makes it, and is told if it cannot be made.
+  }
+}
+
+SulAnswer WrapperSession::run(const SulQuery& query, const std::function<bool()>& is_aborted,
+                              Clock::time_point arrived) {
   check_processes();
-  const Clock::time_point start = Clock::now();
-  start_instance();
-  const std::chrono::microseconds reset = since(start) + std::exchange(teardown_, {});
+  if (!is_prepared()) {
+    end_instance();
+    start_instance();
+  }
+  is_fresh_ = false;
   Stepper stepper(*this, is_aborted);
   SulAnswer answer = play(stepper, query, info_, purposes_);
-  answer.reset_duration = reset;
+  answer.reset_duration = reset_;
+  const Clock::time_point waiting = std::max(arrived, reset_began_);
+  answer.reset_wait =
+      std::chrono::duration_cast<std::chrono::microseconds>(std::max(ready_, waiting) - waiting);
   return answer;
 }
 
@@ -300,7 +334,8 @@ std::string WrapperSession::end_instance() {
   } else {
     leave_instance_behind();
   }
-  teardown_ = since(start);
+  if (teardown_.count() == 0) reset_began_ = start;
+  teardown_ += since(start);
   return stuck;
 }
 

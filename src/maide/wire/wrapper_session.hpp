@@ -45,10 +45,16 @@ class WrapperSession {
   void ignore_socket(int descriptor) { quiescence_->ignore_socket(descriptor); }
   void add_purpose(const LearningPurpose& purpose) { purposes_.push_back(purpose); }
 
-  // Plays one query from a fresh reset; `is_aborted` is asked often. The instance stays until the
-  // next call or end_instance(). Throws SystemProcessEnded if a process of the system died, other
+  // Plays one query from a fresh reset, which prepare() may have made; `is_aborted` is asked often.
+  // `arrived`: since when the query has waited. The instance stays until the next call or
+  // end_instance(). Throws SystemProcessEnded if a process of the system died, other
   // std::runtime_errors if the wrapper failed.
-  SulAnswer run(const SulQuery& query, const std::function<bool()>& is_aborted);
+  SulAnswer run(const SulQuery& query, const std::function<bool()>& is_aborted,
+                std::chrono::steady_clock::time_point arrived = std::chrono::steady_clock::now());
+
+  // Makes the instance for the next query, if none is there: nobody waits for it yet. One that
+  // cannot be made, or has waited for too long when the query comes, is made then.
+  void prepare();
 
   // Shuts the instance down, if there is one. Returns the actors whose calls could not be unblocked
   // ("" if all could): then the instance is abandoned, and the process had better be replaced.
@@ -59,6 +65,7 @@ class WrapperSession {
   class Stepper;
   void check_processes() const;
   void start_instance();
+  bool is_prepared() const;
   void leave_instance_behind();
   void select_actors(const SystemSetup& setup);
   void select_events(const SystemSetup& setup);
@@ -83,7 +90,12 @@ class WrapperSession {
   std::vector<ActorThread> actors_;
   std::shared_ptr<StepRecorder> recorder_;  // shared with calls that may outlive their word
   std::unique_ptr<SystemInstance> instance_;
-  std::chrono::microseconds teardown_{0};  // of the last instance: part of the next reset's time
+  bool is_fresh_ = false;  // no input was given to the instance
+  // Of the last instance: its teardown is part of the next reset's time.
+  std::chrono::microseconds teardown_{0};
+  std::chrono::microseconds reset_{0};                 // the time of this one's
+  std::chrono::steady_clock::time_point reset_began_;  // with the teardown, if there was one
+  std::chrono::steady_clock::time_point ready_;
 };
 
 }  // namespace maide

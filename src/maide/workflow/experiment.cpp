@@ -1,5 +1,6 @@
 #include "maide/workflow/experiment.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <memory>
 #include <optional>
@@ -58,6 +59,9 @@ void fill_counts(ExperimentResult& result, const Learner& learner, const Countin
   result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   result.seconds_in_system = to_seconds(total.in_system);
   result.seconds_in_reset = to_seconds(total.in_reset);
+  result.seconds_in_reset_wait = to_seconds(total.in_reset_wait);
+  result.seconds_in_settling = to_seconds(total.in_settling);
+  result.seconds_in_learner = std::max(0.0, result.seconds - to_seconds(total.asking));
   result.statistics = counter.statistics();
 }
 

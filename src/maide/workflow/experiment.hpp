@@ -52,6 +52,9 @@ struct ExperimentResult {
   double seconds = 0;                     // of the whole run, by the clock
   double seconds_in_system = 0;           // in steps; summed over systems that work in parallel
   double seconds_in_reset = 0;            // in resets; summed likewise
+  double seconds_in_reset_wait = 0;       // the part of them that a word waited for
+  double seconds_in_settling = 0;         // the part of the steps that was waiting for quiescence
+  double seconds_in_learner = 0;          // of `seconds`, those in which no system was asked
   Statistics statistics;                  // what reached the system, by phase
 
   bool is_complete() const { return error == nullptr; }

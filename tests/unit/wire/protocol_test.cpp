@@ -91,23 +91,34 @@ TEST(Protocol, AnswersGoThere) {
   answer.steps.resize(3);
   answer.steps[0].busy = {0, 1};
   answer.steps[0].duration = std::chrono::microseconds(17);
+  answer.steps[0].settling = std::chrono::microseconds(5);
   answer.steps[1].status = StepStatus::unexplored;
   answer.steps[2].events = {{0, "written"}, {1, "gap"}, {1, "next"}};
   answer.end = WordEnd::hang;
   answer.reset_duration = std::chrono::microseconds(99);
+  answer.reset_wait = std::chrono::microseconds(33);
   const auto back =
       from_wrapper<Answer>(encode(Answer{7, answer}, example_info(), query), OneQuery(query));
   EXPECT_EQ(back.id, 7u);
   EXPECT_EQ(back.answer.inputs, (Word{0, 1, 1}));
   EXPECT_EQ(back.answer.end, WordEnd::hang);
   EXPECT_EQ(back.answer.reset_duration, answer.reset_duration);
+  EXPECT_EQ(back.answer.reset_wait, answer.reset_wait);
   ASSERT_EQ(back.answer.steps.size(), 3u);
   for (std::size_t i = 0; i < 3; ++i) {
     EXPECT_EQ(back.answer.steps[i].status, answer.steps[i].status);
     EXPECT_EQ(back.answer.steps[i].events, answer.steps[i].events);
     EXPECT_EQ(back.answer.steps[i].busy, answer.steps[i].busy);
     EXPECT_EQ(back.answer.steps[i].duration, answer.steps[i].duration);
+    EXPECT_EQ(back.answer.steps[i].settling, answer.steps[i].settling);
   }
+}
+
+TEST(Protocol, AResetIsWaitedForUnlessTheWrapperSaysOtherwise) {
+  const SulQuery query = word_query({});
+  const auto back =
+      from_wrapper<Answer>(R"({"type":"answer","id":7,"steps":[],"reset_us":20})", OneQuery(query));
+  EXPECT_EQ(back.answer.reset_wait, std::chrono::microseconds(20));
 }
 
 BasicDecisionTree<std::string> example_tree() {

@@ -75,5 +75,87 @@ TEST(WrapperSession, MayEndWhenTheShutdownThrows) {
           {});
 }
 
+// Counts its instances; the reset of some fails, and some have crashed before their first input.
+class Counted : public SystemWrapper {
+ public:
+  Counted() { description_.name = "counted"; }
+  const WrapperDescription& description() const override { return description_; }
+  SystemSetup configure(const OptionValues&) override {
+    SystemSetup setup;
+    setup.actors = {"actor"};
+    setup.inputs = {{"poke", "actor", {}}};
+    setup.events = {{"done", "actor"}};
+    return setup;
+  }
+  std::unique_ptr<SystemInstance> reset(EventSink& sink) override {
+    ++resets;
+    if (fails) throw std::runtime_error("no such port");
+    if (resets == crashes_at) sink.crashed("out of memory");
+    return std::make_unique<Instance>(sink);
+  }
+  int resets = 0;
+  int crashes_at = 0;
+  bool fails = false;
+
+ private:
+  struct Instance : SystemInstance {
+    explicit Instance(EventSink& events) : sink(events) {}
+    void call(std::string_view) override { sink.report("done"); }
+    void shutdown() override {}
+    EventSink& sink;
+  };
+  WrapperDescription description_;
+};
+
+class PreparedSession : public testing::Test {
+ protected:
+  PreparedSession() : session(wrapper) { session.configure({}); }
+  SulAnswer run() {
+    return session.run({Word{0}, Translation::eager}, [] { return false; });
+  }
+  Counted wrapper;
+  WrapperSession session;
+};
+
+TEST_F(PreparedSession, MakesTheNextInstanceOnceAndNobodyWaitsForIt) {
+  session.prepare();
+  session.prepare();
+  EXPECT_EQ(wrapper.resets, 1);
+  const SulAnswer first = run();
+  EXPECT_EQ(wrapper.resets, 1);
+  EXPECT_EQ(first.steps.at(0).events, (std::vector<Event>{{0, "done"}}));
+  EXPECT_EQ(first.reset_wait.count(), 0);
+  // An instance that has played a word serves no other.
+  run();
+  EXPECT_EQ(wrapper.resets, 2);
+  session.prepare();
+  EXPECT_EQ(wrapper.resets, 3);
+}
+
+TEST_F(PreparedSession, AQueryThatWaitedDuringTheResetSaysSo) {
+  const auto arrived = std::chrono::steady_clock::now();
+  session.prepare();
+  const SulAnswer answer = session.run(
+      {Word{0}, Translation::eager}, [] { return false; }, arrived);
+  EXPECT_GE(answer.reset_wait, answer.reset_duration);
+}
+
+TEST_F(PreparedSession, AnInstanceThatCannotBeMadeIsTheNextQuerysError) {
+  wrapper.fails = true;
+  session.prepare();
+  EXPECT_EQ(wrapper.resets, 1);
+  EXPECT_THROW(run(), std::runtime_error);
+  EXPECT_EQ(wrapper.resets, 2);
+  wrapper.fails = false;
+  EXPECT_EQ(run().steps.size(), 1U);
+}
+
+TEST_F(PreparedSession, AnInstanceThatDiedBeforeItsFirstInputIsMadeAnew) {
+  wrapper.crashes_at = 1;
+  session.prepare();
+  EXPECT_EQ(run().end, WordEnd::complete);
+  EXPECT_EQ(wrapper.resets, 2);
+}
+
 }  // namespace
 }  // namespace maide
