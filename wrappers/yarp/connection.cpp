@@ -1,0 +1,136 @@
+#include "connection.hpp"
+
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+namespace maide::yarp_ports {
+namespace {
+
+// True for as long as it lives.
+class Flag {
+ public:
+  explicit Flag(std::atomic<bool>& flag) : flag_(flag) { flag_ = true; }
+  ~Flag() { flag_ = false; }
+  Flag(const Flag&) = delete;
+  Flag& operator=(const Flag&) = delete;
+
+ private:
+  std::atomic<bool>& flag_;
+};
+
+}  // namespace
+
+Connection::Connection(PairStore& store, EventSink& sink)
+    : store_(store), pair_(store.take()), sink_(sink) {}
+
+Connection::~Connection() { store_.give_back(std::move(pair_)); }
+
+void Connection::call(std::string_view input) {
+  if (shut_down_) return;
+  if (input == "write") {
+    write();
+  } else if (input == "read") {
+    read(true);
+  } else if (input == "tryread") {
+    read(false);
+  } else if (input == "connect" || input == "disconnect") {
+    call_network(input);
+  } else if (input.ends_with("_reader")) {
+    call_reader_control(input);
+  } else {
+    call_writer_control(input);
+  }
+}
+
+void Connection::write() {
+  if (destroyed_) return;
+  bool was_sent = false;
+  {
+    const Flag writing(writing_);
+    was_sent = pair_->writer().write(++written_);
+  }
+  sink_.report(was_sent ? "written" : "failed");
+}
+
+void Connection::read(bool waits) {
+  const Flag reading(reading_);
+  const Received received = waits ? pair_->reader().read() : pair_->reader().try_read();
+  if (!received.has_message) {
+    sink_.report("null");
+  } else if (received.number) {
+    sink_.message(static_cast<std::uint64_t>(*received.number));
+  } else {
+    sink_.report("empty");
+  }
+}
+
+void Connection::call_writer_control(std::string_view input) {
+  if (destroyed_) return;
+  yarp::os::Contactable& port = pair_->writer().port();
+  if (input == "interrupt") {
+    // A buffered port that was interrupted and written to cannot be deleted (3.9.1).
+    if (pair_->writer().is_buffered()) pair_->keep_writer();
+    port.interrupt();
+    sink_.report("done");
+  } else if (input == "resume") {
+    port.resume();
+    sink_.report("resumed");
+  } else if (input == "close") {
+    {
+      const Flag closing(closing_);
+      port.close();
+    }
+    sink_.report("closed");
+  } else if (input == "destroy") {
+    {
+      const Flag closing(closing_);
+      destroyed_ = true;
+      pair_->destroy_writer();
+    }
+    sink_.report("destroyed");
+  } else {
+    throw std::logic_error("no input '" + std::string(input) + "'");
+  }
+}
+
+void Connection::call_reader_control(std::string_view input) {
+  yarp::os::Contactable& port = pair_->reader().port();
+  if (input == "interrupt_reader") {
+    port.interrupt();
+    sink_.report("done_reader");
+  } else if (input == "resume_reader") {
+    port.resume();
+    sink_.report("resumed_reader");
+  } else if (input == "close_reader") {
+    port.close();
+    sink_.report("closed_reader");
+  } else {
+    throw std::logic_error("no input '" + std::string(input) + "'");
+  }
+}
+
+void Connection::call_network(std::string_view input) {
+  const bool connects = input == "connect";
+  const bool is_done = connects ? pair_->connect() : pair_->disconnect();
+  sink_.report(!is_done ? "refused" : connects ? "connected" : "disconnected");
+}
+
+// Closing a port that writes sleeps and looks, up to some 5 s, whether the write is over; which it
+// will not be while all else sleeps.
+bool Connection::polls_in_vain() const { return closing_ && writing_; }
+
+// A write that waits for its read is let go by one (and with it the interrupt, close or disconnect
+// that waits for the write); a read by closing its port; a strict write that waits for the one
+// before by closing its port and taking its message away.
+void Connection::shutdown() {
+  shut_down_ = true;
+  if (writing_ && !reading_ && !pair_->writer().is_buffered()) {
+    pair_->reader().port().resume();
+    pair_->reader().read();
+  }
+  pair_->reader().port().close();
+  if (writing_) pair_->writer().give_up();
+}
+
+}  // namespace maide::yarp_ports
