@@ -7,16 +7,16 @@
 namespace maide::yarp_ports {
 namespace {
 
-// True for as long as it lives.
-class Flag {
+// One more for as long as it lives.
+class Count {
  public:
-  explicit Flag(std::atomic<bool>& flag) : flag_(flag) { flag_ = true; }
-  ~Flag() { flag_ = false; }
-  Flag(const Flag&) = delete;
-  Flag& operator=(const Flag&) = delete;
+  explicit Count(std::atomic<int>& calls) : calls_(calls) { ++calls_; }
+  ~Count() { --calls_; }
+  Count(const Count&) = delete;
+  Count& operator=(const Count&) = delete;
 
  private:
-  std::atomic<bool>& flag_;
+  std::atomic<int>& calls_;
 };
 
 }  // namespace
@@ -28,12 +28,14 @@ Connection::~Connection() { store_.give_back(std::move(pair_)); }
 
 void Connection::call(std::string_view input) {
   if (shut_down_) return;
-  if (input == "write") {
-    write();
+  if (input == "write" || input == "write_2") {
+    write(input);
   } else if (input == "read") {
     read(true);
   } else if (input == "tryread") {
     read(false);
+  } else if (input == "read_2") {
+    read_2();
   } else if (input == "connect" || input == "disconnect") {
     call_network(input);
   } else if (input.ends_with("_reader")) {
@@ -43,18 +45,22 @@ void Connection::call(std::string_view input) {
   }
 }
 
-void Connection::write() {
+void Connection::write(std::string_view input) {
   if (destroyed_) return;
   bool was_sent = false;
   {
-    const Flag writing(writing_);
+    const Count writing(writing_);
     was_sent = pair_->writer().write(++written_);
   }
-  sink_.report(was_sent ? "written" : "failed");
+  if (input == "write") {
+    sink_.report(was_sent ? "written" : "failed");
+  } else {
+    sink_.report(was_sent ? "written_2" : "failed_2");
+  }
 }
 
 void Connection::read(bool waits) {
-  const Flag reading(reading_);
+  const Count reading(reading_);
   const Received received = waits ? pair_->reader().read() : pair_->reader().try_read();
   if (!received.has_message) {
     sink_.report("null");
@@ -63,6 +69,11 @@ void Connection::read(bool waits) {
   } else {
     sink_.report("empty");
   }
+}
+
+void Connection::read_2() {
+  const Count reading(reading_);
+  sink_.report(pair_->reader().read().has_message ? "message_2" : "null_2");
 }
 
 void Connection::call_writer_control(std::string_view input) {
@@ -78,13 +89,13 @@ void Connection::call_writer_control(std::string_view input) {
     sink_.report("resumed");
   } else if (input == "close") {
     {
-      const Flag closing(closing_);
+      const Count closing(closing_);
       port.close();
     }
     sink_.report("closed");
   } else if (input == "destroy") {
     {
-      const Flag closing(closing_);
+      const Count closing(closing_);
       destroyed_ = true;
       pair_->destroy_writer();
     }
@@ -118,19 +129,21 @@ void Connection::call_network(std::string_view input) {
 
 // Closing a port that writes sleeps and looks, up to some 5 s, whether the write is over; which it
 // will not be while all else sleeps.
-bool Connection::polls_in_vain() const { return closing_ && writing_; }
+bool Connection::polls_in_vain() const { return closing_ > 0 && writing_ > 0; }
 
 // A write that waits for its read is let go by one (and with it the interrupt, close or disconnect
 // that waits for the write); a read by closing its port; a strict write that waits for the one
 // before by closing its port and taking its message away.
 void Connection::shutdown() {
   shut_down_ = true;
-  if (writing_ && !reading_ && !pair_->writer().is_buffered()) {
+  if (writing_ > 0 && reading_ == 0 && !pair_->writer().is_buffered()) {
     pair_->reader().port().resume();
     pair_->reader().read();
   }
+  // Closing wakes one reader only.
+  for (int others = reading_; others > 1; --others) pair_->reader().port().interrupt();
   pair_->reader().port().close();
-  if (writing_) pair_->writer().give_up();
+  if (writing_ > 0) pair_->writer().give_up();
 }
 
 }  // namespace maide::yarp_ports

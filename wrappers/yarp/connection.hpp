@@ -22,8 +22,9 @@ class Connection : public SystemInstance {
   bool polls_in_vain() const override;
 
  private:
-  void write();
+  void write(std::string_view input);
   void read(bool waits);
+  void read_2();
   void call_writer_control(std::string_view input);
   void call_reader_control(std::string_view input);
   void call_network(std::string_view input);
@@ -31,10 +32,10 @@ class Connection : public SystemInstance {
   PairStore& store_;
   std::unique_ptr<PortPair> pair_;
   EventSink& sink_;
-  std::int64_t written_ = 0;             // only the writer's thread writes
-  std::atomic<bool> writing_ = false;    // a write has not returned
-  std::atomic<bool> reading_ = false;    // a read has not returned
-  std::atomic<bool> closing_ = false;    // the writer's port is being closed, by an input
+  std::atomic<std::int64_t> written_ = 0;
+  std::atomic<int> writing_ = 0;         // writes that have not returned
+  std::atomic<int> reading_ = 0;         // reads that have not returned
+  std::atomic<int> closing_ = 0;         // calls that close the writer's port
   std::atomic<bool> destroyed_ = false;  // the writer's port is no more
   std::atomic<bool> shut_down_ = false;
 };

@@ -37,6 +37,8 @@ std::vector<SystemSetup::Input> all_inputs(Kind kind) {
       {"write", "writer", {}},
       {"read", "reader", {"message"}},
       {"tryread", "reader", {}},
+      {"write_2", "writer_2", {}},
+      {"read_2", "reader_2", {"message_2"}},
       {"interrupt", "writer_control", {"done"}},
       {"resume", "writer_control", {"resumed"}},
       {"close", "writer_control", {"closed"}},
@@ -48,7 +50,10 @@ std::vector<SystemSetup::Input> all_inputs(Kind kind) {
       {"connect", "network", {"connected", "refused"}},
   };
   // A buffered write only waits to be strict: until the message before has arrived.
-  if (kind != Kind::buffered) inputs[0].returns = {"written"};
+  if (kind != Kind::buffered) {
+    inputs[0].returns = {"written"};
+    inputs[3].returns = {"written_2"};
+  }
   // A Port has no read that does not wait.
   if (kind == Kind::port) inputs.erase(inputs.begin() + 2);
   return inputs;
@@ -61,6 +66,10 @@ const std::vector<SystemSetup::Event>& all_events() {
       {"null", "reader"},
       {"written", "writer"},
       {"failed", "writer"},
+      {"message_2", "reader_2"},
+      {"null_2", "reader_2"},
+      {"written_2", "writer_2"},
+      {"failed_2", "writer_2"},
       {"done", "writer_control"},
       {"resumed", "writer_control"},
       {"closed", "writer_control"},
@@ -105,12 +114,28 @@ void bound_interrupts(SystemSetup& setup, Kind kind, const OptionValues& options
   setup.bound = fmt::format("at most {} interrupt{} of the reader", most, most == 1 ? "" : "s");
 }
 
+SystemSetup::InFlight describe_flight(Kind kind, const std::string& carrier) {
+  SystemSetup::InFlight flight;
+  flight.sends = {"write", "write_2"};
+  flight.receives = {"message"};
+  // The rendezvous and the newest-only buffer hold one message themselves: no bound is needed.
+  const bool is_rendezvous = kind == Kind::port && carrier == "tcp";
+  flight.capacity = is_rendezvous || kind == Kind::buffered ? 1 : 0;
+  // What a Port receives over this carrier is always empty (3.9.1).
+  if (kind == Kind::port && carrier == "local") flight.receives = {"empty"};
+  return flight;
+}
+
 // What a call may return besides, once somebody interrupts, closes or disconnects.
 void add_rare_returns(SystemSetup& setup, const std::string& carrier) {
   const bool is_disturbed = setup.actors.size() > 2;
   for (SystemSetup::Input& input : setup.inputs) {
-    if (input.name == "write" && !input.returns.empty() && is_disturbed) {
+    if (!input.returns.empty() && is_disturbed && input.name == "write") {
       input.returns.emplace_back("failed");
+    } else if (!input.returns.empty() && is_disturbed && input.name == "write_2") {
+      input.returns.emplace_back("failed_2");
+    } else if (input.name == "read_2") {
+      input.returns.emplace_back("null_2");
     } else if (input.name == "read") {
       if (is_disturbed) input.returns.emplace_back("null");
       if (is_disturbed || carrier == "local") input.returns.emplace_back("empty");
@@ -127,7 +152,8 @@ void select_actors(SystemSetup& setup, const std::vector<std::string>& wanted) {
                     std::find(wanted.begin(), wanted.end(), input.name) != wanted.end();
            });
   };
-  for (const char* actor : {"writer", "reader", "writer_control", "reader_control", "network"}) {
+  for (const char* actor : {"writer", "reader", "writer_2", "reader_2", "writer_control",
+                            "reader_control", "network"}) {
     if (is_wanted(actor)) setup.actors.emplace_back(actor);
   }
   const auto is_left_out = [&](const auto& of_actor) {
@@ -177,8 +203,7 @@ SystemSetup YarpWrapper::configure(const OptionValues& options) {
   add_rare_returns(setup, carrier);
   bound_interrupts(setup, kind, options);
   setup.messages_come_again = true;
-  // The rendezvous and the newest-only buffer hold one message themselves: no bound is needed.
-  setup.in_flight.emplace().capacity = kind == Kind::strict ? 0 : 1;
+  setup.in_flight = describe_flight(kind, carrier);
   return setup;
 }
 
