@@ -30,6 +30,8 @@ void start_network() {
   static auto* const network = new yarp::os::Network(yarp::os::YARP_CLOCK_SYSTEM);
   static_cast<void>(network);
   yarp::os::NetworkBase::setLocalMode(true);
+  // Makes the local table of names; ports that are opened at the same time would each make one.
+  yarp::os::NetworkBase::queryName("/maide");
 }
 
 std::vector<SystemSetup::Input> all_inputs(Kind kind) {

@@ -42,6 +42,8 @@ struct Middleware {
   std::string name;
   std::string description;
   std::string package;  // what to install before building the wrapper; "" for none
+  // Instead, for what is not in Debian: all that there is to do.
+  std::string advice{};
 };
 
 // The wrappers of this version; others that are found are listed as well.
@@ -50,6 +52,9 @@ const std::vector<Middleware>& middlewares() {
       {"port", "the built-in reference port", ""},
       {"cyclonedds", "Eclipse Cyclone DDS", "cyclonedds-dev cyclonedds-tools"},
       {"zeromq", "ZeroMQ", "libzmq3-dev cppzmq-dev"},
+      {"yarp", "YARP", "",
+       "not in Debian: build YARP 3.9 from source (docs/middleware/yarp.md), then configure maide "
+       "with -DYARP_DIR=<its build folder> and build it again"},
   };
   return table;
 }
@@ -114,9 +119,10 @@ Finding examine(const Middleware& middleware, const RunControl& control) {
   Finding finding{"wrapper", middleware.name, middleware.description};
   const auto path = find_wrapper(middleware.name);
   if (!path) {
-    finding.advice = middleware.package.empty() ? "build it with maide; it needs nothing"
-                                                : "apt-get install " + middleware.package +
-                                                      ", then configure and build maide again";
+    finding.advice = !middleware.advice.empty()   ? middleware.advice
+                     : middleware.package.empty() ? "build it with maide; it needs nothing"
+                                                  : "apt-get install " + middleware.package +
+                                                        ", then configure and build maide again";
     return finding;
   }
   finding.path = path->string();

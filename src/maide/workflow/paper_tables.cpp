@@ -76,7 +76,7 @@ const std::vector<BufferedSystem>& buffered_systems() {
 }  // namespace
 
 std::vector<ReproducedRow> table1_rows(const std::string& system) {
-  if (system == "port") return port_rows();
+  if (system == "yarp" || system == "port") return port_rows();
   for (const BufferedSystem& known : buffered_systems()) {
     if (system == known.name) return buffered_rows(known.newest, known.all);
   }
@@ -85,7 +85,7 @@ std::vector<ReproducedRow> table1_rows(const std::string& system) {
 }
 
 std::vector<std::string> table1_systems() {
-  std::vector<std::string> names{"port"};
+  std::vector<std::string> names{"yarp", "port"};
   for (const BufferedSystem& known : buffered_systems()) names.push_back(known.name);
   return names;
 }

@@ -25,8 +25,8 @@ struct ReproducedRow {
   std::map<std::string, std::string> options;  // of the system that is learned here
 };
 
-// Table 1 (top and bottom) on a system of ours: "port" has a counterpart of every row, the real
-// middlewares of the buffered ones. Throws UsageError for other systems.
+// Table 1 (top and bottom) on a system of ours: "yarp", the paper's, and "port" have a counterpart
+// of every row, other middlewares of the buffered ones. Throws UsageError for other systems.
 std::vector<ReproducedRow> table1_rows(const std::string& system);
 
 // The systems that have rows.
