@@ -51,6 +51,7 @@ const std::vector<Middleware>& middlewares() {
   static const std::vector<Middleware> table{
       {"port", "the built-in reference port", ""},
       {"cyclonedds", "Eclipse Cyclone DDS", "cyclonedds-dev cyclonedds-tools"},
+      {"fastdds", "eProsima Fast DDS", "libfastrtps-dev"},
       {"zeromq", "ZeroMQ", "libzmq3-dev cppzmq-dev"},
       {"yarp", "YARP", "",
        "not in Debian: build YARP 3.9 from source (docs/middleware/yarp.md), then configure maide "

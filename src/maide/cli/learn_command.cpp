@@ -258,9 +258,10 @@ void add_limits(CLI::App& app, LearnArguments& arguments) {
 
 RunFunction set_up_learn(CLI::App& app) {
   auto arguments = std::make_shared<LearnArguments>();
-  app.add_option("SUL", arguments->sul,
-                 "The system: a wrapper's name (port, cyclonedds), sim:FILE (a model, simulated), "
-                 "tcp://HOST:PORT, or exec:PROGRAM ARGS")
+  app.add_option(
+         "SUL", arguments->sul,
+         "The system: a wrapper's name (port, cyclonedds, fastdds), sim:FILE (a model, simulated), "
+         "tcp://HOST:PORT, or exec:PROGRAM ARGS")
       ->required();
   app.add_option("KEY=VALUE", arguments->key_values,
                  "Options of the system; --list-options tells which it has");

@@ -68,6 +68,7 @@ struct BufferedSystem {
 const std::vector<BufferedSystem>& buffered_systems() {
   static const std::vector<BufferedSystem> systems{
       {"cyclonedds", {{"history", "keep_last"}, {"depth", "1"}}, {{"history", "keep_all"}}},
+      {"fastdds", {{"history", "keep_last"}, {"depth", "1"}}, {{"history", "keep_all"}}},
       {"zeromq", {{"conflate", "yes"}}, {{"conflate", "no"}}},
   };
   return systems;

@@ -1,0 +1,135 @@
+#include "participants.hpp"
+
+#include <arpa/inet.h>
+#include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
+#include <fastrtps/attributes/LibrarySettingsAttributes.h>
+#include <fastrtps/xmlparser/XMLProfileManager.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <array>
+#include <cstdlib>
+#include <fastdds/dds/domain/DomainParticipant.hpp>
+#include <fastdds/dds/domain/DomainParticipantFactory.hpp>
+#include <fastdds/dds/domain/qos/DomainParticipantQos.hpp>
+#include <fastdds/dds/log/Log.hpp>
+#include <fastdds/dds/publisher/Publisher.hpp>
+#include <fastdds/dds/subscriber/Subscriber.hpp>
+#include <fastdds/dds/topic/TypeSupport.hpp>
+#include <stdexcept>
+#include <system_error>
+
+#include "sample_type.hpp"
+
+namespace maide::fastdds {
+namespace {
+
+namespace fast = eprosima::fastdds::dds;
+namespace rtps = eprosima::fastrtps::rtps;
+
+constexpr const char* loopback = "127.0.0.1";
+
+// Neither the user's profiles nor a discovery server may change what is learned.
+void ignore_environment() {
+  ::setenv("SKIP_DEFAULT_XML", "1", 1);
+  for (const char* name : {"FASTRTPS_DEFAULT_PROFILES_FILE", "FASTDDS_DEFAULT_PROFILES_FILE",
+                           "FASTDDS_ENVIRONMENT_FILE", "ROS_DISCOVERY_SERVER"}) {
+    ::unsetenv(name);
+  }
+}
+
+void set_intraprocess_delivery(bool on) {
+  eprosima::fastrtps::LibrarySettingsAttributes settings;
+  settings.intraprocess_delivery =
+      on ? eprosima::fastrtps::INTRAPROCESS_FULL : eprosima::fastrtps::INTRAPROCESS_OFF;
+  eprosima::fastrtps::xmlparser::XMLProfileManager::library_settings(settings);
+}
+
+// A UDP port of the loopback interface that nobody has; free again as it returns.
+std::uint16_t free_udp_port() {
+  const int socket = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = ::htonl(INADDR_LOOPBACK);
+  socklen_t length = sizeof(address);
+  auto* const generic = reinterpret_cast<sockaddr*>(&address);
+  const bool bound = socket >= 0 && ::bind(socket, generic, length) == 0 &&
+                     ::getsockname(socket, generic, &length) == 0;
+  const int error = errno;
+  if (socket >= 0) ::close(socket);
+  if (!bound) throw std::system_error(error, std::generic_category(), "a UDP port of 127.0.0.1");
+  return ::ntohs(address.sin_port);
+}
+
+rtps::Locator_t loopback_locator(std::uint16_t port) {
+  rtps::Locator_t locator;
+  rtps::IPLocator::createLocator(LOCATOR_KIND_UDPv4, loopback, port, locator);
+  return locator;
+}
+
+// What both ways have in common: nothing is sent to other hosts, no timer runs once everything is
+// known, and participants of other processes are not listened to.
+fast::DomainParticipantQos make_qos() {
+  fast::DomainParticipantQos qos;
+  auto transport = std::make_shared<eprosima::fastdds::rtps::UDPv4TransportDescriptor>();
+  transport->interfaceWhiteList = {loopback};
+  qos.transport().use_builtin_transports = false;
+  qos.transport().user_transports = {transport};
+  auto& discovery = qos.wire_protocol().builtin.discovery_config;
+  discovery.leaseDuration = eprosima::fastrtps::c_TimeInfinite;
+  discovery.leaseDuration_announcementperiod = {24 * 3600, 0};
+  discovery.ignoreParticipantFlags = static_cast<rtps::ParticipantFilteringFlags>(
+      rtps::FILTER_DIFFERENT_HOST | rtps::FILTER_DIFFERENT_PROCESS);
+  return qos;
+}
+
+// Listens at `own` for discovery, finds the participant that listens at `peer`.
+fast::DomainParticipantQos make_udp_qos(std::uint16_t own, std::uint16_t peer) {
+  fast::DomainParticipantQos qos = make_qos();
+  auto& wire = qos.wire_protocol();
+  wire.builtin.metatrafficUnicastLocatorList.push_back(loopback_locator(own));
+  wire.builtin.initialPeersList.push_back(loopback_locator(peer));
+  wire.default_unicast_locator_list.push_back(loopback_locator(free_udp_port()));
+  return qos;
+}
+
+fast::DomainParticipant* make_participant(const fast::DomainParticipantQos& qos) {
+  fast::DomainParticipant* const participant =
+      fast::DomainParticipantFactory::get_instance()->create_participant(0, qos);
+  if (participant == nullptr) throw std::runtime_error("create_participant fails");
+  if (fast::TypeSupport(new SampleType).register_type(participant) !=
+      eprosima::fastrtps::types::ReturnCode_t::RETCODE_OK) {
+    throw std::runtime_error("register_type fails");
+  }
+  return participant;
+}
+
+}  // namespace
+
+Participants::Participants(Transport transport) {
+  ignore_environment();
+  // What fails says so by its return code, and standard output is not the log's.
+  fast::Log::ClearConsumers();
+  set_intraprocess_delivery(transport == Transport::none);
+  if (transport == Transport::none) {
+    writer_.reset(make_participant(make_qos()));
+  } else {
+    const std::uint16_t first = free_udp_port(), second = free_udp_port();
+    writer_.reset(make_participant(make_udp_qos(first, second)));
+    reader_.reset(make_participant(make_udp_qos(second, first)));
+  }
+  publisher_ = of_writer().create_publisher(fast::PUBLISHER_QOS_DEFAULT);
+  subscriber_ = of_reader().create_subscriber(fast::SUBSCRIBER_QOS_DEFAULT);
+  if (publisher_ == nullptr || subscriber_ == nullptr) {
+    throw std::runtime_error("create_publisher or create_subscriber fails");
+  }
+}
+
+Participants::~Participants() = default;
+
+void Participants::Deleter::operator()(fast::DomainParticipant* participant) const {
+  participant->delete_contained_entities();
+  fast::DomainParticipantFactory::get_instance()->delete_participant(participant);
+}
+
+}  // namespace maide::fastdds
