@@ -97,35 +97,41 @@ INSTANTIATE_TEST_SUITE_P(
             "deep_answer",
             "a line is not JSON: [[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[..."},
         Fault{"cut_answer",
-              "the wrapper exited with status 0 in the middle of a line; it did so twice in the "
-              "word \"press press press\""},
+              "the wrapper exited with status 0 in the middle of a line; it did so 3 times in the "
+              "reset before the word \"press press press\""},
         Fault{"wrong_id", "an answer to query 99, which was not asked"},
         Fault{"negative_id", "'id' is not a whole number from 0 to 18446744073709551615"},
         Fault{"unknown_event", "unknown event 'boom'"},
         Fault{"unknown_actor", "unknown actor 'ghost'"},
-        Fault{"too_many_steps", "query 1 has 3 inputs, its answer 4 steps"},
-        Fault{"too_few_steps", "query 1 has 3 inputs, its answer 2 steps"},
+        Fault{"too_many_steps", "the answer to query 1 has 4 steps, more than the query"},
+        Fault{"too_few_steps", "the answer to query 1 has 2 steps, fewer than the query"},
         Fault{"unknown_status", "unknown status 'bored'"},
         Fault{"unknown_type", "unknown type 'question' of line"},
         Fault{"second_hello", "the wrapper sent a line of a type that nobody asked for"},
         Fault{"system_error", "the bulb is gone, in the word \"press press press\""},
         Fault{"hangs",
-              "the wrapper hangs: no answer within 0.55 s in the word \"press press press\""},
+              "the wrapper hangs: no answer within 0.25 s; it did so 3 times in the reset before "
+              "the word \"press press press\""},
         Fault{"dies_in_word",
-              "the wrapper exited with status 3: bulb burst; it did so twice in the word \"press "
+              "the wrapper exited with status 3: bulb burst; it did so 3 times in the reset before "
+              "the word \"press "
               "press press\""},
         Fault{"is_killed_in_word",
-              "the wrapper was killed by signal 9 (Killed); it did so twice in the word \"press "
+              "the wrapper was killed by signal 9 (Killed); it did so 3 times in the reset before "
+              "the word \"press "
               "press press\""},
         Fault{"closes_output",
-              "the wrapper closed its output; it did so twice in the word \"press press press\""},
+              "the wrapper closed its output; it did so 3 times in the reset before the word "
+              "\"press press press\""},
         Fault{"reserved_output", "event 'refused' has a name with a meaning of its own"},
         Fault{"too_many_events", "a step has 1001 events, more than 1000"},
         Fault{"leaves_for_ever", "'leaving' came twice"},
         Fault{"dies_before_its_child",
-              "the wrapper exited with status 3: orphans!; it did so twice in the word \"press "
+              "the wrapper exited with status 3: orphans!; it did so 3 times in the reset before "
+              "the word \"press "
               "press press\""},
-        Fault{"leaves_at_once", "tired; it did so twice in the word \"press press press\""}),
+        Fault{"leaves_at_once",
+              "tired; it did so 3 times in the reset before the word \"press press press\""}),
     [](const auto& fault) { return fault.param.name; });
 
 INSTANTIATE_TEST_SUITE_P(Survived, WrapperFault,

@@ -4,7 +4,7 @@ namespace maide {
 
 void CountingOracle::count(const MealyAnswer& answer) {
   QueryCounts& counts = statistics_.at(phase_);
-  ++counts.queries;
+  if (answer.attempts > 0) ++counts.queries;  // else known to end in a crash: it was not run
   counts.symbols += answer.inputs.size() * std::uint64_t{answer.attempts};
   counts.resets += answer.attempts;
   counts.in_reset += answer.reset_duration;

@@ -8,6 +8,7 @@
 #include "maide/automata/minimize.hpp"
 #include "maide/base/error.hpp"
 #include "maide/base/join.hpp"
+#include "maide/sul/fatal_words.hpp"
 
 namespace maide {
 namespace {
@@ -367,7 +368,8 @@ std::vector<std::string> find_hidden_returns(const Mealy& machine, Translation t
     if (all_observed) continue;
     const bool seen_busy = std::any_of(states.begin(), states.end(), [&](StateId state) {
       const MacroStep step = steps.step(state, input);
-      return step.status == StepStatus::taken &&
+      const bool is_end = !step.outputs.empty() && is_end_output(step.outputs.back());
+      return step.status == StepStatus::taken && !is_end &&
              steps.step(step.target, input).status == StepStatus::refused;
     });
     if (seen_busy) hidden.push_back(declared.name);

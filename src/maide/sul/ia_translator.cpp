@@ -69,38 +69,59 @@ std::vector<MealyAnswer> IaTranslator::run(std::span<const Query> batch, const R
   std::vector<std::optional<SulAnswer>> raw(batch.size());
   std::exception_ptr failure;
   try {
-    sul_.run(
-        queries, [&](std::size_t index, SulAnswer answer) { raw[index] = std::move(answer); },
-        control);
+    run_unknown(queries, raw, control);
   } catch (...) {
     failure = std::current_exception();
   }
 
   // In query order, so that outputs get the same numbers whatever the order of arrival.
   std::vector<MealyAnswer> answers(batch.size());
-  std::string broken;
   for (std::size_t i = 0; i < raw.size(); ++i) {
     if (!raw[i]) continue;
-    answers[i] = to_mealy_answer(*raw[i]);
-    if (answers[i].end == WordEnd::complete) {
-      if (failure && on_early_end) on_early_end(i, answers[i]);
-    } else if (!failure && broken.empty()) {
-      broken = describe_end(answers[i]);
-    }
+    fatal_words_.add(*raw[i], translation_);
+    answers[i] = to_mealy_answer(std::move(*raw[i]), queries[i]);
+    if (answers[i].end != WordEnd::aborted) continue;
+    raw[i].reset();
+    if (failure) continue;
+    failure = std::make_exception_ptr(WrapperError(
+        "the run was aborted in the word \"" + to_string(answers[i].inputs, inputs_) + "\"",
+        info().name));
   }
-  if (failure) std::rethrow_exception(failure);
-  if (!broken.empty()) {
-    for (std::size_t i = 0; i < raw.size() && on_early_end; ++i) {
-      if (raw[i] && answers[i].end == WordEnd::complete) on_early_end(i, answers[i]);
-    }
-    throw WrapperError(broken, info().name);
+  if (!failure) return answers;
+  for (std::size_t i = 0; i < raw.size() && on_early_end; ++i) {
+    if (raw[i]) on_early_end(i, answers[i]);
   }
-  return answers;
+  std::rethrow_exception(failure);
 }
 
-MealyAnswer IaTranslator::to_mealy_answer(const SulAnswer& raw) {
+// Runs what is not known to run into a crash or a hang.
+void IaTranslator::run_unknown(std::span<const SulQuery> queries,
+                               std::vector<std::optional<SulAnswer>>& answers,
+                               const RunControl& control) {
+  std::vector<SulQuery> unknown;
+  std::vector<std::size_t> places;
+  if (!fatal_words().empty()) {
+    for (std::size_t i = 0; i < queries.size(); ++i) {
+      answers[i] = fatal_words_.find(queries[i]);
+      if (answers[i]) continue;
+      unknown.push_back(queries[i]);
+      places.push_back(i);
+    }
+    if (unknown.empty()) return;
+    queries = unknown;
+  }
+  sul_.run(
+      queries,
+      [&](std::size_t index, SulAnswer answer) {
+        answers[places.empty() ? index : places[index]] = std::move(answer);
+      },
+      control);
+}
+
+MealyAnswer IaTranslator::to_mealy_answer(SulAnswer raw, const SulQuery& query) {
+  answer_rest(raw, query, info());
   MealyAnswer answer;
-  answer.inputs = raw.inputs;
+  answer.inputs = std::move(raw.inputs);
   answer.end = raw.end;
   answer.attempts = raw.attempts;
   answer.reset_duration = raw.reset_duration;
@@ -114,13 +135,9 @@ MealyAnswer IaTranslator::to_mealy_answer(const SulAnswer& raw) {
   return answer;
 }
 
-std::string IaTranslator::describe_end(const MealyAnswer& answer) const {
-  const std::string word = " in the word \"" + to_string(answer.inputs, inputs_) + "\"";
-  switch (answer.end) {
-    case WordEnd::crash: return "the system crashed" + word;
-    case WordEnd::hang: return "the system did not come to rest within the step limit" + word;
-    default: return "the run was aborted" + word;
-  }
+void IaTranslator::remember(const Word& inputs, const std::vector<std::string>& outputs) {
+  // An output of a plain Mealy machine means what that machine says.
+  if (info().has_actors) fatal_words_.add(inputs, outputs, info(), translation_);
 }
 
 Origin describe_origin(const SulInfo& info) {

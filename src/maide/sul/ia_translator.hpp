@@ -5,10 +5,14 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <span>
+#include <string>
+#include <vector>
 
 #include "maide/automata/interface_automaton.hpp"
 #include "maide/automata/mealy.hpp"
+#include "maide/sul/fatal_words.hpp"
 #include "maide/sul/ia_translation.hpp"
 #include "maide/sul/query.hpp"
 #include "maide/sul/sul.hpp"
@@ -17,9 +21,9 @@ namespace maide {
 
 // A Mealy machine's answer to a Query.
 struct MealyAnswer {
-  Word inputs;   // the word, or the path taken in the tree
-  Word outputs;  // one for each input, fewer when the word did not complete
-  WordEnd end = WordEnd::complete;
+  Word inputs;                      // the word, or the path taken in the tree
+  Word outputs;                     // one for each input, fewer when the word was aborted
+  WordEnd end = WordEnd::complete;  // behind a crash or a hang, all inputs are refused
   std::uint32_t attempts = 1;
   std::chrono::microseconds reset_duration{0};   // time of the reset
   std::chrono::microseconds reset_wait{0};       // the part of it that the query waited for
@@ -42,13 +46,19 @@ class IaTranslator {
   const Alphabet& inputs() const { return inputs_; }    // the system's, and Delta last under av
   const Alphabet& outputs() const { return outputs_; }  // grows as outputs are seen
 
-  // Answers in the order of the queries, whatever the order in which the system gave them. A word
-  // that ended in a crash or a hang throws WrapperError naming the word. O(batch) resets.
+  // Answers in the order of the queries, whatever the order in which the system gave them. A crash
+  // or a hang is an answer, too; what begins with a word that is known to end so is not run again.
+  // A word that was aborted throws WrapperError naming the word. O(batch) resets.
   std::vector<MealyAnswer> run(std::span<const Query> batch, const RunControl& control = {});
   // As above, but hands over what was answered when the call ends early by an exception.
   using PartialSink = std::function<void(std::size_t index, const MealyAnswer& answer)>;
   std::vector<MealyAnswer> run(std::span<const Query> batch, const RunControl& control,
                                const PartialSink& on_early_end);
+  // Words that end the system, each up to the input that does it, in the order in which they came.
+  const std::vector<FatalWord>& fatal_words() const { return fatal_words_.list(translation_); }
+  // An answer that is known from elsewhere, by the names of its outputs: if it ends in a crash or a
+  // hang, it will not be run again.
+  void remember(const Word& inputs, const std::vector<std::string>& outputs);
   // Symbol of an output that is known from elsewhere (a cache on disk).
   Symbol intern_output(std::string_view name) { return outputs_.intern(name); }
 
@@ -58,12 +68,14 @@ class IaTranslator {
   InterfaceAutomaton to_interface_automaton(const Mealy& machine) const;
 
  private:
-  MealyAnswer to_mealy_answer(const SulAnswer& raw);
-  std::string describe_end(const MealyAnswer& answer) const;
+  MealyAnswer to_mealy_answer(SulAnswer raw, const SulQuery& query);
+  void run_unknown(std::span<const SulQuery> queries,
+                   std::vector<std::optional<SulAnswer>>& answers, const RunControl& control);
 
   Sul& sul_;
   Translation translation_;
   Alphabet inputs_, outputs_;
+  FatalWords fatal_words_;
 };
 
 }  // namespace maide

@@ -2,7 +2,11 @@
 
 #include <algorithm>
 #include <deque>
+#include <optional>
 #include <utility>
+
+#include "maide/sul/fatal_words.hpp"
+#include "maide/sul/query_cursor.hpp"
 
 namespace maide {
 namespace {
@@ -80,32 +84,19 @@ WordEnd word_end(SteppedSystem::Outcome outcome) {
 }  // namespace
 
 SulAnswer play(SteppedSystem& system, const SulQuery& query, const SulInfo& info,
-               std::span<const LearningPurpose> purposes) {
+               std::span<const LearningPurpose> purposes, const StepObserver& on_step) {
   SulAnswer answer;
   Player player(system, info, purposes, query.translation);
-  // Plays one step; false ends the word.
-  const auto play_one = [&](Symbol input) {
-    answer.inputs.push_back(input);
-    const auto outcome = player.play_step(input, answer.steps.emplace_back());
-    answer.end = word_end(outcome);
-    return answer.end == WordEnd::complete;
-  };
-  if (const Word* word = std::get_if<Word>(&query.inputs)) {
-    for (const Symbol input : *word) {
-      if (!play_one(input)) break;
-    }
-    return answer;
+  QueryCursor cursor(query);
+  while (const std::optional<Symbol> input = cursor.input()) {
+    answer.inputs.push_back(*input);
+    SulStep& step = answer.steps.emplace_back();
+    answer.end = word_end(player.play_step(*input, step));
+    if (answer.end != WordEnd::complete) break;
+    if (on_step) on_step(step);
+    cursor.advance(step);
   }
-  const auto& nodes = std::get<BasicDecisionTree<std::string>>(query.inputs).nodes;
-  for (std::size_t node = 0; node < nodes.size();) {
-    if (!play_one(nodes[node].input)) break;
-    const std::string output = mealy_output(answer.steps.back(), query.translation);
-    const auto& branches = nodes[node].branches;
-    const auto branch = std::find_if(branches.begin(), branches.end(),
-                                     [&](const auto& entry) { return entry.first == output; });
-    if (branch == branches.end()) break;
-    node = branch->second;
-  }
+  if (is_fatal(answer.end)) mark_fatal_step(answer, info);
   return answer;
 }
 

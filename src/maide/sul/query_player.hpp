@@ -4,6 +4,7 @@
 // Used by wrappers (behind the wire) and by simulated systems alike.
 #pragma once
 
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -25,8 +26,12 @@ class SteppedSystem {
   virtual Outcome take(Symbol input, SulStep& step) = 0;
 };
 
-// Plays `query` and returns its answer (reset_duration and attempts are the caller's).
+// Told of each step of a word that is over, before the next one begins.
+using StepObserver = std::function<void(const SulStep& step)>;
+
+// Plays `query` and returns its answer (reset_duration, attempts and reason are the caller's). A
+// crash or a hang ends it there.
 SulAnswer play(SteppedSystem& system, const SulQuery& query, const SulInfo& info,
-               std::span<const LearningPurpose> purposes);
+               std::span<const LearningPurpose> purposes, const StepObserver& on_step = {});
 
 }  // namespace maide

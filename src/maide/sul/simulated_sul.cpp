@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "maide/base/error.hpp"
+#include "maide/sul/fatal_words.hpp"
 #include "maide/sul/ia_translation.hpp"
 #include "maide/sul/query_player.hpp"
 
@@ -55,6 +56,19 @@ class AutomatonInstance : public SteppedSystem {
   StateId state_;
 };
 
+// Behind a crash or a hang there is no system: a model that goes on there is a model of nothing.
+void check_ends(const InterfaceAutomaton& automaton) {
+  for (StateId state = 0; state < automaton.size(); ++state) {
+    for (const auto& transition : automaton.transitions(state)) {
+      if (transition.action.is_input()) continue;
+      const std::string& output = automaton.outputs().name(transition.action.symbol);
+      if (!is_end_output(output) || automaton.transitions(transition.target).empty()) continue;
+      throw UsageError("the interface automaton goes on behind output '" + output +
+                       "', which stands for the end of the system");
+    }
+  }
+}
+
 std::uint32_t actor_of(const InterfaceAutomaton& automaton, const std::string& name,
                        std::vector<std::string> Actor::*list) {
   for (std::uint32_t i = 0; i < automaton.actors.size(); ++i) {
@@ -68,6 +82,7 @@ std::uint32_t actor_of(const InterfaceAutomaton& automaton, const std::string& n
 
 SimulatedSul::SimulatedSul(InterfaceAutomaton automaton, std::string name)
     : automaton_(std::move(automaton)), is_plain_(false) {
+  check_ends(automaton_);
   to_mealy(automaton_, Translation::eager);  // throws if it cannot be played
   info_.name = std::move(name);
   for (const Actor& actor : automaton_.actors) info_.actors.push_back(actor.name);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <string_view>
+#include <utility>
 
 namespace maide {
 
@@ -32,6 +33,18 @@ bool is_reserved_output(std::string_view name) {
   static constexpr std::array<std::string_view, 6> reserved = {"+",       "quiet",      "delta",
                                                                "refused", "unexplored", "absorbed"};
   return std::find(reserved.begin(), reserved.end(), name) != reserved.end();
+}
+
+void SulIncidents::add(Death death) {
+  ++count;
+  if (first.size() < most_kept) first.push_back(std::move(death));
+}
+
+void SulIncidents::add(const SulIncidents& others) {
+  count += others.count;
+  for (const Death& death : others.first) {
+    if (first.size() < most_kept) first.push_back(death);
+  }
 }
 
 }  // namespace maide

@@ -47,7 +47,8 @@ struct SulStep {
   std::chrono::microseconds settling{0};
 };
 
-// How a word ended.
+// How a word ended. A crash or a hang that is reproducible is an observation: its step is the last
+// one, and has the single event `crash` or `hang` (fatal_words.hpp).
 enum class WordEnd : std::uint8_t {
   complete,
   crash,    // the system died in the last step
@@ -59,6 +60,7 @@ struct SulAnswer {
   Word inputs;                 // the inputs really asked: the word, or the path taken in the tree
   std::vector<SulStep> steps;  // one for each input, fewer when the word did not complete
   WordEnd end = WordEnd::complete;
+  std::string reason;                           // why it ended in a crash or a hang, in words
   std::uint32_t attempts = 1;                   // how often the word was run to get this answer
   std::chrono::microseconds reset_duration{0};  // time of the reset before it
   // The part of `reset_duration` during which this query was there and waited; a reset that was
@@ -102,6 +104,21 @@ struct SulInfo {
   bool speaks_av = true;        // understands Delta
 };
 
+// What went wrong on the way and was put right: the system's process died, or did not end, and the
+// word in progress was asked again, without that being reproducible.
+struct SulIncidents {
+  struct Death {
+    std::string reason;  // "the wrapper was killed by signal 11 (Segmentation fault)"
+    std::string after;   // the word that was answered last before it; "" if there was none
+    std::string word;    // the word that was asked again; "" if none was in progress
+  };
+  static constexpr std::size_t most_kept = 20;
+  std::uint64_t count = 0;
+  std::vector<Death> first;  // the first ones, most_kept at most
+  void add(Death death);
+  void add(const SulIncidents& others);
+};
+
 // Called once for each query, with its index in the batch; in any order, from the calling thread.
 using SulAnswerSink = std::function<void(std::size_t index, SulAnswer answer)>;
 
@@ -118,6 +135,9 @@ class Sul {
   // system fails, Interrupted if `control` says stop; answers already given to `sink` stay valid.
   virtual void run(std::span<const SulQuery> batch, const SulAnswerSink& sink,
                    const RunControl& control) = 0;
+
+  // Since the start.
+  virtual SulIncidents incidents() const { return {}; }
 };
 
 }  // namespace maide

@@ -42,6 +42,7 @@ struct Hello {
   std::string name;
   std::map<std::string, std::string> versions;
   bool speaks_trees = false, speaks_purposes = false, speaks_av = false;
+  bool announces_steps = false;     // can say at once that a step is over, where a Run asks for it
   bool needs_token = false;         // the next line must be a Token
   std::vector<OptionSpec> options;  // may be empty: then it takes whatever it takes
 };
@@ -55,6 +56,15 @@ struct Answer {
   std::uint64_t id = 0;
   SulAnswer answer;
 };
+// What a Run that asks for it hears before its answer, so that after a crash it is known how far
+// the word had come: the reset is done; a step is over.
+struct Ready {
+  std::uint64_t id = 0;
+};
+struct Step {
+  std::uint64_t id = 0;
+  SulStep step;
+};
 enum class ErrorCode : std::uint8_t {
   option,    // an option or a purpose that it does not take: the user's mistake
   token,     // the token is missing or wrong
@@ -66,11 +76,14 @@ struct ErrorReport {
   std::string message;
   std::optional<std::uint64_t> id;  // the query that it answers
 };
-// The wrapper ends in good order and wants to be started anew (a call could not be unblocked).
+// The wrapper ends in good order and wants to be started anew (a call could not be unblocked, the
+// broker is gone).
 struct Leaving {
   std::string reason;
+  std::optional<std::uint64_t> id =
+      {};  // the query in which that happened, unanswered; none: between
 };
-using FromWrapper = std::variant<Hello, Info, Ok, Answer, ErrorReport, Leaving>;
+using FromWrapper = std::variant<Hello, Info, Ok, Answer, Ready, Step, ErrorReport, Leaving>;
 
 // ---- To the wrapper ----
 
@@ -86,6 +99,7 @@ struct Purpose {
 struct Run {
   std::uint64_t id = 0;
   SulQuery query;
+  bool announce = false;  // wants Ready and Step
 };
 // Every query that is not answered yet is answered as aborted, or with what it has.
 struct Cancel {};
@@ -98,6 +112,8 @@ std::string encode(const Info& info);
 std::string encode(const Ok& ok);
 // `query` is the one that it answers: a tree's answer carries the path that was taken.
 std::string encode(const Answer& answer, const SulInfo& info, const SulQuery& query);
+std::string encode(const Ready& ready);
+std::string encode(const Step& step, const SulInfo& info);
 std::string encode(const ErrorReport& error);
 std::string encode(const Leaving& leaving);
 std::string encode(const Token& token);

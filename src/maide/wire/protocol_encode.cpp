@@ -4,53 +4,14 @@
 
 #include "maide/base/json.hpp"
 #include "maide/wire/protocol.hpp"
+#include "maide/wire/protocol_names.hpp"
 
 namespace maide::protocol {
 namespace {
 
-const char* kind_name(OptionSpec::Kind kind) {
-  switch (kind) {
-    case OptionSpec::Kind::choice: return "choice";
-    case OptionSpec::Kind::list: return "list";
-    case OptionSpec::Kind::integer: return "integer";
-    case OptionSpec::Kind::text: break;
-  }
-  return "text";
-}
-
-const char* code_name(ErrorCode code) {
-  switch (code) {
-    case ErrorCode::option: return "option";
-    case ErrorCode::token: return "token";
-    case ErrorCode::system: return "system";
-    case ErrorCode::protocol: break;
-  }
-  return "protocol";
-}
-
-const char* status_name(StepStatus status) {
-  switch (status) {
-    case StepStatus::refused: return "refused";
-    case StepStatus::unexplored: return "unexplored";
-    case StepStatus::absorbed: return "absorbed";
-    case StepStatus::delta: return "delta";
-    case StepStatus::taken: break;
-  }
-  return "taken";
-}
-
-const char* end_name(WordEnd end) {
-  switch (end) {
-    case WordEnd::crash: return "crash";
-    case WordEnd::hang: return "hang";
-    case WordEnd::aborted: return "aborted";
-    case WordEnd::complete: break;
-  }
-  return "complete";
-}
-
 Json option_json(const OptionSpec& spec) {
-  Json row = {{"key", spec.key}, {"kind", kind_name(spec.kind)}, {"default", spec.default_value}};
+  Json row = {
+      {"key", spec.key}, {"kind", name_of(spec.kind, kind_names)}, {"default", spec.default_value}};
   if (!spec.allowed.empty()) row["allowed"] = spec.allowed;
   if (spec.most >= spec.least) {
     row["least"] = spec.least;
@@ -71,9 +32,8 @@ Json word_json(const Word& word, const SulInfo& info) {
   return names;
 }
 
-Json step_json(const SulStep& step, const SulInfo& info) {
-  Json json = Json::object();
-  if (step.status != StepStatus::taken) json["status"] = status_name(step.status);
+void add_step(Json& json, const SulStep& step, const SulInfo& info) {
+  if (step.status != StepStatus::taken) json["status"] = name_of(step.status, status_names);
   json["events"] = Json::array();
   for (const Event& event : step.events) {
     json["events"].push_back({info.actors[event.actor], event.output});
@@ -81,6 +41,11 @@ Json step_json(const SulStep& step, const SulInfo& info) {
   for (const std::uint32_t actor : step.busy) json["busy"].push_back(info.actors[actor]);
   json["us"] = step.duration.count();
   if (step.settling.count() != 0) json["settling_us"] = step.settling.count();
+}
+
+Json step_json(const SulStep& step, const SulInfo& info) {
+  Json json = Json::object();
+  add_step(json, step, info);
   return json;
 }
 
@@ -94,6 +59,7 @@ std::string encode(const Hello& hello) {
   if (hello.speaks_trees) json["features"].push_back("trees");
   if (hello.speaks_purposes) json["features"].push_back("purposes");
   if (hello.speaks_av) json["features"].push_back("av");
+  if (hello.announces_steps) json["features"].push_back("announce");
   if (hello.needs_token) json["needs_token"] = true;
   for (const OptionSpec& spec : hello.options) json["options"].push_back(option_json(spec));
   return to_json_line(json);
@@ -126,20 +92,34 @@ std::string encode(const Answer& message, const SulInfo& info, const SulQuery& q
   if (!std::holds_alternative<Word>(query.inputs)) json["inputs"] = word_json(answer.inputs, info);
   json["steps"] = Json::array();
   for (const SulStep& step : answer.steps) json["steps"].push_back(step_json(step, info));
-  if (answer.end != WordEnd::complete) json["end"] = end_name(answer.end);
+  if (answer.end != WordEnd::complete) json["end"] = name_of(answer.end, end_names);
+  if (!answer.reason.empty()) json["reason"] = answer.reason;
   json["reset_us"] = answer.reset_duration.count();
   json["reset_wait_us"] = answer.reset_wait.count();
   return to_json_line(json);
 }
 
+std::string encode(const Ready& ready) {
+  return to_json_line({{"type", "ready"}, {"id", ready.id}});
+}
+
+std::string encode(const Step& message, const SulInfo& info) {
+  Json json = {{"type", "step"}, {"id", message.id}};
+  add_step(json, message.step, info);
+  return to_json_line(json);
+}
+
 std::string encode(const ErrorReport& error) {
-  Json json = {{"type", "error"}, {"code", code_name(error.code)}, {"message", error.message}};
+  Json json = {
+      {"type", "error"}, {"code", name_of(error.code, code_names)}, {"message", error.message}};
   if (error.id) json["id"] = *error.id;
   return to_json_line(json);
 }
 
 std::string encode(const Leaving& leaving) {
-  return to_json_line({{"type", "leaving"}, {"reason", leaving.reason}});
+  Json json = {{"type", "leaving"}, {"reason", leaving.reason}};
+  if (leaving.id) json["id"] = *leaving.id;
+  return to_json_line(json);
 }
 
 std::string encode(const Token& token) {
@@ -161,7 +141,7 @@ std::string encode(const LearningPurpose& purpose) {
     }
   }
   return to_json_line({{"type", "purpose"},
-                       {"at_bound", purpose.at_bound() == AtBound::absorb ? "absorb" : "refuse"},
+                       {"at_bound", name_of(purpose.at_bound(), at_bound_names)},
                        {"inputs", automaton.inputs().names()},
                        {"outputs", automaton.outputs().names()},
                        {"states", automaton.size()},
@@ -171,6 +151,7 @@ std::string encode(const LearningPurpose& purpose) {
 
 std::string encode(const Run& run, const SulInfo& info) {
   Json json = {{"type", "run"}, {"id", run.id}};
+  if (run.announce) json["announce"] = true;
   if (run.query.translation == Translation::av) json["translation"] = "av";
   if (const Word* word = std::get_if<Word>(&run.query.inputs)) {
     json["word"] = word_json(*word, info);

@@ -8,14 +8,12 @@
 #include <utility>
 
 #include "maide/base/error.hpp"
+#include "maide/wire/proxy_state.hpp"
 
 namespace maide {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-
-// Between looks at the stop token and the clock.
-constexpr std::chrono::milliseconds piece{50};
 
 // For messages that come before there are queries.
 class NoQueries : public protocol::AnswerContext {
@@ -28,7 +26,8 @@ class NoQueries : public protocol::AnswerContext {
   SulInfo info_;
 };
 
-// The next message, with everything that can go wrong before words are run.
+// The next message, with everything that can go wrong before words are run. Throws ConnectionLost
+// too, for a wrapper that died may be started again.
 protocol::FromWrapper await_message(WrapperConnection& connection, const WrapperEndpoint& endpoint,
                                     std::chrono::milliseconds limit, const RunControl& control,
                                     const char* what) {
@@ -37,7 +36,7 @@ protocol::FromWrapper await_message(WrapperConnection& connection, const Wrapper
     while (true) {
       if (control.should_stop()) connection.kill();
       control.check("starting the wrapper");
-      if (const auto line = connection.receive(piece)) {
+      if (const auto line = connection.receive(wire_piece)) {
         return protocol::decode_from_wrapper(*line, NoQueries());
       }
       if (Clock::now() < deadline) continue;
@@ -47,7 +46,7 @@ protocol::FromWrapper await_message(WrapperConnection& connection, const Wrapper
           endpoint.name());
     }
   } catch (const ConnectionLost& lost) {
-    throw WrapperError(fmt::format("no {}: {}", what, lost.what()), endpoint.name());
+    throw ConnectionLost(fmt::format("no {}: {}", what, lost.what()));
   } catch (const protocol::ProtocolError& error) {
     connection.kill();
     throw WrapperError(error.what(), endpoint.name());
@@ -79,33 +78,10 @@ std::size_t depth_of(const SulQuery& query) {
 
 }  // namespace
 
-// The queries of one call of run().
-struct WrapperProxy::Batch {
-  std::span<const SulQuery> queries;
-  const SulAnswerSink& sink;
-  std::size_t next = 0;                  // the first that was never sent
-  std::size_t answered = 0;              // how many are
-  std::vector<std::size_t> again;        // to be sent again, last first
-  std::vector<std::uint32_t> deaths;     // of the wrapper, by query
-  std::size_t answered_since_start = 0;  // by the process that now runs
-  Clock::time_point last_sign;           // of life
-  bool leaving = false;                  // it said that it will end
-  std::string leaving_reason;
-};
-
-class WrapperProxy::Context : public protocol::AnswerContext {
- public:
-  explicit Context(const WrapperProxy& proxy) : proxy_(proxy) {}
-  const SulInfo& info() const override { return proxy_.info_; }
-  bool open_outputs() const override { return proxy_.open_outputs_; }
-  const SulQuery* find_query(std::uint64_t id) const override {
-    const auto found = proxy_.pending_.find(id);
-    return found == proxy_.pending_.end() ? nullptr : &found->second.query;
-  }
-
- private:
-  const WrapperProxy& proxy_;
-};
+std::string describe_silence(std::chrono::milliseconds limit) {
+  return fmt::format("the wrapper hangs: no answer within {} s",
+                     std::chrono::duration<double>(limit).count());
+}
 
 WrapperProxy::WrapperProxy(WrapperEndpoint endpoint, std::map<std::string, std::string> options,
                            ProxySettings settings, const RunControl& control)
@@ -131,6 +107,14 @@ protocol::FromWrapper WrapperProxy::await_reply(const RunControl& control, const
 }
 
 void WrapperProxy::connect(const RunControl& control) {
+  try {
+    connect_or_lose(control);
+  } catch (const ConnectionLost& lost) {
+    fail(lost.what());
+  }
+}
+
+void WrapperProxy::connect_or_lose(const RunControl& control) {
   protocol::Hello hello;
   connection_ = open_connection(endpoint_, settings_, control, hello);
   // A wrapper that lists its options need not check them itself.
@@ -147,13 +131,29 @@ void WrapperProxy::connect(const RunControl& control) {
   info.speaks_av = hello.speaks_av;
   info_ = std::move(info);
   open_outputs_ = reply->open_outputs;
+  announces_steps_ = hello.announces_steps;
   for (const LearningPurpose& purpose : purposes_) send_purpose(purpose, control);
 }
 
+void WrapperProxy::drop_connection() {
+  pending_.clear();
+  if (connection_) connection_->kill();
+  connection_.reset();
+}
+
 void WrapperProxy::reconnect(const RunControl& control) {
+  constexpr int most_starts = 3;  // one that dies at its start may have been killed, too
   const SulInfo before = info_;
   connection_.reset();
-  connect(control);
+  for (int start = 1; start < most_starts && !connection_; ++start) {
+    try {
+      connect_or_lose(control);
+    } catch (const ConnectionLost& lost) {
+      connection_.reset();
+      incidents_.add({lost.what(), "", ""});
+    }
+  }
+  if (!connection_) connect(control);
   // Words that it answered and words that it will answer must be about the same system.
   const auto signature = [](const SulInfo& info) {
     std::string text = info.name + info.bound;
@@ -184,7 +184,12 @@ void WrapperProxy::add_purpose(const LearningPurpose& purpose) {
     pending_.clear();
     reconnect({});
   }
-  send_purpose(purpose, {});
+  try {
+    if (!connection_) reconnect({});
+    send_purpose(purpose, {});
+  } catch (const ConnectionLost& lost) {
+    fail(lost.what());
+  }
   purposes_.push_back(purpose);
 }
 
@@ -198,11 +203,9 @@ void WrapperProxy::run(std::span<const SulQuery> batch, const SulAnswerSink& sin
                                    is_tree ? "decision trees" : "the av translation"));
     }
   }
-  Batch state{batch, sink,         0,     0, {}, std::vector<std::uint32_t>(batch.size()),
-              0,     Clock::now(), false, ""};
+  Batch state{.queries = batch, .sink = sink};
   try {
     control.check("running words on the system");
-    if (!connection_) reconnect(control);
     run_batch(state, control);
   } catch (...) {
     abandon();
@@ -213,21 +216,37 @@ void WrapperProxy::run(std::span<const SulQuery> batch, const SulAnswerSink& sin
 void WrapperProxy::run_batch(Batch& batch, const RunControl& control) {
   while (batch.answered < batch.queries.size()) {
     control.check("running words on the system");
+    if (batch.suspect) {
+      isolate(batch, control);
+      continue;
+    }
+    if (!connection_) {
+      reconnect(control);
+      batch.last_sign = Clock::now();
+    }
     try {
       if (!batch.leaving) fill_window(batch);
-      if (const auto line = connection_->receive(piece)) {
+      if (pending_.empty() && !batch.leaving) continue;
+      if (const auto line = connection_->receive(wire_piece)) {
         batch.last_sign = Clock::now();
         take_line(batch, *line);
-      } else {
-        check_silence(batch);
+        continue;
+      }
+      // The wrapper watches its own steps; this is for one that cannot even do that.
+      std::size_t longest = 0;
+      for (const auto& [id, pending] : pending_) {
+        longest = std::max(longest, depth_of(pending.query));
+      }
+      const auto limit = silence_limit(longest);
+      if (Clock::now() - batch.last_sign >= limit) {
+        recover(batch, {WordEnd::hang, describe_silence(limit), {}, false}, false);
       }
     } catch (const ConnectionLost& lost) {
-      recover(batch, batch.leaving ? batch.leaving_reason : lost.what(), batch.leaving, control);
+      const std::string reason = batch.leaving ? batch.leaving->reason : lost.what();
+      recover(batch, {WordEnd::crash, reason, {}, false}, batch.leaving.has_value());
     } catch (const protocol::ProtocolError& error) {
       // Whatever else it says means nothing either.
-      connection_->kill();
-      connection_.reset();
-      pending_.clear();
+      drop_connection();
       fail(error.what());
     }
   }
@@ -235,14 +254,19 @@ void WrapperProxy::run_batch(Batch& batch, const RunControl& control) {
 
 void WrapperProxy::fill_window(Batch& batch) {
   while (pending_.size() < settings_.window) {
+    std::size_t index = 0;
     if (!batch.again.empty()) {
-      const std::size_t index = batch.again.back();
+      index = batch.again.back();
       batch.again.pop_back();
-      send_query(batch, index);
     } else if (batch.next < batch.queries.size()) {
-      send_query(batch, batch.next++);
+      index = batch.next++;
     } else {
       return;
+    }
+    if (auto known = fatal_words_.find(batch.queries[index])) {
+      deliver(batch, index, std::move(*known));
+    } else {
+      send_query(batch, index);
     }
   }
 }
@@ -254,26 +278,32 @@ void WrapperProxy::send_query(Batch& batch, std::size_t index) {
   pending_[run.id] = {run.query, index, false};
 }
 
+void WrapperProxy::deliver(Batch& batch, std::size_t index, SulAnswer answer) {
+  ++batch.answered;
+  batch.sink(index, std::move(answer));
+}
+
 void WrapperProxy::take_line(Batch& batch, const std::string& line) {
   protocol::FromWrapper message = protocol::decode_from_wrapper(line, Context(*this));
   if (auto* answer = std::get_if<protocol::Answer>(&message)) {
     take_answer(batch, std::move(*answer));
-  } else if (const auto* leaving = std::get_if<protocol::Leaving>(&message)) {
+  } else if (auto* leaving = std::get_if<protocol::Leaving>(&message)) {
     if (batch.leaving) throw protocol::ProtocolError("'leaving' came twice");
-    batch.leaving = true;
-    batch.leaving_reason = leaving->reason;
+    batch.leaving = std::move(*leaving);
   } else if (const auto* error = std::get_if<protocol::ErrorReport>(&message)) {
     const auto asked = error->id ? pending_.find(*error->id) : pending_.end();
     if (asked != pending_.end() && asked->second.abandoned) {
       pending_.erase(asked);
       return;
     }
-    fail(asked == pending_.end()
-             ? error->message
-             : fmt::format("{}, {}", error->message, describe(asked->second.query)));
+    report(*error, asked == pending_.end() ? nullptr : &asked->second.query);
   } else {
     fail("the wrapper sent a line of a type that nobody asked for");
   }
+}
+
+void WrapperProxy::report(const protocol::ErrorReport& error, const SulQuery* query) {
+  fail(query == nullptr ? error.message : fmt::format("{}, {}", error.message, describe(*query)));
 }
 
 void WrapperProxy::take_answer(Batch& batch, protocol::Answer message) {
@@ -281,33 +311,54 @@ void WrapperProxy::take_answer(Batch& batch, protocol::Answer message) {
   const Pending pending = std::move(asked->second);
   pending_.erase(asked);
   if (pending.abandoned) return;
-  message.answer.attempts = 1 + batch.deaths[pending.index];
-  ++batch.answered;
+  if (is_fatal(message.answer.end)) {
+    // It says so itself; but only what happens again in a fresh process is believed.
+    message.answer.steps.pop_back();
+    batch.suspect.emplace();
+    batch.suspect->index = pending.index;
+    batch.suspect->record.add(
+        {message.answer.end, message.answer.reason, std::move(message.answer.steps), false});
+    put_back(batch);
+    return;
+  }
   ++batch.answered_since_start;
-  batch.sink(pending.index, std::move(message.answer));
+  batch.last_answered = pending.index;
+  deliver(batch, pending.index, std::move(message.answer));
 }
 
-void WrapperProxy::recover(Batch& batch, const std::string& reason, bool was_announced,
-                           const RunControl& control) {
-  std::erase_if(pending_, [](const auto& entry) { return entry.second.abandoned; });
-  // Words are played in the order in which they came: the oldest was the one. An announced end is
-  // nobody's fault, as long as words are answered in between.
-  const bool is_blamed = !was_announced || batch.answered_since_start == 0;
-  if (is_blamed && !pending_.empty()) {
-    const Pending& oldest = pending_.begin()->second;
-    if (++batch.deaths[oldest.index] == 2) {
-      fail(fmt::format("{}; it did so twice {}", reason, describe(oldest.query)));
-    }
-  }
-  for (auto entry = pending_.rbegin(); entry != pending_.rend(); ++entry) {
-    batch.again.push_back(entry->second.index);
+// Ends the process; what it has not answered will be asked again.
+void WrapperProxy::put_back(Batch& batch) {
+  for (const auto& [id, pending] : pending_) {
+    const bool is_suspect = batch.suspect && batch.suspect->index == pending.index;
+    if (!pending.abandoned && !is_suspect) batch.again.push_back(pending.index);
   }
   std::sort(batch.again.rbegin(), batch.again.rend());
-  pending_.clear();
-  reconnect(control);
-  batch.leaving = false;
+  if (batch.suspect && batch.last_answered) {
+    batch.suspect->after = text_of(batch.queries[*batch.last_answered]);
+  }
+  batch.leaving.reset();
   batch.answered_since_start = 0;
-  batch.last_sign = Clock::now();
+  drop_connection();
+}
+
+void WrapperProxy::recover(Batch& batch, Death death, bool was_announced) {
+  // Words are played in the order in which they came: the oldest was the one, unless the wrapper
+  // says better. An announced end between words is nobody's fault, as long as words are answered.
+  auto blamed = pending_.end();
+  if (batch.leaving && batch.leaving->id) blamed = pending_.find(*batch.leaving->id);
+  if (blamed == pending_.end() && (!was_announced || batch.answered_since_start == 0)) {
+    blamed = pending_.begin();
+  }
+  if (blamed != pending_.end() && !blamed->second.abandoned) {
+    batch.suspect.emplace();
+    batch.suspect->index = blamed->second.index;
+    batch.suspect->record.add(std::move(death));
+  } else {
+    const std::string after =
+        batch.last_answered ? text_of(batch.queries[*batch.last_answered]) : "";
+    incidents_.add({std::move(death.reason), after, ""});
+  }
+  put_back(batch);
 }
 
 void WrapperProxy::abandon() {
@@ -328,19 +379,8 @@ void WrapperProxy::abandon() {
   }
 }
 
-void WrapperProxy::check_silence(const Batch& batch) {
-  // The wrapper watches its own steps; this is for one that cannot even do that. Beside the steps
-  // there is the end of the word before, and the reset.
-  std::size_t longest = 0;
-  for (const auto& [id, pending] : pending_) longest = std::max(longest, depth_of(pending.query));
-  const auto limit = step_limit() * static_cast<std::int64_t>(longest + 2) + piece;
-  if (Clock::now() - batch.last_sign < limit) return;
-  connection_->kill();
-  connection_.reset();
-  const std::string word = pending_.empty() ? "" : " " + describe(pending_.begin()->second.query);
-  pending_.clear();
-  fail(fmt::format("the wrapper hangs: no answer within {} s{}",
-                   std::chrono::duration<double>(limit).count(), word));
+std::chrono::milliseconds WrapperProxy::silence_limit(std::size_t steps) const {
+  return step_limit() * static_cast<std::int64_t>(steps + 2) + wire_piece;
 }
 
 std::chrono::milliseconds WrapperProxy::step_limit() const {
@@ -356,24 +396,32 @@ std::chrono::milliseconds WrapperProxy::step_limit() const {
   return settings_.step_limit;
 }
 
-std::string WrapperProxy::describe(const SulQuery& query) const {
+std::string WrapperProxy::text_of(const SulQuery& query) const {
   const auto name = [&](Symbol input) {
     return input < info_.inputs.size() ? info_.inputs[input].name : std::string(protocol::delta);
   };
-  std::string text;
   if (const Word* word = std::get_if<Word>(&query.inputs)) {
+    std::string text;
     for (const Symbol input : *word) text += (text.empty() ? "" : " ") + name(input);
-    return fmt::format("in the word \"{}\"", text);
+    return text;
   }
   const auto& nodes = std::get<BasicDecisionTree<std::string>>(query.inputs).nodes;
-  return fmt::format("in a decision tree that begins with \"{}\"",
-                     nodes.empty() ? "" : name(nodes.front().input));
+  return nodes.empty() ? "" : name(nodes.front().input) + " ...";
+}
+
+std::string WrapperProxy::describe(const SulQuery& query) const {
+  const bool is_word = std::holds_alternative<Word>(query.inputs);
+  return fmt::format("in the {} \"{}\"", is_word ? "word" : "decision tree", text_of(query));
 }
 
 protocol::Hello ask_hello(const WrapperEndpoint& endpoint, const ProxySettings& settings,
                           const RunControl& control) {
   protocol::Hello hello;
-  static_cast<void>(open_connection(endpoint, settings, control, hello));
+  try {
+    static_cast<void>(open_connection(endpoint, settings, control, hello));
+  } catch (const ConnectionLost& lost) {
+    throw WrapperError(lost.what(), endpoint.name());
+  }
   return hello;
 }
 

@@ -1,6 +1,8 @@
 // The wrapper as a Sul: the client's side of the protocol, over a child's pipes or TCP. Keeps
-// several words in flight. A wrapper that dies in a word is started once more and asked that word
-// again; whatever else is wrong with it is one clear WrapperError that names its endpoint.
+// several words in flight. The wrapper's process may die at any moment: it is replaced, and the
+// word in progress asked again, alone, until it is answered or its death is seen to be
+// reproducible, which is an answer too (death_record.hpp). Whatever else is wrong with the wrapper
+// is one clear WrapperError that names its endpoint. May be used from one thread at a time.
 #pragma once
 
 #include <chrono>
@@ -10,8 +12,10 @@
 #include <string>
 #include <vector>
 
+#include "maide/sul/fatal_words.hpp"
 #include "maide/sul/learning_purpose.hpp"
 #include "maide/sul/sul.hpp"
+#include "maide/wire/death_record.hpp"
 #include "maide/wire/protocol.hpp"
 #include "maide/wire/wrapper_connection.hpp"
 
@@ -38,6 +42,9 @@ class WrapperProxy : public Sul {
   void run(std::span<const SulQuery> batch, const SulAnswerSink& sink,
            const RunControl& control) override;
 
+  // Deaths of the wrapper that were nobody's fault, or that of a word answered before.
+  SulIncidents incidents() const override { return incidents_; }
+
   const std::string& endpoint() const { return endpoint_.name(); }
 
  private:
@@ -48,21 +55,39 @@ class WrapperProxy : public Sul {
     bool abandoned = false;  // its batch is over: the answer goes nowhere
   };
   struct Batch;
+  struct Outcome;  // of a query that was asked alone
 
   void connect(const RunControl& control);
+  void connect_or_lose(const RunControl& control);
   void reconnect(const RunControl& control);
+  void drop_connection();
   protocol::FromWrapper await_reply(const RunControl& control, const char* what);
   void send_purpose(const LearningPurpose& purpose, const RunControl& control);
+
   void run_batch(Batch& batch, const RunControl& control);
   void send_query(Batch& batch, std::size_t index);
   void fill_window(Batch& batch);
   void take_line(Batch& batch, const std::string& line);
   void take_answer(Batch& batch, protocol::Answer message);
-  void recover(Batch& batch, const std::string& reason, bool was_announced,
-               const RunControl& control);
+  void deliver(Batch& batch, std::size_t index, SulAnswer answer);
+  void put_back(Batch& batch);
+  void recover(Batch& batch, Death death, bool was_announced);
   void abandon();
-  void check_silence(const Batch& batch);
+  [[noreturn]] void report(const protocol::ErrorReport& error, const SulQuery* query);
+
+  // In word_isolation.cpp.
+  void isolate(Batch& batch, const RunControl& control);
+  Outcome ask_announced(const SulQuery& query, const RunControl& control);
+  Outcome ask_prefixes(const SulQuery& query, const RunControl& control);
+  Outcome ask_alone(const SulQuery& query, bool announced, const RunControl& control);
+  bool take_line_alone(Outcome& outcome, const std::string& line, std::uint64_t id);
+  [[noreturn]] void give_up(const SulQuery& query, const DeathRecord& record) const;
+
+  // How long the wrapper may be silent: beside the steps there are the end of the word before, and
+  // the reset.
+  std::chrono::milliseconds silence_limit(std::size_t steps) const;
   std::chrono::milliseconds step_limit() const;
+  std::string text_of(const SulQuery& query) const;
   std::string describe(const SulQuery& query) const;
   [[noreturn]] void fail(const std::string& message) const;
 
@@ -71,10 +96,13 @@ class WrapperProxy : public Sul {
   ProxySettings settings_;
   SulInfo info_;
   bool open_outputs_ = false;
+  bool announces_steps_ = false;
   std::vector<LearningPurpose> purposes_;  // to be told again to a wrapper that is started anew
   std::unique_ptr<WrapperConnection> connection_;
   std::map<std::uint64_t, Pending> pending_;  // by id: the oldest first
   std::uint64_t next_id_ = 1;
+  FatalWords fatal_words_;  // others of the same batch may begin with them
+  SulIncidents incidents_;
 };
 
 // What a wrapper says of itself, its options among it; it is started and ended for that.

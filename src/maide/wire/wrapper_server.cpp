@@ -62,6 +62,7 @@ WrapperServer::WrapperServer(SystemWrapper& wrapper, int in, int out,
   hello.name = session_.info().name;
   hello.versions = session_.info().versions;
   hello.speaks_trees = hello.speaks_purposes = hello.speaks_av = true;
+  hello.announces_steps = true;
   hello.needs_token = token_.has_value();
   hello.options = session_.option_table();
   send(protocol::encode(hello));
@@ -151,7 +152,9 @@ void WrapperServer::send_error(protocol::ErrorCode code, const std::string& mess
 
 void WrapperServer::leave(const std::string& reason) {
   std::fprintf(stderr, "%s: %s\n", session_.info().name.c_str(), reason.c_str());
-  send(protocol::encode(protocol::Leaving{reason}));
+  protocol::Leaving leaving{reason, {}};
+  if (const std::uint64_t id = playing_; id != no_query) leaving.id = id;
+  send(protocol::encode(leaving));
   ::_exit(static_cast<int>(ExitStatus::system_failed));
 }
 
@@ -238,11 +241,19 @@ void WrapperServer::run(const protocol::Run& message, const Line& line) {
   const auto is_cancelled = [&] { return line.number <= cancelled_up_to_; };
   protocol::Answer answer;
   answer.id = message.id;
+  WordObserver observer;
+  if (message.announce) {
+    observer.on_ready = [&] { send(protocol::encode(protocol::Ready{message.id})); };
+    observer.on_step = [&](const SulStep& step) {
+      send(protocol::encode(protocol::Step{message.id, step}, session_.info()));
+    };
+  }
+  playing_ = message.id;
   try {
     if (is_cancelled()) {
       answer.answer.end = WordEnd::aborted;
     } else {
-      answer.answer = session_.run(message.query, is_cancelled, line.arrived);
+      answer.answer = session_.run(message.query, is_cancelled, line.arrived, observer);
     }
     send(protocol::encode(answer, session_.info(), message.query));
   } catch (const SystemProcessEnded& ended) {
@@ -250,6 +261,7 @@ void WrapperServer::run(const protocol::Run& message, const Line& line) {
   } catch (const std::exception& error) {
     send_error(protocol::ErrorCode::system, error.what(), message.id);
   }
+  playing_ = no_query;
   if (is_cancelled()) {
     end_instance();
   } else {

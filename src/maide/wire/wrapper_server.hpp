@@ -58,11 +58,14 @@ class WrapperServer {
   void end_instance();
   [[noreturn]] void leave(const std::string& reason);
 
+  static constexpr std::uint64_t no_query = ~std::uint64_t{0};
+
   int in_, out_;
   std::optional<std::string> token_;
   std::mutex output_mutex_;
   Watchdog watchdog_;
   WrapperSession session_;
+  std::atomic<std::uint64_t> playing_ = no_query;  // the query that is not answered yet
 
   std::mutex mutex_;
   std::condition_variable changed_;

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "maide/base/error.hpp"
+#include "maide/sul/fatal_words.hpp"
 
 namespace maide {
 namespace {
@@ -67,6 +68,7 @@ class WrapperSession::Stepper : public SteppedSystem {
     step.settling =
         std::chrono::duration_cast<std::chrono::microseconds>(std::max(end, last_seen) - last_seen);
     if (const std::string failure = recorder.failure(); !failure.empty()) {
+      session_.check_dying_processes();
       throw std::runtime_error(failure);
     }
     if (!recorder.crash_reason().empty()) return Outcome::crash;
@@ -165,6 +167,16 @@ void WrapperSession::check_processes() const {
   }
 }
 
+// A process that dies closes its connections first: when something failed, its end may be near.
+void WrapperSession::check_dying_processes() const {
+  constexpr auto longest_death = std::chrono::milliseconds(100);
+  const Clock::time_point start = Clock::now();
+  while (!processes_.empty() && Clock::now() - start < longest_death) {
+    check_processes();
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+}
+
 void WrapperSession::select_actors(const SystemSetup& setup) {
   info_.actors = setup.actors;
   for (const std::string& name : info_.actors) actors_.emplace_back(name);
@@ -188,6 +200,10 @@ void WrapperSession::select_events(const SystemSetup& setup) {
   const std::vector<std::string> observed =
       options_.has("observe") ? options_.list("observe") : std::vector<std::string>();
   for (const SystemSetup::Event& event : setup.events) {
+    if (is_end_output(event.name)) {
+      throw std::logic_error(fmt::format(
+          "the wrapper declares event '{}', which stands for the end of a system", event.name));
+    }
     const bool is_observed = !options_.has("observe") || std::find(observed.begin(), observed.end(),
                                                                    event.name) != observed.end();
     for (const std::string& name : observed_names(event.name)) {
@@ -257,13 +273,7 @@ void WrapperSession::start_instance() {
   try {
     instance_ = wrapper_.reset(*recorder_);
   } catch (const std::exception&) {
-    // A process that dies closes its connections first.
-    constexpr auto longest_death = std::chrono::milliseconds(100);
-    const Clock::time_point failed = Clock::now();
-    while (!processes_.empty() && Clock::now() - failed < longest_death) {
-      check_processes();
-      std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    }
+    check_dying_processes();
     throw;
   }
   is_fresh_ = true;
@@ -287,19 +297,24 @@ void WrapperSession::prepare() {
 }
 
 SulAnswer WrapperSession::run(const SulQuery& query, const std::function<bool()>& is_aborted,
-                              Clock::time_point arrived) {
+                              Clock::time_point arrived, const WordObserver& observer) {
   check_processes();
   if (!is_prepared()) {
     end_instance();
     start_instance();
   }
   is_fresh_ = false;
+  if (observer.on_ready) observer.on_ready();
   Stepper stepper(*this, is_aborted);
-  SulAnswer answer = play(stepper, query, info_, purposes_);
+  SulAnswer answer = play(stepper, query, info_, purposes_, observer.on_step);
   answer.reset_duration = reset_;
   const Clock::time_point waiting = std::max(arrived, reset_began_);
   answer.reset_wait =
       std::chrono::duration_cast<std::chrono::microseconds>(std::max(ready_, waiting) - waiting);
+  if (answer.end == WordEnd::crash) answer.reason = recorder_->crash_reason();
+  if (answer.end == WordEnd::hang) {
+    answer.reason = fmt::format("did not come to rest within {} ms", step_limit_.count());
+  }
   return answer;
 }
 

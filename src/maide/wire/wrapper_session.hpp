@@ -29,6 +29,12 @@ class SystemProcessEnded : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+// Told how far a word has come; either may be empty.
+struct WordObserver {
+  std::function<void()> on_ready;  // the reset is done
+  StepObserver on_step;
+};
+
 class WrapperSession {
  public:
   // Keeps references. `watchdog`, if there is one, sees resets and teardowns that never end.
@@ -50,7 +56,8 @@ class WrapperSession {
   // end_instance(). Throws SystemProcessEnded if a process of the system died, other
   // std::runtime_errors if the wrapper failed.
   SulAnswer run(const SulQuery& query, const std::function<bool()>& is_aborted,
-                std::chrono::steady_clock::time_point arrived = std::chrono::steady_clock::now());
+                std::chrono::steady_clock::time_point arrived = std::chrono::steady_clock::now(),
+                const WordObserver& observer = {});
 
   // Makes the instance for the next query, if none is there: nobody waits for it yet. One that
   // cannot be made, or has waited for too long when the query comes, is made then.
@@ -64,6 +71,7 @@ class WrapperSession {
  private:
   class Stepper;
   void check_processes() const;
+  void check_dying_processes() const;
   void start_instance();
   bool is_prepared() const;
   void leave_instance_behind();

@@ -57,13 +57,14 @@ TEST(Protocol, HelloGoesThere) {
   Hello hello;
   hello.name = "zwölf\n";
   hello.versions = {{"a", "1"}, {"b", "2"}};
-  hello.speaks_trees = hello.speaks_av = hello.needs_token = true;
+  hello.speaks_trees = hello.speaks_av = hello.needs_token = hello.announces_steps = true;
   hello.options = {OptionSpec::integer("size", 3, 1, 9, "how many", {"all"}),
                    common_options::observe({"x", "y"}, "x")};
   const auto back = from_wrapper<Hello>(encode(hello));
   EXPECT_EQ(back.name, hello.name);
   EXPECT_EQ(back.versions, hello.versions);
-  EXPECT_TRUE(back.speaks_trees && back.speaks_av && back.needs_token && !back.speaks_purposes);
+  EXPECT_TRUE(back.speaks_trees && back.speaks_av && back.needs_token && back.announces_steps &&
+              !back.speaks_purposes);
   ASSERT_EQ(back.options.size(), 2u);
   EXPECT_EQ(back.options[0].describe_allowed(), "all|1..9");
   EXPECT_EQ(back.options[1].kind, OptionSpec::Kind::list);
@@ -94,14 +95,14 @@ TEST(Protocol, AnswersGoThere) {
   answer.steps[0].settling = std::chrono::microseconds(5);
   answer.steps[1].status = StepStatus::unexplored;
   answer.steps[2].events = {{0, "written"}, {1, "gap"}, {1, "next"}};
-  answer.end = WordEnd::hang;
+  answer.end = WordEnd::aborted;
   answer.reset_duration = std::chrono::microseconds(99);
   answer.reset_wait = std::chrono::microseconds(33);
   const auto back =
       from_wrapper<Answer>(encode(Answer{7, answer}, example_info(), query), OneQuery(query));
   EXPECT_EQ(back.id, 7u);
   EXPECT_EQ(back.answer.inputs, (Word{0, 1, 1}));
-  EXPECT_EQ(back.answer.end, WordEnd::hang);
+  EXPECT_EQ(back.answer.end, WordEnd::aborted);
   EXPECT_EQ(back.answer.reset_duration, answer.reset_duration);
   EXPECT_EQ(back.answer.reset_wait, answer.reset_wait);
   ASSERT_EQ(back.answer.steps.size(), 3u);
@@ -119,6 +120,52 @@ TEST(Protocol, AResetIsWaitedForUnlessTheWrapperSaysOtherwise) {
   const auto back =
       from_wrapper<Answer>(R"({"type":"answer","id":7,"steps":[],"reset_us":20})", OneQuery(query));
   EXPECT_EQ(back.answer.reset_wait, std::chrono::microseconds(20));
+}
+
+// The last step has one event, whatever the wrapper says of it.
+TEST(Protocol, ACrashIsAnEventOfTheInputsActor) {
+  const SulQuery query = word_query({0, 1, 0});
+  for (const char* events : {"[]", R"(["written","next"])", R"(["nonsense",[[]]])"}) {
+    const auto back = from_wrapper<Answer>(std::string(R"({"type":"answer","id":7,"end":"crash",)"
+                                                       R"("reason":"no\nlamp",)"
+                                                       R"("steps":[{"events":[]},{"events":)") +
+                                               events + "}]}",
+                                           OneQuery(query));
+    EXPECT_EQ(back.answer.end, WordEnd::crash);
+    EXPECT_EQ(back.answer.reason, "no lamp");
+    EXPECT_EQ(back.answer.inputs, (Word{0, 1}));
+    EXPECT_EQ(back.answer.steps[1].events, (std::vector<Event>{{1, "crash"}}));
+    const auto again = from_wrapper<Answer>(encode(Answer{7, back.answer}, example_info(), query),
+                                            OneQuery(query));
+    EXPECT_EQ(again.answer.steps[1].events, back.answer.steps[1].events);
+    EXPECT_EQ(again.answer.reason, "no lamp");
+  }
+  EXPECT_THROW(
+      decode_from_wrapper(R"({"type":"answer","id":7,"end":"hang","steps":[]})", OneQuery(query)),
+      ProtocolError);
+  EXPECT_THROW(
+      decode_from_wrapper(R"({"type":"info","inputs":["a"],"outputs":["crash"]})", OneQuery(query)),
+      ProtocolError);
+}
+
+TEST(Protocol, AnnouncementsGoThere) {
+  const SulQuery query = word_query({0, 1});
+  const std::string line = encode(protocol::Run{7, query, true}, example_info());
+  EXPECT_TRUE(to_wrapper<protocol::Run>(line).announce);
+  EXPECT_FALSE(to_wrapper<protocol::Run>(encode(protocol::Run{7, query}, example_info())).announce);
+  EXPECT_EQ(from_wrapper<Ready>(encode(Ready{7}), OneQuery(query)).id, 7u);
+  SulStep step;
+  step.events = {{0, "written"}};
+  step.busy = {1};
+  const auto back = from_wrapper<Step>(encode(Step{7, step}, example_info()), OneQuery(query));
+  EXPECT_EQ(back.id, 7u);
+  EXPECT_EQ(back.step.events, step.events);
+  EXPECT_EQ(back.step.busy, step.busy);
+  EXPECT_THROW(decode_from_wrapper(encode(Ready{8}), OneQuery(query)), ProtocolError);
+  EXPECT_THROW(decode_from_wrapper(encode(Step{8, step}, example_info()), OneQuery(query)),
+               ProtocolError);
+  EXPECT_EQ(from_wrapper<Leaving>(encode(Leaving{"tired", 7})).id, 7u);
+  EXPECT_EQ(from_wrapper<Leaving>(encode(Leaving{"tired"})).id, std::nullopt);
 }
 
 BasicDecisionTree<std::string> example_tree() {
