@@ -152,6 +152,7 @@ int main(int argc, char** argv) {
   app.add_option("--busy", arguments.busy, "Busy processes beside")->capture_default_str();
   app.add_option("--fixed", arguments.fixed, "Fixed delays, in ms")
       ->delimiter(',')
+      ->allow_extra_args(false)
       ->capture_default_str();
   app.add_option("--seconds", arguments.seconds, "At most so long each way (default: no limit)");
   app.add_option("--model", arguments.model_file, "The model (default: learned first)");

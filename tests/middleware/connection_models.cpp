@@ -83,6 +83,7 @@ Content unblock(const ConnectionModel& model, Content content) {
 }
 
 Step try_read(const ConnectionModel& model, Content content) {
+  if (!content.connected) return {content, model.read_alone};
   if (content.queue.empty()) return {content, "null"};
   const int number = content.queue.front();
   content.queue.pop_front();

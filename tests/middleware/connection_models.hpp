@@ -31,7 +31,8 @@ struct ConnectionModel {
   // A reader that disconnects loses what it has not read.
   bool reconnects = false;
   WhenAlone when_alone = WhenAlone::lose;
-  std::size_t replayed = 0;  // messages that the writer keeps for a reader that connects
+  std::string read_alone = "null";  // what a read says while disconnected
+  std::size_t replayed = 0;         // messages that the writer keeps for a reader that connects
   // The writer hears of messages that were read, and so of room, only in batches of this size.
   std::size_t credit_batch = 1;
 };

@@ -3,6 +3,7 @@
 
 #include <ostream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "connection_models.hpp"
@@ -24,6 +25,22 @@ inline SystemOptions with_tryread(SystemOptions options, bool gap) {
   options["payload"] = gap ? "gap" : "none";
   options.try_emplace("observe", "message,null");
   return options;
+}
+
+// A reader that is deleted and made anew, with what the writer keeps for it.
+inline CycloneDdsCase reconnecting(const std::string& durability, bool gap, std::size_t states) {
+  CycloneDdsCase made{durability + (gap ? "_gap" : ""),
+                      {{"depth", "2"},
+                       {"reliability", "reliable"},
+                       {"durability", durability},
+                       {"inputs", "write,tryread,disconnect,connect"},
+                       {"payload", gap ? "gap" : "none"},
+                       {"observe", "message,null,unconnected"}},
+                      {2, WhenFull::drop_oldest, gap, true},
+                      states};
+  if (durability == "transient_local") made.model.replayed = 2;
+  made.model.read_alone = "unconnected";
+  return made;
 }
 
 inline std::vector<CycloneDdsCase> cyclonedds_cases() {
@@ -60,7 +77,28 @@ inline std::vector<CycloneDdsCase> cyclonedds_cases() {
                    {n, WhenFull::fail, true},
                    n + 1});
   }
+  all.push_back(reconnecting("volatile", false, 4));
+  all.push_back(reconnecting("volatile", true, 8));
+  all.push_back(reconnecting("transient_local", false, 9));
+  all.push_back(reconnecting("transient_local", true, 18));
   return all;
+}
+
+// The same over the network, where models are the same once both ends know each other: all but a
+// full reliable reader, for which the protocol's buffers wait.
+inline std::vector<CycloneDdsCase> cyclonedds_udp_cases() {
+  std::vector<CycloneDdsCase> chosen;
+  for (CycloneDdsCase& each : cyclonedds_cases()) {
+    for (const char* name : {"keep_last_2_default", "keep_last_2", "best_effort_max_samples_2",
+                             "volatile_gap", "transient_local_gap"}) {
+      if (each.name != name) continue;
+      each.name += "_udp";
+      each.options["transport"] = "udp";
+      chosen.push_back(std::move(each));
+      break;
+    }
+  }
+  return chosen;
 }
 
 }  // namespace maide::test

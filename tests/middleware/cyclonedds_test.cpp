@@ -24,10 +24,15 @@ TEST_P(CycloneDds, AnswersAllWordsAsItsModel) {
   const Mealy model = test::make_connection(GetParam().model);
   EXPECT_EQ(model.size(), GetParam().states);
   cyclonedds::CycloneDdsWrapper wrapper;
-  test::expect_answers(wrapper, GetParam().options, model, 9);
+  std::size_t length = GetParam().model.reconnects ? 6 : 9;
+  if (GetParam().options.contains("transport")) length -= 2;  // resets of 10 ms
+  test::expect_answers(wrapper, GetParam().options, model, length);
 }
 
 INSTANTIATE_TEST_SUITE_P(Policies, CycloneDds, testing::ValuesIn(test::cyclonedds_cases()),
+                         [](const auto& tested) { return tested.param.name; });
+
+INSTANTIATE_TEST_SUITE_P(Network, CycloneDds, testing::ValuesIn(test::cyclonedds_udp_cases()),
                          [](const auto& tested) { return tested.param.name; });
 
 std::string error_of(const test::SystemOptions& options) {
@@ -41,6 +46,11 @@ TEST(CycloneDdsOptions, ThatMakeNoSenseAreRefused) {
   EXPECT_EQ(error_of({{"max-samples", "3"}}), "option max-samples: it needs history=keep_all");
   EXPECT_THAT(error_of({{"history", "keep_all"}}), testing::HasSubstr("say size=N"));
   EXPECT_EQ(error_of({{"history", "keep_all"}, {"max_samples", "2"}, {"size", "0"}}), "");
+  EXPECT_THAT(error_of({{"history", "keep_all"},
+                        {"max_samples", "2"},
+                        {"reliability", "reliable"},
+                        {"transport", "udp"}}),
+              testing::HasSubstr("buffers of the protocol"));
 }
 
 TEST(CycloneDdsWrapper, SaysWhatItIs) {

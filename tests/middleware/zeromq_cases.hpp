@@ -33,9 +33,10 @@ inline ZeroMqCase zeromq_pipe(std::string name, int sndhwm, int rcvhwm, WhenFull
                    {"payload", "gap"},
                    {"inputs", "write,tryread"},
                    {"observe", "message,null"}},
-                  {sum, when_full, true, false, WhenAlone::as_when_full, 0, (sum + 1) / 2},
+                  {.capacity = sum, .when_full = when_full, .payload_gap = true},
                   states};
-  if (when_full == WhenFull::drop_newest) made.model.when_alone = WhenAlone::lose;
+  made.model.credit_batch = (sum + 1) / 2;
+  if (when_full != WhenFull::drop_newest) made.model.when_alone = WhenAlone::as_when_full;
   if (when_full == WhenFull::fail) {
     made.options["sndtimeo"] = "0";
     made.options["observe"] = "message,null,failed";
@@ -49,7 +50,7 @@ inline ZeroMqCase zeromq_conflated(std::string name, const std::string& pattern,
   ZeroMqCase made = zeromq_pipe(std::move(name), 1, 1, dropping, states);
   made.options["pattern"] = pattern;
   made.options["conflate"] = "yes";
-  made.model = {1, dropping, true};
+  made.model = {.capacity = 1, .when_full = dropping, .payload_gap = true};
   if (pattern == "push-pull") made.model.when_alone = WhenAlone::as_when_full;
   return made;
 }

@@ -5,6 +5,7 @@
 
 #include <string>
 
+#include "maide/automata/mealy.hpp"
 #include "maide/wire/local_sul.hpp"
 #include "maide/wire/self_test.hpp"
 #include "wrapper_checks.hpp"
@@ -25,6 +26,31 @@ TEST_P(ZeroMq, AnswersAllWordsAsItsModel) {
 
 INSTANTIATE_TEST_SUITE_P(Patterns, ZeroMq, testing::ValuesIn(test::zeromq_cases()),
                          [](const auto& tested) { return tested.param.name; });
+
+// In lock step: a call that is out of turn fails.
+TEST(ZeroMqRequestReply, AnswersAllWordsAsItsModel) {
+  Mealy model({"write", "tryread", "tryaccept", "answer"}, {}, 4);
+  const std::string outputs[4][4] = {{"quiet", "failed", "none", "rejected"},
+                                     {"failed", "null", "accepted", "rejected"},
+                                     {"failed", "null", "rejected", "quiet"},
+                                     {"failed", "message", "none", "rejected"}};
+  const Symbol turn[4] = {0, 2, 3, 1};  // the input that leads on
+  for (StateId state = 0; state < 4; ++state) {
+    for (Symbol input = 0; input < 4; ++input) {
+      model.set_transition(state, input, model.intern_output(outputs[state][input]),
+                           input == turn[state] ? (state + 1) % 4 : state);
+    }
+  }
+  for (const char* transport : {"inproc", "tcp"}) {
+    zeromq::ZeroMqWrapper wrapper;
+    test::expect_answers(wrapper,
+                         {{"pattern", "req-rep"},
+                          {"transport", transport},
+                          {"inputs", "write,tryread,tryaccept,answer"},
+                          {"observe", "message,null,failed,none,accepted,rejected"}},
+                         model, 5);
+  }
+}
 
 std::string error_of(const test::SystemOptions& options) {
   zeromq::ZeroMqWrapper wrapper;

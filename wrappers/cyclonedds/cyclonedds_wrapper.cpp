@@ -6,6 +6,7 @@
 #include <thread>
 
 #include "dds/wrapper_table.hpp"
+#include "maide/base/error.hpp"
 
 namespace maide::cyclonedds {
 namespace {
@@ -18,7 +19,6 @@ constexpr std::size_t deleting_threads = 4;
 // Each writer and reader leaves some 0.4 KB behind in its domain (0.10.2, measured); a new domain
 // takes 3 ms and gives that back.
 constexpr std::uint64_t words_per_domain = 5000;
-
 }  // namespace
 
 CycloneDdsWrapper::CycloneDdsWrapper() {
@@ -26,21 +26,30 @@ CycloneDdsWrapper::CycloneDdsWrapper() {
   description_.summary = "Eclipse Cyclone DDS: a writer and a reader of one topic, in one process";
   description_.versions = {{"cyclonedds", DDS_VERSION}, {"wrapper", "1"}};
   description_.options = dds::option_table();
+  description_.options.push_back(
+      OptionSpec::choice("transport", "none", {"none", "udp"},
+                         "none: within the process, no network; udp: RTPS on the loopback device"));
 }
 
 SystemSetup CycloneDdsWrapper::configure(const OptionValues& options) {
   policies_ = dds::Policies::from(options);
+  if (options.is("transport", "udp")) transport_ = Transport::udp;
+  if (transport_ == Transport::udp && policies_.pushes_back()) {
+    throw UsageError(
+        "option max-samples: over the network, what a full reliable reader does not take waits in "
+        "buffers of the protocol, of a size that varies; say size=N instead");
+  }
   // What fails says so by its return code; the log would repeat each write that finds no room.
   dds_set_log_sink([](void*, const dds_log_data_t*) {}, nullptr);
-  start_domain();
+  start_domains();
   return dds::make_setup(policies_, options);
 }
 
 std::unique_ptr<SystemInstance> CycloneDdsWrapper::reset(EventSink& sink) {
-  if (++words_ % words_per_domain == 0) start_domain();
+  if (++words_ % words_per_domain == 0) start_domains();
   if (retired_.size() >= most_retired) delete_retired();
-  retired_.push_back(std::make_shared<Endpoints>(participant_.get(),
-                                                 "maide_" + std::to_string(words_), policies_));
+  retired_.push_back(
+      std::make_shared<Endpoints>(*domains_, "maide_" + std::to_string(words_), policies_));
   return std::make_unique<dds::Connection>(retired_.back(), sink);
 }
 
@@ -56,13 +65,10 @@ void CycloneDdsWrapper::delete_retired() {
   retired_.clear();
 }
 
-void CycloneDdsWrapper::start_domain() {
+void CycloneDdsWrapper::start_domains() {
   delete_retired();
-  participant_ = {};
-  domain_ = {};
-  domain_ = {dds_create_domain(0, "<General><Transport>none</Transport></General>"),
-             "dds_create_domain"};
-  participant_ = {dds_create_participant(0, nullptr, nullptr), "dds_create_participant"};
+  domains_.reset();
+  domains_.emplace(transport_);
 }
 
 }  // namespace maide::cyclonedds

@@ -3,18 +3,22 @@
 // `writer` calls dds_write; `reader` waits for data on a waitset and takes one sample (read), or
 // takes one if there is one (tryread).
 //
-// The domain has no network at all (transport `none`): within a process Cyclone hands a sample to
-// the readers of its own domain from within dds_write. So nothing leaves the process, no protocol
-// timer runs, wrappers side by side never meet, and CYCLONEDDS_URI is not looked at.
+// transport=none: the domain has no network at all; within a process Cyclone hands a sample to the
+// readers of its own domain from within dds_write, no protocol timer runs, and no socket is open.
+// transport=udp: two domains with the same number on the network, one for the writer and one for
+// the reader, which meet over RTPS on the loopback device alone. Wrappers side by side never meet,
+// and CYCLONEDDS_URI is not looked at.
 //
 // A reset keeps process, domain and participant; topic, writer and reader are fresh for each word.
 #pragma once
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "dds/policies.hpp"
+#include "domains.hpp"
 #include "endpoints.hpp"
 #include "maide/wire/system_wrapper.hpp"
 
@@ -28,13 +32,14 @@ class CycloneDdsWrapper : public SystemWrapper {
   std::unique_ptr<SystemInstance> reset(EventSink& sink) override;
 
  private:
-  void start_domain();
+  void start_domains();
   void delete_retired();
 
   WrapperDescription description_;
   dds::Policies policies_;
   std::uint64_t words_ = 0;
-  Entity domain_, participant_;
+  Transport transport_ = Transport::none;
+  std::optional<Domains> domains_;
   // Of past words, to be deleted, and of the present one.
   std::vector<std::shared_ptr<Endpoints>> retired_;
 };

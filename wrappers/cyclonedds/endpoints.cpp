@@ -10,19 +10,32 @@ extern "C" {
 }
 
 namespace maide::cyclonedds {
+namespace {
 
-Endpoints::Endpoints(dds_entity_t participant, const std::string& topic,
+// Within a process both ends match while they are made; over the network the participants must
+// find each other first.
+constexpr int matching_limit_ms = 10'000;
+
+Entity make_topic(dds_entity_t participant, const std::string& name) {
+  return {dds_create_topic(participant, &maide_dds_Sample_desc, name.c_str(), nullptr, nullptr),
+          "dds_create_topic"};
+}
+
+}  // namespace
+
+Endpoints::Endpoints(const Domains& domains, const std::string& topic,
                      const dds::Policies& policies)
-    : participant_(participant),
+    : participant_(domains.of_reader()),
+      over_network_(domains.of_reader() != domains.of_writer()),
       reader_qos_(make_reader_qos(policies)),
       room_(policies.max_samples),
-      topic_(dds_create_topic(participant, &maide_dds_Sample_desc, topic.c_str(), nullptr, nullptr),
-             "dds_create_topic"),
-      writer_(
-          dds_create_writer(participant, topic_.get(), make_writer_qos(policies).get(), nullptr),
-          "dds_create_writer"),
-      stop_(dds_create_guardcondition(participant), "dds_create_guardcondition"),
-      waitset_(dds_create_waitset(participant), "dds_create_waitset") {
+      writer_topic_(make_topic(domains.of_writer(), topic)),
+      writer_(dds_create_writer(domains.of_writer(), writer_topic_.get(),
+                                make_writer_qos(policies).get(), nullptr),
+              "dds_create_writer"),
+      topic_(make_topic(participant_, topic)),
+      stop_(dds_create_guardcondition(participant_), "dds_create_guardcondition"),
+      waitset_(dds_create_waitset(participant_), "dds_create_waitset") {
   checked(dds_waitset_attach(waitset_.get(), stop_.get(), 0), "dds_waitset_attach");
   connect();
 }
@@ -33,6 +46,7 @@ void Endpoints::connect() {
   data_ = {dds_create_readcondition(reader_.get(), DDS_ANY_STATE), "dds_create_readcondition"};
   checked(dds_waitset_attach(waitset_.get(), data_.get(), 0), "dds_waitset_attach");
   wait_for_matches(1);
+  if (over_network_) wait_for_first_words();
   kept_ = count_kept();
 }
 
@@ -43,10 +57,9 @@ void Endpoints::disconnect() {
   wait_for_matches(0);
 }
 
-// Within a process both ends match while they are made; but a writer that had no reader yet would
-// drop what it writes, so that is made sure of.
+// A writer that had no reader yet would drop what it writes.
 void Endpoints::wait_for_matches(std::uint32_t count) const {
-  for (int attempts = 0; attempts < 1000; ++attempts) {
+  for (int attempts = 0; attempts < matching_limit_ms; ++attempts) {
     dds_publication_matched_status_t writer{};
     dds_subscription_matched_status_t reader{};
     reader.current_count = count;
@@ -59,7 +72,27 @@ void Endpoints::wait_for_matches(std::uint32_t count) const {
     if (writer.current_count == count && reader.current_count == count) return;
     dds_sleepfor(DDS_MSECS(1));
   }
-  throw std::runtime_error("writer and reader do not meet, or part, within a second");
+  throw std::runtime_error("writer and reader do not meet, or part, within 10 s");
+}
+
+// Over the network matched ends are not in step yet: a reliable reader takes nothing from a writer
+// before it has heard the writer's first heartbeat, which it asks for after a while (RTPS 2.2,
+// section 8.4.9). So probes are sent until one arrives, and with it all that was sent before it.
+void Endpoints::wait_for_first_words() const {
+  const maide_dds_Sample probe{.instance = 1, .number = 0};
+  for (int waited = 0; waited < matching_limit_ms; ++waited) {
+    if (waited % 100 == 0) checked(dds_write(writer_.get(), &probe), "dds_write");
+    // The handle is known as soon as the probe is written, to the reader only when it has arrived.
+    const dds_instance_handle_t instance = dds_lookup_instance(reader_.get(), &probe);
+    maide_dds_Sample sample{};
+    void* samples[] = {&sample};
+    dds_sample_info_t info[1];
+    const dds_return_t taken = dds_take_instance(reader_.get(), samples, info, 1, 1, instance);
+    if (taken > 0) return;
+    if (taken != DDS_RETCODE_PRECONDITION_NOT_MET) checked(taken, "dds_take_instance");
+    dds_sleepfor(DDS_MSECS(1));
+  }
+  throw std::runtime_error("nothing comes from the writer to the reader within 10 s");
 }
 
 // What a late reader was given, up to its limit.
@@ -75,7 +108,7 @@ std::int32_t Endpoints::count_kept() const {
 }
 
 bool Endpoints::write(std::uint32_t number) {
-  const maide_dds_Sample sample{.number = number};
+  const maide_dds_Sample sample{.instance = 0, .number = number};
   writing_ = true;
   const dds_return_t result = dds_write(writer_.get(), &sample);
   if (result == DDS_RETCODE_OK) ++kept_;
@@ -92,7 +125,7 @@ std::optional<std::uint32_t> Endpoints::take() {
   dds_sample_info_t info[1];
   while (checked(dds_take(reader_.get(), samples, info, 1, 1), "dds_take") > 0) {
     // A sample without data tells that an instance came or went.
-    if (!info[0].valid_data) continue;
+    if (!info[0].valid_data || sample.instance != 0) continue;
     --kept_;
     return sample.number;
   }

@@ -9,13 +9,14 @@
 #include "dds/connection.hpp"
 #include "dds/policies.hpp"
 #include "dds_entity.hpp"
+#include "domains.hpp"
 
 namespace maide::cyclonedds {
 
 class Endpoints : public dds::Endpoints {
  public:
-  // `topic`: a name that no other of the participant has. Throws std::runtime_error.
-  Endpoints(dds_entity_t participant, const std::string& topic, const dds::Policies& policies);
+  // `topic`: a name that no other of the participants has. Throws std::runtime_error.
+  Endpoints(const Domains& domains, const std::string& topic, const dds::Policies& policies);
 
   bool write(std::uint32_t number) override;
   std::optional<std::uint32_t> take() override;
@@ -27,13 +28,15 @@ class Endpoints : public dds::Endpoints {
 
  private:
   void wait_for_matches(std::uint32_t count) const;
+  void wait_for_first_words() const;
   std::int32_t count_kept() const;
 
-  const dds_entity_t participant_;
+  const dds_entity_t participant_;  // of the reader
+  const bool over_network_;
   const Qos reader_qos_;
   const std::int32_t room_;  // the reader's max_samples; 0: no limit
   // Deleted in the opposite order.
-  Entity topic_, writer_;
+  Entity writer_topic_, writer_, topic_;
   Entity reader_, data_;                // a reader and its read condition; none if disconnected
   Entity stop_, waitset_;               // a guard condition, and who waits for it and for data
   std::atomic<std::int32_t> kept_ = 0;  // accepted and not yet taken, where nothing is dropped

@@ -1,0 +1,86 @@
+// ZeroMQ learned for real, over its wrapper's pipes: what comes out is the model written by hand,
+// the paper's ports among them, every time the same, on a busy machine too.
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "maide/automata/compare.hpp"
+#include "maide/formats/model_file.hpp"
+#include "wrapper_checks.hpp"
+#include "zeromq_cases.hpp"
+
+namespace maide {
+namespace {
+
+class ZeroMqMealy : public testing::TestWithParam<test::ZeroMqCase> {};
+
+TEST_P(ZeroMqMealy, IsLearned) {
+  const Mealy model = test::make_connection(GetParam().model);
+  const Mealy learned = test::learn_system("zeromq", GetParam().options).machine;
+  EXPECT_EQ(learned.size(), GetParam().states);
+  EXPECT_FALSE(find_difference(model, learned).has_value());
+}
+
+INSTANTIATE_TEST_SUITE_P(Patterns, ZeroMqMealy, testing::ValuesIn(test::zeromq_cases()),
+                         [](const auto& tested) { return tested.param.name; });
+
+// zmq_send alone hears late of what its peers say; with a floor it gives the same models.
+TEST(ZeroMqPlainSend, GivesTheSameModelsWithAFloor) {
+  for (test::ZeroMqCase tested : test::zeromq_cases()) {
+    if (tested.name != "publish_1_1" && tested.name != "push_failing_1_1") continue;
+    tested.options["send"] = "plain";
+    tested.options["floor"] = "3";
+    const Mealy learned = test::learn_system("zeromq", tested.options).machine;
+    EXPECT_EQ(learned.size(), tested.states) << tested.name;
+    EXPECT_FALSE(find_difference(test::make_connection(tested.model), learned)) << tested.name;
+  }
+}
+
+// The names of the reference ports whose models ZeroMQ's sockets share.
+struct PortCase {
+  std::string name;
+  test::SystemOptions options;
+  std::string reference;
+};
+
+void PrintTo(const PortCase& tested, std::ostream* out) { *out << tested.name; }
+
+class ZeroMqAutomaton : public testing::TestWithParam<PortCase> {};
+
+TEST_P(ZeroMqAutomaton, IsThatOfThePort) {
+  const InterfaceAutomaton expected = read_interface_automaton(
+      std::string(MAIDE_SOURCE_DIR "/tests/models/") + GetParam().reference + ".dot");
+  const InterfaceAutomaton learned = test::learn_system("zeromq", GetParam().options).automaton;
+  EXPECT_EQ(learned.size(), expected.size());
+  EXPECT_TRUE(compare(expected, learned).same());
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Ports, ZeroMqAutomaton,
+    testing::Values(
+        PortCase{"defaults", {}, "strict-3"}, PortCase{"tcp", {{"transport", "tcp"}}, "strict-3"},
+        PortCase{"publish", {{"pattern", "pub-sub"}}, "strict-3"},
+        PortCase{"publish_tcp", {{"pattern", "pub-sub"}, {"transport", "tcp"}}, "strict-3"},
+        PortCase{"conflate", {{"conflate", "yes"}}, "buffered"},
+        PortCase{"conflate_tcp", {{"conflate", "yes"}, {"transport", "tcp"}}, "buffered"},
+        PortCase{"conflate_tryread",
+                 {{"conflate", "yes"}, {"inputs", "write,read,tryread"}},
+                 "buffered-tryread"},
+        PortCase{"tryread_absorb",
+                 {{"size", "3"}, {"at-bound", "absorb"}, {"inputs", "write,read,tryread"}},
+                 "strict-3-tryread-absorb"}),
+    [](const auto& tested) { return tested.param.name; });
+
+class ZeroMqRepeatedly : public testing::TestWithParam<std::size_t> {};
+
+TEST_P(ZeroMqRepeatedly, GivesTheSameModelTwentyTimes) {
+  for (const test::ZeroMqCase& tested : test::zeromq_cases()) {
+    if (tested.name != "publish_1_1" && tested.name != "push_1_1_reconnecting") continue;
+    test::expect_same_twenty_times("zeromq", tested.options, tested.states, GetParam());
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(BusyProcesses, ZeroMqRepeatedly, testing::Values(0, 2));
+
+}  // namespace
+}  // namespace maide
