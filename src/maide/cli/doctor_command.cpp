@@ -56,6 +56,7 @@ const std::vector<Middleware>& middlewares() {
       {"yarp", "YARP", "",
        "not in Debian: build YARP 3.9 from source (docs/middleware/yarp.md), then configure maide "
        "with -DYARP_DIR=<its build folder> and build it again"},
+      {"ros1", "ROS 1", "libroscpp-dev libstd-msgs-dev python3-rosmaster"},
   };
   return table;
 }

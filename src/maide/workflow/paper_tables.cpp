@@ -70,6 +70,7 @@ const std::vector<BufferedSystem>& buffered_systems() {
       {"cyclonedds", {{"history", "keep_last"}, {"depth", "1"}}, {{"history", "keep_all"}}},
       {"fastdds", {{"history", "keep_last"}, {"depth", "1"}}, {{"history", "keep_all"}}},
       {"zeromq", {{"conflate", "yes"}}, {{"conflate", "no"}}},
+      {"ros1", {{"queue_size", "1"}}, {{"queue_size", "0"}}},
   };
   return systems;
 }

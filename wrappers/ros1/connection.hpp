@@ -1,0 +1,58 @@
+// One publisher and one subscriber of a topic of their own, connected: what one word is played on.
+#pragma once
+
+#include <ros/callback_queue.h>
+#include <ros/publisher.h>
+#include <std_msgs/UInt64.h>
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "maide/wire/system_wrapper.hpp"
+#include "node.hpp"
+#include "queues.hpp"
+#include "subscriber_end.hpp"
+
+namespace maide::ros1 {
+
+// Callback queues without a subscriber. One leaves something behind in each thread that ever called
+// its callbacks, so they are used again.
+using IdleQueues = std::vector<std::unique_ptr<ros::CallbackQueue>>;
+
+class Connection : public SystemInstance {
+ public:
+  // When the connection ends its callback queue goes to `idle`. Throws std::runtime_error.
+  Connection(Node& node, const Queues& queues, EventSink& sink, IdleQueues& idle);
+  ~Connection() override;
+
+  void call(std::string_view input) override;
+  void shutdown() override;
+  bool polls_in_vain() const override;
+
+ private:
+  void connect();
+  void disconnect();
+  void publish(std::size_t messages);
+  void read();
+  void try_read();
+  void receive(const std_msgs::UInt64ConstPtr& message);
+
+  Node& node_;
+  const Queues queues_;
+  EventSink& sink_;
+  IdleQueues& idle_;
+  const std::string topic_;
+  std::unique_ptr<ros::CallbackQueue> callbacks_;
+  ros::Publisher publisher_;
+  std::unique_ptr<SubscriberEnd> subscriber_;
+  std::uint64_t published_ = 0;
+  bool received_ = false;  // by the read that is going on
+  std::atomic<bool> connecting_ = false;
+  std::atomic<bool> stopped_ = false;
+};
+
+}  // namespace maide::ros1

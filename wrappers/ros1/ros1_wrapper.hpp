@@ -1,0 +1,33 @@
+// The wrapper for ROS 1: `maide learn ros1 queue_size=10`. One publisher and one subscriber of one
+// topic, in one process, over TCPROS or through roscpp's shortcut. The actor `writer` calls
+// Publisher::publish; `reader` calls CallbackQueue::callOne on a queue of its own, waiting (read)
+// or not (tryread); `network` unsubscribes and subscribes again; `control` disables and enables the
+// callback queue.
+//
+// A reset keeps process, node and master; topic, publisher and subscriber are fresh for each word.
+#pragma once
+
+#include <memory>
+
+#include "connection.hpp"
+#include "maide/wire/system_wrapper.hpp"
+#include "node.hpp"
+#include "queues.hpp"
+
+namespace maide::ros1 {
+
+class Ros1Wrapper : public SystemWrapper {
+ public:
+  Ros1Wrapper();
+  const WrapperDescription& description() const override { return description_; }
+  SystemSetup configure(const OptionValues& options) override;
+  std::unique_ptr<SystemInstance> reset(EventSink& sink) override;
+
+ private:
+  WrapperDescription description_;
+  Queues queues_;
+  Node* node_ = nullptr;
+  IdleQueues idle_;
+};
+
+}  // namespace maide::ros1
