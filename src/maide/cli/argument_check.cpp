@@ -9,6 +9,7 @@
 
 #include "maide/base/error.hpp"
 #include "maide/base/suggest.hpp"
+#include "maide/workflow/open_system.hpp"
 
 namespace maide::cli {
 
@@ -51,6 +52,14 @@ std::string check_count(const std::string& text) {
   const auto [rest, error] = std::from_chars(text.data(), end, number);
   if (error == std::errc() && rest == end) return "";
   return "'" + text + "' is not a whole number from 0 to 18446744073709551615";
+}
+
+std::string check_jobs(const std::string& text) {
+  std::size_t number = 0;
+  const char* end = text.data() + text.size();
+  const auto [rest, error] = std::from_chars(text.data(), end, number);
+  if (error == std::errc() && rest == end && number >= 1 && number <= most_jobs) return "";
+  return "'" + text + "' is not a whole number from 1 to " + std::to_string(most_jobs);
 }
 
 std::string check_seconds(const std::string& text) {

@@ -19,6 +19,7 @@ void check_option_names(const CLI::App& app, const std::vector<std::string>& arg
 // Checks for CLI11's `check()`: empty if the text is one, else what is wrong with it. By itself
 // CLI11 takes "-1" for the greatest number there is, and what does not fit for what is nearest.
 std::string check_count(const std::string& text);    // a whole number from 0 to 2^64-1
+std::string check_jobs(const std::string& text);     // from 1 to most_jobs
 std::string check_seconds(const std::string& text);  // from 0.001 to 1e8 (three years)
 
 // The error of CLI11 without its class names and line breaks.

@@ -34,6 +34,7 @@ struct CheckArguments {
   std::vector<std::string> properties;
   std::string trace;
   std::string report;
+  std::size_t jobs = 0;  // for models that are learned
   std::uint64_t memory_mib = 0;
   double seconds = 0;
 };
@@ -114,9 +115,9 @@ ExitStatus run_check(const CheckArguments& arguments, Context& context) {
     throw UsageError("a report's name ends in .html or .svg (" + arguments.report + ")");
   }
   const std::unique_ptr<Engine> engine = make_engine(arguments.engine);
-  const ModelSource models =
-      make_learning_source({std::filesystem::path(arguments.system).parent_path(),
-                            [](const std::string& line) { log_note(line); }, context.control()});
+  const ModelSource models = make_learning_source(
+      {std::filesystem::path(arguments.system).parent_path(),
+       [](const std::string& line) { log_note(line); }, context.control(), arguments.jobs});
   const System system = read_system(arguments.system, models);
   CheckRequest request;
   request.properties = arguments.properties;
@@ -169,6 +170,7 @@ RunFunction set_up_check(CLI::App& app) {
                  "Most time in all, in seconds; what is not decided by then is inconclusive "
                  "(default: as long as it takes)")
       ->check(check_seconds);
+  add_jobs_option(app, arguments->jobs);
   return [arguments](Context& context) { return run_check(*arguments, context); };
 }
 

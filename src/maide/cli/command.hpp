@@ -17,6 +17,7 @@
 // maide::Error pass, and returns the exit status.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <span>
@@ -56,6 +57,8 @@ RunFunction set_up_reproduce(CLI::App& app);
 
 // The options that several commands have, so that they read the same everywhere.
 CLI::Option* add_seed_option(CLI::App& app, std::uint64_t& seed);
+// 0: not given, the default of each system.
+CLI::Option* add_jobs_option(CLI::App& app, std::size_t& jobs);
 
 // Parses the command line and runs the command; never throws. Returns the exit status.
 int run_command_line(int argc, const char* const* argv) noexcept;

@@ -40,6 +40,7 @@ struct LearnArguments {
   std::uint64_t max_experiments = 0;
   std::optional<double> time_limit;
   std::uint64_t seed = 1;
+  std::size_t jobs = 0;
   bool list_options = false;
 };
 
@@ -61,7 +62,7 @@ ExperimentOptions experiment_options(const LearnArguments& arguments, const Meal
   return options;
 }
 
-Json as_json(const LearnedModel& learned, const std::string& path) {
+Json as_json(const LearnedModel& learned, std::size_t jobs, const std::string& path) {
   const ExperimentResult& run = learned.experiment;
   Json json{{"algorithm", run.algorithm},
             {"equivalence_method", run.test_method},
@@ -75,6 +76,7 @@ Json as_json(const LearnedModel& learned, const std::string& path) {
             {"experiments", run.experiments},
             {"symbols", run.symbols},
             {"resets", run.resets},
+            {"jobs", jobs},
             {"seconds", run.seconds},
             {"seconds_in_system", run.seconds_in_system},
             {"seconds_in_calls", run.seconds_in_system - run.seconds_in_settling},
@@ -117,7 +119,8 @@ std::string remarks(const InterfaceAutomaton& automaton) {
   return text;
 }
 
-std::string as_text(const LearnedModel& learned, const SystemSpec& spec, const std::string& path) {
+std::string as_text(const LearnedModel& learned, const SystemSpec& spec, std::size_t jobs,
+                    const std::string& path) {
   const ExperimentResult& run = learned.experiment;
   std::string text = spec.text;
   for (const auto& [key, value] : spec.options) text += " " + key + "=" + value;
@@ -137,9 +140,10 @@ std::string as_text(const LearnedModel& learned, const SystemSpec& spec, const s
                       run.seconds, run.seconds_in_learner, run.seconds - run.seconds_in_learner);
   text += fmt::format(
       "  in the system        {:.2f} s calls, {:.2f} waiting for quiescence, {:.2f} resets ({:.2f} "
-      "waited for)\n",
+      "waited for){}\n",
       run.seconds_in_system - run.seconds_in_settling, run.seconds_in_settling,
-      run.seconds_in_reset, run.seconds_in_reset_wait);
+      run.seconds_in_reset, run.seconds_in_reset_wait,
+      jobs > 1 ? fmt::format("; sums over {} at once", jobs) : "");
   text += fmt::format("  result               {}\n", run.guarantee);
   if (learned.model) {
     if (const auto* automaton = std::get_if<InterfaceAutomaton>(&*learned.model)) {
@@ -152,11 +156,11 @@ std::string as_text(const LearnedModel& learned, const SystemSpec& spec, const s
 
 // A file that cannot be written after all (a full disk) does not cost the model: it goes to
 // standard output.
-ExitStatus rescue(const LearnedModel& learned, const std::string& dot, const Error& failure,
-                  Context& context) {
+ExitStatus rescue(const LearnedModel& learned, std::size_t jobs, const std::string& dot,
+                  const Error& failure, Context& context) {
   context.complain(failure.what());
   context.print(dot);
-  Json json = as_json(learned, "");
+  Json json = as_json(learned, jobs, "");
   json["error"] = failure.what();
   json["dot"] = dot;
   context.set_result(json);
@@ -165,8 +169,8 @@ ExitStatus rescue(const LearnedModel& learned, const std::string& dot, const Err
 
 // Writes the model where it belongs: to the file, or, for people who gave none, to standard output
 // with the summary on standard error.
-ExitStatus give_result(const LearnedModel& learned, const SystemSpec& spec, const std::string& path,
-                       Context& context) {
+ExitStatus give_result(const LearnedModel& learned, const SystemSpec& spec, std::size_t jobs,
+                       const std::string& path, Context& context) {
   std::string dot;
   if (learned.model) {
     std::ostringstream text;
@@ -177,16 +181,16 @@ ExitStatus give_result(const LearnedModel& learned, const SystemSpec& spec, cons
   try {
     if (!written.empty()) write_file_atomically(written, dot);
   } catch (const Error& failure) {
-    return rescue(learned, dot, failure, context);
+    return rescue(learned, jobs, dot, failure, context);
   }
-  const std::string summary = as_text(learned, spec, written);
+  const std::string summary = as_text(learned, spec, jobs, written);
   if (written.empty()) {
     if (!context.json() && !context.quiet()) fmt::print(stderr, "{}", summary);
     context.print(dot);
   } else {
     context.print(summary);
   }
-  Json result = as_json(learned, written);
+  Json result = as_json(learned, jobs, written);
   if (written.empty() && !dot.empty()) result["dot"] = dot;
   context.set_result(result);
   return ExitStatus::ok;
@@ -197,6 +201,7 @@ ExitStatus learn(const LearnArguments& arguments, Context& context) {
   SystemAccess access;
   access.token_file = arguments.token_file;
   access.translation = wanted_translation(arguments);
+  access.jobs = arguments.jobs;
   RunControl control = context.control();
   if (arguments.list_options) {
     const std::string list = list_system_options(spec, access, control);
@@ -220,7 +225,7 @@ ExitStatus learn(const LearnArguments& arguments, Context& context) {
   if (!arguments.purpose.empty()) options.fingerprint["purpose"] = read_file(arguments.purpose);
   const LearnedModel learned =
       learn_model(*system.sul, access.translation.value_or(Translation::eager), options, control);
-  const ExitStatus given = give_result(learned, spec, arguments.output, context);
+  const ExitStatus given = give_result(learned, spec, system.jobs, arguments.output, context);
   if (learned.experiment.is_complete()) return given;
   try {
     std::rethrow_exception(learned.experiment.error);
@@ -261,7 +266,7 @@ RunFunction set_up_learn(CLI::App& app) {
   app.add_option(
          "SUL", arguments->sul,
          "The system: a wrapper's name (port, cyclonedds, fastdds), sim:FILE (a model, simulated), "
-         "tcp://HOST:PORT, or exec:PROGRAM ARGS")
+         "tcp://HOST:PORT,... (one that listens, or several), or exec:PROGRAM ARGS")
       ->required();
   app.add_option("KEY=VALUE", arguments->key_values,
                  "Options of the system; --list-options tells which it has");
@@ -282,6 +287,7 @@ RunFunction set_up_learn(CLI::App& app) {
   app.add_option("--token-file", arguments->token_file,
                  "A file with the token of a listening wrapper (or set MAIDE_TOKEN)");
   add_limits(app, *arguments);
+  add_jobs_option(app, arguments->jobs);
   add_seed_option(app, arguments->seed);
   app.add_flag("--list-options", arguments->list_options,
                "List the options of the system, with defaults and allowed values, and exit");

@@ -25,6 +25,7 @@ struct ReproduceArguments {
   std::string algorithm = "lmplus";  // the paper's
   std::string test_method;
   std::uint64_t seed = 1;
+  std::size_t jobs = 0;
 };
 
 constexpr const char* line_format =
@@ -74,7 +75,9 @@ LearnedModel learn_row(const std::string& system, const ReproducedRow& row,
                        const ReproduceArguments& arguments, const RunControl& control) {
   SystemSpec spec = parse_system_spec(system, {});
   spec.options = row.options;
-  const OpenedSystem opened = open_system(spec, {}, control);
+  SystemAccess access;
+  access.jobs = arguments.jobs;
+  const OpenedSystem opened = open_system(spec, access, control);
   ExperimentOptions options;
   options.algorithm = arguments.algorithm;
   options.test_method = arguments.test_method;
@@ -139,6 +142,7 @@ RunFunction set_up_reproduce(CLI::App& app) {
                              fmt::join(table1_systems(), ", ")));
   app.add_option("--algorithm", arguments->algorithm, "As in maide learn; the paper's is lmplus");
   app.add_option("--eq", arguments->test_method, "As in maide learn");
+  add_jobs_option(app, arguments->jobs);
   add_seed_option(app, arguments->seed);
   return [arguments](Context& context) { return reproduce_table1(*arguments, context); };
 }

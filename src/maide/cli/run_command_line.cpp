@@ -158,6 +158,16 @@ CLI::Option* add_seed_option(CLI::App& app, std::uint64_t& seed) {
       ->type_name("N");
 }
 
+CLI::Option* add_jobs_option(CLI::App& app, std::size_t& jobs) {
+  return app
+      .add_option("-j,--jobs", jobs,
+                  "How many systems to ask at once; the result is the same. Default: one for each "
+                  "processor of a wrapper by name, one for each host of tcp://, else 1")
+      ->check(check_jobs)
+      ->default_str("")
+      ->type_name("K");
+}
+
 int run_command_line(int argc, const char* const* argv) noexcept {
   bool json = false;
   try {

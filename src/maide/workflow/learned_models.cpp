@@ -35,6 +35,7 @@ OpenedSystem open(const ModelRequest& request, const LearnedModelsOptions& optio
   }
   SystemAccess access;
   access.translation = Translation::eager;
+  access.jobs = options.jobs;
   return open_system(spec, access, options.control);
 }
 

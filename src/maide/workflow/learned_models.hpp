@@ -18,6 +18,7 @@ struct LearnedModelsOptions {
   std::filesystem::path folder;                       // of the system file
   std::function<void(const std::string& line)> note;  // told what is learned and what is reused
   RunControl control;
+  std::size_t jobs = 0;  // systems that are asked at once; 0: the default (default_jobs())
 };
 
 // Reads models that are files, reads kept models that were learned from the same system (options

@@ -2,15 +2,21 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <exception>
+#include <thread>
 #include <utility>
+#include <vector>
 
 #include "maide/base/error.hpp"
 #include "maide/base/file.hpp"
 #include "maide/base/hash.hpp"
+#include "maide/base/log.hpp"
 #include "maide/base/suggest.hpp"
 #include "maide/formats/model_file.hpp"
 #include "maide/sul/ia_translation.hpp"
 #include "maide/sul/simulated_sul.hpp"
+#include "maide/sul/sul_pool.hpp"
 #include "maide/wire/token.hpp"
 #include "maide/wire/wrapper_proxy.hpp"
 #include "maide/workflow/wrapper_search.hpp"
@@ -23,16 +29,40 @@ std::string text_version(const std::string& path) {
   return fmt::format("{:016x}", hash_text(read_file(path)));
 }
 
+std::size_t wanted_jobs(const SystemSpec& spec, const SystemAccess& access) {
+  if (access.jobs > most_jobs) {
+    throw UsageError(fmt::format("{} systems at once are more than {}", access.jobs, most_jobs));
+  }
+  return access.jobs != 0 ? access.jobs : default_jobs(spec);
+}
+
+OpenedSystem make_pool(std::vector<SulPool::Member> members) {
+  OpenedSystem opened;
+  opened.jobs = members.size();
+  if (members.size() == 1) {
+    opened.sul = std::move(members.front().sul);
+  } else {
+    opened.sul = std::make_unique<SulPool>(std::move(members), log_warning);
+  }
+  return opened;
+}
+
 OpenedSystem simulate(Model model, const SystemSpec& spec, const SystemAccess& access) {
   if (const auto* machine = std::get_if<Mealy>(&model); machine != nullptr && access.translation) {
     model = to_interface_automaton(*machine, Translation::eager, machine->actors);
   }
-  auto simulated = std::visit(
-      [&](auto& its) { return std::make_unique<SimulatedSul>(std::move(its), spec.text); }, model);
-  simulated->add_version("model", text_version(spec.target));
-  OpenedSystem opened;
-  opened.reference = simulated->reference(access.translation.value_or(Translation::eager));
-  opened.sul = std::move(simulated);
+  const std::string version = text_version(spec.target);
+  std::vector<SulPool::Member> members;
+  std::optional<Mealy> reference;
+  for (std::size_t job = 0; job < wanted_jobs(spec, access); ++job) {
+    auto simulated = std::visit(
+        [&](const auto& its) { return std::make_unique<SimulatedSul>(its, spec.text); }, model);
+    simulated->add_version("model", version);
+    reference = simulated->reference(access.translation.value_or(Translation::eager));
+    members.push_back({spec.text, std::move(simulated)});
+  }
+  OpenedSystem opened = make_pool(std::move(members));
+  opened.reference = std::move(reference);
   return opened;
 }
 
@@ -49,14 +79,35 @@ OpenedSystem open_simulation(const SystemSpec& spec, const SystemAccess& access)
   }
 }
 
-WrapperEndpoint endpoint_of(const SystemSpec& spec, const SystemAccess& access) {
+// "a:1,b:2", also as "a:1,tcp://b:2".
+std::vector<std::string> split_hosts(const std::string& target) {
+  std::vector<std::string> hosts(1);
+  for (const char c : target) {
+    if (c == ',') {
+      hosts.emplace_back();
+    } else {
+      hosts.back() += c;
+    }
+  }
+  for (std::string& host : hosts) {
+    if (host.starts_with("tcp://")) host.erase(0, 6);
+  }
+  return hosts;
+}
+
+std::vector<WrapperEndpoint> endpoints_of(const SystemSpec& spec, const SystemAccess& access) {
   if (spec.kind == SystemSpec::Kind::tcp) {
     const auto file =
         access.token_file.empty() ? std::nullopt : std::optional<std::string>(access.token_file);
-    return WrapperEndpoint::tcp(spec.target, read_token(file).value_or(""));
+    const std::string token = read_token(file).value_or("");
+    std::vector<WrapperEndpoint> endpoints;
+    for (const std::string& host : split_hosts(spec.target)) {
+      endpoints.push_back(WrapperEndpoint::tcp(host, token));
+    }
+    return endpoints;
   }
   if (spec.kind == SystemSpec::Kind::program) {
-    return WrapperEndpoint::program(spec.command, spec.text);
+    return {WrapperEndpoint::program(spec.command, spec.text)};
   }
   const auto program = find_wrapper(spec.target);
   if (!program) {
@@ -66,24 +117,70 @@ WrapperEndpoint endpoint_of(const SystemSpec& spec, const SystemAccess& access) 
     throw UsageError("unknown system '" + spec.target + "', or its wrapper maide-wrap-" +
                      spec.target + " is not built here; " + describe_wrapper_search() + hint);
   }
-  return WrapperEndpoint::program({program->string()}, spec.target);
+  return {WrapperEndpoint::program({program->string()}, spec.target)};
+}
+
+// All at the same time: the start of some takes seconds. The first error counts.
+std::vector<SulPool::Member> open_wrappers(const std::vector<WrapperEndpoint>& endpoints,
+                                           const SystemSpec& spec, std::size_t jobs,
+                                           const RunControl& control) {
+  std::vector<SulPool::Member> members(jobs);
+  std::vector<std::exception_ptr> errors(jobs);
+  {
+    std::vector<std::jthread> threads;
+    for (std::size_t job = 0; job < jobs; ++job) {
+      const WrapperEndpoint& endpoint = endpoints[job % endpoints.size()];
+      members[job].name = endpoint.name();
+      if (!endpoint.is_tcp()) members[job].name += fmt::format(" (process {})", job + 1);
+      const auto open = [&, job] {
+        try {
+          members[job].sul =
+              std::make_unique<WrapperProxy>(endpoint, spec.options, ProxySettings{}, control);
+        } catch (...) {
+          errors[job] = std::current_exception();
+        }
+      };
+      if (job + 1 == jobs) {
+        open();
+      } else {
+        threads.emplace_back(open);
+      }
+    }
+  }
+  for (const std::exception_ptr& error : errors) {
+    if (error) std::rethrow_exception(error);
+  }
+  return members;
 }
 
 }  // namespace
 
+std::size_t default_jobs(const SystemSpec& spec) {
+  switch (spec.kind) {
+    case SystemSpec::Kind::wrapper: return std::max(1U, std::thread::hardware_concurrency());
+    case SystemSpec::Kind::tcp: return split_hosts(spec.target).size();
+    case SystemSpec::Kind::simulated:
+    case SystemSpec::Kind::program: break;
+  }
+  return 1;
+}
+
 OpenedSystem open_system(const SystemSpec& spec, const SystemAccess& access,
                          const RunControl& control) {
   if (spec.kind == SystemSpec::Kind::simulated) return open_simulation(spec, access);
-  OpenedSystem opened;
-  opened.sul = std::make_unique<WrapperProxy>(endpoint_of(spec, access), spec.options,
-                                              ProxySettings{}, control);
-  return opened;
+  const std::size_t jobs = wanted_jobs(spec, access);
+  const std::vector<WrapperEndpoint> endpoints = endpoints_of(spec, access);
+  if (jobs < endpoints.size()) {
+    throw UsageError(fmt::format("{} hosts need at least as many jobs, not {} ({})",
+                                 endpoints.size(), jobs, spec.text));
+  }
+  return make_pool(open_wrappers(endpoints, spec, jobs, control));
 }
 
 std::string list_system_options(const SystemSpec& spec, const SystemAccess& access,
                                 const RunControl& control) {
   if (spec.kind == SystemSpec::Kind::simulated) return "a simulated model has no options\n";
-  return to_string(ask_hello(endpoint_of(spec, access), {}, control).options);
+  return to_string(ask_hello(endpoints_of(spec, access).front(), {}, control).options);
 }
 
 }  // namespace maide

@@ -1,5 +1,5 @@
-// From what a person types to a system that can be asked: simulates a model, starts a wrapper's
-// process, or connects to one that listens.
+// From what a person types to a system that can be asked: simulates a model, starts wrappers'
+// processes, or connects to ones that listen. Several are asked at once, as a pool.
 #pragma once
 
 #include <memory>
@@ -13,20 +13,30 @@
 
 namespace maide {
 
+// More systems at once than this are a mistake.
+inline constexpr std::size_t most_jobs = 256;
+
 struct SystemAccess {
   std::string token_file;  // of a listening wrapper; empty: MAIDE_TOKEN, if it is set
   // The translation asked for; a simulated plain Mealy machine is only taken for an interface
   // automaton (outputs joined by ',', "quiet" for none) if one is.
   std::optional<Translation> translation;
+  std::size_t jobs = 0;  // systems that are asked at once; 0: default_jobs()
 };
+
+// A wrapper of ours: one for each processor. A program: one, since nobody knows whether a second
+// one can run beside it. Hosts: one connection to each. A simulation: one, for it never waits.
+std::size_t default_jobs(const SystemSpec& spec);
 
 struct OpenedSystem {
   std::unique_ptr<Sul> sul;
   std::optional<Mealy> reference;  // the machine to be learned, where the system is a simulation
+  std::size_t jobs = 1;            // how many there are
 };
 
-// Throws UsageError for a system or an option that does not exist, WrapperError if the system
-// cannot be reached or says nothing sensible within 10 s.
+// Throws UsageError for a system or an option that does not exist, for too many jobs or fewer than
+// hosts, and for systems that are not the same; WrapperError if one cannot be reached or says
+// nothing sensible within 10 s. Later, those that fail are given up with a warning in the log.
 OpenedSystem open_system(const SystemSpec& spec, const SystemAccess& access = {},
                          const RunControl& control = {});
 

@@ -1,6 +1,6 @@
 // What a person types for a system under learning: `SUL [KEY=VALUE ...]`. SUL is `sim:FILE` (a
-// model, simulated), the name of a wrapper ("port", "cyclonedds"), `tcp://HOST:PORT` (a wrapper
-// that listens), or `exec:PROGRAM ARGS` (any program that speaks the protocol).
+// model, simulated), the name of a wrapper ("port", "cyclonedds"), `tcp://HOST:PORT,...` (wrappers
+// that listen), or `exec:PROGRAM ARGS` (any program that speaks the protocol).
 #pragma once
 
 #include <map>
@@ -14,7 +14,7 @@ struct SystemSpec {
   enum class Kind { simulated, wrapper, tcp, program };
   Kind kind = Kind::wrapper;
   std::string text;                            // as typed: "sim:coffee.dot"
-  std::string target;                          // the file, the wrapper's name, "HOST:PORT"
+  std::string target;                          // the file, the wrapper's name, "HOST:PORT,..."
   std::vector<std::string> command;            // of `exec:`: the program and its arguments
   std::map<std::string, std::string> options;  // KEY=VALUE, keys with '-' for '_'
 };

@@ -8,6 +8,7 @@
 #include <memory>
 #include <thread>
 
+#include "listening_wrapper.hpp"
 #include "maide/base/error.hpp"
 #include "maide/base/temp_dir.hpp"
 #include "maide/wire/line_io.hpp"
@@ -20,33 +21,6 @@ namespace maide {
 namespace {
 
 constexpr std::chrono::milliseconds long_enough{60'000};
-
-// maide-wrap-port --listen on a free port.
-class ListeningWrapper {
- public:
-  explicit ListeningWrapper(std::vector<std::string> arguments = {}) {
-    std::vector<std::string> argv = {MAIDE_BINARY_DIR "/bin/maide-wrap-port", "--listen",
-                                     "127.0.0.1:0"};
-    argv.insert(argv.end(), arguments.begin(), arguments.end());
-    process_ = std::make_unique<ChildProcess>(argv);
-    LineSplitter lines;
-    std::string bytes;
-    std::optional<std::string> line;
-    while (!(line = lines.take_line())) {
-      pollfd waiting{process_->output.get(), POLLIN, 0};
-      ::poll(&waiting, 1, 100);
-      const ReadResult result = read_some(process_->output.get(), bytes);
-      if (result == ReadResult::ended) throw std::runtime_error("it does not listen");
-      if (result == ReadResult::some) lines.append(bytes);
-    }
-    address_ = line->substr(line->rfind(' ') + 1);
-  }
-  const std::string& address() const { return address_; }
-
- private:
-  std::unique_ptr<ChildProcess> process_;
-  std::string address_;
-};
 
 // "quiet message ": the answer to write, read.
 std::string ask(Sul& sul) {
@@ -72,7 +46,7 @@ std::string connect_error(const std::string& address, const std::string& token) 
 }
 
 TEST(TcpWrapper, ServesSeveralClientsAtOnce) {
-  const ListeningWrapper wrapper;
+  const test::ListeningWrapper wrapper;
   const auto first = connect_tcp(wrapper.address(), "", {{"kind", "strict"}});
   const auto second = connect_tcp(wrapper.address(), "", {{"kind", "buffered"}});
   EXPECT_EQ(first->info().options.at("kind"), "strict");
@@ -86,7 +60,7 @@ TEST(TcpWrapper, ATokenIsAskedFor) {
   const TempDir folder;
   const std::string file = (folder.path() / "token").string();
   std::ofstream(file) << "open sesame\n";
-  const ListeningWrapper wrapper({"--token-file", file});
+  const test::ListeningWrapper wrapper({"--token-file", file});
   const std::string place = " (tcp://" + wrapper.address() + ")";
   EXPECT_EQ(connect_error(wrapper.address(), ""), "a token is needed" + place);
   EXPECT_EQ(connect_error(wrapper.address(), "open sesam"), "the token is wrong" + place);
@@ -103,7 +77,7 @@ TEST(TcpWrapper, WithoutATokenItListensOnLoopbackOnly) {
 }
 
 TEST(TcpWrapper, ClientsThatVanishOrTalkNonsenseDoNoHarm) {
-  const ListeningWrapper wrapper;
+  const test::ListeningWrapper wrapper;
   const tcp::Address address = tcp::parse_address(wrapper.address());
   const auto never = [] { return false; };
   for (const std::string text : {R"({"type":"configure","options":{}})"
@@ -122,7 +96,7 @@ TEST(TcpWrapper, ClientsThatVanishOrTalkNonsenseDoNoHarm) {
 
 TEST(TcpWrapper, NobodyThere) {
   std::string address;
-  { address = ListeningWrapper().address(); }
+  { address = test::ListeningWrapper().address(); }
   EXPECT_EQ(connect_error(address, ""), "Connection refused (tcp://" + address + ")");
 }
 
