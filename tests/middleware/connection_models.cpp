@@ -16,6 +16,7 @@ struct Content {
   std::deque<int> queue;    // to be read
   std::deque<int> history;  // what the writer keeps for a reader that connects
   int seen = 0, newest = 0;
+  std::size_t stranded = 0;
   std::size_t uncredited = 0;  // read, and the writer does not know it
   bool connected = true;
   bool write_blocked = false;
@@ -45,7 +46,7 @@ Content renumber(Content content) {
 
 bool has_room(const ConnectionModel& model, const Content& content) {
   if (!content.connected) return model.when_alone == WhenAlone::lose;
-  return content.queue.size() + content.uncredited < model.capacity;
+  return content.stranded == 0 && content.queue.size() + content.uncredited < model.capacity;
 }
 
 Content accept(const ConnectionModel& model, Content content) {
@@ -59,6 +60,10 @@ Content accept(const ConnectionModel& model, Content content) {
 Step write(const ConnectionModel& model, Content content) {
   if (content.write_blocked) return {content, "refused"};
   if (has_room(model, content)) return {accept(model, content), "quiet"};
+  if (content.stranded < model.stranded) {
+    ++content.stranded;
+    return {content, "quiet"};
+  }
   switch (model.when_full) {
     case WhenFull::drop_oldest:
       if (!content.connected) {

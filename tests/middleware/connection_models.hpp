@@ -33,6 +33,9 @@ struct ConnectionModel {
   WhenAlone when_alone = WhenAlone::lose;
   std::string read_alone = "null";  // what a read says while disconnected
   std::size_t replayed = 0;         // messages that the writer keeps for a reader that connects
+  // Messages that found no room and that the writer keeps, but that never arrive, whatever room
+  // there is later: nor does anything written after them.
+  std::size_t stranded = 0;
   // The writer hears of messages that were read, and so of room, only in batches of this size.
   std::size_t credit_batch = 1;
 };

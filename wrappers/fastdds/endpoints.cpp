@@ -54,7 +54,7 @@ Endpoints::Endpoints(Participants& participants, const std::string& topic,
                                                               make_writer_qos(policies, timers)),
                    "create_datawriter");
     make_reader();
-    meet();
+    wait_for_matches(1);
   } catch (...) {
     delete_all();
     throw;
@@ -93,7 +93,7 @@ void Endpoints::connect() {
     const std::scoped_lock lock(reader_mutex_);
     make_reader();
   }
-  meet();
+  wait_for_matches(1);
 }
 
 void Endpoints::disconnect() {
@@ -102,12 +102,6 @@ void Endpoints::disconnect() {
     delete_reader();
   }
   wait_for_matches(0);
-}
-
-// Ready for the next call: matched, and past what the reader asks for only once.
-void Endpoints::meet() {
-  wait_for_matches(1);
-  std::this_thread::sleep_for(timers_.settling(policies_));
 }
 
 // Within a participant both ends match while they are made; over UDP they tell each other.

@@ -40,7 +40,6 @@ class Endpoints : public dds::Endpoints {
   void make_reader();
   void delete_reader();
   void delete_all();
-  void meet();
   void wait_for_matches(std::int32_t count);
 
   Participants& participants_;

@@ -23,11 +23,11 @@ FastDdsWrapper::FastDdsWrapper() {
 
 SystemSetup FastDdsWrapper::configure(const OptionValues& options) {
   policies_ = dds::Policies::from(options);
-  timers_ = ProtocolTimers::from(options);
   const Transport transport = options.is("transport", "udp") ? Transport::udp : Transport::none;
+  timers_ = ProtocolTimers::from(options, transport);
   participants_ = std::make_unique<Participants>(transport);
   SystemSetup setup = dds::make_setup(policies_, options);
-  setup.floor = timers_.floor(policies_, transport);
+  setup.floor = timers_.floor(policies_);
   return setup;
 }
 

@@ -7,7 +7,9 @@ using namespace std::chrono_literals;
 using eprosima::fastrtps::Duration_t;
 
 constexpr std::chrono::milliseconds asking = 10ms, answering = 1ms;  // ours
-constexpr std::chrono::milliseconds default_initial_acknack = 70ms, default_heartbeat = 3000ms;
+// A heartbeat every 3 s is answered within 5 ms. Within a process a reader asks for what it lacks
+// only once, 70 ms after it was matched.
+constexpr std::chrono::milliseconds default_within_process = 100ms, default_over_network = 3200ms;
 
 Duration_t to_duration(std::chrono::milliseconds time) {
   return {0, static_cast<std::uint32_t>(std::chrono::nanoseconds(time).count())};
@@ -27,8 +29,9 @@ OptionSpec ProtocolTimers::option() {
                             "(heartbeats every 3 s), which sets floor to match");
 }
 
-ProtocolTimers ProtocolTimers::from(const OptionValues& options) {
+ProtocolTimers ProtocolTimers::from(const OptionValues& options, Transport transport) {
   ProtocolTimers timers;
+  timers.transport_ = transport;
   timers.short_ = options.is("timers", "short");
   return timers;
 }
@@ -42,19 +45,16 @@ void ProtocolTimers::apply_to(eprosima::fastrtps::rtps::WriterTimes& times) cons
 
 void ProtocolTimers::apply_to(eprosima::fastrtps::rtps::ReaderTimes& times) const {
   if (!short_) return;
-  times.initialAcknackDelay = to_duration(asking);
+  // Within a process the writer knows the reader by then, and at once means that a thread is seen
+  // at work; over a network the reader asks until it is answered.
+  times.initialAcknackDelay = to_duration(transport_ == Transport::none ? 0ms : asking);
   times.heartbeatResponseDelay = to_duration(answering);
 }
 
-std::chrono::milliseconds ProtocolTimers::settling(const dds::Policies& policies) const {
+std::chrono::milliseconds ProtocolTimers::floor(const dds::Policies& policies) const {
   if (!repairs(policies)) return 0ms;
-  return (short_ ? asking : default_initial_acknack) + 2ms;
-}
-
-std::chrono::milliseconds ProtocolTimers::floor(const dds::Policies& policies,
-                                                Transport transport) const {
-  if (transport == Transport::none || !repairs(policies)) return 0ms;
-  return short_ ? 2 * asking + 10 * answering : default_heartbeat + 200ms;
+  if (transport_ == Transport::none) return short_ ? 0ms : default_within_process;
+  return short_ ? 2 * asking + 10 * answering : default_over_network;
 }
 
 }  // namespace maide::fastdds

@@ -17,19 +17,17 @@ class ProtocolTimers {
  public:
   // The rows of the wrapper's table that these come from.
   static OptionSpec option();
-  static ProtocolTimers from(const OptionValues& options);
+  static ProtocolTimers from(const OptionValues& options, Transport transport);
 
   void apply_to(eprosima::fastrtps::rtps::WriterTimes& times) const;
   void apply_to(eprosima::fastrtps::rtps::ReaderTimes& times) const;
 
-  // How long after it was matched a reader asks, once, for what the writer has kept or it has
-  // refused. 0 where that changes nothing.
-  std::chrono::milliseconds settling(const dds::Policies& policies) const;
   // How long after the last event a sample may still be on its way.
-  std::chrono::milliseconds floor(const dds::Policies& policies, Transport transport) const;
+  std::chrono::milliseconds floor(const dds::Policies& policies) const;
 
  private:
   bool short_ = true;
+  Transport transport_ = Transport::none;
 };
 
 }  // namespace maide::fastdds
