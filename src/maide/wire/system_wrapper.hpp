@@ -70,6 +70,9 @@ struct SystemSetup {
   std::string bound;                      // of the further ones, in words
   // The default of option `floor` with these options, if it is not the wrapper's usual one.
   std::optional<std::chrono::milliseconds> floor;
+  // What `usual` stands for in `inputs=` and `observe=`, where the table's rows allow that word:
+  // for a system whose other options decide what there is.
+  std::vector<std::string> usual_inputs, usual_events;
   // Other processes that belong to the system: children that configure() started (ServiceProcess: a
   // broker, a name server). Quiescence watches them too; when one dies the wrapper ends and the
   // client starts it anew.

@@ -25,6 +25,14 @@ using Clock = std::chrono::steady_clock;
 // than a word ever takes, a lease may have ended, or a connection.
 constexpr std::chrono::seconds longest_prepared{10};
 
+// What an option names; `usual` alone stands for `usual_names`, where the option allows that word.
+std::vector<std::string> names_of(const OptionValues& options, std::string_view key,
+                                  const std::vector<std::string>& usual_names) {
+  std::vector<std::string> names = options.list(key);
+  const bool is_usual = !usual_names.empty() && names == std::vector<std::string>{"usual"};
+  return is_usual ? usual_names : names;
+}
+
 std::chrono::microseconds since(Clock::time_point start) {
   return std::chrono::duration_cast<std::chrono::microseconds>(Clock::now() - start);
 }
@@ -198,7 +206,8 @@ std::vector<std::string> WrapperSession::observed_names(const std::string& event
 
 void WrapperSession::select_events(const SystemSetup& setup) {
   const std::vector<std::string> observed =
-      options_.has("observe") ? options_.list("observe") : std::vector<std::string>();
+      options_.has("observe") ? names_of(options_, "observe", setup.usual_events)
+                              : std::vector<std::string>();
   for (const SystemSetup::Event& event : setup.events) {
     if (is_end_output(event.name)) {
       throw std::logic_error(fmt::format(
@@ -216,7 +225,7 @@ void WrapperSession::select_events(const SystemSetup& setup) {
 void WrapperSession::select_inputs(const SystemSetup& setup) {
   std::vector<std::string> wanted;
   if (options_.has("inputs")) {
-    wanted = options_.list("inputs");
+    wanted = names_of(options_, "inputs", setup.usual_inputs);
   } else {
     for (const SystemSetup::Input& input : setup.inputs) wanted.push_back(input.name);
   }

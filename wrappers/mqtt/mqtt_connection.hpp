@@ -1,0 +1,44 @@
+// What one word is played on in the alphabet of a connection: a client that publishes to a topic of
+// its own and one that subscribes to it, as control programs use them.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "broker.hpp"
+#include "maide/base/descriptor.hpp"
+#include "maide/wire/system_wrapper.hpp"
+#include "connection_setup.hpp"
+#include "mqtt_client.hpp"
+
+namespace maide::mqtt {
+
+class MqttConnection : public SystemInstance {
+ public:
+  // `name`: of the topic, and of what no other client of the broker has as an id.
+  MqttConnection(const Broker& broker, const std::string& name, const ConnectionOptions& options,
+                 EventSink& sink);
+  ~MqttConnection() override;
+
+  void call(std::string_view input) override;
+  void shutdown() override;
+
+ private:
+  ClientSettings settings(const char* role) const;
+  void write();
+  void read(bool wait);
+  void connect_reader();
+  void clean_up();
+
+  const ConnectionOptions options_;
+  const Broker& broker_;
+  const std::string name_;
+  EventSink& sink_;
+  Descriptor stop_;
+  std::optional<MqttClient> writer_, reader_;
+  std::uint64_t written_ = 0;
+};
+
+}  // namespace maide::mqtt
