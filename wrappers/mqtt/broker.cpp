@@ -96,11 +96,12 @@ std::vector<OptionSpec> Broker::options() {
 BrokerLimits Broker::limits(const OptionValues& options) {
   BrokerLimits limits{options.number("max-inflight"), options.number("max-queued")};
   const BrokerLimits defaults;
-  const bool are_set = limits.max_inflight != defaults.max_inflight ||
-                       limits.max_queued != defaults.max_queued;
+  const bool are_set =
+      limits.max_inflight != defaults.max_inflight || limits.max_queued != defaults.max_queued;
   if (are_set && !options.text("broker").empty()) {
-    throw UsageError("options max-inflight and max-queued: they configure a broker that is "
-                     "started here, not one that is given by broker=HOST:PORT");
+    throw UsageError(
+        "options max-inflight and max-queued: they configure a broker that is "
+        "started here, not one that is given by broker=HOST:PORT");
   }
   return limits;
 }

@@ -15,8 +15,8 @@ namespace maide::mqtt {
 
 // How many messages mosquitto keeps for one client; 0: no limit.
 struct BrokerLimits {
-  std::int64_t max_inflight = 20;   // of QoS 1 and 2, sent and not acknowledged
-  std::int64_t max_queued = 1000;   // beyond those
+  std::int64_t max_inflight = 20;  // of QoS 1 and 2, sent and not acknowledged
+  std::int64_t max_queued = 1000;  // beyond those
 };
 
 class Broker {

@@ -92,9 +92,7 @@ class InFlightPurpose {
   Action input(const char* name) const {
     return {Action::Kind::input, *automaton_.inputs().find(name)};
   }
-  Action output(const char* name) {
-    return {Action::Kind::output, automaton_.intern_output(name)};
-  }
+  Action output(const char* name) { return {Action::Kind::output, automaton_.intern_output(name)}; }
   void add(Place from, Action action, Place to) {
     automaton_.add_transition(pack(from), action, pack(to));
   }
@@ -197,8 +195,8 @@ SystemSetup connection_setup(const ConnectionOptions& options, const BrokerLimit
   const std::size_t capacity = capacity_of(options, limits).online;
   if (options.size > 0 && (capacity == 0 || options.size < capacity)) {
     setup.purposes.push_back(InFlightPurpose(options, limits, tells_gaps).make());
-    setup.bound = fmt::format("at most {} message{} in flight", options.size,
-                              options.size == 1 ? "" : "s");
+    setup.bound =
+        fmt::format("at most {} message{} in flight", options.size, options.size == 1 ? "" : "s");
   }
   return setup;
 }

@@ -39,13 +39,13 @@ MqttClient::MqttClient(ClientSettings settings, int stop)
   handle_ = mosquitto_new(settings_.id.c_str(), settings_.clean_session, this);
   if (handle_ == nullptr) throw std::runtime_error("mosquitto_new failed");
   mosquitto_int_option(handle_, MOSQ_OPT_TCP_NODELAY, 1);
-  mosquitto_connect_with_flags_callback_set(
-      handle_, [](mosquitto*, void* self, int code, int flags) {
-        auto& client = *static_cast<MqttClient*>(self);
-        client.connack_ = true;
-        client.connack_code_ = code;
-        client.session_present_ = (flags & 1) != 0;
-      });
+  mosquitto_connect_with_flags_callback_set(handle_,
+                                            [](mosquitto*, void* self, int code, int flags) {
+                                              auto& client = *static_cast<MqttClient*>(self);
+                                              client.connack_ = true;
+                                              client.connack_code_ = code;
+                                              client.session_present_ = (flags & 1) != 0;
+                                            });
   mosquitto_subscribe_callback_set(handle_, [](mosquitto*, void* self, int, int, const int*) {
     static_cast<MqttClient*>(self)->suback_ = true;
   });
@@ -53,12 +53,11 @@ MqttClient::MqttClient(ClientSettings settings, int stop)
     auto& client = *static_cast<MqttClient*>(self);
     client.published_ = client.published_ || id == client.published_id_;
   });
-  mosquitto_message_callback_set(
-      handle_, [](mosquitto*, void* self, const mosquitto_message* message) {
-        static_cast<MqttClient*>(self)->received_.emplace_back(
-            static_cast<const char*>(message->payload),
-            static_cast<std::size_t>(message->payloadlen));
-      });
+  mosquitto_message_callback_set(handle_, [](mosquitto*, void* self,
+                                             const mosquitto_message* message) {
+    static_cast<MqttClient*>(self)->received_.emplace_back(
+        static_cast<const char*>(message->payload), static_cast<std::size_t>(message->payloadlen));
+  });
   if (!settings_.will.empty()) {
     check(mosquitto_will_set(handle_, settings_.will_topic.c_str(),
                              static_cast<int>(settings_.will.size()), settings_.will.data(),
@@ -74,8 +73,8 @@ MqttClient::~MqttClient() {
 
 bool MqttClient::connect() {
   connack_ = false;
-  const int code = mosquitto_connect(handle_, settings_.host.c_str(), settings_.port,
-                                     keep_alive_seconds);
+  const int code =
+      mosquitto_connect(handle_, settings_.host.c_str(), settings_.port, keep_alive_seconds);
   if (code == MOSQ_ERR_ERRNO) {
     throw std::runtime_error(
         fmt::format("no connection to the broker: {}", mosquitto_strerror(code)));
@@ -90,8 +89,7 @@ bool MqttClient::connect() {
 bool MqttClient::subscribe(const std::string& topic) {
   suback_ = false;
   if (!connected_) return false;
-  check(mosquitto_subscribe(handle_, nullptr, topic.c_str(), settings_.qos),
-        "mosquitto_subscribe");
+  check(mosquitto_subscribe(handle_, nullptr, topic.c_str(), settings_.qos), "mosquitto_subscribe");
   return wait_for(suback_);
 }
 
@@ -119,8 +117,8 @@ bool MqttClient::disconnect() {
 
 bool MqttClient::drop() {
   if (!connected_) return false;
-  // What takes the place of its socket is at its end, so that libmosquitto reads no more of what had
-  // come; the socket is closed as it would be with its process.
+  // What takes the place of its socket is at its end, so that libmosquitto reads no more of what
+  // had come; the socket is closed as it would be with its process.
   std::array<int, 2> ends{};
   if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0) {
     throw std::system_error(errno, std::generic_category(), "socketpair");

@@ -111,7 +111,7 @@ void MqttConnection::write() {
 void MqttConnection::read(bool wait) {
   const std::optional<std::string> payload = reader_->receive(wait);
   if (!payload) {
-    sink_.report(reader_->is_connected() ? "null" : "offline");
+    sink_.report(wait ? "offline" : "null");
   } else if (*payload == will_payload) {
     sink_.report("will");
   } else {

@@ -8,9 +8,9 @@
 #include <string_view>
 
 #include "broker.hpp"
+#include "connection_setup.hpp"
 #include "maide/base/descriptor.hpp"
 #include "maide/wire/system_wrapper.hpp"
-#include "connection_setup.hpp"
 #include "mqtt_client.hpp"
 
 namespace maide::mqtt {

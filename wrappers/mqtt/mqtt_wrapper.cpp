@@ -55,9 +55,21 @@ void refuse_options_of(const char* alphabet, const OptionValues& options,
   for (const OptionSpec& row : rows) {
     const bool is_shared = std::find(shared.begin(), shared.end(), row.key) != shared.end();
     if (is_shared || options.is(row.key, row.default_value)) continue;
-    throw UsageError(fmt::format("option {}: it means something with alphabet={} only", row.key,
-                                 alphabet));
+    throw UsageError(
+        fmt::format("option {}: it means something with alphabet={} only", row.key, alphabet));
   }
+}
+
+// What is in flight is counted by the messages that come out.
+void require_messages(const OptionValues& options) {
+  const std::vector<std::string> observed = options.list("observe");
+  for (const char* name : {usual, "message"}) {
+    if (std::find(observed.begin(), observed.end(), name) != observed.end()) return;
+  }
+  if (options.number("size") == 0) return;
+  throw UsageError(fmt::format(
+      "option observe: size={} counts messages in flight, so 'message' must be observed",
+      options.number("size")));
 }
 
 std::string libmosquitto_version() {
@@ -82,9 +94,10 @@ MqttWrapper::MqttWrapper() {
                            {"libmosquitto", libmosquitto_version()},
                            {"wrapper", "1"}};
   description_.options = {
-      OptionSpec::choice("alphabet", "connection", {"connection", "protocol"},
-                         "connection: a publisher and a subscriber, as programs use them; protocol: "
-                         "packets and what comes back"),
+      OptionSpec::choice(
+          "alphabet", "connection", {"connection", "protocol"},
+          "connection: a publisher and a subscriber, as programs use them; protocol: "
+          "packets and what comes back"),
       inputs_row(), observe_row()};
   for (auto* rows : {&ConnectionOptions::options, &RawClientOptions::options, &Broker::options}) {
     for (OptionSpec& row : rows()) description_.options.push_back(std::move(row));
@@ -102,6 +115,7 @@ SystemSetup MqttWrapper::configure(const OptionValues& options) {
   } else {
     refuse_options_of("protocol", options, RawClientOptions::options(), {});
     connection_ = ConnectionOptions::from(options, limits);
+    require_messages(options);
     setup = connection_setup(connection_, limits, options.is("payload", "gap"));
   }
   broker_.emplace(options);

@@ -90,11 +90,11 @@ Publication parse_publication(const Packet& packet) {
   publication.retain = (packet.flags & 1U) != 0;
   std::size_t place = 2 + std::size_t{read_number(packet.body, 0)};
   publication.topic = packet.body.substr(2, place - 2);
+  if (place > packet.body.size()) throw std::runtime_error("the broker sent too short a packet");
   if (publication.qos > 0) {
     publication.id = read_number(packet.body, place);
     place += 2;
   }
-  if (place > packet.body.size()) throw std::runtime_error("the broker sent too short a packet");
   publication.payload = packet.body.substr(place);
   return publication;
 }

@@ -19,12 +19,9 @@ constexpr std::pair<const char*, Kind> of_a_client[] = {
 };
 
 constexpr std::pair<const char*, Kind> of_a_topic[] = {
-    {"publish_qos0", Kind::publish_qos0},
-    {"publish_qos1", Kind::publish_qos1},
-    {"publish_qos2", Kind::publish_qos2},
-    {"publish_retained", Kind::publish_retained},
-    {"delete_retained", Kind::delete_retained},
-    {"subscribe", Kind::subscribe},
+    {"publish_qos0", Kind::publish_qos0},       {"publish_qos1", Kind::publish_qos1},
+    {"publish_qos2", Kind::publish_qos2},       {"publish_retained", Kind::publish_retained},
+    {"delete_retained", Kind::delete_retained}, {"subscribe", Kind::subscribe},
     {"unsubscribe", Kind::unsubscribe},
 };
 
@@ -42,9 +39,9 @@ std::vector<ProtocolAction> make_actions() {
 }
 
 std::vector<std::string> make_events() {
-  std::vector<std::string> events{"connack", "connack_present", "connack_refused", "puback",
-                                  "pubrec",  "pubrel",          "pubcomp",         "suback",
-                                  "unsuback", "pingresp",       "closed"};
+  std::vector<std::string> events{"connack",  "connack_present", "connack_refused", "puback",
+                                  "pubrec",   "pubrel",          "pubcomp",         "suback",
+                                  "unsuback", "pingresp",        "closed"};
   for (const char* payload : {"qos0", "qos1", "qos2", "retained", "empty", "will"}) {
     events.push_back(std::string("message_") + payload);
     events.push_back(events.back() + "_b");

@@ -263,9 +263,7 @@ void RawClients::handle(std::size_t client, const Packet& packet) {
     case PacketType::connack: {
       const bool refused = byte_of(packet, 1) != 0;
       const bool has_session = (byte_of(packet, 0) & 1U) != 0;
-      report(client, refused       ? "connack_refused"
-                     : has_session ? "connack_present"
-                                   : "connack");
+      report(client, refused ? "connack_refused" : has_session ? "connack_present" : "connack");
       return;
     }
     case PacketType::publish: handle_publication(client, packet); return;
@@ -281,8 +279,8 @@ void RawClients::handle(std::size_t client, const Packet& packet) {
     case PacketType::pingresp: report(client, "pingresp"); return;
     default: break;
   }
-  throw std::runtime_error(fmt::format("the broker sent a packet of type {}",
-                                       static_cast<int>(packet.type)));
+  throw std::runtime_error(
+      fmt::format("the broker sent a packet of type {}", static_cast<int>(packet.type)));
 }
 
 void RawClients::handle_publication(std::size_t client, const Packet& packet) {

@@ -205,9 +205,9 @@ std::vector<std::string> WrapperSession::observed_names(const std::string& event
 }
 
 void WrapperSession::select_events(const SystemSetup& setup) {
-  const std::vector<std::string> observed =
-      options_.has("observe") ? names_of(options_, "observe", setup.usual_events)
-                              : std::vector<std::string>();
+  const std::vector<std::string> observed = options_.has("observe")
+                                                ? names_of(options_, "observe", setup.usual_events)
+                                                : std::vector<std::string>();
   for (const SystemSetup::Event& event : setup.events) {
     if (is_end_output(event.name)) {
       throw std::logic_error(fmt::format(
