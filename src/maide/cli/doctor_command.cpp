@@ -57,6 +57,7 @@ const std::vector<Middleware>& middlewares() {
        "not in Debian: build YARP 3.9 from source (docs/middleware/yarp.md), then configure maide "
        "with -DYARP_DIR=<its build folder> and build it again"},
       {"ros1", "ROS 1", "libroscpp-dev libstd-msgs-dev python3-rosmaster"},
+      {"mqtt", "MQTT (mosquitto)", "mosquitto libmosquitto-dev"},
   };
   return table;
 }

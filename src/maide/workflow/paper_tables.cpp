@@ -49,10 +49,11 @@ std::vector<ReproducedRow> port_rows() {
 // The two buffered ports: `newest` keeps the newest message, `all` and a `size` every one.
 std::vector<ReproducedRow> buffered_rows(const Options& newest, const Options& all) {
   const Options three = with(all, {{"size", "3"}});
-  std::vector<ReproducedRow> rows{{buffered, newest},
-                                  {strict, three},
-                                  {buffered_tryread, with(newest, tryread)},
-                                  {strict_tryread, with(three, tryread)}};
+  std::vector<ReproducedRow> rows;
+  if (!newest.empty()) rows.push_back({buffered, newest});
+  rows.push_back({strict, three});
+  if (!newest.empty()) rows.push_back({buffered_tryread, with(newest, tryread)});
+  rows.push_back({strict_tryread, with(three, tryread)});
   std::size_t size = 0;
   for (const PaperLearningRow& row : rows_by_size()) {
     rows.push_back({row, with(all, {{"size", std::to_string(++size)}})});
@@ -62,7 +63,8 @@ std::vector<ReproducedRow> buffered_rows(const Options& newest, const Options& a
 
 struct BufferedSystem {
   std::string name;
-  Options newest, all;
+  Options newest;  // empty: there is no such configuration
+  Options all;
 };
 
 const std::vector<BufferedSystem>& buffered_systems() {
@@ -71,6 +73,7 @@ const std::vector<BufferedSystem>& buffered_systems() {
       {"fastdds", {{"history", "keep_last"}, {"depth", "1"}}, {{"history", "keep_all"}}},
       {"zeromq", {{"conflate", "yes"}}, {{"conflate", "no"}}},
       {"ros1", {{"queue_size", "1"}}, {{"queue_size", "0"}}},
+      {"mqtt", {}, {{"qos", "0"}}},
   };
   return systems;
 }
