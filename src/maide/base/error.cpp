@@ -27,10 +27,35 @@ ParseError::ParseError(const std::string& message, SourcePosition position)
 WrapperError::WrapperError(const std::string& message, const std::string& endpoint)
     : Error(ExitStatus::system_failed, with_place(message, endpoint)), endpoint_(endpoint) {}
 
+namespace {
+
+constexpr const char* nondeterminism_advice =
+    "; a system that is like that can be learned with --algorithm nstar";
+
+std::string describe_answers(const std::vector<std::pair<std::string, std::uint64_t>>& answers) {
+  std::string text;
+  for (const auto& [answer, count] : answers) {
+    text += (text.empty() ? "" : ", ") + std::to_string(count) + " times \"" + answer + "\"";
+  }
+  return text;
+}
+
+}  // namespace
+
+NondeterminismError::NondeterminismError(
+    std::string word, const std::vector<std::pair<std::string, std::uint64_t>>& answers)
+    : Error(ExitStatus::inconclusive, "the system stays nondeterministic: it answered \"" + word +
+                                          "\" " + describe_answers(answers) +
+                                          nondeterminism_advice),
+      word_(std::move(word)),
+      first_(answers.at(0).first),
+      second_(answers.at(1).first) {}
+
 NondeterminismError::NondeterminismError(std::string word, std::string first_answer,
                                          std::string second_answer)
     : Error(ExitStatus::inconclusive, "the system answered \"" + word + "\" in two ways: \"" +
-                                          first_answer + "\", then \"" + second_answer + "\""),
+                                          first_answer + "\", then \"" + second_answer + "\"" +
+                                          nondeterminism_advice),
       word_(std::move(word)),
       first_(std::move(first_answer)),
       second_(std::move(second_answer)) {}

@@ -3,9 +3,12 @@
 // apart. One line each: "what is wrong (where)".
 #pragma once
 
+#include <cstdint>
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 namespace maide {
 
@@ -65,11 +68,15 @@ class WrapperError : public Error {
   std::string endpoint_;
 };
 
-// The same word was answered in two ways (exit status 3). The word and both answers are rendered
-// with their symbols' names, separated by spaces.
+// The same word was answered in several ways (exit status 3). The word and its answers are rendered
+// with their symbols' names, separated by spaces. what() ends with what can be done about it.
 class NondeterminismError : public Error {
  public:
   NondeterminismError(std::string word, std::string first_answer, std::string second_answer);
+  // The word was asked again and again; `answers` says how often each answer came, the most
+  // frequent two first. There are at least two.
+  NondeterminismError(std::string word,
+                      const std::vector<std::pair<std::string, std::uint64_t>>& answers);
   const std::string& word() const noexcept { return word_; }
   const std::string& first_answer() const noexcept { return first_; }
   const std::string& second_answer() const noexcept { return second_; }

@@ -14,6 +14,7 @@
 #include "maide/base/file.hpp"
 #include "maide/cli/argument_check.hpp"
 #include "maide/cli/command.hpp"
+#include "maide/cli/contradiction_report.hpp"
 #include "maide/conformance/test_methods.hpp"
 #include "maide/formats/dot.hpp"
 #include "maide/formats/model_file.hpp"
@@ -41,12 +42,20 @@ struct LearnArguments {
   std::optional<double> time_limit;
   std::uint64_t seed = 1;
   std::size_t jobs = 0;
+  VoteOptions vote;
+  std::string confirm;
   bool list_options = false;
 };
 
 std::optional<Translation> wanted_translation(const LearnArguments& arguments) {
   if (arguments.translation.empty()) return std::nullopt;
   return arguments.translation == "av" ? Translation::av : Translation::eager;
+}
+
+// A simulated model answers the same word in the same way, unless it is nondeterministic.
+bool is_to_be_confirmed(const LearnArguments& arguments, const SystemSpec& spec) {
+  if (!arguments.confirm.empty()) return arguments.confirm == "yes";
+  return spec.kind != SystemSpec::Kind::simulated;
 }
 
 ExperimentOptions experiment_options(const LearnArguments& arguments, const Mealy* reference) {
@@ -59,6 +68,7 @@ ExperimentOptions experiment_options(const LearnArguments& arguments, const Meal
   options.reference = reference;
   options.cache_file = arguments.cache;
   options.max_experiments = arguments.max_experiments;
+  options.vote = arguments.vote;
   return options;
 }
 
@@ -85,6 +95,10 @@ Json as_json(const LearnedModel& learned, std::size_t jobs, const std::string& p
             {"seconds_waiting_for_reset", run.seconds_in_reset_wait},
             {"seconds_in_learner", run.seconds_in_learner},
             {"guarantee", run.guarantee},
+            {"confirmation_experiments", run.statistics.at(LearnPhase::confirmation).queries},
+            {"confirmation_symbols", run.statistics.at(LearnPhase::confirmation).symbols},
+            {"contradictions", contradictions_as_json(run.contradictions)},
+            {"restarts", run.restarts},
             {"model", path.empty() ? Json() : Json(path)}};
   if (learned.model) {
     if (const auto* automaton = std::get_if<InterfaceAutomaton>(&*learned.model)) {
@@ -119,8 +133,8 @@ std::string remarks(const InterfaceAutomaton& automaton) {
   return text;
 }
 
-std::string as_text(const LearnedModel& learned, const SystemSpec& spec, std::size_t jobs,
-                    const std::string& path) {
+std::string as_text(const LearnedModel& learned, const LearnArguments& arguments,
+                    const SystemSpec& spec, std::size_t jobs, const std::string& path) {
   const ExperimentResult& run = learned.experiment;
   std::string text = spec.text;
   for (const auto& [key, value] : spec.options) text += " " + key + "=" + value;
@@ -144,6 +158,11 @@ std::string as_text(const LearnedModel& learned, const SystemSpec& spec, std::si
       run.seconds_in_system - run.seconds_in_settling, run.seconds_in_settling,
       run.seconds_in_reset, run.seconds_in_reset_wait,
       jobs > 1 ? fmt::format("; sums over {} at once", jobs) : "");
+  if (const QueryCounts& again = run.statistics.at(LearnPhase::confirmation); again.queries > 0) {
+    text +=
+        fmt::format("  confirmation         {} of these words to confirm answers\n", again.queries);
+  }
+  text += describe_contradictions(run.contradictions, arguments.vote);
   text += fmt::format("  result               {}\n", run.guarantee);
   if (learned.model) {
     if (const auto* automaton = std::get_if<InterfaceAutomaton>(&*learned.model)) {
@@ -169,8 +188,9 @@ ExitStatus rescue(const LearnedModel& learned, std::size_t jobs, const std::stri
 
 // Writes the model where it belongs: to the file, or, for people who gave none, to standard output
 // with the summary on standard error.
-ExitStatus give_result(const LearnedModel& learned, const SystemSpec& spec, std::size_t jobs,
-                       const std::string& path, Context& context) {
+ExitStatus give_result(const LearnedModel& learned, const LearnArguments& arguments,
+                       const SystemSpec& spec, std::size_t jobs, Context& context) {
+  const std::string& path = arguments.output;
   std::string dot;
   if (learned.model) {
     std::ostringstream text;
@@ -183,7 +203,7 @@ ExitStatus give_result(const LearnedModel& learned, const SystemSpec& spec, std:
   } catch (const Error& failure) {
     return rescue(learned, jobs, dot, failure, context);
   }
-  const std::string summary = as_text(learned, spec, jobs, written);
+  const std::string summary = as_text(learned, arguments, spec, jobs, written);
   if (written.empty()) {
     if (!context.json() && !context.quiet()) fmt::print(stderr, "{}", summary);
     context.print(dot);
@@ -223,9 +243,10 @@ ExitStatus learn(const LearnArguments& arguments, Context& context) {
   }
   ExperimentOptions options = experiment_options(arguments, reference ? &*reference : nullptr);
   if (!arguments.purpose.empty()) options.fingerprint["purpose"] = read_file(arguments.purpose);
+  options.confirm = is_to_be_confirmed(arguments, spec);
   const LearnedModel learned =
       learn_model(*system.sul, access.translation.value_or(Translation::eager), options, control);
-  const ExitStatus given = give_result(learned, spec, system.jobs, arguments.output, context);
+  const ExitStatus given = give_result(learned, arguments, spec, system.jobs, context);
   if (learned.experiment.is_complete()) return given;
   try {
     std::rethrow_exception(learned.experiment.error);
@@ -259,6 +280,21 @@ void add_limits(CLI::App& app, LearnArguments& arguments) {
       ->check(check_seconds);
 }
 
+void add_confirmation(CLI::App& app, LearnArguments& arguments) {
+  app.add_option("--confirm", arguments.confirm,
+                 "Whether each counterexample is asked again before it is believed, and the final "
+                 "model with longer waits: yes or no (default: yes, for a simulated model no)")
+      ->check(CLI::IsMember({"yes", "no"}));
+  app.add_option("--confidence", arguments.vote.confidence,
+                 "How sure a majority must be where a word is answered in several ways; wrong with "
+                 "less than 1 minus this as long as noise spoils less than half of the answers")
+      ->check(CLI::Range(0.5, 0.999999));
+  app.add_option("--repeat", arguments.vote.most_attempts,
+                 "Most times that a word is asked again until a majority decides; then the system "
+                 "is nondeterministic (exit status 3)")
+      ->check(CLI::Range(10, 100000));
+}
+
 }  // namespace
 
 RunFunction set_up_learn(CLI::App& app) {
@@ -288,6 +324,7 @@ RunFunction set_up_learn(CLI::App& app) {
                  "A file with the token of a listening wrapper (or set MAIDE_TOKEN)");
   add_limits(app, *arguments);
   add_jobs_option(app, arguments->jobs);
+  add_confirmation(app, *arguments);
   add_seed_option(app, arguments->seed);
   app.add_flag("--list-options", arguments->list_options,
                "List the options of the system, with defaults and allowed values, and exit");

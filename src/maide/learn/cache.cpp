@@ -1,6 +1,7 @@
 #include "maide/learn/cache.hpp"
 
 #include <algorithm>
+#include <numeric>
 #include <unordered_set>
 #include <utility>
 
@@ -70,6 +71,7 @@ Cache::Cache(OutputOracle& system, CacheFile& file) : Cache(system) {
     throw UsageError("the cache contradicts itself (" + file.path().string() + ")");
   }
   file_ = &file;
+  kept_ = tree_.edge_count();
 }
 
 Symbol Cache::intern_output(std::string_view name) { return outputs_.intern(name); }
@@ -119,19 +121,25 @@ std::vector<MealyAnswer> Cache::ask(std::span<const Query> batch, const RunContr
   return answers;
 }
 
-// Asks until nothing is unknown: a word that ended early does not answer its prefixes' extensions.
+// Asks until nothing is unknown: a word that ended early does not answer its prefixes' extensions,
+// and a correction may forget what was just recorded.
 void Cache::ask_system(std::span<const Query> batch, std::vector<std::size_t> unknown,
                        std::vector<MealyAnswer>& answers, const RunControl& control) {
   while (!unknown.empty()) {
     const std::vector<std::size_t> selected = select_queries(batch, unknown);
     const std::size_t chunk = file_ != nullptr ? words_at_risk : selected.size();
+    const std::uint64_t corrections = votes_ ? votes_->corrections : 0;
     for (std::size_t start = 0; start < selected.size(); start += chunk) {
       const auto part =
           std::span(selected).subspan(start, std::min(chunk, selected.size() - start));
-      std::vector<MealyAnswer> fresh = send(batch, part, control);
+      std::vector<Query> queries;
+      queries.reserve(part.size());
+      for (const std::size_t index : part) queries.push_back(to_system(batch[index]));
+      std::vector<MealyAnswer> fresh = send(std::move(queries), control);
       for (std::size_t i = 0; i < part.size(); ++i) answers[part[i]] = std::move(fresh[i]);
     }
     misses_ += selected.size();
+    const bool was_corrected = votes_ && votes_->corrections != corrections;
     std::vector<std::size_t> still_unknown;
     for (const std::size_t index : unknown) {
       MealyAnswer& answer = answers[index];
@@ -141,7 +149,7 @@ void Cache::ask_system(std::span<const Query> batch, std::vector<std::size_t> un
       answer.outputs.clear();
       if (answer_from_tree(batch[index], answer)) {
         if (!was_sent) ++hits_;
-      } else if (was_sent) {
+      } else if (was_sent && !was_corrected) {
         throw Error(ExitStatus::system_failed, "the system answered another query than was asked");
       } else {
         still_unknown.push_back(index);
@@ -151,35 +159,56 @@ void Cache::ask_system(std::span<const Query> batch, std::vector<std::size_t> un
   }
 }
 
-// Answers in the tree's numbering, recorded; also those before an exception.
-std::vector<MealyAnswer> Cache::send(std::span<const Query> batch,
-                                     std::span<const std::size_t> selected,
-                                     const RunControl& control) {
-  std::vector<Query> queries;
-  queries.reserve(selected.size());
-  for (const std::size_t index : selected) queries.push_back(to_system(batch[index]));
+// Answers in the tree's numbering, recorded; also those before an exception. Asks again what noise
+// has spoilt.
+std::vector<MealyAnswer> Cache::send(std::vector<Query> queries, const RunControl& control) {
+  std::vector<MealyAnswer> answers(queries.size());
+  std::vector<std::size_t> places(queries.size());
+  std::iota(places.begin(), places.end(), std::size_t{0});
   try {
-    std::vector<MealyAnswer> fresh =
-        system_.ask(queries, control, [this](std::size_t, MealyAnswer answer) {
-          learn_system_outputs();
-          for (Symbol& output : answer.outputs) output = from_system_[output];
-          try {
-            record(answer);
-          } catch (const NondeterminismError&) {
-            // The call ends with another error already; the tree keeps the first answer.
+    for (std::uint32_t attempt = 1; !queries.empty(); ++attempt) {
+      std::vector<MealyAnswer> fresh = ask_below(queries, control);
+      std::vector<Query> spoilt;
+      std::vector<std::size_t> spoilt_places;
+      for (std::size_t i = 0; i < fresh.size(); ++i) {
+        if (!accept(fresh[i], control)) {
+          if (attempt >= votes_->options.most_attempts) {
+            throw contradiction(fresh[i].inputs, fresh[i].outputs,
+                                find_conflict(fresh[i].inputs, fresh[i].outputs).value_or(0));
           }
-        });
-    learn_system_outputs();
-    for (MealyAnswer& answer : fresh) {
-      for (Symbol& output : answer.outputs) output = from_system_[output];
-      record(answer);
+          spoilt.push_back(std::move(queries[i]));
+          spoilt_places.push_back(places[i]);
+        }
+        answers[places[i]] = std::move(fresh[i]);
+      }
+      queries = std::move(spoilt);
+      places = std::move(spoilt_places);
     }
     if (file_ != nullptr) file_->commit();
-    return fresh;
   } catch (...) {
     if (file_ != nullptr) file_->commit();
     throw;
   }
+  throw_if_corrected();
+  return answers;
+}
+
+// The system's answers in the tree's numbering. Those before an exception are recorded unless they
+// contradict the tree: the call ends with another error already.
+std::vector<MealyAnswer> Cache::ask_below(std::span<const Query> queries,
+                                          const RunControl& control) {
+  const auto renumber = [this](MealyAnswer& answer) {
+    for (Symbol& output : answer.outputs) output = from_system_[output];
+  };
+  std::vector<MealyAnswer> fresh =
+      system_.ask(queries, control, [&](std::size_t, MealyAnswer answer) {
+        learn_system_outputs();
+        renumber(answer);
+        if (!find_conflict(answer.inputs, answer.outputs)) record(answer);
+      });
+  learn_system_outputs();
+  for (MealyAnswer& answer : fresh) renumber(answer);
+  return fresh;
 }
 
 void Cache::record(const MealyAnswer& answer) {
@@ -188,25 +217,37 @@ void Cache::record(const MealyAnswer& answer) {
   }
 }
 
-// Adds a trace; false if all of it was known. Adds nothing of a trace that contradicts the tree.
-bool Cache::insert(const Word& inputs, const Word& outputs) {
+std::optional<std::size_t> Cache::find_conflict(const Word& inputs, const Word& outputs) const {
   TraceTree::Node node = TraceTree::root;
   const std::size_t length = std::min(inputs.size(), outputs.size());
-  std::size_t known = 0;
-  Word first_answer;
-  for (; known < length; ++known) {
-    const TraceTree::Node child = tree_.child(node, inputs[known]);
-    if (child == TraceTree::none) break;
-    node = child;
-    if (tree_.output(node) == outputs[known]) continue;
-    Word first(outputs.begin(), outputs.begin() + static_cast<std::ptrdiff_t>(known));
-    first.push_back(tree_.output(node));
-    throw NondeterminismError(to_string(std::span(inputs).first(known + 1), system_.inputs()),
-                              to_string(first, stored_outputs_),
-                              to_string(std::span(outputs).first(known + 1), stored_outputs_));
+  for (std::size_t i = 0; i < length; ++i) {
+    node = tree_.child(node, inputs[i]);
+    if (node == TraceTree::none) break;
+    if (tree_.output(node) != outputs[i]) return i;
   }
-  for (std::size_t i = known; i < length; ++i) node = tree_.add_child(node, inputs[i], outputs[i]);
-  return known < length;
+  return std::nullopt;
+}
+
+NondeterminismError Cache::contradiction(const Word& inputs, const Word& outputs,
+                                         std::size_t agreeing) const {
+  const auto word = std::span(inputs).first(agreeing + 1);
+  return {to_string(word, system_.inputs()), to_string(known_outputs(word), stored_outputs_),
+          to_string(std::span(outputs).first(agreeing + 1), stored_outputs_)};
+}
+
+// Adds a trace; false if all of it was known. Adds nothing of a trace that contradicts the tree.
+bool Cache::insert(const Word& inputs, const Word& outputs) {
+  if (const auto agreeing = find_conflict(inputs, outputs)) {
+    throw contradiction(inputs, outputs, *agreeing);
+  }
+  TraceTree::Node node = TraceTree::root;
+  bool is_new = false;
+  for (std::size_t i = 0; i < std::min(inputs.size(), outputs.size()); ++i) {
+    const TraceTree::Node child = is_new ? TraceTree::none : tree_.child(node, inputs[i]);
+    is_new = child == TraceTree::none;
+    node = is_new ? tree_.add_child(node, inputs[i], outputs[i]) : child;
+  }
+  return is_new;
 }
 
 // Makes the outputs known that the system has named since.
@@ -246,74 +287,6 @@ Query Cache::to_system(const Query& query) {
     }
   }
   return result;
-}
-
-// Depth first with the best length so far as the bound: memory is only that of one path, and the
-// first word of the least length is the alphabet-least.
-class Cache::ConsistencyTest : public EquivalenceOracle {
- public:
-  explicit ConsistencyTest(const Cache& cache) : cache_(cache) {}
-
-  std::optional<Word> find_counterexample(const Mealy& hypothesis,
-                                          const RunControl& control) override {
-    if (!(hypothesis.inputs() == cache_.inputs())) {
-      throw UsageError("the hypothesis has other inputs than the cache");
-    }
-    std::vector<Symbol> expected;  // the tree's outputs in the hypothesis' numbering
-    for (const std::string& name : cache_.stored_outputs_.names()) {
-      expected.push_back(hypothesis.outputs().find(name).value_or(no_symbol));
-    }
-    struct Frame {
-      std::vector<TraceTree::Node> children;
-      std::size_t next = 0;
-      StateId state;
-    };
-    std::vector<Frame> path(1);
-    path[0].state = hypothesis.initial();
-    cache_.tree_.children(TraceTree::root, path[0].children);
-    std::size_t depth = 1, bound = ~std::size_t{0};  // frames in use; only shorter words than this
-    std::optional<Word> best;
-    Word word;
-    compared_ = 0;
-    while (depth > 0) {
-      Frame& frame = path[depth - 1];
-      if (depth >= bound || frame.next == frame.children.size()) {
-        --depth;
-        if (depth > 0) word.pop_back();
-        continue;
-      }
-      const TraceTree::Node node = frame.children[frame.next++];
-      if (!cache_.tree_.is_marked(node)) continue;
-      if (++compared_ % 65536 == 0) control.check("testing against the cache");
-      const Symbol input = cache_.tree_.input(node);
-      word.push_back(input);
-      if (hypothesis.output(frame.state, input) != expected[cache_.tree_.output(node)]) {
-        best = word;
-        bound = word.size();
-        word.pop_back();
-        continue;
-      }
-      const StateId state = hypothesis.target(frame.state, input);
-      if (path.size() == depth) path.emplace_back();
-      path[depth].state = state;
-      path[depth].next = 0;
-      cache_.tree_.children(node, path[depth].children);
-      ++depth;
-    }
-    return best;
-  }
-
-  std::string guarantee() const override {
-    return "consistent with all " + std::to_string(compared_) + " observations made";
-  }
-
- private:
-  const Cache& cache_;
-  std::uint64_t compared_ = 0;
-};
-
-std::unique_ptr<EquivalenceOracle> Cache::make_consistency_test() {
-  return std::make_unique<ConsistencyTest>(*this);
 }
 
 }  // namespace maide

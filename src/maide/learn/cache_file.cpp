@@ -82,6 +82,10 @@ class CacheFile::Statement {
     sqlite3_bind_text(statement_, place, text.data(), static_cast<int>(text.size()),
                       SQLITE_TRANSIENT);
   }
+  void bind_blob(int place, std::string_view bytes) {
+    sqlite3_bind_blob(statement_, place, bytes.data(), static_cast<int>(bytes.size()),
+                      SQLITE_TRANSIENT);
+  }
   // True while there is a row.
   bool step(const char* doing) {
     const int result = sqlite3_step(statement_);
@@ -237,9 +241,13 @@ void CacheFile::for_each(const std::function<void(const Word&, const Word&)>& vi
   }
 }
 
-void CacheFile::add(const Word& inputs, const Word& answer, const Alphabet& names) {
+void CacheFile::begin() {
   if (!in_transaction_) execute("BEGIN IMMEDIATE");
   in_transaction_ = true;
+}
+
+void CacheFile::add(const Word& inputs, const Word& answer, const Alphabet& names) {
+  begin();
   while (outputs_.size() < names.size()) {
     const std::string& name = names.name(static_cast<Symbol>(outputs_.size()));
     Statement insert(*this, "INSERT INTO outputs(name) VALUES (?)");
@@ -255,6 +263,17 @@ void CacheFile::add(const Word& inputs, const Word& answer, const Alphabet& name
   const int result = sqlite3_step(insert_word_);
   if (result != SQLITE_DONE) fail("write");
   sqlite3_reset(insert_word_);
+}
+
+// No encoded symbol is the beginning of another one, so prefixes of words are those of their bytes.
+void CacheFile::remove_contradicting(const Word& inputs, const Word& answer) {
+  begin();
+  Statement remove(*this,
+                   "DELETE FROM words WHERE substr(inputs, 1, length(?1)) = ?1 "
+                   "AND substr(outputs, 1, length(?2)) <> ?2");
+  remove.bind_blob(1, encode(inputs));
+  remove.bind_blob(2, encode(answer));
+  remove.step("write");
 }
 
 void CacheFile::commit() {

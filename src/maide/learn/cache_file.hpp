@@ -43,6 +43,9 @@ class CacheFile {
   // Adds a word and its answer; it is safe after the next commit(). `names` names the outputs; it
   // begins with outputs().
   void add(const Word& inputs, const Word& answer, const Alphabet& names);
+  // Removes every word that begins with `inputs` and was not answered with `answer` there. Safe
+  // after the next commit(). O(words in the file).
+  void remove_contradicting(const Word& inputs, const Word& answer);
   // Ends the transaction that the first add() began; nothing to do is fine.
   void commit();
 
@@ -50,6 +53,7 @@ class CacheFile {
   class Statement;
 
   void execute(const char* sql);
+  void begin();
   void open();
   void initialise(const Alphabet& inputs, const Fingerprint& fingerprint);
   void verify(const Alphabet& inputs, const Fingerprint& fingerprint);

@@ -6,9 +6,10 @@ std::string_view to_string(LearnPhase phase) {
   switch (phase) {
     case LearnPhase::learning: return "learning";
     case LearnPhase::refinement: return "refinement";
-    case LearnPhase::testing: break;
+    case LearnPhase::testing: return "testing";
+    case LearnPhase::confirmation: break;
   }
-  return "testing";
+  return "confirmation";
 }
 
 QueryCounts& QueryCounts::operator+=(const QueryCounts& other) {

@@ -10,11 +10,12 @@ namespace maide {
 
 // What the learning loop is doing.
 enum class LearnPhase : std::uint8_t {
-  learning,    // the first hypothesis
-  refinement,  // a counterexample is analysed and the hypothesis made to agree with it
-  testing,     // an equivalence query
+  learning,      // the first hypothesis
+  refinement,    // a counterexample is analysed and the hypothesis made to agree with it
+  testing,       // an equivalence query
+  confirmation,  // words asked again: votes on contradictions, counterexamples, the final model
 };
-inline constexpr std::size_t learn_phase_count = 3;
+inline constexpr std::size_t learn_phase_count = 4;
 std::string_view to_string(LearnPhase phase);
 
 struct QueryCounts {

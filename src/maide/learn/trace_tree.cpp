@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <utility>
 
 #include "maide/base/error.hpp"
 
@@ -45,6 +46,27 @@ TraceTree::Node TraceTree::add_child(Node node, Symbol input, Symbol output) {
   parent.link = place | block_flag;
   free_block(old_place);
   return child;
+}
+
+void TraceTree::unmark_all() {
+  for (Node node = 0; node < size_; ++node) at(node).output &= mark_flag - 1;
+}
+
+void TraceTree::correct(Node node, Symbol output) {
+  if (output >= symbol_limit) {
+    throw Error(ExitStatus::inconclusive, "the cache holds at most 32768 inputs and outputs");
+  }
+  at(node).output = static_cast<std::uint16_t>(output | (at(node).output & mark_flag));
+  std::vector<Node> work{node}, below;
+  while (!work.empty()) {
+    const Node next = work.back();
+    work.pop_back();
+    children(next, below);
+    forgotten_ += below.size();
+    work.insert(work.end(), below.begin(), below.end());
+    const std::uint32_t link = std::exchange(at(next).link, 0);
+    if ((link & block_flag) != 0) free_block(link & ~block_flag);
+  }
 }
 
 // False if the block is full.

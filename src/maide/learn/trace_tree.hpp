@@ -43,14 +43,21 @@ class TraceTree {
     if (!is_marked(node)) at(node).output |= mark_flag;
   }
 
+  // Takes all marks away. O(nodes).
+  void unmark_all();
+
   // Adds the child of `node` by `input`, which has none yet. Throws Error if a symbol is too large
   // or the tree is full (2^31 edges). O(1) on average.
   Node add_child(Node node, Symbol input, Symbol output);
 
+  // Corrects the output of the edge that leads to `node` and forgets everything below it. The
+  // memory of what is forgotten is not used again. O(edges forgotten).
+  void correct(Node node, Symbol output);
+
   // The children, by ascending input. O(children).
   void children(Node node, std::vector<Node>& result) const;
 
-  std::uint64_t edge_count() const { return size_ - 1; }
+  std::uint64_t edge_count() const { return size_ - 1 - forgotten_; }
   // Memory held, in bytes.
   std::uint64_t bytes() const;
 
@@ -88,7 +95,8 @@ class TraceTree {
   void free_block(std::uint32_t place);
 
   std::vector<std::unique_ptr<Record[]>> nodes_;
-  std::uint64_t size_ = 0;  // nodes, the root included
+  std::uint64_t size_ = 0;       // nodes, the root included
+  std::uint64_t forgotten_ = 0;  // of these, cut off by correct()
   std::vector<std::unique_ptr<std::uint32_t[]>> blocks_;
   std::uint32_t block_end_ = 0;                          // words used of the blocks' chunks
   std::vector<std::vector<std::uint32_t>> free_blocks_;  // by logarithm of their slots

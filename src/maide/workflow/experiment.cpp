@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "maide/learn/cache.hpp"
+#include "maide/learn/confirming_teacher.hpp"
 #include "maide/learn/counting_oracle.hpp"
 #include "maide/learn/learners.hpp"
 #include "maide/learn/sul_oracle.hpp"
@@ -48,10 +49,9 @@ double to_seconds(std::chrono::microseconds duration) {
   return std::chrono::duration<double>(duration).count();
 }
 
-void fill_counts(ExperimentResult& result, const Learner& learner, const CountingOracle& counter,
-                 const Cache& cache, std::chrono::steady_clock::time_point start) {
+void fill_counts(ExperimentResult& result, const CountingOracle& counter, const Cache& cache,
+                 std::chrono::steady_clock::time_point start) {
   const QueryCounts total = counter.statistics().total();
-  result.output_queries = learner.output_queries();
   result.experiments = total.queries;
   result.symbols = total.symbols;
   result.resets = total.resets;
@@ -85,30 +85,51 @@ ExperimentResult run_experiment(OutputOracle& system, const ExperimentOptions& o
     file.emplace(options.cache_file, system.inputs(), options.fingerprint);
   }
   Cache cache = file ? Cache(paced, *file) : Cache(paced);
-  const auto tests = method.make({cache, &cache, options.reference}, options.testing);
-  PhasedTeacher teacher(*tests, counter);
-  const auto learner = algorithm.make(cache);
+  LearnPhase phase = counter.phase();
+  cache.hold_votes(options.vote, [&](bool begins) {
+    if (begins) phase = counter.phase();
+    counter.set_phase(begins ? LearnPhase::confirmation : phase);
+  });
 
   ExperimentResult result;
   result.algorithm = algorithm.name;
   result.test_method = method.name;
   RunControl counted = control;
   counted.progress = &progress;
-  try {
-    run_learner(*learner, teacher, counted, [&](const Mealy& hypothesis, std::uint64_t round) {
-      result.equivalence_queries = round;
-      progress.set_hypothesis(hypothesis.size());
-      if (options.on_hypothesis) options.on_hypothesis(hypothesis, round);
-    });
-  } catch (...) {
-    result.error = std::current_exception();
+  const auto on_hypothesis = [&](const Mealy& hypothesis, std::uint64_t) {
+    ++result.equivalence_queries;
+    progress.set_hypothesis(hypothesis.size());
+    if (options.on_hypothesis) options.on_hypothesis(hypothesis, result.equivalence_queries);
+  };
+  // True if the run is over, false if it must start again on a corrected cache.
+  const auto run_once = [&] {
+    const auto tests = method.make({cache, &cache, options.reference}, options.testing);
+    ConfirmingTeacher confirming(*tests, cache);
+    PhasedTeacher teacher(options.confirm ? confirming : *tests, counter);
+    const auto learner = algorithm.make(cache);
+    counter.set_phase(LearnPhase::learning);
+    bool is_over = true;
+    try {
+      run_learner(*learner, teacher, counted, on_hypothesis);
+    } catch (const CacheCorrected&) {
+      is_over = false;
+      ++result.restarts;
+    } catch (...) {
+      result.error = std::current_exception();
+    }
+    result.output_queries += learner->output_queries();
+    // A run that ends before its first hypothesis leaves the one before.
+    if (learner->hypothesis().size() > 0) result.model = learner->hypothesis();
+    result.guarantee = teacher.guarantee();
+    return is_over;
+  };
+  while (!run_once()) {
   }
-  result.model = learner->hypothesis();
-  result.guarantee = teacher.guarantee();
+  result.contradictions = cache.contradictions();
   result.model.origin["algorithm"] = result.algorithm;
   result.model.origin["tests"] = result.guarantee;
   result.model.origin["seed"] = std::to_string(options.testing.seed);
-  fill_counts(result, *learner, counter, cache, start);
+  fill_counts(result, counter, cache, start);
   return result;
 }
 

@@ -2,6 +2,10 @@
 //
 //   learner, teacher -> Cache -> PacedOracle -> CountingOracle -> SulOracle -> the system
 //
+// Where the system answers a word in two ways, the word is asked again until a majority decides
+// (learn/vote.hpp). If an answer that learner or teacher have seen was wrong, both start again on
+// the corrected cache; that costs no word that is known.
+//
 // It always comes back with what was learned: a run that is interrupted, or whose system fails,
 // returns its last hypothesis and the error that ended it.
 #pragma once
@@ -10,6 +14,7 @@
 #include <exception>
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "maide/automata/mealy.hpp"
 #include "maide/base/run_control.hpp"
@@ -18,6 +23,7 @@
 #include "maide/learn/learner.hpp"
 #include "maide/learn/output_oracle.hpp"
 #include "maide/learn/statistics.hpp"
+#include "maide/learn/vote.hpp"
 #include "maide/sul/ia_translator.hpp"
 
 namespace maide {
@@ -30,6 +36,8 @@ struct ExperimentOptions {
   std::filesystem::path cache_file;   // empty: the cache is in memory only
   Fingerprint fingerprint;            // whose words the cache file holds, besides the inputs
   std::uint64_t max_experiments = 0;  // words run on the system; 0: no limit
+  VoteOptions vote;                   // how contradictions are decided
+  bool confirm = false;               // ask each counterexample again before it is believed
   HypothesisObserver on_hypothesis;   // called with each hypothesis before it is tested
 };
 
@@ -42,6 +50,9 @@ struct ExperimentResult {
   std::exception_ptr error;
   std::string algorithm, test_method;  // as used
   std::string guarantee;               // what the last equivalence query establishes, in words
+
+  std::vector<Contradiction> contradictions;  // words that were answered in several ways
+  std::uint64_t restarts = 0;                 // of the learner, after a correction
 
   std::uint64_t output_queries = 0;       // asked by the learning algorithm, cached or not
   std::uint64_t equivalence_queries = 0;  // the last one, which found nothing, included

@@ -54,6 +54,29 @@ TEST(TraceTree, ChildrenAreSorted) {
   EXPECT_TRUE(children.empty());
 }
 
+TEST(TraceTree, ACorrectionForgetsWhatIsBehindIt) {
+  TraceTree tree;
+  const auto first = tree.add_child(TraceTree::root, 0, 1);
+  const auto other = tree.add_child(TraceTree::root, 1, 1);
+  tree.mark(first);
+  for (Symbol input = 0; input < 10; ++input) {
+    const auto child = tree.add_child(first, input, 2);
+    tree.add_child(child, 3, 4);
+  }
+  tree.correct(first, 7);
+  EXPECT_EQ(tree.output(first), 7U);
+  EXPECT_TRUE(tree.is_marked(first));
+  EXPECT_EQ(tree.edge_count(), 2U);
+  EXPECT_EQ(tree.child(first, 3), TraceTree::none);
+  EXPECT_EQ(tree.child(TraceTree::root, 1), other);
+  const auto again = tree.add_child(first, 3, 5);
+  EXPECT_EQ(tree.child(first, 3), again);
+  EXPECT_EQ(tree.edge_count(), 3U);
+  tree.unmark_all();
+  EXPECT_FALSE(tree.is_marked(first));
+  EXPECT_EQ(tree.output(first), 7U);
+}
+
 TEST(TraceTree, MarksAreApartFromOutputs) {
   TraceTree tree;
   const auto node = tree.add_child(TraceTree::root, 0, TraceTree::symbol_limit - 1);
