@@ -28,7 +28,7 @@ class Endpoints : public dds::Endpoints {
 
  private:
   void wait_for_matches(std::uint32_t count) const;
-  void wait_for_first_words() const;
+  void wait_for_probe();
   std::int32_t count_kept() const;
 
   const dds_entity_t participant_;  // of the reader
@@ -41,6 +41,7 @@ class Endpoints : public dds::Endpoints {
   Entity stop_, waitset_;               // a guard condition, and who waits for it and for data
   std::atomic<std::int32_t> kept_ = 0;  // accepted and not yet taken, where nothing is dropped
   std::atomic<bool> writing_ = false;   // within dds_write
+  std::uint32_t probes_ = 0;            // of connections over the network
 };
 
 }  // namespace maide::cyclonedds
