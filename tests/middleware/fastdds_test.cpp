@@ -6,7 +6,10 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
+#include <set>
 #include <span>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -104,6 +107,37 @@ TEST(FastDdsWrapper, DoesNotHeedTheEnvironment) {
   ASSERT_EQ(::setenv("ROS_DISCOVERY_SERVER", "127.0.0.1:11811", 1), 0);
   EXPECT_EQ(play({}, {0, 1}), (std::vector<std::string>{"quiet", "message"}));
   std::filesystem::remove(profiles);
+}
+
+// The local addresses of this process's UDP sockets.
+std::vector<std::string> udp_addresses() {
+  std::set<std::string> own;
+  for (const auto& entry : std::filesystem::directory_iterator("/proc/self/fd")) {
+    std::error_code gone;  // the iterator's own descriptor
+    const std::string target = std::filesystem::read_symlink(entry.path(), gone).string();
+    if (target.starts_with("socket:[")) own.insert(target.substr(8, target.size() - 9));
+  }
+  std::vector<std::string> addresses;
+  for (const char* family : {"udp", "udp6"}) {
+    std::ifstream table(std::string("/proc/self/net/") + family);
+    for (std::string line; std::getline(table, line);) {
+      std::istringstream fields(line);
+      std::vector<std::string> words{std::istream_iterator<std::string>(fields), {}};
+      if (words.size() > 9 && own.contains(words[9])) {
+        addresses.push_back(words[1].substr(0, words[1].find(':')));
+      }
+    }
+  }
+  return addresses;
+}
+
+// Wrappers side by side, and the robots on the network, must not meet.
+TEST(FastDdsWrapper, HasSocketsOnTheLoopbackAloneAndNoMulticast) {
+  for (const char* transport : {"none", "udp"}) {
+    fastdds::FastDdsWrapper wrapper;
+    const LocalSul sul(wrapper, {{"transport", transport}});
+    EXPECT_THAT(udp_addresses(), testing::Each("0100007F")) << transport;
+  }
 }
 
 TEST(FastDdsWrapper, TriesItself) {

@@ -67,9 +67,10 @@ rtps::Locator_t loopback_locator(std::uint16_t port) {
   return locator;
 }
 
-// What both ways have in common: nothing is sent to other hosts, no timer runs once everything is
-// known, and participants of other processes are not listened to.
-fast::DomainParticipantQos make_qos() {
+// What both ways have in common: nothing is sent to other hosts or to a multicast group, no timer
+// runs once everything is known, and participants of other processes are not listened to. `port`
+// is where discovery listens, if it has to.
+fast::DomainParticipantQos make_qos(std::uint16_t port) {
   fast::DomainParticipantQos qos;
   auto transport = std::make_shared<eprosima::fastdds::rtps::UDPv4TransportDescriptor>();
   transport->interfaceWhiteList = {loopback};
@@ -80,14 +81,14 @@ fast::DomainParticipantQos make_qos() {
   discovery.leaseDuration_announcementperiod = {24 * 3600, 0};
   discovery.ignoreParticipantFlags = static_cast<rtps::ParticipantFilteringFlags>(
       rtps::FILTER_DIFFERENT_HOST | rtps::FILTER_DIFFERENT_PROCESS);
+  qos.wire_protocol().builtin.metatrafficUnicastLocatorList.push_back(loopback_locator(port));
   return qos;
 }
 
 // Listens at `own` for discovery, finds the participant that listens at `peer`.
 fast::DomainParticipantQos make_udp_qos(std::uint16_t own, std::uint16_t peer) {
-  fast::DomainParticipantQos qos = make_qos();
+  fast::DomainParticipantQos qos = make_qos(own);
   auto& wire = qos.wire_protocol();
-  wire.builtin.metatrafficUnicastLocatorList.push_back(loopback_locator(own));
   wire.builtin.initialPeersList.push_back(loopback_locator(peer));
   wire.default_unicast_locator_list.push_back(loopback_locator(free_udp_port()));
   return qos;
@@ -112,7 +113,7 @@ Participants::Participants(Transport transport) {
   fast::Log::ClearConsumers();
   set_intraprocess_delivery(transport == Transport::none);
   if (transport == Transport::none) {
-    writer_.reset(make_participant(make_qos()));
+    writer_.reset(make_participant(make_qos(free_udp_port())));
   } else {
     const std::uint16_t first = free_udp_port(), second = free_udp_port();
     writer_.reset(make_participant(make_udp_qos(first, second)));
