@@ -29,7 +29,7 @@ TEST_P(FastDds, AnswersAllWordsAsItsModel) {
   EXPECT_EQ(model.size(), GetParam().states);
   fastdds::FastDdsWrapper wrapper;
   std::size_t length = GetParam().model.reconnects ? 6 : 9;
-  if (GetParam().options.contains("transport")) length -= 3;  // steps of 30 ms
+  if (GetParam().options.contains("transport")) length -= 2;  // steps of 20 ms
   test::expect_answers(wrapper, GetParam().options, model, length);
 }
 
@@ -86,7 +86,7 @@ TEST(FastDdsWrapper, SaysWhatItIs) {
   const LocalSul network(
       wrapper,
       {{"transport", "udp"}, {"reliability", "reliable"}, {"durability", "transient_local"}});
-  EXPECT_EQ(network.info().options.at("floor"), "30");
+  EXPECT_EQ(network.info().options.at("floor"), "20");
 }
 
 // A blocked write and a waiting read at once, with nothing on the way: the word still ends.
