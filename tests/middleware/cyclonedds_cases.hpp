@@ -81,6 +81,12 @@ inline std::vector<CycloneDdsCase> cyclonedds_cases() {
   all.push_back(reconnecting("volatile", true, 8));
   all.push_back(reconnecting("transient_local", false, 9));
   all.push_back(reconnecting("transient_local", true, 18));
+  // A best-effort reader, which is the default, gets nothing of what the writer keeps.
+  CycloneDdsCase best_effort = reconnecting("transient_local", true, 8);
+  best_effort.name = "transient_local_gap_best_effort";
+  best_effort.options.erase("reliability");
+  best_effort.model.replayed = 0;
+  all.push_back(std::move(best_effort));
   return all;
 }
 
@@ -89,8 +95,9 @@ inline std::vector<CycloneDdsCase> cyclonedds_cases() {
 inline std::vector<CycloneDdsCase> cyclonedds_udp_cases() {
   std::vector<CycloneDdsCase> chosen;
   for (CycloneDdsCase& each : cyclonedds_cases()) {
-    for (const char* name : {"keep_last_2_default", "keep_last_2", "best_effort_max_samples_2",
-                             "volatile_gap", "transient_local_gap"}) {
+    for (const char* name :
+         {"keep_last_2_default", "keep_last_2", "best_effort_max_samples_2", "volatile_gap",
+          "transient_local_gap", "transient_local_gap_best_effort"}) {
       if (each.name != name) continue;
       each.name += "_udp";
       each.options["transport"] = "udp";
