@@ -1,9 +1,10 @@
 #include "port_wrapper.hpp"
 
-#include <atomic>
+#include <algorithm>
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include "reference_port.hpp"
 
@@ -18,12 +19,18 @@ class PortInstance : public SystemInstance {
 
   void call(std::string_view input) override {
     if (input == "write") {
-      if (connection_->write(++written_)) sink_.report("written");
+      sink_.report(connection_->write(++written_) ? "written" : "failed");
     } else if (input == "read") {
       if (const auto message = connection_->read()) sink_.message(*message);
     } else if (input == "tryread") {
       const std::optional<Message> message = connection_->try_read();
       message ? sink_.message(*message) : sink_.report("null");
+    } else if (input == "interrupt") {
+      connection_->interrupt();
+      sink_.report("done");
+    } else if (input == "resume") {
+      connection_->resume();
+      sink_.report("resumed");
     } else {
       throw std::logic_error("no input '" + std::string(input) + "'");
     }
@@ -37,6 +44,24 @@ class PortInstance : public SystemInstance {
   Message written_ = 0;  // only the writer's thread writes
 };
 
+bool is_listed(const OptionValues& options, const char* key, const char* name) {
+  const std::vector<std::string> listed = options.list(key);
+  return std::find(listed.begin(), listed.end(), name) != listed.end();
+}
+
+// A third thread, which interrupts the writer. Only for those who ask for it.
+void add_interrupt(SystemSetup& setup, const OptionValues& options) {
+  setup.actors.emplace_back("writer_control");
+  setup.inputs.push_back({"interrupt", "writer_control", {}});
+  setup.inputs.push_back({"resume", "writer_control", {}});
+  setup.inputs[0].returns.emplace_back("failed");
+  setup.events.push_back({"failed", "writer"});
+  setup.events.push_back({"done", "writer_control"});
+  setup.events.push_back({"resumed", "writer_control"});
+  // A write that failed put nothing into flight.
+  if (is_listed(options, "observe", "failed")) setup.in_flight->receives.emplace_back("failed");
+}
+
 }  // namespace
 
 PortWrapper::PortWrapper() {
@@ -46,8 +71,8 @@ PortWrapper::PortWrapper() {
   description_.options = {
       OptionSpec::choice("kind", "port", {"port", "buffered", "strict"},
                          "a write waits for its read; keeps the newest message; keeps all"),
-      common_options::inputs({"write", "read", "tryread"}),
-      common_options::observe({"message", "written", "null"}),
+      common_options::inputs({"write", "read", "tryread", "interrupt", "resume"}),
+      common_options::observe({"message", "written", "null", "failed", "done", "resumed"}),
       common_options::payload(),
       common_options::size(3, 1'000'000),
       common_options::at_bound(),
@@ -67,6 +92,9 @@ SystemSetup PortWrapper::configure(const OptionValues& options) {
   setup.in_flight.emplace();
   // The rendezvous and the newest-only buffer hold one message themselves: no bound is needed.
   setup.in_flight->capacity = kind_ == Kind::strict ? 0 : 1;
+  if (is_listed(options, "inputs", "interrupt") || is_listed(options, "inputs", "resume")) {
+    add_interrupt(setup, options);
+  }
   return setup;
 }
 

@@ -7,11 +7,11 @@ namespace maide::port {
 bool Port::write(Message message) {
   std::unique_lock lock(mutex_);
   Offer mine{message};
-  taken_.wait(lock, [this] { return closed_ || offer_ == nullptr; });
-  if (closed_) return false;
+  taken_.wait(lock, [this] { return closed_ || interrupted_ || offer_ == nullptr; });
+  if (closed_ || interrupted_) return false;
   offer_ = &mine;
   offered_.notify_one();
-  taken_.wait(lock, [&] { return closed_ || mine.taken; });
+  taken_.wait(lock, [&] { return closed_ || interrupted_ || mine.taken; });
   if (!mine.taken) offer_ = nullptr;
   return mine.taken;
 }
@@ -35,6 +35,17 @@ std::optional<Message> Port::try_read() {
   return take();
 }
 
+void Port::interrupt() {
+  const std::scoped_lock lock(mutex_);
+  interrupted_ = true;
+  taken_.notify_all();
+}
+
+void Port::resume() {
+  const std::scoped_lock lock(mutex_);
+  interrupted_ = false;
+}
+
 void Port::close() {
   const std::scoped_lock lock(mutex_);
   closed_ = true;
@@ -44,7 +55,7 @@ void Port::close() {
 
 bool BufferedPort::write(Message message) {
   const std::scoped_lock lock(mutex_);
-  if (closed_) return false;
+  if (closed_ || interrupted_) return false;
   if (!strict_) kept_.clear();
   kept_.push_back(message);
   arrived_.notify_one();
@@ -67,6 +78,16 @@ std::optional<Message> BufferedPort::read() {
 std::optional<Message> BufferedPort::try_read() {
   const std::scoped_lock lock(mutex_);
   return take();
+}
+
+void BufferedPort::interrupt() {
+  const std::scoped_lock lock(mutex_);
+  interrupted_ = true;
+}
+
+void BufferedPort::resume() {
+  const std::scoped_lock lock(mutex_);
+  interrupted_ = false;
 }
 
 void BufferedPort::close() {

@@ -17,12 +17,16 @@ using Message = std::uint64_t;
 class Connection {
  public:
   virtual ~Connection() = default;
-  // Sends a message; how long it blocks is the discipline's. False: closed before it was taken.
+  // Sends a message; how long it blocks is the discipline's. False: interrupted or closed before it
+  // was taken.
   virtual bool write(Message message) = 0;
   // Blocks until there is a message; nothing: closed.
   virtual std::optional<Message> read() = 0;
   // A message if one can be had at once.
   virtual std::optional<Message> try_read() = 0;
+  // Of the writer's end: a write that waits, and all to come, give up until the resume.
+  virtual void interrupt() = 0;
+  virtual void resume() = 0;
   // Wakes everybody, for good.
   virtual void close() = 0;
 };
@@ -33,6 +37,8 @@ class Port : public Connection {
   bool write(Message message) override;
   std::optional<Message> read() override;
   std::optional<Message> try_read() override;
+  void interrupt() override;
+  void resume() override;
   void close() override;
 
  private:
@@ -46,6 +52,7 @@ class Port : public Connection {
   std::mutex mutex_;
   std::condition_variable offered_, taken_;
   Offer* offer_ = nullptr;
+  bool interrupted_ = false;
   bool closed_ = false;
 };
 
@@ -57,6 +64,8 @@ class BufferedPort : public Connection {
   bool write(Message message) override;
   std::optional<Message> read() override;
   std::optional<Message> try_read() override;
+  void interrupt() override;
+  void resume() override;
   void close() override;
 
  private:
@@ -66,6 +75,7 @@ class BufferedPort : public Connection {
   std::mutex mutex_;
   std::condition_variable arrived_;
   std::deque<Message> kept_;
+  bool interrupted_ = false;
   bool closed_ = false;
 };
 
