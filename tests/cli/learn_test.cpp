@@ -294,6 +294,21 @@ TEST(Reproduce, Table1OnTheReferencePort) {
   EXPECT_EQ(json.at("rows").size(), 11U);
 }
 
+TEST(Reproduce, InterruptOnTheReferencePort) {
+  const SubprocessResult result =
+      run_maide({"reproduce", "interrupt", "--system", "port", "--json"});
+  EXPECT_EQ(result.exit_status, 0) << result.err;
+  const Json json = json_of(result);
+  EXPECT_EQ(json.at("agree"), true);
+  EXPECT_EQ(json.at("expected").at("mealy_states"), 5);
+  EXPECT_EQ(json.at("paper").at("mealy_states"), 6);
+  const Json& port = json.at("systems").at(0);
+  EXPECT_EQ(port.at("mealy_states"), 5);
+  EXPECT_TRUE(port.at("from_expected").is_null());
+  EXPECT_EQ(port.at("from_paper").at("word"), Json::parse(R"(["write", "interrupt"])"));
+  EXPECT_EQ(port.at("from_paper").at("here"), "failed,done");
+}
+
 TEST(Reproduce, SaysWhatIsNotThere) {
   expect_error(run_maide({"reproduce", "table7"}), 2, "table7");
   expect_error(run_maide({"reproduce", "table2"}), 2, "not part of this version");

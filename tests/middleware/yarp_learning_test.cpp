@@ -4,9 +4,11 @@
 
 #include <ostream>
 #include <string>
+#include <vector>
 
 #include "maide/automata/compare.hpp"
 #include "maide/formats/model_file.hpp"
+#include "maide/workflow/paper_interrupt.hpp"
 #include "wrapper_checks.hpp"
 
 namespace maide {
@@ -60,6 +62,30 @@ TEST(YarpAutomaton, IsTheSameThroughTheTransducer) {
   const InterfaceAutomaton av =
       test::learn_system("yarp", strict(2), "", Translation::av).automaton;
   EXPECT_TRUE(compare(eager, av).same());
+}
+
+TEST(YarpInterrupt, IsTheOneOfThePaper) {
+  const Mealy learned = test::learn_system("yarp", interrupt_options()).machine;
+  EXPECT_FALSE(find_difference(learned, paper_interrupt_model()).has_value());
+  const auto unexpected = find_difference(learned, expected_interrupt_model());
+  ASSERT_TRUE(unexpected.has_value());
+  EXPECT_EQ(unexpected->word, (std::vector<std::string>{"write", "interrupt"}));
+}
+
+// The port of a writer that was interrupted and written to cannot be deleted: that ends the
+// process.
+TEST(YarpInterrupt, AndAWriteMakeTheDestructorCrash) {
+  const Mealy learned = test::learn_system("yarp", {{"kind", "strict"},
+                                                    {"size", "1"},
+                                                    {"inputs", "interrupt,write,destroy"},
+                                                    {"observe", "message,destroyed"}})
+                            .machine;
+  const auto last_output = [&](const Word& word) {
+    return learned.outputs().name(learned.output_word(word).back());
+  };
+  EXPECT_EQ(last_output({0, 2}), "destroyed");
+  EXPECT_EQ(last_output({1, 2}), "destroyed");
+  EXPECT_EQ(last_output({0, 1, 2}), "crash");
 }
 
 }  // namespace

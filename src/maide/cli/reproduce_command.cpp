@@ -4,6 +4,8 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <exception>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -11,22 +13,13 @@
 
 #include "maide/base/error.hpp"
 #include "maide/cli/command.hpp"
-#include "maide/workflow/learn_model.hpp"
+#include "maide/cli/reproduce.hpp"
 #include "maide/workflow/open_system.hpp"
 #include "maide/workflow/paper_tables.hpp"
 #include "maide/workflow/wrapper_search.hpp"
 
 namespace maide::cli {
 namespace {
-
-struct ReproduceArguments {
-  std::string what;
-  std::vector<std::string> systems;
-  std::string algorithm = "lmplus";  // the paper's
-  std::string test_method;
-  std::uint64_t seed = 1;
-  std::size_t jobs = 0;
-};
 
 constexpr const char* line_format =
     "{:<28} {:>4} {:>4} {:>6} {:>4} {:>6} {:>8}  | {:>4} {:>4} {:>6} {:>4} {:>6} {:>8}\n";
@@ -71,45 +64,15 @@ Json row_json(const std::string& system, const ReproducedRow& row, const Learned
             {"seconds", paper.thousand_seconds * 1000}}}};
 }
 
-LearnedModel learn_row(const std::string& system, const ReproducedRow& row,
-                       const ReproduceArguments& arguments, const RunControl& control) {
-  SystemSpec spec = parse_system_spec(system, {});
-  spec.options = row.options;
-  SystemAccess access;
-  access.jobs = arguments.jobs;
-  const OpenedSystem opened = open_system(spec, access, control);
-  ExperimentOptions options;
-  options.algorithm = arguments.algorithm;
-  options.test_method = arguments.test_method;
-  options.testing.seed = arguments.seed;
-  LearnedModel learned = learn_model(*opened.sul, Translation::eager, options, control);
-  if (!learned.experiment.is_complete()) std::rethrow_exception(learned.experiment.error);
-  return learned;
-}
-
-// The systems to learn from: those asked for, else all with rows that are on this machine.
-std::vector<std::string> chosen_systems(const ReproduceArguments& arguments, Context& context) {
-  if (!arguments.systems.empty()) return arguments.systems;
-  std::vector<std::string> systems;
-  for (const std::string& system : table1_systems()) {
-    if (find_wrapper(system)) {
-      systems.emplace_back(system);
-    } else if (!context.quiet()) {
-      context.complain(fmt::format("{} is left out: its wrapper is not built here", system));
-    }
-  }
-  if (systems.empty()) throw UsageError("no wrapper was found; " + describe_wrapper_search());
-  return systems;
-}
-
 ExitStatus reproduce_table1(const ReproduceArguments& arguments, Context& context) {
   Json rows = Json::array();
   bool all_equal = true;
-  for (const std::string& system : chosen_systems(arguments, context)) {
+  for (const std::string& system : chosen_systems(table1_systems(), arguments, context)) {
     const std::vector<ReproducedRow> table = table1_rows(system);
     context.print(table_head(system));
     for (const ReproducedRow& row : table) {
-      const LearnedModel learned = learn_row(system, row, arguments, context.control());
+      const LearnedModel learned =
+          learn_for_reproduction(system, row.options, arguments, context.control());
       context.print(table_line(row.paper, learned));
       rows.push_back(row_json(system, row, learned));
       all_equal = all_equal && learned.states() == row.paper.states &&
@@ -126,16 +89,54 @@ ExitStatus reproduce_table1(const ReproduceArguments& arguments, Context& contex
 
 }  // namespace
 
+LearnedModel learn_for_reproduction(const std::string& system,
+                                    const std::map<std::string, std::string>& options,
+                                    const ReproduceArguments& arguments,
+                                    const RunControl& control) {
+  SystemSpec spec = parse_system_spec(system, {});
+  spec.options = options;
+  SystemAccess access;
+  access.jobs = arguments.jobs;
+  const OpenedSystem opened = open_system(spec, access, control);
+  ExperimentOptions experiment;
+  experiment.algorithm = arguments.algorithm;
+  experiment.test_method = arguments.test_method;
+  experiment.testing.seed = arguments.seed;
+  LearnedModel learned = learn_model(*opened.sul, Translation::eager, experiment, control);
+  if (!learned.experiment.is_complete()) std::rethrow_exception(learned.experiment.error);
+  return learned;
+}
+
+std::vector<std::string> chosen_systems(const std::vector<std::string>& known,
+                                        const ReproduceArguments& arguments, Context& context) {
+  for (const std::string& asked : arguments.systems) {
+    if (std::find(known.begin(), known.end(), asked) != known.end()) continue;
+    throw UsageError(fmt::format("there is nothing to reproduce on '{}'; there is on {}", asked,
+                                 fmt::join(known, ", ")));
+  }
+  if (!arguments.systems.empty()) return arguments.systems;
+  std::vector<std::string> systems;
+  for (const std::string& system : known) {
+    if (find_wrapper(system)) {
+      systems.emplace_back(system);
+    } else if (!context.quiet()) {
+      context.complain(fmt::format("{} is left out: its wrapper is not built here", system));
+    }
+  }
+  if (systems.empty()) throw UsageError("no wrapper was found; " + describe_wrapper_search());
+  return systems;
+}
+
 RunFunction set_up_reproduce(CLI::App& app) {
   auto arguments = std::make_shared<ReproduceArguments>();
-  app.add_option("WHAT", arguments->what, "Which result of the paper: table1")
+  app.add_option("WHAT", arguments->what, "Which result of the paper: table1, interrupt")
       ->required()
       ->check([](const std::string& what) {
-        if (what == "table1") return std::string();
-        if (what == "table2" || what == "interrupt") {
-          return "'" + what + "' is not part of this version; there is table1";
+        if (what == "table1" || what == "interrupt") return std::string();
+        if (what == "table2") {
+          return "'" + what + "' is not part of this version; there is table1, interrupt";
         }
-        return "there is no '" + what + "' to reproduce; there is table1";
+        return "there is no '" + what + "' to reproduce; there is table1, interrupt";
       });
   app.add_option("--system", arguments->systems,
                  fmt::format("Learn from this system: {} (default: all that are built here)",
@@ -144,7 +145,10 @@ RunFunction set_up_reproduce(CLI::App& app) {
   app.add_option("--eq", arguments->test_method, "As in maide learn");
   add_jobs_option(app, arguments->jobs);
   add_seed_option(app, arguments->seed);
-  return [arguments](Context& context) { return reproduce_table1(*arguments, context); };
+  return [arguments](Context& context) {
+    return arguments->what == "interrupt" ? reproduce_interrupt(*arguments, context)
+                                          : reproduce_table1(*arguments, context);
+  };
 }
 
 }  // namespace maide::cli
