@@ -67,6 +67,23 @@ TEST(FastDdsDefect, WhatAFullReaderRefusedNeverArrives) {
   }
 }
 
+// A reliable reader with a limit that comes after something was written: neither what was written
+// before nor anything after arrives within the process; over UDP what comes after does.
+TEST(FastDdsDefect, ALateReaderWithALimitGetsNothing) {
+  for (const char* transport : {"none", "udp"}) {
+    const auto answer = play({{"history", "keep_all"},
+                              {"max-samples", "1"},
+                              {"reliability", "reliable"},
+                              {"inputs", "write,tryread,disconnect,connect"},
+                              {"observe", "message,null,written"},
+                              {"transport", transport}},
+                             {0, 2, 3, 0, 1});
+    EXPECT_EQ(answer,
+              (std::vector<std::string>{"written", "quiet", "quiet", "written",
+                                        std::string(transport) == "none" ? "null" : "message"}));
+  }
+}
+
 TEST(FastDdsWrapper, SaysWhatItIs) {
   fastdds::FastDdsWrapper wrapper;
   const LocalSul sul(wrapper, {{"history", "keep_all"},
