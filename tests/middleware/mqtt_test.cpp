@@ -63,6 +63,22 @@ TEST(MqttConnection, OfQos0LosesNothing) {
             expected);
 }
 
+// mosquitto's defaults: 20 in flight and 1000 queued; the publisher is told "acknowledged" all
+// along.
+TEST(MqttConnection, OfQos1Keeps1020MessagesAndDropsTheNewest) {
+  std::vector<std::string> word(1025, "write"), expected(1025, "written");
+  word.insert(word.end(), 1021, "tryread");
+  expected.insert(expected.end(), 1020, "next");
+  expected.emplace_back("null");
+  word.insert(word.end(), {"write", "tryread"});
+  expected.insert(expected.end(), {"written", "gap"});
+  EXPECT_EQ(
+      answers(
+          {{"qos", "1"}, {"size", "0"}, {"payload", "gap"}, {"observe", "message,null,written"}},
+          word),
+      expected);
+}
+
 TEST(MqttConnection, OfASessionThatTheBrokerForgetsLosesAll) {
   EXPECT_THAT(
       answers({{"qos", "1"}, {"observe", "message,null,offline,connected,disconnected"}},

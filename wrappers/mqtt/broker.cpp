@@ -140,10 +140,15 @@ std::string mosquitto_version() {
   SubprocessOptions options;
   options.time_limit = start_limit;
   options.output_limit = 4096;
-  const std::string help = run_program({program, "-h"}, options, {}).out;
   const std::string_view before = "mosquitto version ";
-  if (!help.starts_with(before)) return "";
-  return help.substr(before.size(), help.find_first_of(" \n", before.size()) - before.size());
+  // One that is killed before it has said a word is asked again: a wrapper that is started anew
+  // must be known by the same versions.
+  for (int attempt = 0; attempt < most_attempts; ++attempt) {
+    const std::string help = run_program({program, "-h"}, options, {}).out;
+    if (!help.starts_with(before)) continue;
+    return help.substr(before.size(), help.find_first_of(" \n", before.size()) - before.size());
+  }
+  return "";
 }
 
 }  // namespace maide::mqtt
