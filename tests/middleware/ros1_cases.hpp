@@ -55,6 +55,7 @@ inline std::vector<Ros1Case> ros1_cases() {
   all.push_back({"latch_intraprocess", {2, true, true}, reconnect, 12, shortcut});
   all.push_back({"interrupt_1", {1, false, false}, interrupt, 6, {}});
   all.push_back({"interrupt_2", {2, false, false}, interrupt, 12, {}});
+  all.push_back({"clear_2", {2, false, false}, {"write", "tryread", "clear"}, 6, {}});
   return all;
 }
 

@@ -57,6 +57,8 @@ class Ros1Machine {
       connect(content);
     } else if (input == "interrupt" || input == "resume") {
       content.enabled = input == "resume";
+    } else if (input == "clear") {
+      content.callbacks = 0;
     } else {
       throw std::invalid_argument(input);
     }

@@ -62,6 +62,9 @@ void Connection::call(std::string_view input) {
   } else if (input == "resume") {
     callbacks_->enable();
     sink_.report("resumed");
+  } else if (input == "clear") {
+    callbacks_->clear();
+    sink_.report("cleared");
   } else {
     throw std::logic_error("no input '" + std::string(input) + "'");
   }

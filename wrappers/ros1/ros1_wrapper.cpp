@@ -38,11 +38,13 @@ SystemSetup setup_for(const std::vector<std::string>& wanted) {
     setup.events.insert(setup.events.end(),
                         {{"disconnected", "network"}, {"connected", "network"}});
   }
-  if (is_wanted("interrupt") || is_wanted("resume")) {
+  if (is_wanted("interrupt") || is_wanted("resume") || is_wanted("clear")) {
     setup.actors.emplace_back("control");
-    setup.inputs.insert(setup.inputs.end(),
-                        {{"interrupt", "control", {}}, {"resume", "control", {}}});
-    setup.events.insert(setup.events.end(), {{"done", "control"}, {"resumed", "control"}});
+    setup.inputs.insert(
+        setup.inputs.end(),
+        {{"interrupt", "control", {}}, {"resume", "control", {}}, {"clear", "control", {}}});
+    setup.events.insert(setup.events.end(),
+                        {{"done", "control"}, {"resumed", "control"}, {"cleared", "control"}});
     setup.inputs[2].returns.emplace_back("failed");
   }
   return setup;
@@ -61,9 +63,9 @@ Ros1Wrapper::Ros1Wrapper() {
            OptionSpec::text("master", "own",
                             "URI of the rosmaster to use; own: start one on the loopback"),
            common_options::inputs({"write", "burst", "read", "tryread", "disconnect", "connect",
-                                   "interrupt", "resume"}),
+                                   "interrupt", "resume", "clear"}),
            common_options::observe({"message", "null", "failed", "written", "disconnected",
-                                    "connected", "done", "resumed"}),
+                                    "connected", "done", "resumed", "cleared"}),
            common_options::payload(),
            size_row(),
            common_options::at_bound(),

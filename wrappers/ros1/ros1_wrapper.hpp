@@ -1,8 +1,8 @@
 // The wrapper for ROS 1: `maide learn ros1 queue_size=10`. One publisher and one subscriber of one
 // topic, in one process, over TCPROS or through roscpp's shortcut. The actor `writer` calls
 // Publisher::publish; `reader` calls CallbackQueue::callOne on a queue of its own, waiting (read)
-// or not (tryread); `network` unsubscribes and subscribes again; `control` disables and enables the
-// callback queue.
+// or not (tryread); `network` unsubscribes and subscribes again; `control` disables, enables
+// and clears the callback queue.
 //
 // A reset keeps process, node and master; topic, publisher and subscriber are fresh for each word.
 #pragma once
