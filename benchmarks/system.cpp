@@ -85,7 +85,9 @@ Tally play(SystemSpec spec, const std::string& quiescence, const Mealy& model,
            const Arguments& arguments) {
   spec.options["quiescence"] = quiescence;
   if (quiescence != "observed") spec.options["floor"] = "0";
-  const OpenedSystem opened = open_system(spec);
+  SystemAccess access;
+  access.jobs = 1;  // times are of a system that has the machine to itself
+  const OpenedSystem opened = open_system(spec, access);
   Sul& sul = *opened.sul;
   const std::vector<SulQuery> words = random_words(sul.info(), arguments);
   Tally tally;

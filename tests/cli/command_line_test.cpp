@@ -47,6 +47,11 @@ TEST(CommandLine, SuggestsCommandsAndOptions) {
   expect_error(run_maide({"doctor", "--jsn"}), 2, "unknown option '--jsn'; did you mean '--json'?");
   expect_error(run_maide({"doctor", "--jsn=1"}), 2, "unknown option '--jsn'");
   expect_error(run_maide({"doctor", "-x"}), 2, "unknown option '-x'");
+  // Only where systems have options.
+  expect_error(run_maide({"learn", "port", "--depth", "3"}), 2,
+               "unknown option '--depth'; an option of the system is written depth=3 (see");
+  expect_error(run_maide({"learn", "port", "--depth=3"}), 2, "is written depth=3 (see");
+  expect_error(run_maide({"learn", "port", "--depth"}), 2, "is written depth=VALUE (see");
   expect_error(run_maide({"--verbose"}), 2, "unknown option '--verbose'");
   expect_error(run_maide({""}), 2, "unknown command ''");
   expect_error(run_maide({"help", "nothing"}), 2, "unknown command 'nothing'");

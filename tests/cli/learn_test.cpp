@@ -101,6 +101,35 @@ TEST(Learn, JsonHasWhatTheDesignNames) {
   EXPECT_TRUE(json.at("dot").get<std::string>().starts_with("digraph "));
 }
 
+TEST(Learn, ListsTheOptionsOfASystemAsATable) {
+  const Json json = json_of(run_maide({"learn", "port", "--list-options", "--json"}));
+  EXPECT_EQ(json.at("system"), "port");
+  const Json& first = json.at("options").at(0);
+  EXPECT_EQ(first.at("key"), "kind");
+  EXPECT_EQ(first.at("kind"), "choice");
+  EXPECT_EQ(first.at("default"), "port");
+  EXPECT_EQ(first.at("allowed"), (Json{"port", "buffered", "strict"}));
+  EXPECT_FALSE(first.at("help").get<std::string>().empty());
+  EXPECT_THAT(run_maide({"learn", "port", "--list-options"}).out,
+              HasSubstr("port|buffered|strict"));
+}
+
+TEST(Learn, GivesTheSameModelAndCountsWhateverTheNumberOfJobs) {
+  Json runs[2];
+  for (const int i : {0, 1}) {
+    const std::string jobs = i == 0 ? "1" : "3";
+    runs[i] =
+        json_of(run_maide(learn({"port", "kind=strict", "size=2", "--jobs", jobs, "--json"})));
+    EXPECT_EQ(runs[i].at("jobs").dump(), jobs);
+  }
+  for (const char* key : {"dot", "output_queries", "experiments", "symbols", "resets"}) {
+    EXPECT_EQ(runs[0].at(key), runs[1].at(key)) << key;
+  }
+  for (const char* wrong : {"0", "-1", "257", "x"}) {
+    expect_error(run_maide(learn({"port", "--jobs", wrong})), 2, "from 1 to 256");
+  }
+}
+
 TEST(Learn, PrintsTheModelAloneOnStandardOutputWithoutAFile) {
   const SubprocessResult result = run_maide(learn({"port", "kind=buffered"}));
   EXPECT_TRUE(result.out.starts_with("digraph ")) << result.out;

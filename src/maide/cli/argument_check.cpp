@@ -24,6 +24,19 @@ bool is_number(const std::string& argument) {
          (std::isdigit(static_cast<unsigned char>(argument[1])) != 0 || argument[1] == '.');
 }
 
+// For commands that take options of a system: how the unknown option `arguments[i]` is written if
+// it is meant to be one, as "--depth 3" or "--depth=3" are.
+std::string system_option_hint(const CLI::App& app, const std::vector<std::string>& arguments,
+                               std::size_t i) {
+  if (app.get_option_no_throw("KEY=VALUE") == nullptr) return "";
+  std::string option = arguments[i].substr(2);
+  if (option.find('=') == std::string::npos) {
+    const bool has_value = i + 1 < arguments.size() && !arguments[i + 1].starts_with("-");
+    option += "=" + (has_value ? arguments[i + 1] : std::string("VALUE"));
+  }
+  return "; an option of the system is written " + option;
+}
+
 }  // namespace
 
 void check_option_names(const CLI::App& app, const std::vector<std::string>& arguments,
@@ -32,7 +45,8 @@ void check_option_names(const CLI::App& app, const std::vector<std::string>& arg
   for (const CLI::Option* option : app.get_options()) {
     for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
   }
-  for (const std::string& argument : arguments) {
+  for (std::size_t i = 0; i < arguments.size(); ++i) {
+    const std::string& argument = arguments[i];
     if (argument == "--") return;
     if (argument.size() < 2 || argument[0] != '-') continue;
     const bool is_long = argument[1] == '-';
@@ -42,7 +56,8 @@ void check_option_names(const CLI::App& app, const std::vector<std::string>& arg
         is_long ? argument.substr(0, argument.find('=')) : argument.substr(0, 2);
     if (is_known(app, name)) continue;
     throw UsageError("unknown option '" + (is_long ? name : argument) + "'" +
-                     did_you_mean(is_long ? name : "-" + argument, names) + hint);
+                     did_you_mean(is_long ? name : "-" + argument, names) +
+                     (is_long ? system_option_hint(app, arguments, i) : "") + hint);
   }
 }
 

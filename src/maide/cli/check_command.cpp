@@ -156,6 +156,7 @@ RunFunction set_up_check(CLI::App& app) {
   app.add_option("--property", arguments->properties,
                  "Check this property alone; may be given several times (default: deadlock and "
                  "all properties of the file)")
+      ->default_str("")
       ->allow_extra_args(false);
   app.add_option("--trace", arguments->trace,
                  "Write the first counterexample to this file, as JSON");
@@ -165,11 +166,14 @@ RunFunction set_up_check(CLI::App& app) {
       "chart of the first counterexample alone (FILE.svg)");
   app.add_option("--memory", arguments->memory_mib,
                  "Most memory of a search, in MiB (default: three quarters of the machine's)")
-      ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1} << 30));
+      ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1} << 30))
+      ->default_str("")
+      ->type_name("MIB");
   app.add_option("--time", arguments->seconds,
                  "Most time in all, in seconds; what is not decided by then is inconclusive "
                  "(default: as long as it takes)")
-      ->check(check_seconds);
+      ->check(check_seconds)
+      ->default_str("");
   add_jobs_option(app, arguments->jobs);
   return [arguments](Context& context) { return run_check(*arguments, context); };
 }

@@ -20,6 +20,7 @@
 #include "maide/formats/model_file.hpp"
 #include "maide/learn/learners.hpp"
 #include "maide/sul/learning_purpose.hpp"
+#include "maide/wire/protocol_names.hpp"
 #include "maide/workflow/learn_model.hpp"
 #include "maide/workflow/open_system.hpp"
 
@@ -216,6 +217,16 @@ ExitStatus give_result(const LearnedModel& learned, const LearnArguments& argume
   return ExitStatus::ok;
 }
 
+// As a wrapper's hello has them.
+ExitStatus list_options(const SystemSpec& spec, const SystemAccess& access, Context& context) {
+  const std::vector<OptionSpec> table = list_system_options(spec, access, context.control());
+  context.print(table.empty() ? spec.text + " has no options\n" : to_string(table));
+  Json options = Json::array();
+  for (const OptionSpec& option : table) options.push_back(protocol::option_json(option));
+  context.set_result({{"system", spec.text}, {"options", options}});
+  return ExitStatus::ok;
+}
+
 ExitStatus learn(const LearnArguments& arguments, Context& context) {
   const SystemSpec spec = parse_system_spec(arguments.sul, arguments.key_values);
   SystemAccess access;
@@ -223,12 +234,7 @@ ExitStatus learn(const LearnArguments& arguments, Context& context) {
   access.translation = wanted_translation(arguments);
   access.jobs = arguments.jobs;
   RunControl control = context.control();
-  if (arguments.list_options) {
-    const std::string list = list_system_options(spec, access, control);
-    context.print(list);
-    context.set_result({{"system", arguments.sul}, {"options", list}});
-    return ExitStatus::ok;
-  }
+  if (arguments.list_options) return list_options(spec, access, context);
   if (!arguments.output.empty()) check_can_write(arguments.output);
   const OpenedSystem system = open_system(spec, access, control);
   std::optional<Mealy> reference = system.reference;
@@ -305,7 +311,8 @@ RunFunction set_up_learn(CLI::App& app) {
          "tcp://HOST:PORT,... (one that listens, or several), or exec:PROGRAM ARGS")
       ->required();
   app.add_option("KEY=VALUE", arguments->key_values,
-                 "Options of the system; --list-options tells which it has");
+                 "Options of the system; --list-options tells which it has")
+      ->default_str("");
   app.add_option("-o,--output", arguments->output,
                  "Where the model goes, as DOT; without it, to standard output");
   app.add_option("--algorithm", arguments->algorithm, describe(learners()));

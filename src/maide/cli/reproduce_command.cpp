@@ -140,7 +140,8 @@ RunFunction set_up_reproduce(CLI::App& app) {
       });
   app.add_option("--system", arguments->systems,
                  fmt::format("Learn from this system: {} (default: all that are built here)",
-                             fmt::join(table1_systems(), ", ")));
+                             fmt::join(table1_systems(), ", ")))
+      ->default_str("");
   app.add_option("--algorithm", arguments->algorithm, "As in maide learn; the paper's is lmplus");
   app.add_option("--eq", arguments->test_method, "As in maide learn");
   add_jobs_option(app, arguments->jobs);

@@ -3,20 +3,17 @@
 #pragma once
 
 #include "maide/learn/equivalence_oracle.hpp"
-#include "maide/learn/output_oracle.hpp"
+#include "maide/learn/oracle_decorator.hpp"
 #include "maide/learn/statistics.hpp"
 
 namespace maide {
 
-class CountingOracle : public OutputOracle {
+class CountingOracle : public OracleDecorator {
  public:
   // Keeps a reference to `system`.
-  explicit CountingOracle(OutputOracle& system) : system_(system) {}
+  explicit CountingOracle(OutputOracle& system) : OracleDecorator(system) {}
 
   using OutputOracle::ask;
-  const Alphabet& inputs() const override { return system_.inputs(); }
-  const Alphabet& outputs() const override { return system_.outputs(); }
-  Symbol intern_output(std::string_view name) override { return system_.intern_output(name); }
   // Queries of a batch that ends early are counted if they were answered.
   std::vector<MealyAnswer> ask(std::span<const Query> batch, const RunControl& control = {},
                                const PartialSink& on_early_end = {}) override;
@@ -29,7 +26,6 @@ class CountingOracle : public OutputOracle {
  private:
   void count(const MealyAnswer& answer);
 
-  OutputOracle& system_;
   LearnPhase phase_ = LearnPhase::learning;
   Statistics statistics_;
 };

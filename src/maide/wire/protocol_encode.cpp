@@ -7,7 +7,6 @@
 #include "maide/wire/protocol_names.hpp"
 
 namespace maide::protocol {
-namespace {
 
 Json option_json(const OptionSpec& spec) {
   Json row = {
@@ -20,6 +19,8 @@ Json option_json(const OptionSpec& spec) {
   row["help"] = spec.help;
   return row;
 }
+
+namespace {
 
 const std::string& input_name(Symbol input, const SulInfo& info) {
   static const std::string delta_name = delta;

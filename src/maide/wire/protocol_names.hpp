@@ -53,4 +53,7 @@ inline constexpr Names<Translation, 2> translation_names = {
 inline constexpr Names<AtBound, 2> at_bound_names = {
     {{"refuse", AtBound::refuse}, {"absorb", AtBound::absorb}}};
 
+// An option as it stands in a hello.
+Json option_json(const OptionSpec& spec);
+
 }  // namespace maide::protocol

@@ -177,10 +177,10 @@ OpenedSystem open_system(const SystemSpec& spec, const SystemAccess& access,
   return make_pool(open_wrappers(endpoints, spec, jobs, control));
 }
 
-std::string list_system_options(const SystemSpec& spec, const SystemAccess& access,
-                                const RunControl& control) {
-  if (spec.kind == SystemSpec::Kind::simulated) return "a simulated model has no options\n";
-  return to_string(ask_hello(endpoints_of(spec, access).front(), {}, control).options);
+std::vector<OptionSpec> list_system_options(const SystemSpec& spec, const SystemAccess& access,
+                                            const RunControl& control) {
+  if (spec.kind == SystemSpec::Kind::simulated) return {};
+  return ask_hello(endpoints_of(spec, access).front(), {}, control).options;
 }
 
 }  // namespace maide

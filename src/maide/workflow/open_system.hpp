@@ -5,10 +5,12 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "maide/automata/mealy.hpp"
 #include "maide/base/run_control.hpp"
 #include "maide/sul/sul.hpp"
+#include "maide/wire/wrapper_options.hpp"
 #include "maide/workflow/system_spec.hpp"
 
 namespace maide {
@@ -40,9 +42,9 @@ struct OpenedSystem {
 OpenedSystem open_system(const SystemSpec& spec, const SystemAccess& access = {},
                          const RunControl& control = {});
 
-// The options of the system, a line each, with defaults, allowed values and help. Options given in
-// `spec` are not looked at. Throws as open_system does.
-std::string list_system_options(const SystemSpec& spec, const SystemAccess& access = {},
-                                const RunControl& control = {});
+// The options of the system; a simulated model has none. Options given in `spec` are not looked at.
+// Throws as open_system does.
+std::vector<OptionSpec> list_system_options(const SystemSpec& spec, const SystemAccess& access = {},
+                                            const RunControl& control = {});
 
 }  // namespace maide

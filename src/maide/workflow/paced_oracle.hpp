@@ -6,7 +6,7 @@
 #include <functional>
 #include <limits>
 
-#include "maide/learn/output_oracle.hpp"
+#include "maide/learn/oracle_decorator.hpp"
 
 namespace maide {
 
@@ -16,22 +16,18 @@ struct PaceOptions {
   std::function<void()> after_portion;  // called when a portion is answered
 };
 
-class PacedOracle : public OutputOracle {
+class PacedOracle : public OracleDecorator {
  public:
   // Keeps a reference to `system`.
   PacedOracle(OutputOracle& system, PaceOptions options)
-      : system_(system), options_(std::move(options)) {}
+      : OracleDecorator(system), options_(std::move(options)) {}
 
   using OutputOracle::ask;
-  const Alphabet& inputs() const override { return system_.inputs(); }
-  const Alphabet& outputs() const override { return system_.outputs(); }
-  Symbol intern_output(std::string_view name) override { return system_.intern_output(name); }
   // Throws Interrupted when max_queries were answered and another is asked.
   std::vector<MealyAnswer> ask(std::span<const Query> batch, const RunControl& control = {},
                                const PartialSink& on_early_end = {}) override;
 
  private:
-  OutputOracle& system_;
   PaceOptions options_;
   std::uint64_t answered_ = 0;
 };

@@ -1,6 +1,6 @@
 // Learners x models, with the perfect oracle: resets, symbols, equivalence queries, CPU seconds.
 //
-//   learn_models FOLDER [ALGORITHM ...]
+//   bench_learn FOLDER [ALGORITHM ...]
 //
 // FOLDER holds Mealy machines as .dot files. Each is learned twice by each algorithm: asking the
 // system for every output query, as published figures count them, and through the cache. Exit
@@ -100,7 +100,7 @@ bool run(const std::vector<Model>& models, const LearnerEntry& algorithm, bool u
 }
 
 int run_all(std::span<char*> arguments) {
-  if (arguments.size() < 2) throw UsageError("usage: learn_models FOLDER [ALGORITHM ...]");
+  if (arguments.size() < 2) throw UsageError("usage: bench_learn FOLDER [ALGORITHM ...]");
   const std::vector<Model> models = read_folder(arguments[1]);
   std::vector<const LearnerEntry*> algorithms;
   for (const char* name : arguments.subspan(2)) algorithms.push_back(&find_learner(name));
@@ -125,7 +125,7 @@ int main(int argc, char** argv) {
   try {
     return maide::run_all({argv, static_cast<std::size_t>(argc)});
   } catch (const maide::Error& error) {
-    fmt::print(stderr, "learn_models: {}\n", error.what());
+    fmt::print(stderr, "bench_learn: {}\n", error.what());
     return static_cast<int>(error.status());
   }
 }
