@@ -6,6 +6,7 @@
 #include <array>
 
 #include "explicit_checker.hpp"
+#include "maide/check/native_engine.hpp"
 #include "maide/check/spin_engine.hpp"
 #include "random_system.hpp"
 
@@ -41,8 +42,11 @@ TEST_P(RandomSystems, DeadlocksCutsAndStates) {
     ASSERT_NE(result.verdict, Verdict::inconclusive) << result.reason;
     EXPECT_EQ(result.verdict == Verdict::violated, expected.shortest_deadlock().has_value())
         << show(system);
+    const PropertyResult native = NativeEngine().check(system, deadlock, {});
+    EXPECT_EQ(native.verdict, result.verdict) << show(system);
     if (result.verdict == Verdict::holds) {
       EXPECT_EQ(result.states, expected.states()) << show(system);
+      EXPECT_EQ(result.states, native.states) << show(system);
     } else {
       ++deadlocks;
       EXPECT_GE(result.trace->steps.size(), *expected.shortest_deadlock());
@@ -132,6 +136,7 @@ void compare(const System& system, const Pattern& pattern, bool fair, bool expec
   SpinEngine engine(fast());
   const PropertyResult result = engine.check(system, property, {});
   ASSERT_NE(result.verdict, Verdict::inconclusive) << result.reason;
+  EXPECT_EQ(NativeEngine().check(system, property, {}).verdict, result.verdict) << property.name;
   EXPECT_EQ(result.verdict == Verdict::holds, expected)
       << property.name << (fair ? " (weak fairness)" : "") << "\n"
       << write_promela(system, {PromelaOptions::Purpose::ltl, property.formula}).text;

@@ -1,6 +1,7 @@
 #include "maide/check/engine.hpp"
 
 #include "maide/base/error.hpp"
+#include "maide/check/native_engine.hpp"
 #include "maide/check/spin_engine.hpp"
 
 namespace maide {
@@ -16,8 +17,8 @@ std::string to_string(Verdict verdict) {
 
 std::unique_ptr<Engine> make_engine(const std::string& name) {
   if (name == "spin") return std::make_unique<SpinEngine>();
-  if (name == "native") throw UsageError("the engine native is not built yet: use --engine spin");
-  throw UsageError("there is no engine '" + name + "'; there is: spin");
+  if (name == "native") return std::make_unique<NativeEngine>();
+  throw UsageError("there is no engine '" + name + "'; there is: native, spin");
 }
 
 }  // namespace maide

@@ -51,7 +51,7 @@ class Engine {
   virtual CutResult find_cut(const System& system, const EngineOptions& options) = 0;
 };
 
-// The engine of that name: `spin`. Throws UsageError for others.
+// The engine of that name: `native`, `spin`. Throws UsageError for others.
 std::unique_ptr<Engine> make_engine(const std::string& name);
 
 }  // namespace maide

@@ -6,21 +6,50 @@
 namespace maide {
 namespace {
 
-// Weak fairness on the loop: each program steps in it, or is unable to somewhere in it.
-bool is_weakly_fair(const System& system, const Trace& trace,
-                    const std::vector<GlobalState>& states) {
-  const std::size_t begin = *trace.loop_start;
-  for (std::uint32_t program = 0; program < system.programs.size(); ++program) {
-    bool is_served = false;
-    for (std::size_t at = begin; at < trace.steps.size() && !is_served; ++at) {
-      const auto enabled = enabled_steps(system, states[at]);
-      is_served = trace.steps[at].program == program ||
-                  std::none_of(enabled.begin(), enabled.end(),
-                               [&](const Step& step) { return step.program == program; });
-    }
-    if (!is_served) return false;
+// What the loop of a run does for one program.
+struct LoopShare {
+  bool steps = false;        // it steps in it
+  bool is_enabled = false;   // it could, somewhere
+  bool is_disabled = false;  // it could not, somewhere
+  bool is_fair(Fairness fairness) const {
+    if (fairness == Fairness::weak) return steps || is_disabled;
+    if (fairness == Fairness::strong) return steps || !is_enabled;
+    return true;
   }
-  return true;
+};
+
+std::vector<LoopShare> share_loop(const System& system, const Trace& trace,
+                                  const std::vector<GlobalState>& states) {
+  std::vector<LoopShare> shares(system.programs.size());
+  for (std::size_t at = *trace.loop_start; at < trace.steps.size(); ++at) {
+    const auto enabled = enabled_steps(system, states[at]);
+    shares[trace.steps[at].program].steps = true;
+    for (std::uint32_t program = 0; program < shares.size(); ++program) {
+      const bool can = std::any_of(enabled.begin(), enabled.end(),
+                                   [&](const Step& step) { return step.program == program; });
+      (can ? shares[program].is_enabled : shares[program].is_disabled) = true;
+    }
+  }
+  return shares;
+}
+
+bool is_fair_loop(const std::vector<LoopShare>& shares, Fairness fairness) {
+  return std::all_of(shares.begin(), shares.end(),
+                     [&](const LoopShare& share) { return share.is_fair(fairness); });
+}
+
+std::string find_flaw_of_stuck(const System& system, const Trace& trace,
+                               const std::vector<GlobalState>& states) {
+  if (!trace.loop_start) return "nobody runs on for ever";
+  const std::vector<LoopShare> shares = share_loop(system, trace, states);
+  if (!is_fair_loop(shares, Fairness::weak)) return "the run is not fair";
+  for (std::size_t program = 0; program < shares.size(); ++program) {
+    if (!shares[program].steps &&
+        !system.programs[program].is_end(states.back().programs[program])) {
+      return "";
+    }
+  }
+  return "every program that has not ended steps again";
 }
 
 std::string find_flaw_of_run(const System& system, const Property& property, const Trace& trace,
@@ -28,7 +57,7 @@ std::string find_flaw_of_run(const System& system, const Property& property, con
   const bool loops = trace.loop_start.has_value();
   // A run that is cut, or shown no further, must have a bad prefix: whatever comes, it is violated.
   const bool goes_on = !loops && !enabled_steps(system, states.back()).empty();
-  if (loops && property.fairness == Fairness::weak && !is_weakly_fair(system, trace, states)) {
+  if (loops && !is_fair_loop(share_loop(system, trace, states), property.fairness)) {
     return "the run is not fair";
   }
   // A run that ends repeats its last state, without the event that led there.
@@ -73,10 +102,8 @@ std::string find_flaw(const System& system, const Property& property, const Trac
   if (property.kind == Property::Kind::deadlock) {
     return is_deadlock(system, states.back()) ? "" : "it ends in no deadlock";
   }
-  if (property.kind == Property::Kind::ltl) {
-    return find_flaw_of_run(system, property, trace, states);
-  }
-  return "";
+  if (property.kind == Property::Kind::stuck) return find_flaw_of_stuck(system, trace, states);
+  return find_flaw_of_run(system, property, trace, states);
 }
 
 }  // namespace maide

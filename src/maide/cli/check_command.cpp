@@ -151,7 +151,9 @@ RunFunction set_up_check(CLI::App& app) {
   auto arguments = std::make_shared<CheckArguments>();
   app.add_option("SYSTEM", arguments->system, "A system file (YAML): models, programs, properties")
       ->required();
-  app.add_option("--engine", arguments->engine, "What decides: spin (native is not built yet)")
+  app.add_option("--engine", arguments->engine,
+                 "What decides: spin, or native (Maide's own: shortest runs, "
+                 "`stuck`, X, strong fairness)")
       ->capture_default_str();
   app.add_option("--property", arguments->properties,
                  "Check this property alone; may be given several times (default: deadlock and "

@@ -61,9 +61,39 @@ bool is_awaited(const System& system, const GlobalState& state, std::uint32_t mo
   });
 }
 
+// Who does not step in the loop, and what keeps it from that.
+void write_loop(std::ostream& out, const System& system, const Trace& trace,
+                const std::vector<GlobalState>& states) {
+  for (std::uint32_t index = 0; index < system.programs.size(); ++index) {
+    const Program& program = system.programs[index];
+    const ControlState control = states.back().programs[index];
+    bool steps = false, is_disabled = false;
+    std::size_t where = *trace.loop_start;
+    for (std::size_t at = *trace.loop_start; at < trace.steps.size(); ++at) {
+      steps = steps || trace.steps[at].program == index;
+      const auto enabled = enabled_steps(system, states[at]);
+      const bool can = std::any_of(enabled.begin(), enabled.end(),
+                                   [&](const Step& step) { return step.program == index; });
+      if (!can && !is_disabled) where = at;
+      is_disabled = is_disabled || !can;
+    }
+    if (steps || program.is_end(control)) continue;
+    out << fmt::format("{} never steps again:\n", program.name);
+    if (is_disabled) {
+      write_waiting(out, system, states[where], program, control);
+    } else {
+      out << "  it could, but never gets its turn\n";
+    }
+  }
+}
+
 void write_end(std::ostream& out, const System& system, const Trace& trace,
-               const GlobalState& state) {
-  if (trace.loop_start) return;
+               const std::vector<GlobalState>& states) {
+  if (trace.loop_start) {
+    write_loop(out, system, trace, states);
+    return;
+  }
+  const GlobalState& state = states.back();
   if (state.is_cut) {
     out << "  here the run leaves what was learned\n";
     return;
@@ -119,7 +149,7 @@ void write_trace_text(std::ostream& out, const System& system, const Trace& trac
                        edge.line, describe_edge(system, edge),
                        is_dropped ? "  (never tried there: dropped)" : "");
   }
-  write_end(out, system, trace, states.back());
+  write_end(out, system, trace, states);
 }
 
 Json trace_to_json(const System& system, const Trace& trace) {

@@ -1,0 +1,48 @@
+#include "maide/check/condition.hpp"
+
+#include <stdexcept>
+
+namespace maide {
+
+PackedAtom::PackedAtom(const Atom& atom, const System& system)
+    : is_event_(atom.is_event()), owner_(atom.owner) {
+  if (!is_event_) {
+    const Program& program = system.programs[owner_];
+    std::vector<bool>& values = values_.emplace_back(program.states.size());
+    for (ControlState at = 0; at < program.states.size(); ++at) {
+      values[at] =
+          atom.kind == Atom::Kind::end ? program.is_end(at) : program.has_label(at, atom.symbol);
+    }
+    return;
+  }
+  const auto kind =
+      atom.kind == Atom::Kind::input ? ProgramEdge::Kind::give : ProgramEdge::Kind::take;
+  for (const Program& program : system.programs) {
+    std::vector<bool>& values = values_.emplace_back(program.edges.size());
+    for (std::size_t i = 0; i < program.edges.size(); ++i) {
+      const ProgramEdge& edge = program.edges[i];
+      values[i] = edge.kind == kind && edge.model == atom.owner && edge.symbol == atom.symbol;
+    }
+  }
+}
+
+Condition::Condition(const Formula& formula, const System& system) {
+  if (!is_boolean(formula)) throw std::invalid_argument("a condition has no temporal operators");
+  add(formula, system);
+}
+
+std::uint32_t Condition::add(const Formula& formula, const System& system) {
+  Node node;
+  node.op = formula->op;
+  if (formula->op == FormulaNode::Operator::atom) {
+    node.left = static_cast<std::uint32_t>(atoms_.size());
+    atoms_.emplace_back(formula->atom, system);
+  } else {
+    if (formula->left) node.left = add(formula->left, system);
+    if (formula->right) node.right = add(formula->right, system);
+  }
+  nodes_.push_back(node);
+  return static_cast<std::uint32_t>(nodes_.size() - 1);
+}
+
+}  // namespace maide

@@ -1,0 +1,56 @@
+// From a formula of linear-time temporal logic to a transition-based generalised Buchi automaton
+// that accepts the runs on which it holds: Gastin & Oddoux, "Fast LTL to Buchi automata
+// translation", CAV 2001. A very weak alternating automaton whose states are the formula's temporal
+// parts, then the automaton of its conjunctions, with implied transitions left out and equivalent
+// states merged as it is built.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "maide/check/formula.hpp"
+
+namespace maide {
+
+// Which atoms of a list must be true, and which false, as bit masks.
+struct Letter {
+  std::uint64_t positive = 0, negative = 0;
+  // `valuation`: the atoms that are true.
+  bool allows(std::uint64_t valuation) const {
+    return (positive & ~valuation) == 0 && (negative & valuation) == 0;
+  }
+  bool is_contradiction() const { return (positive & negative) != 0; }
+  auto operator<=>(const Letter&) const = default;
+};
+
+// A run is accepted if it has a path on which each mark comes again and again.
+struct LtlAutomaton {
+  struct Transition {
+    Letter letter;
+    std::uint32_t target = 0;
+    std::uint64_t marks = 0;
+    auto operator<=>(const Transition&) const = default;
+  };
+  std::vector<Atom> atoms;  // the bits of letters
+  unsigned mark_count = 0;
+  std::vector<std::vector<Transition>> states;
+  std::vector<std::uint32_t> initial;
+  // The state that accepts everything: a run that reaches it satisfies the formula whatever comes.
+  // no_state if there is none.
+  static constexpr std::uint32_t no_state = ~std::uint32_t{0};
+  std::uint32_t universal = no_state;
+};
+
+// Most atoms, and most temporal parts, of a formula.
+inline constexpr std::size_t max_automaton_atoms = 64;
+
+// Throws UsageError for more atoms or temporal parts than that, or more than 100,000 states: at
+// most 2^(temporal parts) in theory, a handful in practice.
+LtlAutomaton translate(const Formula& formula);
+
+// Whether the automaton accepts the run with positions 0..length-1, of which loop..length-1 repeat
+// for ever; `valuations`: the atoms that are true, by position. For tests. O(states x length).
+bool accepts(const LtlAutomaton& automaton, const std::vector<std::uint64_t>& valuations,
+             std::size_t loop);
+
+}  // namespace maide

@@ -1,0 +1,369 @@
+// A lossless hash set of packed states that stores only part of each: the place in the table
+// tells the rest (quotienting: Cleary, "Compact hash tables using bidirectional linear probing",
+// IEEE ToC 1984; for state spaces Geldenhuys & Valmari, "A nearly memory-optimal data structure
+// for sets and mappings", SPIN 2003). Each state carries a few bits of its owner's choice.
+//
+// The first word of a state is scrambled by a bijection; what comes out, read as a fraction, times
+// the number of slots is the state's home. An entry lies at its home or a few slots behind it,
+// entries in the order of their homes, and holds how far behind, the payload, and as many low bits
+// of the scrambled word as tell apart the words of one home. So the table may have any number of
+// slots, entries become smaller as it grows, and growing reads and writes in order. Sixteen
+// segments grow one at a time: memory never doubles. A lookup costs one cache miss as a rule.
+#pragma once
+
+#include <sys/mman.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstdint>
+#include <cstdlib>
+#include <cstring>
+#include <new>
+#include <utility>
+#include <vector>
+
+namespace maide {
+
+// A product of two numbers of 64 bits; a language extension of g++ and clang.
+__extension__ using WideNumber = unsigned __int128;
+
+// A state of `words` 64-bit words.
+template <std::size_t words>
+using PackedState = std::array<std::uint64_t, words>;
+
+// An invertible scrambling of the numbers below 2^bits, 24 <= bits <= 64.
+class Scrambler {
+ public:
+  explicit Scrambler(unsigned bits)
+      : mask_(bits == 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << bits) - 1),
+        shift_((bits + 1) / 2) {}
+
+  std::uint64_t apply(std::uint64_t x) const {
+    x = (x * factor) & mask_;
+    x ^= x >> shift_;
+    x = (x * factor) & mask_;
+    x ^= x >> shift_;
+    return (x * factor) & mask_;
+  }
+  std::uint64_t invert(std::uint64_t x) const {
+    // Half of the bits shifted away: the same step undoes itself.
+    x = (x * inverse) & mask_;
+    x ^= x >> shift_;
+    x = (x * inverse) & mask_;
+    x ^= x >> shift_;
+    return (x * inverse) & mask_;
+  }
+
+ private:
+  // 2^64 divided by the golden ratio, made odd; and its inverse modulo 2^64.
+  static constexpr std::uint64_t factor = 0x9e3779b97f4a7c15ULL;
+  static constexpr std::uint64_t inverse = 0xf1de83e19937733dULL;
+  static_assert(factor * inverse == 1);
+  std::uint64_t mask_;
+  unsigned shift_;
+};
+
+template <std::size_t words>
+class StateTable {
+ public:
+  using State = PackedState<words>;
+
+  // `address_bits` of a state's first word are used; 0..64. `payload_bits`: 0..32. With one word
+  // address_bits + payload_bits <= 76, with more the first word has at most 44.
+  StateTable(unsigned address_bits, unsigned payload_bits)
+      : bits_(std::max(address_bits, 24U)), payload_bits_(payload_bits), scrambler_(bits_) {
+    const unsigned local = bits_ - segment_bits;
+    unsigned slot_bits = 6;
+    while (8 + payload_bits_ + local > 64 + slot_bits) ++slot_bits;
+    for (Segment& segment : segments_) allocate(segment, std::uint64_t{1} << slot_bits);
+  }
+  StateTable(const StateTable&) = delete;
+  StateTable& operator=(const StateTable&) = delete;
+  ~StateTable() {
+    for (Segment& segment : segments_) std::free(segment.data);
+  }
+
+  struct Insertion {
+    bool is_new = false;
+    std::uint64_t payload = 0;  // that of the state in the table
+  };
+  // Where a state lies: computed once, ahead of its use.
+  struct Address {
+    std::uint32_t segment = 0;
+    std::uint64_t local = 0;
+  };
+
+  Address address_of(const State& state) const {
+    std::uint64_t first = state[0];
+    if constexpr (words > 1) first ^= fold(state) & mask();
+    const std::uint64_t scrambled = scrambler_.apply(first);
+    const unsigned local = bits_ - segment_bits;
+    return {static_cast<std::uint32_t>(scrambled >> local),
+            scrambled & ((std::uint64_t{1} << local) - 1)};
+  }
+  void prefetch(const Address& address) const {
+    const Segment& segment = segments_[address.segment];
+    __builtin_prefetch(segment.data + home(segment, address.local) * segment.width);
+  }
+
+  // Adds the state with `payload` if it is not there. Throws std::bad_alloc.
+  Insertion insert(const State& state, const Address& address, std::uint64_t payload) {
+    Segment& segment = segments_[address.segment];
+    if ((segment.size + 1) * 5 > segment.slots * 4) grow(segment);
+    while (true) {
+      const Place place = locate(segment, address.local, state);
+      if (place.is_there) {
+        return {false, (load(segment, place.at) >> 8) & payload_mask()};
+      }
+      if (make_room(segment, place.at, place.home)) {
+        const std::uint64_t residual = address.local & segment.residual_mask;
+        store(segment, place.at,
+              (place.at - place.home + 1) | (payload << 8) | (residual << residual_shift()), state);
+        ++segment.size;
+        ++size_;
+        return {true, payload};
+      }
+      grow(segment);
+    }
+  }
+  Insertion insert(const State& state, std::uint64_t payload) {
+    return insert(state, address_of(state), payload);
+  }
+
+  // The state's payload; false if it is not there.
+  bool find(const State& state, std::uint64_t& payload) const {
+    const Address address = address_of(state);
+    const Segment& segment = segments_[address.segment];
+    const Place place = locate(segment, address.local, state);
+    if (place.is_there) payload = (load(segment, place.at) >> 8) & payload_mask();
+    return place.is_there;
+  }
+
+  // Calls `visit(state, payload)` for each state, in no order that means anything.
+  template <typename Visit>
+  void for_each(Visit&& visit) const {
+    const unsigned local = bits_ - segment_bits;
+    for (std::size_t number = 0; number < segment_count; ++number) {
+      for_each_local(segments_[number], [&](std::uint64_t at, std::uint64_t value) {
+        State state = rest_at(segments_[number], at);
+        state[0] = scrambler_.invert(value | (std::uint64_t{number} << local));
+        if constexpr (words > 1) state[0] ^= fold(state) & mask();
+        visit(state, (load(segments_[number], at) >> 8) & payload_mask());
+      });
+    }
+  }
+
+  std::uint64_t size() const { return size_; }
+  std::uint64_t bytes() const { return bytes_; }
+  // The most that it ever had, while growing.
+  std::uint64_t peak_bytes() const { return peak_bytes_; }
+  // What it would take to grow once more, about.
+  std::uint64_t growth_bytes() const { return 2 * bytes_ / segment_count; }
+
+ private:
+  static constexpr unsigned segment_bits = 4;
+  static constexpr std::size_t segment_count = std::size_t{1} << segment_bits;
+  static constexpr std::uint64_t most_distance = 255;  // of an entry behind its home, plus 1
+  static constexpr std::size_t rest_bytes = 8 * (words - 1);
+
+  struct Segment {
+    unsigned char* data = nullptr;
+    std::uint64_t slots = 0;  // homes; `most_distance` more lie behind the last
+    std::uint64_t size = 0;
+    std::uint64_t residual_mask = 0;
+    std::uint64_t low_mask = 0;  // of an entry's first bytes
+    unsigned low_bytes = 0;
+    unsigned width = 0;  // bytes of an entry
+    std::uint64_t bytes = 0;
+  };
+
+  std::uint64_t mask() const {
+    return bits_ == 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << bits_) - 1;
+  }
+  std::uint64_t payload_mask() const { return (std::uint64_t{1} << payload_bits_) - 1; }
+  unsigned residual_shift() const { return 8 + payload_bits_; }
+
+  static std::uint64_t fold(const State& state) {
+    std::uint64_t sum = 0;
+    for (std::size_t i = 1; i < words; ++i) {
+      sum = (sum ^ state[i]) * 0xd6e8feb86659fd93ULL;
+      sum ^= sum >> 32;
+    }
+    return sum;
+  }
+
+  std::uint64_t home(const Segment& segment, std::uint64_t local) const {
+    return static_cast<std::uint64_t>((WideNumber{local} * segment.slots) >>
+                                      (bits_ - segment_bits));
+  }
+
+  std::uint64_t load(const Segment& segment, std::uint64_t at) const {
+    std::uint64_t value;
+    std::memcpy(&value, segment.data + at * segment.width, sizeof value);
+    return value & segment.low_mask;
+  }
+  bool has_rest(const Segment& segment, std::uint64_t at, const State& state) const {
+    if constexpr (words == 1) return true;
+    return std::memcmp(segment.data + at * segment.width + segment.low_bytes, &state[0] + 1,
+                       rest_bytes) == 0;
+  }
+  State rest_at(const Segment& segment, std::uint64_t at) const {
+    State state{};
+    if constexpr (words > 1) {
+      std::memcpy(&state[0] + 1, segment.data + at * segment.width + segment.low_bytes, rest_bytes);
+    }
+    return state;
+  }
+  void store(Segment& segment, std::uint64_t at, std::uint64_t entry, const State& state) {
+    unsigned char* place = segment.data + at * segment.width;
+    std::memcpy(place, &entry, segment.low_bytes);
+    if constexpr (words > 1) std::memcpy(place + segment.low_bytes, &state[0] + 1, rest_bytes);
+  }
+
+  struct Place {
+    std::uint64_t home = 0;
+    std::uint64_t at = 0;  // where the state is, or belongs
+    bool is_there = false;
+  };
+  Place locate(const Segment& segment, std::uint64_t local, const State& state) const {
+    Place place{home(segment, local), 0, false};
+    const std::uint64_t residual = local & segment.residual_mask;
+    for (place.at = place.home;; ++place.at) {
+      const std::uint64_t entry = load(segment, place.at);
+      const std::uint64_t distance = entry & 255;
+      const std::uint64_t own_distance = place.at - place.home + 1;
+      if (distance > own_distance) continue;      // of a home before ours
+      if (distance < own_distance) return place;  // empty, or of a home behind ours
+      if ((entry >> residual_shift()) == residual && has_rest(segment, place.at, state)) {
+        place.is_there = true;
+        return place;
+      }
+    }
+  }
+
+  // Moves the entries from `at` on one slot further; false if one would be too far from home.
+  bool make_room(Segment& segment, std::uint64_t at, std::uint64_t own_home) {
+    if (at - own_home + 1 > most_distance) return false;
+    std::uint64_t end = at;
+    for (std::uint64_t distance; (distance = segment.data[end * segment.width]) != 0; ++end) {
+      if (distance == most_distance) return false;
+    }
+    if (end >= segment.slots + most_distance) return false;
+    unsigned char* first = segment.data + at * segment.width;
+    std::memmove(first + segment.width, first, (end - at) * segment.width);
+    for (std::uint64_t moved = at + 1; moved <= end; ++moved) ++segment.data[moved * segment.width];
+    return true;
+  }
+
+  // Calls `visit(at, local)` for each entry, by home. The first number of each home is known
+  // without a division: they are spaced evenly.
+  template <typename Visit>
+  void for_each_local(const Segment& segment, Visit&& visit) const {
+    const WideNumber range = WideNumber{1} << (bits_ - segment_bits);
+    const auto quotient = static_cast<std::uint64_t>(range / segment.slots);
+    const auto remainder = static_cast<std::uint64_t>(range % segment.slots);
+    std::uint64_t at = 0;
+    std::uint64_t floor = 0, excess = 0;  // home * range = floor * slots + excess
+    for (std::uint64_t own_home = 0; own_home < segment.slots; ++own_home) {
+      const std::uint64_t first = floor + (excess > 0 ? 1 : 0);
+      at = std::max(at, own_home);
+      for (; at < segment.slots + most_distance; ++at) {
+        const std::uint64_t entry = load(segment, at);
+        const std::uint64_t distance = entry & 255;
+        if (distance == 0 || at - (distance - 1) != own_home) break;
+        const std::uint64_t residual = entry >> residual_shift();
+        visit(at, first + ((residual - first) & segment.residual_mask));
+      }
+      floor += quotient;
+      excess += remainder;
+      if (excess >= segment.slots) {
+        excess -= segment.slots;
+        ++floor;
+      }
+    }
+  }
+
+  void allocate(Segment& segment, std::uint64_t slots) {
+    const unsigned local = bits_ - segment_bits;
+    const WideNumber range = WideNumber{1} << local;
+    const auto span = static_cast<std::uint64_t>((range + slots - 1) / slots);
+    const auto residual_bits = static_cast<unsigned>(std::bit_width(span - 1));
+    segment.slots = slots;
+    segment.residual_mask = (std::uint64_t{1} << residual_bits) - 1;
+    const unsigned low_bits = 8 + payload_bits_ + residual_bits;
+    segment.low_bytes = (low_bits + 7) / 8;
+    segment.low_mask = segment.low_bytes == 8 ? ~std::uint64_t{0}
+                                              : (std::uint64_t{1} << (8 * segment.low_bytes)) - 1;
+    segment.width = segment.low_bytes + rest_bytes;
+    // Entries are read eight bytes at a time, the last one too.
+    segment.bytes = (slots + most_distance + 1) * segment.width + 8;
+    constexpr std::uint64_t huge_page = std::uint64_t{1} << 21;
+    if (segment.bytes >= 2 * huge_page) {
+      const std::uint64_t rounded = (segment.bytes + huge_page - 1) / huge_page * huge_page;
+      segment.data = static_cast<unsigned char*>(std::aligned_alloc(huge_page, rounded));
+      if (segment.data != nullptr) ::madvise(segment.data, rounded, MADV_HUGEPAGE);
+      if (segment.data != nullptr) std::memset(segment.data, 0, segment.bytes);
+    } else {
+      segment.data = static_cast<unsigned char*>(std::calloc(segment.bytes, 1));
+    }
+    if (segment.data == nullptr) throw std::bad_alloc();
+    bytes_ += segment.bytes;
+    peak_bytes_ = std::max(peak_bytes_, bytes_);
+  }
+
+  void grow(Segment& segment) {
+    Segment old = segment;
+    for (std::uint64_t slots = old.slots + old.slots * 2 / 5 + 8;; slots += slots / 4) {
+      segment = {};
+      allocate(segment, slots);
+      if (copy(old, segment)) break;
+      std::free(segment.data);
+      bytes_ -= segment.bytes;
+    }
+    std::free(old.data);
+    bytes_ -= old.bytes;
+  }
+
+  // In the order of homes; those of one home are brought into order, for they may part. False if
+  // one came too far from home.
+  bool copy(const Segment& from, Segment& to) {
+    to.size = from.size;
+    std::uint64_t next = 0;                                      // the first slot that is free
+    std::vector<std::pair<std::uint64_t, std::uint64_t>> group;  // value, place
+    std::uint64_t group_home = 0;
+    const auto flush = [&] {
+      std::sort(group.begin(), group.end());
+      for (const auto& [value, place] : group) {
+        const std::uint64_t new_home = home(to, value);
+        const std::uint64_t at = std::max(next, new_home);
+        if (at - new_home + 1 > most_distance) return false;
+        const std::uint64_t payload = (load(from, place) >> 8) & payload_mask();
+        store(
+            to, at,
+            (at - new_home + 1) | (payload << 8) | ((value & to.residual_mask) << residual_shift()),
+            rest_at(from, place));
+        next = at + 1;
+      }
+      group.clear();
+      return true;
+    };
+    bool fits = true;
+    for_each_local(from, [&](std::uint64_t at, std::uint64_t value) {
+      const std::uint64_t old_home = home(from, value);
+      if (old_home != group_home) {
+        fits = flush() && fits;
+        group_home = old_home;
+      }
+      group.push_back({value, at});
+    });
+    return flush() && fits;
+  }
+
+  unsigned bits_, payload_bits_;
+  Scrambler scrambler_;
+  std::array<Segment, segment_count> segments_;
+  std::uint64_t size_ = 0, bytes_ = 0, peak_bytes_ = 0;
+};
+
+}  // namespace maide

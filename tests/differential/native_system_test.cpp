@@ -1,0 +1,236 @@
+// The native engine against the meaning of systems, explored directly: verdicts, numbers of states
+// and of transitions, and the length of what it shows, which must be shortest.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "explicit_checker.hpp"
+#include "maide/check/native_engine.hpp"
+#include "maide/check/promela_system.hpp"
+#include "random_system.hpp"
+
+namespace maide {
+namespace {
+
+constexpr std::size_t node_limit = 20'000;
+
+Property deadlock() {
+  Property property;
+  property.name = "deadlock";
+  property.kind = Property::Kind::deadlock;
+  return property;
+}
+
+Formula parse(const std::string& text, const System& system) {
+  const std::vector<ProgramInterface> interfaces = system.interfaces();
+  return parse_formula(ScalarText(text, text, {"f", 1, 1}), {system.programs, interfaces});
+}
+
+std::string show(const System& system) { return write_promela(system).text; }
+
+class NativeOnRandomSystems : public testing::TestWithParam<int> {};
+
+TEST_P(NativeOnRandomSystems, DeadlocksAndCutsAreShortest) {
+  Random random(static_cast<std::uint64_t>(5000 + GetParam()));
+  NativeEngine engine;
+  int deadlocks = 0, cuts = 0;
+  for (int compared = 0; compared < 250;) {
+    const System system = test::random_system(random);
+    const test::ExplicitChecker expected(system, node_limit);
+    if (!expected.is_complete()) continue;
+    ++compared;
+    const PropertyResult result = engine.check(system, deadlock(), {});
+    if (expected.shortest_deadlock()) {
+      ++deadlocks;
+      ASSERT_EQ(result.verdict, Verdict::violated) << show(system);
+      EXPECT_EQ(result.trace->steps.size(), *expected.shortest_deadlock()) << show(system);
+      EXPECT_EQ(find_flaw(system, deadlock(), *result.trace), "");
+    } else {
+      ASSERT_EQ(result.verdict, Verdict::holds) << show(system);
+      EXPECT_EQ(result.states, expected.states()) << show(system);
+    }
+    const CutResult cut = engine.find_cut(system, {});
+    ASSERT_EQ(cut.verdict == Verdict::violated, expected.shortest_cut().has_value())
+        << show(system);
+    if (cut.trace) {
+      ++cuts;
+      EXPECT_EQ(cut.trace->steps.size(), *expected.shortest_cut());
+    }
+  }
+  EXPECT_GE(deadlocks + cuts, 20);
+}
+
+TEST_P(NativeOnRandomSystems, Invariants) {
+  Random random(static_cast<std::uint64_t>(6000 + GetParam()));
+  NativeEngine engine;
+  int violations = 0;
+  for (int compared = 0; compared < 250;) {
+    const System system = test::random_system(random);
+    const test::ExplicitChecker expected(system, node_limit);
+    if (!expected.is_complete()) continue;
+    ++compared;
+    const auto atom = [&]() -> std::string {
+      const Program& program = system.programs[random.below(system.programs.size())];
+      const std::string label = program.labels.empty() ? "end" : program.labels[0];
+      const std::string atoms[] = {"m.i0", "m!o0", program.name + "@end",
+                                   program.name + "@" + label};
+      return (random.chance(0.5) ? "!" : "") + atoms[random.below(4)];
+    };
+    const std::string condition =
+        "(" + atom() + (random.chance(0.5) ? " || " : " -> ") + atom() + ")";
+    Property property;
+    property.name = "G " + condition;
+    property.formula = parse(property.name, system);
+    const bool holds = expected.holds_globally(expected.label(parse(condition, system)));
+    const PropertyResult result = engine.check(system, property, {});
+    ASSERT_EQ(result.verdict == Verdict::holds, holds) << property.name << "\n" << show(system);
+    violations += holds ? 0 : 1;
+  }
+  EXPECT_GT(violations, 10);
+}
+
+// A formula of one of the patterns that the explicit checker knows.
+struct Pattern {
+  std::string text;
+  bool holds = false;
+};
+
+Pattern random_pattern(const System& system, const test::ExplicitChecker& expected, Random& random,
+                       bool fair) {
+  const auto atom = [&]() -> std::string {
+    const Program& program = system.programs[random.below(system.programs.size())];
+    const std::string label = program.labels.empty() ? "end" : program.labels[0];
+    const std::string atoms[] = {"m.i0", "m!o0", program.name + "@end", program.name + "@" + label};
+    return (random.chance(0.4) ? "!" : "") + atoms[random.below(4)];
+  };
+  const std::string p = atom(), q = "(" + atom() + " || " + atom() + ")";
+  const auto in_p = expected.label(parse(p, system)), in_q = expected.label(parse(q, system));
+  switch (random.below(4)) {
+    case 0: return {p + " U " + q, expected.holds_until(in_p, in_q, fair)};
+    case 1: return {"G F " + p, expected.holds_infinitely_often(in_p, fair)};
+    case 2: return {"F G " + p, expected.holds_from_some_point(in_p, fair)};
+    default: return {"G (" + p + " -> F " + q + ")", expected.holds_response(in_p, in_q, fair)};
+  }
+}
+
+TEST_P(NativeOnRandomSystems, TemporalPatterns) {
+  Random random(static_cast<std::uint64_t>(7000 + GetParam()));
+  NativeEngine engine;
+  int violations = 0;
+  for (int compared = 0; compared < 400;) {
+    const System system = test::random_system(random);
+    const test::ExplicitChecker expected(system, 300);
+    if (!expected.is_complete()) continue;
+    ++compared;
+    const bool fair = random.chance(0.5);
+    const Pattern pattern = random_pattern(system, expected, random, fair);
+    Property property;
+    property.name = pattern.text;
+    property.formula = parse(pattern.text, system);
+    property.fairness = fair ? Fairness::weak : Fairness::none;
+    const PropertyResult result = engine.check(system, property, {});
+    ASSERT_EQ(result.verdict == Verdict::holds, pattern.holds)
+        << pattern.text << (fair ? " (weak fairness)\n" : "\n") << show(system);
+    violations += pattern.holds ? 0 : 1;
+    // The fairer the runs, the more holds; each violation's trace was held against the formula.
+    property.fairness = Fairness::strong;
+    const PropertyResult strong = engine.check(system, property, {});
+    if (pattern.holds) {
+      EXPECT_EQ(strong.verdict, Verdict::holds) << pattern.text << show(system);
+    }
+  }
+  EXPECT_GT(violations, 10);
+}
+
+// Whether some program is stuck, straight from the definition: a strongly connected set of states,
+// without the steps of one program that has not ended there, in which some program steps, and in
+// which each program steps or cannot somewhere.
+bool has_stuck_program(const System& system) {
+  std::vector<GlobalState> states{initial_state(system)};
+  const auto number_of = [&](const GlobalState& state) {
+    const auto place = std::find(states.begin(), states.end(), state);
+    if (place != states.end()) return static_cast<std::size_t>(place - states.begin());
+    states.push_back(state);
+    return states.size() - 1;
+  };
+  struct Edge {
+    std::size_t target;
+    std::uint32_t program;
+  };
+  std::vector<std::vector<Edge>> edges;
+  std::vector<std::vector<bool>> enabled;
+  for (std::size_t at = 0; at < states.size(); ++at) {
+    edges.emplace_back();
+    enabled.emplace_back(system.programs.size());
+    for (const Step& step : enabled_steps(system, GlobalState(states[at]))) {
+      enabled[at][step.program] = true;
+      const GlobalState next = apply(system, states[at], step);
+      if (!next.is_cut) edges[at].push_back({number_of(next), step.program});
+    }
+  }
+  for (std::uint32_t stuck = 0; stuck < system.programs.size(); ++stuck) {
+    const auto reach = [&](std::size_t start) {
+      std::vector<bool> seen(states.size());
+      std::vector<std::size_t> open{start};
+      while (!open.empty()) {
+        const std::size_t at = open.back();
+        open.pop_back();
+        for (const Edge& edge : edges[at]) {
+          if (edge.program == stuck || seen[edge.target]) continue;
+          seen[edge.target] = true;
+          open.push_back(edge.target);
+        }
+      }
+      return seen;
+    };
+    for (std::size_t start = 0; start < states.size(); ++start) {
+      if (system.programs[stuck].is_end(states[start].programs[stuck])) continue;
+      const std::vector<bool> ahead = reach(start);
+      if (!ahead[start]) continue;
+      std::vector<bool> member(states.size());
+      for (std::size_t at = 0; at < states.size(); ++at) member[at] = ahead[at] && reach(at)[start];
+      bool is_fair = true;
+      for (std::uint32_t program = 0; program < system.programs.size() && is_fair; ++program) {
+        bool is_served = false;
+        for (std::size_t at = 0; at < states.size() && !is_served; ++at) {
+          if (!member[at]) continue;
+          is_served = !enabled[at][program];
+          for (const Edge& edge : edges[at]) {
+            is_served =
+                is_served || (edge.program == program && program != stuck && member[edge.target]);
+          }
+        }
+        is_fair = is_served;
+      }
+      if (is_fair) return true;
+    }
+  }
+  return false;
+}
+
+TEST_P(NativeOnRandomSystems, StuckPrograms) {
+  Random random(static_cast<std::uint64_t>(8000 + GetParam()));
+  NativeEngine engine;
+  Property property;
+  property.name = "stuck";
+  property.kind = Property::Kind::stuck;
+  int violations = 0;
+  for (int compared = 0; compared < 60 || (violations < 4 && compared < 5000);) {
+    const System system = test::random_system(random);
+    const test::ExplicitChecker size(system, 60);
+    if (!size.is_complete()) continue;
+    ++compared;
+    const PropertyResult result = engine.check(system, property, {});
+    const bool expected = has_stuck_program(system);
+    ASSERT_EQ(result.verdict == Verdict::violated, expected) << show(system);
+    violations += expected ? 1 : 0;
+  }
+  EXPECT_GT(violations, 3);
+}
+
+INSTANTIATE_TEST_SUITE_P(Seeds, NativeOnRandomSystems, testing::Range(0, 8));
+
+}  // namespace
+}  // namespace maide

@@ -1,0 +1,127 @@
+#include "maide/check/native_engine.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "systems.hpp"
+
+namespace maide {
+namespace {
+
+using testing::HasSubstr;
+
+PropertyResult check(const System& system, const Property& property,
+                     const EngineOptions& options = {}) {
+  return NativeEngine().check(system, property, options);
+}
+
+Property stuck() {
+  Property property;
+  property.name = "stuck";
+  property.kind = Property::Kind::stuck;
+  return property;
+}
+
+TEST(NativeEngine, FindsAShortestDeadlock) {
+  const System system = test::system_of("  p: loop { via.write; sync.read -> message; }\n");
+  const PropertyResult result = check(system, test::deadlock_property());
+  EXPECT_EQ(result.verdict, Verdict::violated);
+  ASSERT_TRUE(result.trace);
+  EXPECT_EQ(result.trace->steps.size(), 2u);
+}
+
+TEST(NativeEngine, ProgramsThatEndAreNoDeadlock) {
+  const PropertyResult result =
+      check(test::system_of("  p: via.write;\n"), test::deadlock_property());
+  EXPECT_EQ(result.verdict, Verdict::holds);
+  EXPECT_EQ(result.states, 2u);
+}
+
+// The planner goes on for ever; the controller waits for a message that nobody sends.
+TEST(NativeEngine, AProgramIsStuckWhileAnotherRunsOn) {
+  const System system = test::system_of(
+      "  planner: loop { sync.write; sync.read -> message; }\n"
+      "  controller: via.read -> message;\n");
+  EXPECT_EQ(check(system, test::deadlock_property()).verdict, Verdict::holds);
+  const PropertyResult result = check(system, stuck());
+  ASSERT_EQ(result.verdict, Verdict::violated);
+  EXPECT_TRUE(result.trace->loop_start);
+  EXPECT_EQ(find_flaw(system, stuck(), *result.trace), "");
+}
+
+TEST(NativeEngine, AProgramThatHasEndedIsNotStuck) {
+  const System system = test::system_of(
+      "  planner: loop { sync.write; sync.read -> message; }\n"
+      "  controller: via.write;\n");
+  EXPECT_EQ(check(system, stuck()).verdict, Verdict::holds);
+}
+
+// `guest` can take the message again and again, and never all the time.
+TEST(NativeEngine, TheFairerTheRunsTheMoreHolds) {
+  const System system = test::system_of(
+      "  busy: loop { sync.write; sync.read -> message; }\n"
+      "  guest: wait sync -> message;\n",
+      "  served: F guest@end\n");
+  const auto verdict = [&](Fairness fairness) {
+    Property property = system.properties.front();
+    property.fairness = fairness;
+    return check(system, property).verdict;
+  };
+  EXPECT_EQ(verdict(Fairness::none), Verdict::violated);
+  EXPECT_EQ(verdict(Fairness::weak), Verdict::violated);
+  EXPECT_EQ(verdict(Fairness::strong), Verdict::holds);
+}
+
+TEST(NativeEngine, ChecksNext) {
+  const System system = test::system_of("  p: '@a via.write; @b via.write; @c via.write;'\n",
+                                        "  right: {ltl: 'p@a && X p@b && X X p@c'}\n"
+                                        "  wrong: {ltl: 'X X p@b'}\n"
+                                        "  event: {ltl: 'X via.write && X X via.write'}\n"
+                                        "  after: {ltl: 'F G !via.write'}\n");
+  EXPECT_EQ(check(system, system.properties[0]).verdict, Verdict::holds);
+  EXPECT_EQ(check(system, system.properties[1]).verdict, Verdict::violated);
+  EXPECT_EQ(check(system, system.properties[2]).verdict, Verdict::holds);
+}
+
+// A run that was cut is a counterexample only if it is one whatever comes.
+TEST(NativeEngine, ARunThatIsCutProvesNothingMore) {
+  const System system =
+      test::system_of("  p: repeat 3 { via.write; }\n",
+                      "  ends: {ltl: F p@end}\n  never: {ltl: G !via.write, fairness: none}\n");
+  EXPECT_EQ(check(system, system.properties[0]).verdict, Verdict::holds);
+  EXPECT_EQ(check(system, system.properties[1]).verdict, Verdict::violated);
+  const CutResult cut = NativeEngine().find_cut(system, {});
+  ASSERT_EQ(cut.verdict, Verdict::violated);
+  EXPECT_EQ(cut.trace->steps.size(), 3u);
+}
+
+// Programs that count, apart from one another: 101^4 states.
+System large_system() {
+  std::string programs;
+  for (const char* name : {"a", "b", "c", "d"}) {
+    programs += "  " + std::string(name) + ": repeat 100 { if * {} }\n";
+  }
+  return test::system_of(programs);
+}
+
+TEST(NativeEngine, LimitsMakeTheVerdictInconclusive) {
+  EngineOptions options;
+  options.memory_mib = 1;
+  const PropertyResult result = check(large_system(), test::deadlock_property(), options);
+  EXPECT_EQ(result.verdict, Verdict::inconclusive);
+  EXPECT_THAT(result.reason, HasSubstr("more than 1 MiB"));
+  EXPECT_THAT(result.reason, HasSubstr("depth"));
+}
+
+TEST(NativeEngine, StopsWhenTold) {
+  std::stop_source source;
+  source.request_stop();
+  EngineOptions options;
+  options.control.stop = source.get_token();
+  const PropertyResult result = check(large_system(), test::deadlock_property(), options);
+  EXPECT_EQ(result.verdict, Verdict::inconclusive);
+  EXPECT_THAT(result.reason, HasSubstr("interrupted"));
+}
+
+}  // namespace
+}  // namespace maide
