@@ -7,6 +7,7 @@
 #include <cerrno>
 #include <stdexcept>
 #include <system_error>
+#include <utility>
 
 #include "maide/base/error.hpp"
 
@@ -60,7 +61,9 @@ void MqttConnection::clean_up() {
     MqttClient(std::move(forget), never.get()).connect();
   }
   if (options_.retain) {
-    MqttClient eraser(settings("eraser"), never.get());
+    ClientSettings erase = settings("eraser");
+    erase.clean_session = true;
+    MqttClient eraser(std::move(erase), never.get());
     if (eraser.connect()) eraser.publish(name_, "", true);
   }
 }
