@@ -21,8 +21,8 @@ class Count {
 
 }  // namespace
 
-Connection::Connection(PairStore& store, EventSink& sink)
-    : store_(store), pair_(store.take()), sink_(sink) {}
+Connection::Connection(PairStore& store, bool server_polls, EventSink& sink)
+    : store_(store), server_polls_(server_polls), pair_(store.take()), sink_(sink) {}
 
 Connection::~Connection() { store_.give_back(std::move(pair_)); }
 
@@ -129,7 +129,7 @@ void Connection::call_network(std::string_view input) {
 
 // Closing a port that writes sleeps and looks, up to some 5 s, whether the write is over; which it
 // will not be while all else sleeps.
-bool Connection::polls_in_vain() const { return closing_ > 0 && writing_ > 0; }
+bool Connection::polls_in_vain() const { return closing_ > 0 ? writing_ > 0 : server_polls_; }
 
 // A write that waits for its read is let go by one (and with it the interrupt, close or disconnect
 // that waits for the write); a read by closing its port; a strict write that waits for the one

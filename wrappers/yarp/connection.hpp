@@ -13,8 +13,9 @@ namespace maide::yarp_ports {
 
 class Connection : public SystemInstance {
  public:
-  // Takes a pair from the store, and gives it back in the end.
-  Connection(PairStore& store, EventSink& sink);
+  // Takes a pair from the store, and gives it back in the end. `server_polls`: there is a name
+  // server that is watched, and whose timed sleeps mean nothing.
+  Connection(PairStore& store, bool server_polls, EventSink& sink);
   ~Connection() override;
 
   void call(std::string_view input) override;
@@ -30,6 +31,7 @@ class Connection : public SystemInstance {
   void call_network(std::string_view input);
 
   PairStore& store_;
+  const bool server_polls_;
   std::unique_ptr<PortPair> pair_;
   EventSink& sink_;
   std::atomic<std::int64_t> written_ = 0;

@@ -3,10 +3,8 @@
 #include <fmt/format.h>
 #include <unistd.h>
 #include <yarp/conf/version.h>
-#include <yarp/os/Network.h>
 
 #include <algorithm>
-#include <cstdlib>
 #include <utility>
 #include <vector>
 
@@ -15,24 +13,6 @@
 
 namespace maide::yarp_ports {
 namespace {
-
-// What a user's environment could change of what is learned.
-void clean_environment() {
-  for (const char* name : {"YARP_PORT_PREFIX", "YARP_CLOCK", "YARP_FORWARD_LOG_ENABLE"}) {
-    ::unsetenv(name);
-  }
-  ::setenv("YARP_CONFIG_HOME", "/nonexistent", 1);
-}
-
-// Never taken down: ports that were left behind may outlive everything else.
-void start_network() {
-  clean_environment();
-  static auto* const network = new yarp::os::Network(yarp::os::YARP_CLOCK_SYSTEM);
-  static_cast<void>(network);
-  yarp::os::NetworkBase::setLocalMode(true);
-  // Makes the local table of names; ports that are opened at the same time would each make one.
-  yarp::os::NetworkBase::queryName("/maide");
-}
 
 std::vector<SystemSetup::Input> all_inputs(Kind kind) {
   std::vector<SystemSetup::Input> inputs{
@@ -145,6 +125,19 @@ void add_rare_returns(SystemSetup& setup, const std::string& carrier) {
   }
 }
 
+// These ask the server; one that is not the wrapper's own cannot be watched.
+void check_server(const std::string& server, const OptionValues& options) {
+  if (server == "none" || server == "own" || options.number("floor") > 0) return;
+  for (const std::string& input : options.list("inputs")) {
+    if (input == "connect" || input == "disconnect" || input == "destroy" ||
+        input.starts_with("close")) {
+      throw UsageError(fmt::format(
+          "option server={}: input {} waits for the server, which is not observed; say floor=100",
+          server, input));
+    }
+  }
+}
+
 // Only the actors whose inputs are asked for get a thread.
 void select_actors(SystemSetup& setup, const std::vector<std::string>& wanted) {
   const auto is_wanted = [&](const std::string& actor) {
@@ -179,6 +172,9 @@ YarpWrapper::YarpWrapper() {
                          "message; BufferedPort, strict: keeps all"),
       OptionSpec::choice("carrier", "tcp", {"tcp", "fast_tcp", "udp", "local"},
                          "YARP's carrier of the connection"),
+      OptionSpec::text("server", "none",
+                       "name server: none (YARP's local mode), own (starts a yarpserver), or "
+                       "HOST:PORT"),
       OptionSpec::integer("interrupts", 1, 0, 100,
                           "interrupts of a buffered reader to try where it is resumed too (each "
                           "leaves a null read behind), 0: no bound"),
@@ -195,10 +191,13 @@ SystemSetup YarpWrapper::configure(const OptionValues& options) {
                     : options.is("kind", "buffered") ? Kind::buffered
                                                      : Kind::strict;
   const std::string& carrier = options.text("carrier");
-  start_network();
+  const std::string& server = options.text("server");
+  check_server(server, options);
+  server_ = std::make_unique<NameServer>(server);
   pairs_ = std::make_unique<PairStore>(kind, fmt::format("/maide/{}", ::getpid()), carrier);
 
   SystemSetup setup;
+  if (const auto process = server_->process()) setup.processes.push_back(*process);
   setup.inputs = all_inputs(kind);
   setup.events = all_events();
   select_actors(setup, options.list("inputs"));
@@ -210,7 +209,7 @@ SystemSetup YarpWrapper::configure(const OptionValues& options) {
 }
 
 std::unique_ptr<SystemInstance> YarpWrapper::reset(EventSink& sink) {
-  return std::make_unique<Connection>(*pairs_, sink);
+  return std::make_unique<Connection>(*pairs_, server_->process().has_value(), sink);
 }
 
 }  // namespace maide::yarp_ports

@@ -12,6 +12,7 @@
 #include <memory>
 
 #include "maide/wire/system_wrapper.hpp"
+#include "name_server.hpp"
 #include "pair_store.hpp"
 
 namespace maide::yarp_ports {
@@ -25,6 +26,7 @@ class YarpWrapper : public SystemWrapper {
 
  private:
   WrapperDescription description_;
+  std::unique_ptr<NameServer> server_;
   std::unique_ptr<PairStore> pairs_;
 };
 
