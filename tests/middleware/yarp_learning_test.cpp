@@ -7,8 +7,10 @@
 #include <vector>
 
 #include "maide/automata/compare.hpp"
+#include "maide/base/error.hpp"
 #include "maide/formats/model_file.hpp"
 #include "maide/workflow/paper_interrupt.hpp"
+#include "maide/workflow/wrapper_search.hpp"
 #include "wrapper_checks.hpp"
 
 namespace maide {
@@ -62,6 +64,20 @@ TEST(YarpAutomaton, IsTheSameThroughTheTransducer) {
   const InterfaceAutomaton av =
       test::learn_system("yarp", strict(2), "", Translation::av).automaton;
   EXPECT_TRUE(compare(eager, av).same());
+}
+
+TEST(YarpServer, ChangesNothing) {
+  if (!find_on_path("yarpserver")) GTEST_SKIP() << "skipped: there is no yarpserver on PATH";
+  test::SystemOptions options = strict(2);
+  options["server"] = "own";
+  const InterfaceAutomaton learned = test::learn_system("yarp", options).automaton;
+  EXPECT_TRUE(compare(test::learn_system("yarp", strict(2)).automaton, learned).same());
+}
+
+TEST(YarpServer, ThatIsNotThereIsSaid) {
+  EXPECT_THROW(test::learn_system("yarp", {{"server", "here"}}), UsageError);
+  EXPECT_THROW(test::learn_system("yarp", {{"server", "127.0.0.1:4"}, {"inputs", "write,close"}}),
+               UsageError);
 }
 
 TEST(YarpInterrupt, IsTheOneOfThePaper) {
