@@ -61,6 +61,37 @@ Outcome compare_mealy(const Mealy& left, const Mealy& right, const Names& names)
           json};
 }
 
+std::string alternatives(const std::vector<std::string>& outputs, const std::string& input) {
+  return outputs.empty() ? "has no input " + input
+                         : fmt::format("may answer {}", fmt::join(outputs, " or "));
+}
+
+Outcome compare_nondeterministic(const NondeterministicMealy& left,
+                                 const NondeterministicMealy& right, const Names& names) {
+  const auto difference = find_difference(left, right);
+  Json json{{"same", !difference}, {"kind", "nondeterministic mealy"}};
+  if (!difference) {
+    return {true,
+            fmt::format("The same: {} ({}) and {} ({}) have the same traces.\n", names.left,
+                        counted(left.size(), "state"), names.right, counted(right.size(), "state")),
+            json};
+  }
+  std::vector<std::string> trace;
+  for (const auto& [input, output] : difference->trace) trace.push_back(input + " / " + output);
+  json["trace"] = trace;
+  json["input"] = difference->input;
+  json["left"] = difference->left;
+  json["right"] = difference->right;
+  return {false,
+          fmt::format("They differ: after a shortest trace of {}, one may answer {} as the other "
+                      "never does\n  {}\n  {} {}\n  {} {}\n",
+                      counted(trace.size(), "step"), difference->input,
+                      trace.empty() ? "(at the start)" : fmt::format("{}", fmt::join(trace, ", ")),
+                      names.left, alternatives(difference->left, difference->input), names.right,
+                      alternatives(difference->right, difference->input)),
+          json};
+}
+
 std::string after(const std::vector<std::string>& word) {
   return word.empty() ? "at the start" : fmt::format("after {}", fmt::join(word, " "));
 }
@@ -141,8 +172,9 @@ Outcome compare_automata(const InterfaceAutomaton& left, const InterfaceAutomato
 }
 
 // The interface automaton that a Mealy machine stands for, to compare it with one.
-InterfaceAutomaton as_automaton(const Mealy& machine, const InterfaceAutomaton& other,
-                                const std::string& file, std::vector<std::string>& notes) {
+InterfaceAutomaton as_automaton(const NondeterministicMealy& machine,
+                                const InterfaceAutomaton& other, const std::string& file,
+                                std::vector<std::string>& notes) {
   const Translation translation =
       machine.inputs().find(delta_input) ? Translation::av : Translation::eager;
   notes.push_back(fmt::format(
@@ -151,11 +183,20 @@ InterfaceAutomaton as_automaton(const Mealy& machine, const InterfaceAutomaton& 
       file, to_string(translation)));
   const auto& actors = machine.actors.empty() ? other.actors : machine.actors;
   try {
-    return to_interface_automaton(machine, translation, actors);
+    const auto deterministic = machine.to_mealy();
+    return deterministic ? to_interface_automaton(*deterministic, translation, actors)
+                         : to_interface_automaton(machine, actors);
   } catch (const UsageError& error) {
     throw UsageError(fmt::format("a Mealy machine that stands for no interface automaton: {} ({})",
                                  error.what(), file));
   }
+}
+
+// A Mealy machine of either kind; nothing for an interface automaton.
+std::optional<NondeterministicMealy> as_mealy(const Model& model) {
+  if (const auto* machine = std::get_if<Mealy>(&model)) return NondeterministicMealy(*machine);
+  if (const auto* machine = std::get_if<NondeterministicMealy>(&model)) return *machine;
+  return std::nullopt;
 }
 
 ExitStatus run_compare(const CompareArguments& arguments, Context& context) {
@@ -167,18 +208,21 @@ ExitStatus run_compare(const CompareArguments& arguments, Context& context) {
   const auto* left_machine = std::get_if<Mealy>(&left);
   const auto* right_machine = std::get_if<Mealy>(&right);
   Outcome outcome;
+  const auto left_mealy = as_mealy(left), right_mealy = as_mealy(right);
   if (left_machine != nullptr && right_machine != nullptr) {
     outcome = compare_mealy(*left_machine, *right_machine, names);
+  } else if (left_mealy && right_mealy) {
+    outcome = compare_nondeterministic(*left_mealy, *right_mealy, names);
   } else {
     std::vector<std::string> notes;
     const InterfaceAutomaton left_automaton =
-        left_machine == nullptr
+        !left_mealy
             ? std::get<InterfaceAutomaton>(left)
-            : as_automaton(*left_machine, std::get<InterfaceAutomaton>(right), names.left, notes);
+            : as_automaton(*left_mealy, std::get<InterfaceAutomaton>(right), names.left, notes);
     const InterfaceAutomaton right_automaton =
-        right_machine == nullptr
+        !right_mealy
             ? std::get<InterfaceAutomaton>(right)
-            : as_automaton(*right_machine, std::get<InterfaceAutomaton>(left), names.right, notes);
+            : as_automaton(*right_mealy, std::get<InterfaceAutomaton>(left), names.right, notes);
     outcome = compare_automata(left_automaton, right_automaton, names, notes, context.control());
   }
   context.print(outcome.text);

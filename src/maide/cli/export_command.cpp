@@ -44,6 +44,9 @@ Export export_model(const ExportArguments& arguments, const Exporter& exporter) 
   if (const auto* machine = std::get_if<Mealy>(&model)) {
     states = machine->size();
     transitions = machine->size() * machine->inputs().size();
+  } else if (const auto* other = std::get_if<NondeterministicMealy>(&model)) {
+    states = other->size();
+    transitions = other->transition_count();
   } else {
     const auto& automaton = std::get<InterfaceAutomaton>(model);
     states = automaton.size();

@@ -22,7 +22,9 @@
 #include "maide/sul/learning_purpose.hpp"
 #include "maide/wire/protocol_names.hpp"
 #include "maide/workflow/learn_model.hpp"
+#include "maide/workflow/nondeterministic_run.hpp"
 #include "maide/workflow/open_system.hpp"
+#include "maide/workflow/patient_system.hpp"
 
 namespace maide::cli {
 namespace {
@@ -53,10 +55,10 @@ std::optional<Translation> wanted_translation(const LearnArguments& arguments) {
   return arguments.translation == "av" ? Translation::av : Translation::eager;
 }
 
-// A simulated model answers the same word in the same way, unless it is nondeterministic.
-bool is_to_be_confirmed(const LearnArguments& arguments, const SystemSpec& spec) {
+// A deterministic simulation needs no second look.
+bool is_to_be_confirmed(const LearnArguments& arguments, const OpenedSystem& system) {
   if (!arguments.confirm.empty()) return arguments.confirm == "yes";
-  return spec.kind != SystemSpec::Kind::simulated;
+  return !system.reference;
 }
 
 ExperimentOptions experiment_options(const LearnArguments& arguments, const Mealy* reference) {
@@ -249,7 +251,10 @@ ExitStatus learn(const LearnArguments& arguments, Context& context) {
   }
   ExperimentOptions options = experiment_options(arguments, reference ? &*reference : nullptr);
   if (!arguments.purpose.empty()) options.fingerprint["purpose"] = read_file(arguments.purpose);
-  options.confirm = is_to_be_confirmed(arguments, spec);
+  options.confirm = is_to_be_confirmed(arguments, system);
+  if (options.confirm) {
+    options.patient = make_patient_system(spec, access, *system.sul, arguments.purpose, control);
+  }
   const LearnedModel learned =
       learn_model(*system.sul, access.translation.value_or(Translation::eager), options, control);
   const ExitStatus given = give_result(learned, arguments, spec, system.jobs, context);
@@ -315,7 +320,8 @@ RunFunction set_up_learn(CLI::App& app) {
       ->default_str("");
   app.add_option("-o,--output", arguments->output,
                  "Where the model goes, as DOT; without it, to standard output");
-  app.add_option("--algorithm", arguments->algorithm, describe(learners()));
+  app.add_option("--algorithm", arguments->algorithm,
+                 fmt::format("{}; {}: {}", describe(learners()), nstar_name, nstar_description));
   app.add_option("--eq", arguments->test_method, describe(test_methods()));
   app.add_option("--translation", arguments->translation,
                  "Which Mealy machine stands for the interface automaton: eager (an input and all "

@@ -173,9 +173,9 @@ void write_line(std::ostream& out, StateId from, std::string_view label, StateId
 
 // There is no place to say what the labels are: a machine all of whose inputs begin with ? or !
 // would come back as an interface automaton.
-void refuse_misleading_labels(const Mealy& machine) {
+void refuse_misleading_labels(const Alphabet& inputs) {
   std::vector<std::string> labels;
-  for (const std::string& input : machine.inputs().names()) {
+  for (const std::string& input : inputs.names()) {
     labels.push_back(mealy_label(input, "output"));
   }
   if (looks_like_interface_automaton({labels.begin(), labels.end()})) {
@@ -185,17 +185,22 @@ void refuse_misleading_labels(const Mealy& machine) {
   }
 }
 
-void write_transitions(std::ostream& out, const Mealy& machine) {
-  out << "des (" << machine.initial() << ", " << machine.size() * machine.inputs().size() << ", "
+void write_transitions(std::ostream& out, const NondeterministicMealy& machine) {
+  out << "des (" << machine.initial() << ", " << machine.transition_count() << ", "
       << machine.size() << ")\n";
   for (StateId state = 0; state < machine.size(); ++state) {
     for (Symbol input = 0; input < machine.inputs().size(); ++input) {
-      write_line(out, state,
-                 mealy_label(machine.inputs().name(input),
-                             machine.outputs().name(machine.output(state, input))),
-                 machine.target(state, input));
+      for (const auto& choice : machine.choices(state, input)) {
+        write_line(out, state,
+                   mealy_label(machine.inputs().name(input), machine.outputs().name(choice.output)),
+                   choice.target);
+      }
     }
   }
+}
+
+void write_transitions(std::ostream& out, const Mealy& machine) {
+  write_transitions(out, NondeterministicMealy(machine));
 }
 
 void write_transitions(std::ostream& out, const InterfaceAutomaton& automaton) {
@@ -239,7 +244,9 @@ void write_aut(std::ostream& out, const Model& model, MarkLoss marks) {
     throw UsageError("the .aut format cannot carry the model's " + lost +
                      ": --lossy writes it without");
   }
-  if (const auto* machine = std::get_if<Mealy>(&model)) refuse_misleading_labels(*machine);
+  if (!std::holds_alternative<InterfaceAutomaton>(model)) {
+    std::visit([](const auto& machine) { refuse_misleading_labels(machine.inputs()); }, model);
+  }
   std::visit([&](const auto& automaton) { write_transitions(out, automaton); }, model);
 }
 

@@ -3,6 +3,7 @@
 #include <functional>
 #include <ostream>
 
+#include "maide/base/error.hpp"
 #include "maide/formats/identifiers.hpp"
 
 namespace maide {
@@ -209,7 +210,11 @@ class CppWriter {
 
 void write_cpp(std::ostream& out, const Model& model, const std::string& class_name) {
   CppWriter writer(out, class_name);
-  std::visit([&](const auto& automaton) { writer.write(automaton); }, model);
+  if (std::holds_alternative<NondeterministicMealy>(model)) {
+    throw UsageError("a nondeterministic Mealy machine cannot be exported to C++");
+  }
+  if (const auto* machine = std::get_if<Mealy>(&model)) return writer.write(*machine);
+  writer.write(std::get<InterfaceAutomaton>(model));
 }
 
 }  // namespace maide

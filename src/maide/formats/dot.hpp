@@ -22,6 +22,7 @@ Model read_dot(std::string_view text, const std::string& file);
 
 // The model's file; `dot` draws it. Byte for byte the same for equal models.
 void write_dot(std::ostream& out, const Mealy& machine);
+void write_dot(std::ostream& out, const NondeterministicMealy& machine);
 void write_dot(std::ostream& out, const InterfaceAutomaton& automaton);
 void write_dot(std::ostream& out, const Model& model);
 

@@ -1,6 +1,8 @@
 // DOT as it is written: one line a state and an edge, in the order of the model, so that the same
 // model always gives the same bytes.
 #include <ostream>
+#include <string_view>
+#include <vector>
 
 #include "maide/formats/actors_text.hpp"
 #include "maide/formats/dot.hpp"
@@ -48,28 +50,34 @@ void write_edge(std::ostream& out, StateId from, StateId to, const std::string& 
 }  // namespace
 
 void write_dot(std::ostream& out, const Mealy& machine) {
-  std::vector<std::string> labels;  // state-major
-  labels.reserve(machine.size() * machine.inputs().size());
+  if (!machine.is_complete()) throw UsageError("an incomplete Mealy machine cannot be written");
+  write_dot(out, NondeterministicMealy(machine));
+}
+
+void write_dot(std::ostream& out, const NondeterministicMealy& machine) {
+  struct LabelledEdge {
+    StateId from, to;
+    std::string label;
+  };
+  std::vector<LabelledEdge> edges;
+  std::vector<std::string_view> labels;
+  edges.reserve(machine.transition_count());
   for (StateId state = 0; state < machine.size(); ++state) {
     for (Symbol input = 0; input < machine.inputs().size(); ++input) {
-      if (machine.target(state, input) == Mealy::no_state) {
-        throw UsageError("an incomplete Mealy machine cannot be written");
+      for (const auto& choice : machine.choices(state, input)) {
+        edges.push_back(
+            {state, choice.target,
+             mealy_label(machine.inputs().name(input), machine.outputs().name(choice.output))});
       }
-      labels.push_back(mealy_label(machine.inputs().name(input),
-                                   machine.outputs().name(machine.output(state, input))));
     }
   }
-  const bool misleads = looks_like_interface_automaton({labels.begin(), labels.end()});
+  for (const LabelledEdge& edge : edges) labels.push_back(edge.label);
+  const bool misleads = looks_like_interface_automaton(labels);
   write_head(out, misleads ? "mealy" : "", machine.inputs(), machine.outputs(), machine.actors, {},
              machine.origin);
   for (StateId state = 0; state < machine.size(); ++state) write_state(out, state);
   out << "  __start0 -> s" << machine.initial() << ";\n";
-  auto label = labels.begin();
-  for (StateId state = 0; state < machine.size(); ++state) {
-    for (Symbol input = 0; input < machine.inputs().size(); ++input) {
-      write_edge(out, state, machine.target(state, input), *label++);
-    }
-  }
+  for (const LabelledEdge& edge : edges) write_edge(out, edge.from, edge.to, edge.label);
   out << "}\n";
 }
 

@@ -96,35 +96,39 @@ struct Step {
   Symbol output;
 };
 
-// Throws ParseError unless there is exactly one transition for each state and input (the same one
-// twice is one). Needs memory for the edges only: a broken file may promise a huge table.
-void check_deterministic_and_complete(const LabelledGraph& graph, const Alphabet& inputs,
-                                      const std::vector<Step>& steps) {
+// Throws ParseError unless there is a transition for each state and input, and one at most for each
+// output (the same one twice is one). Needs memory for the edges only: a broken file may promise a
+// huge table. True if there is only one for each state and input.
+bool is_deterministic(const LabelledGraph& graph, const Alphabet& inputs,
+                      const std::vector<Step>& steps) {
   const auto cell = [&](std::size_t edge) {
     return std::size_t{graph.edges[edge].from} * inputs.size() + steps[edge].input;
   };
   std::vector<std::size_t> order(steps.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
-  std::stable_sort(order.begin(), order.end(),
-                   [&](std::size_t left, std::size_t right) { return cell(left) < cell(right); });
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t left, std::size_t right) {
+    return std::pair(cell(left), steps[left].output) < std::pair(cell(right), steps[right].output);
+  });
+  bool is_single = true;
   std::size_t expected = 0;
   for (std::size_t place = 0; place < order.size(); ++place) {
     const std::size_t edge = order[place];
     if (place > 0 && cell(edge) == cell(order[place - 1])) {
       const std::size_t other = order[place - 1];
-      if (graph.edges[edge].to == graph.edges[other].to &&
-          steps[edge].output == steps[other].output) {
+      if (steps[edge].output != steps[other].output) {
+        is_single = false;
         continue;
       }
+      if (graph.edges[edge].to == graph.edges[other].to) continue;
       throw ParseError("state " + shown(graph.states[graph.edges[edge].from].name) +
                            " has two transitions for input " +
-                           shown(inputs.name(steps[edge].input)),
+                           shown(inputs.name(steps[edge].input)) + " with the same output",
                        graph.at(graph.edges[edge].place));
     }
     if (cell(edge) != expected) break;
     ++expected;
   }
-  if (expected == graph.states.size() * inputs.size()) return;
+  if (expected == graph.states.size() * inputs.size()) return is_single;
   const auto& state = graph.states[expected / inputs.size()];
   throw ParseError("state " + shown(state.name) + " has no transition for input " +
                        shown(inputs.name(static_cast<Symbol>(expected % inputs.size()))) +
@@ -132,7 +136,15 @@ void check_deterministic_and_complete(const LabelledGraph& graph, const Alphabet
                    graph.at(state.place));
 }
 
-Mealy to_mealy_machine(const LabelledGraph& graph) {
+template <typename Machine>
+Model finish(Machine machine, const LabelledGraph& graph) {
+  machine.set_initial(graph.initial);
+  machine.origin = graph.origin;
+  machine.actors = graph.actors;
+  return machine;
+}
+
+Model to_mealy_machine(const LabelledGraph& graph) {
   std::vector<Step> steps;
   steps.reserve(graph.edges.size());
   Alphabet inputs = declared_alphabet(graph.inputs);
@@ -143,16 +155,20 @@ Mealy to_mealy_machine(const LabelledGraph& graph) {
         {find_symbol(graph, edge, inputs, input, graph.inputs.has_value(), "input"),
          find_symbol(graph, edge, outputs, output, graph.outputs.has_value(), "output")});
   }
-  check_deterministic_and_complete(graph, inputs, steps);
+  if (!is_deterministic(graph, inputs, steps)) {
+    NondeterministicMealy machine(std::move(inputs), std::move(outputs), graph.states.size());
+    for (std::size_t index = 0; index < graph.edges.size(); ++index) {
+      const Edge& edge = graph.edges[index];
+      machine.add_choice(edge.from, steps[index].input, steps[index].output, edge.to);
+    }
+    return finish(std::move(machine), graph);
+  }
   Mealy machine(std::move(inputs), std::move(outputs), graph.states.size());
   for (std::size_t index = 0; index < graph.edges.size(); ++index) {
     const Edge& edge = graph.edges[index];
     machine.set_transition(edge.from, steps[index].input, steps[index].output, edge.to);
   }
-  machine.set_initial(graph.initial);
-  machine.origin = graph.origin;
-  machine.actors = graph.actors;
-  return machine;
+  return finish(std::move(machine), graph);
 }
 
 InterfaceAutomaton to_interface_automaton_of(const LabelledGraph& graph) {

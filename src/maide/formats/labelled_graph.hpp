@@ -1,6 +1,7 @@
 // What the readers of all file formats have in common: a graph whose edges carry labels becomes a
 // Mealy machine ("input / output") or an interface automaton ("?input", "!output"); which of the
-// two is seen from the labels.
+// two is seen from the labels. A Mealy machine with several answers to an input is
+// nondeterministic.
 #pragma once
 
 #include <optional>
@@ -12,11 +13,12 @@
 
 #include "maide/automata/interface_automaton.hpp"
 #include "maide/automata/mealy.hpp"
+#include "maide/automata/nondeterministic_mealy.hpp"
 #include "maide/base/error.hpp"
 
 namespace maide {
 
-using Model = std::variant<Mealy, InterfaceAutomaton>;
+using Model = std::variant<Mealy, InterfaceAutomaton, NondeterministicMealy>;
 
 struct LabelledGraph {
   // A place in the text being read.
@@ -51,8 +53,9 @@ struct LabelledGraph {
 };
 
 // Throws ParseError with its place for a label that is neither form, a symbol that the file does
-// not declare though it declares its alphabet, and for a Mealy machine that is incomplete or
-// nondeterministic. Alphabets that are not declared are in order of appearance.
+// not declare though it declares its alphabet, and for a Mealy machine that is incomplete, or
+// nondeterministic and not observable (two transitions with the same input and output). Alphabets
+// that are not declared are in order of appearance.
 Model to_model(const LabelledGraph& graph);
 
 // The labels as the writers write them.

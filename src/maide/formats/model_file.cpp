@@ -18,6 +18,10 @@ Model read_model(const std::filesystem::path& path) {
 Mealy read_mealy(const std::filesystem::path& path) {
   Model model = read_model(path);
   if (auto* machine = std::get_if<Mealy>(&model)) return std::move(*machine);
+  if (std::holds_alternative<NondeterministicMealy>(model)) {
+    throw UsageError("a nondeterministic Mealy machine where a deterministic one is needed (" +
+                     path.string() + ")");
+  }
   throw UsageError("an interface automaton where a Mealy machine is needed (" + path.string() +
                    ")");
 }

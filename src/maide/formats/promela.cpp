@@ -146,7 +146,7 @@ void write_environment(std::ostream& out, const std::string& type,
          "    run Environment(ToTheModel, FromTheModel)\n  }\n}\n";
 }
 
-void write_mealy_proctype(std::ostream& out, const Mealy& machine,
+void write_mealy_proctype(std::ostream& out, const NondeterministicMealy& machine,
                           const std::vector<std::string>& inputs,
                           const std::vector<std::string>& outputs) {
   out << "proctype Model(chan InChannel; chan OutChannel) {\n";
@@ -154,18 +154,25 @@ void write_mealy_proctype(std::ostream& out, const Mealy& machine,
   for (StateId state = 0; state < machine.size(); ++state) {
     out << "end_s" << state << ":\n";
     if (inputs.empty()) out << "  false;\n";
+    if (!inputs.empty()) out << "  if\n";
     for (Symbol input = 0; input < inputs.size(); ++input) {
-      out << (input == 0 ? "  if\n" : "") << "  :: InChannel?" << inputs[input] << " -> OutChannel!"
-          << outputs[machine.output(state, input)] << " -> goto end_s"
-          << machine.target(state, input) << "\n";
+      for (const auto& choice : machine.choices(state, input)) {
+        out << "  :: InChannel?" << inputs[input] << " -> OutChannel!" << outputs[choice.output]
+            << " -> goto end_s" << choice.target << "\n";
+      }
     }
     if (!inputs.empty()) out << "  fi;\n";
   }
   out << "}\n";
 }
 
-void write_model(std::ostream& out, const Mealy& machine, const SymbolNames& symbols) {
+void write_model(std::ostream& out, const NondeterministicMealy& machine,
+                 const SymbolNames& symbols) {
   write_mealy_proctype(out, machine, symbols.of(machine.inputs()), symbols.of(machine.outputs()));
+}
+
+void write_model(std::ostream& out, const Mealy& machine, const SymbolNames& symbols) {
+  write_model(out, NondeterministicMealy(machine), symbols);
 }
 
 void write_model(std::ostream& out, const InterfaceAutomaton& automaton,

@@ -2,6 +2,7 @@
 
 #include <ostream>
 
+#include "maide/base/error.hpp"
 #include "maide/formats/identifiers.hpp"
 
 namespace maide {
@@ -175,7 +176,11 @@ class SmvWriter {
 
 void write_smv(std::ostream& out, const Model& model) {
   SmvWriter writer(out);
-  std::visit([&](const auto& automaton) { writer.write(automaton); }, model);
+  if (std::holds_alternative<NondeterministicMealy>(model)) {
+    throw UsageError("a nondeterministic Mealy machine cannot be exported to SMV");
+  }
+  if (const auto* machine = std::get_if<Mealy>(&model)) return writer.write(*machine);
+  writer.write(std::get<InterfaceAutomaton>(model));
 }
 
 }  // namespace maide

@@ -9,34 +9,10 @@
 #include "maide/base/error.hpp"
 #include "maide/base/join.hpp"
 #include "maide/sul/fatal_words.hpp"
+#include "maide/sul/ia_expansion.hpp"
 
 namespace maide {
 namespace {
-
-// What a Mealy machine of a translation does at a quiescent state on an input.
-struct MacroStep {
-  StepStatus status = StepStatus::taken;
-  std::vector<std::string> outputs;  // in canonical order
-  StateId target = 0;
-};
-
-std::vector<std::string> split_outputs(const std::string& joined) {
-  std::vector<std::string> outputs;
-  if (joined == "quiet") return outputs;
-  for (std::size_t begin = 0;;) {
-    const std::size_t comma = joined.find(',', begin);
-    outputs.push_back(joined.substr(begin, comma - begin));
-    if (comma == std::string::npos) return outputs;
-    begin = comma + 1;
-  }
-}
-
-StepStatus status_of(const std::string& output) {
-  if (output == "refused") return StepStatus::refused;
-  if (output == "unexplored") return StepStatus::unexplored;
-  if (output == "absorbed") return StepStatus::absorbed;
-  return StepStatus::taken;
-}
 
 // Reads a machine of either translation as steps from quiescence to quiescence.
 class MacroMachine {
@@ -56,15 +32,13 @@ class MacroMachine {
 
   MacroStep step(StateId state, Symbol input) const {
     const std::string& output = machine_.outputs().name(machine_.output(state, input));
-    MacroStep result{status_of(output), {}, machine_.target(state, input)};
+    MacroStep result = read_eager_step(output, machine_.target(state, input));
     if (result.status != StepStatus::taken) {
       if (result.target != state) fail(state, input, "is refused and yet changes the state");
       return result;
     }
-    if (translation_ == Translation::eager) {
-      result.outputs = split_outputs(output);
-      return result;
-    }
+    if (translation_ == Translation::eager) return result;
+    result.outputs.clear();
     if (output != "+") fail(state, input, "answers '" + output + "' where '+' is due");
     take_due_outputs(state, input, result);
     return result;
@@ -98,88 +72,6 @@ class MacroMachine {
   const Mealy& machine_;
   Translation translation_;
   std::vector<std::string> inputs_;
-};
-
-// Builds the interface automaton: quiescent states first, states with outputs due as they are met.
-class Expander {
- public:
-  Expander(const MacroMachine& machine, std::size_t states, std::span<const Actor> actors)
-      : machine_(machine), automaton_(Alphabet(machine.inputs()), Alphabet(), states) {
-    for (std::size_t actor = 0; actor < actors.size(); ++actor) {
-      for (const std::string& output : actors[actor].outputs) {
-        actor_of_.emplace(output, actor + 1);
-        automaton_.intern_output(output);
-      }
-    }
-  }
-
-  void expand(StateId state) {
-    for (Symbol input = 0; input < machine_.inputs().size(); ++input) {
-      const MacroStep step = machine_.step(state, input);
-      const Action action{Action::Kind::input, input};
-      switch (step.status) {
-        case StepStatus::unexplored: automaton_.mark_unexplored(state, input); break;
-        case StepStatus::absorbed: automaton_.add_transition(state, action, state, true); break;
-        case StepStatus::taken:
-          automaton_.add_transition(state, action, due_state(by_actor(step.outputs), step.target));
-          break;
-        default: break;
-      }
-    }
-    while (!unfinished_.empty()) {
-      const auto [due, target, source] = std::move(unfinished_.back());
-      unfinished_.pop_back();
-      take_each_first(due, target, source);
-    }
-  }
-
-  InterfaceAutomaton take() { return std::move(automaton_); }
-
- private:
-  using Due = std::vector<std::vector<Symbol>>;  // for each actor that owes some: what, in order
-
-  Due by_actor(const std::vector<std::string>& outputs) {
-    std::map<std::size_t, std::vector<Symbol>> due;
-    for (const std::string& output : outputs) {
-      const auto actor = actor_of_.find(output);
-      due[actor == actor_of_.end() ? 0 : actor->second].push_back(automaton_.intern_output(output));
-    }
-    Due result;
-    for (auto& [actor, sequence] : due) result.push_back(std::move(sequence));
-    return result;
-  }
-
-  // The state in which `due` is owed on the way to `target`; a new one is finished later.
-  StateId due_state(const Due& due, StateId target) {
-    if (due.empty()) return target;
-    const auto [place, is_new] = due_states_.emplace(std::pair(due, target), 0);
-    if (is_new) {
-      place->second = automaton_.add_state();
-      unfinished_.push_back({due, target, place->second});
-    }
-    return place->second;
-  }
-
-  // The transitions of a state in which `due` is owed: any actor's first output may be taken.
-  void take_each_first(const Due& due, StateId target, StateId source) {
-    for (std::size_t i = 0; i < due.size(); ++i) {
-      Due rest = due;
-      const Action action{Action::Kind::output, rest[i].front()};
-      rest[i].erase(rest[i].begin());
-      if (rest[i].empty()) rest.erase(rest.begin() + static_cast<std::ptrdiff_t>(i));
-      automaton_.add_transition(source, action, due_state(rest, target));
-    }
-  }
-
-  struct Unfinished {
-    Due due;
-    StateId target, source;
-  };
-  const MacroMachine& machine_;
-  InterfaceAutomaton automaton_;
-  std::map<std::string, std::size_t> actor_of_;  // 0: of no actor
-  std::map<std::pair<Due, StateId>, StateId> due_states_;
-  std::vector<Unfinished> unfinished_;
 };
 
 // The answers of an interface automaton at a quiescent state, for to_mealy.
@@ -321,8 +213,38 @@ std::vector<StateId> quiescent_states(const Mealy& machine, const MacroMachine& 
 InterfaceAutomaton to_interface_automaton(const Mealy& machine, Translation translation,
                                           std::span<const Actor> actors) {
   const MacroMachine steps(machine, translation);
-  Expander expander(steps, machine.size(), actors);
-  for (const StateId state : quiescent_states(machine, steps)) expander.expand(state);
+  IaExpander expander(Alphabet(steps.inputs()), machine.size(), actors);
+  for (const StateId state : quiescent_states(machine, steps)) {
+    for (Symbol input = 0; input < steps.inputs().size(); ++input) {
+      expander.add_step(state, input, steps.step(state, input));
+    }
+  }
+  InterfaceAutomaton automaton = expander.take();
+  automaton.set_initial(machine.initial());
+  automaton.origin = machine.origin;
+  automaton.actors.assign(actors.begin(), actors.end());
+  return minimize(automaton);
+}
+
+InterfaceAutomaton to_interface_automaton(const NondeterministicMealy& machine,
+                                          std::span<const Actor> actors) {
+  IaExpander expander(machine.inputs(), machine.size(), actors);
+  for (StateId state = 0; state < machine.size(); ++state) {
+    for (Symbol input = 0; input < machine.inputs().size(); ++input) {
+      const auto choices = machine.choices(state, input);
+      for (const auto& choice : choices) {
+        const MacroStep step =
+            read_eager_step(machine.outputs().name(choice.output), choice.target);
+        if (step.status != StepStatus::taken && (choices.size() > 1 || step.target != state)) {
+          throw UsageError("state " + std::to_string(state) + ": input '" +
+                           machine.inputs().name(input) +
+                           "' is at times taken and at times not, after the same events: what "
+                           "decides that is not observed");
+        }
+        expander.add_step(state, input, step);
+      }
+    }
+  }
   InterfaceAutomaton automaton = expander.take();
   automaton.set_initial(machine.initial());
   automaton.origin = machine.origin;
@@ -352,27 +274,57 @@ const InterfaceAutomaton::Transition* find_first_due(const InterfaceAutomaton& a
   return first;
 }
 
+namespace {
+
+// Every return of the input's call is among the outputs that are observed.
+bool are_returns_observed(const SulInput& input, const SulInfo& info) {
+  return !input.returns.empty() &&
+         std::all_of(input.returns.begin(), input.returns.end(), [&](const auto& name) {
+           return std::any_of(info.outputs.begin(), info.outputs.end(),
+                              [&](const SulOutput& output) { return output.name == name; });
+         });
+}
+
+}  // namespace
+
 std::vector<std::string> find_hidden_returns(const Mealy& machine, Translation translation,
                                              const SulInfo& info) {
   const MacroMachine steps(machine, translation);
   const std::vector<StateId> states = quiescent_states(machine, steps);
   std::vector<std::string> hidden;
   for (Symbol input = 0; input < steps.inputs().size(); ++input) {
-    const auto& declared = info.inputs[input];
-    const bool all_observed =
-        !declared.returns.empty() &&
-        std::all_of(declared.returns.begin(), declared.returns.end(), [&](const auto& name) {
-          return std::any_of(info.outputs.begin(), info.outputs.end(),
-                             [&](const SulOutput& output) { return output.name == name; });
-        });
-    if (all_observed) continue;
+    if (are_returns_observed(info.inputs[input], info)) continue;
     const bool seen_busy = std::any_of(states.begin(), states.end(), [&](StateId state) {
       const MacroStep step = steps.step(state, input);
       const bool is_end = !step.outputs.empty() && is_end_output(step.outputs.back());
       return step.status == StepStatus::taken && !is_end &&
              steps.step(step.target, input).status == StepStatus::refused;
     });
-    if (seen_busy) hidden.push_back(declared.name);
+    if (seen_busy) hidden.push_back(info.inputs[input].name);
+  }
+  return hidden;
+}
+
+std::vector<std::string> find_hidden_returns(const NondeterministicMealy& machine,
+                                             const SulInfo& info) {
+  const auto has_status = [&](StateId state, Symbol input, StepStatus status, auto&& also) {
+    const auto choices = machine.choices(state, input);
+    return std::any_of(choices.begin(), choices.end(), [&](const auto& choice) {
+      const MacroStep step = read_eager_step(machine.outputs().name(choice.output), choice.target);
+      const bool is_end = !step.outputs.empty() && is_end_output(step.outputs.back());
+      return step.status == status && !is_end && also(choice.target);
+    });
+  };
+  std::vector<std::string> hidden;
+  for (Symbol input = 0; input < machine.inputs().size(); ++input) {
+    if (are_returns_observed(info.inputs[input], info)) continue;
+    bool seen_busy = false;
+    for (StateId state = 0; state < machine.size() && !seen_busy; ++state) {
+      seen_busy = has_status(state, input, StepStatus::taken, [&](StateId next) {
+        return has_status(next, input, StepStatus::refused, [](StateId) { return true; });
+      });
+    }
+    if (seen_busy) hidden.push_back(info.inputs[input].name);
   }
   return hidden;
 }

@@ -8,6 +8,7 @@
 
 #include "maide/automata/interface_automaton.hpp"
 #include "maide/automata/mealy.hpp"
+#include "maide/automata/nondeterministic_mealy.hpp"
 #include "maide/sul/sul.hpp"
 
 namespace maide {
@@ -23,6 +24,13 @@ inline constexpr const char* delta_input = "Delta";
 InterfaceAutomaton to_interface_automaton(const Mealy& machine, Translation translation,
                                           std::span<const Actor> actors);
 
+// The same for a nondeterministic machine of the eager translation. The choice is the system's, and
+// is made when the input is taken: an input with several answers has several targets, each with the
+// outputs of one answer due. Throws UsageError where an input is at times refused, or beyond the
+// bound, and at times taken.
+InterfaceAutomaton to_interface_automaton(const NondeterministicMealy& machine,
+                                          std::span<const Actor> actors);
+
 // The minimal Mealy machine of `automaton` in a translation. Of several outputs that are due, the
 // one of the first actor comes first (the canonical order). Throws UsageError if the automaton is
 // not deterministic, is not quiescent at the start, or emits outputs without end.
@@ -36,6 +44,8 @@ const InterfaceAutomaton::Transition* find_first_due(const InterfaceAutomaton& a
 // Inputs that were seen busy at quiescence and not all of whose returns are observed, in the order
 // of the inputs. `machine` is a learned machine over the inputs of `info`.
 std::vector<std::string> find_hidden_returns(const Mealy& machine, Translation translation,
+                                             const SulInfo& info);
+std::vector<std::string> find_hidden_returns(const NondeterministicMealy& machine,
                                              const SulInfo& info);
 
 }  // namespace maide

@@ -153,7 +153,8 @@ Origin describe_origin(const SulInfo& info) {
   return origin;
 }
 
-InterfaceAutomaton IaTranslator::to_interface_automaton(const Mealy& machine) const {
+// The system's, with the inputs and outputs that are its own.
+std::vector<Actor> IaTranslator::actors() const {
   const SulInfo& its = info();
   std::vector<Actor> actors;
   for (std::size_t i = 0; i < its.actors.size(); ++i) {
@@ -165,9 +166,21 @@ InterfaceAutomaton IaTranslator::to_interface_automaton(const Mealy& machine) co
       if (output.actor == i) actor.outputs.push_back(output.name);
     }
   }
-  InterfaceAutomaton automaton = maide::to_interface_automaton(machine, translation_, actors);
-  automaton.hidden_returns = find_hidden_returns(machine, translation_, its);
-  for (const auto& [key, value] : describe_origin(its)) automaton.origin[key] = value;
+  return actors;
+}
+
+InterfaceAutomaton IaTranslator::to_interface_automaton(const Mealy& machine) const {
+  InterfaceAutomaton automaton = maide::to_interface_automaton(machine, translation_, actors());
+  automaton.hidden_returns = find_hidden_returns(machine, translation_, info());
+  for (const auto& [key, value] : describe_origin(info())) automaton.origin[key] = value;
+  return automaton;
+}
+
+InterfaceAutomaton IaTranslator::to_interface_automaton(
+    const NondeterministicMealy& machine) const {
+  InterfaceAutomaton automaton = maide::to_interface_automaton(machine, actors());
+  automaton.hidden_returns = find_hidden_returns(machine, info());
+  for (const auto& [key, value] : describe_origin(info())) automaton.origin[key] = value;
   return automaton;
 }
 

@@ -12,6 +12,7 @@
 
 #include "maide/automata/interface_automaton.hpp"
 #include "maide/automata/mealy.hpp"
+#include "maide/automata/nondeterministic_mealy.hpp"
 #include "maide/sul/fatal_words.hpp"
 #include "maide/sul/ia_translation.hpp"
 #include "maide/sul/query.hpp"
@@ -66,9 +67,11 @@ class IaTranslator {
   // hidden returns and origin. Throws UsageError if the machine breaks the translation's
   // assumptions.
   InterfaceAutomaton to_interface_automaton(const Mealy& machine) const;
+  InterfaceAutomaton to_interface_automaton(const NondeterministicMealy& machine) const;
 
  private:
   MealyAnswer to_mealy_answer(SulAnswer raw, const SulQuery& query);
+  std::vector<Actor> actors() const;
   void run_unknown(std::span<const SulQuery> queries,
                    std::vector<std::optional<SulAnswer>>& answers, const RunControl& control);
 

@@ -11,48 +11,82 @@
 namespace maide {
 namespace {
 
+// More outputs than this in one step are taken for outputs without end.
+constexpr std::size_t most_outputs = 10'000;
+
 // One instance of a plain Mealy machine.
 class PlainInstance : public SteppedSystem {
  public:
-  explicit PlainInstance(const Mealy& machine) : machine_(machine), state_(machine.initial()) {}
+  PlainInstance(const NondeterministicMealy& machine, Random& random)
+      : machine_(machine), random_(random), state_(machine.initial()) {}
   bool is_busy(Symbol) override { return false; }
   Outcome take(Symbol input, SulStep& step) override {
-    step.events.push_back({0, machine_.outputs().name(machine_.output(state_, input))});
-    state_ = machine_.target(state_, input);
+    const auto choices = machine_.choices(state_, input);
+    const auto& choice = choices[choices.size() == 1 ? 0 : random_.below(choices.size())];
+    step.events.push_back({0, machine_.outputs().name(choice.output)});
+    state_ = choice.target;
     return Outcome::quiescent;
   }
 
  private:
-  const Mealy& machine_;
+  const NondeterministicMealy& machine_;
+  Random& random_;
   StateId state_;
 };
 
-// One instance of an interface automaton; always in a quiescent state between steps.
+// One instance of an interface automaton; always in a quiescent state between steps. `random` is
+// null for a deterministic one.
 class AutomatonInstance : public SteppedSystem {
  public:
-  AutomatonInstance(const InterfaceAutomaton& automaton, const SulInfo& info)
-      : automaton_(automaton), info_(info), state_(automaton.initial()) {}
+  AutomatonInstance(const InterfaceAutomaton& automaton, const SulInfo& info, Random* random)
+      : automaton_(automaton), info_(info), random_(random), state_(automaton.initial()) {}
   bool is_busy(Symbol) override { return false; }  // refusals are in the automaton
   Outcome take(Symbol input, SulStep& step) override {
     step.status = StepStatus::refused;
     if (automaton_.is_unexplored(state_, input)) step.status = StepStatus::unexplored;
     const Action action{Action::Kind::input, input};
-    for (const auto& transition : automaton_.transitions(state_)) {
-      if (transition.action != action) continue;
-      step.status = transition.absorbed ? StepStatus::absorbed : StepStatus::taken;
-      if (!transition.absorbed) state_ = transition.target;
+    const auto is_wanted = [&](const Transition& other) { return other.action == action; };
+    if (const Transition* transition = pick(is_wanted)) {
+      step.status = transition->absorbed ? StepStatus::absorbed : StepStatus::taken;
+      if (!transition->absorbed) state_ = transition->target;
     }
-    while (const auto* due = find_first_due(automaton_, state_)) {
+    while (const Transition* due = pick_due()) {
       const auto& output = info_.outputs[due->action.symbol];
       step.events.push_back({output.actor, output.name});
       state_ = due->target;
+      if (step.events.size() > most_outputs) {
+        throw UsageError("the interface automaton emits outputs without end (" + info_.name + ")");
+      }
     }
     return Outcome::quiescent;
   }
 
  private:
+  using Transition = InterfaceAutomaton::Transition;
+
+  // Of the transitions of the state one that is wanted: the last, or any by chance.
+  template <typename IsWanted>
+  const Transition* pick(const IsWanted& is_wanted) {
+    std::vector<const Transition*> wanted;
+    for (const Transition& transition : automaton_.transitions(state_)) {
+      if (is_wanted(transition)) wanted.push_back(&transition);
+    }
+    if (wanted.empty()) return nullptr;
+    return random_ == nullptr ? wanted.back() : wanted[random_->below(wanted.size())];
+  }
+  // Outputs come in the canonical order; which of one actor's comes is chance.
+  const Transition* pick_due() {
+    const Transition* first = find_first_due(automaton_, state_);
+    if (first == nullptr || random_ == nullptr) return first;
+    const auto actor = info_.outputs[first->action.symbol].actor;
+    return pick([&](const Transition& other) {
+      return !other.action.is_input() && info_.outputs[other.action.symbol].actor == actor;
+    });
+  }
+
   const InterfaceAutomaton& automaton_;
   const SulInfo& info_;
+  Random* random_;
   StateId state_;
 };
 
@@ -83,7 +117,12 @@ std::uint32_t actor_of(const InterfaceAutomaton& automaton, const std::string& n
 SimulatedSul::SimulatedSul(InterfaceAutomaton automaton, std::string name)
     : automaton_(std::move(automaton)), is_plain_(false) {
   check_ends(automaton_);
-  to_mealy(automaton_, Translation::eager);  // throws if it cannot be played
+  is_deterministic_ = automaton_.is_deterministic();
+  if (is_deterministic_) {
+    to_mealy(automaton_, Translation::eager);  // throws if it cannot be played
+  } else if (!automaton_.is_quiescent(automaton_.initial())) {
+    throw UsageError("the interface automaton has an output due in its initial state");
+  }
   info_.name = std::move(name);
   for (const Actor& actor : automaton_.actors) info_.actors.push_back(actor.name);
   if (info_.actors.empty()) info_.actors.emplace_back("system");
@@ -103,15 +142,27 @@ SimulatedSul::SimulatedSul(InterfaceAutomaton automaton, std::string name)
   }
 }
 
-SimulatedSul::SimulatedSul(Mealy machine, std::string name)
+SimulatedSul::SimulatedSul(Mealy machine, std::string name) : is_plain_(true) {
+  if (!machine.is_complete()) throw UsageError("the Mealy machine is not complete (" + name + ")");
+  machine_ = NondeterministicMealy(machine);
+  info_.name = std::move(name);
+  describe_plain(machine_.inputs(), machine_.outputs());
+}
+
+SimulatedSul::SimulatedSul(NondeterministicMealy machine, std::string name)
     : machine_(std::move(machine)), is_plain_(true) {
   if (!machine_.is_complete()) throw UsageError("the Mealy machine is not complete (" + name + ")");
+  is_deterministic_ = machine_.is_deterministic();
   info_.name = std::move(name);
+  describe_plain(machine_.inputs(), machine_.outputs());
+}
+
+void SimulatedSul::describe_plain(const Alphabet& inputs, const Alphabet& outputs) {
   info_.has_actors = false;
   info_.speaks_av = false;
   info_.actors.emplace_back("system");
-  for (const std::string& input : machine_.inputs().names()) info_.inputs.push_back({input, 0, {}});
-  for (const std::string& output : machine_.outputs().names()) info_.outputs.push_back({output, 0});
+  for (const std::string& input : inputs.names()) info_.inputs.push_back({input, 0, {}});
+  for (const std::string& output : outputs.names()) info_.outputs.push_back({output, 0});
 }
 
 SimulatedSul::~SimulatedSul() = default;
@@ -123,10 +174,10 @@ void SimulatedSul::run(std::span<const SulQuery> batch, const SulAnswerSink& sin
   for (std::size_t i = 0; i < batch.size(); ++i) {
     if (control.should_stop()) control.check("the run");
     if (is_plain_) {
-      PlainInstance instance(machine_);
+      PlainInstance instance(machine_, random_);
       sink(i, play(instance, batch[i], info_, purposes_));
     } else {
-      AutomatonInstance instance(automaton_, info_);
+      AutomatonInstance instance(automaton_, info_, is_deterministic_ ? nullptr : &random_);
       sink(i, play(instance, batch[i], info_, purposes_));
     }
   }
@@ -137,7 +188,8 @@ void SimulatedSul::add_version(const std::string& what, const std::string& versi
 }
 
 Mealy SimulatedSul::reference(Translation translation) const {
-  return is_plain_ ? machine_ : to_mealy(automaton_, translation);
+  if (!is_deterministic_) throw UsageError("the model is nondeterministic (" + info_.name + ")");
+  return is_plain_ ? *machine_.to_mealy() : to_mealy(automaton_, translation);
 }
 
 }  // namespace maide

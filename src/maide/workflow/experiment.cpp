@@ -1,136 +1,138 @@
 #include "maide/workflow/experiment.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <chrono>
 #include <memory>
 #include <optional>
+#include <utility>
 
 #include "maide/learn/cache.hpp"
 #include "maide/learn/confirming_teacher.hpp"
 #include "maide/learn/counting_oracle.hpp"
 #include "maide/learn/learners.hpp"
 #include "maide/learn/sul_oracle.hpp"
+#include "maide/workflow/confirm_model.hpp"
 #include "maide/workflow/paced_oracle.hpp"
+#include "maide/workflow/run_counts.hpp"
 
 namespace maide {
 namespace {
 
-// Passes on what learner and tests report, with the counts of what has reached the system; and the
-// last report again whenever those have grown.
-class CountedProgress : public ProgressObserver {
- public:
-  CountedProgress(ProgressObserver* observer, const CountingOracle& counter)
-      : observer_(observer), counter_(counter) {}
+// Inputs that the confirmation with longer waits may cost: a bounded share of the run.
+std::uint64_t confirmation_budget(const Statistics& statistics) {
+  return std::clamp<std::uint64_t>(statistics.total().symbols / 400, 20, 500);
+}
 
-  void on_progress(const Progress& progress) override {
-    last_ = progress;
-    repeat();
+// One run: learner and teacher, again and again until no answer that they have seen is corrected.
+class Run {
+ public:
+  Run(OutputOracle& system, const ExperimentOptions& options, const RunControl& control)
+      : options_(options),
+        control_(control),
+        algorithm_(options.algorithm.empty() ? learners().front()
+                                             : find_learner(options.algorithm)),
+        method_(options.test_method.empty() ? test_methods().front()
+                                            : find_test_method(options.test_method)),
+        counter_(system),
+        progress_(control.progress, counter_),
+        paced_(counter_, pace()) {
+    if (!options.cache_file.empty()) {
+      file_.emplace(options.cache_file, system.inputs(), options.fingerprint);
+    }
+    cache_.emplace(file_ ? Cache(paced_, *file_) : Cache(paced_));
+    cache_->hold_votes(options.vote, [this](bool begins) {
+      if (begins) phase_ = counter_.phase();
+      counter_.set_phase(begins ? LearnPhase::confirmation : phase_);
+    });
+    control_.progress = &progress_;
+    result_.algorithm = algorithm_.name;
+    result_.test_method = method_.name;
   }
-  void set_hypothesis(std::size_t states) {
-    last_ = {};
-    last_.states = states;
-  }
-  void repeat() {
-    if (observer_ == nullptr) return;
-    if (last_.total == 0) last_.phase = to_string(counter_.phase());
-    const QueryCounts counts = counter_.statistics().total();
-    last_.words = counts.queries;
-    last_.symbols = counts.symbols;
-    observer_->on_progress(last_);
+
+  ExperimentResult run() {
+    while (!learn_once()) ++result_.restarts;
+    result_.contradictions = cache_->contradictions();
+    result_.model.origin["algorithm"] = result_.algorithm;
+    result_.model.origin["tests"] = result_.guarantee;
+    result_.model.origin["seed"] = std::to_string(options_.testing.seed);
+    Statistics statistics = counter_.statistics();
+    statistics.at(LearnPhase::confirmation) += patient_counts_;
+    fill_counts(result_, statistics, start_);
+    result_.cache_hits = cache_->hits();
+    return std::move(result_);
   }
 
  private:
-  ProgressObserver* observer_;
-  const CountingOracle& counter_;
-  Progress last_;
+  PaceOptions pace() {
+    PaceOptions pace;
+    if (options_.max_experiments != 0) pace.max_queries = options_.max_experiments;
+    pace.after_portion = [this] { progress_.repeat(); };
+    return pace;
+  }
+
+  // False if it must be done again on a corrected cache.
+  bool learn_once() {
+    const auto tests = method_.make({*cache_, &*cache_, options_.reference}, options_.testing);
+    ConfirmingTeacher confirming(*tests, *cache_);
+    PhasedTeacher teacher(options_.confirm ? confirming : *tests, counter_);
+    const auto learner = algorithm_.make(*cache_);
+    counter_.set_phase(LearnPhase::learning);
+    bool is_over = true;
+    try {
+      run_learner(*learner, teacher, control_, [this](const Mealy& hypothesis, std::uint64_t) {
+        ++result_.equivalence_queries;
+        progress_.set_hypothesis(hypothesis.size());
+        if (options_.on_hypothesis) {
+          options_.on_hypothesis(hypothesis, result_.equivalence_queries);
+        }
+      });
+      result_.guarantee = teacher.guarantee();
+      confirm(learner->hypothesis());
+    } catch (const CacheCorrected&) {
+      is_over = false;
+    } catch (...) {
+      result_.guarantee = teacher.guarantee();
+      result_.error = std::current_exception();
+    }
+    result_.output_queries += learner->output_queries();
+    // A run that ends before its first hypothesis leaves the one before.
+    if (learner->hypothesis().size() > 0) result_.model = learner->hypothesis();
+    return is_over;
+  }
+
+  // A kept cache that answered everything was confirmed by the run that filled it.
+  void confirm(const Mealy& model) {
+    if (!options_.patient || counter_.statistics().total().queries == 0) return;
+    const ConfirmationSettings settings{options_.vote, options_.testing.seed,
+                                        confirmation_budget(counter_.statistics())};
+    const std::uint64_t words =
+        confirm_model(model, *options_.patient, *cache_, settings, patient_counts_, control_);
+    result_.guarantee +=
+        fmt::format("; {} words confirmed with longer waits ({})", words, options_.patient->waits);
+  }
+
+  const std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+  const ExperimentOptions& options_;
+  RunControl control_;
+  const LearnerEntry& algorithm_;
+  const TestMethodEntry& method_;
+  CountingOracle counter_;
+  CountedProgress progress_;
+  PacedOracle paced_;
+  std::optional<CacheFile> file_;
+  std::optional<Cache> cache_;
+  LearnPhase phase_ = LearnPhase::learning;  // before a vote
+  QueryCounts patient_counts_;
+  ExperimentResult result_;
 };
-
-double to_seconds(std::chrono::microseconds duration) {
-  return std::chrono::duration<double>(duration).count();
-}
-
-void fill_counts(ExperimentResult& result, const CountingOracle& counter, const Cache& cache,
-                 std::chrono::steady_clock::time_point start) {
-  const QueryCounts total = counter.statistics().total();
-  result.experiments = total.queries;
-  result.symbols = total.symbols;
-  result.resets = total.resets;
-  result.cache_hits = cache.hits();
-  result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  result.seconds_in_system = to_seconds(total.in_system);
-  result.seconds_in_reset = to_seconds(total.in_reset);
-  result.seconds_in_reset_wait = to_seconds(total.in_reset_wait);
-  result.seconds_in_settling = to_seconds(total.in_settling);
-  result.seconds_in_learner = std::max(0.0, result.seconds - to_seconds(total.asking));
-  result.statistics = counter.statistics();
-}
 
 }  // namespace
 
 ExperimentResult run_experiment(OutputOracle& system, const ExperimentOptions& options,
                                 const RunControl& control) {
-  const auto start = std::chrono::steady_clock::now();
-  const LearnerEntry& algorithm =
-      options.algorithm.empty() ? learners().front() : find_learner(options.algorithm);
-  const TestMethodEntry& method =
-      options.test_method.empty() ? test_methods().front() : find_test_method(options.test_method);
-  CountingOracle counter(system);
-  CountedProgress progress(control.progress, counter);
-  PaceOptions pace;
-  if (options.max_experiments != 0) pace.max_queries = options.max_experiments;
-  pace.after_portion = [&progress] { progress.repeat(); };
-  PacedOracle paced(counter, pace);
-  std::optional<CacheFile> file;
-  if (!options.cache_file.empty()) {
-    file.emplace(options.cache_file, system.inputs(), options.fingerprint);
-  }
-  Cache cache = file ? Cache(paced, *file) : Cache(paced);
-  LearnPhase phase = counter.phase();
-  cache.hold_votes(options.vote, [&](bool begins) {
-    if (begins) phase = counter.phase();
-    counter.set_phase(begins ? LearnPhase::confirmation : phase);
-  });
-
-  ExperimentResult result;
-  result.algorithm = algorithm.name;
-  result.test_method = method.name;
-  RunControl counted = control;
-  counted.progress = &progress;
-  const auto on_hypothesis = [&](const Mealy& hypothesis, std::uint64_t) {
-    ++result.equivalence_queries;
-    progress.set_hypothesis(hypothesis.size());
-    if (options.on_hypothesis) options.on_hypothesis(hypothesis, result.equivalence_queries);
-  };
-  // True if the run is over, false if it must start again on a corrected cache.
-  const auto run_once = [&] {
-    const auto tests = method.make({cache, &cache, options.reference}, options.testing);
-    ConfirmingTeacher confirming(*tests, cache);
-    PhasedTeacher teacher(options.confirm ? confirming : *tests, counter);
-    const auto learner = algorithm.make(cache);
-    counter.set_phase(LearnPhase::learning);
-    bool is_over = true;
-    try {
-      run_learner(*learner, teacher, counted, on_hypothesis);
-    } catch (const CacheCorrected&) {
-      is_over = false;
-      ++result.restarts;
-    } catch (...) {
-      result.error = std::current_exception();
-    }
-    result.output_queries += learner->output_queries();
-    // A run that ends before its first hypothesis leaves the one before.
-    if (learner->hypothesis().size() > 0) result.model = learner->hypothesis();
-    result.guarantee = teacher.guarantee();
-    return is_over;
-  };
-  while (!run_once()) {
-  }
-  result.contradictions = cache.contradictions();
-  result.model.origin["algorithm"] = result.algorithm;
-  result.model.origin["tests"] = result.guarantee;
-  result.model.origin["seed"] = std::to_string(options.testing.seed);
-  fill_counts(result, counter, cache, start);
-  return result;
+  return Run(system, options, control).run();
 }
 
 ExperimentResult run_experiment(IaTranslator& translator, const ExperimentOptions& options,

@@ -13,6 +13,7 @@
 #include <cstdint>
 #include <exception>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,20 +26,22 @@
 #include "maide/learn/statistics.hpp"
 #include "maide/learn/vote.hpp"
 #include "maide/sul/ia_translator.hpp"
+#include "maide/workflow/patient_system.hpp"
 
 namespace maide {
 
 struct ExperimentOptions {
-  std::string algorithm;              // a name of learners(); empty: the default
-  std::string test_method;            // a name of test_methods(); empty: the default
-  TestMethodOptions testing;          // seed, extra states, ...
-  const Mealy* reference = nullptr;   // the system as a machine, for the perfect oracle
-  std::filesystem::path cache_file;   // empty: the cache is in memory only
-  Fingerprint fingerprint;            // whose words the cache file holds, besides the inputs
-  std::uint64_t max_experiments = 0;  // words run on the system; 0: no limit
-  VoteOptions vote;                   // how contradictions are decided
-  bool confirm = false;               // ask each counterexample again before it is believed
-  HypothesisObserver on_hypothesis;   // called with each hypothesis before it is tested
+  std::string algorithm;                 // a name of learners(); empty: the default
+  std::string test_method;               // a name of test_methods(); empty: the default
+  TestMethodOptions testing;             // seed, extra states, ...
+  const Mealy* reference = nullptr;      // the system as a machine, for the perfect oracle
+  std::filesystem::path cache_file;      // empty: the cache is in memory only
+  Fingerprint fingerprint;               // whose words the cache file holds, besides the inputs
+  std::uint64_t max_experiments = 0;     // words run on the system; 0: no limit
+  VoteOptions vote;                      // how contradictions are decided
+  bool confirm = false;                  // ask each counterexample again before it is believed
+  std::optional<PatientSystem> patient;  // confirms the final model, where given
+  HypothesisObserver on_hypothesis;      // called with each hypothesis before it is tested
 };
 
 struct ExperimentResult {

@@ -5,6 +5,8 @@
 
 #include "maide/automata/minimize.hpp"
 #include "maide/base/error.hpp"
+#include "maide/learn/sul_oracle.hpp"
+#include "maide/workflow/nondeterministic_run.hpp"
 
 namespace maide {
 namespace {
@@ -37,8 +39,50 @@ std::size_t LearnedModel::transitions() const {
   if (const auto* machine = std::get_if<Mealy>(&*model)) {
     return machine->size() * machine->inputs().size();
   }
+  if (const auto* machine = std::get_if<NondeterministicMealy>(&*model)) {
+    return machine->transition_count();
+  }
   return std::get<InterfaceAutomaton>(*model).transition_count();
 }
+
+namespace {
+
+// The automaton that the machine stands for, or the machine where there is none; see to_model.
+Model to_model(const NondeterministicMealy& machine, const IaTranslator& translator,
+               std::exception_ptr& error) {
+  if (!translator.info().has_actors) {
+    if (auto deterministic = machine.to_mealy()) return std::move(*deterministic);
+    return machine;
+  }
+  try {
+    InterfaceAutomaton automaton = translator.to_interface_automaton(machine);
+    automaton.origin["translation"] = to_string(translator.translation());
+    return automaton;
+  } catch (const UsageError& failure) {
+    if (!error) {
+      error = std::make_exception_ptr(WrapperError(failure.what(), translator.info().name));
+    }
+    return machine;
+  }
+}
+
+LearnedModel learn_nondeterministic(IaTranslator& translator, LearnedModel learned,
+                                    const ExperimentOptions& options, const RunControl& control) {
+  if (translator.translation() != Translation::eager) {
+    throw UsageError("nstar learns the eager translation");
+  }
+  SulOracle system(translator);
+  NondeterministicResult result = run_nondeterministic_experiment(system, options, control);
+  learned.experiment = std::move(result.experiment);
+  if (result.model.size() == 0) return learned;
+  result.model.origin.emplace("sul", translator.info().name);
+  if (!learned.experiment.is_complete()) result.model.origin["incomplete"] = "the run ended early";
+  learned.mealy_states = result.model.size();
+  learned.model = to_model(result.model, translator, learned.experiment.error);
+  return learned;
+}
+
+}  // namespace
 
 LearnedModel learn_model(Sul& sul, Translation translation, const ExperimentOptions& options,
                          const RunControl& control) {
@@ -46,6 +90,9 @@ LearnedModel learn_model(Sul& sul, Translation translation, const ExperimentOpti
   LearnedModel learned;
   learned.translation = translation;
   learned.is_plain = !sul.info().has_actors;
+  if (options.algorithm == nstar_name) {
+    return learn_nondeterministic(translator, std::move(learned), options, control);
+  }
   learned.experiment = run_experiment(translator, options, control);
   Mealy& machine = learned.experiment.model;
   if (machine.size() == 0) return learned;

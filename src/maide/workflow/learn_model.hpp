@@ -14,7 +14,8 @@
 namespace maide {
 
 struct LearnedModel {
-  // The interface automaton; the Mealy machine where the system is a plain one, or where a run that
+  // The interface automaton (nondeterministic ones are learned with nstar); the Mealy machine where
+  // the system is a plain one, or where a run that
   // ended early left no machine that an automaton stands for; nothing if it ended before the first
   // hypothesis.
   std::optional<Model> model;

@@ -16,6 +16,7 @@
 #include "maide/formats/model_file.hpp"
 #include "maide/workflow/learn_model.hpp"
 #include "maide/workflow/open_system.hpp"
+#include "maide/workflow/patient_system.hpp"
 
 namespace maide {
 namespace {
@@ -26,7 +27,14 @@ std::string describe(const ModelRequest& request) {
   return text;
 }
 
-OpenedSystem open(const ModelRequest& request, const LearnedModelsOptions& options) {
+// A system and how it was opened.
+struct Opened {
+  SystemSpec spec;
+  SystemAccess access;
+  OpenedSystem system;
+};
+
+Opened open(const ModelRequest& request, const LearnedModelsOptions& options) {
   std::vector<std::string> key_values;
   for (const auto& [key, value] : request.with) key_values.push_back(key + "=" + value);
   SystemSpec spec = parse_system_spec(request.learn, key_values);
@@ -36,11 +44,17 @@ OpenedSystem open(const ModelRequest& request, const LearnedModelsOptions& optio
   SystemAccess access;
   access.translation = Translation::eager;
   access.jobs = options.jobs;
-  return open_system(spec, access, options.control);
+  OpenedSystem system = open_system(spec, access, options.control);
+  return {std::move(spec), std::move(access), std::move(system)};
 }
 
-InterfaceAutomaton learn(const ModelRequest& request, Sul& system, const RunControl& control) {
-  const LearnedModel learned = learn_model(system, Translation::eager, {}, control);
+InterfaceAutomaton learn(const ModelRequest& request, const Opened& opened,
+                         const RunControl& control) {
+  Sul& sul = *opened.system.sul;
+  ExperimentOptions experiment;
+  experiment.confirm = !opened.system.reference;
+  experiment.patient = make_patient_system(opened.spec, opened.access, sul, {}, control);
+  const LearnedModel learned = learn_model(sul, Translation::eager, experiment, control);
   if (!learned.experiment.is_complete()) std::rethrow_exception(learned.experiment.error);
   const auto* automaton = std::get_if<InterfaceAutomaton>(&*learned.model);
   if (automaton == nullptr) {
@@ -92,13 +106,13 @@ ModelSource make_learning_source(LearnedModelsOptions options) {
       if (options.note) options.note(line);
     };
     try {
-      const OpenedSystem system = open(request, options);
-      if (const auto before = read_kept(kept, system.sul->info())) {
+      const Opened opened = open(request, options);
+      if (const auto before = read_kept(kept, opened.system.sul->info())) {
         note(fmt::format("{}: learned before ({})", request.instance, kept.string()));
         return *before;
       }
       note(fmt::format("{}: learning {}", request.instance, describe(request)));
-      const InterfaceAutomaton automaton = learn(request, *system.sul, options.control);
+      const InterfaceAutomaton automaton = learn(request, opened, options.control);
       keep(kept, automaton);
       return automaton;
     } catch (const Error& error) {

@@ -51,6 +51,10 @@ OpenedSystem simulate(Model model, const SystemSpec& spec, const SystemAccess& a
   if (const auto* machine = std::get_if<Mealy>(&model); machine != nullptr && access.translation) {
     model = to_interface_automaton(*machine, Translation::eager, machine->actors);
   }
+  if (const auto* machine = std::get_if<NondeterministicMealy>(&model);
+      machine != nullptr && access.translation) {
+    model = to_interface_automaton(*machine, machine->actors);
+  }
   const std::string version = text_version(spec.target);
   std::vector<SulPool::Member> members;
   std::optional<Mealy> reference;
@@ -58,7 +62,9 @@ OpenedSystem simulate(Model model, const SystemSpec& spec, const SystemAccess& a
     auto simulated = std::visit(
         [&](const auto& its) { return std::make_unique<SimulatedSul>(its, spec.text); }, model);
     simulated->add_version("model", version);
-    reference = simulated->reference(access.translation.value_or(Translation::eager));
+    if (simulated->is_deterministic()) {
+      reference = simulated->reference(access.translation.value_or(Translation::eager));
+    }
     members.push_back({spec.text, std::move(simulated)});
   }
   OpenedSystem opened = make_pool(std::move(members));

@@ -187,7 +187,7 @@ TEST(Dot, ErrorsSayWhatAndWhere) {
                 "state 'b' has no transition for input 'x': a Mealy machine must be complete "
                 "(m.dot:1:16)"},
            Case{"digraph { a -> b [label=\"x/y\"];\n a -> a [label=\"x/y\"]; }",
-                "state 'a' has two transitions for input 'x' (m.dot:2:16)"},
+                "state 'a' has two transitions for input 'x' with the same output (m.dot:2:16)"},
            Case{"digraph { inputs=\"x\"; a -> a [label=\"?y\"] }",
                 "input 'y' is not among the declared inputs (m.dot:1:37)"},
            Case{"digraph { inputs=\"x,x\"; a -> a [label=\"?x\"] }",

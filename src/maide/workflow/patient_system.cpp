@@ -1,0 +1,85 @@
+#include "maide/workflow/patient_system.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "maide/formats/model_file.hpp"
+#include "maide/learn/sul_oracle.hpp"
+#include "maide/sul/ia_translator.hpp"
+#include "maide/sul/learning_purpose.hpp"
+#include "maide/workflow/open_system.hpp"
+
+namespace maide {
+namespace {
+
+constexpr int longer_ms = 10;
+
+std::optional<int> parse_ms(const std::string& text) {
+  int value = 0;
+  const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (failure != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  return value;
+}
+
+class OwningOracle : public OutputOracle {
+ public:
+  OwningOracle(std::unique_ptr<Sul> sul, Translation translation)
+      : sul_(std::move(sul)), translator_(*sul_, translation), oracle_(translator_) {}
+
+  using OutputOracle::ask;
+  const Alphabet& inputs() const override { return oracle_.inputs(); }
+  const Alphabet& outputs() const override { return oracle_.outputs(); }
+  Symbol intern_output(std::string_view name) override { return oracle_.intern_output(name); }
+  std::vector<MealyAnswer> ask(std::span<const Query> batch, const RunControl& control,
+                               const PartialSink& on_early_end) override {
+    return oracle_.ask(batch, control, on_early_end);
+  }
+
+ private:
+  std::unique_ptr<Sul> sul_;
+  IaTranslator translator_;
+  SulOracle oracle_;
+};
+
+}  // namespace
+
+std::map<std::string, std::string> longer_waits(const std::map<std::string, std::string>& options) {
+  const auto quiescence = options.find("quiescence");
+  const auto floor = options.find("floor");
+  if (quiescence == options.end()) return {};
+  if (const auto delay = parse_ms(quiescence->second)) {
+    return {{"quiescence", std::to_string(std::min(4 * *delay + longer_ms, 60'000))}};
+  }
+  if (floor == options.end()) return {};
+  return {{"floor", std::to_string(parse_ms(floor->second).value_or(0) + longer_ms)}};
+}
+
+std::optional<PatientSystem> make_patient_system(const SystemSpec& spec, const SystemAccess& access,
+                                                 const Sul& sul,
+                                                 const std::filesystem::path& purpose,
+                                                 const RunControl& control) {
+  const auto waits = longer_waits(sul.info().options);
+  if (waits.empty() || spec.kind != SystemSpec::Kind::wrapper) return std::nullopt;
+  SystemSpec patient = spec;
+  SystemAccess alone = access;
+  alone.jobs = 1;
+  PatientSystem result;
+  for (const auto& [key, value] : waits) {
+    patient.options[key] = value;
+    result.waits += (result.waits.empty() ? "" : " ") + key + "=" + value;
+  }
+  result.open = [=]() -> std::unique_ptr<OutputOracle> {
+    OpenedSystem opened = open_system(patient, alone, control);
+    if (!purpose.empty()) {
+      opened.sul->add_purpose(LearningPurpose(read_interface_automaton(purpose)));
+    }
+    return std::make_unique<OwningOracle>(std::move(opened.sul),
+                                          alone.translation.value_or(Translation::eager));
+  };
+  return result;
+}
+
+}  // namespace maide
