@@ -30,7 +30,7 @@ WrapperError::WrapperError(const std::string& message, const std::string& endpoi
 namespace {
 
 constexpr const char* nondeterminism_advice =
-    "; a system that is like that can be learned with --algorithm nstar";
+    "; give it longer waits, or, if it is like that, learn it with --algorithm nstar";
 
 std::string describe_answers(const std::vector<std::pair<std::string, std::uint64_t>>& answers) {
   std::string text;
