@@ -12,6 +12,7 @@
 
 #include "maide/base/error.hpp"
 #include "maide/base/file.hpp"
+#include "maide/base/join.hpp"
 #include "maide/cli/argument_check.hpp"
 #include "maide/cli/command.hpp"
 #include "maide/cli/contradiction_report.hpp"
@@ -103,6 +104,18 @@ Json as_json(const LearnedModel& learned, std::size_t jobs, const std::string& p
             {"contradictions", contradictions_as_json(run.contradictions)},
             {"restarts", run.restarts},
             {"model", path.empty() ? Json() : Json(path)}};
+  json["ends"] = Json::array();
+  for (const SystemEnd& end : learned.ends) {
+    json["ends"].push_back({{"output", end.output},
+                            {"word", end.word},
+                            {"states", end.states},
+                            {"reason", end.reason.empty() ? Json() : Json(end.reason)}});
+  }
+  json["replacements"] = {{"count", learned.incidents.count}, {"first", Json::array()}};
+  for (const SulIncidents::Death& death : learned.incidents.first) {
+    json["replacements"]["first"].push_back(
+        {{"reason", death.reason}, {"after", death.after}, {"asked_again", death.word}});
+  }
   if (learned.model) {
     if (const auto* automaton = std::get_if<InterfaceAutomaton>(&*learned.model)) {
       json["hidden_returns"] = automaton->hidden_returns;
@@ -171,6 +184,18 @@ std::string as_text(const LearnedModel& learned, const LearnArguments& arguments
     if (const auto* automaton = std::get_if<InterfaceAutomaton>(&*learned.model)) {
       text += remarks(*automaton);
     }
+  }
+  for (const SystemEnd& end : learned.ends) {
+    text += fmt::format("  {:<19}  {}: {}{}\n", end.output, join(end.word, " "),
+                        end.reason.empty() ? "known from the cache" : end.reason,
+                        end.states == 1 ? "" : fmt::format("; so in {} states", end.states));
+  }
+  if (learned.incidents.count > 0) {
+    const SulIncidents::Death& first = learned.incidents.first.front();
+    text +=
+        fmt::format("  replaced             the wrapper, {} time{}: {}{}\n",
+                    learned.incidents.count, learned.incidents.count == 1 ? "" : "s", first.reason,
+                    first.after.empty() ? "" : fmt::format(", after \"{}\"", first.after));
   }
   if (!path.empty()) text += fmt::format("  model                {}\n", path);
   return text;

@@ -25,6 +25,14 @@ std::uint64_t confirmation_budget(const Statistics& statistics) {
   return std::clamp<std::uint64_t>(statistics.total().symbols / 400, 20, 500);
 }
 
+void tell_cached_words(CacheFile& file, const ExperimentOptions& options) {
+  file.for_each([&](const Word& inputs, const Word& outputs) {
+    std::vector<std::string> names;
+    for (const Symbol output : outputs) names.push_back(file.outputs().name(output));
+    options.on_cached_word(inputs, names);
+  });
+}
+
 // One run: learner and teacher, again and again until no answer that they have seen is corrected.
 class Run {
  public:
@@ -40,6 +48,7 @@ class Run {
         paced_(counter_, pace()) {
     if (!options.cache_file.empty()) {
       file_.emplace(options.cache_file, system.inputs(), options.fingerprint);
+      if (options.on_cached_word) tell_cached_words(*file_, options);
     }
     cache_.emplace(file_ ? Cache(paced_, *file_) : Cache(paced_));
     cache_->hold_votes(options.vote, [this](bool begins) {
@@ -139,6 +148,9 @@ ExperimentResult run_experiment(IaTranslator& translator, const ExperimentOption
                                 const RunControl& control) {
   ExperimentOptions completed = options;
   completed.fingerprint.merge(identify(translator));
+  completed.on_cached_word = [&](const Word& inputs, const std::vector<std::string>& outputs) {
+    translator.remember(inputs, outputs);
+  };
   SulOracle system(translator);
   return run_experiment(system, completed, control);
 }

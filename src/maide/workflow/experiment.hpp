@@ -13,6 +13,7 @@
 #include <cstdint>
 #include <exception>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -41,7 +42,9 @@ struct ExperimentOptions {
   VoteOptions vote;                      // how contradictions are decided
   bool confirm = false;                  // ask each counterexample again before it is believed
   std::optional<PatientSystem> patient;  // confirms the final model, where given
-  HypothesisObserver on_hypothesis;      // called with each hypothesis before it is tested
+  // Told of each word in the cache file and its answer, before anything is asked.
+  std::function<void(const Word& inputs, const std::vector<std::string>& outputs)> on_cached_word;
+  HypothesisObserver on_hypothesis;  // called with each hypothesis before it is tested
 };
 
 struct ExperimentResult {

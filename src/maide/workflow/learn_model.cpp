@@ -94,6 +94,7 @@ LearnedModel learn_model(Sul& sul, Translation translation, const ExperimentOpti
     return learn_nondeterministic(translator, std::move(learned), options, control);
   }
   learned.experiment = run_experiment(translator, options, control);
+  learned.incidents = sul.incidents();
   Mealy& machine = learned.experiment.model;
   if (machine.size() == 0) return learned;
   machine = minimize(machine);
@@ -101,6 +102,10 @@ LearnedModel learn_model(Sul& sul, Translation translation, const ExperimentOpti
   if (!learned.experiment.is_complete()) machine.origin["incomplete"] = "the run ended early";
   learned.mealy_states = machine.size();
   learned.model = to_model(machine, translator, learned.experiment.error);
+  if (auto* automaton = std::get_if<InterfaceAutomaton>(&*learned.model)) {
+    learned.ends = find_system_ends(*automaton, translator);
+    if (!learned.ends.empty()) automaton->origin["ends"] = to_string(learned.ends);
+  }
   return learned;
 }
 

@@ -5,11 +5,13 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "maide/base/run_control.hpp"
 #include "maide/formats/labelled_graph.hpp"
 #include "maide/sul/ia_translator.hpp"
 #include "maide/workflow/experiment.hpp"
+#include "maide/workflow/system_ends.hpp"
 
 namespace maide {
 
@@ -22,6 +24,8 @@ struct LearnedModel {
   Translation translation = Translation::eager;
   bool is_plain = false;         // the system is a plain Mealy machine: no translation
   std::size_t mealy_states = 0;  // of the minimal machine of the translation
+  std::vector<SystemEnd> ends;   // crashes and hangs of `model`, an interface automaton
+  SulIncidents incidents;        // of the system's processes in this run, which were put right
   ExperimentResult experiment;
 
   std::size_t states() const;       // of `model`; 0 without one
@@ -29,8 +33,8 @@ struct LearnedModel {
 };
 
 // Learns the system behind `sul`. The model's origin names the system, its options and versions,
-// the bound, algorithm, tests and seed. Throws as run_experiment does; what ends a run early is in
-// `experiment.error`.
+// the bound, algorithm, tests, seed, and the words that end the system ("ends"). Throws as
+// run_experiment does; what ends a run early is in `experiment.error`.
 LearnedModel learn_model(Sul& sul, Translation translation, const ExperimentOptions& options,
                          const RunControl& control = {});
 
