@@ -150,5 +150,24 @@ TEST_F(CheckCommand, ToolsThatAreMissingAreNamed) {
   expect_error(result, 2, "'spin' cannot be run");
 }
 
+// A crash is an output: a program may wait for it, and if none does it is named.
+TEST_F(CheckCommand, AProgramCanWaitForACrash) {
+  const std::string lamp =
+      file("lamp.dot",
+           "digraph lamp {\n__start0 [label=\"\" shape=\"none\"];\n__start0 -> s0;\n"
+           "s0 -> s1 [label=\"?press\"];\ns1 -> s2 [label=\"!on\"];\n"
+           "s2 -> s3 [label=\"?hit\"];\ns3 -> s4 [label=\"!crash\"];\n}\n");
+  const auto check = [&](const std::string& statements) {
+    return run_maide({"check", file("lamp.yaml", "models:\n  lamp: {file: " + lamp +
+                                                     "}\nprograms:\n  p: |\n    lamp.press -> "
+                                                     "on;\n    " +
+                                                     statements + "\n")});
+  };
+  EXPECT_EQ(check("lamp.hit -> crash;").exit_status, 0);
+  const SubprocessResult unaware = check("lamp.hit; lamp.press;");
+  EXPECT_EQ(unaware.exit_status, 1);
+  EXPECT_THAT(unaware.out, HasSubstr("lamp has crash due, which no program takes"));
+}
+
 }  // namespace
 }  // namespace maide::test

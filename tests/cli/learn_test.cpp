@@ -344,5 +344,25 @@ TEST(Reproduce, SaysWhatIsNotThere) {
   expect_error(run_maide({"reproduce", "table1", "--system", "ros"}), 2, "ros");
 }
 
+// Each crash is named with its shortest word, and is in the model.
+TEST(LearnCommand, NamesCrashes) {
+  const std::string system = "exec:" MAIDE_BINARY_DIR "/bin/fragile_wrapper";
+  const TempDir folder;
+  const std::string model = folder.path() / "lamp.dot";
+  const Json json = json_of(run_maide(learn({system, "--json", "-o", model})));
+  EXPECT_EQ(json["states"], 7);
+  EXPECT_EQ(json["replacements"]["count"], 0);
+  ASSERT_EQ(json["ends"].size(), 1U);
+  EXPECT_EQ(json["ends"][0]["output"], "crash");
+  EXPECT_EQ(json["ends"][0]["word"], Json({"press", "hit"}));
+  EXPECT_EQ(json["ends"][0]["states"], 1);
+  EXPECT_EQ(json["ends"][0]["reason"], "the wrapper was killed by signal 6 (Aborted)");
+  EXPECT_THAT(read_file(model),
+              HasSubstr("crash: press hit (the wrapper was killed by signal 6 (Aborted))"));
+  EXPECT_EQ(json_of(run_maide(learn({"sim:" + model, "--json"})))["states"], 7);
+  EXPECT_THAT(run_maide(learn({system})).err,
+              HasSubstr("  crash                press hit: the wrapper was killed by signal 6"));
+}
+
 }  // namespace
 }  // namespace maide::test

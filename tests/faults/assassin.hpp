@@ -78,12 +78,12 @@ class Assassin : public Sul {
 // Learns until the wrapper was killed a hundred times: the model is the same, no word is lost, and
 // nothing is left behind.
 inline void expect_same_model(const std::string& wrapper, const Options& options,
-                              Translation translation) {
+                              Translation translation, std::uint64_t tests = 200) {
   const std::vector<std::string> program = {MAIDE_BINARY_DIR "/bin/" + wrapper};
   const ProcessMark mark;
   ExperimentOptions experiment;
   experiment.test_method = "random-words";
-  experiment.testing.max_tests = 200;
+  experiment.testing.max_tests = tests;
   const auto undisturbed = learn_model(*spawn_wrapper(program, options), translation, experiment);
   ASSERT_TRUE(undisturbed.experiment.is_complete());
   std::size_t kills = 0;

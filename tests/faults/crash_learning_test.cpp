@@ -27,7 +27,7 @@ class FragileSystem : public testing::TestWithParam<Case> {};
 
 TEST_P(FragileSystem, IsLearnedWithItsEnd) {
   const Case& tested = GetParam();
-  const bool hangs = tested.death == "hang" || tested.death == "stop";
+  const bool hangs = tested.death == "hang";
   Options options = {{"death", tested.death}, {"teardown", tested.teardown}};
   if (hangs || tested.teardown == "hang") options["step-limit"] = "1000";
   ExperimentOptions experiment;
@@ -60,7 +60,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Case{"Kill", "kill", "", Translation::av}, Case{"Memory", "memory", ""},
                     Case{"Seen", "seen", ""}, Case{"Broker", "broker", ""},
                     Case{"BrokerAv", "broker", "", Translation::av}, Case{"Hang", "hang", ""},
-                    Case{"Stop", "stop", ""}, Case{"HangAv", "hang", "", Translation::av},
+                    Case{"HangAv", "hang", "", Translation::av},
                     Case{"TeardownAbort", "abort", "", Translation::eager, "abort"},
                     Case{"TeardownCorrupt", "abort", "", Translation::av, "corrupt"},
                     Case{"TeardownHang", "abort", "", Translation::eager, "hang"}),
@@ -85,6 +85,18 @@ TEST(CrashLearning, ResumesFromACacheWithoutAnotherCrash) {
     EXPECT_EQ(known.ends.at(0).word, (std::vector<std::string>{"press", "hit"}));
     EXPECT_EQ(known.ends.at(0).reason, "");  // that no cache keeps
   }
+}
+
+// A wrapper that can do nothing any more, not even say so.
+TEST(CrashLearning, AStoppedProcessIsAHang) {
+  const auto sul = spawn_wrapper({MAIDE_BINARY_DIR "/bin/fragile_wrapper"},
+                                 {{"death", "stop"}, {"step-limit", "1000"}});
+  IaTranslator translator(*sul, Translation::eager);
+  const std::vector<Query> batch = {Word{0, 1, 0}};
+  const MealyAnswer answer = translator.run(batch).front();
+  EXPECT_EQ(to_string(answer.outputs, translator.outputs()), "on hang refused");
+  EXPECT_EQ(answer.attempts, 3U);
+  EXPECT_EQ(translator.fatal_words().at(0).reason, "the wrapper hangs: no answer within 2.05 s");
 }
 
 // Every crash costs processes, so it is told apart from what is known: here two words run, and

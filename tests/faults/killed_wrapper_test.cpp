@@ -11,11 +11,11 @@ TEST(KilledWrapper, OfTheReferencePortLosesNoWord) {
 }
 
 TEST(KilledWrapper, OfAFragileSystemIsNoCrashOfIts) {
-  expect_same_model("fragile_wrapper", {}, Translation::av);
+  expect_same_model("fragile_wrapper", {}, Translation::av, 10);
 }
 
 TEST(KilledWrapper, WithABrokerLosesNoWord) {
-  expect_same_model("fragile_wrapper", {{"death", "broker"}}, Translation::eager);
+  expect_same_model("fragile_wrapper", {{"death", "broker"}}, Translation::eager, 10);
 }
 
 }  // namespace
