@@ -50,15 +50,15 @@ TEST(BadSystem, ACallThatCannotBeUnblockedCostsAProcessOnly) {
 }
 
 TEST(BadSystem, ASystemThatNeverRestsHangs) {
-  EXPECT_EQ(outcome({"spin", "work"}, quickly), "hang 2; hang 0; hang 0; ");
+  EXPECT_EQ(outcome({"spin", "work"}, quickly), "hang 2; hang 2; hang 2; ");
 }
 
 TEST(BadSystem, ACrashThatTheWrapperSeesEndsTheWord) {
-  EXPECT_EQ(outcome({"work", "crash", "work"}), "done crash 3; done crash 0; done crash 0; ");
+  EXPECT_EQ(outcome({"work", "crash", "work"}), "done crash 3; done crash 3; done crash 3; ");
 }
 
 TEST(BadSystem, ACrashOfTheProcessIsAnAnswer) {
-  EXPECT_EQ(outcome({"work", "abort"}), "done crash 3; done crash 0; done crash 0; ");
+  EXPECT_EQ(outcome({"work", "abort"}), "done crash 3; done crash 3; done crash 3; ");
 }
 
 TEST(BadSystem, AnExceptionNamesTheWord) {

@@ -109,10 +109,17 @@ void FatalWords::add(const Word& inputs, const std::vector<std::string>& outputs
   add(answer, translation);
 }
 
-std::optional<SulAnswer> FatalWords::find(const SulQuery& query) const {
+void FatalWords::mark_asked(const SulQuery& query) {
+  const Word* word = std::get_if<Word>(&query.inputs);
+  if (word != nullptr) asked_[static_cast<std::size_t>(query.translation)].insert(*word);
+}
+
+std::optional<SulAnswer> FatalWords::find(const SulQuery& query) {
   const auto which = static_cast<std::size_t>(query.translation);
   const auto& tree = trees_[which];
   if (tree.empty()) return std::nullopt;
+  const Word* word = std::get_if<Word>(&query.inputs);
+  if (word != nullptr && asked_[which].contains(*word)) return std::nullopt;
   SulAnswer answer;
   answer.attempts = 0;
   QueryCursor cursor(query);
@@ -126,9 +133,10 @@ std::optional<SulAnswer> FatalWords::find(const SulQuery& query) const {
     answer.steps.push_back(tree[node].step);
     answer.steps.back().duration = answer.steps.back().settling = {};
     if (!tree[node].listed) continue;
-    const FatalWord& word = lists_[which][*tree[node].listed];
-    answer.end = word.end;
-    answer.reason = word.reason;
+    const FatalWord& known = lists_[which][*tree[node].listed];
+    answer.end = known.end;
+    answer.reason = known.reason;
+    mark_asked(query);
     return answer;
   }
   return std::nullopt;

@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -46,9 +47,11 @@ class FatalWords {
   // The same of outputs as a Mealy machine gives them: known from elsewhere (a cache on disk).
   void add(const Word& inputs, const std::vector<std::string>& outputs, const SulInfo& info,
            Translation translation);
+  // `query` has been answered by such an end: whoever asks the very same again doubts it.
+  void mark_asked(const SulQuery& query);
   // The answer to `query`, up to the fatal step, if it runs into a fatal word; `attempts` is 0,
-  // for it was not run. O(length).
-  std::optional<SulAnswer> find(const SulQuery& query) const;
+  // for it was not run. Once only for each word: then it is to be run. O(length).
+  std::optional<SulAnswer> find(const SulQuery& query);
 
   // Those of a translation, in the order in which they were met.
   const std::vector<FatalWord>& list(Translation translation) const {
@@ -63,6 +66,7 @@ class FatalWords {
   };
   std::array<std::vector<Node>, 2> trees_;  // by translation; node 0 is the root
   std::array<std::vector<FatalWord>, 2> lists_;
+  std::array<std::set<Word>, 2> asked_;
 };
 
 }  // namespace maide

@@ -79,6 +79,7 @@ std::vector<MealyAnswer> IaTranslator::run(std::span<const Query> batch, const R
   for (std::size_t i = 0; i < raw.size(); ++i) {
     if (!raw[i]) continue;
     fatal_words_.add(*raw[i], translation_);
+    if (is_fatal(raw[i]->end)) fatal_words_.mark_asked(queries[i]);
     answers[i] = to_mealy_answer(std::move(*raw[i]), queries[i]);
     if (answers[i].end != WordEnd::aborted) continue;
     raw[i].reset();

@@ -48,7 +48,8 @@ class IaTranslator {
   const Alphabet& outputs() const { return outputs_; }  // grows as outputs are seen
 
   // Answers in the order of the queries, whatever the order in which the system gave them. A crash
-  // or a hang is an answer, too; what begins with a word that is known to end so is not run again.
+  // or a hang is an answer, too; what begins with a word that is known to end so is not run again,
+  // unless the very same word is asked once more (a vote).
   // A word that was aborted throws WrapperError naming the word. O(batch) resets.
   std::vector<MealyAnswer> run(std::span<const Query> batch, const RunControl& control = {});
   // As above, but hands over what was answered when the call ends early by an exception.

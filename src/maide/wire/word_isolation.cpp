@@ -74,6 +74,7 @@ void WrapperProxy::isolate(Batch& batch, const RunControl& control) {
     answer = to_answer(query, record.last(), info_);
     answer->attempts = record.count();
     fatal_words_.add(*answer, query.translation);
+    fatal_words_.mark_asked(query);
   }
   batch.suspect.reset();
   batch.last_sign = Clock::now();

@@ -206,6 +206,7 @@ void WrapperProxy::run(std::span<const SulQuery> batch, const SulAnswerSink& sin
   Batch state{.queries = batch, .sink = sink};
   try {
     control.check("running words on the system");
+    fatal_words_ = {};  // what lasts longer is for whoever asks to remember
     run_batch(state, control);
   } catch (...) {
     abandon();
