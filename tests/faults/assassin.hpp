@@ -87,6 +87,7 @@ inline void expect_same_model(const std::string& wrapper, const Options& options
   const auto undisturbed = learn_model(*spawn_wrapper(program, options), translation, experiment);
   ASSERT_TRUE(undisturbed.experiment.is_complete());
   std::size_t kills = 0;
+  std::uint64_t incidents = 0;  // fewer: a word may have crashed anyway, or been the last
   for (std::uint64_t seed = 1; kills < 100; ++seed) {
     const auto sul = spawn_wrapper(program, options);
     Assassin assassin(*sul, seed);
@@ -96,9 +97,10 @@ inline void expect_same_model(const std::string& wrapper, const Options& options
                         std::get<InterfaceAutomaton>(*learned.model))
                     .same());
     EXPECT_EQ(learned.experiment.experiments, undisturbed.experiment.experiments);
-    EXPECT_GT(assassin.incidents().count, 0U);
+    incidents += assassin.incidents().count;
     kills += assassin.kills();
   }
+  EXPECT_GT(incidents, 0U);
   while (!mark.find().empty()) std::this_thread::yield();
 }
 
