@@ -104,7 +104,7 @@ TEST(PortWrapper, RejectsBadOptionsInOneLine) {
   EXPECT_EQ(error_of({{"size", "0"}}), "option size=0: allowed is 1..1000000");
   EXPECT_EQ(error_of({{"size", "3x"}}), "option size=3x: allowed is 1..1000000");
   EXPECT_EQ(error_of({{"inputs", "write,fly"}}),
-            "option inputs=write,fly: 'fly' is not one of write,read,tryread");
+            "option inputs=write,fly: 'fly' is not one of write,read,tryread,interrupt,resume");
   EXPECT_EQ(error_of({{"inputs", ""}}), "option inputs=: name at least one");
   EXPECT_EQ(error_of({{"inputs", "write,write"}}),
             "option inputs=write,write: 'write' comes twice");
