@@ -66,6 +66,9 @@ struct Model {
 
 std::vector<Model> read_folder(const std::filesystem::path& folder) {
   std::vector<Model> models;
+  if (!std::filesystem::is_directory(folder)) {
+    throw UsageError("there is no folder " + folder.string());
+  }
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {
     if (entry.path().extension() != ".dot") continue;
     models.push_back({entry.path().stem().string(), read_mealy(entry.path())});
