@@ -30,9 +30,8 @@ std::vector<SulQuery> words(std::size_t count, std::size_t length) {
 // Runs some words; what comes of it as one line.
 std::string outcome(const std::string& fault, const std::string& file = "") {
   ProxySettings settings;
-  settings.hello_limit = std::chrono::seconds(fault == "no_hello"               ? 1
-                                              : fault == "no_answer_to_options" ? 5
-                                                                                : 60);
+  settings.hello_limit = std::chrono::seconds(fault == "no_hello" ? 1 : 60);
+  settings.configure_limit = std::chrono::seconds(fault == "no_answer_to_options" ? 5 : 60);
   try {
     WrapperProxy sul(fake(fault, file), {}, settings);
     std::size_t answered = 0;

@@ -23,7 +23,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr auto start_limit = 10s;
+constexpr auto start_limit = 50s;
 // Another program may take the port between our asking for it and mosquitto's listening.
 constexpr int most_attempts = 5;
 

@@ -108,7 +108,7 @@ std::optional<pid_t> NameServer::process() const {
 }
 
 std::uint16_t NameServer::start_own() {
-  constexpr std::chrono::seconds limit{10};
+  constexpr std::chrono::seconds limit{50};
   const std::uint16_t port = free_loopback_port();
   own_ = std::make_unique<ServiceProcess>(std::vector<std::string>{
       "yarpserver", "--ip", "127.0.0.1", "--socket", std::to_string(port), "--portdb",

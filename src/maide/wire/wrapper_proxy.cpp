@@ -98,7 +98,7 @@ void WrapperProxy::fail(const std::string& message) const {
 }
 
 protocol::FromWrapper WrapperProxy::await_reply(const RunControl& control, const char* what) {
-  auto message = await_message(*connection_, endpoint_, settings_.hello_limit, control, what);
+  auto message = await_message(*connection_, endpoint_, settings_.configure_limit, control, what);
   if (const auto* error = std::get_if<protocol::ErrorReport>(&message)) {
     if (error->code == protocol::ErrorCode::option) throw UsageError(error->message);
     fail(error->message);

@@ -22,7 +22,9 @@
 namespace maide {
 
 struct ProxySettings {
-  std::chrono::milliseconds hello_limit{10'000};  // for the connection, the hello and the options
+  std::chrono::milliseconds hello_limit{10'000};  // for the connection and the hello
+  // For the answer to the options: a wrapper may have to start a broker or a name server first.
+  std::chrono::milliseconds configure_limit{60'000};
   // How long a step may take, where the wrapper does not say so itself (option step-limit).
   std::chrono::milliseconds step_limit{10'000};
   std::size_t window = 32;  // words in flight
