@@ -84,7 +84,10 @@ class AskingWrapper : public SystemWrapper {
             while (::recv(socket_.get(), &reply, 1, 0) == 1) sink.report("reply");
           }) {}
     ~Instance() override { listener_.join(); }
-    void call(std::string_view) override { EXPECT_EQ(::send(socket_.get(), "?", 1, 0), 1); }
+    void call(std::string_view) override {
+      // The service may be dead already.
+      static_cast<void>(::send(socket_.get(), "?", 1, MSG_NOSIGNAL));
+    }
     void shutdown() override { ::shutdown(socket_.get(), SHUT_RDWR); }
 
    private:
