@@ -14,7 +14,8 @@ namespace {
 const std::vector<SystemSetup::Input>& all_inputs() {
   static const std::vector<SystemSetup::Input> inputs{
       {"write", "writer", {}},
-      {"read", "reader", {"message", "will", "offline"}},
+      // Once it waits the connection stands: whoever could break it is the reader, who is busy.
+      {"read", "reader", {"message"}},
       {"tryread", "reader", {}},
       {"disconnect", "reader", {}},
       {"drop", "reader", {}},
@@ -187,6 +188,11 @@ SystemSetup connection_setup(const ConnectionOptions& options, const BrokerLimit
   SystemSetup setup;
   setup.actors = {"writer", "reader"};
   setup.inputs = all_inputs();
+  if (options.will) {
+    for (SystemSetup::Input& input : setup.inputs) {
+      if (input.name == "read") input.returns.push_back("will");
+    }
+  }
   setup.events = all_events();
   setup.usual_inputs = {"write", "read"};
   setup.usual_events = {"message"};

@@ -244,10 +244,14 @@ void RawClients::receive_all() {
 
 void RawClients::receive(std::size_t number) {
   Client& client = clients_[number];
+  if (!client.socket.is_open()) return;
   std::array<char, 4096> bytes{};
   const ssize_t size = ::recv(client.socket.get(), bytes.data(), bytes.size(), MSG_DONTWAIT);
   if (size < 0 && (errno == EAGAIN || errno == EINTR)) return;
   if (size <= 0) {
+    // By hand: as long as somebody has a copy of the descriptor - a child between fork and exec -
+    // closing ours does not take it out, and it would be reported without end.
+    ::epoll_ctl(poll_.get(), EPOLL_CTL_DEL, client.socket.get(), nullptr);
     client.socket.reset();
     report(number, "closed");
     return;
