@@ -31,6 +31,8 @@
 namespace maide {
 
 inline constexpr std::uint32_t no_monitor_state = ~std::uint32_t{0};
+// Marks of a monitor, and programs of a system: bits of a word. Who asks for more is refused.
+inline constexpr unsigned most_marks = 64;
 // Of a product's nodes, in the table.
 inline constexpr unsigned node_number_bits = 32;
 
@@ -46,7 +48,11 @@ class FairCycleSearch {
         limits_(limits),
         all_marks_(monitor.marks() == 64 ? ~std::uint64_t{0}
                                          : (std::uint64_t{1} << monitor.marks()) - 1),
-        table_(system.address_bits(), node_number_bits) {}
+        table_(system.address_bits(), node_number_bits) {
+    if (monitor.marks() > most_marks || system.program_count() > most_marks) {
+      throw std::logic_error("too many marks or programs for a search for fair cycles");
+    }
+  }
 
   SearchResult run() {
     try {

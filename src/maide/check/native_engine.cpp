@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <chrono>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <utility>
 
@@ -117,18 +118,37 @@ SearchResult find_fair_cycle(const PackedSystem& system, const Monitor& monitor,
   });
 }
 
-SearchResult search_for(const System& plain, const Property& property,
-                        const EngineOptions& options) {
+// Programs, and marks, are bits of a word in the search for fair cycles.
+bool is_within_words(const System& system, unsigned marks) {
+  return system.programs.size() <= most_marks && marks <= most_marks;
+}
+
+// Nothing if the system is too large for it.
+std::optional<SearchResult> search_for_cycle(const System& plain, const Property& property,
+                                             const EngineOptions& options) {
+  const auto programs = static_cast<unsigned>(plain.programs.size());
   if (property.kind == Property::Kind::stuck) {
+    if (!is_within_words(plain, programs)) return std::nullopt;
     const PackedSystem system(plain, node_number_bits, plain.programs.size() + 1);
     return find_fair_cycle(system, StuckMonitor(system), options);
   }
-  if (property.kind == Property::Kind::ltl && !invariant_of(property)) {
-    LtlAutomaton automaton = translate(negation_of(property.formula));
-    const PackedSystem system(plain, node_number_bits, automaton.states.size());
-    return find_fair_cycle(system, LtlMonitor(system, std::move(automaton), property.fairness),
-                           options);
+  LtlAutomaton automaton = translate(negation_of(property.formula));
+  const bool is_weak = property.fairness == Fairness::weak;
+  if (!is_within_words(plain, automaton.mark_count + (is_weak ? programs : 0))) {
+    return std::nullopt;
   }
+  const PackedSystem system(plain, node_number_bits, automaton.states.size());
+  return find_fair_cycle(system, LtlMonitor(system, std::move(automaton), property.fairness),
+                         options);
+}
+
+bool needs_cycle(const Property& property) {
+  if (property.kind == Property::Kind::stuck) return true;
+  return property.kind == Property::Kind::ltl && !invariant_of(property);
+}
+
+SearchResult search_for(const System& plain, const Property& property,
+                        const EngineOptions& options) {
   const PackedSystem system(plain);
   if (property.kind == Property::Kind::deadlock) {
     return explore(system, DeadlockGoal{system}, options);
@@ -156,9 +176,22 @@ std::string NativeEngine::obstacle(const Property& property) const {
 PropertyResult NativeEngine::check(const System& system, const Property& property,
                                    const EngineOptions& options) {
   const auto start = Clock::now();
-  SearchResult search = search_for(system, property, options);
   PropertyResult result;
   result.name = property.name;
+  SearchResult search;
+  if (needs_cycle(property)) {
+    std::optional<SearchResult> cycle = search_for_cycle(system, property, options);
+    if (!cycle) {
+      result.reason = fmt::format(
+          "the engine native takes at most {} programs, together with the formula's "
+          "eventualities, where fairness matters",
+          most_marks);
+      return result;
+    }
+    search = std::move(*cycle);
+  } else {
+    search = search_for(system, property, options);
+  }
   result.states = search.states;
   result.transitions = search.transitions;
   result.peak_bytes = search.bytes;

@@ -18,6 +18,7 @@ unsigned bits_for(std::size_t count) {
 
 // What a StateTable can do: see there.
 constexpr unsigned most_together = 76, first_word = 44, most_payload = 32;
+constexpr unsigned most_code_bits = 31;  // what a table of steps has room for
 
 }  // namespace
 
@@ -162,7 +163,7 @@ void PackedSystem::lay_out(unsigned payload_bits, std::size_t monitor_states) {
   }
   words_ = used.size();
   address_bits_ = used.front();
-  if (words_ > most_words || payload_bits > most_payload) {
+  if (words_ > most_words || payload_bits > most_payload || code_bits_ > most_code_bits) {
     throw UsageError(
         fmt::format("{}: the system is too large for the engine native: {} bits a state, {} a step",
                     system_->file, state_bits_, payload_bits));

@@ -95,6 +95,27 @@ TEST(NativeEngine, ARunThatIsCutProvesNothingMore) {
   EXPECT_EQ(cut.trace->steps.size(), 3u);
 }
 
+// Fairness is a bit for each program: beyond a word of them there is no verdict, and no wrong one.
+TEST(NativeEngine, TooManyProgramsAreInconclusive) {
+  const auto system_of_size = [](int programs) {
+    std::string text = "  busy: loop { sync.write; sync.read -> message; }\n";
+    for (int i = 1; i < programs; ++i) text += "  p" + std::to_string(i) + ": skip;\n";
+    return test::system_of(text, "  first: G F sync.write\n  never: F !(G F sync.write)\n");
+  };
+  const System most = system_of_size(63);
+  EXPECT_EQ(check(most, stuck()).verdict, Verdict::holds);
+  EXPECT_EQ(check(most, most.properties[0]).verdict, Verdict::holds);
+  EXPECT_EQ(check(most, most.properties[1]).verdict, Verdict::violated);
+  const System larger = system_of_size(65);
+  EXPECT_EQ(check(larger, test::deadlock_property()).verdict, Verdict::holds);
+  EXPECT_EQ(check(larger, stuck()).verdict, Verdict::inconclusive);
+  for (const Property& property : larger.properties) {
+    const PropertyResult result = check(larger, property);
+    EXPECT_EQ(result.verdict, Verdict::inconclusive);
+    EXPECT_THAT(result.reason, HasSubstr("at most 64 programs"));
+  }
+}
+
 // Programs that count, apart from one another: 101^4 states.
 System large_system() {
   std::string programs;
