@@ -53,6 +53,7 @@ RunFunction set_up_doctor(CLI::App& app);
 RunFunction set_up_check(CLI::App& app);
 RunFunction set_up_export(CLI::App& app);
 RunFunction set_up_learn(CLI::App& app);
+RunFunction set_up_replay(CLI::App& app);
 RunFunction set_up_reproduce(CLI::App& app);
 
 // The options that several commands have, so that they read the same everywhere.

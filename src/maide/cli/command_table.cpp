@@ -16,6 +16,10 @@ std::span<const Command> command_table() {
               "maide check examples/case-study-1/buffered.yaml\n"
               "maide check system.yaml --property deadlock --trace deadlock.json --json",
               set_up_check},
+      Command{"replay", "Tell whether the real middleware does what a counterexample says",
+              "maide replay system.yaml deadlock.json --rounds 20\n"
+              "maide replay system.yaml --random 100 --seed 7",
+              set_up_replay},
       Command{"compare", "Tell whether two models are the same, and what tells them apart",
               "maide compare port.dot strict-1.dot\nmaide compare old.dot new.dot --json",
               set_up_compare},

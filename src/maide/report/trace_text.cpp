@@ -7,6 +7,8 @@
 #include <ostream>
 #include <vector>
 
+#include "maide/check/trace_file.hpp"
+
 namespace maide {
 namespace {
 
@@ -155,20 +157,11 @@ void write_trace_text(std::ostream& out, const System& system, const Trace& trac
 Json trace_to_json(const System& system, const Trace& trace) {
   Json steps = Json::array();
   for (const Step& step : trace.steps) {
-    const Program& program = system.programs[step.program];
-    const ProgramEdge& edge = program.edges[step.edge];
-    Json model, event;
-    if (edge.kind == Kind::choice) {
-      event = edge.symbol == 0 ? "if" : "else";
-    } else {
-      const ModelInstance& instance = system.models[edge.model];
-      model = instance.name;
-      if (edge.kind == Kind::give) event = "?" + instance.automaton.inputs().name(edge.symbol);
-      if (edge.kind == Kind::take) event = "!" + instance.automaton.outputs().name(edge.symbol);
-      if (edge.kind == Kind::quiet) event = "quiet";
-    }
-    steps.push_back(
-        {{"program", program.name}, {"line", edge.line}, {"model", model}, {"event", event}});
+    const StepText text = describe_step(system, step);
+    steps.push_back({{"program", text.program},
+                     {"line", text.line},
+                     {"model", text.model.empty() ? Json() : Json(text.model)},
+                     {"event", text.event}});
   }
   return steps;
 }

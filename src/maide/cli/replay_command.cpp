@@ -1,0 +1,301 @@
+// `maide replay SYSTEM.yaml TRACE`: does the real middleware do what the counterexample says?
+// `maide replay SYSTEM.yaml --random N`: does it do what the models say, in random runs?
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <utility>
+
+#include "maide/base/log.hpp"
+#include "maide/check/check_system.hpp"
+#include "maide/check/system_file.hpp"
+#include "maide/check/trace_file.hpp"
+#include "maide/cli/argument_check.hpp"
+#include "maide/cli/command.hpp"
+#include "maide/workflow/learned_models.hpp"
+#include "maide/workflow/random_run.hpp"
+#include "maide/workflow/replay.hpp"
+
+namespace maide::cli {
+namespace {
+
+struct ReplayArguments {
+  std::string system;
+  std::string trace;
+  std::size_t rounds = 1;
+  std::size_t loops = 3;
+  std::size_t random_runs = 0;
+  std::size_t steps = 60;
+  std::uint64_t seed = 1;
+  std::string token_file;
+  std::size_t jobs = 0;
+};
+
+// What came of all runs.
+struct Tally {
+  std::size_t runs = 0, followed = 0;
+  std::size_t steps = 0;      // that were followed
+  std::size_t deadlocks = 0;  // runs that were followed into one
+  std::size_t others = 0;     // left for another answer that the model has, too
+  std::vector<std::pair<std::string, std::size_t>> outcomes;  // by how often
+  // The first run that was not followed, else the first: which, and how it went.
+  std::size_t shown = 0;
+  std::optional<ReplayedRun> example;
+
+  void count(const std::string& outcome) {
+    for (auto& [known, times] : outcomes) {
+      if (known == outcome) return void(++times);
+    }
+    outcomes.emplace_back(outcome, 1);
+  }
+};
+
+struct Replay {
+  System system;
+  std::vector<std::unique_ptr<RealSystem>> real;
+  std::vector<Trace> traces;
+  std::string property;
+  std::vector<std::string> assumptions;
+};
+
+std::string describe(const System& system, const Trace& trace, const Deviation& deviation) {
+  std::string where = "at the end";
+  if (deviation.step < trace.steps.size()) {
+    const StepText step = describe_step(system, trace.steps[deviation.step]);
+    where = fmt::format("step {}, {} line {} {}{}", deviation.step + 1, step.program, step.line,
+                        step.model, step.event);
+  }
+  if (deviation.round > 0) where += fmt::format(", round {} of the loop", deviation.round + 1);
+  const char* remark =
+      deviation.kind == Deviation::Kind::other_answer ? " (the model has that answer, too)" : "";
+  return fmt::format("{}: expected {}, seen {}{}", where, deviation.expected, deviation.seen,
+                     remark);
+}
+
+Tally play(const Replay& replay, const ReplayArguments& arguments, Context& context) {
+  Tally tally;
+  const bool is_random = arguments.random_runs > 0;
+  const auto sink = [&](std::size_t index, ReplayedRun run) {
+    const Trace& trace = replay.traces[index];
+    const auto& deviation = run.deviation;
+    ++tally.runs;
+    tally.steps += run.steps;
+    if (!deviation) {
+      ++tally.followed;
+      if (ends_in_deadlock(replay.system, trace)) ++tally.deadlocks;
+      tally.count("followed");
+    } else {
+      if (deviation->kind == Deviation::Kind::other_answer) ++tally.others;
+      tally.count(describe(replay.system, trace, *deviation));
+    }
+    if (!tally.example || (deviation && !tally.example->deviation)) {
+      tally.shown = index;
+      tally.example = std::move(run);
+    }
+  };
+  try {
+    play_on_real_system(replay.system, replay.real, replay.traces,
+                        {is_random ? 1 : arguments.loops, context.control()}, sink);
+  } catch (const Interrupted& stop) {
+    if (tally.runs == 0) throw;
+    context.complain(fmt::format("{}; {} of {} runs were played", stop.what(), tally.runs,
+                                 replay.traces.size()));
+  }
+  std::stable_sort(tally.outcomes.begin(), tally.outcomes.end(),
+                   [](const auto& left, const auto& right) { return left.second > right.second; });
+  return tally;
+}
+
+// The answer in one word, and the exit status.
+std::pair<std::string, ExitStatus> verdict_of(const Replay& replay, const Tally& tally,
+                                              bool is_random) {
+  // A random run that went on as the model allows refutes nothing.
+  const std::size_t as_modelled = tally.followed + (is_random ? tally.others : 0);
+  if (as_modelled == 0) return {"not followed", ExitStatus::violated};
+  if (as_modelled < tally.runs) {
+    return is_random ? std::pair{"not followed", ExitStatus::violated}
+                     : std::pair{"followed at times", ExitStatus::inconclusive};
+  }
+  if (tally.runs < replay.traces.size()) return {"interrupted", ExitStatus::inconclusive};
+  if (!replay.assumptions.empty()) {
+    return {"followed as far as it can be asked", ExitStatus::inconclusive};
+  }
+  return {"followed", ExitStatus::ok};
+}
+
+// The steps of the example, each with what the system did.
+std::string list_steps(const Replay& replay, const Tally& tally) {
+  constexpr std::size_t most_shown = 200;
+  const Trace& trace = replay.traces[tally.shown];
+  std::size_t width = 0;
+  for (const Program& program : replay.system.programs) {
+    width = std::max(width, program.name.size());
+  }
+  std::string text;
+  const std::size_t count = tally.example->seen.size();
+  const std::size_t head = count > most_shown ? most_shown / 2 : count;
+  const std::size_t tail = count > most_shown ? count - (most_shown - head) : count;
+  for (std::size_t at = 0; at < count; ++at) {
+    if (trace.loop_start == at) text += "  from here on, again and again:\n";
+    if (at == head && tail > head) text += fmt::format("  ... {} steps ...\n", tail - head);
+    if (at >= head && at < tail) continue;
+    const StepText step = describe_step(replay.system, trace.steps[at]);
+    const std::string& seen = tally.example->seen[at];
+    std::string line = fmt::format("{:>5}  {:<{}}  line {:<4} {}", at + 1, step.program, width,
+                                   step.line, step.model + step.event);
+    if (!seen.empty()) line = fmt::format("{:<{}}  {}", line, width + 39, seen);
+    text += line + "\n";
+  }
+  return text;
+}
+
+std::string as_text(const Replay& replay, const Tally& tally, const std::string& verdict,
+                    const ReplayArguments& arguments) {
+  const bool is_random = arguments.random_runs > 0;
+  std::string text;
+  for (const auto& real : replay.real) {
+    if (real) text += fmt::format("{}: {}\n", real->instance, real->description);
+  }
+  const bool is_shown = !is_random || tally.example->deviation;
+  if (is_shown) {
+    if (tally.runs > 1) text += fmt::format("run {}:\n", tally.shown + 1);
+    text += list_steps(replay, tally);
+  }
+  for (const auto& [outcome, times] : tally.outcomes) {
+    text += fmt::format("{} of {}: {}\n", times, tally.runs, outcome);
+  }
+  if (is_random) {
+    text += fmt::format("{} steps were followed, {} runs ended in a deadlock\n", tally.steps,
+                        tally.deadlocks);
+  } else if (tally.deadlocks > 0) {
+    text += "the deadlock is real: the system is at rest and owes nothing that a program waits for";
+    text += "\n";
+  }
+  for (const std::string& assumption : replay.assumptions) text += "  - " + assumption + "\n";
+  return text + "verdict: " + verdict + "\n";
+}
+
+Json as_json(const Replay& replay, const Tally& tally, const std::string& verdict,
+             const ReplayArguments& arguments) {
+  Json json{{"verdict", verdict},
+            {"runs", tally.runs},
+            {"followed", tally.followed},
+            {"deadlocks", tally.deadlocks},
+            {"steps_followed", tally.steps}};
+  if (!replay.property.empty()) json["property"] = replay.property;
+  if (arguments.random_runs > 0) json["seed"] = arguments.seed;
+  json["systems"] = Json::object();
+  for (const auto& real : replay.real) {
+    if (real) json["systems"][real->instance] = real->description;
+  }
+  json["outcomes"] = Json::array();
+  for (const auto& [outcome, times] : tally.outcomes) {
+    json["outcomes"].push_back({{"outcome", outcome}, {"runs", times}});
+  }
+  json["assumptions"] = replay.assumptions;
+  json["run"] = tally.shown + 1;
+  json["steps"] = Json::array();
+  const Trace& trace = replay.traces[tally.shown];
+  for (std::size_t at = 0; at < tally.example->seen.size(); ++at) {
+    const StepText step = describe_step(replay.system, trace.steps[at]);
+    const std::string& seen = tally.example->seen[at];
+    json["steps"].push_back({{"program", step.program},
+                             {"line", step.line},
+                             {"model", step.model.empty() ? Json() : Json(step.model)},
+                             {"event", step.event},
+                             {"seen", seen.empty() ? Json() : Json(seen)}});
+  }
+  json["deviation"] = nullptr;
+  if (const auto& deviation = tally.example->deviation) {
+    json["deviation"] = {{"step", deviation->step + 1},
+                         {"round", deviation->round + 1},
+                         {"model", replay.system.models[deviation->model].name},
+                         {"expected", deviation->expected},
+                         {"seen", deviation->seen},
+                         {"word", deviation->word}};
+  }
+  return json;
+}
+
+// A run of this system need not show in this system what it showed in its own.
+void check_claim(const Replay& replay, const Trace& trace, const std::string& file) {
+  if (replay.property.empty()) return;
+  const Property property = find_property(replay.system, replay.property);
+  const std::string flaw = find_flaw(replay.system, property, trace);
+  if (flaw.empty()) return;
+  throw UsageError(fmt::format("the trace does not show that '{}' is violated in {}: {} ({})",
+                               replay.property, replay.system.file, flaw, file));
+}
+
+void read_traces(Replay& replay, const ReplayArguments& arguments) {
+  if (arguments.random_runs > 0) {
+    Random random(arguments.seed);
+    for (std::size_t run = 0; run < arguments.random_runs; ++run) {
+      replay.traces.push_back(draw_run(replay.system, arguments.steps, random));
+    }
+    return;
+  }
+  TraceFile file = read_trace(arguments.trace, replay.system);
+  replay.property = std::move(file.property);
+  check_claim(replay, file.trace, arguments.trace);
+  replay.assumptions = find_assumptions(replay.system, file.trace);
+  replay.traces.assign(arguments.rounds, file.trace);
+}
+
+ExitStatus run_replay(const ReplayArguments& arguments, Context& context) {
+  const bool is_random = arguments.random_runs > 0;
+  if (is_random != arguments.trace.empty()) {
+    throw UsageError(is_random ? "give a trace or --random, not both"
+                               : "give a trace (maide check SYSTEM --trace FILE), or --random N");
+  }
+  ModelRequests requests;
+  const ModelSource models =
+      record_requests(make_learning_source({std::filesystem::path(arguments.system).parent_path(),
+                                            [](const std::string& line) { log_note(line); },
+                                            context.control(), arguments.jobs}),
+                      requests);
+  Replay replay;
+  replay.system = read_system(arguments.system, models);
+  read_traces(replay, arguments);
+  // One run keeps one system busy.
+  const std::size_t jobs = replay.traces.size() == 1 ? 1 : arguments.jobs;
+  replay.real =
+      open_real_systems(replay.system, requests, {jobs, arguments.token_file, context.control()});
+  const Tally tally = play(replay, arguments, context);
+  const auto [verdict, status] = verdict_of(replay, tally, is_random);
+  context.print(as_text(replay, tally, verdict, arguments));
+  context.set_result(as_json(replay, tally, verdict, arguments));
+  return status;
+}
+
+}  // namespace
+
+RunFunction set_up_replay(CLI::App& app) {
+  auto arguments = std::make_shared<ReplayArguments>();
+  app.add_option("SYSTEM", arguments->system, "A system file (YAML): models, programs, properties")
+      ->required();
+  app.add_option("TRACE", arguments->trace,
+                 "A counterexample of that system, as `maide check SYSTEM --trace FILE` writes it");
+  app.add_option("--rounds", arguments->rounds, "How often the trace is played")
+      ->check(CLI::Range(1, 1'000'000));
+  app.add_option("--loops", arguments->loops, "How often the loop of an endless trace is played")
+      ->check(CLI::Range(1, 1'000'000));
+  app.add_option("--random", arguments->random_runs,
+                 "In place of a trace: play so many random runs of the programs; each step is held "
+                 "against the models")
+      ->default_str("")
+      ->type_name("N")
+      ->check(CLI::Range(1, 1'000'000));
+  app.add_option("--steps", arguments->steps, "Most steps of a random run")
+      ->check(CLI::Range(1, 1'000'000));
+  add_seed_option(app, arguments->seed);
+  app.add_option("--token-file", arguments->token_file,
+                 "A file with the token of a listening wrapper (or set MAIDE_TOKEN)");
+  add_jobs_option(app, arguments->jobs);
+  return [arguments](Context& context) { return run_replay(*arguments, context); };
+}
+
+}  // namespace maide::cli

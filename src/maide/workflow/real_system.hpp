@@ -1,0 +1,52 @@
+// The real systems behind the models of a system file: what each instance was learned from, opened
+// anew with longer waits than it was learned with, so that what they do confirms or refutes a
+// model and does not depend on how long somebody waited for it.
+#pragma once
+
+#include <cstddef>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "maide/base/run_control.hpp"
+#include "maide/check/system_file.hpp"
+#include "maide/sul/sul.hpp"
+#include "maide/workflow/system_spec.hpp"
+
+namespace maide {
+
+// What a system file asks for, by instance: filled as the file is read.
+using ModelRequests = std::map<std::string, ModelRequest>;
+
+// Notes in `requests` what `source` is asked for. Keeps a reference to `requests`.
+ModelSource record_requests(ModelSource source, ModelRequests& requests);
+
+// The system that an instance stands for: what `learn:` names, or, for a file, the system that it
+// says it was learned from (`sul`), with the options that it was learned with. Throws UsageError
+// that names the instance where there is none.
+SystemSpec find_system_of(const ModelInstance& instance, const ModelRequest& request);
+
+// An instance of a model and the system behind it.
+struct RealSystem {
+  std::string instance;
+  std::string description;  // "cyclonedds history=keep_last, with floor=10"
+  std::unique_ptr<Sul> sul;
+  std::vector<Symbol> inputs;  // of the model -> of the system
+  std::size_t jobs = 1;
+};
+
+struct RealSystemOptions {
+  std::size_t jobs = 0;  // systems behind each instance; 0: the default (default_jobs())
+  std::string token_file;
+  RunControl control;
+};
+
+// Opens the systems of the models that some program uses, in the order of the models; null for the
+// others. A version that is not the one that was learned is a warning in the log. Throws UsageError
+// (also if a system has not all inputs of its model) and WrapperError.
+std::vector<std::unique_ptr<RealSystem>> open_real_systems(const System& system,
+                                                           const ModelRequests& requests,
+                                                           const RealSystemOptions& options);
+
+}  // namespace maide

@@ -1,0 +1,80 @@
+// Replays runs of a composed system on the real one: the middleware behind each model is driven
+// through its part of the run, and what it does is held against the run step by step.
+//
+//   Trace --------> a word for each model instance: the inputs that the programs give it, in order
+//                   (the loop of a lasso several times), and, for a deadlock, the calls that the
+//                   programs are left with
+//   words --------> the real systems (Sul), each step until quiescence
+//   answers ------> a walk along the trace: every output must be due when a program takes it, and
+//                   nothing may be due that the model does not have
+//
+// Programs are not run: Maide makes their calls. Instances share nothing but the programs, so each
+// is given its word without the pauses that the others' steps would make; an order between steps of
+// different instances is no part of what a model says.
+//
+// The idea to run the counterexample before it is believed: Groce, Peled & Yannakakis, "Adaptive
+// model checking", TACAS 2002.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "maide/base/run_control.hpp"
+#include "maide/check/trace.hpp"
+#include "maide/workflow/real_system.hpp"
+
+namespace maide {
+
+// Where the real system did not do what the run says, and what it did.
+struct Deviation {
+  enum class Kind : std::uint8_t {
+    output,        // the outputs of an input are others, or it was not taken: the model is wrong
+    other_answer,  // as above, but another of the answers that a nondeterministic model has
+    pending_call,  // a call is still busy whose program goes on in the run: its return is hidden
+    deadlock,      // at the end the system takes a call that the model does not take
+  };
+  Kind kind = Kind::output;
+  std::size_t step = 0;   // index of the trace's step; as many as it has steps: at its end
+  std::size_t round = 0;  // of the loop, from 0; 0 before it
+  std::uint32_t model = 0;
+  std::string expected, seen;
+  std::vector<std::string> word;  // inputs of the instance up to the one that went another way
+
+  // Such words are counterexamples to the instance's model.
+  bool refutes_model() const { return kind == Kind::output || kind == Kind::deadlock; }
+};
+
+// One run on the real system.
+struct ReplayedRun {
+  std::optional<Deviation> deviation;  // none: the system followed
+  // What was seen at each step of the trace, loops not repeated: the outputs of an input, "quiet",
+  // "" for what needs no system. As long as the system followed, and the deviation.
+  std::vector<std::string> seen;
+  std::size_t steps = 0;  // that were followed, loops repeated
+};
+
+struct ReplayOptions {
+  std::size_t loops = 3;  // how often the loop of a lasso is played, at least 1
+  RunControl control;
+};
+
+// What a run leaves open that no real system can answer, in words: calls that were never tried and
+// that `when_unexplored` decides, an output that no program takes.
+std::vector<std::string> find_assumptions(const System& system, const Trace& trace);
+
+// Whether the programs are in a deadlock at the end of the trace.
+bool ends_in_deadlock(const System& system, const Trace& trace);
+
+// Plays the runs and hands each to `sink`, with its index, in order. All are runs of `system`.
+// Throws Interrupted, WrapperError and what Sul::run throws; runs that were handed over stay valid.
+// Each run costs a reset for each instance that it uses.
+void play_on_real_system(const System& system, const std::vector<std::unique_ptr<RealSystem>>& real,
+                         std::span<const Trace> traces, const ReplayOptions& options,
+                         const std::function<void(std::size_t, ReplayedRun)>& sink);
+
+}  // namespace maide

@@ -1,0 +1,125 @@
+// `maide replay` on the reference port: real threads and blocking calls follow a deadlock that is
+// there, and show one that is not.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "maide/base/file.hpp"
+#include "maide/base/temp_dir.hpp"
+#include "run_maide.hpp"
+
+namespace maide::test {
+namespace {
+
+using testing::HasSubstr;
+
+class ReplayCommand : public testing::Test {
+ protected:
+  // `via` and `sync` are `models`, the programs those of case study 1 with a burst of two.
+  std::string system(const std::string& via, const std::string& name = "s.yaml",
+                     const std::string& programs = case_study) {
+    return write(name, "models:\n  via: {" + via +
+                           "}\n  sync: {learn: port, with: {kind: buffered}}\nprograms:\n" +
+                           programs);
+  }
+  std::string write(const std::string& name, const std::string& text) {
+    const std::string path = (folder_.path() / name).string();
+    write_file_atomically(path, text);
+    return path;
+  }
+  // Checks the system, which must be in violation, and returns the trace's file.
+  std::string find_deadlock(const std::string& system) {
+    const std::string trace = (folder_.path() / "trace.json").string();
+    const SubprocessResult result = run_maide(
+        {"check", system, "--engine", "native", "--property", "deadlock", "--trace", trace, "-q"});
+    EXPECT_EQ(result.exit_status, 1) << result.err;
+    return trace;
+  }
+
+  static inline const std::string case_study =
+      "  planner: |\n    loop { repeat 2 { via.write; } sync.read -> message; }\n"
+      "  controller: |\n    loop { repeat 2 { via.read -> message; } sync.write; }\n";
+  TempDir folder_{"maide-test-"};
+};
+
+TEST_F(ReplayCommand, FollowsADeadlockThatIsReal) {
+  const std::string file = system("learn: port, with: {kind: buffered}");
+  const std::string trace = find_deadlock(file);
+  const SubprocessResult result = run_maide({"replay", file, trace, "--rounds", "3"});
+  EXPECT_EQ(result.exit_status, 0) << result.err;
+  EXPECT_THAT(result.out, HasSubstr("via: port kind=buffered, waiting longer: floor=10"));
+  EXPECT_THAT(result.out, HasSubstr("planner     line 6    via?write             quiet"));
+  EXPECT_THAT(result.out, HasSubstr("3 of 3: followed\nthe deadlock is real"));
+  const Json json = json_of(run_maide({"replay", file, trace, "--json"}));
+  EXPECT_EQ(json["verdict"], "followed");
+  EXPECT_EQ(json["deadlocks"], 1);
+  EXPECT_EQ(json["property"], "deadlock");
+  EXPECT_EQ(json["steps"][0]["seen"], "quiet");
+}
+
+// A model that says of itself that it is a strict port, and is none.
+TEST_F(ReplayCommand, ShowsThatAnAlarmIsFalse) {
+  std::string text = read_file(std::string(MAIDE_SOURCE_DIR) + "/tests/models/buffered.dot");
+  text.insert(text.find("inputs="), "sul=\"port kind=strict size=2\";\n  ");
+  write("false.dot", text);
+  const std::string file = system("file: false.dot");
+  const std::string trace = find_deadlock(file);
+  const SubprocessResult result = run_maide({"replay", file, trace, "--json"});
+  EXPECT_EQ(result.exit_status, 1);
+  const Json json = json_of(result);
+  EXPECT_EQ(json["verdict"], "not followed");
+  EXPECT_EQ(json["deviation"]["model"], "via");
+  EXPECT_EQ(json["deviation"]["expected"], "quiet");
+  EXPECT_EQ(json["deviation"]["seen"], "message");
+  EXPECT_EQ(json["deviation"]["word"], (Json{"write", "write", "read", "read"}));
+  EXPECT_THAT(run_maide({"replay", file, trace}).out, HasSubstr("expected quiet, seen message"));
+}
+
+// The model shows no return of `write`, so the planner goes on; the real one cannot.
+TEST_F(ReplayCommand, SeesACallThatReallyBlocks) {
+  const std::string file =
+      system("learn: port, with: {kind: port}", "s.yaml",
+             "  planner: |\n    via.write;\n    sync.write;\n    sync.read -> message;\n"
+             "    sync.read -> message;\n");
+  const SubprocessResult result = run_maide({"replay", file, find_deadlock(file)});
+  EXPECT_EQ(result.exit_status, 1);
+  EXPECT_THAT(result.out, HasSubstr("step 2, planner line 7 sync?write: expected via.write has "
+                                    "returned, seen via.write still blocks"));
+}
+
+TEST_F(ReplayCommand, PlaysRandomRuns) {
+  const std::string file = system("learn: port, with: {kind: strict, size: 2}");
+  const SubprocessResult result =
+      run_maide({"replay", file, "--random", "5", "--steps", "30", "--seed", "3", "--json"});
+  EXPECT_EQ(result.exit_status, 0) << result.err;
+  const Json json = json_of(result);
+  EXPECT_EQ(json["followed"], 5);
+  EXPECT_EQ(json["deadlocks"], 0);
+  EXPECT_EQ(json["steps_followed"], 150);
+  const std::string lossy = system("learn: port, with: {kind: buffered}");
+  const Json lost = json_of(run_maide({"replay", lossy, "--random", "20", "--json"}));
+  EXPECT_EQ(lost["followed"], 20);
+  EXPECT_GT(lost["deadlocks"], 0);
+}
+
+TEST_F(ReplayCommand, RefusesWhatItCannotPlay) {
+  const std::string file = system("learn: port, with: {kind: buffered}");
+  const std::string trace = find_deadlock(file);
+  expect_error(run_maide({"replay", file, "-q"}), 2, "give a trace");
+  expect_error(run_maide({"replay", file, trace, "--random", "2", "-q"}), 2, "not both");
+  expect_error(run_maide({"replay", file, "nowhere.json", "-q"}), 2, "nowhere.json");
+  const std::string other = system("learn: port, with: {kind: strict, size: 2}", "other.yaml");
+  expect_error(run_maide({"replay", other, trace, "-q"}), 2,
+               "the trace does not show that 'deadlock' is violated in");
+  const std::string swapped =
+      system("learn: port, with: {kind: buffered}", "swapped.yaml",
+             "  planner: |\n    sync.write;\n  controller: |\n    via.read -> message;\n");
+  expect_error(run_maide({"replay", swapped, trace, "-q"}), 2,
+               "step 1: planner line 6 via?write is not possible in");
+  const std::string models = std::string(MAIDE_SOURCE_DIR) + "/tests/models/";
+  const std::string nameless = system("file: " + models + "buffered.dot", "nameless.yaml");
+  expect_error(run_maide({"replay", nameless, trace, "-q"}), 2,
+               "model via does not say what it was learned from");
+}
+
+}  // namespace
+}  // namespace maide::test

@@ -1,0 +1,87 @@
+// Traces read back: what was written is found again, and a trace of another system is refused with
+// the step that is not possible.
+#include "maide/check/trace_file.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "maide/check/check_system.hpp"
+#include "maide/check/native_engine.hpp"
+#include "maide/report/trace_text.hpp"
+#include "systems.hpp"
+
+namespace maide::test {
+namespace {
+
+using testing::HasSubstr;
+
+const std::string burst =
+    "  p: loop { repeat 2 { sync.write; } if * { via.read -> message; } else { skip; } }\n"
+    "  q: loop { repeat 2 { sync.read -> message; } via.write; }\n";
+
+Trace find_trace(const System& system, const std::string& property) {
+  NativeEngine engine;
+  CheckRequest request;
+  request.properties = {property};
+  const CheckReport report = check_system(system, engine, request);
+  return report.properties.front().trace.value();
+}
+
+std::string as_file(const System& system, const Trace& trace) {
+  Json json{{"property", "it"}, {"steps", trace_to_json(system, trace)}, {"loop_start", nullptr}};
+  if (trace.loop_start) json["loop_start"] = *trace.loop_start;
+  return to_json_line(json);
+}
+
+TEST(TraceFile, IsReadBack) {
+  const System system = system_of(burst, "  taken: {ltl: \"G F via!message\", fairness: none}\n");
+  for (const std::string property : {"deadlock", "taken"}) {
+    const Trace trace = find_trace(system, property);
+    const TraceFile file = parse_trace(as_file(system, trace), "t.json", system);
+    EXPECT_EQ(file.property, "it");
+    EXPECT_EQ(file.trace.steps, trace.steps);
+    EXPECT_EQ(file.trace.loop_start, trace.loop_start);
+    EXPECT_EQ(trace.loop_start.has_value(), property == "taken");
+  }
+}
+
+TEST(TraceFile, OfAnotherSystemIsRefusedWithItsStep) {
+  const System system = system_of(burst);
+  const std::string step = R"({"program": "p", "line": 5, "model": "sync", "event": "?write"})";
+  const std::string text = "{\"steps\": [" + step + "," + step + "]}";
+  EXPECT_EQ(parse_trace(text, "t.json", system).trace.steps.size(), 2U);
+  const auto error = [&](const std::string& programs) {
+    const System other = system_of(programs);
+    return error_of([&] { parse_trace(text, "t.json", other); });
+  };
+  EXPECT_THAT(error("  p: sync.write;\n  r: skip;\n"),
+              HasSubstr("step 2: p line 5 sync?write is not possible in system.yaml; possible: "
+                        "nothing (t.json)"));
+  EXPECT_THAT(error("  p: via.write;\n"),
+              HasSubstr("step 1: p line 5 sync?write is not possible in system.yaml; possible: p "
+                        "line 5 via?write (t.json)"));
+  EXPECT_THAT(error("  r: skip;\n"), HasSubstr("step 1: there is no program 'p' in system.yaml"));
+}
+
+TEST(TraceFile, ThatIsNoneIsRefused) {
+  const System system = system_of(burst);
+  const auto error = [&](const std::string& text) {
+    return error_of([&] { parse_trace(text, "t.json", system); });
+  };
+  EXPECT_THAT(error("{"), HasSubstr("t.json:1"));
+  EXPECT_THAT(error("[]"), HasSubstr("'steps' (t.json)"));
+  EXPECT_THAT(error(R"({"steps": [1]})"), HasSubstr("step 1: it must be an object"));
+  EXPECT_THAT(error(R"({"steps": [{"program": 1}]})"), HasSubstr("there is no text 'program'"));
+  const std::string step = R"({"program": "p", "line": 5, "model": "sync", "event": "?write"})";
+  EXPECT_THAT(error(R"({"steps": [{"program": "p", "event": "if"}]})"), HasSubstr("'line'"));
+  EXPECT_THAT(error(R"({"loop_start": 1, "steps": [)" + step + "]}"), HasSubstr("'loop_start'"));
+  EXPECT_THAT(error(R"({"loop_start": 0, "steps": [)" + step + "]}"),
+              HasSubstr("do not come back to where they began"));
+  EXPECT_THAT(error(R"({"steps": [{"program": "p", "line": 5, "model": "x", "event": "quiet"}]})"),
+              HasSubstr("there is no model 'x'"));
+}
+
+}  // namespace
+}  // namespace maide::test
