@@ -140,17 +140,19 @@ class SystemReader {
     ModelRequest request;
     request.instance = model.name;
     bool has_file = false;
-    for (const auto& [name, node] : entries(value, "model '" + model.name + "'",
-                                            {"file", "learn", "with", "when_unexplored"})) {
+    for (const auto& [name, node] :
+         entries(value, "model '" + model.name + "'",
+                 {"file", "learn", "with", "learning", "when_unexplored"})) {
       const std::string& word = name.Scalar();
       if (word == "when_unexplored") {
         model.when_unexplored = one_of<WhenUnexplored>(node, "'when_unexplored'",
                                                        {{"stop", WhenUnexplored::stop},
                                                         {"wait", WhenUnexplored::wait},
                                                         {"drop", WhenUnexplored::drop}});
-      } else if (word == "with") {
-        for (const auto& [option, setting] : entries(node, "'with'", {})) {
-          request.with.emplace_back(option.Scalar(), scalar(setting, "an option's value"));
+      } else if (word == "with" || word == "learning") {
+        auto& options = word == "with" ? request.with : request.learning;
+        for (const auto& [option, setting] : entries(node, "'" + word + "'", {})) {
+          options.emplace_back(option.Scalar(), scalar(setting, "an option's value"));
         }
       } else {
         if (!request.position.file.empty()) fail("a model has 'file' or 'learn', not both", name);
@@ -163,8 +165,9 @@ class SystemReader {
     if (request.position.file.empty()) {
       fail("model '" + model.name + "' needs 'file:' or 'learn:'", key);
     }
-    if (has_file && !request.with.empty()) {
-      fail("'with' goes with 'learn'; a model from a file has its options behind it", key);
+    if (has_file && !(request.with.empty() && request.learning.empty())) {
+      fail("'with' and 'learning' go with 'learn'; a model from a file has its options behind it",
+           key);
     }
     if (has_file) {
       request.file = std::filesystem::path(system_.file).parent_path() / model.origin;

@@ -32,7 +32,10 @@ struct ModelRequest {
   std::filesystem::path file;                             // relative to the system file's folder
   std::string learn;                                      // the system; empty: `file` is meant
   std::vector<std::pair<std::string, std::string>> with;  // its options, in order
-  SourcePosition position;                                // of `file:` or `learn:`
+  // How it is learned, where that is not left to the defaults: names and values of options of
+  // `maide learn`, in order.
+  std::vector<std::pair<std::string, std::string>> learning;
+  SourcePosition position;  // of `file:` or `learn:`
 };
 
 using ModelSource = std::function<InterfaceAutomaton(const ModelRequest&)>;

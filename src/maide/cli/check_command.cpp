@@ -22,6 +22,7 @@
 #include "maide/report/trace_chart.hpp"
 #include "maide/report/trace_text.hpp"
 #include "maide/workflow/learned_models.hpp"
+#include "maide/workflow/refine_system.hpp"
 #include "maide/workflow/wrapper_search.hpp"
 
 namespace maide::cli {
@@ -35,6 +36,8 @@ struct CheckArguments {
   std::string trace;
   std::string report;
   std::size_t jobs = 0;  // for models that are learned
+  bool refine = false;
+  std::size_t refinements = 100;
   std::uint64_t memory_mib = 0;
   double seconds = 0;
 };
@@ -109,16 +112,44 @@ void write_report_file(const std::string& path, const System& system, const Chec
   log_note("no property is violated, so there is no chart to write to " + path);
 }
 
+// Once, or until the verdict is confirmed on the real system.
+RefinedCheck check(const CheckArguments& arguments, Engine& engine, const CheckRequest& request) {
+  const LearnedModelsOptions models{std::filesystem::path(arguments.system).parent_path(),
+                                    [](const std::string& line) { log_note(line); },
+                                    request.options.control, arguments.jobs};
+  if (!arguments.refine) {
+    RefinedCheck checked;
+    checked.system = read_system(arguments.system, make_learning_source(models));
+    checked.report = check_system(checked.system, engine, request);
+    return checked;
+  }
+  RefinementOptions options;
+  options.models = models;
+  options.most_rounds = arguments.refinements;
+  options.on_round = [](const RefinementRound& round) { log_note(to_string(round)); };
+  return check_and_refine(arguments.system, engine, request, options);
+}
+
+Json refinements_to_json(const std::vector<RefinementRound>& rounds) {
+  Json json = Json::array();
+  for (const RefinementRound& round : rounds) {
+    json.push_back({{"model", round.instance},
+                    {"cause", round.cause},
+                    {"word", round.word},
+                    {"expected", round.expected},
+                    {"seen", round.seen},
+                    {"states_before", round.states_before},
+                    {"states_after", round.states_after}});
+  }
+  return json;
+}
+
 ExitStatus run_check(const CheckArguments& arguments, Context& context) {
   if (!arguments.report.empty() && !arguments.report.ends_with(".html") &&
       !arguments.report.ends_with(".svg")) {
     throw UsageError("a report's name ends in .html or .svg (" + arguments.report + ")");
   }
   const std::unique_ptr<Engine> engine = make_engine(arguments.engine);
-  const ModelSource models = make_learning_source(
-      {std::filesystem::path(arguments.system).parent_path(),
-       [](const std::string& line) { log_note(line); }, context.control(), arguments.jobs});
-  const System system = read_system(arguments.system, models);
   CheckRequest request;
   request.properties = arguments.properties;
   request.options.control = context.control();
@@ -129,10 +160,14 @@ ExitStatus run_check(const CheckArguments& arguments, Context& context) {
         std::chrono::duration_cast<std::chrono::steady_clock::duration>(
             std::chrono::duration<double>(arguments.seconds));
   }
-  const CheckReport report = check_system(system, *engine, request);
+  const RefinedCheck checked = check(arguments, *engine, request);
+  const System& system = checked.system;
+  const CheckReport& report = checked.report;
   for (const std::string& remark : system.remarks) log_note(remark);
   context.print(describe(system, report));
-  context.set_result(report_to_json(system, report));
+  Json json = report_to_json(system, report);
+  if (arguments.refine) json["refinements"] = refinements_to_json(checked.rounds);
+  context.set_result(json);
   if (!arguments.trace.empty()) write_trace_file(arguments.trace, system, report);
   if (!arguments.report.empty()) {
     write_report_file(arguments.report, system, report, request.options.control);
@@ -177,6 +212,12 @@ RunFunction set_up_check(CLI::App& app) {
       ->check(check_seconds)
       ->default_str("");
   add_jobs_option(app, arguments->jobs);
+  app.add_flag("--refine", arguments->refine,
+               "Believe no verdict before the real system: replay counterexamples on it, test "
+               "models again where there is none, learn from what differs (models with `learn:`)");
+  app.add_option("--refinements", arguments->refinements,
+                 "Most refinements of --refine; then the verdict is inconclusive")
+      ->check(CLI::Range(1, 1'000'000));
   return [arguments](Context& context) { return run_check(*arguments, context); };
 }
 

@@ -14,7 +14,8 @@ std::span<const Command> command_table() {
               set_up_learn},
       Command{"check", "Tell whether programs that use learned models deadlock or break a property",
               "maide check examples/case-study-1/buffered.yaml\n"
-              "maide check system.yaml --property deadlock --trace deadlock.json --json",
+              "maide check system.yaml --property deadlock --trace deadlock.json --json\n"
+              "maide check system.yaml --refine",
               set_up_check},
       Command{"replay", "Tell whether the real middleware does what a counterexample says",
               "maide replay system.yaml deadlock.json --rounds 20\n"

@@ -8,6 +8,8 @@
 #include <optional>
 #include <utility>
 
+#include "maide/conformance/chain_oracle.hpp"
+#include "maide/conformance/known_words.hpp"
 #include "maide/learn/cache.hpp"
 #include "maide/learn/confirming_teacher.hpp"
 #include "maide/learn/counting_oracle.hpp"
@@ -81,9 +83,18 @@ class Run {
     return pace;
   }
 
+  std::unique_ptr<EquivalenceOracle> make_tests() {
+    auto tests = method_.make({*cache_, &*cache_, options_.reference}, options_.testing);
+    if (options_.known_words.empty()) return tests;
+    std::vector<std::unique_ptr<EquivalenceOracle>> links;
+    links.push_back(std::make_unique<KnownWords>(*cache_, options_.known_words));
+    links.push_back(std::move(tests));
+    return std::make_unique<ChainOracle>(std::move(links));
+  }
+
   // False if it must be done again on a corrected cache.
   bool learn_once() {
-    const auto tests = method_.make({*cache_, &*cache_, options_.reference}, options_.testing);
+    const auto tests = make_tests();
     ConfirmingTeacher confirming(*tests, *cache_);
     PhasedTeacher teacher(options_.confirm ? confirming : *tests, counter_);
     const auto learner = algorithm_.make(*cache_);

@@ -4,14 +4,18 @@
 
 #include <algorithm>
 #include <cctype>
+#include <charconv>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <sstream>
 #include <system_error>
 #include <utility>
 
+#include "maide/automata/compare.hpp"
 #include "maide/base/error.hpp"
 #include "maide/base/file.hpp"
 #include "maide/base/hash.hpp"
+#include "maide/base/json.hpp"
 #include "maide/formats/dot.hpp"
 #include "maide/formats/model_file.hpp"
 #include "maide/workflow/learn_model.hpp"
@@ -24,7 +28,42 @@ namespace {
 std::string describe(const ModelRequest& request) {
   std::string text = request.learn;
   for (const auto& [key, value] : request.with) text += " " + key + "=" + value;
-  return text;
+  if (request.learning.empty()) return text;
+  text += " (learning";
+  for (const auto& [key, value] : request.learning) text += " " + key + "=" + value;
+  return text + ")";
+}
+
+std::uint64_t read_count(const std::string& name, const std::string& text) {
+  std::uint64_t value = 0;
+  const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (failure != std::errc() || end != text.data() + text.size()) {
+    throw UsageError(fmt::format("'{}' of 'learning' must be a number, not '{}'", name, text));
+  }
+  return value;
+}
+
+// What `learning:` says.
+ExperimentOptions read_learning(const ModelRequest& request) {
+  ExperimentOptions options;
+  for (const auto& [name, value] : request.learning) {
+    if (name == "algorithm") {
+      options.algorithm = value;
+    } else if (name == "eq") {
+      options.test_method = value;
+    } else if (name == "extra-states") {
+      options.testing.extra_states = read_count(name, value);
+    } else if (name == "max-tests") {
+      options.testing.max_tests = read_count(name, value);
+    } else if (name == "seed") {
+      options.testing.seed = read_count(name, value);
+    } else {
+      throw UsageError(
+          "'learning' has no key '" + name +
+          "'; it may have: algorithm, eq, extra-states, max-tests, seed, as in `maide learn`");
+    }
+  }
+  return options;
 }
 
 // A system and how it was opened.
@@ -48,20 +87,67 @@ Opened open(const ModelRequest& request, const LearnedModelsOptions& options) {
   return {std::move(spec), std::move(access), std::move(system)};
 }
 
+// What a system answered, beside its model: another system, or another version, has another file.
+std::filesystem::path cache_path(const std::filesystem::path& kept, const SulInfo& system) {
+  std::string identity;
+  for (const auto& [key, value] : describe_origin(system)) identity += key + "=" + value + "\n";
+  return kept.parent_path() /
+         fmt::format("{}-{:08x}.cache", kept.stem().string(), hash_text(identity) & 0xffffffff);
+}
+
+// Counterexamples that a model was refined with, in its own file: [["write","read"],...].
+constexpr const char* counterexamples_key = "counterexamples";
+using Words = std::vector<std::vector<std::string>>;
+
+Words read_counterexamples(const InterfaceAutomaton& automaton, const std::string& file) {
+  const auto text = automaton.origin.find(counterexamples_key);
+  if (text == automaton.origin.end()) return {};
+  try {
+    return parse_json(text->second, file).get<Words>();
+  } catch (const Json::exception&) {
+    throw UsageError("its counterexamples are no list of words of inputs (" + file + ")");
+  }
+}
+
+std::vector<Word> to_symbols(const Words& words, const SulInfo& system) {
+  std::vector<Word> result;
+  for (const std::vector<std::string>& names : words) {
+    Word& word = result.emplace_back();
+    for (const std::string& name : names) {
+      Symbol symbol = 0;
+      while (symbol < system.inputs.size() && system.inputs[symbol].name != name) ++symbol;
+      if (symbol == system.inputs.size()) {
+        throw UsageError("the system has no input '" + name + "' of a counterexample");
+      }
+      word.push_back(symbol);
+    }
+  }
+  return result;
+}
+
+// Learns with what is in the cache beside `kept`, and right about `counterexamples`.
 InterfaceAutomaton learn(const ModelRequest& request, const Opened& opened,
-                         const RunControl& control) {
+                         ExperimentOptions experiment, const Words& counterexamples,
+                         const std::filesystem::path& kept, const RunControl& control) {
   Sul& sul = *opened.system.sul;
-  ExperimentOptions experiment;
+  std::error_code failure;  // the cache that is opened there says it better
+  std::filesystem::create_directories(kept.parent_path(), failure);
+  experiment.cache_file = cache_path(kept, sul.info());
+  experiment.known_words = to_symbols(counterexamples, sul.info());
+  experiment.reference = opened.system.reference ? &*opened.system.reference : nullptr;
   experiment.confirm = !opened.system.reference;
   experiment.patient = make_patient_system(opened.spec, opened.access, sul, {}, control);
-  const LearnedModel learned = learn_model(sul, Translation::eager, experiment, control);
+  LearnedModel learned = learn_model(sul, Translation::eager, experiment, control);
   if (!learned.experiment.is_complete()) std::rethrow_exception(learned.experiment.error);
-  const auto* automaton = std::get_if<InterfaceAutomaton>(&*learned.model);
+  auto* automaton = std::get_if<InterfaceAutomaton>(&*learned.model);
   if (automaton == nullptr) {
     throw UsageError("'" + request.learn +
                      "' is a plain Mealy machine, and programs meet interface automata");
   }
-  return *automaton;
+  if (!counterexamples.empty()) {
+    automaton->origin[counterexamples_key] = to_json_line(Json(counterexamples));
+  }
+  return std::move(*automaton);
 }
 
 // The kept model, if it was learned from this very system: name, options, versions, bound.
@@ -82,6 +168,11 @@ void keep(const std::filesystem::path& file, const InterfaceAutomaton& automaton
   std::ostringstream text;
   write_dot(text, automaton);
   write_file_atomically(file, text.str());
+}
+
+Error with_place(const Error& error, const ModelRequest& request) {
+  return {error.status(), fmt::format("model {}: {} ({})", request.instance, error.what(),
+                                      to_string(request.position))};
 }
 
 }  // namespace
@@ -112,14 +203,39 @@ ModelSource make_learning_source(LearnedModelsOptions options) {
         return *before;
       }
       note(fmt::format("{}: learning {}", request.instance, describe(request)));
-      const InterfaceAutomaton automaton = learn(request, opened, options.control);
+      InterfaceAutomaton automaton =
+          learn(request, opened, read_learning(request), {}, kept, options.control);
       keep(kept, automaton);
       return automaton;
     } catch (const Error& error) {
-      throw Error(error.status(), fmt::format("model {}: {} ({})", request.instance, error.what(),
-                                              to_string(request.position)));
+      throw with_place(error, request);
     }
   };
+}
+
+Refinement refine_learned_model(const ModelRequest& request, const RefinementGoal& goal,
+                                const LearnedModelsOptions& options) {
+  const std::filesystem::path kept = kept_model_path(options.folder, request);
+  try {
+    const Opened opened = open(request, options);
+    const auto before = read_kept(kept, opened.system.sul->info());
+    if (!before) throw UsageError("the model to refine is not there any more");
+    ExperimentOptions experiment = read_learning(request);
+    if (goal.tests_again) {
+      experiment.test_method.clear();
+      experiment.testing = {};
+      experiment.testing.seed = goal.seed;
+    }
+    Words counterexamples = read_counterexamples(*before, kept.string());
+    if (!goal.counterexample.empty()) counterexamples.push_back(goal.counterexample);
+    const InterfaceAutomaton after =
+        learn(request, opened, std::move(experiment), counterexamples, kept, options.control);
+    keep(kept, after);
+    return {before->size(), after.size(), !compare(*before, after, options.control).same(),
+            after.origin.at("tests")};
+  } catch (const Error& error) {
+    throw with_place(error, request);
+  }
 }
 
 }  // namespace maide

@@ -1,10 +1,14 @@
 // Models of a system file that are learned when they are needed (`{learn: cyclonedds, with:
-// {...}}`) and kept beside the file, so that the next check starts at once.
+// {...}}`) and kept beside the file, so that the next check starts at once. Beside each model lies
+// the cache of what its system answered: learning that was ended goes on there, and a model that
+// turns out to be wrong is refined at the cost of what is new.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <string>
+#include <vector>
 
 #include "maide/base/run_control.hpp"
 #include "maide/check/system_file.hpp"
@@ -22,12 +26,33 @@ struct LearnedModelsOptions {
 };
 
 // Reads models that are files, reads kept models that were learned from the same system (options
-// and versions; it is opened to see), and learns the others with the defaults of `maide learn`.
+// and versions; it is opened to see), and learns the others, with the defaults of `maide learn`
+// where `learning:` says nothing else.
 // What goes wrong is an Error with its exit status and the place that asks for it.
 ModelSource make_learning_source(LearnedModelsOptions options);
 
 // Where the model of a request is kept: the system, its options, and a hash of both.
 std::filesystem::path kept_model_path(const std::filesystem::path& folder,
                                       const ModelRequest& request);
+
+// What a kept model is to be refined with.
+struct RefinementGoal {
+  std::vector<std::string> counterexample;  // inputs; empty: none
+  // Test it with the default method and this seed besides, whatever `learning:` says.
+  bool tests_again = false;
+  std::uint64_t seed = 0;
+};
+
+struct Refinement {
+  std::size_t states_before = 0, states_after = 0;  // of the interface automata
+  bool is_new = false;                              // the model is another now
+  std::string tests;                                // what it is not refuted by now
+};
+
+// Learns the kept model of a request (`learn:`) again, from what is known of its system, the
+// counterexamples of earlier refinements, and the goal; keeps the outcome in its place. What was
+// asked stays in the cache if the call ends early. Errors as above.
+Refinement refine_learned_model(const ModelRequest& request, const RefinementGoal& goal,
+                                const LearnedModelsOptions& options);
 
 }  // namespace maide
