@@ -101,6 +101,30 @@ TEST_F(ReplayCommand, PlaysRandomRuns) {
   EXPECT_GT(lost["deadlocks"], 0);
 }
 
+// A message that may be lost: whether it was is the system's choice.
+TEST_F(ReplayCommand, CountsTheRoundsThatFollowed) {
+  write("lossy.dot",
+        "digraph g {\n  inputs=\"write,read\";\n  outputs=\"message,null\";\n"
+        "  actors=\"writer: ?write; reader: ?read !message !null\";\n"
+        "  sul=\"sim:lossy.dot\";\n  __start0 -> a;\n  a -> b [label=\"?write\"];\n"
+        "  b -> c [label=\"?read\"];\n  b -> d [label=\"?read\"];\n"
+        "  c -> e [label=\"!message\"];\n  d -> e [label=\"!null\"];\n}\n");
+  const std::string file =
+      write("lossy.yaml",
+            "models:\n  via: {file: lossy.dot}\nprograms:\n  p: |\n    via.write;\n"
+            "    switch via.read { message { stop; } null { via.read; } }\n");
+  const SubprocessResult result =
+      run_maide({"replay", file, find_deadlock(file), "--rounds", "40", "--json"});
+  EXPECT_EQ(result.exit_status, 3);
+  const Json json = json_of(result);
+  EXPECT_EQ(json["verdict"], "followed at times");
+  ASSERT_EQ(json["outcomes"].size(), 2);
+  EXPECT_EQ(json["outcomes"][0]["runs"].get<int>() + json["outcomes"][1]["runs"].get<int>(), 40);
+  EXPECT_THAT(json["outcomes"].dump(), HasSubstr("expected null, seen message"));
+  // Either is as the model says.
+  EXPECT_EQ(run_maide({"replay", file, "--random", "10", "-q"}).exit_status, 0);
+}
+
 TEST_F(ReplayCommand, RefusesWhatItCannotPlay) {
   const std::string file = system("learn: port, with: {kind: buffered}");
   const std::string trace = find_deadlock(file);

@@ -178,6 +178,17 @@ TEST(Replay, NamesWhatItCannotAsk) {
   EXPECT_THAT(find_assumptions(dropping, dropped), ElementsAre(HasSubstr("to change nothing")));
   EXPECT_FALSE(play(dropping, dropped, model("strict-2")).deviation);
 
+  // The run is cut at the third write, which is never made.
+  const System cut = system_of(model("strict-2"), three);
+  Trace to_the_bound;
+  for (GlobalState state = initial_state(cut); !state.is_cut;
+       state = apply(cut, state, to_the_bound.steps.back())) {
+    to_the_bound.steps.push_back(enabled_steps(cut, state).at(0));
+  }
+  EXPECT_THAT(find_assumptions(cut, to_the_bound), ElementsAre(HasSubstr("and is not played")));
+  EXPECT_FALSE(ends_in_deadlock(cut, to_the_bound));
+  EXPECT_EQ(play(cut, to_the_bound, model("strict-2")).steps, 3U);
+
   const System untaken =
       system_of(model("buffered"), "  p: |\n    via.write;\n    via.read;\n    via.read;\n");
   EXPECT_THAT(find_assumptions(untaken, find_trace(untaken)),
