@@ -44,7 +44,7 @@ TEST_F(CheckCommand, ReadableTrace) {
                                     "sync!message; sync has nothing to give; it would take write"));
   EXPECT_THAT(result.out, HasSubstr("q has ended"));
   EXPECT_THAT(result.out, HasSubstr("via has message due, which no program takes"));
-  EXPECT_THAT(result.out, HasSubstr("stuck was not checked"));
+  EXPECT_THAT(result.out, HasSubstr("stuck     holds"));
   EXPECT_THAT(result.out, HasSubstr("verdict: violated"));
 }
 
@@ -74,8 +74,8 @@ TEST_F(CheckCommand, JsonOfAPropertyThatHolds) {
   EXPECT_EQ(result.exit_status, 0) << result.err;
   const Json report = json_of(result);
   EXPECT_EQ(report["verdict"], "holds");
-  EXPECT_EQ(report["assumptions"].size(), 2u);
-  ASSERT_EQ(report["properties"].size(), 2u);
+  EXPECT_EQ(report["assumptions"].size(), 1u);
+  ASSERT_EQ(report["properties"].size(), 3u);  // and stuck
   const Json& deadlock = report["properties"][0];
   for (const char* key :
        {"name", "verdict", "states", "transitions", "seconds", "peak_bytes", "trace"}) {
@@ -104,17 +104,23 @@ TEST_F(CheckCommand, HiddenReturnsMakeHoldsInconclusive) {
               HasSubstr("learn with observe=message,written, write `via.write -> written;`"));
 }
 
-TEST_F(CheckCommand, TheNativeEngineChecksWhatSpinCannot) {
+TEST_F(CheckCommand, TheNativeEngineIsTheDefaultAndChecksWhatSpinCannot) {
   const std::string file = system(
       "  p: '@a via.write; via.read -> message;'\n"
       "  q: loop { sync.write; sync.read -> message; }\n",
       "  next: X X q@end\n");
-  const SubprocessResult next =
-      run_maide({"check", file, "--engine", "native", "--property", "next"});
+  const SubprocessResult next = run_maide({"check", file, "--property", "next"});
   EXPECT_EQ(next.exit_status, 1) << next.err;
   const SubprocessResult stuck =
       run_maide({"check", file, "--engine", "native", "--property", "stuck"});
   EXPECT_EQ(stuck.exit_status, 0) << stuck.out << stuck.err;
+}
+
+TEST_F(CheckCommand, SpinLeavesOutStuckAndSaysSo) {
+  const SubprocessResult result = run_maide({"check", system(waiting), "--engine", "spin"});
+  EXPECT_EQ(result.exit_status, 1);
+  EXPECT_THAT(result.out, HasSubstr("deadlock  violated"));
+  EXPECT_THAT(result.out, HasSubstr("stuck was not checked"));
 }
 
 TEST_F(CheckCommand, ErrorsAreOneLineWithThePlace) {
@@ -122,8 +128,9 @@ TEST_F(CheckCommand, ErrorsAreOneLineWithThePlace) {
                "model via has no input 'wirte'; it has: write, read");
   expect_error(run_maide({"check", system("  p: via.wirte;\n")}), 2, "s.yaml:5:10)");
   const std::string good = system("  p: '@a via.write;'\n", "  next: X p@a\n");
-  expect_error(run_maide({"check", good}), 2, "checks no formula with X");
-  expect_error(run_maide({"check", good, "--property", "stuck"}), 2, "does not check 'stuck'");
+  expect_error(run_maide({"check", good, "--engine", "spin"}), 2, "checks no formula with X");
+  expect_error(run_maide({"check", good, "--engine", "spin", "--property", "stuck"}), 2,
+               "does not check 'stuck'");
   expect_error(run_maide({"check", good, "--property", "nothing"}), 2, "there is no property");
   expect_error(run_maide({"check", good, "--engine", "magic"}), 2, "there is no engine 'magic'");
   expect_error(run_maide({"check", good, "--time", "-1"}), 2, "--time");
@@ -137,16 +144,29 @@ TEST_F(CheckCommand, ErrorsAreOneLineWithThePlace) {
 
 TEST_F(CheckCommand, LimitsAreInconclusive) {
   const std::string path = system("  p: loop { via.write; via.read -> message; }\n");
-  const SubprocessResult late = run_maide({"check", path, "--time", "0.001", "--json"});
+  const SubprocessResult late =
+      run_maide({"check", path, "--engine", "spin", "--time", "0.001", "--json"});
   EXPECT_EQ(late.exit_status, 3);
   EXPECT_EQ(json_of(late)["properties"][0]["reason"], "out of time");
-  const SubprocessResult large = run_maide({"check", path, "--memory", "1", "--json"});
+  const SubprocessResult large = run_maide({"check", path, "--engine", "spin", "--memory", "1"});
   EXPECT_EQ(large.exit_status, 3);
+  // Two million states.
+  const std::string many = MAIDE_SOURCE_DIR "/examples/case-study-2/nonblocking-drop.yaml";
+  const SubprocessResult native = run_maide({"check", many, "--memory", "1", "--json"});
+  EXPECT_EQ(native.exit_status, 3);
+  EXPECT_THAT(json_of(native)["properties"][0]["reason"].get<std::string>(),
+              HasSubstr("needs more than 1 MiB of memory: nothing found"));
+  const SubprocessResult short_time = run_maide({"check", many, "--time", "0.001", "--json"});
+  EXPECT_EQ(short_time.exit_status, 3);
+  EXPECT_THAT(json_of(short_time)["properties"][0]["reason"].get<std::string>(),
+              HasSubstr("out of time"));
 }
 
 TEST_F(CheckCommand, ToolsThatAreMissingAreNamed) {
   const std::string path = system("  p: via.write;\n");
-  const SubprocessResult result = run_with_maide("PATH=/nowhere \"$maide\" check '" + path + "'");
+  EXPECT_EQ(run_with_maide("PATH=/nowhere \"$maide\" check '" + path + "'").exit_status, 0);
+  const SubprocessResult result =
+      run_with_maide("PATH=/nowhere \"$maide\" check --engine spin '" + path + "'");
   expect_error(result, 2, "'spin' cannot be run");
 }
 

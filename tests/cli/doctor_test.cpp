@@ -43,7 +43,7 @@ TEST(Doctor, SaysWhatToInstall) {
   const TempDir empty;
   const SubprocessResult result =
       run_with_maide("PATH='" + empty.path().string() + "' \"$maide\" doctor --json");
-  EXPECT_EQ(result.exit_status, 2);
+  EXPECT_EQ(result.exit_status, 0);  // all of it is extras: the reference port is there
   const Json spin = finding(json_of(result), "spin");
   EXPECT_EQ(spin.at("state"), "missing");
   EXPECT_EQ(spin.at("advice"), "apt-get install spin");
@@ -56,7 +56,7 @@ TEST(Doctor, FindsProgramsThatAreBroken) {
   make_program(folder.path() / "maide-wrap-broken", "echo 'no library' >&2; exit 4");
   const SubprocessResult result =
       run_with_maide("PATH='" + folder.path().string() + "':\"$PATH\" \"$maide\" doctor --json");
-  EXPECT_EQ(result.exit_status, 2);
+  EXPECT_EQ(result.exit_status, 0);
   const Json report = json_of(result);
   EXPECT_EQ(finding(report, "spin").at("state"), "broken");
   EXPECT_EQ(finding(report, "mine").at("state"), "usable");

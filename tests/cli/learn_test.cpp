@@ -340,7 +340,7 @@ TEST(Reproduce, InterruptOnTheReferencePort) {
 
 TEST(Reproduce, SaysWhatIsNotThere) {
   expect_error(run_maide({"reproduce", "table7"}), 2, "table7");
-  expect_error(run_maide({"reproduce", "table2"}), 2, "not part of this version");
+  expect_error(run_maide({"reproduce", "table2", "--system", "mqtt"}), 2, "mqtt");
   expect_error(run_maide({"reproduce", "table1", "--system", "ros"}), 2, "ros");
 }
 

@@ -31,7 +31,7 @@ namespace {
 
 struct CheckArguments {
   std::string system;
-  std::string engine = "spin";
+  std::string engine = "native";
   std::vector<std::string> properties;
   std::string trace;
   std::string report;
@@ -186,13 +186,14 @@ RunFunction set_up_check(CLI::App& app) {
   auto arguments = std::make_shared<CheckArguments>();
   app.add_option("SYSTEM", arguments->system, "A system file (YAML): models, programs, properties")
       ->required();
-  app.add_option("--engine", arguments->engine,
-                 "What decides: spin, or native (Maide's own: shortest runs, "
-                 "`stuck`, X, strong fairness)")
+  app.add_option(
+         "--engine", arguments->engine,
+         "What decides: native (Maide's own), or spin, the reference, which has no `stuck`, "
+         "no X and no strong fairness, and needs spin and a C compiler")
       ->capture_default_str();
   app.add_option("--property", arguments->properties,
-                 "Check this property alone; may be given several times (default: deadlock and "
-                 "all properties of the file)")
+                 "Check this property alone; may be given several times (default: deadlock, "
+                 "stuck and all properties of the file)")
       ->default_str("")
       ->allow_extra_args(false);
   app.add_option("--trace", arguments->trace,

@@ -30,7 +30,7 @@ std::span<const Command> command_table() {
               "maide export system.yaml --to promela -o system.pml",
               set_up_export},
       Command{"reproduce", "Reproduce the paper's results, theirs beside ours",
-              "maide reproduce table1\nmaide reproduce table1 --system port --json",
+              "maide reproduce table1 --system port --json\nmaide reproduce table2",
               set_up_reproduce},
       Command{"doctor", "Tell what is usable on this machine, and what to install",
               "maide doctor\nmaide doctor --json", set_up_doctor},

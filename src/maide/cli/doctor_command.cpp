@@ -1,6 +1,6 @@
 // `maide doctor`: which programs and wrappers are on this machine, in which version, and what to
 // install for those that are not. The main job - learn a connection of a running system, check
-// programs against it - needs spin and a C compiler; everything else is an extra.
+// programs against it - needs a wrapper; the programs are extras.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -25,15 +25,14 @@ struct Tool {
   std::string purpose;
   std::vector<std::string> version_command;
   std::string package;  // of Debian
-  bool needed;          // the main job cannot be done without it
 };
 
 const std::vector<Tool>& tools() {
   static const std::vector<Tool> table{
-      {"spin", "checks systems (maide check)", {"spin", "-V"}, "spin", true},
-      {"cc", "compiles what spin generates", {"cc", "--version"}, "gcc", true},
-      {"dot", "draws models", {"dot", "-V"}, "graphviz", false},
-      {"python3", "runs wrappers written in Python", {"python3", "--version"}, "python3", false},
+      {"spin", "checks systems, too (maide check --engine spin)", {"spin", "-V"}, "spin"},
+      {"cc", "compiles what spin generates", {"cc", "--version"}, "gcc"},
+      {"dot", "draws models", {"dot", "-V"}, "graphviz"},
+      {"python3", "runs wrappers written in Python", {"python3", "--version"}, "python3"},
   };
   return table;
 }
@@ -82,7 +81,6 @@ struct Finding {
   std::string version{};  // the program's own words, one line
   std::string path{};
   std::string advice{};  // what to do; "" if nothing
-  bool needed = false;
 };
 
 std::string first_line(const std::string& text) {
@@ -98,7 +96,6 @@ SubprocessResult ask(const std::vector<std::string>& command, const RunControl& 
 
 Finding examine(const Tool& tool, const RunControl& control) {
   Finding finding{"program", tool.name, tool.purpose};
-  finding.needed = tool.needed;
   const auto path = find_on_path(tool.name);
   if (!path) {
     finding.advice = "apt-get install " + tool.package;
@@ -165,14 +162,11 @@ std::vector<Finding> examine_all(const RunControl& control) {
 
 bool is_usable(const Finding& finding) { return finding.state == State::usable; }
 
-// The main job needs every needed program and one wrapper.
+// The main job needs one wrapper.
 bool can_run_main_job(const std::vector<Finding>& findings) {
-  const bool has_programs =
-      std::all_of(findings.begin(), findings.end(),
-                  [](const Finding& finding) { return !finding.needed || is_usable(finding); });
-  return has_programs && std::any_of(findings.begin(), findings.end(), [](const Finding& finding) {
-           return finding.kind == "wrapper" && is_usable(finding);
-         });
+  return std::any_of(findings.begin(), findings.end(), [](const Finding& finding) {
+    return finding.kind == "wrapper" && is_usable(finding);
+  });
 }
 
 std::string as_text(const std::vector<Finding>& findings, bool usable) {
@@ -188,7 +182,7 @@ std::string as_text(const std::vector<Finding>& findings, bool usable) {
     if (!finding.advice.empty()) text += fmt::format("  {:<12} {:<8} {}\n", "", "", finding.advice);
   }
   return text + (usable ? "\nReady: systems can be learned and checked.\n"
-                        : "\nNot ready: something that learning or checking needs is missing.\n");
+                        : "\nNot ready: there is no wrapper to learn through.\n");
 }
 
 Json as_json(const std::vector<Finding>& findings, bool usable) {
@@ -197,7 +191,6 @@ Json as_json(const std::vector<Finding>& findings, bool usable) {
     list.push_back({{"kind", finding.kind},
                     {"name", finding.name},
                     {"state", to_string(finding.state)},
-                    {"needed", finding.needed},
                     {"version", finding.version},
                     {"path", finding.path},
                     {"advice", finding.advice}});

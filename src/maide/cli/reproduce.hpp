@@ -32,6 +32,9 @@ LearnedModel learn_for_reproduction(const std::string& system,
 std::vector<std::string> chosen_systems(const std::vector<std::string>& known,
                                         const ReproduceArguments& arguments, Context& context);
 
+// Table 2: the two case studies, checked on models learned anew.
+ExitStatus reproduce_table2(const ReproduceArguments& arguments, Context& context);
+
 // Figure 3: what becomes of a write that waits when its port is interrupted.
 ExitStatus reproduce_interrupt(const ReproduceArguments& arguments, Context& context);
 
