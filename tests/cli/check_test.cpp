@@ -142,6 +142,36 @@ TEST_F(CheckCommand, ErrorsAreOneLineWithThePlace) {
       "bad.dot:1:");
 }
 
+// Programs, formulas, YAML and models: the line and a caret under what is wrong.
+TEST_F(CheckCommand, ErrorsShowTheSource) {
+  const auto shown = [&](const std::string& path) {
+    const SubprocessResult result = run_maide({"check", path});
+    EXPECT_EQ(result.exit_status, 2);
+    return result.err.substr(result.err.find('\n') + 1);
+  };
+  EXPECT_EQ(shown(system("  p: via.wirte;\n")), "    p: via.wirte;\n           ^\n");
+  EXPECT_EQ(shown(system("  p: |\n    loop {\n      via.read => message;\n    }\n")),
+            "        via.read => message;\n                 ^\n");
+  EXPECT_EQ(shown(system("  p: '@a via.write;'\n", "  f: \"G (p@a -> F p@b)\"\n")),
+            "    f: \"G (p@a -> F p@b)\"\n                      ^\n");
+  EXPECT_EQ(shown(system("  p: via.write;\n", "  f: {always: p@end, fairnes: weak}\n")),
+            "    f: {always: p@end, fairnes: weak}\n                       ^\n");
+  file("bad.dot", "digraph g {\n  a -> b [label=];\n}\n");
+  const std::string of_model =
+      shown(file("b.yaml", "models: {m: {file: bad.dot}}\nprograms: {p: m.x;}"));
+  EXPECT_EQ(of_model, "    a -> b [label=];\n                  ^\n");
+}
+
+TEST_F(CheckCommand, SaysWhatIsNeverReached) {
+  const SubprocessResult result = run_maide(
+      {"check",
+       system("  p: loop { via.write; via.read -> message; } sync.write;\n", "  done: F p@end\n"),
+       "--property", "deadlock"});
+  EXPECT_EQ(result.exit_status, 0);
+  EXPECT_THAT(result.err, HasSubstr("program p never comes to this statement"));
+  EXPECT_THAT(result.err, HasSubstr("p@end never holds: p never ends"));
+}
+
 TEST_F(CheckCommand, LimitsAreInconclusive) {
   const std::string path = system("  p: loop { via.write; via.read -> message; }\n");
   const SubprocessResult late =

@@ -42,8 +42,13 @@ void expect_error(const SubprocessResult& result, int exit_status, const std::st
   EXPECT_EQ(result.out, "");
   EXPECT_THAT(result.err, testing::StartsWith("maide: "));
   EXPECT_THAT(result.err, testing::EndsWith("\n"));
-  EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
-  EXPECT_THAT(result.err, testing::HasSubstr(text));
+  // One line, or that and the line of the source with a caret below it.
+  const auto lines = std::count(result.err.begin(), result.err.end(), '\n');
+  if (lines != 1) {
+    EXPECT_EQ(lines, 3) << result.err;
+    EXPECT_THAT(result.err, testing::ContainsRegex("\n  [ \t]*\\^\n$"));
+  }
+  EXPECT_THAT(result.err.substr(0, result.err.find('\n')), testing::HasSubstr(text));
 }
 
 }  // namespace maide::test

@@ -21,6 +21,17 @@ bool Program::has_label(ControlState state, std::uint32_t label) const {
   return std::binary_search(set.begin(), set.end(), label);
 }
 
+bool Program::may_end() const {
+  return std::any_of(states.begin(), states.end(),
+                     [](const State& state) { return state.edge_count == 0; });
+}
+
+bool Program::may_reach(std::uint32_t label) const {
+  return std::any_of(label_sets.begin(), label_sets.end(), [&](const auto& set) {
+    return std::binary_search(set.begin(), set.end(), label);
+  });
+}
+
 namespace program_syntax {
 namespace {
 
@@ -244,7 +255,9 @@ Program unroll(const Tree& tree, const std::string& name, const SourcePosition& 
 Program parse_program(const std::string& name, const ScalarText& text,
                       std::span<const ProgramInterface> models) {
   const program_syntax::Tree tree = program_syntax::parse(text, models);
-  return program_syntax::unroll(tree, name, text.position(0));
+  Program program = program_syntax::unroll(tree, name, text.position(0));
+  program.unreachable = program_syntax::find_unreachable(tree, program.position.file);
+  return program;
 }
 
 }  // namespace maide

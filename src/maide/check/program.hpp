@@ -44,6 +44,7 @@ struct Program {
   std::vector<ProgramEdge> edges;                      // grouped by state
   std::vector<std::string> labels;                     // names, in the order of the text
   std::vector<std::vector<std::uint32_t>> label_sets;  // [0] is empty; each sorted
+  std::vector<SourcePosition> unreachable;  // statements behind one that does not come to its end
 
   std::span<const ProgramEdge> edges_of(ControlState state) const {
     return std::span(edges).subspan(states[state].first_edge, states[state].edge_count);
@@ -51,6 +52,9 @@ struct Program {
   // The program has ended. A program's other states always have a transition.
   bool is_end(ControlState state) const { return states[state].edge_count == 0; }
   bool has_label(ControlState state, std::uint32_t label) const;
+  // What control can come to, whatever the models do. O(control states).
+  bool may_end() const;
+  bool may_reach(std::uint32_t label) const;
 };
 
 // A model instance as a program's text sees it.

@@ -49,6 +49,9 @@ struct Tree {
 
 Tree parse(const ScalarText& text, std::span<const ProgramInterface> models);
 
+// The first statement of each block that control never reaches, as far as the text alone tells.
+std::vector<SourcePosition> find_unreachable(const Tree& tree, const std::string& file);
+
 // Throws ParseError with `position` as the file for places in the tree.
 Program unroll(const Tree& tree, const std::string& name, const SourcePosition& position);
 

@@ -45,6 +45,8 @@ class SystemReader {
     read_programs(section("programs"));
     if (const YAML::Node properties = section("properties")) read_properties(properties);
     remark_on_unused_models();
+    remark_on_unreachable_statements();
+    remark_on_idle_atoms();
     return std::move(system_);
   }
 
@@ -262,6 +264,34 @@ class SystemReader {
       if (used.contains(index)) continue;
       system_.remarks.push_back("no program uses model '" + model.name + "' (" +
                                 to_string(model.position) + ")");
+    }
+  }
+
+  void remark_on_unreachable_statements() {
+    for (const Program& program : system_.programs) {
+      for (const SourcePosition& place : program.unreachable) {
+        system_.remarks.push_back("program " + program.name +
+                                  " never comes to this statement: the one before it does not end "
+                                  "(" +
+                                  to_string(place) + ")");
+      }
+    }
+  }
+
+  // Atoms that hold nowhere, for the program never ends, or never comes to the label.
+  void remark_on_idle_atoms() {
+    for (const Property& property : system_.properties) {
+      for (const Atom& atom : atoms_of(property.formula)) {
+        if (atom.is_event()) continue;
+        const Program& program = system_.programs[atom.owner];
+        const bool is_end = atom.kind == Atom::Kind::end;
+        if (is_end ? program.may_end() : program.may_reach(atom.symbol)) continue;
+        system_.remarks.push_back("in property '" + property.name + "', " + program.name + "@" +
+                                  (is_end ? "end" : program.labels[atom.symbol]) +
+                                  " never holds: " + program.name +
+                                  (is_end ? " never ends" : " never comes there") + " (" +
+                                  to_string(property.position) + ")");
+      }
     }
   }
 

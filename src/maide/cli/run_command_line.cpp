@@ -2,6 +2,7 @@
 // name deserves a suggestion rather than "is required" for what it swallowed.
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cstdio>
 #include <exception>
 #include <map>
 #include <memory>
@@ -12,6 +13,7 @@
 
 #include "maide/base/interrupt.hpp"
 #include "maide/base/log.hpp"
+#include "maide/base/source_excerpt.hpp"
 #include "maide/base/suggest.hpp"
 #include "maide/base/version.hpp"
 #include "maide/cli/argument_check.hpp"
@@ -136,9 +138,11 @@ ExitStatus dispatch(std::vector<std::string> arguments) {
   return run(find_command(name), arguments);
 }
 
-// The one place where an error becomes output.
-int report(const std::string& message, ExitStatus status, bool json) {
+// The one place where an error becomes output. `excerpt`: of the text in which it is, or "".
+int report(const std::string& message, ExitStatus status, bool json,
+           const std::string& excerpt = "") {
   write_error_line(message);
+  std::fputs(excerpt.c_str(), stderr);
   if (json) {
     try {
       const Json object{{"error", message}, {"status", static_cast<int>(status)}};
@@ -174,6 +178,8 @@ int run_command_line(int argc, const char* const* argv) noexcept {
     const std::vector<std::string> arguments(argv + std::min(argc, 1), argv + argc);
     json = std::find(arguments.begin(), arguments.end(), "--json") != arguments.end();
     return static_cast<int>(dispatch(arguments));
+  } catch (const ParseError& error) {
+    return report(error.what(), error.status(), json, source_excerpt(error.position()));
   } catch (const Error& error) {
     return report(error.what(), error.status(), json);
   } catch (const std::bad_alloc&) {

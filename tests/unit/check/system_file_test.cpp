@@ -45,6 +45,42 @@ TEST(SystemFile, ReadsEverything) {
   EXPECT_EQ(system.remarks[0], "no program uses model 'sync' (s.yaml:3:3)");
 }
 
+TEST(SystemFile, RemarksOnStatementsThatAreNeverReached) {
+  const auto remarks = [](const std::string& program) {
+    return parse_system(models + "programs:\n  p: |\n    " + program + "\n", "s.yaml",
+                        test::test_model)
+        .remarks;
+  };
+  const auto place = [](const std::string& position) {
+    return std::vector<std::string>{
+        "program p never comes to this statement: the one before it does not end (s.yaml:" +
+        position + ")"};
+  };
+  EXPECT_EQ(remarks("loop { via.write; } via.read -> message;"), place("5:25"));
+  EXPECT_EQ(remarks("via.write; stop; @l via.read -> message; skip;"), place("5:25"));
+  EXPECT_EQ(remarks("if * { stop; } else { loop { via.write; } } via.write;"), place("5:49"));
+  EXPECT_EQ(remarks("switch via.read { message { stop; } quiet { stop; } } skip;"), place("5:59"));
+  EXPECT_EQ(remarks("loop { repeat 2 { via.read; stop; } via.write; }"), place("5:41"));
+  EXPECT_TRUE(remarks("if * { stop; } repeat 0 { stop; } via.write;").empty());
+  EXPECT_TRUE(remarks("switch via.read { message { stop; } quiet { } } skip;").empty());
+}
+
+TEST(SystemFile, RemarksOnAtomsThatHoldNowhere) {
+  const System system = parse_system(models +
+                                         "programs:\n"
+                                         "  p: 'loop { @a via.write; } @b skip;'\n"
+                                         "  q: 'via.read -> message;'\n"
+                                         "properties:\n"
+                                         "  fine: G F (p@a || q@end)\n"
+                                         "  end: F p@end\n"
+                                         "  label: {always: \"!p@b\"}\n",
+                                     "s.yaml", test::test_model);
+  ASSERT_EQ(system.remarks.size(), 3u);
+  EXPECT_EQ(system.remarks[1], "in property 'end', p@end never holds: p never ends (s.yaml:8:3)");
+  EXPECT_EQ(system.remarks[2],
+            "in property 'label', p@b never holds: p never comes there (s.yaml:9:3)");
+}
+
 TEST(SystemFile, ModelsToBeLearnedAreAskedFor) {
   ModelRequest seen;
   const auto source = [&](const ModelRequest& request) {
