@@ -78,6 +78,41 @@ TEST(CaseStudy1, ABurstAboveTheBoundIsInconclusiveAndNamesIt) {
             "beyond");
 }
 
+// The robot leaves via points out before anything hangs.
+TEST(CaseStudy1, LostViaPointsAreASafetyProperty) {
+  const SubprocessResult lost =
+      check("case-study-1/lost-via-points.yaml", {"--property", "nothing_lost"});
+  EXPECT_EQ(lost.exit_status, 1);
+  const Json report = json_of(lost);
+  const Json& trace = property(report, "nothing_lost")["trace"];
+  ASSERT_EQ(trace.size(), 4u);  // two writes, and a read that tells
+  EXPECT_EQ(trace[3]["event"], "!gap");
+  EXPECT_EQ(check("case-study-1/no-lost-via-points.yaml").exit_status, 0);
+}
+
+// A tracker that dies: no deadlock, for the sensor goes on for ever, but the controller is stuck.
+TEST(CaseStudy2, ADeadTrackerLeavesTheControllerStuck) {
+  const SubprocessResult dead =
+      check("case-study-2/dead-tracker.yaml", {"--property", "deadlock", "--property", "stuck"});
+  EXPECT_EQ(dead.exit_status, 1);
+  const Json report = json_of(dead);
+  EXPECT_NE(property(report, "deadlock")["verdict"], "violated");
+  const Json& stuck = property(report, "stuck");
+  EXPECT_EQ(stuck["verdict"], "violated");
+  const Json& trace = stuck["trace"];
+  const auto is_cut = [](const Json& step) { return step["event"] == "!disconnected"; };
+  EXPECT_TRUE(std::any_of(trace.begin(), trace.end(), is_cut));
+  ASSERT_TRUE(stuck["loop_start"].is_number());
+  for (std::size_t at = stuck["loop_start"]; at < trace.size(); ++at) {
+    EXPECT_EQ(trace[at]["program"], "sensor");
+  }
+  EXPECT_EQ(check("case-study-2/dead-tracker.yaml", {"--property", "goes_on"}).exit_status, 1);
+  EXPECT_EQ(check("case-study-2/dead-tracker-nonblocking.yaml",
+                  {"--property", "deadlock", "--property", "goes_on"})
+                .exit_status,
+            0);
+}
+
 struct Row {
   std::string name;
   std::string verdict;
