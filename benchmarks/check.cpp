@@ -1,0 +1,326 @@
+// Our engine against SPIN on the Promela of the same systems, on one core, each run in a process of
+// its own, with counterexamples on: processor time, peak of resident memory, states. Of SPIN's
+// lossless modes - depth-first: its breadth-first search loses deadlocks - the fastest and the
+// smallest count, each with a depth and a hash table that suit the system, and compiling is free.
+//
+//   bench_check [--rounds N] [--only KIND] [--csv FILE] [--write FOLDER] [SYSTEM ...]
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <iostream>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <regex>
+#include <sstream>
+
+#include "check_systems.hpp"
+#include "flat_promela.hpp"
+#include "maide/base/error.hpp"
+#include "maide/base/file.hpp"
+#include "maide/base/json.hpp"
+#include "maide/base/subprocess.hpp"
+#include "maide/base/temp_dir.hpp"
+#include "maide/check/check_system.hpp"
+#include "maide/check/pan_output.hpp"
+#include "maide/check/promela_system.hpp"
+#include "maide/check/system_file.hpp"
+#include "measured_run.hpp"
+
+namespace maide::bench {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr unsigned most_seconds = 3600;  // of the processor, for one run
+
+enum class Kind : std::uint8_t { unreduced, reduced, ltl };
+const std::vector<std::pair<std::string, Kind>> kinds{
+    {"unreduced", Kind::unreduced}, {"reduced", Kind::reduced}, {"ltl", Kind::ltl}};
+
+std::string name_of(Kind kind) { return kinds[static_cast<std::size_t>(kind)].first; }
+
+// What one run cost and saw.
+struct Cost {
+  double seconds = 0;
+  std::uint64_t peak_bytes = 0;
+  std::uint64_t states = 0;
+};
+
+struct SpinMode {
+  std::string name;
+  std::vector<std::string> definitions;
+  int table = 0;         // binary logarithm of the hash table's slots, above that of the states
+  bool is_flat = false;  // not as exported, but with models as shared variables
+};
+
+// -O3 gains nothing over -O2, and compiles for minutes.
+std::vector<SpinMode> modes() {
+  return {{"default", {"-O2"}, 1},
+          {"sfh", {"-O2", "-DSFH", "-DNOFAIR"}, 1},
+          {"collapse", {"-O2", "-DCOLLAPSE"}, -2},
+          {"flat", {"-O2"}, 1, true},
+          {"flat sfh", {"-O2", "-DSFH", "-DNOFAIR"}, 1, true},
+          {"flat small", {"-O2"}, -2, true},
+          {"flat collapse", {"-O2", "-DCOLLAPSE"}, -2, true}};
+}
+
+class Comparison {
+ public:
+  Comparison(const SystemText& text, Kind kind, const fs::path& folder, fs::path maide)
+      : kind_(kind), folder_(folder / text.name), maide_(std::move(maide)) {
+    file_ = write_system(text, folder_);
+  }
+
+  Cost run_native() const {
+    const std::string property = kind_ == Kind::ltl ? "response" : "deadlock";
+    const MeasuredRun run = run_measured(
+        {maide_, "check", file_, "--engine", "native", "--property", property, "--json"}, folder_,
+        most_seconds);
+    if (run.exit_status != 0) fail("maide", run);
+    const Json report = Json::parse(run.output);
+    return {run.seconds, run.peak_bytes, report.at("properties").at(0).at("states")};
+  }
+
+  // Compiles the verifier in that mode, and finds out how deep it goes.
+  void prepare(const SpinMode& mode) {
+    std::vector<std::string> command{"gcc", "-w",           "-DMEMLIM=20000",
+                                     "-o",  verifier(mode), generate(mode)};
+    command.insert(command.end(), mode.definitions.begin(), mode.definitions.end());
+    if (kind_ != Kind::ltl) command.emplace_back("-DSAFETY");
+    if (kind_ != Kind::reduced) command.emplace_back("-DNOREDUCE");
+    SubprocessOptions options;
+    options.folder = folder_;
+    const SubprocessResult compiled = run_program(command, options);
+    if (!compiled.succeeded()) throw UsageError("pan does not compile: " + compiled.err);
+    std::uint64_t& depth = depths_[mode.name];
+    for (depth = 100'000; run_spin(mode).second;) depth *= 10;
+  }
+
+  // And whether the depth was too small.
+  std::pair<Cost, bool> run_spin(const SpinMode& mode) {
+    std::uint64_t& depth = depths_.at(mode.name);
+    const int bits =
+        std::max(16, static_cast<int>(std::ceil(std::log2(double(states_)))) + mode.table);
+    std::vector<std::string> command{"./" + verifier(mode), "-n", fmt::format("-m{}", depth),
+                                     fmt::format("-w{}", bits)};
+    if (kind_ == Kind::ltl) command.insert(command.end(), {"-a", "-E"});
+    const MeasuredRun run = run_measured(command, folder_, most_seconds);
+    const auto output = parse_pan_output(run.output);
+    if (!output || output->errors > 0) fail("pan", run);
+    states_ = std::max(states_, output->states);
+    const Cost cost{run.seconds, run.peak_bytes, output->states};
+    if (output->is_depth_truncated) return {cost, true};
+    std::smatch match;
+    const std::regex reached("depth reached (\\d+)");
+    if (!output->is_complete || !std::regex_search(run.output, match, reached)) fail("pan", run);
+    depth = std::stoull(match[1]) + 100;
+    return {cost, false};
+  }
+
+ private:
+  static std::string verifier(const SpinMode& mode) {
+    std::string name = "pan-" + mode.name;
+    std::replace(name.begin(), name.end(), ' ', '-');
+    return name;
+  }
+
+  [[noreturn]] static void fail(const std::string& program, const MeasuredRun& run) {
+    throw UsageError(
+        fmt::format("{} ended with {}: {}", program, run.exit_status, run.output.substr(0, 500)));
+  }
+
+  // The verifier's source.
+  std::string generate(const SpinMode& mode) const {
+    const System system = read_system(file_);
+    PromelaOptions options;
+    if (kind_ == Kind::ltl) {
+      options.purpose = PromelaOptions::Purpose::ltl;
+      options.formula = find_property(system, "response").formula;
+    }
+    const PromelaSystem promela = write_promela(system, options);
+    std::string text = promela.text;
+    if (mode.is_flat) {
+      text = write_flat_promela(system);
+      std::istringstream lines(promela.text);
+      for (std::string line; std::getline(lines, line);) {
+        if (line.starts_with("#define ")) text += line + "\n";  // the formula's atoms
+      }
+    }
+    if (kind_ == Kind::ltl) text += "ltl response { !(" + promela.claim + ") }\n";
+    write_file_atomically(folder_ / "system.pml", text);
+    SubprocessOptions spin;
+    spin.folder = folder_;
+    const SubprocessResult generated = run_program({"spin", "-a", "system.pml"}, spin);
+    if (!generated.succeeded()) throw UsageError("spin failed: " + generated.out);
+    return "pan.c";
+  }
+
+  Kind kind_;
+  fs::path folder_, maide_, file_;
+  std::map<std::string, std::uint64_t> depths_;  // of pan's search, by mode
+  std::uint64_t states_ = 1 << 16;               // for the size of its table
+};
+
+Cost median(std::vector<Cost> costs) {
+  std::sort(costs.begin(), costs.end(),
+            [](const Cost& a, const Cost& b) { return a.seconds < b.seconds; });
+  return costs[costs.size() / 2];
+}
+
+struct Row {
+  std::string system;
+  Kind kind = Kind::unreduced;
+  Cost ours, fastest, smallest;
+  std::string fastest_mode, smallest_mode;
+};
+
+// Of the exported text pan stores the state before the processes are started, too.
+void require_equal(const std::string& system, std::uint64_t ours, std::uint64_t theirs,
+                   const SpinMode& mode) {
+  const std::uint64_t expected = mode.is_flat ? ours : ours + 1;
+  if (theirs == expected) return;
+  throw UsageError(fmt::format("{} has {} states, and {} in SPIN ({}), which should be {}", system,
+                               ours, theirs, mode.name, expected));
+}
+
+Row compare(const SystemText& text, Kind kind, int rounds, const fs::path& folder,
+            const fs::path& maide) {
+  Comparison comparison(text, kind, folder, maide);
+  Row row;
+  row.system = text.name;
+  row.kind = kind;
+  const std::uint64_t states = comparison.run_native().states;
+  std::optional<SpinMode> fastest, smallest;
+  for (const SpinMode& mode : modes()) {
+    comparison.prepare(mode);
+    const Cost cost = comparison.run_spin(mode).first;
+    if (kind == Kind::unreduced) require_equal(text.name, states, cost.states, mode);
+    if (!fastest || cost.seconds < row.fastest.seconds) fastest = mode, row.fastest = cost;
+    if (!smallest || cost.peak_bytes < row.smallest.peak_bytes)
+      smallest = mode, row.smallest = cost;
+  }
+  std::vector<Cost> ours, fast, small;
+  for (int round = 0; round < rounds; ++round) {
+    ours.push_back(comparison.run_native());
+    fast.push_back(comparison.run_spin(*fastest).first);
+    small.push_back(comparison.run_spin(*smallest).first);
+  }
+  row.ours = median(ours);
+  row.fastest = median(fast);
+  row.smallest = median(small);
+  row.fastest_mode = fastest->name;
+  row.smallest_mode = smallest->name;
+  return row;
+}
+
+double megabytes(const Cost& cost) { return static_cast<double>(cost.peak_bytes) / 1e6; }
+
+void print_head() {
+  fmt::print(
+      "{:<18} {:<9} | {:>12} {:>8} {:>8} | {:<11} {:>8} {:>8} | {:<11} {:>8} {:>8} | {:>6} "
+      "{:>6} {:>6}\n",
+      "system", "", "our states", "s", "MB", "fastest", "s", "MB", "smallest", "s", "MB", "time",
+      "memory", "least");
+}
+
+void print_row(const Row& row) {
+  fmt::print(
+      "{:<18} {:<9} | {:>12} {:>8.2f} {:>8.1f} | {:<11} {:>8.2f} {:>8.1f} | {:<11} {:>8.2f} "
+      "{:>8.1f} | 1/{:<4.1f} 1/{:<4.1f} 1/{:<4.1f}\n",
+      row.system, name_of(row.kind), row.ours.states, row.ours.seconds, megabytes(row.ours),
+      row.fastest_mode, row.fastest.seconds, megabytes(row.fastest), row.smallest_mode,
+      row.smallest.seconds, megabytes(row.smallest), row.fastest.seconds / row.ours.seconds,
+      megabytes(row.fastest) / megabytes(row.ours), megabytes(row.smallest) / megabytes(row.ours));
+  std::fflush(stdout);
+}
+
+std::string csv_of(const std::vector<Row>& rows) {
+  std::string csv =
+      "system,kind,states,seconds,bytes,spin_states,fastest_mode,fastest_seconds,fastest_bytes,"
+      "smallest_mode,smallest_seconds,smallest_bytes\n";
+  for (const Row& row : rows) {
+    csv += fmt::format("{},{},{},{:.3f},{},{},{},{:.3f},{},{},{:.3f},{}\n", row.system,
+                       name_of(row.kind), row.ours.states, row.ours.seconds, row.ours.peak_bytes,
+                       row.fastest.states, row.fastest_mode, row.fastest.seconds,
+                       row.fastest.peak_bytes, row.smallest_mode, row.smallest.seconds,
+                       row.smallest.peak_bytes);
+  }
+  return csv;
+}
+
+// "NAME:SIZE" or "NAME:SIZE:SIZE".
+SystemText parse_system_text(const std::string& text) {
+  std::smatch match;
+  const std::regex form("([a-z-]+):([0-9]{1,6})(?::([0-9]{1,3}))?");
+  if (std::regex_match(text, match, form)) {
+    const auto size = static_cast<unsigned>(std::stoul(match[2]));
+    const unsigned second = match[3].matched ? static_cast<unsigned>(std::stoul(match[3])) : 0;
+    if (match[1] == "grasping" && size >= 10 && second == 0) return grasping(size);
+    if (match[1] == "philosophers" && size >= 2 && second == 0) return philosophers(size);
+    if (match[1] == "pipeline" && size >= 1 && second >= 1) return pipeline(size, second);
+    if (match[1] == "token-ring" && size >= 2 && second >= 1) return token_ring(size, second);
+  }
+  throw UsageError("there is no system '" + text +
+                   "'; there is grasping:N, philosophers:N, pipeline:STAGES:SIZE, "
+                   "token-ring:STATIONS:SIZE");
+}
+
+int run(int argc, char** argv) {
+  int rounds = 3;
+  std::vector<std::string> systems, only;
+  std::string csv, folder_to_write;
+  CLI::App app("Our engine against SPIN");
+  app.add_option("--rounds", rounds, "Runs of each, alternating; the median counts")
+      ->check(CLI::Range(1, 99));
+  app.add_option("--only", only, "Of unreduced, reduced, ltl")->allow_extra_args(false);
+  app.add_option("--csv", csv, "Write all numbers to this file, too");
+  app.add_option("--write", folder_to_write, "Write the systems to this folder, and end");
+  app.add_option("SYSTEM", systems,
+                 "grasping:N, philosophers:N, pipeline:STAGES:SIZE or token-ring:STATIONS:SIZE");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error);
+  }
+  if (systems.empty()) {
+    systems = {"grasping:100", "grasping:340", "philosophers:13", "pipeline:6:3", "token-ring:7:2"};
+  }
+  std::vector<SystemText> texts;
+  for (const std::string& system : systems) texts.push_back(parse_system_text(system));
+  if (!folder_to_write.empty()) {
+    for (const SystemText& text : texts) {
+      fmt::print("{}\n", write_system(text, folder_to_write).string());
+    }
+    return 0;
+  }
+  const TempDir folder("maide-bench-check-");
+  const fs::path maide = fs::read_symlink("/proc/self/exe").parent_path() / "maide";
+  std::vector<Row> rows;
+  print_head();
+  for (const SystemText& text : texts) {
+    for (const auto& [name, kind] : kinds) {
+      if (!only.empty() && std::find(only.begin(), only.end(), name) == only.end()) continue;
+      rows.push_back(compare(text, kind, rounds, folder.path(), maide));
+      print_row(rows.back());
+      if (!csv.empty()) write_file_atomically(csv, csv_of(rows));
+    }
+  }
+  return 0;
+}
+
+}  // namespace
+}  // namespace maide::bench
+
+int main(int argc, char** argv) {
+  try {
+    return maide::bench::run(argc, argv);
+  } catch (const maide::Error& error) {
+    std::cerr << "bench_check: " << error.what() << '\n';
+    return 1;
+  }
+}
