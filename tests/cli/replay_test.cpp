@@ -71,7 +71,9 @@ TEST_F(ReplayCommand, ShowsThatAnAlarmIsFalse) {
   EXPECT_EQ(json["deviation"]["expected"], "quiet");
   EXPECT_EQ(json["deviation"]["seen"], "message");
   EXPECT_EQ(json["deviation"]["word"], (Json{"write", "write", "read", "read"}));
-  EXPECT_THAT(run_maide({"replay", file, trace}).out, HasSubstr("expected quiet, seen message"));
+  const std::string out = run_maide({"replay", file, trace}).out;
+  EXPECT_THAT(out, HasSubstr("via: port as in false.dot, waiting longer: floor=10"));
+  EXPECT_THAT(out, HasSubstr("expected quiet, seen message"));
 }
 
 // The model shows no return of `write`, so the planner goes on; the real one cannot.
@@ -99,6 +101,17 @@ TEST_F(ReplayCommand, PlaysRandomRuns) {
   const Json lost = json_of(run_maide({"replay", lossy, "--random", "20", "--json"}));
   EXPECT_EQ(lost["followed"], 20);
   EXPECT_GT(lost["deadlocks"], 0);
+}
+
+TEST_F(ReplayCommand, DoesNotClaimWhatNobodyCanAsk) {
+  const std::string file =
+      system("learn: port, with: {kind: strict, size: 2}, when_unexplored: wait", "s.yaml",
+             "  planner: repeat 3 { via.write; }\n");
+  const SubprocessResult result = run_maide({"replay", file, find_deadlock(file)});
+  EXPECT_EQ(result.exit_status, 3) << result.err;
+  EXPECT_THAT(result.out, HasSubstr("at its end the system is at rest"));
+  EXPECT_THAT(result.out, HasSubstr("via.write at line 5 was never tried there"));
+  EXPECT_THAT(result.out, HasSubstr("verdict: followed as far as it can be asked"));
 }
 
 // A message that may be lost: whether it was is the system's choice.

@@ -171,9 +171,10 @@ std::string as_text(const Replay& replay, const Tally& tally, const std::string&
     text += fmt::format("{} steps were followed, {} runs ended in a deadlock\n", tally.steps,
                         tally.deadlocks);
   } else if (tally.deadlocks > 0) {
-    text += "the deadlock is real: the system is at rest and owes nothing that a program waits for";
-    text += "\n";
+    text += replay.assumptions.empty() ? "the deadlock is real: " : "at its end ";
+    text += "the system is at rest and owes nothing that a program waits for\n";
   }
+  if (!replay.assumptions.empty()) text += "this rests on:\n";
   for (const std::string& assumption : replay.assumptions) text += "  - " + assumption + "\n";
   return text + "verdict: " + verdict + "\n";
 }

@@ -28,16 +28,22 @@ const std::string* find_origin(const ModelInstance& instance, const std::string&
   return found == instance.automaton.origin.end() ? nullptr : &found->second;
 }
 
-// Options under which the system waits longer than when it was learned; none where the model does
-// not say how long that was.
-std::map<std::string, std::string> waits_of(const ModelInstance& instance) {
-  const std::string* sul = find_origin(instance, "sul");
-  if (sul == nullptr) return {};
+// Options under which the system waits longer than when it was learned; where the model does not
+// say how long that was, than by itself. None for a system without such options, and for one that
+// runs by itself (tcp, exec).
+std::map<std::string, std::string> waits_of(const ModelInstance& instance, const SystemSpec& spec,
+                                            const RealSystemOptions& options) {
+  if (spec.kind != SystemSpec::Kind::wrapper) return {};
   try {
-    return longer_waits(parse_origin(*sul).options);
+    const std::string* sul = find_origin(instance, "sul");
+    auto waits = longer_waits(parse_origin(sul == nullptr ? "" : *sul).options);
+    if (!waits.empty()) return waits;
   } catch (const UsageError&) {
-    return {};  // a name of somebody else's
+    // It says nothing of its options, or in words of somebody else's.
   }
+  SystemAccess access;
+  access.jobs = 1;
+  return longer_waits(open_system(spec, access, options.control).sul->info().options);
 }
 
 void warn_of_other_version(const ModelInstance& instance, const SulInfo& info) {
@@ -69,21 +75,19 @@ std::unique_ptr<RealSystem> open(const ModelInstance& instance, const ModelReque
   auto real = std::make_unique<RealSystem>();
   real->instance = instance.name;
   real->description = spec.text;
-  std::string waits;
-  if (spec.kind == SystemSpec::Kind::wrapper) {
-    for (const auto& [key, value] : waits_of(instance)) {
-      spec.options[key] = value;
-      waits += fmt::format(" {}={}", key, value);
-    }
-  }
   for (const auto& [key, value] : request.with) real->description += " " + key + "=" + value;
   if (request.learn.empty()) real->description += " as in " + instance.origin;
-  if (!waits.empty()) real->description += ", waiting longer:" + waits;
   SystemAccess access;
   access.translation = Translation::eager;
   access.jobs = options.jobs;
   access.token_file = options.token_file;
   try {
+    const auto waits = waits_of(instance, spec, options);
+    if (!waits.empty()) real->description += ", waiting longer:";
+    for (const auto& [key, value] : waits) {
+      spec.options[key] = value;
+      real->description += fmt::format(" {}={}", key, value);
+    }
     OpenedSystem opened = open_system(spec, access, options.control);
     real->sul = std::move(opened.sul);
     real->jobs = opened.jobs;
