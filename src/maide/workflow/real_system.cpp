@@ -79,7 +79,7 @@ std::unique_ptr<RealSystem> open(const ModelInstance& instance, const ModelReque
   if (request.learn.empty()) real->description += " as in " + instance.origin;
   SystemAccess access;
   access.translation = Translation::eager;
-  access.jobs = options.jobs;
+  access.jobs = spec.kind == SystemSpec::Kind::tcp ? 0 : options.jobs;  // at least all hosts
   access.token_file = options.token_file;
   try {
     const auto waits = waits_of(instance, spec, options);

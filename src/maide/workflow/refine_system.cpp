@@ -58,7 +58,7 @@ class Refiner {
   // How the real system left the counterexample; nothing if it followed.
   std::optional<Deviation> try_on_real_system(const PropertyResult& property) {
     if (real_.empty()) {
-      real_ = open_real_systems(result_.system, requests_, {options_.models.jobs, "", control()});
+      real_ = open_real_systems(result_.system, requests_, {1, "", control()});
     }
     std::optional<Deviation> deviation;
     for (std::size_t attempt = 0; attempt < options_.most_attempts; ++attempt) {
@@ -92,8 +92,9 @@ class Refiner {
       return doubt(property, difference + fmt::format("; {} refinements were not enough",
                                                       options_.most_rounds));
     }
-    const Refinement refinement =
-        refine_learned_model(request, {deviation.word, false, 0}, options_.models);
+    const bool tests_again = retested_.contains(kept_model_path(options_.models.folder, request));
+    const Refinement refinement = refine_learned_model(
+        request, {deviation.word, tests_again, options_.seed}, options_.models);
     if (!refinement.is_new) {
       return doubt(property, difference + "; asked again, it does what the model says");
     }
@@ -117,11 +118,13 @@ class Refiner {
         untested_.insert(name);
         continue;
       }
-      if (!seen.insert(kept_model_path(options_.models.folder, request)).second) continue;
+      const std::filesystem::path kept = kept_model_path(options_.models.folder, request);
+      if (!seen.insert(kept).second) continue;
       if (result_.rounds.size() >= options_.most_rounds) return false;
       const Refinement refinement = refine_learned_model(
           request, {{}, true, options_.seed + result_.rounds.size()}, options_.models);
       if (refinement.is_new) {
+        retested_.insert(kept);
         add_round({name, "a test", {}, "", "", refinement.states_before, refinement.states_after});
         return true;
       }
@@ -167,6 +170,8 @@ class Refiner {
   std::vector<std::string> confirmed_;             // properties whose violation is real
   std::map<std::string, std::string> tests_;       // of the models, after the verdict
   std::set<std::string> untested_;
+  // Models that `learning:` tests too little: what its tests do not find would be forgotten again.
+  std::set<std::filesystem::path> retested_;
   RefinedCheck result_;
 };
 
