@@ -45,6 +45,10 @@ std::uint64_t query_bound(std::string_view algorithm, std::uint64_t states, std:
     const auto logarithm = static_cast<std::uint64_t>(std::bit_width(longest));
     return rows - 1 + rows * (states - 1) + (states - 1) * (1 + logarithm);
   }
+  if (algorithm.starts_with("lsharp")) {
+    const auto logarithm = static_cast<std::uint64_t>(std::bit_width(longest + states));
+    return states * states * inputs + (states - 1) * (3 + logarithm);
+  }
   ADD_FAILURE() << "no bound for " << algorithm;
   return 0;
 }
@@ -100,7 +104,11 @@ class LearnerLaws : public testing::TestWithParam<std::string> {
 };
 
 INSTANTIATE_TEST_SUITE_P(All, LearnerLaws, testing::ValuesIn(learner_names()),
-                         [](const auto& entry) { return entry.param; });
+                         [](const auto& entry) {
+                           std::string name = entry.param;  // a test's name has no hyphens
+                           std::replace(name.begin(), name.end(), '-', '_');
+                           return name;
+                         });
 
 TEST_P(LearnerLaws, LearnsEverySmallMachine) {
   for (std::uint64_t states = 1; states <= 3; ++states) {
@@ -135,7 +143,9 @@ TEST_P(LearnerLaws, CachedAndUncachedRunsAreIdentical) {
     EXPECT_TRUE(same_machine(uncached.model, cached.model));
     EXPECT_EQ(uncached.output_queries, cached.output_queries);
     EXPECT_EQ(uncached.equivalence_queries, cached.equivalence_queries);
-    EXPECT_LT(counter.statistics().total().queries, cached.output_queries);
+    // L# asks only what its own tree does not hold.
+    const bool is_own_cache = algorithm().name.starts_with("lsharp");
+    EXPECT_LT(counter.statistics().total().queries, cached.output_queries + (is_own_cache ? 1 : 0));
   }
 }
 

@@ -4,6 +4,7 @@
 
 #include "maide/base/named_table.hpp"
 #include "maide/learn/lm_plus.hpp"
+#include "maide/learn/lsharp.hpp"
 #include "maide/learn/rivest_schapire.hpp"
 
 namespace maide {
@@ -14,11 +15,19 @@ std::unique_ptr<Learner> make(OutputOracle& oracle) {
   return std::make_unique<Algorithm>(oracle);
 }
 
+std::unique_ptr<Learner> make_lsharp_by_words(OutputOracle& oracle) {
+  return std::make_unique<LSharp>(oracle, Separation::separating_words);
+}
+
 constexpr std::array table{
     LearnerEntry{"rs", "observation table, Rivest & Schapire's handling of counterexamples",
                  make<RivestSchapire>},
     LearnerEntry{"lmplus", "L*M+: observation table, Shahbaz's handling of counterexamples",
                  make<LmPlus>},
+    LearnerEntry{"lsharp", "L#: observation tree and apartness, adaptive distinguishing sequences",
+                 make<LSharp>},
+    LearnerEntry{"lsharp-sepseq", "L# with separating sequences, plain words",
+                 make_lsharp_by_words},
 };
 
 }  // namespace

@@ -120,7 +120,8 @@ TEST(Learners, UnknownNamesListTheKnownOnes) {
     find_learner("magic");
     FAIL() << "found";
   } catch (const UsageError& error) {
-    EXPECT_STREQ(error.what(), "unknown algorithm 'magic'; known are: rs, lmplus");
+    EXPECT_STREQ(error.what(),
+                 "unknown algorithm 'magic'; known are: rs, lmplus, lsharp, lsharp-sepseq");
   }
 }
 

@@ -1,0 +1,140 @@
+#include "maide/learn/adaptive_sequence.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <utility>
+
+namespace maide {
+namespace {
+
+class Planner {
+ public:
+  Planner(const ObservationTree& tree, double retry)
+      : tree_(tree), retry_(retry), counts_(tree.input_count()) {}
+
+  // Appends the sequence for these suspects; false if no two of them are apart.
+  bool append(const std::vector<Suspect>& suspects, DecisionTree& result) {
+    if (suspects.size() < 2) return false;
+    const std::optional<Symbol> input = choose_input(suspects);
+    if (!input) return false;
+    const std::size_t place = result.nodes.size();
+    result.nodes.push_back({*input, {}});
+    for (const Group& group : group_by_output(suspects, *input)) {
+      const auto below = static_cast<std::uint32_t>(result.nodes.size());
+      if (!append(group.suspects, result)) continue;
+      result.nodes[place].branches.emplace_back(group.output, below);
+    }
+    return true;
+  }
+
+ private:
+  // Suspects that gave the same output, as the nodes they came to.
+  struct Group {
+    Symbol output;
+    std::vector<Suspect> suspects;
+  };
+
+  // The input of least estimated cost among those that tell some apart at once; if there is none,
+  // the first of a shortest word that does.
+  std::optional<Symbol> choose_input(const std::vector<Suspect>& suspects) {
+    std::optional<Symbol> best;
+    double least = std::numeric_limits<double>::infinity();
+    for (const Symbol input : shared_inputs(suspects)) {
+      const double cost = estimate(suspects, input);
+      if (cost >= least) continue;
+      least = cost;
+      best = input;
+    }
+    return best ? best : first_of_witness(suspects);
+  }
+
+  // Inputs known from at least two suspects, ascending.
+  std::vector<Symbol> shared_inputs(const std::vector<Suspect>& suspects) {
+    std::vector<Symbol> inputs;
+    std::fill(counts_.begin(), counts_.end(), 0U);
+    for (const Suspect& suspect : suspects) {
+      tree_.for_each_child(suspect.node, [&](ObservationTree::Node child) {
+        if (++counts_[tree_.input(child)] == 2) inputs.push_back(tree_.input(child));
+      });
+    }
+    std::sort(inputs.begin(), inputs.end());
+    return inputs;
+  }
+
+  // Weight x symbols until one suspect is left; infinite if the input tells no two apart at once.
+  double estimate(const std::vector<Suspect>& suspects, Symbol input) {
+    outputs_.clear();
+    double weight = 0, lost = 0;
+    for (const Suspect& suspect : suspects) {
+      weight += suspect.weight;
+      const auto child = tree_.child(suspect.node, input);
+      if (child == ObservationTree::none) {
+        lost += 1;
+        continue;
+      }
+      const Symbol output = tree_.output(child);
+      auto found = std::find_if(outputs_.begin(), outputs_.end(),
+                                [&](const Count& count) { return count.output == output; });
+      if (found == outputs_.end()) found = outputs_.insert(found, {output, 0, 0});
+      ++found->suspects;
+      found->weight += suspect.weight;
+    }
+    if (outputs_.size() < 2) return std::numeric_limits<double>::infinity();
+    double cost = weight;
+    for (const Count& count : outputs_) {
+      if (count.suspects > 1) {
+        cost += count.weight * (1 + std::log2(static_cast<double>(count.suspects))) / 2;
+      }
+    }
+    if (lost > 0) cost += weight * retry_;
+    return cost;
+  }
+
+  std::optional<Symbol> first_of_witness(const std::vector<Suspect>& suspects) const {
+    for (std::size_t i = 0; i < suspects.size(); ++i) {
+      for (std::size_t j = i + 1; j < suspects.size(); ++j) {
+        const Word witness = tree_.find_witness(suspects[i].node, suspects[j].node);
+        if (!witness.empty()) return witness.front();
+      }
+    }
+    return std::nullopt;
+  }
+
+  std::vector<Group> group_by_output(const std::vector<Suspect>& suspects, Symbol input) const {
+    std::vector<Group> groups;
+    for (const Suspect& suspect : suspects) {
+      const auto child = tree_.child(suspect.node, input);
+      if (child == ObservationTree::none) continue;
+      const Symbol output = tree_.output(child);
+      auto group = std::find_if(groups.begin(), groups.end(),
+                                [&](const Group& other) { return other.output == output; });
+      if (group == groups.end()) group = groups.insert(group, {output, {}});
+      group->suspects.push_back({child, suspect.weight});
+    }
+    return groups;
+  }
+
+  struct Count {
+    Symbol output;
+    std::size_t suspects;
+    double weight;
+  };
+
+  const ObservationTree& tree_;
+  double retry_;
+  std::vector<unsigned> counts_;  // by input
+  std::vector<Count> outputs_;
+};
+
+}  // namespace
+
+DecisionTree find_adaptive_sequence(const ObservationTree& tree, std::vector<Suspect> suspects,
+                                    double retry) {
+  DecisionTree result;
+  Planner(tree, retry).append(suspects, result);
+  return result;
+}
+
+}  // namespace maide

@@ -1,0 +1,30 @@
+// Adaptive distinguishing sequences out of an observation tree: a decision tree that tells as many
+// of several nodes apart as what is known allows (Lee & Yannakakis, "Testing finite-state machines:
+// state identification and verification", IEEE ToC 1994; from partial knowledge: Vaandrager,
+// Garhewal, Rot & Wissmann, TACAS 2022).
+//
+// Each input is weighed by what it costs until the right node is singled out: one symbol, and for
+// each output the estimated rest; the most promising few are followed to their ends. Nodes that are
+// likely weigh more, as letters do in Huffman's code: what is usual should be quick to recognise.
+#pragma once
+
+#include <vector>
+
+#include "maide/learn/observation_tree.hpp"
+#include "maide/sul/query.hpp"
+
+namespace maide {
+
+// One of the nodes that may be meant.
+struct Suspect {
+  ObservationTree::Node node;
+  double weight;  // proportional to the probability that it is meant; positive
+};
+
+// The decision tree for `suspects`; without nodes if no two of them are apart. Every path through
+// it tells at least two suspects apart, if its last output is a known one. `retry`: what another
+// query would cost, in symbols. O(inputs x suspects x length) and a constant of some tens.
+DecisionTree find_adaptive_sequence(const ObservationTree& tree, std::vector<Suspect> suspects,
+                                    double retry);
+
+}  // namespace maide

@@ -1,0 +1,318 @@
+#include "maide/learn/lsharp.hpp"
+
+#include <algorithm>
+#include <numeric>
+#include <span>
+#include <stdexcept>
+#include <utility>
+
+#include "maide/base/error.hpp"
+#include "maide/learn/adaptive_sequence.hpp"
+#include "maide/learn/counterexample.hpp"
+
+namespace maide {
+namespace {
+
+// Queries asked at once. More would help more systems at a time; each is chosen without the answers
+// to the others, which costs some.
+constexpr std::size_t batch_size = 4;
+
+std::size_t checked_input_count(const OutputOracle& oracle) {
+  if (oracle.inputs().empty()) throw UsageError("the system has no inputs to learn from");
+  return oracle.inputs().size();
+}
+
+// Makes `subtree` what follows `output` at `node`.
+void graft(DecisionTree& tree, std::size_t node, Symbol output, const DecisionTree& subtree) {
+  const auto offset = static_cast<std::uint32_t>(tree.nodes.size());
+  tree.nodes[node].branches.emplace_back(output, offset);
+  for (DecisionTree::Node copy : subtree.nodes) {
+    for (auto& branch : copy.branches) branch.second += offset;
+    tree.nodes.push_back(std::move(copy));
+  }
+}
+
+}  // namespace
+
+LSharp::LSharp(OutputOracle& oracle, Separation separation)
+    : oracle_(oracle), separation_(separation), apartness_(checked_input_count(oracle)) {}
+
+void LSharp::ask(const std::vector<Query>& batch, const RunControl& control) {
+  control.check("learning");
+  const std::vector<MealyAnswer> answers = oracle_.ask(batch, control);
+  output_queries_ += answers.size();
+  for (std::size_t i = 0; i < answers.size(); ++i) {
+    const auto& [inputs, outputs] = std::pair(answers[i].inputs, answers[i].outputs);
+    if (const Word* word = std::get_if<Word>(&batch[i])) complete_outputs(answers[i], *word);
+    const ObservationTree::Inserted inserted = apartness_.insert(inputs, outputs);
+    if (!inserted.conflict) continue;
+    const auto wrong = std::span(inputs).first(inserted.known + 1);
+    Word before;
+    for (std::size_t length = 1; length <= wrong.size(); ++length) {
+      const Node node = apartness_.tree().find(ObservationTree::root, wrong.first(length));
+      before.push_back(apartness_.tree().output(node));
+    }
+    throw NondeterminismError(to_string(wrong, oracle_.inputs()),
+                              to_string(before, oracle_.outputs()),
+                              to_string(std::span(outputs).first(wrong.size()), oracle_.outputs()));
+  }
+}
+
+// The system's last output to a word that is not empty; from the tree if it knows.
+Symbol LSharp::last_output(const Word& word, const RunControl& control) {
+  const ObservationTree& tree = apartness_.tree();
+  if (tree.find(ObservationTree::root, word) == ObservationTree::none) ask({word}, control);
+  return tree.output(tree.find(ObservationTree::root, word));
+}
+
+void LSharp::complete(const RunControl& control) {
+  while (true) {
+    if (!apartness_.isolated().empty()) {
+      apartness_.promote_isolated();
+      Progress progress;
+      progress.phase = "learning";
+      progress.states = apartness_.size();
+      progress.words = output_queries_;
+      control.report(progress);
+      continue;
+    }
+    if (extend(control) || separate(control)) continue;
+    make_hypothesis();
+    const std::optional<Word> conflict = find_conflict();
+    if (!conflict) return;
+    analyse(*conflict, control);
+  }
+}
+
+// The prior, counted again once the answers since then may matter.
+const TargetPrior& LSharp::prior() {
+  const std::size_t transitions = apartness_.size() * apartness_.input_count();
+  if (!prior_ || output_queries_ >= prior_expires_) {
+    prior_.emplace(apartness_);
+    prior_expires_ = output_queries_ + transitions / 64 + 1;
+  }
+  return *prior_;
+}
+
+// Asks inputs in the newest state that lacks some; false if none does.
+bool LSharp::extend(const RunControl& control) {
+  const std::size_t inputs = apartness_.input_count();
+  for (; extended_ < apartness_.size(); ++extended_) unasked_.push_back(extended_);
+  while (!unasked_.empty()) {
+    std::vector<Query> batch;
+    for (Symbol input = 0; input < inputs && batch.size() < batch_size; ++input) {
+      const auto transition = static_cast<Transition>(unasked_.back() * inputs + input);
+      if (apartness_.target_node(transition) != ObservationTree::none) continue;
+      batch.push_back(extension(transition));
+    }
+    if (!batch.empty()) {
+      ask(batch, control);
+      return true;
+    }
+    unasked_.pop_back();
+  }
+  return false;
+}
+
+// Asks what tells candidates apart where there are most; false if nothing is left to tell.
+bool LSharp::separate(const RunControl& control) {
+  std::vector<Transition> open;
+  for (Transition transition = 0; transition < apartness_.transition_count(); ++transition) {
+    if (apartness_.candidates(transition).size() > 1) open.push_back(transition);
+  }
+  if (open.empty()) return false;
+  std::stable_sort(open.begin(), open.end(), [&](Transition left, Transition right) {
+    return apartness_.candidates(left).size() > apartness_.candidates(right).size();
+  });
+  open.resize(std::min(open.size(), std::max(batch_size, open.size() / 16)));
+  std::vector<Query> batch;
+  for (const Transition transition : open) batch.push_back(separation(transition));
+  ask(batch, control);
+  return true;
+}
+
+// Of an input that was not asked there yet: what follows depends on its output.
+Query LSharp::extension(Transition transition) {
+  if (separation_ == Separation::separating_words || apartness_.size() == 1) {
+    return apartness_.word_to(transition);
+  }
+  std::vector<StateId> all(apartness_.size());
+  std::iota(all.begin(), all.end(), StateId{0});
+  DecisionTree query = path_to(transition);
+  const std::size_t last = query.nodes.size() - 1;
+  const Symbol input = apartness_.input(transition);
+  std::optional<DecisionTree> unseen;  // for outputs that the input has not had yet
+  for (Symbol output = 0; output < oracle_.outputs().size(); ++output) {
+    if (prior().has_seen(input, output)) {
+      graft(query, last, output, identify(transition, output, all));
+    } else {
+      if (!unseen) unseen = identify(transition, output, all);
+      graft(query, last, output, *unseen);
+    }
+  }
+  return query;
+}
+
+// Of a frontier node with several candidates.
+Query LSharp::separation(Transition transition) {
+  const std::vector<StateId>& candidates = apartness_.candidates(transition);
+  const ObservationTree& tree = apartness_.tree();
+  if (separation_ == Separation::separating_words) {
+    Word word = apartness_.word_to(transition);
+    const Word witness =
+        tree.find_witness(apartness_.node(candidates[0]), apartness_.node(candidates[1]));
+    word.insert(word.end(), witness.begin(), witness.end());
+    return word;
+  }
+  const Symbol output = tree.output(apartness_.target_node(transition));
+  DecisionTree query = path_to(transition);
+  graft(query, query.nodes.size() - 1, output, identify(transition, output, candidates));
+  return query;
+}
+
+DecisionTree LSharp::identify(Transition transition, Symbol output,
+                              const std::vector<StateId>& candidates) {
+  const StateId source = apartness_.source(transition);
+  const std::vector<double> weights =
+      prior().weights(apartness_.size(), source, apartness_.input(transition), output);
+  std::vector<Suspect> suspects;
+  for (const StateId state : candidates) {
+    suspects.push_back({apartness_.node(state), weights[state]});
+  }
+  const auto retry = static_cast<double>(apartness_.access(source).size() + 3);
+  return find_adaptive_sequence(apartness_.tree(), suspects, retry);
+}
+
+// The access word and the input; nothing follows the last output yet.
+DecisionTree LSharp::path_to(Transition transition) const {
+  const ObservationTree& tree = apartness_.tree();
+  DecisionTree path;
+  Node node = ObservationTree::root;
+  for (const Symbol input : apartness_.access(apartness_.source(transition))) {
+    node = tree.child(node, input);
+    const auto next = static_cast<std::uint32_t>(path.nodes.size() + 1);
+    path.nodes.push_back({input, {{tree.output(node), next}}});
+  }
+  path.nodes.push_back({apartness_.input(transition), {}});
+  return path;
+}
+
+// Every transition has a target. States are numbered breadth first.
+void LSharp::make_hypothesis() {
+  const std::size_t inputs = apartness_.input_count();
+  hypothesis_ = Mealy(oracle_.inputs(), oracle_.outputs(), apartness_.size());
+  basis_state_.assign(1, 0);
+  std::vector<StateId> number(apartness_.size(), Mealy::no_state);
+  number[0] = 0;
+  for (StateId state = 0; state < basis_state_.size(); ++state) {
+    for (Symbol input = 0; input < inputs; ++input) {
+      const auto transition = static_cast<Transition>(basis_state_[state] * inputs + input);
+      const StateId target = apartness_.target(transition);
+      if (number[target] == Mealy::no_state) {
+        number[target] = static_cast<StateId>(basis_state_.size());
+        basis_state_.push_back(target);
+      }
+      const Symbol output = apartness_.tree().output(apartness_.target_node(transition));
+      hypothesis_.set_transition(state, input, output, number[target]);
+    }
+  }
+}
+
+// A shortest word in the tree whose last output is not the hypothesis'. O(tree).
+std::optional<Word> LSharp::find_conflict() const {
+  const ObservationTree& tree = apartness_.tree();
+  struct Place {
+    Node node;
+    StateId state;
+    std::size_t parent;  // place in the queue of the node above
+  };
+  std::vector<Place> queue{{ObservationTree::root, hypothesis_.initial(), 0}};
+  for (std::size_t next = 0; next < queue.size(); ++next) {
+    const StateId state = queue[next].state;
+    Node wrong = ObservationTree::none;
+    tree.for_each_child(queue[next].node, [&](Node child) {
+      const Symbol input = tree.input(child);
+      if (hypothesis_.output(state, input) != tree.output(child)) wrong = child;
+      queue.push_back({child, hypothesis_.target(state, input), next});
+    });
+    if (wrong == ObservationTree::none) continue;
+    Word word{tree.input(wrong)};
+    for (; next != 0; next = queue[next].parent) word.push_back(tree.input(queue[next].node));
+    return Word(word.rbegin(), word.rend());
+  }
+  return std::nullopt;
+}
+
+// The states of the basis that the hypothesis takes for those along the word, the last not
+// included.
+std::vector<StateId> LSharp::states_along(const Word& word) const {
+  std::vector<StateId> states;
+  StateId state = hypothesis_.initial();
+  for (const Symbol input : word) {
+    states.push_back(basis_state_[state]);
+    state = hypothesis_.target(state, input);
+  }
+  return states;
+}
+
+// `word` is in the tree and the hypothesis is wrong about its last output. Ends when the transition
+// from the basis to the frontier that some such word takes has lost its candidate.
+//
+// Invariant: access(states[low]) and the rest of the word from there ends in the true output (for
+// the first place in the frontier: it is the word itself), access(states[high]) and its rest does
+// not: at the end the output is that of a transition, which the hypothesis has right.
+void LSharp::analyse(Word word, const RunControl& control) {
+  const Symbol truth = last_output(word, control);
+  while (true) {
+    const std::vector<StateId> states = states_along(word);
+    std::size_t low = 0;
+    Transition transition = 0;
+    StateId state = 0;
+    do {
+      transition = static_cast<Transition>(state * apartness_.input_count() + word[low++]);
+      state = apartness_.basis_target(transition);
+    } while (state != Mealy::no_state);
+    const auto is_settled = [&] {
+      const std::vector<StateId>& candidates = apartness_.candidates(transition);
+      return candidates.size() != 1 || candidates.front() != states[low];
+    };
+    const auto from = [&](std::size_t place) {
+      Word shortened = apartness_.access(states[place]);
+      shortened.insert(shortened.end(), word.begin() + static_cast<std::ptrdiff_t>(place),
+                       word.end());
+      return shortened;
+    };
+    std::size_t high = word.size() - 1;
+    Word shorter;
+    while (shorter.empty()) {
+      if (is_settled()) return;
+      const std::size_t middle = low + (high - low) / 2;
+      if (last_output(from(middle), control) == truth) {
+        shorter = from(middle);
+      } else {
+        high = middle;
+      }
+    }
+    word = std::move(shorter);
+  }
+}
+
+void LSharp::refine(const Word& counterexample, const RunControl& control) {
+  Word outputs;
+  if (!counterexample.empty()) last_output(counterexample, control);
+  Node node = ObservationTree::root;
+  for (const Symbol input : counterexample) {
+    node = apartness_.tree().child(node, input);
+    outputs.push_back(apartness_.tree().output(node));
+  }
+  const std::size_t length = first_mismatch(hypothesis_, counterexample, outputs);
+  if (length == 0) {
+    throw std::invalid_argument("the hypothesis agrees with the system on this word");
+  }
+  analyse(
+      Word(counterexample.begin(), counterexample.begin() + static_cast<std::ptrdiff_t>(length)),
+      control);
+  complete(control);
+}
+
+}  // namespace maide

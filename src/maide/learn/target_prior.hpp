@@ -1,0 +1,44 @@
+// Where a transition probably leads, before it is known: most inputs of a protocol lead back to
+// where they were given, or to the same few states, and an output often tells which. L# asks for
+// what is probable first (adaptive_sequence.hpp); a wrong guess costs symbols, never the result.
+#pragma once
+
+#include <map>
+#include <vector>
+
+#include "maide/learn/apartness.hpp"
+
+namespace maide {
+
+class TargetPrior {
+ public:
+  // Counts the transitions whose targets are known. Keeps nothing of `apartness`. O(transitions).
+  explicit TargetPrior(const Apartness& apartness);
+
+  // Some known transition has this input and output.
+  bool has_seen(Symbol input, Symbol output) const;
+
+  // For each of `states` states, among which may be some that were found since, a weight,
+  // proportional to the probability that `input`, answered by `output`, leads there from `source`.
+  // O(states).
+  std::vector<double> weights(std::size_t states, StateId source, Symbol input,
+                              Symbol output) const;
+
+ private:
+  struct Seen {
+    Symbol output;
+    StateId target;
+    bool is_loop;
+  };
+  struct Counts {
+    std::vector<double> targets;  // by state: transitions that lead there from another one
+    double loops = 0;             // transitions that lead back
+  };
+
+  std::size_t states_;
+  std::vector<std::vector<Seen>> by_input_;
+  std::map<Symbol, Counts> by_output_;
+  std::vector<double> visits_;  // by state: transitions that lead there
+};
+
+}  // namespace maide

@@ -1,0 +1,155 @@
+// The observation tree and what L# knows from it: apartness that is kept up to date must be the
+// apartness that comparing subtrees finds.
+#include "maide/learn/apartness.hpp"
+
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "maide/automata/random_automata.hpp"
+#include "maide/learn/adaptive_sequence.hpp"
+#include "maide/learn/output_oracle.hpp"
+
+namespace maide {
+namespace {
+
+Word random_word(std::size_t length, std::size_t inputs, Random& random) {
+  Word word(length);
+  for (Symbol& input : word) input = static_cast<Symbol>(random.below(inputs));
+  return word;
+}
+
+TEST(ObservationTree, HoldsWhatWasInsertedAndNothingElse) {
+  Random random(1);
+  const Mealy machine = random_mealy({.states = 8, .inputs = 3, .outputs = 2}, random);
+  ObservationTree tree(3);
+  std::set<Word> prefixes{{}};
+  for (int i = 0; i < 300; ++i) {
+    const Word word = random_word(random.between(0, 7), 3, random);
+    std::size_t known = 0;
+    for (std::size_t length = 0; length <= word.size(); ++length) {
+      const Word prefix(word.begin(), word.begin() + static_cast<std::ptrdiff_t>(length));
+      if (!prefixes.insert(prefix).second) known = length;
+    }
+    const auto inserted = tree.insert(word, machine.output_word(word));
+    EXPECT_EQ(inserted.known, known);
+    EXPECT_FALSE(inserted.conflict);
+    if (i % 10 == 0) tree.make_table(tree.find(ObservationTree::root, word));
+  }
+  EXPECT_EQ(tree.size(), prefixes.size());
+  for (int i = 0; i < 1000; ++i) {
+    const Word word = random_word(random.between(1, 7), 3, random);
+    const auto node = tree.find(ObservationTree::root, word);
+    ASSERT_EQ(node != ObservationTree::none, prefixes.contains(word));
+    if (node == ObservationTree::none) continue;
+    EXPECT_EQ(tree.input(node), word.back());
+    EXPECT_EQ(tree.output(node), machine.output_word(word).back());
+  }
+}
+
+TEST(ObservationTree, AContradictionAddsNothing) {
+  ObservationTree tree(2);
+  tree.insert(Word{0, 1}, Word{5, 6});
+  const auto inserted = tree.insert(Word{0, 1, 1}, Word{5, 7, 0});
+  EXPECT_TRUE(inserted.conflict);
+  EXPECT_EQ(inserted.known, 1U);
+  EXPECT_EQ(tree.size(), 3U);
+}
+
+TEST(ObservationTree, AWitnessIsAShortestWordThatTellsApart) {
+  ObservationTree tree(3);
+  tree.insert(Word{0, 0, 0}, Word{0, 0, 1});
+  tree.insert(Word{0, 2, 1}, Word{0, 0, 1});
+  tree.insert(Word{1, 0, 0}, Word{0, 0, 0});
+  tree.insert(Word{1, 2, 1}, Word{0, 0, 0});
+  const auto left = tree.child(ObservationTree::root, 0);
+  const auto right = tree.child(ObservationTree::root, 1);
+  EXPECT_TRUE(tree.are_apart(left, right));
+  EXPECT_EQ(tree.find_witness(left, right), (Word{0, 0}));
+  EXPECT_FALSE(tree.are_apart(ObservationTree::root, right));
+  EXPECT_TRUE(tree.find_witness(ObservationTree::root, right).empty());
+}
+
+// Every candidate that is there may be the state, every one that is not was refuted.
+void expect_up_to_date(const Apartness& apartness) {
+  const ObservationTree& tree = apartness.tree();
+  for (Apartness::Transition at = 0; at < apartness.transition_count(); ++at) {
+    const auto node = apartness.target_node(at);
+    std::vector<StateId> expected;
+    const bool is_frontier =
+        node != ObservationTree::none && apartness.basis_target(at) == Mealy::no_state;
+    for (StateId state = 0; is_frontier && state < apartness.size(); ++state) {
+      if (!tree.are_apart(node, apartness.node(state))) expected.push_back(state);
+    }
+    ASSERT_EQ(apartness.candidates(at), expected);
+  }
+  for (StateId left = 0; left < apartness.size(); ++left) {
+    for (StateId right = 0; right < left; ++right) {
+      ASSERT_TRUE(tree.are_apart(apartness.node(left), apartness.node(right)));
+    }
+  }
+}
+
+TEST(Apartness, KeptUpToDateIsWhatComparingSubtreesFinds) {
+  Random random(2);
+  for (int round = 0; round < 20; ++round) {
+    const Mealy machine = random_mealy({.states = 12, .inputs = 3, .outputs = 2}, random);
+    Apartness apartness(3);
+    for (int i = 0; i < 150; ++i) {
+      const Word word = random_word(random.between(1, 9), 3, random);
+      apartness.insert(word, machine.output_word(word));
+      expect_up_to_date(apartness);
+      if (HasFatalFailure()) FAIL() << "round " << round << ", word " << i;
+      while (!apartness.isolated().empty()) {
+        apartness.promote_isolated();
+        expect_up_to_date(apartness);
+        if (HasFatalFailure()) FAIL() << "round " << round << ", word " << i;
+      }
+    }
+    EXPECT_GT(apartness.size(), 2U);
+    EXPECT_LE(apartness.size(), 12U);
+  }
+}
+
+TEST(AdaptiveSequence, EveryPathTellsSuspectsApart) {
+  Random random(3);
+  for (int round = 0; round < 50; ++round) {
+    const Mealy machine = random_mealy({.states = 10, .inputs = 3, .outputs = 2}, random);
+    Apartness apartness(3);
+    for (int i = 0; i < 100; ++i) {
+      const Word word = random_word(6, 3, random);
+      apartness.insert(word, machine.output_word(word));
+      while (!apartness.isolated().empty()) apartness.promote_isolated();
+    }
+    std::vector<Suspect> suspects;
+    for (StateId state = 0; state < apartness.size(); ++state) {
+      suspects.push_back({apartness.node(state), random.unit() + 0.1});
+    }
+    ASSERT_GE(suspects.size(), 2U);
+    const DecisionTree sequence = find_adaptive_sequence(apartness.tree(), suspects, 3);
+    for (StateId state = 0; state < machine.size(); ++state) {
+      MealyAnswer answer;
+      StateId at = state;
+      play_query(sequence, answer, [&](Symbol input) -> std::optional<Symbol> {
+        const Symbol output = machine.output(at, input);
+        at = machine.target(at, input);
+        return output;
+      });
+      std::size_t refuted = 0;
+      for (const Suspect& suspect : suspects) {
+        auto node = suspect.node;
+        for (std::size_t i = 0; i < answer.inputs.size(); ++i) {
+          node = apartness.tree().child(node, answer.inputs[i]);
+          if (node == ObservationTree::none) break;
+          if (apartness.tree().output(node) == answer.outputs[i]) continue;
+          ++refuted;
+          break;
+        }
+      }
+      EXPECT_GE(refuted, 1U);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace maide
