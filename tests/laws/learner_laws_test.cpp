@@ -40,10 +40,20 @@ class MeasuringTeacher : public EquivalenceOracle {
 std::uint64_t query_bound(std::string_view algorithm, std::uint64_t states, std::uint64_t inputs,
                           std::uint64_t longest) {
   const std::uint64_t rows = states * inputs + 1;
-  if (algorithm == "lmplus") return rows * (inputs + (states - 1) * longest) + states;
+  if (algorithm == "lstar") {
+    const std::uint64_t short_rows = states + (states - 1) * longest;
+    return (short_rows * inputs + 1) * (inputs + states - 1) + states;
+  }
+  if (algorithm == "lmplus" || algorithm == "suffix1by1") {
+    return rows * (inputs + (states - 1) * longest) + states;
+  }
   if (algorithm == "rs") {
     const auto logarithm = static_cast<std::uint64_t>(std::bit_width(longest));
     return rows - 1 + rows * (states - 1) + (states - 1) * (1 + logarithm);
+  }
+  if (algorithm == "op") {
+    const auto logarithm = static_cast<std::uint64_t>(std::bit_width(longest));
+    return states * states * inputs + states * inputs + (states - 1) * (3 + logarithm);
   }
   if (algorithm.starts_with("lsharp")) {
     const auto logarithm = static_cast<std::uint64_t>(std::bit_width(longest + states));

@@ -5,7 +5,10 @@
 #include "maide/base/named_table.hpp"
 #include "maide/learn/lm_plus.hpp"
 #include "maide/learn/lsharp.hpp"
+#include "maide/learn/lstar.hpp"
+#include "maide/learn/observation_pack.hpp"
 #include "maide/learn/rivest_schapire.hpp"
+#include "maide/learn/suffix_one_by_one.hpp"
 
 namespace maide {
 namespace {
@@ -24,6 +27,12 @@ constexpr std::array table{
                  make<RivestSchapire>},
     LearnerEntry{"lmplus", "L*M+: observation table, Shahbaz's handling of counterexamples",
                  make<LmPlus>},
+    LearnerEntry{"lstar", "L*M: observation table, all prefixes of a counterexample become rows",
+                 make<LStar>},
+    LearnerEntry{"suffix1by1", "observation table, suffixes of a counterexample one at a time",
+                 make<SuffixOneByOne>},
+    LearnerEntry{"op", "observation pack: discrimination tree, Rivest & Schapire's counterexamples",
+                 make<ObservationPack>},
     LearnerEntry{"lsharp", "L#: observation tree and apartness, adaptive distinguishing sequences",
                  make<LSharp>},
     LearnerEntry{"lsharp-sepseq", "L# with separating sequences, plain words",

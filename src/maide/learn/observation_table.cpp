@@ -1,5 +1,6 @@
 #include "maide/learn/observation_table.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include "maide/base/error.hpp"
@@ -20,6 +21,32 @@ bool ObservationTable::add_suffix(const Word& suffix) {
   columns_.push_back({suffix, {}});
   short_by_cells_.clear();  // rows are compared by one cell more from now on
   return true;
+}
+
+void ObservationTable::add_short_rows(const Word& word) {
+  RowId row = 0;
+  for (const Symbol input : word) {
+    row = extension(row, input);
+    if (rows_[row].extensions == no_row) make_short(row);
+  }
+  short_by_cells_.clear();
+}
+
+std::optional<Word> ObservationTable::find_inconsistency() const {
+  for (const RowId row : short_rows_) {
+    const RowId equal = short_by_cells_.at(rows_[row].cells);
+    for (Symbol input = 0; equal != row && input < oracle_.inputs().size(); ++input) {
+      const auto& left = rows_[extension(row, input)].cells;
+      const auto& right = rows_[extension(equal, input)].cells;
+      const auto difference = std::mismatch(left.begin(), left.end(), right.begin());
+      if (difference.first == left.end()) continue;
+      Word suffix{input};
+      const Word& rest = columns_[difference.first - left.begin()].suffix;
+      suffix.insert(suffix.end(), rest.begin(), rest.end());
+      return suffix;
+    }
+  }
+  return std::nullopt;
 }
 
 void ObservationTable::make_short(RowId id) {
@@ -108,7 +135,7 @@ void ObservationTable::close(const RunControl& control) {
 
 ObservationTable::Hypothesis ObservationTable::make_hypothesis() const {
   const std::size_t inputs = oracle_.inputs().size();
-  Hypothesis result{Mealy(oracle_.inputs(), oracle_.outputs(), short_rows_.size()), {}};
+  Hypothesis result{Mealy(oracle_.inputs(), oracle_.outputs(), state_count()), {}};
   std::vector<RowId> order{0};  // the short row of each state
   std::unordered_map<RowId, StateId> state_of{{0, 0}};
   for (StateId state = 0; state < order.size(); ++state) {

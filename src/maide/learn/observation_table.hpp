@@ -3,13 +3,15 @@
 // extensions by one input, each with the output of that input. Columns E: distinguishing suffixes.
 // A cell T holds the outputs along its suffix.
 //
-// Invariants: no two short rows are equal (so the table needs no consistency check); every short
-// row has all its extensions. Closed: every long row equals a short one.
+// Invariants: every short row has all its extensions; no two short rows are equal, unless
+// add_short_rows made them. Closed: every long row equals a short one. Consistent: extensions of
+// equal short rows are equal.
 // Query cost: one output query a cell, (|S| k + 1) |E| in all, and one for each row while there are
 // no columns; one batch for each filling round.
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <unordered_map>
 #include <unordered_set>
@@ -35,6 +37,14 @@ class ObservationTable {
   // Adds a non-empty suffix; false if it is there already.
   bool add_suffix(const Word& suffix);
 
+  // Makes short rows of all prefixes of `word`, though they may equal others. Close the table then,
+  // and add what find_inconsistency() says.
+  void add_short_rows(const Word& word);
+
+  // A suffix, not there yet, that tells two equal short rows apart; nothing if there is none. The
+  // table must be closed. O(rows x suffixes).
+  std::optional<Word> find_inconsistency() const;
+
   // Fills the table and moves long rows up until it is closed. Throws what the oracle throws; the
   // table then keeps what was answered in the rounds before and can be closed later.
   void close(const RunControl& control);
@@ -47,7 +57,8 @@ class ObservationTable {
   };
   Hypothesis make_hypothesis() const;
 
-  std::size_t state_count() const { return short_rows_.size(); }
+  // Different short rows of a closed table.
+  std::size_t state_count() const { return short_by_cells_.size(); }
   // Length of the longest prefix of `word` that is a row, short or long.
   std::size_t longest_row_prefix(std::span<const Symbol> word) const;
   std::uint64_t output_queries() const { return output_queries_; }
