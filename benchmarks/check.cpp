@@ -200,9 +200,14 @@ Row compare(const SystemText& text, Kind kind, int rounds, const fs::path& folde
     comparison.prepare(mode);
     const Cost cost = comparison.run_spin(mode).first;
     if (kind == Kind::unreduced) require_equal(text.name, states, cost.states, mode);
-    if (!fastest || cost.seconds < row.fastest.seconds) fastest = mode, row.fastest = cost;
-    if (!smallest || cost.peak_bytes < row.smallest.peak_bytes)
-      smallest = mode, row.smallest = cost;
+    if (!fastest || cost.seconds < row.fastest.seconds) {
+      fastest = mode;
+      row.fastest = cost;
+    }
+    if (!smallest || cost.peak_bytes < row.smallest.peak_bytes) {
+      smallest = mode;
+      row.smallest = cost;
+    }
   }
   std::vector<Cost> ours, fast, small;
   for (int round = 0; round < rounds; ++round) {

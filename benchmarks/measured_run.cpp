@@ -56,8 +56,6 @@ MeasuredRun run_measured(const std::vector<std::string>& command,
   }
   MeasuredRun run;
   run.exit_status = WIFSIGNALED(status) ? 128 + WTERMSIG(status) : WEXITSTATUS(status);
-  run.timed_out =
-      WIFSIGNALED(status) && (WTERMSIG(status) == SIGXCPU || WTERMSIG(status) == SIGKILL);
   run.seconds = seconds_of(usage.ru_utime) + seconds_of(usage.ru_stime);
   run.peak_bytes = static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
   run.output = read_file(output);

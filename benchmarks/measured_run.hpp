@@ -12,7 +12,6 @@ namespace maide::bench {
 
 struct MeasuredRun {
   int exit_status = 0;           // 128 + n if signal n ended it
-  bool timed_out = false;        // it used up its processor time and was killed
   double seconds = 0;            // of the processor, user and system
   std::uint64_t peak_bytes = 0;  // resident
   std::string output;            // standard output and standard error
