@@ -11,6 +11,7 @@
 #include <cstring>
 #include <system_error>
 
+#include "maide/base/chunked_stream.hpp"
 #include "maide/base/descriptor.hpp"
 #include "maide/base/error.hpp"
 
@@ -36,26 +37,47 @@ int write_all(int fd, std::string_view content) {
   return 0;
 }
 
-void write_directly(const fs::path& path, std::string_view content) {
-  Descriptor file(::open(path.c_str(), O_WRONLY | O_CLOEXEC));
-  if (file.get() < 0) fail("write", errno, path);
-  if (const int error = write_all(file.get(), content); error != 0) fail("write", error, path);
-  if (const int error = file.close(); error != 0) fail("write", error, path);
+// What `write` writes, into the open file.
+void stream_into(const Descriptor& file, const fs::path& path,
+                 const std::function<void(std::ostream& out)>& write) {
+  ChunkedStream chunks([&](std::string_view piece) {
+    if (const int error = write_all(file.get(), piece); error != 0) fail("write", error, path);
+  });
+  write(chunks.stream());
+  chunks.finish();
 }
 
-// A new file beside `target`; `path` is set to its name. Not mkostemp, whose files are private
-// whatever the umask, which cannot be asked for without changing it for all threads. Returns a
-// descriptor, or -1 with errno.
-int make_temporary(const fs::path& target, std::string& path) {
-  static std::atomic<unsigned> counter{0};
-  for (int attempt = 0; attempt < 1000; ++attempt) {
-    path = target.string() + ".part-" + std::to_string(::getpid()) + "-" +
-           std::to_string(counter.fetch_add(1));
-    const int file = ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-    if (file >= 0 || errno != EEXIST) return file;
+// A new file beside `target`, which goes with this object unless it took the target's place. Not
+// mkostemp, whose files are private whatever the umask, which cannot be asked for without changing
+// it for all threads.
+struct TemporaryFile {
+  // `descriptor` is open, or errno says why not.
+  explicit TemporaryFile(const fs::path& target) {
+    static std::atomic<unsigned> counter{0};
+    for (int attempt = 0; attempt < 1000; ++attempt) {
+      path = target.string() + ".part-" + std::to_string(::getpid()) + "-" +
+             std::to_string(counter.fetch_add(1));
+      descriptor = Descriptor(::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666));
+      if (descriptor.get() >= 0) return;
+      if (errno != EEXIST) break;
+    }
+    path.clear();
   }
-  return -1;
-}
+  TemporaryFile(const TemporaryFile&) = delete;
+  TemporaryFile& operator=(const TemporaryFile&) = delete;
+  ~TemporaryFile() {
+    if (!path.empty()) ::unlink(path.c_str());
+  }
+  // Returns 0 or the error number.
+  int become(const fs::path& target) {
+    if (::rename(path.c_str(), target.c_str()) != 0) return errno;
+    path.clear();
+    return 0;
+  }
+
+  Descriptor descriptor;
+  std::string path;
+};
 
 }  // namespace
 
@@ -74,12 +96,19 @@ std::string read_file(const fs::path& path) {
 }
 
 void write_file_atomically(const fs::path& path, std::string_view content) {
+  write_file_atomically(path, [&](std::ostream& out) { out << content; });
+}
+
+void write_file_atomically(const fs::path& path,
+                           const std::function<void(std::ostream& out)>& write) {
   if (path.empty() || !path.has_filename()) fail("write", EISDIR, path);
   struct stat status {};
   const bool exists = ::stat(path.c_str(), &status) == 0;
   if (exists && S_ISDIR(status.st_mode)) fail("write", EISDIR, path);
   if (exists && !S_ISREG(status.st_mode)) {
-    write_directly(path, content);
+    const Descriptor device(::open(path.c_str(), O_WRONLY | O_CLOEXEC));
+    if (device.get() < 0) fail("write", errno, path);
+    stream_into(device, path, write);
     return;
   }
   // A file that must not be written to is not to be replaced either, though the folder allows it.
@@ -88,19 +117,15 @@ void write_file_atomically(const fs::path& path, std::string_view content) {
   fs::path target = path;
   if (exists) target = fs::canonical(path, ignored);
   if (ignored) fail("write", ignored.value(), path);
-
-  std::string temporary;
-  Descriptor file(make_temporary(target, temporary));
-  if (file.get() < 0) fail("write", errno, path);
-  int error = write_all(file.get(), content);
-  if (error == 0 && exists && ::fchmod(file.get(), status.st_mode & 07777) != 0) error = errno;
-  if (error == 0 && ::fsync(file.get()) != 0) error = errno;
-  if (const int close_error = file.close(); error == 0) error = close_error;
-  if (error == 0 && ::rename(temporary.c_str(), target.c_str()) != 0) error = errno;
-  if (error != 0) {
-    ::unlink(temporary.c_str());
-    fail("write", error, path);
-  }
+  TemporaryFile file(target);
+  if (file.descriptor.get() < 0) fail("write", errno, path);
+  stream_into(file.descriptor, path, write);
+  int error = 0;
+  if (exists && ::fchmod(file.descriptor.get(), status.st_mode & 07777) != 0) error = errno;
+  if (error == 0 && ::fsync(file.descriptor.get()) != 0) error = errno;
+  if (const int close_error = file.descriptor.close(); error == 0) error = close_error;
+  if (error == 0) error = file.become(target);
+  if (error != 0) fail("write", error, path);
 }
 
 void check_can_write(const fs::path& path) {

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
+#include <iosfwd>
 #include <string>
 #include <string_view>
 
@@ -15,6 +17,10 @@ std::string read_file(const std::filesystem::path& path);
 // symbolic link stays and its target is replaced; a device or pipe is written to directly. Throws
 // UsageError "cannot write the file: reason (path)"; an earlier file is then untouched.
 void write_file_atomically(const std::filesystem::path& path, std::string_view content);
+// As above, for content that need not fit the memory: `write` writes it to the stream. What it
+// throws passes, and the file is as it was; a device or pipe may have got a part.
+void write_file_atomically(const std::filesystem::path& path,
+                           const std::function<void(std::ostream& out)>& write);
 
 // For work that is long and ends with a file: throws the error of write_file_atomically() now, as
 // far as it can be foreseen (no such folder, no permission, a folder). Writes nothing.
