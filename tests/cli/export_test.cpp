@@ -59,13 +59,18 @@ TEST(Export, MarksAreLostOnlyWhenAsked) {
   EXPECT_THAT(result.out, StartsWith("des (0, 8, 6)"));
 }
 
-// A system is written as Promela that spin accepts; other languages have no word for it.
-TEST(Export, SystemsAsPromela) {
-  const TempDir folder;
+// Two programs over the port: a file of the folder.
+std::string small_system(const TempDir& folder) {
   const std::string system = (folder.path() / "system.yaml").string();
   write_file_atomically(system, "models:\n  via: {file: " + model("port") +
                                     "}\nprograms:\n  planner: |\n    loop { via.write; }\n  "
                                     "tracker: |\n    loop { via.read -> message; }\n");
+  return system;
+}
+
+TEST(Export, SystemsAsPromela) {
+  const TempDir folder;
+  const std::string system = small_system(folder);
   const std::string file = (folder.path() / "system.pml").string();
   const SubprocessResult result =
       run_maide({"export", system, "--to", "promela", "-o", file, "--json"});
@@ -75,13 +80,61 @@ TEST(Export, SystemsAsPromela) {
   options.folder = folder.path();
   const SubprocessResult generated = run_program({"spin", "-a", file}, options);
   EXPECT_TRUE(generated.succeeded()) << generated.out << generated.err;
-  expect_error(run_maide({"export", system, "--to", "smv"}), 2, "promela alone");
+}
+
+// What they mean is compared in tests/differential; here, that a person gets them.
+TEST(Export, SystemsAsOtherLanguages) {
+  const TempDir folder;
+  const std::string system = small_system(folder);
+  const SubprocessResult aut = run_maide({"export", system, "--to", "aut"});
+  EXPECT_EQ(aut.exit_status, 0) << aut.err;
+  EXPECT_THAT(aut.out, StartsWith("des (0, "));
+  EXPECT_THAT(aut.out, HasSubstr("\"planner via?write\""));
+  EXPECT_THAT(aut.out, HasSubstr("\"tracker via!message\""));
+  const std::string file = (folder.path() / "system.aut").string();
+  EXPECT_EQ(run_maide({"export", system, "--to", "aut", "-o", file}).exit_status, 0);
+  EXPECT_EQ(read_file(file), aut.out);
+  EXPECT_EQ(json_of(run_maide({"export", system, "--to", "aut", "--json"})).at("text"), aut.out);
+  EXPECT_THAT(run_maide({"export", system, "--to", "smv"}).out, HasSubstr("INVARSPEC !deadlock;"));
+  EXPECT_THAT(run_maide({"export", system, "--to", "mcrl2"}).out,
+              HasSubstr("p_in_via_write | m_in_via_write -> in_via_write"));
+  expect_error(run_maide({"export", system, "--to", "cpp"}), 2,
+               "unknown format of systems 'cpp'; known are: promela, aut, smv, mcrl2");
+}
+
+TEST(Export, PropertiesAsAutomata) {
+  const TempDir folder;
+  const std::string system = small_system(folder);
+  write_file_atomically(system, read_file(system) + "properties:\n  live: \"G F via!message\"\n");
+  const SubprocessResult live = run_maide({"export", system, "--property", "live", "--to", "hoa"});
+  EXPECT_EQ(live.exit_status, 0) << live.err;
+  EXPECT_THAT(live.out, StartsWith("HOA: v1\nname: \"live of "));
+  const std::string file = (folder.path() / "bad.hoa").string();
+  EXPECT_EQ(
+      run_maide({"export", system, "--property", "live", "--negated", "--to", "hoa", "-o", file})
+          .exit_status,
+      0);
+  write_file_atomically(system, read_file(system) + "  same: {never: bad.hoa}\n");
+  const auto verdict = [&](const std::string& property) {
+    const SubprocessResult result =
+        run_maide({"check", system, "--engine", "native", "--property", property, "--json"});
+    return json_of(result).at("properties").at(0).at("verdict");
+  };
+  EXPECT_EQ(verdict("live"), verdict("same"));
+  EXPECT_EQ(
+      run_maide({"export", system, "--property", "same", "--negated", "--to", "hoa"}).exit_status,
+      0);
+  expect_error(run_maide({"export", system, "--property", "same", "--to", "hoa"}), 2, "--negated");
+  expect_error(run_maide({"export", system, "--property", "deadlock", "--to", "hoa"}), 2,
+               "is no formula");
+  expect_error(run_maide({"export", system, "--to", "hoa"}), 2, "--property");
+  expect_error(run_maide({"export", model("port"), "--property", "x", "--to", "hoa"}), 2,
+               "a model has no properties");
 }
 
 TEST(Export, UnknownFormatsAreErrors) {
   expect_error(run_maide({"export", model("port"), "--to", "png"}), 2,
-               "unknown format 'png'; known are: dot, aut, promela, smv, cpp");
-  expect_error(run_maide({"export", model("port"), "--to", "mcrl2"}), 2, "mcrl2");
+               "unknown format 'png'; known are: dot, aut, promela, smv, mcrl2, cpp");
   expect_error(run_maide({"export", model("port")}), 2, "--to");
   expect_error(run_maide({"export", model("port"), "--to", "dot", "-o", "/no/such/folder/x.dot"}),
                2, "(/no/such/folder/x.dot)");

@@ -60,23 +60,24 @@ TEST_P(Golden, IsAsApproved) {
   EXPECT_EQ(out.str(), read_file(path)) << path;
 }
 
-INSTANTIATE_TEST_SUITE_P(Exports, Golden,
-                         testing::Combine(testing::Values("strange-mealy", "strange-automaton",
-                                                          "buffered-tryread", "strict-2",
-                                                          "strict-1-absorb"),
-                                          testing::Values("dot", "aut", "promela", "smv", "cpp")),
-                         [](const auto& test) {
-                           std::string name = std::get<0>(test.param);
-                           for (char& letter : name) letter = letter == '-' ? '_' : letter;
-                           return name + "_" + std::string(std::get<1>(test.param));
-                         });
+INSTANTIATE_TEST_SUITE_P(
+    Exports, Golden,
+    testing::Combine(testing::Values("strange-mealy", "strange-automaton", "buffered-tryread",
+                                     "strict-2", "strict-1-absorb"),
+                     testing::Values("dot", "aut", "promela", "smv", "mcrl2", "cpp")),
+    [](const auto& test) {
+      std::string name = std::get<0>(test.param);
+      for (char& letter : name) letter = letter == '-' ? '_' : letter;
+      return name + "_" + std::string(std::get<1>(test.param));
+    });
 
 TEST(Exporters, UnknownFormatsAreRefusedByName) {
   try {
     find_exporter("png");
     FAIL();
   } catch (const UsageError& error) {
-    EXPECT_STREQ(error.what(), "unknown format 'png'; known are: dot, aut, promela, smv, cpp");
+    EXPECT_STREQ(error.what(),
+                 "unknown format 'png'; known are: dot, aut, promela, smv, mcrl2, cpp");
   }
 }
 

@@ -1,45 +1,31 @@
 // The translation of formulas held against their direct semantics, on random formulas and random
 // ultimately periodic runs: the automaton of f accepts exactly the runs on which f holds, and of
-// the automata of f and of not-f exactly one accepts each run.
+// the automata of f and of not-f exactly one accepts each run. All of it after the automaton went
+// through the Hanoi Omega-Automata format.
 #include "maide/check/ltl_automaton.hpp"
 
 #include <gtest/gtest.h>
 
-#include <array>
+#include <sstream>
 
-#include "maide/base/random.hpp"
+#include "maide/check/hoa.hpp"
+#include "random_formula.hpp"
 
 namespace maide {
 namespace {
 
+using test::make;
+using test::random_formula;
 using Operator = FormulaNode::Operator;
 
-Formula make(Operator op, Formula left = nullptr, Formula right = nullptr) {
-  FormulaNode node;
-  node.op = op;
-  node.left = std::move(left);
-  node.right = std::move(right);
-  return std::make_shared<const FormulaNode>(std::move(node));
-}
-
-Formula random_formula(Random& random, int depth) {
-  if (depth == 0 || random.chance(0.15)) {
-    if (random.chance(0.1)) return make(random.chance(0.5) ? Operator::truth : Operator::falsity);
-    FormulaNode node;
-    node.op = Operator::atom;
-    node.atom.symbol = static_cast<std::uint32_t>(random.below(3));
-    return std::make_shared<const FormulaNode>(std::move(node));
-  }
-  constexpr std::array unary{Operator::negation, Operator::next, Operator::finally,
-                             Operator::globally};
-  constexpr std::array binary{Operator::conjunction, Operator::disjunction, Operator::implication,
-                              Operator::equivalence, Operator::until,       Operator::release,
-                              Operator::weak_until};
-  if (random.chance(0.45)) {
-    return make(unary[random.below(unary.size())], random_formula(random, depth - 1));
-  }
-  return make(binary[random.below(binary.size())], random_formula(random, depth - 1),
-              random_formula(random, depth - 1));
+// Through the text and back: what is read is what was written.
+LtlAutomaton read_back(const LtlAutomaton& automaton) {
+  const test::FormulaAtoms atoms;
+  std::ostringstream text;
+  write_hoa(text, automaton, atoms.scope(), "");
+  LtlAutomaton read = read_hoa(text.str(), "f.hoa", atoms.scope());
+  EXPECT_EQ(read, automaton) << text.str();
+  return read;
 }
 
 class RandomFormulas : public testing::TestWithParam<int> {};
@@ -49,8 +35,8 @@ TEST_P(RandomFormulas, AreTranslatedRight) {
   int held = 0, failed = 0;
   for (int round = 0; round < 400; ++round) {
     const Formula formula = random_formula(random, 1 + static_cast<int>(random.below(4)));
-    const LtlAutomaton automaton = translate(formula);
-    const LtlAutomaton complement = translate(make(Operator::negation, formula));
+    const LtlAutomaton automaton = read_back(translate(formula));
+    const LtlAutomaton complement = read_back(translate(make(Operator::negation, formula)));
     for (int run = 0; run < 12; ++run) {
       const std::size_t length = 1 + random.below(6);
       const std::size_t loop = random.below(length);

@@ -79,6 +79,12 @@ std::size_t count_inputs_while_due(const InterfaceAutomaton& automaton) {
   return count;
 }
 
+// Whether a run that is not fair might violate the property.
+bool depends_on_fairness(const Property& property) {
+  if (property.kind == Property::Kind::never) return true;
+  return property.kind == Property::Kind::ltl && !is_syntactically_safe(property.formula);
+}
+
 class Checker {
  public:
   Checker(const System& system, Engine& engine, const CheckRequest& request)
@@ -163,7 +169,7 @@ class Checker {
           model.when_unexplored == WhenUnexplored::wait ? "wait" : "drop", describe_bound(model)));
     }
     for (const Property& property : properties_) {
-      if (property.kind != Property::Kind::ltl || is_syntactically_safe(property.formula)) continue;
+      if (!depends_on_fairness(property)) continue;
       if (property.fairness == Fairness::none) continue;
       const bool is_weak = property.fairness == Fairness::weak;
       assumptions.push_back(fmt::format(

@@ -1,8 +1,8 @@
-// From a formula of linear-time temporal logic to a transition-based generalised Buchi automaton
-// that accepts the runs on which it holds: Gastin & Oddoux, "Fast LTL to Buchi automata
-// translation", CAV 2001. A very weak alternating automaton whose states are the formula's temporal
-// parts, then the automaton of its conjunctions, with implied transitions left out and equivalent
-// states merged as it is built.
+// Transition-based generalised Buchi automata over a system's atoms, and the translation of a
+// formula of linear-time temporal logic to the one that accepts the runs on which it holds: Gastin
+// & Oddoux, "Fast LTL to Buchi automata translation", CAV 2001. A very weak alternating automaton
+// whose states are the formula's temporal parts, then the automaton of its conjunctions, with
+// implied transitions left out and equivalent states merged as it is built.
 #pragma once
 
 #include <cstdint>
@@ -39,6 +39,9 @@ struct LtlAutomaton {
   // no_state if there is none.
   static constexpr std::uint32_t no_state = ~std::uint32_t{0};
   std::uint32_t universal = no_state;
+
+  std::uint64_t all_marks() const;
+  bool operator==(const LtlAutomaton&) const = default;
 };
 
 // Most atoms, and most temporal parts, of a formula.
@@ -48,9 +51,17 @@ inline constexpr std::size_t max_automaton_atoms = 64;
 // most 2^(temporal parts) in theory, a handful in practice.
 LtlAutomaton translate(const Formula& formula);
 
+// A state that goes to itself on every letter with every mark, or no_state.
+std::uint32_t find_universal(const LtlAutomaton& automaton);
+
 // Whether the automaton accepts the run with positions 0..length-1, of which loop..length-1 repeat
-// for ever; `valuations`: the atoms that are true, by position. For tests. O(states x length).
+// for ever; `valuations`: the atoms that are true, by position. O(transitions x length).
 bool accepts(const LtlAutomaton& automaton, const std::vector<std::uint64_t>& valuations,
              std::size_t loop);
+
+// Whether it accepts every run that begins with `valuations`, as far as its universal state tells:
+// true is right, false may only be unknown. O(transitions x length).
+bool accepts_whatever_comes(const LtlAutomaton& automaton,
+                            const std::vector<std::uint64_t>& valuations);
 
 }  // namespace maide

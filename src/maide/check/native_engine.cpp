@@ -132,7 +132,9 @@ std::optional<SearchResult> search_for_cycle(const System& plain, const Property
     const PackedSystem system(plain, node_number_bits, plain.programs.size() + 1);
     return find_fair_cycle(system, StuckMonitor(system), options);
   }
-  LtlAutomaton automaton = translate(negation_of(property.formula));
+  LtlAutomaton automaton = property.kind == Property::Kind::never
+                               ? *property.never
+                               : translate(negation_of(property.formula));
   const bool is_weak = property.fairness == Fairness::weak;
   if (!is_within_words(plain, automaton.mark_count + (is_weak ? programs : 0))) {
     return std::nullopt;
@@ -144,6 +146,7 @@ std::optional<SearchResult> search_for_cycle(const System& plain, const Property
 
 bool needs_cycle(const Property& property) {
   if (property.kind == Property::Kind::stuck) return true;
+  if (property.kind == Property::Kind::never) return true;
   return property.kind == Property::Kind::ltl && !invariant_of(property);
 }
 

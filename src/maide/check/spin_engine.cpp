@@ -220,6 +220,9 @@ void require_sound(const System& system, const Property& property, const Trace& 
 std::string SpinEngine::obstacle(const Property& property) const {
   if (property.kind == Property::Kind::stuck)
     return "the engine spin does not check 'stuck' (--engine native does)";
+  if (property.kind == Property::Kind::never) {
+    return "the engine spin checks no automaton (--engine native does)";
+  }
   if (property.kind != Property::Kind::ltl) return "";
   if (contains(property.formula, FormulaNode::Operator::next)) {
     return "the engine spin checks no formula with X (--engine native does)";

@@ -8,6 +8,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -17,6 +18,8 @@
 #include "maide/check/program.hpp"
 
 namespace maide {
+
+struct LtlAutomaton;
 
 enum class WhenUnexplored : std::uint8_t {
   stop,  // the run leaves what was learned and is cut there
@@ -36,10 +39,11 @@ enum class Fairness : std::uint8_t { none, weak, strong };
 
 // A property of the system file. `deadlock` and `stuck` are there without being written.
 struct Property {
-  enum class Kind : std::uint8_t { deadlock, stuck, ltl };
+  enum class Kind : std::uint8_t { deadlock, stuck, ltl, never };
   std::string name;
   Kind kind = Kind::ltl;
-  Formula formula;  // of Kind::ltl; an invariant is `G expression`
+  Formula formula;                            // of Kind::ltl; an invariant is `G expression`
+  std::shared_ptr<const LtlAutomaton> never;  // of Kind::never: accepts the runs that are bad
   Fairness fairness = Fairness::weak;
   SourcePosition position;
 };

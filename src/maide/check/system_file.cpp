@@ -7,6 +7,7 @@
 
 #include "maide/base/file.hpp"
 #include "maide/base/join.hpp"
+#include "maide/check/hoa.hpp"
 #include "maide/formats/model_file.hpp"
 
 namespace maide {
@@ -214,8 +215,8 @@ class SystemReader {
       property.formula = formula(value);
     } else {
       bool has_fairness = false, is_invariant = false;
-      for (const auto& [name, node] :
-           entries(value, "property '" + property.name + "'", {"ltl", "always", "fairness"})) {
+      for (const auto& [name, node] : entries(value, "property '" + property.name + "'",
+                                              {"ltl", "always", "never", "fairness"})) {
         if (name.Scalar() == "fairness") {
           has_fairness = true;
           property.fairness = one_of<Fairness>(
@@ -223,12 +224,21 @@ class SystemReader {
               {{"none", Fairness::none}, {"weak", Fairness::weak}, {"strong", Fairness::strong}});
           continue;
         }
-        if (property.formula) fail("a property has 'ltl' or 'always', not both", name);
+        if (property.formula || property.never) {
+          fail("a property has one of 'ltl', 'always' and 'never'", name);
+        }
+        if (name.Scalar() == "never") {
+          property.kind = Property::Kind::never;
+          property.never = read_never(node);
+          continue;
+        }
         is_invariant = name.Scalar() == "always";
         scalar(node, "'" + name.Scalar() + "'");
         property.formula = is_invariant ? invariant(node) : formula(node);
       }
-      if (!property.formula) fail("a property needs 'ltl:' or 'always:'", key);
+      if (!property.formula && !property.never) {
+        fail("a property needs 'ltl:', 'always:' or 'never:'", key);
+      }
       if (is_invariant && has_fairness) fail("an invariant does not depend on fairness", key);
     }
     system_.properties.push_back(std::move(property));
@@ -250,6 +260,18 @@ class SystemReader {
     }
     return std::make_shared<FormulaNode>(
         FormulaNode{FormulaNode::Operator::globally, {}, std::move(expression), nullptr});
+  }
+
+  // The automaton of a file, whose name is relative to the system file's folder.
+  std::shared_ptr<const LtlAutomaton> read_never(const YAML::Node& node) const {
+    const std::filesystem::path file =
+        std::filesystem::path(system_.file).parent_path() / scalar(node, "'never'");
+    std::error_code ignored;
+    if (!std::filesystem::is_regular_file(file, ignored)) {
+      fail("there is no file '" + file.string() + "'", node);
+    }
+    return std::make_shared<LtlAutomaton>(
+        read_hoa(read_file(file), file.string(), {system_.programs, interfaces_}));
   }
 
   void remark_on_unused_models() {

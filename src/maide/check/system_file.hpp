@@ -10,6 +10,7 @@
 //     acknowledged: "G (planner@sent -> F controller@done)"
 //     nothing_lost: {ltl: "G !via!gap", fairness: none}
 //     no_gap: {always: "!via!gap"}
+//     ordered: {never: bad-order.hoa}
 //
 // What a file names but does not contain - model files, models to be learned - is asked of a
 // ModelSource, so that checking knows nothing of learning.

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "maide/check/ltl_automaton.hpp"
+
 namespace maide {
 namespace {
 
@@ -70,8 +72,21 @@ std::string find_flaw_of_run(const System& system, const Property& property, con
   std::size_t cut = never_cut;
   if (goes_on) cut = states.size();
   if (states.back().is_cut) cut = states.size() - 1;
-  return holds_on_lasso(property.formula, length, loop, value, cut) ? "the formula holds on the run"
-                                                                    : "";
+  if (property.kind == Property::Kind::ltl) {
+    return holds_on_lasso(property.formula, length, loop, value, cut)
+               ? "the formula holds on the run"
+               : "";
+  }
+  const LtlAutomaton& never = *property.never;
+  std::vector<std::uint64_t> valuations(std::min(cut, length));
+  for (std::size_t at = 0; at < valuations.size(); ++at) {
+    for (std::size_t atom = 0; atom < never.atoms.size(); ++atom) {
+      valuations[at] |= std::uint64_t{value(never.atoms[atom], at)} << atom;
+    }
+  }
+  const bool is_bad = cut == never_cut ? accepts(never, valuations, loop)
+                                       : accepts_whatever_comes(never, valuations);
+  return is_bad ? "" : "the automaton does not accept the run";
 }
 
 }  // namespace

@@ -1,18 +1,26 @@
-// `maide export MODEL|SYSTEM --to FORMAT`: a model in another tool's language, or a whole system -
-// its models and programs - as Promela, as `maide check` hands it to SPIN.
+// `maide export MODEL|SYSTEM --to FORMAT`: a model, a whole system - its models and programs -
+// or the automaton of a property, in another tool's language. A system's text may be long, so it is
+// written as it comes.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <functional>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "maide/base/chunked_stream.hpp"
 #include "maide/base/file.hpp"
-#include "maide/check/promela_system.hpp"
+#include "maide/base/log.hpp"
+#include "maide/check/check_system.hpp"
+#include "maide/check/hoa.hpp"
+#include "maide/check/ltl_automaton.hpp"
+#include "maide/check/system_exporters.hpp"
 #include "maide/check/system_file.hpp"
 #include "maide/cli/command.hpp"
 #include "maide/formats/exporters.hpp"
 #include "maide/formats/model_file.hpp"
+#include "maide/workflow/learned_models.hpp"
 
 namespace maide::cli {
 
@@ -23,16 +31,20 @@ struct ExportArguments {
   std::string format;
   std::string output;
   bool lossy = false;
+  std::string property;  // whose automaton is written; empty: the model, or the system
+  bool negated = false;
+  std::uint64_t memory_mib = 0;
 };
 
 // What is written, and what --json tells of it.
 struct Export {
-  std::string text;
+  std::function<void(std::ostream& out)> write;
   std::string summary;
   Json details;
 };
 
-Export export_model(const ExportArguments& arguments, const Exporter& exporter) {
+Export export_model(const ExportArguments& arguments) {
+  const Exporter& exporter = find_exporter(arguments.format);
   const Model model = read_model(arguments.source);
   const std::filesystem::path named =
       arguments.output.empty() ? arguments.source : arguments.output;
@@ -52,7 +64,8 @@ Export export_model(const ExportArguments& arguments, const Exporter& exporter) 
     states = automaton.size();
     transitions = automaton.transition_count();
   }
-  return {std::move(text).str(), fmt::format("{} states, {} transitions", states, transitions),
+  return {[text = std::move(text).str()](std::ostream& out) { out << text; },
+          fmt::format("{} states, {} transitions", states, transitions),
           Json{{"states", states}, {"transitions", transitions}}};
 }
 
@@ -61,36 +74,91 @@ bool is_system(const std::string& source) {
   return extension == ".yaml" || extension == ".yml";
 }
 
-// Deadlocks are the text's invalid end states; properties are not part of it.
-Export export_system(const ExportArguments& arguments, const Exporter& exporter) {
-  if (exporter.name != "promela") {
-    throw UsageError(fmt::format("a system is exported to promela alone, not to {} ({})",
-                                 exporter.name, arguments.source));
-  }
-  const System system = read_system(arguments.source);
-  return {write_promela(system).text,
-          fmt::format("{} models, {} programs", system.models.size(), system.programs.size()),
-          Json{{"models", system.models.size()}, {"programs", system.programs.size()}}};
+System read_exported_system(const ExportArguments& arguments, Context& context) {
+  const ModelSource models =
+      make_learning_source({std::filesystem::path(arguments.source).parent_path(),
+                            [](const std::string& line) { log_note(line); }, context.control()});
+  return read_system(arguments.source, models);
 }
 
-const Exporter& requested_exporter(const std::string& format) {
-  if (format == "mcrl2") throw UsageError("export to mcrl2 is not built yet; aut is read by mCRL2");
-  return find_exporter(format);
+// A property's automaton: of the runs on which it holds, or of the others.
+Export export_property(const ExportArguments& arguments, Context& context) {
+  const System system = read_exported_system(arguments, context);
+  const Property property = find_property(system, arguments.property);
+  LtlAutomaton automaton;
+  if (property.kind == Property::Kind::never) {
+    if (!arguments.negated) {
+      throw UsageError("property '" + property.name +
+                       "' is an automaton of bad runs: it is written with --negated");
+    }
+    automaton = *property.never;
+  } else if (property.kind == Property::Kind::ltl) {
+    FormulaNode negation;
+    negation.op = FormulaNode::Operator::negation;
+    negation.left = property.formula;
+    automaton = translate(arguments.negated ? std::make_shared<const FormulaNode>(negation)
+                                            : property.formula);
+  } else {
+    throw UsageError("'" + property.name + "' is no formula and has no automaton");
+  }
+  std::size_t transitions = 0;
+  for (const auto& state : automaton.states) transitions += state.size();
+  const std::vector<ProgramInterface> interfaces = system.interfaces();
+  std::ostringstream text;
+  write_hoa(text, automaton, {system.programs, interfaces},
+            (arguments.negated ? "runs that violate " : "") + property.name + " of " + system.file);
+  return {[text = std::move(text).str()](std::ostream& out) { out << text; },
+          fmt::format("{} states, {} transitions", automaton.states.size(), transitions),
+          Json{{"states", automaton.states.size()}, {"transitions", transitions}}};
+}
+
+Export export_system(const ExportArguments& arguments, Context& context) {
+  const SystemExporter& exporter = find_system_exporter(arguments.format);
+  const System system = read_exported_system(arguments, context);
+  const SystemExportOptions options{arguments.memory_mib << 20, context.control()};
+  const Json details{{"models", system.models.size()}, {"programs", system.programs.size()}};
+  const std::string summary =
+      fmt::format("{} models, {} programs", system.models.size(), system.programs.size());
+  return {[&exporter, system, options](std::ostream& out) { exporter.write(out, system, options); },
+          summary, details};
+}
+
+std::string text_of(const Export& exported) {
+  std::ostringstream text;
+  exported.write(text);
+  return std::move(text).str();
+}
+
+Export make_export(const ExportArguments& arguments, Context& context) {
+  const bool is_hoa = arguments.format == "hoa";
+  if (is_hoa != !arguments.property.empty()) {
+    throw UsageError(
+        "--to hoa writes the automaton of a system's property: it goes with "
+        "--property NAME");
+  }
+  if (arguments.negated && !is_hoa) throw UsageError("--negated goes with --to hoa");
+  if (is_hoa && !is_system(arguments.source)) {
+    throw UsageError("a model has no properties; a system file (.yaml) has (" + arguments.source +
+                     ")");
+  }
+  if (is_hoa) return export_property(arguments, context);
+  return is_system(arguments.source) ? export_system(arguments, context) : export_model(arguments);
 }
 
 ExitStatus run_export(const ExportArguments& arguments, Context& context) {
-  const Exporter& exporter = requested_exporter(arguments.format);
-  const Export exported = is_system(arguments.source) ? export_system(arguments, exporter)
-                                                      : export_model(arguments, exporter);
-  Json result{{"source", arguments.source}, {"format", exporter.name}};
+  const Export exported = make_export(arguments, context);
+  Json result{{"source", arguments.source}, {"format", arguments.format}};
   result.update(exported.details);
-  if (arguments.output.empty()) {
-    context.print(exported.text);
-    result["text"] = exported.text;
-  } else {
-    write_file_atomically(arguments.output, exported.text);
+  if (!arguments.output.empty()) {
+    write_file_atomically(arguments.output, exported.write);
     context.print(fmt::format("{}: {}\n", arguments.output, exported.summary));
     result["output"] = arguments.output;
+  } else if (context.json()) {
+    result["text"] = text_of(exported);
+  } else {
+    ChunkedStream out([&](std::string_view piece) { context.print(piece); });
+    exported.write(out.stream());
+    out.finish();
   }
   context.set_result(result);
   return ExitStatus::ok;
@@ -100,19 +168,37 @@ ExitStatus run_export(const ExportArguments& arguments, Context& context) {
 
 RunFunction set_up_export(CLI::App& app) {
   auto arguments = std::make_shared<ExportArguments>();
-  std::string formats;
-  for (const Exporter& exporter : exporters()) {
-    formats +=
-        fmt::format("{}{} ({})", formats.empty() ? "" : "; ", exporter.name, exporter.summary);
-  }
+  const auto list = [](const auto& exporters) {
+    std::string text;
+    for (const auto& exporter : exporters) {
+      text += fmt::format("{}{} ({})", text.empty() ? "" : "; ", exporter.name, exporter.summary);
+    }
+    return text;
+  };
   app.add_option("SOURCE", arguments->source,
-                 "A model file (.dot, .gv or .aut), or a system file (.yaml) for --to promela")
+                 "A model file (.dot, .gv or .aut), or a system file (.yaml)")
       ->required();
-  app.add_option("--to", arguments->format, "The format: " + formats)->required();
+  app.add_option("--to", arguments->format,
+                 "The format. Of a model: " + list(exporters()) +
+                     ". Of a system: " + list(system_exporters()) +
+                     ". Of a system's property: hoa (its automaton, for Spot and other tools of "
+                     "temporal logic)")
+      ->required();
+  app.add_option("--property", arguments->property,
+                 "With --to hoa: write the automaton of the runs on which this property holds");
+  app.add_flag("--negated", arguments->negated,
+               "With --to hoa: of the runs on which it does not hold, as `never:` takes it");
   app.add_option("-o,--output", arguments->output,
                  "The file to write; standard output if not given");
   app.add_flag("--lossy", arguments->lossy,
                "Write a model to aut though that cannot carry what was never tried");
+  app.add_option(
+         "--memory", arguments->memory_mib,
+         "Most memory for a system's state graph (--to aut), in MiB (default: three quarters "
+         "of the machine's)")
+      ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1} << 30))
+      ->default_str("")
+      ->type_name("MIB");
   return [arguments](Context& context) { return run_export(*arguments, context); };
 }
 

@@ -5,6 +5,7 @@
 #include "maide/base/named_table.hpp"
 #include "maide/formats/cpp_source.hpp"
 #include "maide/formats/dot.hpp"
+#include "maide/formats/mcrl2.hpp"
 #include "maide/formats/promela.hpp"
 #include "maide/formats/smv.hpp"
 
@@ -12,7 +13,7 @@ namespace maide {
 
 namespace {
 
-constexpr std::array<Exporter, 5> table{{
+constexpr std::array<Exporter, 6> table{{
     {"dot", ".dot", "Graphviz, the format in which models are kept",
      [](std::ostream& out, const Model& model, const ExportOptions&) { write_dot(out, model); }},
     {"aut", ".aut", "Aldebaran, read by CADP, mCRL2 and LTSmin",
@@ -25,6 +26,8 @@ constexpr std::array<Exporter, 5> table{{
      }},
     {"smv", ".smv", "the language of NuSMV and nuXmv",
      [](std::ostream& out, const Model& model, const ExportOptions&) { write_smv(out, model); }},
+    {"mcrl2", ".mcrl2", "mCRL2, the process algebra",
+     [](std::ostream& out, const Model& model, const ExportOptions&) { write_mcrl2(out, model); }},
     {"cpp", ".hpp", "a C++ class, in one header",
      [](std::ostream& out, const Model& model, const ExportOptions& options) {
        write_cpp(out, model, options.name);

@@ -1,0 +1,167 @@
+// Systems in other languages against their meaning (check/system.hpp): on random systems with fixed
+// seeds, in all three ways of meeting the bound, as many states, steps and deadlocks. SMV and mCRL2
+// are explored by small readers of the part of these languages that the exports use
+// (explore_smv.py, explore_mcrl2.py), and by NuSMV and mCRL2 themselves where they are installed.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <deque>
+#include <map>
+#include <optional>
+#include <sstream>
+
+#include "maide/base/error.hpp"
+#include "maide/base/file.hpp"
+#include "maide/base/subprocess.hpp"
+#include "maide/base/temp_dir.hpp"
+#include "maide/check/aut_system.hpp"
+#include "maide/check/system_exporters.hpp"
+#include "maide/workflow/wrapper_search.hpp"
+#include "random_system.hpp"
+
+namespace maide {
+namespace {
+
+constexpr std::size_t state_limit = 250;
+constexpr std::uint64_t memory = std::uint64_t{64} << 20;
+
+struct Graph {
+  std::size_t states = 0, steps = 0, dead = 0;  // dead: without a step
+  bool has_deadlock = false;
+};
+
+// Straight from the meaning: a cut stays where it is. Nothing if there are too many states.
+std::optional<Graph> explore(const System& system) {
+  using Key = std::pair<std::vector<StateId>, std::vector<ControlState>>;
+  std::map<Key, bool> seen;
+  std::deque<GlobalState> open;
+  const auto visit = [&](const GlobalState& state) {
+    if (seen.emplace(Key{state.models, state.programs}, true).second) open.push_back(state);
+  };
+  visit(initial_state(system));
+  Graph graph;
+  for (; !open.empty(); open.pop_front()) {
+    if (seen.size() > state_limit) return std::nullopt;
+    const auto steps = enabled_steps(system, open.front());
+    graph.steps += steps.size();
+    graph.dead += steps.empty() ? 1 : 0;
+    graph.has_deadlock = graph.has_deadlock || is_deadlock(system, open.front());
+    for (const Step& step : steps) {
+      const GlobalState next = apply(system, open.front(), step);
+      if (!next.is_cut) visit(next);
+    }
+  }
+  graph.states = seen.size();
+  return graph;
+}
+
+std::string text_of(const System& system, std::string_view format) {
+  std::ostringstream out;
+  find_system_exporter(format).write(out, system, {memory, {}});
+  return out.str();
+}
+
+std::string run(const std::vector<std::string>& command) {
+  const SubprocessResult result = run_program(command);
+  EXPECT_TRUE(result.succeeded()) << result.out << result.err;
+  return result.out;
+}
+
+template <typename Compare>
+void for_random_systems(std::uint64_t seed, int count, Compare compare) {
+  Random random(seed);
+  int deadlocks = 0;
+  for (int compared = 0; compared < count;) {
+    const System system = test::random_system(random);
+    const std::optional<Graph> graph = explore(system);
+    if (!graph || graph->states < 4) continue;
+    ++compared;
+    deadlocks += graph->has_deadlock ? 1 : 0;
+    compare(system, *graph);
+    if (testing::Test::HasFailure()) break;
+  }
+  EXPECT_GT(deadlocks, 0);
+}
+
+TEST(SystemExport, AutIsTheStateGraph) {
+  for_random_systems(51, 300, [](const System& system, const Graph& graph) {
+    const std::string text = text_of(system, "aut");
+    std::istringstream lines(text);
+    std::string line;
+    std::getline(lines, line);
+    EXPECT_EQ(line,
+              "des (0, " + std::to_string(graph.steps) + ", " + std::to_string(graph.states) + ")");
+    std::map<std::string, int> distinct;
+    while (std::getline(lines, line)) ++distinct[line];
+    EXPECT_EQ(distinct.size(), graph.steps) << text;
+  });
+}
+
+TEST(SystemExport, SmvHasTheSameStatesAndSteps) {
+  const TempDir folder;
+  const std::string file = (folder.path() / "system.smv").string();
+  for_random_systems(52, 60, [&](const System& system, const Graph& graph) {
+    write_file_atomically(file, text_of(system, "smv"));
+    EXPECT_EQ(run({"python3", MAIDE_SOURCE_DIR "/tests/differential/explore_smv.py", file}),
+              "states " + std::to_string(graph.states) + " steps " + std::to_string(graph.steps) +
+                  " invariant " + (graph.has_deadlock ? "false" : "true") + "\n")
+        << read_file(file);
+  });
+}
+
+TEST(SystemExport, Mcrl2HasTheSameStatesAndSteps) {
+  const TempDir folder;
+  const std::string file = (folder.path() / "system.mcrl2").string();
+  for_random_systems(53, 60, [&](const System& system, const Graph& graph) {
+    write_file_atomically(file, text_of(system, "mcrl2"));
+    EXPECT_EQ(run({"python3", MAIDE_SOURCE_DIR "/tests/differential/explore_mcrl2.py", file}),
+              "states " + std::to_string(graph.states) + " steps " + std::to_string(graph.steps) +
+                  " dead " + std::to_string(graph.dead) + "\n")
+        << read_file(file);
+  });
+}
+
+TEST(SystemExport, NuSmvCountsTheSameStates) {
+  if (!find_on_path("NuSMV")) GTEST_SKIP() << "skipped: no NuSMV on PATH";
+  const TempDir folder;
+  const std::string file = (folder.path() / "system.smv").string();
+  for_random_systems(54, 20, [&](const System& system, const Graph& graph) {
+    write_file_atomically(file, text_of(system, "smv"));
+    const std::string out = run({"NuSMV", "-r", file});
+    EXPECT_THAT(out, testing::HasSubstr("reachable states: " + std::to_string(graph.states) + " "));
+    EXPECT_EQ(out.find("is false") != std::string::npos, graph.has_deadlock);
+  });
+}
+
+TEST(SystemExport, Mcrl2CountsTheSameStates) {
+  if (!find_on_path("mcrl22lps")) GTEST_SKIP() << "skipped: no mcrl22lps on PATH";
+  const TempDir folder;
+  const auto path = [&](const char* name) { return (folder.path() / name).string(); };
+  for_random_systems(55, 20, [&](const System& system, const Graph& graph) {
+    write_file_atomically(path("system.mcrl2"), text_of(system, "mcrl2"));
+    run({"mcrl22lps", path("system.mcrl2"), path("system.lps")});
+    run({"lps2lts", path("system.lps"), path("system.aut")});
+    const std::string written = read_file(path("system.aut"));
+    EXPECT_EQ(written.substr(0, written.find('\n')),
+              "des (0," + std::to_string(graph.steps) + "," + std::to_string(graph.states) + ")");
+  });
+}
+
+TEST(SystemExport, StopsWhenAskedAndAtTheLimit) {
+  Random random(56);
+  System system = test::random_system(random);
+  std::ostringstream out;
+  std::stop_source stop;
+  stop.request_stop();
+  EXPECT_THROW(write_aut(out, system, memory, {stop.get_token(), {}, nullptr}), Interrupted);
+  try {
+    write_aut(out, system, 1, {});
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.status(), ExitStatus::inconclusive);
+    EXPECT_THAT(error.what(), testing::HasSubstr("memory"));
+  }
+}
+
+}  // namespace
+}  // namespace maide
