@@ -55,6 +55,7 @@ RunFunction set_up_export(CLI::App& app);
 RunFunction set_up_learn(CLI::App& app);
 RunFunction set_up_replay(CLI::App& app);
 RunFunction set_up_reproduce(CLI::App& app);
+RunFunction set_up_view(CLI::App& app);
 
 // The options that several commands have, so that they read the same everywhere.
 CLI::Option* add_seed_option(CLI::App& app, std::uint64_t& seed);

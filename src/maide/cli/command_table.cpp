@@ -31,6 +31,10 @@ std::span<const Command> command_table() {
               "maide export system.yaml --to aut -o system.aut\n"
               "maide export system.yaml --property acknowledged --to hoa",
               set_up_export},
+      Command{"view", "Draw a model, a system or a trace",
+              "maide view strict-6.dot\nmaide view system.yaml -o system.html\n"
+              "maide view deadlock.json -o deadlock.svg",
+              set_up_view},
       Command{"reproduce", "Reproduce the paper's results, theirs beside ours",
               "maide reproduce table1 --system port --json\nmaide reproduce table2",
               set_up_reproduce},

@@ -1,0 +1,154 @@
+// `maide view MODEL|SYSTEM|TRACE`: pictures, as one page or one SVG file. What the source is, its
+// extension says.
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdlib>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "maide/base/file.hpp"
+#include "maide/base/log.hpp"
+#include "maide/check/system_file.hpp"
+#include "maide/cli/command.hpp"
+#include "maide/formats/model_file.hpp"
+#include "maide/report/graphviz.hpp"
+#include "maide/report/picture.hpp"
+#include "maide/report/picture_page.hpp"
+#include "maide/report/sequence_chart.hpp"
+#include "maide/report/trace_file_chart.hpp"
+#include "maide/workflow/learned_models.hpp"
+
+namespace maide::cli {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+struct ViewArguments {
+  std::string source;
+  std::string output;
+};
+
+std::string extension_of(const std::string& path) { return fs::path(path).extension().string(); }
+
+// A place for a page that nobody named: in a folder of its own, so that no other user's file of
+// that name is in the way.
+std::string temporary_page(const std::string& source) {
+  std::error_code ignored;
+  fs::path folder = fs::temp_directory_path(ignored);
+  if (ignored) folder = "/tmp";
+  std::string made = (folder / "maide-view-XXXXXX").string();
+  if (::mkdtemp(made.data()) == nullptr) {
+    throw UsageError("there is no folder for the page; -o FILE.html says where (" + made + ")");
+  }
+  return (fs::path(made) / (fs::path(source).stem().string() + ".html")).string();
+}
+
+// One picture of its own must be drawn; on a page a missing one is said there.
+std::string drawn(const std::string& dot, const std::string& source, const RunControl& control) {
+  if (!can_draw()) {
+    throw UsageError(
+        "a picture needs Graphviz's program dot, and it is not on PATH (Debian: apt "
+        "install graphviz)");
+  }
+  const std::string svg = draw_svg(dot, control);
+  if (svg.empty()) throw UsageError("dot could not draw this within 20 seconds (" + source + ")");
+  return stand_alone(svg);
+}
+
+std::string view_model(const ViewArguments& arguments, bool is_svg, const RunControl& control) {
+  const Model model = read_model(arguments.source);
+  if (is_svg) {
+    const PictureSize size = size_of(model);
+    if (!size.is_drawable()) {
+      throw UsageError(fmt::format(
+          "{} states and {} transitions are too many for a picture (at most {} and {}): -o "
+          "FILE.html makes a table ({})",
+          size.states, size.transitions, most_drawn_states, most_drawn_transitions,
+          arguments.source));
+    }
+    return drawn(model_picture(model), arguments.source, control);
+  }
+  std::ostringstream page;
+  write_model_page(page, model, arguments.source,
+                   [&](const std::string& dot) { return draw_svg(dot, control); });
+  return std::move(page).str();
+}
+
+std::string view_system(const ViewArguments& arguments, bool is_svg, const RunControl& control) {
+  const ModelSource models =
+      make_learning_source({fs::path(arguments.source).parent_path(),
+                            [](const std::string& line) { log_note(line); }, control});
+  const System system = read_system(arguments.source, models);
+  if (is_svg) return drawn(connection_picture(system), arguments.source, control);
+  std::ostringstream page;
+  write_system_page(page, system, read_file(arguments.source),
+                    [&](const std::string& dot) { return draw_svg(dot, control); });
+  return std::move(page).str();
+}
+
+std::string view_trace(const ViewArguments& arguments, bool is_svg) {
+  SequenceChart chart = chart_of_trace(read_file(arguments.source), arguments.source);
+  std::string title = chart.title.empty() ? arguments.source : chart.title;
+  if (!is_svg) chart.title.clear();
+  std::ostringstream svg;
+  write_sequence_chart_svg(svg, chart);
+  if (is_svg) return std::move(svg).str();
+  std::ostringstream page;
+  write_chart_page(page, svg.str(), title);
+  return std::move(page).str();
+}
+
+ExitStatus run_view(const ViewArguments& arguments, Context& context) {
+  const std::string source = extension_of(arguments.source);
+  const bool is_svg = extension_of(arguments.output) == ".svg";
+  if (!arguments.output.empty() && !is_svg && extension_of(arguments.output) != ".html") {
+    throw UsageError("a picture's name ends in .html or .svg (" + arguments.output + ")");
+  }
+  if (!arguments.output.empty()) check_can_write(arguments.output);
+  std::string text;
+  const char* kind = "model";
+  if (source == ".yaml" || source == ".yml") {
+    kind = "system";
+    text = view_system(arguments, is_svg, context.control());
+  } else if (source == ".json") {
+    kind = "trace";
+    text = view_trace(arguments, is_svg);
+  } else if (source == ".dot" || source == ".gv" || source == ".aut") {
+    text = view_model(arguments, is_svg, context.control());
+  } else {
+    throw UsageError(
+        "what is viewed is a model (.dot, .gv, .aut), a system (.yaml) or a trace "
+        "(.json), and this is none (" +
+        arguments.source + ")");
+  }
+  if (!is_svg && std::string_view(kind) != "trace" && !can_draw()) {
+    log_note("no pictures: Graphviz's program dot is not on PATH (Debian: apt install graphviz)");
+  }
+  const std::string output =
+      arguments.output.empty() ? temporary_page(arguments.source) : arguments.output;
+  write_file_atomically(output, text);
+  context.print(output + "\n");
+  context.set_result(Json{{"source", arguments.source}, {"kind", kind}, {"output", output}});
+  return ExitStatus::ok;
+}
+
+}  // namespace
+
+RunFunction set_up_view(CLI::App& app) {
+  auto arguments = std::make_shared<ViewArguments>();
+  app.add_option("SOURCE", arguments->source,
+                 "A model (.dot, .gv, .aut), a system (.yaml), or a trace of `maide check --trace` "
+                 "(.json)")
+      ->required();
+  app.add_option("-o,--output", arguments->output,
+                 "The page (FILE.html), or one picture (FILE.svg: the model, the system's "
+                 "connections, the trace); not given: a page in a temporary folder, whose path is "
+                 "printed");
+  return [arguments](Context& context) { return run_view(*arguments, context); };
+}
+
+}  // namespace maide::cli

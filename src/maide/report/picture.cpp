@@ -1,0 +1,227 @@
+#include "maide/report/picture.hpp"
+
+#include <fmt/format.h>
+
+#include <map>
+#include <set>
+#include <tuple>
+#include <vector>
+
+#include "maide/check/check_system.hpp"
+#include "maide/formats/dot_syntax.hpp"
+
+namespace maide {
+namespace {
+
+constexpr std::size_t most_lines = 8;  // of a label
+
+// The edges of a picture: those between the same nodes and of the same class become one.
+class Edges {
+ public:
+  void add(const std::string& from, const std::string& to, const std::string& kind,
+           const std::string& line) {
+    auto& lines = lines_[{from, to, kind}];
+    if (lines.empty()) order_.push_back({from, to, kind});
+    lines.push_back(line);
+  }
+
+  std::string text() const {
+    std::string text;
+    for (const Key& key : order_) {
+      const auto& [from, to, kind] = key;
+      text += fmt::format("  {} -> {} [class=\"{}\" label={}];\n", from, to, kind,
+                          quote_dot_label(label(lines_.at(key))));
+    }
+    return text;
+  }
+
+ private:
+  using Key = std::tuple<std::string, std::string, std::string>;
+
+  static std::string label(const std::vector<std::string>& lines) {
+    std::string text;
+    const bool is_cut = lines.size() > most_lines;
+    const std::size_t shown = is_cut ? most_lines - 1 : lines.size();
+    for (std::size_t i = 0; i < shown; ++i) text += (i == 0 ? " " : "\n ") + lines[i] + " ";
+    if (is_cut) text += fmt::format("\n and {} more ", lines.size() - shown);
+    return text;
+  }
+
+  std::map<Key, std::vector<std::string>> lines_;
+  std::vector<Key> order_;
+};
+
+std::string node(std::size_t number) { return "n" + std::to_string(number); }
+
+std::string head(const char* direction) {
+  return fmt::format(
+      "digraph picture {{\n  bgcolor=transparent; rankdir={}; nodesep=0.35; ranksep=0.45;\n"
+      "  node [fontname=\"Helvetica,Arial,sans-serif\" fontsize=12 width=0.4 height=0.4 "
+      "margin=\"0.08,0.04\"];\n  edge [fontname=\"Helvetica,Arial,sans-serif\" fontsize=11 "
+      "arrowsize=0.7];\n",
+      direction);
+}
+
+std::string start_at(std::size_t initial) {
+  return fmt::format(
+      "  start [shape=point width=0.08 class=\"start\"];\n  start -> {} "
+      "[class=\"start\"];\n",
+      node(initial));
+}
+
+std::string state(std::size_t number, const char* kind, const std::string& label,
+                  const char* shape = "circle") {
+  return fmt::format("  {} [shape={} class=\"{}\" label={}];\n", node(number), shape, kind,
+                     quote_dot_label(label));
+}
+
+std::string picture_of(const NondeterministicMealy& machine) {
+  std::string text = head("TB") + start_at(machine.initial());
+  Edges edges;
+  for (StateId from = 0; from < machine.size(); ++from) {
+    text += state(from, "state", std::to_string(from));
+    for (Symbol input = 0; input < machine.inputs().size(); ++input) {
+      for (const auto& choice : machine.choices(from, input)) {
+        edges.add(node(from), node(choice.target), "both",
+                  mealy_label(machine.inputs().name(input), machine.outputs().name(choice.output)));
+      }
+    }
+  }
+  return text + edges.text() + "}\n";
+}
+
+std::string picture_of(const InterfaceAutomaton& automaton) {
+  std::string text = head("TB") + start_at(automaton.initial());
+  const std::set<std::string> hidden(automaton.hidden_returns.begin(),
+                                     automaton.hidden_returns.end());
+  Edges edges;
+  for (StateId from = 0; from < automaton.size(); ++from) {
+    text += state(from, automaton.is_quiescent(from) ? "state" : "due", std::to_string(from));
+    std::vector<std::string> untried;
+    for (const auto& transition : automaton.transitions(from)) {
+      const std::string name = automaton.name(transition.action);
+      if (transition.absorbed) {
+        untried.push_back(name);
+      } else if (transition.action.is_input()) {
+        const bool is_hidden = hidden.contains(name.substr(1));
+        edges.add(node(from), node(transition.target), "input",
+                  is_hidden ? name + " (return not seen)" : name);
+      } else {
+        edges.add(node(from), node(transition.target), "output", name);
+      }
+    }
+    for (const Symbol input : automaton.unexplored(from)) {
+      untried.push_back(automaton.name({Action::Kind::input, input}));
+    }
+    if (untried.empty()) continue;
+    const std::string beyond = "u" + std::to_string(from);
+    text +=
+        fmt::format("  {} [shape=plaintext class=\"untried\" label=\"never tried\"];\n", beyond);
+    for (const std::string& name : untried) edges.add(node(from), beyond, "untried", name);
+  }
+  return text + edges.text() + "}\n";
+}
+
+}  // namespace
+
+PictureSize size_of(const Model& model) {
+  if (const auto* machine = std::get_if<Mealy>(&model)) {
+    return {machine->size(), machine->size() * machine->inputs().size()};
+  }
+  return std::visit(
+      [](const auto& automaton) -> PictureSize {
+        if constexpr (std::is_same_v<std::decay_t<decltype(automaton)>, Mealy>) {
+          return {};
+        } else {
+          return {automaton.size(), automaton.transition_count()};
+        }
+      },
+      model);
+}
+
+PictureSize size_of(const Program& program) {
+  return {program.states.size(), program.edges.size()};
+}
+
+std::string model_picture(const Model& model) {
+  if (const auto* machine = std::get_if<Mealy>(&model)) {
+    return picture_of(NondeterministicMealy(*machine));
+  }
+  if (const auto* machine = std::get_if<NondeterministicMealy>(&model)) {
+    return picture_of(*machine);
+  }
+  return picture_of(std::get<InterfaceAutomaton>(model));
+}
+
+std::string program_picture(const System& system, const Program& program) {
+  std::string text = head("TB") + start_at(0);
+  Edges edges;
+  for (ControlState at = 0; at < program.states.size(); ++at) {
+    std::string label;
+    for (const std::uint32_t index : program.label_sets[program.states[at].label_set]) {
+      label += (label.empty() ? "@" : "\n@") + program.labels[index];
+    }
+    if (program.is_end(at)) label += label.empty() ? "end" : "\nend";
+    text += state(at, program.is_end(at) ? "end" : "state", label,
+                  label.empty() ? "circle" : "box style=rounded");
+    for (const ProgramEdge& edge : program.edges_of(at)) {
+      const char* kind = edge.kind == ProgramEdge::Kind::give   ? "input"
+                         : edge.kind == ProgramEdge::Kind::take ? "output"
+                                                                : "both";
+      edges.add(node(at), node(edge.target), kind,
+                fmt::format("{}:  {}", edge.line, describe_edge(system, edge)));
+    }
+  }
+  return text + edges.text() + "}\n";
+}
+
+std::string connection_picture(const System& system) {
+  std::string text = head("LR");
+  for (std::size_t i = 0; i < system.programs.size(); ++i) {
+    text += state(i, "program", system.programs[i].name, "box");
+  }
+  const auto model_node = [](std::size_t model) { return "m" + std::to_string(model); };
+  for (std::size_t i = 0; i < system.models.size(); ++i) {
+    text += fmt::format("  {} [shape=ellipse class=\"model\" label={}];\n", model_node(i),
+                        quote_dot_label(system.models[i].name));
+  }
+  Edges edges;
+  for (std::size_t i = 0; i < system.programs.size(); ++i) {
+    std::set<std::tuple<std::uint32_t, ProgramEdge::Kind, Symbol>> seen;
+    for (const ProgramEdge& edge : system.programs[i].edges) {
+      if (edge.kind == ProgramEdge::Kind::choice || edge.kind == ProgramEdge::Kind::quiet) continue;
+      if (!seen.emplace(edge.model, edge.kind, edge.symbol).second) continue;
+      const InterfaceAutomaton& automaton = system.models[edge.model].automaton;
+      if (edge.kind == ProgramEdge::Kind::give) {
+        edges.add(node(i), model_node(edge.model), "input", automaton.inputs().name(edge.symbol));
+      } else {
+        edges.add(model_node(edge.model), node(i), "output", automaton.outputs().name(edge.symbol));
+      }
+    }
+  }
+  return text + edges.text() + "}\n";
+}
+
+std::string picture_style() {
+  return ":root{--page:#fff;--text:#1d2330;--soft:#667085;--rule:#d7dce5;--card:#f7f8fa;"
+         "--state:#fff;--due:#fde8c8;--program:#eef1f5;--model:#e3eefb;--in:#1f5fa8;--out:#a8501f;"
+         "--both:#4a5568}"
+         "@media(prefers-color-scheme:dark){:root{--page:#14171c;--text:#e4e7ec;--soft:#98a2b3;"
+         "--rule:#343b47;--card:#1b1f26;--state:#1f242c;--due:#4d3a1c;--program:#262c36;"
+         "--model:#1d3048;--in:#7fb4f0;--out:#f0a878;--both:#b6c0cf}}"
+         ".node ellipse,.node path,.node polygon{stroke:var(--soft);fill:var(--state)}"
+         ".node text{fill:var(--text)}"
+         ".due ellipse{fill:var(--due)}"
+         ".program polygon{fill:var(--program)}.model ellipse{fill:var(--model)}"
+         ".end path{fill:var(--program)}.start ellipse{fill:var(--soft)}"
+         ".untried polygon{stroke:none;fill:none}.node.untried text{fill:var(--soft);"
+         "font-style:italic}"
+         ".edge path{stroke:var(--soft)}.edge polygon{stroke:none;fill:var(--soft)}"
+         ".input text{fill:var(--in)}.input path{stroke:var(--in)}.input polygon{fill:var(--in)}"
+         ".output text{fill:var(--out)}.output path{stroke:var(--out)}"
+         ".output polygon{fill:var(--out)}.both text{fill:var(--both)}"
+         ".edge.untried text{fill:var(--soft)}.edge.untried path{stroke-dasharray:4 3}"
+         ".edge.untried polygon{fill:var(--soft)}";
+}
+
+}  // namespace maide

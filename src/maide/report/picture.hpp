@@ -1,0 +1,39 @@
+// Models and programs as graphs for people, in DOT: parallel edges are one with several lines, what
+// was never tried stands beside its state, and every node and edge has a class, by which a page
+// colours it (picture_style()). For reading them back there is formats/dot.
+#pragma once
+
+#include <cstddef>
+#include <string>
+
+#include "maide/check/system.hpp"
+#include "maide/formats/labelled_graph.hpp"
+
+namespace maide {
+
+// More than this is a table and no picture: nobody sees anything in it, and `dot` takes minutes.
+inline constexpr std::size_t most_drawn_states = 150;
+inline constexpr std::size_t most_drawn_transitions = 600;
+
+struct PictureSize {
+  std::size_t states = 0, transitions = 0;
+  bool is_drawable() const {
+    return states <= most_drawn_states && transitions <= most_drawn_transitions;
+  }
+};
+
+PictureSize size_of(const Model& model);
+PictureSize size_of(const Program& program);
+
+// A state in which an output is due is filled, one with inputs that were never tried has a dashed
+// arrow for them.
+std::string model_picture(const Model& model);
+// A program's automaton: control states with their labels, steps with their lines in the file.
+std::string program_picture(const System& system, const Program& program);
+// Which program gives which inputs to which model, and takes which outputs.
+std::string connection_picture(const System& system);
+
+// A style sheet for these pictures, for light and dark pages; to go inside <style>.
+std::string picture_style();
+
+}  // namespace maide
