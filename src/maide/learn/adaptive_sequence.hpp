@@ -3,9 +3,10 @@
 // state identification and verification", IEEE ToC 1994; from partial knowledge: Vaandrager,
 // Garhewal, Rot & Wissmann, TACAS 2022).
 //
-// Each input is weighed by what it costs until the right node is singled out: one symbol, and for
-// each output the estimated rest; the most promising few are followed to their ends. Nodes that are
-// likely weigh more, as letters do in Huffman's code: what is usual should be quick to recognise.
+// Greedy: the input of least estimated cost comes first, one symbol and for each output the rest,
+// which grows with the logarithm of the nodes that are left. Looking further ahead asks no less.
+// Nodes that are likely weigh more, as letters do in Huffman's code: what is usual should be quick
+// to recognise.
 #pragma once
 
 #include <vector>
@@ -23,7 +24,7 @@ struct Suspect {
 
 // The decision tree for `suspects`; without nodes if no two of them are apart. Every path through
 // it tells at least two suspects apart, if its last output is a known one. `retry`: what another
-// query would cost, in symbols. O(inputs x suspects x length) and a constant of some tens.
+// query would cost, in symbols. O(inputs x suspects x length).
 DecisionTree find_adaptive_sequence(const ObservationTree& tree, std::vector<Suspect> suspects,
                                     double retry);
 

@@ -42,10 +42,15 @@ void LSharp::ask(const std::vector<Query>& batch, const RunControl& control) {
   const std::vector<MealyAnswer> answers = oracle_.ask(batch, control);
   output_queries_ += answers.size();
   for (std::size_t i = 0; i < answers.size(); ++i) {
-    const auto& [inputs, outputs] = std::pair(answers[i].inputs, answers[i].outputs);
+    const Word& inputs = answers[i].inputs;
+    const Word& outputs = answers[i].outputs;
     if (const Word* word = std::get_if<Word>(&batch[i])) complete_outputs(answers[i], *word);
     const ObservationTree::Inserted inserted = apartness_.insert(inputs, outputs);
-    if (!inserted.conflict) continue;
+    if (!inserted.conflict) {
+      // Every query asks for something new; one that was cut short would be asked for ever.
+      if (inserted.known < inputs.size()) continue;
+      throw Error(ExitStatus::system_failed, "the system did not answer a query to its end");
+    }
     const auto wrong = std::span(inputs).first(inserted.known + 1);
     Word before;
     for (std::size_t length = 1; length <= wrong.size(); ++length) {
