@@ -3,6 +3,7 @@
 #pragma once
 
 #include <gtest/gtest.h>
+#include <signal.h>
 
 #include <atomic>
 #include <string>
@@ -13,6 +14,7 @@
 #include "fragile_systems.hpp"
 #include "maide/automata/compare.hpp"
 #include "maide/base/random.hpp"
+#include "processes.hpp"
 
 namespace maide::test {
 
@@ -47,7 +49,7 @@ class Assassin : public Sul {
 
  private:
   void kill_all() {
-    for (const pid_t child : find_children()) {
+    for (const pid_t child : own_children()) {
       if (!is_running(child)) continue;
       ::kill(child, SIGKILL);
       ++kills_;
@@ -58,7 +60,7 @@ class Assassin : public Sul {
     while (!ending_) {
       std::this_thread::yield();
       if (!kills_successor_) continue;
-      for (const pid_t child : find_children()) {
+      for (const pid_t child : own_children()) {
         if (child == killed_) continue;
         kills_successor_ = false;
         kill_all();

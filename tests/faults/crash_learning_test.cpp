@@ -9,6 +9,7 @@
 #include "maide/automata/compare.hpp"
 #include "maide/base/temp_dir.hpp"
 #include "maide/learn/learners.hpp"
+#include "processes.hpp"
 
 namespace maide {
 namespace {

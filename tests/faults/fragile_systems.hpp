@@ -1,16 +1,9 @@
-// What the tests of crashing systems share: the fragile lamp, its model, processes left behind.
+// What the tests of crashing systems share: the fragile lamp and its model.
 #pragma once
 
-#include <signal.h>
-#include <stdlib.h>
-#include <unistd.h>
-
-#include <filesystem>
-#include <fstream>
-#include <iterator>
+#include <exception>
 #include <map>
 #include <string>
-#include <vector>
 
 #include "maide/automata/interface_automaton.hpp"
 #include "maide/wire/wrapper_proxy.hpp"
@@ -42,55 +35,6 @@ inline LearnedModel learn_lamp(const Options& options, Translation translation,
   LearnedModel learned = learn_model(*sul, translation, experiment);
   if (learned.experiment.error) std::rethrow_exception(learned.experiment.error);
   return learned;
-}
-
-inline bool is_running(pid_t process) {
-  std::ifstream file("/proc/" + std::to_string(process) + "/stat");
-  std::string text;
-  std::getline(file, text);
-  const std::size_t end = text.rfind(')');
-  return end != std::string::npos && text.substr(end + 2, 1) != "Z";
-}
-
-// Marks every process that is started from now on, by whomever; so that those that are left behind
-// can be found, whoever their parent is then.
-class ProcessMark {
- public:
-  ProcessMark() : mark_("MAIDE_TEST_MARK=" + std::to_string(::getpid())) {
-    ::setenv("MAIDE_TEST_MARK", std::to_string(::getpid()).c_str(), 1);
-  }
-  ~ProcessMark() { ::unsetenv("MAIDE_TEST_MARK"); }
-  ProcessMark(const ProcessMark&) = delete;
-  ProcessMark& operator=(const ProcessMark&) = delete;
-
-  std::vector<pid_t> find() const {
-    std::vector<pid_t> processes;
-    for (const auto& entry : std::filesystem::directory_iterator("/proc")) {
-      const std::string name = entry.path().filename();
-      if (name.find_first_not_of("0123456789") != std::string::npos) continue;
-      const pid_t process = std::stoi(name);
-      std::ifstream file(entry.path() / "environ");
-      const std::string text((std::istreambuf_iterator<char>(file)), {});
-      if (process != ::getpid() && text.find(mark_ + '\0') != std::string::npos &&
-          is_running(process)) {
-        processes.push_back(process);
-      }
-    }
-    return processes;
-  }
-
- private:
-  std::string mark_;
-};
-
-// The children of this process: the wrappers that it has started.
-inline std::vector<pid_t> find_children() {
-  std::vector<pid_t> children;
-  for (const auto& task : std::filesystem::directory_iterator("/proc/self/task")) {
-    std::ifstream file(task.path() / "children");
-    for (pid_t child = 0; file >> child;) children.push_back(child);
-  }
-  return children;
 }
 
 }  // namespace maide::test

@@ -12,6 +12,7 @@
 #include "maide/wire/child_process.hpp"
 #include "maide/wire/line_io.hpp"
 #include "maide/wire/wrapper_proxy.hpp"
+#include "processes.hpp"
 
 namespace maide {
 namespace {
@@ -203,14 +204,6 @@ TEST(WireFaults, AnExceptionOfTheSinkPasses) {
   EXPECT_EQ(answered, 3u);
 }
 
-bool is_running(int process) {
-  std::ifstream file("/proc/" + std::to_string(process) + "/stat");
-  std::string text;
-  std::getline(file, text);
-  const std::size_t end = text.rfind(')');
-  return end != std::string::npos && text.substr(end + 2, 1) != "Z";
-}
-
 TEST(WireFaults, NothingIsLeftBehind) {
   const TempDir folder;
   const std::string file = (folder.path() / "processes").string();
@@ -219,9 +212,9 @@ TEST(WireFaults, NothingIsLeftBehind) {
   int its_child = 0;
   std::ifstream(file) >> wrapper >> its_child;
   ASSERT_GT(its_child, 0);
-  EXPECT_FALSE(is_running(wrapper));
+  EXPECT_FALSE(test::is_running(wrapper));
   // Killed with its group; it may take the kernel a moment to carry that out.
-  while (is_running(its_child)) std::this_thread::yield();
+  while (test::is_running(its_child)) std::this_thread::yield();
 }
 
 // Maide killed in the hardest way takes its wrappers with it.
@@ -235,9 +228,9 @@ TEST(WireFaults, AChildDoesNotOutliveItsParent) {
     std::this_thread::yield();
   }
   const int child = std::stoi(text);
-  EXPECT_TRUE(is_running(child));
+  EXPECT_TRUE(test::is_running(child));
   ::kill(parent.id(), SIGKILL);  // the parent alone, not its group
-  while (is_running(child)) std::this_thread::yield();
+  while (test::is_running(child)) std::this_thread::yield();
 }
 
 }  // namespace

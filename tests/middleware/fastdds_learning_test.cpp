@@ -35,15 +35,19 @@ TEST_P(FastDdsRepeatedly, GivesTheSameModelTwentyTimes) {
 
 INSTANTIATE_TEST_SUITE_P(BusyProcesses, FastDdsRepeatedly, testing::Values(0, 2));
 
-TEST(FastDdsLateReader, GivesTheSameModelTwentyTimes) {
+class FastDdsLateReader : public testing::TestWithParam<std::size_t> {};
+
+TEST_P(FastDdsLateReader, GivesTheSameModelTwentyTimes) {
   test::expect_same_twenty_times("fastdds",
                                  {{"depth", "1"},
                                   {"reliability", "reliable"},
                                   {"durability", "transient_local"},
                                   {"inputs", "write,tryread,disconnect,connect"},
                                   {"observe", "message,null"}},
-                                 5, 0);
+                                 5, GetParam());
 }
+
+INSTANTIATE_TEST_SUITE_P(BusyProcesses, FastDdsLateReader, testing::Values(0, 2));
 
 }  // namespace
 }  // namespace maide

@@ -3,11 +3,14 @@
 #include <gtest/gtest.h>
 
 #include <exception>
+#include <ostream>
 #include <sstream>
 
 #include "busy_machine.hpp"
+#include "maide/automata/compare.hpp"
 #include "maide/base/error.hpp"
 #include "maide/formats/dot.hpp"
+#include "maide/formats/model_file.hpp"
 #include "maide/wire/local_sul.hpp"
 #include "maide/wire/wrapper_proxy.hpp"
 #include "maide/workflow/experiment.hpp"
@@ -83,7 +86,19 @@ LearnedSystem learn_system(const std::string& name, const SystemOptions& options
   experiment.algorithm = algorithm;
   const ExperimentResult result = run_experiment(translator, experiment);
   if (result.error) std::rethrow_exception(result.error);
-  return {result.model, translator.to_interface_automaton(result.model)};
+  return {result.model, translator.to_interface_automaton(result.model), result.experiments};
+}
+
+void PrintTo(const PortCase& tested, std::ostream* out) { *out << tested.name; }
+
+void expect_port(const std::string& system, const PortCase& tested, Translation translation) {
+  const InterfaceAutomaton expected = read_interface_automaton(
+      std::string(MAIDE_SOURCE_DIR "/tests/models/") + tested.reference + ".dot");
+  const InterfaceAutomaton learned =
+      learn_system(system, tested.options, "", translation).automaton;
+  EXPECT_EQ(learned.size(), expected.size());
+  EXPECT_EQ(learned.transition_count(), expected.transition_count());
+  EXPECT_TRUE(compare(expected, learned).same());
 }
 
 void expect_same_twenty_times(const std::string& name, const SystemOptions& options,

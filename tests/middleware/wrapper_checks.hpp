@@ -3,6 +3,8 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
+#include <iosfwd>
 #include <map>
 #include <string>
 #include <string_view>
@@ -33,6 +35,7 @@ std::string usage_error_of(SystemWrapper& wrapper, const SystemOptions& options)
 struct LearnedSystem {
   Mealy machine;
   InterfaceAutomaton automaton;
+  std::uint64_t experiments = 0;  // words that were run
 };
 
 // Learns from maide-wrap-`name`, a process of its own; throws what ended a run early. An empty
@@ -40,6 +43,19 @@ struct LearnedSystem {
 LearnedSystem learn_system(const std::string& name, const SystemOptions& options,
                            std::string_view algorithm = "",
                            Translation translation = Translation::eager);
+
+// A connection that behaves as a port of the paper does.
+struct PortCase {
+  std::string name;
+  SystemOptions options;
+  std::string reference;  // the port's model in tests/models
+};
+
+void PrintTo(const PortCase& tested, std::ostream* out);
+
+// Fails the test unless maide-wrap-`system` is learned as that port, in its size.
+void expect_port(const std::string& system, const PortCase& tested,
+                 Translation translation = Translation::eager);
 
 // Learns twenty times beside so many busy processes and fails the test unless each model has
 // `states` states and the same text.

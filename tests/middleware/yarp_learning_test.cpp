@@ -8,7 +8,6 @@
 
 #include "maide/automata/compare.hpp"
 #include "maide/base/error.hpp"
-#include "maide/formats/model_file.hpp"
 #include "maide/workflow/paper_interrupt.hpp"
 #include "maide/workflow/wrapper_search.hpp"
 #include "wrapper_checks.hpp"
@@ -18,24 +17,9 @@ namespace {
 
 using test::SystemOptions;
 
-struct YarpCase {
-  std::string name;
-  SystemOptions options;
-  std::string reference;  // in tests/models
-};
+class YarpAutomaton : public testing::TestWithParam<test::PortCase> {};
 
-void PrintTo(const YarpCase& tested, std::ostream* out) { *out << tested.name; }
-
-class YarpAutomaton : public testing::TestWithParam<YarpCase> {};
-
-TEST_P(YarpAutomaton, IsThatOfThePaper) {
-  const InterfaceAutomaton expected = read_interface_automaton(
-      std::string(MAIDE_SOURCE_DIR "/tests/models/") + GetParam().reference + ".dot");
-  const InterfaceAutomaton learned = test::learn_system("yarp", GetParam().options).automaton;
-  EXPECT_EQ(learned.size(), expected.size());
-  EXPECT_EQ(learned.transition_count(), expected.transition_count());
-  EXPECT_TRUE(compare(expected, learned).same());
-}
+TEST_P(YarpAutomaton, IsThatOfThePaper) { test::expect_port("yarp", GetParam()); }
 
 SystemOptions strict(std::size_t size) {
   return {{"kind", "strict"}, {"size", std::to_string(size)}};
@@ -49,14 +33,18 @@ SystemOptions with_tryread(SystemOptions options) {
 
 INSTANTIATE_TEST_SUITE_P(
     Table1, YarpAutomaton,
-    testing::Values(
-        YarpCase{"port", {}, "port"}, YarpCase{"buffered", {{"kind", "buffered"}}, "buffered"},
-        YarpCase{"buffered_tryread", with_tryread({{"kind", "buffered"}}), "buffered-tryread"},
-        YarpCase{"strict_1", strict(1), "strict-1"}, YarpCase{"strict_2", strict(2), "strict-2"},
-        YarpCase{"strict_3", strict(3), "strict-3"},
-        YarpCase{"strict_3_tryread", with_tryread(strict(3)), "strict-3-tryread-absorb"},
-        YarpCase{"strict_4", strict(4), "strict-4"}, YarpCase{"strict_5", strict(5), "strict-5"},
-        YarpCase{"strict_6", strict(6), "strict-6"}),
+    testing::Values(test::PortCase{"port", {}, "port"},
+                    test::PortCase{"buffered", {{"kind", "buffered"}}, "buffered"},
+                    test::PortCase{"buffered_tryread", with_tryread({{"kind", "buffered"}}),
+                                   "buffered-tryread"},
+                    test::PortCase{"strict_1", strict(1), "strict-1"},
+                    test::PortCase{"strict_2", strict(2), "strict-2"},
+                    test::PortCase{"strict_3", strict(3), "strict-3"},
+                    test::PortCase{"strict_3_tryread", with_tryread(strict(3)),
+                                   "strict-3-tryread-absorb"},
+                    test::PortCase{"strict_4", strict(4), "strict-4"},
+                    test::PortCase{"strict_5", strict(5), "strict-5"},
+                    test::PortCase{"strict_6", strict(6), "strict-6"}),
     [](const auto& tested) { return tested.param.name; });
 
 TEST(YarpAutomaton, IsTheSameThroughTheTransducer) {

@@ -5,7 +5,6 @@
 #include <string>
 
 #include "maide/automata/compare.hpp"
-#include "maide/formats/model_file.hpp"
 #include "wrapper_checks.hpp"
 #include "zeromq_cases.hpp"
 
@@ -36,39 +35,25 @@ TEST(ZeroMqPlainSend, GivesTheSameModelsWithAFloor) {
   }
 }
 
-// The names of the reference ports whose models ZeroMQ's sockets share.
-struct PortCase {
-  std::string name;
-  test::SystemOptions options;
-  std::string reference;
-};
+class ZeroMqAutomaton : public testing::TestWithParam<test::PortCase> {};
 
-void PrintTo(const PortCase& tested, std::ostream* out) { *out << tested.name; }
-
-class ZeroMqAutomaton : public testing::TestWithParam<PortCase> {};
-
-TEST_P(ZeroMqAutomaton, IsThatOfThePort) {
-  const InterfaceAutomaton expected = read_interface_automaton(
-      std::string(MAIDE_SOURCE_DIR "/tests/models/") + GetParam().reference + ".dot");
-  const InterfaceAutomaton learned = test::learn_system("zeromq", GetParam().options).automaton;
-  EXPECT_EQ(learned.size(), expected.size());
-  EXPECT_TRUE(compare(expected, learned).same());
-}
+TEST_P(ZeroMqAutomaton, IsThatOfThePort) { test::expect_port("zeromq", GetParam()); }
 
 INSTANTIATE_TEST_SUITE_P(
     Ports, ZeroMqAutomaton,
     testing::Values(
-        PortCase{"defaults", {}, "strict-3"}, PortCase{"tcp", {{"transport", "tcp"}}, "strict-3"},
-        PortCase{"publish", {{"pattern", "pub-sub"}}, "strict-3"},
-        PortCase{"publish_tcp", {{"pattern", "pub-sub"}, {"transport", "tcp"}}, "strict-3"},
-        PortCase{"conflate", {{"conflate", "yes"}}, "buffered"},
-        PortCase{"conflate_tcp", {{"conflate", "yes"}, {"transport", "tcp"}}, "buffered"},
-        PortCase{"conflate_tryread",
-                 {{"conflate", "yes"}, {"inputs", "write,read,tryread"}},
-                 "buffered-tryread"},
-        PortCase{"tryread_absorb",
-                 {{"size", "3"}, {"at-bound", "absorb"}, {"inputs", "write,read,tryread"}},
-                 "strict-3-tryread-absorb"}),
+        test::PortCase{"defaults", {}, "strict-3"},
+        test::PortCase{"tcp", {{"transport", "tcp"}}, "strict-3"},
+        test::PortCase{"publish", {{"pattern", "pub-sub"}}, "strict-3"},
+        test::PortCase{"publish_tcp", {{"pattern", "pub-sub"}, {"transport", "tcp"}}, "strict-3"},
+        test::PortCase{"conflate", {{"conflate", "yes"}}, "buffered"},
+        test::PortCase{"conflate_tcp", {{"conflate", "yes"}, {"transport", "tcp"}}, "buffered"},
+        test::PortCase{"conflate_tryread",
+                       {{"conflate", "yes"}, {"inputs", "write,read,tryread"}},
+                       "buffered-tryread"},
+        test::PortCase{"tryread_absorb",
+                       {{"size", "3"}, {"at-bound", "absorb"}, {"inputs", "write,read,tryread"}},
+                       "strict-3-tryread-absorb"}),
     [](const auto& tested) { return tested.param.name; });
 
 class ZeroMqRepeatedly : public testing::TestWithParam<std::size_t> {};

@@ -5,11 +5,11 @@
 #include <signal.h>
 
 #include <filesystem>
-#include <fstream>
 
 #include "maide/base/error.hpp"
 #include "maide/base/random.hpp"
 #include "port_model.hpp"
+#include "processes.hpp"
 
 namespace maide {
 namespace {
@@ -147,16 +147,6 @@ TEST(WrapperProxy, StopsWhenToldAndWorksOn) {
             "quiet message ");
 }
 
-// The child of this process, found through /proc: the tests look at it from outside.
-std::vector<pid_t> find_children() {
-  std::vector<pid_t> children;
-  for (const auto& task : std::filesystem::directory_iterator("/proc/self/task")) {
-    std::ifstream file(task.path() / "children");
-    for (pid_t child = 0; file >> child;) children.push_back(child);
-  }
-  return children;
-}
-
 TEST(WrapperProxy, AKilledWrapperIsStartedOnceMore) {
   const auto sul = spawn_wrapper(port_program, {{"kind", "strict"}, {"size", "2"}});
   const std::vector<SulQuery> batch = random_words(2, 200, 4);
@@ -169,7 +159,7 @@ TEST(WrapperProxy, AKilledWrapperIsStartedOnceMore) {
                        test::to_line(expected_steps(sul->info(), word), word, sul->info()));
              repeated += answer.attempts - 1;
              if (++answered == 50) {
-               const std::vector<pid_t> children = find_children();
+               const std::vector<pid_t> children = test::own_children();
                ASSERT_EQ(children.size(), 1u);
                ::kill(children.front(), SIGKILL);
              }
@@ -190,7 +180,7 @@ TEST(WrapperProxy, LeavesNothingBehind) {
     ask(*sul, {Word{1}, Translation::eager});
   }
   EXPECT_EQ(count_descriptors(), before);
-  EXPECT_TRUE(find_children().empty());
+  EXPECT_TRUE(test::own_children().empty());
 }
 
 }  // namespace
