@@ -1,7 +1,6 @@
 #include "name_server.hpp"
 
 #include <fmt/format.h>
-#include <unistd.h>
 #include <yarp/os/Network.h>
 
 #include <charconv>
@@ -9,12 +8,12 @@
 #include <cstdint>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <stdexcept>
-#include <system_error>
 #include <vector>
 
 #include "maide/base/error.hpp"
+#include "maide/base/file.hpp"
+#include "maide/base/temp_dir.hpp"
 
 namespace maide::yarp_ports {
 namespace {
@@ -59,20 +58,11 @@ Address parse_address(const std::string& text) {
 // moment.
 class Configuration {
  public:
-  Configuration()
-      : folder_((std::filesystem::temp_directory_path() / "maide-yarp-XXXXXX").string()) {
-    if (::mkdtemp(folder_.data()) == nullptr) throw std::runtime_error("cannot make " + folder_);
-    ::setenv("YARP_CONFIG_HOME", folder_.c_str(), 1);
-  }
-  ~Configuration() {
-    std::error_code ignored;
-    std::filesystem::remove_all(folder_, ignored);
-  }
-  Configuration(const Configuration&) = delete;
-  Configuration& operator=(const Configuration&) = delete;
+  Configuration() { ::setenv("YARP_CONFIG_HOME", folder_.path().c_str(), 1); }
 
   void use(const Address& address) const {
-    std::ofstream(folder_ + "/yarp.conf") << address.host << ' ' << address.port << " yarp\n";
+    write_file_atomically(folder_.path() / "yarp.conf",
+                          fmt::format("{} {} yarp\n", address.host, address.port));
     if (!NetworkBase::checkNetwork()) {
       throw std::runtime_error(
           fmt::format("no yarpserver answers at {}:{}", address.host, address.port));
@@ -80,8 +70,16 @@ class Configuration {
   }
 
  private:
-  std::string folder_;
+  TempDir folder_{"maide-yarp-"};
 };
+
+// That of the YARP which Maide was built with; where it is gone, the one on PATH.
+std::string server_program() {
+#ifdef MAIDE_YARPSERVER
+  if (std::filesystem::exists(MAIDE_YARPSERVER)) return MAIDE_YARPSERVER;
+#endif
+  return "yarpserver";
+}
 
 }  // namespace
 
@@ -111,7 +109,7 @@ std::uint16_t NameServer::start_own() {
   constexpr std::chrono::seconds limit{50};
   const std::uint16_t port = free_loopback_port();
   own_ = std::make_unique<ServiceProcess>(std::vector<std::string>{
-      "yarpserver", "--ip", "127.0.0.1", "--socket", std::to_string(port), "--portdb",
+      server_program(), "--ip", "127.0.0.1", "--socket", std::to_string(port), "--portdb",
       ":memory:", "--subdb", ":memory:", "--local", "--silent"});
   own_->wait_for_tcp(port, limit);
   return port;

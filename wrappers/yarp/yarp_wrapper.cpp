@@ -80,18 +80,16 @@ LearningPurpose at_most(std::int64_t most, const std::string& input) {
   return LearningPurpose(std::move(counter));
 }
 
-// Each interrupt of a buffered reader leaves a null behind, to be read after its resume: without a
-// bound the model is infinite.
-void bound_interrupts(SystemSetup& setup, Kind kind, const OptionValues& options) {
+// Each interrupt of a reader leaves something behind that its resume does not take away: a null to
+// be read (buffered), a read that takes the next write (port). Without a bound the model is
+// infinite.
+void bound_interrupts(SystemSetup& setup, const OptionValues& options) {
   const std::vector<std::string> wanted = options.list("inputs");
   const auto is_wanted = [&](const char* input) {
     return std::find(wanted.begin(), wanted.end(), input) != wanted.end();
   };
   const std::int64_t most = options.number("interrupts");
-  if (kind == Kind::port || most == 0 || !is_wanted("interrupt_reader") ||
-      !is_wanted("resume_reader")) {
-    return;
-  }
+  if (most == 0 || !is_wanted("interrupt_reader") || !is_wanted("resume_reader")) return;
   setup.purposes.push_back(at_most(most, "interrupt_reader"));
   setup.bound = fmt::format("at most {} interrupt{} of the reader", most, most == 1 ? "" : "s");
 }
@@ -176,8 +174,8 @@ YarpWrapper::YarpWrapper() {
                        "name server: none (YARP's local mode), own (starts a yarpserver), or "
                        "HOST:PORT"),
       OptionSpec::integer("interrupts", 1, 0, 100,
-                          "interrupts of a buffered reader to try where it is resumed too (each "
-                          "leaves a null read behind), 0: no bound"),
+                          "interrupts of the reader to try where it is resumed too (each leaves "
+                          "something behind that a later call meets), 0: no bound"),
       common_options::inputs(names_of(all_inputs(Kind::strict))),
       common_options::observe(names_of(all_events())),
       common_options::payload(),
@@ -202,7 +200,7 @@ SystemSetup YarpWrapper::configure(const OptionValues& options) {
   setup.events = all_events();
   select_actors(setup, options.list("inputs"));
   add_rare_returns(setup, carrier);
-  bound_interrupts(setup, kind, options);
+  bound_interrupts(setup, options);
   setup.messages_come_again = true;
   setup.in_flight = describe_flight(kind, carrier);
   return setup;
