@@ -55,6 +55,24 @@ TEST(Nondeterminism, IsLearnedComparedExportedAndChecked) {
   EXPECT_EQ(check("m.write; m.tryread -> message;"), 1);
 }
 
+// A run that ends early, by a limit as by Ctrl-C, leaves what it knows.
+TEST(Nondeterminism, ARunThatIsCutShortKeepsADraft) {
+  const TempDir folder;
+  const std::string model = (folder.path() / "model.dot").string();
+  for (const char* most : {"1", "20", "200"}) {
+    const SubprocessResult result = run_maide({"learn", "sim:" + lossy, "--algorithm", "nstar",
+                                               "--max-experiments", most, "-o", model, "--json"});
+    EXPECT_EQ(result.exit_status, 3);
+    EXPECT_THAT(result.err, HasSubstr("stopped at the limit"));
+    const Json learned = json_of(result);
+    EXPECT_EQ(learned.at("complete"), false);
+    EXPECT_EQ(learned.at("model"), model);
+    EXPECT_GE(learned.at("transitions"), 1);
+    EXPECT_EQ(run_maide({"export", model, "--to", "promela"}).exit_status, 0);
+    EXPECT_THAT(read_file(model), HasSubstr("incomplete"));
+  }
+}
+
 TEST(Nondeterminism, WhatNstarCannotDoIsRefused) {
   expect_error(run_maide({"learn", "sim:" + lossy, "--algorithm", "nstar", "--translation", "av"}),
                2, "eager");

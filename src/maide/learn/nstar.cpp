@@ -134,6 +134,13 @@ void NStar::start(const RunControl& control) {
   make_hypothesis();
 }
 
+void NStar::make_draft() {
+  basis_.assign(1, TraceSamples::root);
+  while (extend_basis()) {
+  }
+  make_hypothesis();
+}
+
 std::optional<NStar::Mismatch> NStar::locate_mismatch() const {
   std::deque<std::pair<Node, StateId>> work{{TraceSamples::root, hypothesis_.initial()}};
   for (; !work.empty(); work.pop_front()) {

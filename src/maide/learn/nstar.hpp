@@ -31,6 +31,9 @@ class NStar {
 
   // Makes the first hypothesis. Once, before anything else.
   void start(const RunControl& control = {});
+  // Makes a hypothesis of what is known, and asks nothing: for a run that ends before the first. It
+  // lacks what was never tried, and takes states for one that were not told apart yet.
+  void make_draft();
   // Refines the hypothesis until it agrees with all samples. Throws Error (inconclusive) where a
   // trace is too rare to be told from others.
   void refine(const RunControl& control = {});

@@ -232,6 +232,7 @@ InterfaceAutomaton to_interface_automaton(const NondeterministicMealy& machine,
   for (StateId state = 0; state < machine.size(); ++state) {
     for (Symbol input = 0; input < machine.inputs().size(); ++input) {
       const auto choices = machine.choices(state, input);
+      if (choices.empty()) expander.add_step(state, input, {StepStatus::unexplored, {}, state});
       for (const auto& choice : choices) {
         const MacroStep step =
             read_eager_step(machine.outputs().name(choice.output), choice.target);

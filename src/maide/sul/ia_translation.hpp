@@ -26,8 +26,8 @@ InterfaceAutomaton to_interface_automaton(const Mealy& machine, Translation tran
 
 // The same for a nondeterministic machine of the eager translation. The choice is the system's, and
 // is made when the input is taken: an input with several answers has several targets, each with the
-// outputs of one answer due. Throws UsageError where an input is at times refused, or beyond the
-// bound, and at times taken.
+// outputs of one answer due; one without an answer is unexplored. Throws UsageError where an input
+// is at times refused, or beyond the bound, and at times taken.
 InterfaceAutomaton to_interface_automaton(const NondeterministicMealy& machine,
                                           std::span<const Actor> actors);
 

@@ -51,6 +51,7 @@ namespace {
 Model to_model(const NondeterministicMealy& machine, const IaTranslator& translator,
                std::exception_ptr& error) {
   if (!translator.info().has_actors) {
+    if (!machine.is_complete()) return machine;
     if (auto deterministic = machine.to_mealy()) return std::move(*deterministic);
     return machine;
   }
@@ -91,7 +92,9 @@ LearnedModel learn_model(Sul& sul, Translation translation, const ExperimentOpti
   learned.translation = translation;
   learned.is_plain = !sul.info().has_actors;
   if (options.algorithm == nstar_name) {
-    return learn_nondeterministic(translator, std::move(learned), options, control);
+    learned = learn_nondeterministic(translator, std::move(learned), options, control);
+    learned.incidents = sul.incidents();
+    return learned;
   }
   learned.experiment = run_experiment(translator, options, control);
   learned.incidents = sul.incidents();

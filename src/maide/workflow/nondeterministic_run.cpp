@@ -68,6 +68,8 @@ NondeterministicResult run_nondeterministic_experiment(OutputOracle& system,
     learn(learner, samples, counter, progress, options, counted, run);
   } catch (...) {
     run.error = std::current_exception();
+    const bool has_hypothesis = learner.hypothesis().size() > 0;
+    if (!has_hypothesis && samples.size() > 1) learner.make_draft();
   }
   result.model = minimize(learner.hypothesis());
   result.model.origin["algorithm"] = run.algorithm;

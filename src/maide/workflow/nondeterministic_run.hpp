@@ -18,7 +18,8 @@ inline constexpr std::string_view nstar_description =
     "for systems that answer the same word in several ways, by sampling; the eager translation";
 
 struct NondeterministicResult {
-  NondeterministicMealy model;  // minimal; without states if the run ended before a hypothesis
+  NondeterministicMealy model;  // minimal; of a run that ended before its first hypothesis, a
+                                // draft; without states if nothing was answered
   // Counts, times, error, guarantee; its own model is empty. `test_method` is "nstar".
   ExperimentResult experiment;
 };
