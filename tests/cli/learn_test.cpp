@@ -137,6 +137,12 @@ TEST(Learn, PrintsTheModelAloneOnStandardOutputWithoutAFile) {
   EXPECT_TRUE(run_maide(learn({"port", "kind=buffered", "-q"})).err.empty());
 }
 
+// What a wrapper says may hold anything; nothing of it moves the cursor or rings the bell.
+TEST(Learn, ShowsNoControlCharactersOfAWrapper) {
+  expect_error(run_maide(learn({"exec:sh -c 'printf \"\\033[2Jboom\\007\\n\" >&2; exit 3'"})), 4,
+               "exited with status 3: ?[2Jboom?");
+}
+
 TEST(Learn, SaysWhichReturnsAreHidden) {
   const SubprocessResult result = run_maide(learn({"port", "kind=port"}));
   EXPECT_THAT(result.err, HasSubstr("write was seen to block"));

@@ -7,6 +7,7 @@
 #include <memory>
 #include <mutex>
 
+#include "maide/base/printable.hpp"
 #include "maide/base/progress_line.hpp"
 
 namespace maide {
@@ -39,7 +40,7 @@ void log(spdlog::level::level_enum level, std::string_view prefix, std::string_v
   }
   if (!logger->should_log(level)) return;
   clear_progress_line();
-  logger->log(level, "{}{}", prefix, message);
+  logger->log(level, "{}{}", prefix, one_line(message));
   logger->flush();
 }
 

@@ -1,6 +1,8 @@
 // Standard output is checked after each piece: a result that did not arrive is no result.
 #include "maide/cli/context.hpp"
 
+#include <unistd.h>
+
 #include <cerrno>
 #include <cstdio>
 #include <stdexcept>
@@ -8,6 +10,7 @@
 #include <utility>
 
 #include "maide/base/error.hpp"
+#include "maide/base/printable.hpp"
 
 namespace maide::cli {
 
@@ -24,10 +27,16 @@ void write_to_stdout(std::string_view text) {
 
 void write_error_line(std::string_view message) {
   clear_progress_line();
-  std::string line = "maide: ";
-  for (const char c : message) line += c == '\n' || c == '\r' ? ' ' : c;
-  line += '\n';
+  const std::string line = "maide: " + one_line(message) + '\n';
   std::fputs(line.c_str(), stderr);
+}
+
+void write_data(std::string_view text) {
+  if (::isatty(STDOUT_FILENO) == 1) {
+    write_to_stdout(printable(text));
+  } else {
+    write_to_stdout(text);
+  }
 }
 
 Context::Context(const CommonOptions& options, std::stop_token stop)
@@ -41,7 +50,11 @@ RunControl Context::control() {
 }
 
 void Context::print(std::string_view text) {
-  if (!options_.json) write_to_stdout(text);
+  if (!options_.json) write_to_stdout(printable(text));
+}
+
+void Context::print_data(std::string_view text) {
+  if (!options_.json) write_data(text);
 }
 
 void Context::set_result(const Json& object) {
@@ -52,7 +65,7 @@ void Context::set_result(const Json& object) {
 void Context::complain(std::string_view message) { write_error_line(message); }
 
 void Context::finish() {
-  if (options_.json) write_to_stdout(result_.value_or("{}") + "\n");
+  if (options_.json) write_data(result_.value_or("{}") + "\n");
 }
 
 }  // namespace maide::cli

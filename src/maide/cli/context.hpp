@@ -33,6 +33,8 @@ class Context {
   // Result text for people, on standard output at once; nothing under --json. Throws UsageError if
   // standard output cannot be written to (closed, full).
   void print(std::string_view text);
+  // The same for a text that programs read (a model): as it is, but on a terminal.
+  void print_data(std::string_view text);
 
   // The result for programs, printed when the command ends, and only under --json. Once a command.
   void set_result(const Json& object);
@@ -52,6 +54,9 @@ class Context {
 
 // Writes to standard output and flushes it. Throws UsageError if that fails.
 void write_to_stdout(std::string_view text);
+
+// The same; control characters of the text do not reach a terminal.
+void write_data(std::string_view text);
 
 // One error line "maide: message" on standard error; a progress line gives way to it and line
 // breaks in the message become spaces.

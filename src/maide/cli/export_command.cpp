@@ -156,7 +156,7 @@ ExitStatus run_export(const ExportArguments& arguments, Context& context) {
   } else if (context.json()) {
     result["text"] = text_of(exported);
   } else {
-    ChunkedStream out([&](std::string_view piece) { context.print(piece); });
+    ChunkedStream out([&](std::string_view piece) { context.print_data(piece); });
     exported.write(out.stream());
     out.finish();
   }

@@ -13,6 +13,7 @@
 #include "maide/base/error.hpp"
 #include "maide/base/file.hpp"
 #include "maide/base/join.hpp"
+#include "maide/base/printable.hpp"
 #include "maide/cli/argument_check.hpp"
 #include "maide/cli/command.hpp"
 #include "maide/cli/contradiction_report.hpp"
@@ -206,7 +207,7 @@ std::string as_text(const LearnedModel& learned, const LearnArguments& arguments
 ExitStatus rescue(const LearnedModel& learned, std::size_t jobs, const std::string& dot,
                   const Error& failure, Context& context) {
   context.complain(failure.what());
-  context.print(dot);
+  context.print_data(dot);
   Json json = as_json(learned, jobs, "");
   json["error"] = failure.what();
   json["dot"] = dot;
@@ -233,8 +234,8 @@ ExitStatus give_result(const LearnedModel& learned, const LearnArguments& argume
   }
   const std::string summary = as_text(learned, arguments, spec, jobs, written);
   if (written.empty()) {
-    if (!context.json() && !context.quiet()) fmt::print(stderr, "{}", summary);
-    context.print(dot);
+    if (!context.json() && !context.quiet()) fmt::print(stderr, "{}", printable(summary));
+    context.print_data(dot);
   } else {
     context.print(summary);
   }

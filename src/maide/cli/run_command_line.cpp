@@ -146,7 +146,7 @@ int report(const std::string& message, ExitStatus status, bool json,
   if (json) {
     try {
       const Json object{{"error", message}, {"status", static_cast<int>(status)}};
-      write_to_stdout(to_json_line(object) + "\n");
+      write_data(to_json_line(object) + "\n");
     } catch (const UsageError&) {  // standard output is what failed; the line above says so
     }
   }

@@ -23,6 +23,7 @@
 #include <system_error>
 #include <thread>
 
+#include "maide/base/printable.hpp"
 #include "maide/wire/line_io.hpp"
 
 namespace maide {
@@ -169,7 +170,7 @@ std::string ChildProcess::last_error_line() const {
   if (last == std::string::npos) return "";
   const std::size_t before = error_text_.find_last_of('\n', last);
   const std::size_t first = before == std::string::npos ? 0 : before + 1;
-  return error_text_.substr(first, last + 1 - first);
+  return one_line(std::string_view(error_text_).substr(first, last + 1 - first));
 }
 
 bool ChildProcess::wait(std::chrono::milliseconds limit) {

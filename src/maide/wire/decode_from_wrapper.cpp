@@ -7,6 +7,7 @@
 #include <optional>
 #include <utility>
 
+#include "maide/base/printable.hpp"
 #include "maide/sul/fatal_words.hpp"
 #include "maide/sul/query_cursor.hpp"
 #include "maide/wire/json_members.hpp"
@@ -15,11 +16,6 @@
 
 namespace maide::protocol {
 namespace {
-
-std::string one_line(std::string text) {
-  std::replace(text.begin(), text.end(), '\n', ' ');
-  return text;
-}
 
 Hello decode_hello(const Json& json) {
   const std::int64_t spoken = signed_member(json, "protocol", 0);

@@ -19,6 +19,7 @@
 
 #include "maide/base/descriptor.hpp"
 #include "maide/base/error.hpp"
+#include "maide/base/printable.hpp"
 #include "maide/wire/self_test.hpp"
 #include "maide/wire/system_wrapper.hpp"
 #include "maide/wire/tcp.hpp"
@@ -146,7 +147,7 @@ int run_wrapper(SystemWrapper& wrapper, int argc, char** argv) {
     } else if (arguments.list_options) {
       fmt::print("{}", to_string(full_option_table(description)));
     } else if (arguments.self_test) {
-      fmt::print("{}\n", run_self_test(wrapper));
+      fmt::print("{}\n", one_line(run_self_test(wrapper)));
     } else if (arguments.listen) {
       return listen_for_clients(wrapper, arguments);
     } else {
@@ -154,10 +155,10 @@ int run_wrapper(SystemWrapper& wrapper, int argc, char** argv) {
     }
     return static_cast<int>(ExitStatus::ok);
   } catch (const Error& error) {
-    fmt::print(stderr, "maide-wrap-{}: {}\n", description.name, error.what());
+    fmt::print(stderr, "maide-wrap-{}: {}\n", description.name, one_line(error.what()));
     return static_cast<int>(error.status());
   } catch (const std::exception& error) {
-    fmt::print(stderr, "maide-wrap-{}: {}\n", description.name, error.what());
+    fmt::print(stderr, "maide-wrap-{}: {}\n", description.name, one_line(error.what()));
     return static_cast<int>(ExitStatus::system_failed);
   }
 }

@@ -5,12 +5,12 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <cstdio>
 #include <exception>
 #include <utility>
 
 #include "maide/base/error.hpp"
+#include "maide/base/printable.hpp"
 #include "maide/wire/line_io.hpp"
 #include "maide/wire/thread_scan.hpp"
 
@@ -21,11 +21,6 @@ namespace {
 constexpr std::size_t most_waiting = 4096;
 // A client that listens on a wrapper with a token has this long to name it.
 constexpr int token_limit_ms = 10'000;
-
-std::string one_line(std::string text) {
-  std::replace(text.begin(), text.end(), '\n', ' ');
-  return text;
-}
 
 // The reader's own look at a line: cancellation overtakes the lines that wait, and a client that
 // said bye waits for its answers even if it then closes its end.
