@@ -80,10 +80,10 @@ TEST(CommandLine, ErrorsAreJsonToo) {
 }
 
 TEST(CommandLine, AResultThatCannotBeWrittenIsAnError) {
-  expect_error(run_with_maide("\"$maide\" doctor >/dev/full"), 2,
+  expect_error(run_with_maide("\"$maide\" doctor >/dev/full"), 3,
                "cannot write the result: No space left on device (standard output)");
   expect_error(run_with_maide("\"$maide\" doctor >&-"), 2, "(standard output)");
-  expect_error(run_with_maide("\"$maide\" doctor --json >/dev/full"), 2, "(standard output)");
+  expect_error(run_with_maide("\"$maide\" doctor --json >/dev/full"), 3, "(standard output)");
   expect_error(run_with_maide("\"$maide\" --help >&-"), 2, "(standard output)");
 }
 

@@ -285,11 +285,11 @@ TEST(Learn, KnowsBeforehandWhereTheModelCannotGo) {
 
 TEST(Learn, AFullDiskDoesNotCostTheModel) {
   const SubprocessResult text = run_maide(learn({"port", "-o", "/dev/full"}));
-  EXPECT_EQ(text.exit_status, 2);
+  EXPECT_EQ(text.exit_status, 3);
   EXPECT_TRUE(text.out.starts_with("digraph ")) << text.out;
   EXPECT_THAT(text.err, HasSubstr("/dev/full"));
   const SubprocessResult result = run_maide(learn({"port", "-o", "/dev/full", "--json"}));
-  EXPECT_EQ(result.exit_status, 2);
+  EXPECT_EQ(result.exit_status, 3);
   const Json json = json_of(result);
   EXPECT_THAT(json.at("dot").get<std::string>(), testing::StartsWith("digraph "));
   EXPECT_THAT(json.at("error").get<std::string>(), HasSubstr("/dev/full"));

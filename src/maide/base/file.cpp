@@ -14,6 +14,7 @@
 #include "maide/base/chunked_stream.hpp"
 #include "maide/base/descriptor.hpp"
 #include "maide/base/error.hpp"
+#include "maide/base/write_failure.hpp"
 
 namespace maide {
 
@@ -22,8 +23,9 @@ namespace {
 namespace fs = std::filesystem;
 
 [[noreturn]] void fail(const char* what, int error, const fs::path& path) {
-  throw UsageError(std::string("cannot ") + what + " the file: " +
-                   std::generic_category().message(error) + " (" + path.string() + ")");
+  throw_write_failure(std::string("cannot ") + what + " the file: " +
+                          std::generic_category().message(error) + " (" + path.string() + ")",
+                      error);
 }
 
 // Returns 0 or the error number.

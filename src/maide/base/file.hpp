@@ -15,7 +15,8 @@ std::string read_file(const std::filesystem::path& path);
 
 // Puts `content` at `path`, all of it or none: a temporary file beside it, synced, then renamed. A
 // symbolic link stays and its target is replaced; a device or pipe is written to directly. Throws
-// UsageError "cannot write the file: reason (path)"; an earlier file is then untouched.
+// UsageError "cannot write the file: reason (path)", or Error (inconclusive) where the disk is
+// full; an earlier file is then untouched.
 void write_file_atomically(const std::filesystem::path& path, std::string_view content);
 // As above, for content that need not fit the memory: `write` writes it to the stream. What it
 // throws passes, and the file is as it was; a device or pipe may have got a part.

@@ -6,7 +6,7 @@
 #include <string>
 #include <system_error>
 
-#include "maide/base/error.hpp"
+#include "maide/base/write_failure.hpp"
 
 namespace maide {
 
@@ -16,8 +16,10 @@ TempDir::TempDir(std::string_view prefix) {
   if (error) parent = "/tmp";
   std::string name = (parent / prefix).string() + "XXXXXX";
   if (::mkdtemp(name.data()) == nullptr) {
-    throw UsageError("cannot make a temporary folder: " + std::generic_category().message(errno) +
-                     " (" + parent.string() + ")");
+    const int reason = errno;
+    throw_write_failure("cannot make a temporary folder: " +
+                            std::generic_category().message(reason) + " (" + parent.string() + ")",
+                        reason);
   }
   path_ = name;
 }

@@ -9,8 +9,8 @@
 #include <system_error>
 #include <utility>
 
-#include "maide/base/error.hpp"
 #include "maide/base/printable.hpp"
+#include "maide/base/write_failure.hpp"
 
 namespace maide::cli {
 
@@ -20,8 +20,9 @@ void write_to_stdout(std::string_view text) {
   const bool written = std::fwrite(text.data(), 1, text.size(), stdout) == text.size();
   if (!written || std::fflush(stdout) != 0) {
     const int error = errno != 0 ? errno : EIO;
-    throw UsageError("cannot write the result: " + std::generic_category().message(error) +
-                     " (standard output)");
+    throw_write_failure(
+        "cannot write the result: " + std::generic_category().message(error) + " (standard output)",
+        error);
   }
 }
 

@@ -31,7 +31,7 @@ class Context {
   RunControl control();
 
   // Result text for people, on standard output at once; nothing under --json. Throws UsageError if
-  // standard output cannot be written to (closed, full).
+  // standard output cannot be written to, Error (inconclusive) if the disk is full.
   void print(std::string_view text);
   // The same for a text that programs read (a model): as it is, but on a terminal.
   void print_data(std::string_view text);
@@ -52,7 +52,7 @@ class Context {
   std::optional<std::string> result_;  // the JSON line
 };
 
-// Writes to standard output and flushes it. Throws UsageError if that fails.
+// Writes to standard output and flushes it. Throws as Context::print.
 void write_to_stdout(std::string_view text);
 
 // The same; control characters of the text do not reach a terminal.

@@ -147,7 +147,7 @@ int report(const std::string& message, ExitStatus status, bool json,
     try {
       const Json object{{"error", message}, {"status", static_cast<int>(status)}};
       write_data(to_json_line(object) + "\n");
-    } catch (const UsageError&) {  // standard output is what failed; the line above says so
+    } catch (const Error&) {  // standard output is what failed; the line above says so
     }
   }
   return static_cast<int>(status);

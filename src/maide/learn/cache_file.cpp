@@ -3,12 +3,14 @@
 #include <fmt/format.h>
 #include <sqlite3.h>
 
+#include <cerrno>
 #include <span>
 #include <utility>
 #include <vector>
 
 #include "maide/base/error.hpp"
 #include "maide/base/join.hpp"
+#include "maide/base/write_failure.hpp"
 
 namespace maide {
 namespace {
@@ -145,8 +147,9 @@ void CacheFile::fail(const char* doing) const {
   }
   if (code == SQLITE_NOTADB) throw UsageError(fmt::format("not a cache of Maide ({})", name));
   if (code == SQLITE_CORRUPT) throw UsageError(fmt::format("the cache is damaged ({})", name));
-  throw UsageError(
-      fmt::format("cannot {} the cache: {} ({})", doing, sqlite3_errmsg(database_), name));
+  throw_write_failure(
+      fmt::format("cannot {} the cache: {} ({})", doing, sqlite3_errmsg(database_), name),
+      code == SQLITE_FULL ? ENOSPC : sqlite3_system_errno(database_));
 }
 
 void CacheFile::execute(const char* sql) {

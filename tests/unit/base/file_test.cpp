@@ -21,7 +21,7 @@ using testing::HasSubstr;
 std::string message_of(const std::function<void()>& action) {
   try {
     action();
-  } catch (const UsageError& error) {
+  } catch (const Error& error) {
     return error.what();
   }
   return "no error";
@@ -87,6 +87,19 @@ TEST(File, SaysWhyItCannotWrite) {
   EXPECT_THAT(message_of([&] { write_file_atomically("", "1"); }), HasSubstr("cannot write"));
   EXPECT_THAT(message_of([&] { write_file_atomically("/dev/full", "1"); }),
               HasSubstr("No space left on device (/dev/full)"));
+}
+
+TEST(File, TellsAFullDiskFromWhatTheCallerDidWrong) {
+  const auto status_of = [](const fs::path& path) {
+    try {
+      write_file_atomically(path, "1");
+    } catch (const Error& error) {
+      return error.status();
+    }
+    return ExitStatus::ok;
+  };
+  EXPECT_EQ(status_of("/dev/full"), ExitStatus::inconclusive);
+  EXPECT_EQ(status_of("/no/such/folder/a"), ExitStatus::usage);
 }
 
 TEST(File, ForeseesWhatCannotBeWritten) {
