@@ -86,6 +86,21 @@ TEST_F(CheckCommand, JsonOfAPropertyThatHolds) {
   EXPECT_THAT(result.err, HasSubstr("no program uses model 'sync'"));
 }
 
+TEST_F(CheckCommand, SaysOnceWhatInstancesOfOneModelRestOn) {
+  const std::string model =
+      "digraph g { tests=\"not refuted by 7 words\"; __start0 [label=\"\"]; __start0 -> a;\n"
+      "a -> b [label=\"?write\"]; b -> a [label=\"?read\"]; }";
+  const std::string path = file("same.dot", model);
+  const std::string other = file("other.dot", std::string(model).replace(model.find('7'), 1, "8"));
+  const std::string system =
+      file("system.yaml", "models:\n  a: {file: " + path + "}\n  b: {file: " + path +
+                              "}\n  c: {file: " + other +
+                              "}\nprograms:\n  p: a.write; b.write; c.write;\n");
+  const Json report = json_of(run_maide({"check", system, "--property", "deadlock", "--json"}));
+  EXPECT_EQ(report["assumptions"], Json({"a, b are hypotheses: not refuted by 7 words",
+                                         "c is a hypothesis: not refuted by 8 words"}));
+}
+
 TEST_F(CheckCommand, HiddenReturnsMakeHoldsInconclusive) {
   const std::string model =
       "digraph g { inputs=\"write,read\"; outputs=\"message\"; hidden_returns=\"write\"; __start0 "

@@ -137,6 +137,14 @@ TEST(Learn, PrintsTheModelAloneOnStandardOutputWithoutAFile) {
   EXPECT_TRUE(run_maide(learn({"port", "kind=buffered", "-q"})).err.empty());
 }
 
+TEST(Learn, IsBriefWhenAsked) {
+  const TempDir folder("learn-test");
+  const std::string model = (folder.path() / "model.dot").string();
+  const SubprocessResult result = run_maide(learn({"port", "kind=buffered", "-q", "-o", model}));
+  EXPECT_EQ(result.out, model + ": 4 states, 6 transitions\n");
+  EXPECT_TRUE(result.err.empty());
+}
+
 // What a wrapper says may hold anything; nothing of it moves the cursor or rings the bell.
 TEST(Learn, ShowsNoControlCharactersOfAWrapper) {
   expect_error(run_maide(learn({"exec:sh -c 'printf \"\\033[2Jboom\\007\\n\" >&2; exit 3'"})), 4,

@@ -5,7 +5,10 @@
 #include <algorithm>
 #include <optional>
 #include <set>
+#include <string>
 #include <tuple>
+#include <utility>
+#include <vector>
 
 #include "maide/base/error.hpp"
 #include "maide/base/join.hpp"
@@ -184,14 +187,33 @@ class Checker {
             "{} takes no input while an output is due: {} transitions of its file are not used",
             model.name, count));
       }
-      const auto tests = model.automaton.origin.find("tests");
-      if (tests != model.automaton.origin.end()) {
-        assumptions.push_back(fmt::format("{} is a hypothesis: {}", model.name, tests->second));
-      }
     }
+    state_hypotheses();
     if (leaves_out_stuck_) {
       assumptions.push_back("stuck was not checked: " +
                             engine_.obstacle(find_property(system_, "stuck")));
+    }
+  }
+
+  // A line for all models that passed the same tests: instances of one model, mostly.
+  void state_hypotheses() {
+    std::vector<std::pair<std::string, std::vector<std::string>>> models_of;  // tests
+    for (const ModelInstance& model : system_.models) {
+      const auto tests = model.automaton.origin.find("tests");
+      if (tests == model.automaton.origin.end()) continue;
+      const auto known = std::find_if(models_of.begin(), models_of.end(), [&](const auto& entry) {
+        return entry.first == tests->second;
+      });
+      if (known == models_of.end()) {
+        models_of.push_back({tests->second, {model.name}});
+      } else {
+        known->second.push_back(model.name);
+      }
+    }
+    for (const auto& [tests, models] : models_of) {
+      report_.assumptions.push_back(
+          fmt::format("{} {}: {}", join(models, ", "),
+                      models.size() == 1 ? "is a hypothesis" : "are hypotheses", tests));
     }
   }
 

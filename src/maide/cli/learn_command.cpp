@@ -202,6 +202,13 @@ std::string as_text(const LearnedModel& learned, const LearnArguments& arguments
   return text;
 }
 
+// The one line under -q.
+std::string short_text(const LearnedModel& learned, const std::string& path) {
+  return fmt::format("{}: {} states, {} transitions{}\n", path, learned.states(),
+                     learned.transitions(),
+                     learned.experiment.is_complete() ? "" : " (not finished)");
+}
+
 // A file that cannot be written after all (a full disk) does not cost the model: it goes to
 // standard output.
 ExitStatus rescue(const LearnedModel& learned, std::size_t jobs, const std::string& dot,
@@ -232,7 +239,8 @@ ExitStatus give_result(const LearnedModel& learned, const LearnArguments& argume
   } catch (const Error& failure) {
     return rescue(learned, jobs, dot, failure, context);
   }
-  const std::string summary = as_text(learned, arguments, spec, jobs, written);
+  const std::string summary = context.quiet() ? short_text(learned, written)
+                                              : as_text(learned, arguments, spec, jobs, written);
   if (written.empty()) {
     if (!context.json() && !context.quiet()) fmt::print(stderr, "{}", printable(summary));
     context.print_data(dot);
@@ -336,10 +344,10 @@ void add_confirmation(CLI::App& app, LearnArguments& arguments) {
 
 RunFunction set_up_learn(CLI::App& app) {
   auto arguments = std::make_shared<LearnArguments>();
-  app.add_option(
-         "SUL", arguments->sul,
-         "The system: a wrapper's name (port, cyclonedds, fastdds), sim:FILE (a model, simulated), "
-         "tcp://HOST:PORT,... (one that listens, or several), or exec:PROGRAM ARGS")
+  app.add_option("SUL", arguments->sul,
+                 "The system: a wrapper's name (port, yarp, ros1, fastdds, cyclonedds, zeromq, "
+                 "mqtt; 'maide doctor' tells which are here), sim:FILE (a model, simulated), "
+                 "tcp://HOST:PORT,... (one that listens, or several), or exec:PROGRAM ARGS")
       ->required();
   app.add_option("KEY=VALUE", arguments->key_values,
                  "Options of the system; --list-options tells which it has")

@@ -70,7 +70,7 @@ std::unique_ptr<Prepared> prepare(const Command& command) {
   app.set_help_flag("-h,--help", "Print this help and exit");
   prepared->run = command.set_up(app);
   app.add_flag("--json", prepared->common.json, "Print one JSON object instead of text");
-  app.add_flag("-q,--quiet", prepared->common.quiet, "No progress line, no notes");
+  app.add_flag("-q,--quiet", prepared->common.quiet, "No progress line, no notes, short results");
   app.add_flag("-v,--verbose", prepared->common.verbose, "Say more about what is done");
   app.footer(footer(command));
   return prepared;
