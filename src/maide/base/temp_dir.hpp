@@ -8,8 +8,8 @@ namespace maide {
 
 class TempDir {
  public:
-  // Makes "<tmp>/<prefix>XXXXXX", readable by its owner alone. Throws UsageError if it cannot, Error
-  // (inconclusive) where the disk is full.
+  // Makes "<tmp>/<prefix>XXXXXX", readable by its owner alone. Throws UsageError if it cannot,
+  // Error (inconclusive) where the disk is full.
   explicit TempDir(std::string_view prefix = "maide-");
   // Removes the folder with all that is in it.
   ~TempDir();
