@@ -3,14 +3,12 @@
 #include <fmt/format.h>
 #include <sqlite3.h>
 
-#include <cerrno>
 #include <span>
 #include <utility>
 #include <vector>
 
 #include "maide/base/error.hpp"
 #include "maide/base/join.hpp"
-#include "maide/base/write_failure.hpp"
 
 namespace maide {
 namespace {
@@ -147,9 +145,11 @@ void CacheFile::fail(const char* doing) const {
   }
   if (code == SQLITE_NOTADB) throw UsageError(fmt::format("not a cache of Maide ({})", name));
   if (code == SQLITE_CORRUPT) throw UsageError(fmt::format("the cache is damaged ({})", name));
-  throw_write_failure(
-      fmt::format("cannot {} the cache: {} ({})", doing, sqlite3_errmsg(database_), name),
-      code == SQLITE_FULL ? ENOSPC : sqlite3_system_errno(database_));
+  const std::string message =
+      fmt::format("cannot {} the cache: {} ({})", doing, sqlite3_errmsg(database_), name);
+  // The disk is full, or fails: no fault of the arguments.
+  if (code == SQLITE_FULL || code == SQLITE_IOERR) throw Error(ExitStatus::inconclusive, message);
+  throw UsageError(message);
 }
 
 void CacheFile::execute(const char* sql) {
