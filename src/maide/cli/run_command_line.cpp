@@ -13,6 +13,7 @@
 
 #include "maide/base/interrupt.hpp"
 #include "maide/base/log.hpp"
+#include "maide/base/printable.hpp"
 #include "maide/base/source_excerpt.hpp"
 #include "maide/base/suggest.hpp"
 #include "maide/base/version.hpp"
@@ -142,7 +143,7 @@ ExitStatus dispatch(std::vector<std::string> arguments) {
 int report(const std::string& message, ExitStatus status, bool json,
            const std::string& excerpt = "") {
   write_error_line(message);
-  std::fputs(excerpt.c_str(), stderr);
+  std::fputs(printable(excerpt).c_str(), stderr);
   if (json) {
     try {
       const Json object{{"error", message}, {"status", static_cast<int>(status)}};
