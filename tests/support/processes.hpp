@@ -9,7 +9,6 @@
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <optional>
 #include <sstream>
 #include <string>
@@ -17,6 +16,15 @@
 #include <vector>
 
 namespace maide::test {
+
+// A file of /proc, or what can be read of it: its process may end meanwhile, and then a stream's
+// buffer throws.
+inline std::string read_process_file(pid_t process, const std::string& name) {
+  const std::ifstream file("/proc/" + std::to_string(process) + "/" + name);
+  std::ostringstream text;
+  text << file.rdbuf();
+  return text.str();
+}
 
 // What /proc/PID/stat says of a process.
 struct ProcessState {
@@ -27,8 +35,7 @@ struct ProcessState {
 
 // Nothing once it has ended, also while its parent has not taken note of that.
 inline std::optional<ProcessState> look_at(pid_t process) {
-  std::ifstream file("/proc/" + std::to_string(process) + "/stat");
-  const std::string text((std::istreambuf_iterator<char>(file)), {});
+  const std::string text = read_process_file(process, "stat");
   const std::size_t open = text.find('('), close = text.rfind(')');
   if (open == std::string::npos || close == std::string::npos) return std::nullopt;
   ProcessState state;
@@ -92,8 +99,7 @@ class ProcessMark {
   std::vector<pid_t> find() const {
     std::vector<pid_t> processes;
     for (const pid_t process : all_processes()) {
-      std::ifstream file("/proc/" + std::to_string(process) + "/environ");
-      const std::string text((std::istreambuf_iterator<char>(file)), {});
+      const std::string text = read_process_file(process, "environ");
       if (process != ::getpid() && text.find(mark_ + '\0') != std::string::npos &&
           is_running(process)) {
         processes.push_back(process);
