@@ -280,6 +280,8 @@ void CacheFile::remove_contradicting(const Word& inputs, const Word& answer) {
 }
 
 void CacheFile::commit() {
+  // After a failure, which was thrown, SQLite may have rolled back by itself.
+  if (sqlite3_get_autocommit(database_) != 0) in_transaction_ = false;
   if (!in_transaction_) return;
   execute("COMMIT");
   in_transaction_ = false;
