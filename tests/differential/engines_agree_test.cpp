@@ -19,6 +19,7 @@ namespace maide {
 namespace {
 
 constexpr int systems_a_batch = 40;
+constexpr int most_deadlocks = 30;  // among these
 constexpr std::uint64_t most_states = 50'000;
 
 SpinOptions fast() {
@@ -95,6 +96,8 @@ TEST_P(RandomSystemsAgree, OnVerdictsAndStates) {
     const System system = test::random_system(random);
     const PropertyResult ours = native.check(system, deadlock, {});
     if (ours.states < 4 || ours.states > most_states) continue;
+    // Most random systems deadlock; of those that do not the states can be counted.
+    if (ours.verdict != Verdict::holds && deadlocks == most_deadlocks) continue;
     ++compared;
     const auto show = [&] { return write_promela(system).text; };
     const PropertyResult theirs = spin.check(system, deadlock, {});
@@ -112,8 +115,7 @@ TEST_P(RandomSystemsAgree, OnVerdictsAndStates) {
         << property.name << (property.fairness == Fairness::weak ? " (weak fairness)\n" : "\n")
         << show();
   }
-  RecordProperty("counted", counted);
-  EXPECT_GT(counted, 0);
+  EXPECT_GE(counted, systems_a_batch - most_deadlocks);
   EXPECT_GT(deadlocks, 0);
 }
 
