@@ -3,18 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <bit>
 #include <numeric>
 
+#include "maide/base/bits.hpp"
 #include "maide/base/error.hpp"
 
 namespace maide {
 namespace {
-
-// For numbers 0..count-1.
-unsigned bits_for(std::size_t count) {
-  return count <= 1 ? 0 : static_cast<unsigned>(std::bit_width(count - 1));
-}
 
 // What a StateTable can do: see there.
 constexpr unsigned most_together = 76, first_word = 44, most_payload = 32;
@@ -71,30 +66,14 @@ void PackedSystem::add_action(const ProgramEdge& edge) {
   table.sources.resize(automaton.size());
   for (StateId at = 0; at < automaton.size(); ++at) {
     std::vector<Target> steps;
-    const auto add = [&](StateId target, bool is_beyond) {
-      auto& sources = table.sources[target];
+    for (const ModelStep& met : model_steps(model, at, edge)) {
+      auto& sources = table.sources[met.target];
       Target step;
-      step.state = target;
-      step.is_cut = is_beyond && model.when_unexplored == WhenUnexplored::stop ? 1 : 0;
+      step.state = met.target;
+      step.is_cut = met.is_beyond && model.when_unexplored == WhenUnexplored::stop ? 1 : 0;
       step.code = static_cast<std::uint32_t>(sources.size()) & 0x7fffffff;
-      sources.push_back({at, is_beyond});
+      sources.push_back({at, met.is_beyond});
       steps.push_back(step);
-    };
-    const bool is_quiescent = automaton.is_quiescent(at);
-    const bool gives = edge.kind == ProgramEdge::Kind::give;
-    if (edge.kind == ProgramEdge::Kind::quiet) {
-      if (is_quiescent) add(at, false);
-    } else if (!gives || is_quiescent) {
-      for (const auto& transition : automaton.transitions(at)) {
-        if (transition.action.is_input() == gives && transition.action.symbol == edge.symbol &&
-            !transition.absorbed) {
-          add(transition.target, false);
-        }
-      }
-      if (gives && model.when_unexplored != WhenUnexplored::wait &&
-          is_beyond_learned(automaton, at, edge.symbol)) {
-        add(at, true);
-      }
     }
     Target target;
     if (steps.size() == 1) target = steps.front();
@@ -158,7 +137,7 @@ void PackedSystem::lay_out(unsigned payload_bits, std::size_t monitor_states) {
     field->word = static_cast<std::uint8_t>(word);
     // A field of no bits may come when a word is full: anywhere will do.
     field->shift = static_cast<std::uint8_t>(std::min(used[word], 63U));
-    field->mask = bits == 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << bits) - 1;
+    field->mask = low_bits(bits);
     used[word] += bits;
   }
   words_ = used.size();
@@ -191,7 +170,7 @@ void PackedSystem::place_fields() {
 
 PackedSystem::Origin PackedSystem::undo(const GlobalState& state, std::uint64_t code) const {
   const auto cut_off = [&code](unsigned bits) {
-    const std::uint64_t value = code & ((std::uint64_t{1} << bits) - 1);
+    const std::uint64_t value = code & low_bits(bits);
     code >>= bits;
     return static_cast<std::size_t>(value);
   };

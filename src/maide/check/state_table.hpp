@@ -23,6 +23,8 @@
 #include <utility>
 #include <vector>
 
+#include "maide/base/bits.hpp"
+
 namespace maide {
 
 // A product of two numbers of 64 bits; a language extension of g++ and clang.
@@ -35,9 +37,7 @@ using PackedState = std::array<std::uint64_t, words>;
 // An invertible scrambling of the numbers below 2^bits, 24 <= bits <= 64.
 class Scrambler {
  public:
-  explicit Scrambler(unsigned bits)
-      : mask_(bits == 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << bits) - 1),
-        shift_((bits + 1) / 2) {}
+  explicit Scrambler(unsigned bits) : mask_(low_bits(bits)), shift_((bits + 1) / 2) {}
 
   std::uint64_t apply(std::uint64_t x) const {
     x = (x * factor) & mask_;
@@ -99,8 +99,7 @@ class StateTable {
     if constexpr (words > 1) first ^= fold(state) & mask();
     const std::uint64_t scrambled = scrambler_.apply(first);
     const unsigned local = bits_ - segment_bits;
-    return {static_cast<std::uint32_t>(scrambled >> local),
-            scrambled & ((std::uint64_t{1} << local) - 1)};
+    return {static_cast<std::uint32_t>(scrambled >> local), scrambled & low_bits(local)};
   }
   void prefetch(const Address& address) const {
     const Segment& segment = segments_[address.segment];
@@ -178,10 +177,8 @@ class StateTable {
     std::uint64_t bytes = 0;
   };
 
-  std::uint64_t mask() const {
-    return bits_ == 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << bits_) - 1;
-  }
-  std::uint64_t payload_mask() const { return (std::uint64_t{1} << payload_bits_) - 1; }
+  std::uint64_t mask() const { return low_bits(bits_); }
+  std::uint64_t payload_mask() const { return low_bits(payload_bits_); }
   unsigned residual_shift() const { return 8 + payload_bits_; }
 
   static std::uint64_t fold(const State& state) {
@@ -290,11 +287,10 @@ class StateTable {
     const auto span = static_cast<std::uint64_t>((range + slots - 1) / slots);
     const auto residual_bits = static_cast<unsigned>(std::bit_width(span - 1));
     segment.slots = slots;
-    segment.residual_mask = (std::uint64_t{1} << residual_bits) - 1;
-    const unsigned low_bits = 8 + payload_bits_ + residual_bits;
-    segment.low_bytes = (low_bits + 7) / 8;
-    segment.low_mask = segment.low_bytes == 8 ? ~std::uint64_t{0}
-                                              : (std::uint64_t{1} << (8 * segment.low_bytes)) - 1;
+    segment.residual_mask = low_bits(residual_bits);
+    const unsigned used_bits = 8 + payload_bits_ + residual_bits;
+    segment.low_bytes = (used_bits + 7) / 8;
+    segment.low_mask = low_bits(8 * segment.low_bytes);
     segment.width = segment.low_bytes + rest_bytes;
     // Entries are read eight bytes at a time, the last one too.
     segment.bytes = (slots + most_distance + 1) * segment.width + 8;

@@ -9,31 +9,6 @@ const ProgramEdge& edge_of(const System& system, const Step& step) {
   return system.programs[step.program].edges[step.edge];
 }
 
-void add_give_steps(const ModelInstance& model, StateId at, const ProgramEdge& edge, Step step,
-                    std::vector<Step>& steps) {
-  if (!model.automaton.is_quiescent(at)) return;
-  for (const auto& transition : model.automaton.transitions(at)) {
-    if (!transition.action.is_input() || transition.action.symbol != edge.symbol) continue;
-    if (transition.absorbed) continue;
-    step.model_target = transition.target;
-    steps.push_back(step);
-  }
-  if (model.when_unexplored == WhenUnexplored::wait) return;
-  if (!is_beyond_learned(model.automaton, at, edge.symbol)) return;
-  step.model_target = at;
-  step.is_beyond = true;
-  steps.push_back(step);
-}
-
-void add_take_steps(const ModelInstance& model, StateId at, const ProgramEdge& edge, Step step,
-                    std::vector<Step>& steps) {
-  for (const auto& transition : model.automaton.transitions(at)) {
-    if (transition.action.is_input() || transition.action.symbol != edge.symbol) continue;
-    step.model_target = transition.target;
-    steps.push_back(step);
-  }
-}
-
 }  // namespace
 
 std::vector<ProgramInterface> System::interfaces() const {
@@ -50,6 +25,23 @@ bool is_beyond_learned(const InterfaceAutomaton& automaton, StateId state, Symbo
   return std::any_of(transitions.begin(), transitions.end(), [&](const auto& transition) {
     return transition.absorbed && transition.action.is_input() && transition.action.symbol == input;
   });
+}
+
+std::vector<ModelStep> model_steps(const ModelInstance& model, StateId at,
+                                   const ProgramEdge& edge) {
+  const bool takes = edge.kind == ProgramEdge::Kind::take;
+  if (!takes && !model.automaton.is_quiescent(at)) return {};
+  if (edge.kind == ProgramEdge::Kind::quiet) return {{at, false}};
+  std::vector<ModelStep> steps;
+  for (const auto& transition : model.automaton.transitions(at)) {
+    if (transition.action.is_input() == takes || transition.action.symbol != edge.symbol) continue;
+    if (!transition.absorbed) steps.push_back({transition.target, false});
+  }
+  if (!takes && model.when_unexplored != WhenUnexplored::wait &&
+      is_beyond_learned(model.automaton, at, edge.symbol)) {
+    steps.push_back({at, true});
+  }
+  return steps;
 }
 
 GlobalState initial_state(const System& system) {
@@ -73,14 +65,10 @@ std::vector<Step> enabled_steps(const System& system, const GlobalState& state) 
         steps.push_back(step);
         continue;
       }
-      const ModelInstance& model = system.models[edge.model];
-      const StateId at = state.models[edge.model];
-      if (edge.kind == ProgramEdge::Kind::give) {
-        add_give_steps(model, at, edge, step, steps);
-      } else if (edge.kind == ProgramEdge::Kind::take) {
-        add_take_steps(model, at, edge, step, steps);
-      } else if (model.automaton.is_quiescent(at)) {
-        step.model_target = at;
+      for (const ModelStep& met :
+           model_steps(system.models[edge.model], state.models[edge.model], edge)) {
+        step.model_target = met.target;
+        step.is_beyond = met.is_beyond;
         steps.push_back(step);
       }
     }

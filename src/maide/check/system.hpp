@@ -73,6 +73,15 @@ struct Step {
   bool operator==(const Step&) const = default;
 };
 
+// What a model does in one of its states when a program takes an edge there.
+struct ModelStep {
+  StateId target = 0;
+  bool is_beyond = false;  // as in Step
+};
+// Every way in which `model`, in state `at`, can take part in `edge`, which is not a choice; in the
+// order of its transitions. O(transitions of the state).
+std::vector<ModelStep> model_steps(const ModelInstance& model, StateId at, const ProgramEdge& edge);
+
 GlobalState initial_state(const System& system);
 // Every step that is possible in `state`, in a fixed order. None if the run is cut. O(programs x
 // edges).
