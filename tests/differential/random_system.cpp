@@ -15,6 +15,8 @@ class ProgramText {
     return text;
   }
 
+  std::string step() { return input(model()) + ";"; }
+
  private:
   const ModelInstance& model() { return system_.models[random_.below(system_.models.size())]; }
   std::string name(const Alphabet& alphabet) {
@@ -74,18 +76,53 @@ ModelInstance random_model(const std::string& name, Random& random) {
   return model;
 }
 
+// Counts to 1, 2 or 3 by i0 and back by i1, which says o0 or nothing.
+ModelInstance random_counter(const std::string& name, Random& random) {
+  const auto most = static_cast<StateId>(random.between(1, 3));
+  const bool says = random.chance(0.5);
+  ModelInstance model;
+  model.name = name;
+  model.automaton =
+      InterfaceAutomaton(Alphabet({"i0", "i1"}), Alphabet({"o0"}), says ? 2 * most + 1 : most + 1);
+  const Action up{Action::Kind::input, 0}, down{Action::Kind::input, 1};
+  for (StateId count = 0; count < most; ++count) {
+    model.automaton.add_transition(count, up, count + 1);
+    const StateId between = most + 1 + count;
+    model.automaton.add_transition(count + 1, down, says ? between : count);
+    if (says) model.automaton.add_transition(between, {Action::Kind::output, 0}, count);
+  }
+  model.automaton.set_initial(static_cast<StateId>(random.below(most + 1)));
+  if (random.chance(0.3)) model.automaton.mark_unexplored(most, 0);
+  model.when_unexplored = static_cast<WhenUnexplored>(random.below(3));
+  return model;
+}
+
+ModelInstance next_model(const std::string& name, const RandomSystemSize& size, Random& random) {
+  const bool counts = size.counters > 0 && random.chance(size.counters);
+  return counts ? random_counter(name, random) : random_model(name, random);
+}
+
 }  // namespace
 
-System random_system(Random& random) {
+System random_system(Random& random, const RandomSystemSize& size) {
   System system;
   system.file = "random.yaml";
-  system.models.push_back(random_model("m", random));
-  if (random.chance(0.6)) system.models.push_back(random_model("n", random));
+  system.models.push_back(next_model("m", size, random));
+  for (std::size_t index = 1; index < size.most_models; ++index) {
+    if (!random.chance(0.6)) continue;
+    const std::string name(1, static_cast<char>('m' + index));
+    system.models.push_back(next_model(name, size, random));
+  }
   const std::vector<ProgramInterface> interfaces = system.interfaces();
-  const std::uint64_t count = random.between(1, 3);
+  const std::uint64_t count = random.between(size.least_programs, size.most_programs);
   for (std::uint64_t index = 0; index < count; ++index) {
-    std::string text = ProgramText(system, random).block(2);
-    if (random.chance(0.5)) text = "loop { m.i0; " + text + "}";
+    ProgramText program(system, random);
+    std::string text = program.block(2);
+    if (size.loops > 0) {
+      if (random.chance(size.loops)) text = "loop { " + text + program.step() + "}";
+    } else if (random.chance(0.5)) {
+      text = "loop { m.i0; " + text + "}";
+    }
     const std::string name(1, static_cast<char>('p' + index));
     system.programs.push_back(
         parse_program(name, ScalarText(text, text, {"random.yaml", 1, 1}), interfaces));

@@ -6,8 +6,14 @@
 
 namespace maide::test {
 
-// One or two models of 2 to 5 states, one to three programs, each a dozen statements at most. The
-// programs have labels `l0`, `l1`, ... each.
-System random_system(Random& random);
+// At least one model, `m`, then `n`, `o`, ..., each of 2 to 5 states; programs `p`, `q`, ..., each
+// a dozen statements at most, with labels `l0`, `l1`, ...
+struct RandomSystemSize {
+  std::size_t least_programs = 1, most_programs = 3;
+  std::size_t most_models = 2;
+  double counters = 0;  // chance that a model counts: i0 up, i1 down and o0, all in order
+  double loops = 0;     // chance that a program goes on for ever, with whatever input
+};
+System random_system(Random& random, const RandomSystemSize& size = {});
 
 }  // namespace maide::test

@@ -189,6 +189,14 @@ class Checker {
       }
     }
     state_hypotheses();
+    std::vector<std::string> reduced;
+    for (const PropertyResult& result : report_.properties) {
+      if (result.reduction != Reduction::none) reduced.push_back(result.name);
+    }
+    if (!reduced.empty()) {
+      assumptions.push_back(join(reduced) +
+                            ": partial-order reduction (--reduction none does without)");
+    }
     if (leaves_out_stuck_) {
       assumptions.push_back("stuck was not checked: " +
                             engine_.obstacle(find_property(system_, "stuck")));

@@ -1,5 +1,9 @@
 #include "maide/check/engine.hpp"
 
+#include <unistd.h>
+
+#include <algorithm>
+
 #include "maide/base/error.hpp"
 #include "maide/check/native_engine.hpp"
 #include "maide/check/spin_engine.hpp"
@@ -13,6 +17,17 @@ std::string to_string(Verdict verdict) {
     case Verdict::inconclusive: return "inconclusive";
   }
   return "";
+}
+
+std::uint64_t memory_limit_mib(const EngineOptions& options) {
+  if (options.memory_mib) return *options.memory_mib;
+  const auto pages = static_cast<std::uint64_t>(::sysconf(_SC_PHYS_PAGES));
+  const auto page = static_cast<std::uint64_t>(::sysconf(_SC_PAGE_SIZE));
+  return std::max<std::uint64_t>(256, pages * page / 4 * 3 >> 20);
+}
+
+std::string why_stopped(const EngineOptions& options) {
+  return options.control.stop.stop_requested() ? "interrupted" : "out of time";
 }
 
 std::unique_ptr<Engine> make_engine(const std::string& name) {

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "maide/base/run_control.hpp"
+#include "maide/check/reduction.hpp"
 #include "maide/check/trace.hpp"
 
 namespace maide {
@@ -18,12 +19,18 @@ std::string to_string(Verdict verdict);
 struct PropertyResult {
   std::string name;
   Verdict verdict = Verdict::inconclusive;
-  std::string reason;             // of an inconclusive verdict, one line; else empty
-  std::uint64_t states = 0;       // explored; with a formula, of its product with the system
-  std::uint64_t transitions = 0;  // explored
-  double seconds = 0;             // of the search, wall clock
-  std::uint64_t peak_bytes = 0;   // memory of the search
-  std::optional<Trace> trace;     // of a violation
+  std::string reason;                     // of an inconclusive verdict, one line; else empty
+  std::uint64_t states = 0;               // stored; with a formula, of its product with the system
+  std::uint64_t transitions = 0;          // taken
+  double seconds = 0;                     // of the search, wall clock
+  std::uint64_t peak_bytes = 0;           // memory of the search
+  Reduction reduction = Reduction::none;  // what was used
+  std::optional<Trace> trace;             // of a violation
+
+  // Of the memory at its peak; 0 without states.
+  double bytes_per_state() const {
+    return states == 0 ? 0 : static_cast<double>(peak_bytes) / static_cast<double>(states);
+  }
 };
 
 // Whether some run leaves what was learned.
@@ -35,8 +42,17 @@ struct CutResult {
 
 struct EngineOptions {
   std::optional<std::uint64_t> memory_mib;  // limit of a search; none: most of the machine's
+  // What the native engine may leave out, as far as the property allows.
+  Reduction reduction = Reduction::none;
   RunControl control;
 };
+
+// The limit of a search in MiB: what the options say, or three quarters of the machine's memory, at
+// least 256.
+std::uint64_t memory_limit_mib(const EngineOptions& options);
+
+// "interrupted" or "out of time": why a search that was told to stop was.
+std::string why_stopped(const EngineOptions& options);
 
 class Engine {
  public:

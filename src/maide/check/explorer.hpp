@@ -1,43 +1,43 @@
 // Breadth-first search of a system's states for a step or a state that somebody looks for: found
-// with a shortest run to it. Levels are kept as plain lists of packed states, visited states in a
-// StateTable together with the code of the step that led to each (packed_system.hpp), so that the
-// run is read off backwards and costs a few bits a state.
+// with a shortest run to it, if nothing is left out. Levels are kept as plain lists of packed
+// states, visited states in a StateTable together with the code of the step that led to each
+// (packed_system.hpp), so that the run is read off backwards and costs a few bits a state.
+//
+// With stubborn sets (stubborn_sets.hpp) only their steps are taken. Where no run may be put off
+// for ever - for all that is no deadlock - a state whose steps lead to no new state is expanded
+// whole: then each state has a way to a later one at which the steps left out are still possible
+// (Evangelista & Pajault, "Solving the ignoring problem for partial order reduction", STTT 2010;
+// Bosnacki & Holzmann, "Improving Spin's partial-order reduction for breadth-first search", SPIN
+// 2005). With chains, a state with a single step is passed by and not stored, a few in a row at
+// most; the codes of all their steps are kept with the state at the end.
 #pragma once
 
 #include <algorithm>
 #include <array>
 #include <cstdint>
 #include <new>
-#include <optional>
 #include <stdexcept>
 #include <utility>
 #include <vector>
 
-#include "maide/base/run_control.hpp"
+#include "maide/base/bits.hpp"
 #include "maide/check/packed_system.hpp"
-#include "maide/check/trace.hpp"
+#include "maide/check/search.hpp"
+#include "maide/check/stubborn_sets.hpp"
 
 namespace maide {
 
-struct SearchLimits {
-  std::uint64_t bytes = ~std::uint64_t{0};
-  RunControl control;
+// How a search saves itself work.
+struct BreadthFirstOptions {
+  StubbornSets* sets = nullptr;   // not owned; null: every step is taken
+  bool puts_nothing_off = false;  // no step is left out for ever; with `sets`
+  unsigned chain = 1;             // most steps from one stored state to the next
 };
 
-struct SearchResult {
-  enum class End : std::uint8_t {
-    complete,  // everything was visited
-    found,
-    out_of_memory,  // the limit, or the machine's
-    stopped,        // by the control
-  };
-  End end = End::complete;
-  std::uint64_t states = 0;
-  std::uint64_t transitions = 0;
-  std::uint64_t depth = 0;     // of the last level that was begun
-  std::uint64_t bytes = 0;     // the most that table and levels had
-  std::optional<Trace> trace;  // of what was found
-};
+// Bits of payload of a search with chains of that length.
+constexpr unsigned chain_bits(unsigned chain, unsigned code_bits) {
+  return chain <= 1 ? code_bits : chain * code_bits + bits_for(chain + 1);
+}
 
 // A goal says what to look for, in the middle of the innermost loop:
 //   bool on_step(const PackedState& from, const PackedState& next, std::size_t program,
@@ -48,12 +48,15 @@ class BreadthFirstSearch {
  public:
   using State = PackedState<words>;
 
-  BreadthFirstSearch(const PackedSystem& system, Goal& goal, const SearchLimits& limits)
+  // `system` was made with chain_bits(chain) of payload.
+  BreadthFirstSearch(const PackedSystem& system, Goal& goal, const SearchLimits& limits,
+                     const BreadthFirstOptions& options = {})
       : system_(system),
         goal_(goal),
         limits_(limits),
+        options_(options),
         initial_(system.pack<words>(initial_state(system.system()))),
-        table_(system.address_bits(), system.code_bits()) {}
+        table_(system.address_bits(), chain_bits(options.chain, system.code_bits())) {}
 
   SearchResult run() {
     try {
@@ -69,12 +72,26 @@ class BreadthFirstSearch {
  private:
   // Between a state's prefetch and its lookup: long enough for memory to answer.
   static constexpr std::size_t pipeline = 16;
-  static constexpr std::size_t check_interval = 1 << 14;  // states between looks at the limits
+  static constexpr std::uint64_t every_program = ~std::uint64_t{0};
 
+  // The codes of the steps from one stored state to the next: the last step in the lowest bits.
+  struct Chain {
+    std::uint64_t codes = 0;
+    unsigned length = 0;
+  };
   struct Pending {
     State state;
     typename StateTable<words>::Address address;
-    std::uint64_t code;
+    std::uint64_t payload;
+    bool is_of_reduced = false;  // from a state of which steps are left out
+    bool is_last = false;        // of that state's, which is:
+    State source;
+    std::uint64_t programs;  // whose steps were taken there
+  };
+  // A state whose other steps have to be taken after all.
+  struct Postponed {
+    State state;
+    std::uint64_t programs;
   };
 
   std::uint64_t bytes() const {
@@ -84,36 +101,57 @@ class BreadthFirstSearch {
   void search() {
     table_.insert(initial_, 0);
     next_level_.push_back(initial_);
-    while (!next_level_.empty()) {
+    while (!next_level_.empty() && result_.depth <= limits_.depth) {
       std::swap(level_, next_level_);
       next_level_.clear();
       ++result_.depth;
       for (const State& state : level_) {
-        if (++visited_ % check_interval == 0 && !may_go_on()) return;
+        if (++visited_ % limit_interval == 0 && !look_at_limits()) return;
         if (expand(state)) return;
       }
-      flush();
+      if (finish_level()) return;
     }
   }
 
-  bool may_go_on() {
-    result_.bytes = std::max(result_.bytes, bytes());
-    limits_.control.report({"checking", table_.size(), 0, 0, 0, 0});
-    if (limits_.control.should_stop()) {
-      result_.end = SearchResult::End::stopped;
-      return false;
-    }
-    if (bytes() + table_.growth_bytes() > limits_.bytes) {
-      result_.end = SearchResult::End::out_of_memory;
-      return false;
-    }
-    return true;
+  bool look_at_limits() {
+    // The next level may have to move to a larger place.
+    const std::uint64_t growth = next_level_.size() + limit_interval > next_level_.capacity()
+                                     ? 2 * next_level_.capacity() * sizeof(State)
+                                     : 0;
+    return may_go_on(limits_, table_.size(), bytes(), table_.growth_bytes() + growth, result_);
   }
 
   // True if the goal is met.
   bool expand(const State& state) {
+    if (options_.sets == nullptr) return take_steps(state, every_program);
+    const std::uint64_t programs = options_.sets->select(state);
+    if (!options_.puts_nothing_off || !options_.sets->is_reduced()) {
+      return take_steps(state, programs);
+    }
+    is_of_reduced_ = true;
+    if (take_steps(state, programs)) return true;
+    is_of_reduced_ = false;
+    Pending& last = pending_[(pending_next_ + pipeline - 1) % pipeline];
+    last.is_last = true;
+    last.source = state;
+    last.programs = programs;
+    return expand_postponed();
+  }
+
+  bool expand_postponed() {
+    while (!postponed_.empty()) {
+      const Postponed postponed = postponed_.back();
+      postponed_.pop_back();
+      if (take_steps(postponed.state, ~postponed.programs)) return true;
+    }
+    return false;
+  }
+
+  // The steps of those programs. True if the goal is met.
+  bool take_steps(const State& state, std::uint64_t programs) {
     bool is_end = true;
     for (std::size_t program = 0; program < system_.program_count(); ++program) {
+      if (program < most_reduced_programs && (programs >> program & 1) == 0) continue;
       bool is_found = false;
       system_.for_each_step(
           state, program,
@@ -123,9 +161,9 @@ class BreadthFirstSearch {
             ++result_.transitions;
             if (goal_.on_step(state, next, program, edge, is_cut)) {
               is_found = true;
-              found(next, code);
+              found(next, {code, 1});
             } else if (!is_cut) {
-              push(next, code);
+              is_found = follow(next, {code, 1});
             }
           });
       if (is_found) return true;
@@ -136,35 +174,102 @@ class BreadthFirstSearch {
     return true;
   }
 
-  void push(const State& state, std::uint64_t code) {
+  // Passes by states that have one step alone. True if the goal is met.
+  bool follow(State state, Chain chain) {
+    while (chain.length < options_.chain) {
+      const std::uint64_t programs = options_.sets->select(state);
+      if (programs == 0 || (programs & (programs - 1)) != 0) break;
+      const auto program = static_cast<std::size_t>(std::countr_zero(programs));
+      std::size_t count = 0;
+      State after{};
+      std::uint32_t taken = 0;
+      std::uint64_t step_code = 0;
+      bool cuts = false;
+      system_.for_each_step(
+          state, program,
+          [&](const State& next, std::uint32_t edge, bool is_cut, std::uint64_t code) {
+            ++count;
+            after = next;
+            taken = edge;
+            step_code = code;
+            cuts = is_cut;
+          });
+      if (count != 1 || cuts) break;
+      ++result_.transitions;
+      chain = {(chain.codes << system_.code_bits()) | step_code, chain.length + 1};
+      if (goal_.on_step(state, after, program, taken, false)) {
+        found(after, chain);
+        return true;
+      }
+      state = after;
+    }
+    push(state, chain);
+    return false;
+  }
+
+  // ---- lookups, a little later than asked for ----
+
+  void push(const State& state, const Chain& chain) {
     Pending& slot = pending_[pending_next_];
     if (pending_count_ == pipeline) {
       enter(slot);
     } else {
       ++pending_count_;
     }
-    slot = {state, table_.address_of(state), code};
+    slot = {state, table_.address_of(state), payload_of(chain), is_of_reduced_, false, {}, 0};
     table_.prefetch(slot.address);
     pending_next_ = (pending_next_ + 1) % pipeline;
   }
 
   void enter(const Pending& pending) {
-    if (table_.insert(pending.state, pending.address, pending.code).is_new) {
-      next_level_.push_back(pending.state);
+    const bool is_new = table_.insert(pending.state, pending.address, pending.payload).is_new;
+    if (is_new) next_level_.push_back(pending.state);
+    if (!pending.is_of_reduced) return;
+    leads_on_ = leads_on_ || is_new;
+    if (!pending.is_last) return;
+    if (!leads_on_) postponed_.push_back({pending.source, pending.programs});
+    leads_on_ = false;
+  }
+
+  bool finish_level() {
+    do {
+      const std::size_t first = (pending_next_ + pipeline - pending_count_) % pipeline;
+      for (std::size_t i = 0; i < pending_count_; ++i) enter(pending_[(first + i) % pipeline]);
+      pending_count_ = 0;
+      if (expand_postponed()) return true;
+    } while (pending_count_ > 0);
+    return false;
+  }
+
+  // ---- the run that was found ----
+
+  std::uint64_t payload_of(const Chain& chain) const {
+    if (options_.chain <= 1) return chain.codes;
+    return chain.codes | (std::uint64_t{chain.length} << (options_.chain * system_.code_bits()));
+  }
+  Chain chain_of(std::uint64_t payload) const {
+    if (options_.chain <= 1) return {payload, 1};
+    const unsigned bits = options_.chain * system_.code_bits();
+    return {payload & low_bits(bits), static_cast<unsigned>(payload >> bits)};
+  }
+
+  // Puts the steps of the chain into `trace`, the last one first; the state before them.
+  GlobalState undo(GlobalState state, Chain chain, Trace& trace) const {
+    for (; chain.length > 0; --chain.length) {
+      PackedSystem::Origin origin =
+          system_.undo(state, chain.codes & low_bits(system_.code_bits()));
+      chain.codes >>= system_.code_bits();
+      trace.steps.push_back(origin.step);
+      state = std::move(origin.before);
     }
+    return state;
   }
 
-  void flush() {
-    const std::size_t first = (pending_next_ + pipeline - pending_count_) % pipeline;
-    for (std::size_t i = 0; i < pending_count_; ++i) enter(pending_[(first + i) % pipeline]);
-    pending_count_ = 0;
-  }
-
-  void found(const State& next, std::uint64_t code) {
+  void found(const State& next, const Chain& chain) {
     result_.end = SearchResult::End::found;
-    const PackedSystem::Origin origin = system_.undo(system_.unpack(next), code);
-    result_.trace = trace_to(origin.before);
-    result_.trace->steps.push_back(origin.step);
+    Trace last;
+    result_.trace = trace_to(undo(system_.unpack(next), chain, last));
+    result_.trace->steps.insert(result_.trace->steps.end(), last.steps.rbegin(), last.steps.rend());
   }
 
   // The run by which the search came to a visited state.
@@ -172,13 +277,11 @@ class BreadthFirstSearch {
     Trace trace;
     const GlobalState first = system_.unpack(initial_);
     while (!(state == first)) {
-      std::uint64_t code = 0;
-      if (!table_.find(system_.pack<words>(state), code)) {
+      std::uint64_t payload = 0;
+      if (!table_.find(system_.pack<words>(state), payload)) {
         throw std::logic_error("the search lost a state");
       }
-      PackedSystem::Origin origin = system_.undo(state, code);
-      trace.steps.push_back(origin.step);
-      state = std::move(origin.before);
+      state = undo(std::move(state), chain_of(payload), trace);
     }
     std::reverse(trace.steps.begin(), trace.steps.end());
     return trace;
@@ -187,11 +290,15 @@ class BreadthFirstSearch {
   const PackedSystem& system_;
   Goal& goal_;
   const SearchLimits& limits_;
+  BreadthFirstOptions options_;
   State initial_;
   StateTable<words> table_;
   std::vector<State> level_, next_level_;
   std::array<Pending, pipeline> pending_;
   std::size_t pending_next_ = 0, pending_count_ = 0;
+  bool is_of_reduced_ = false;  // the state that is expanded now
+  bool leads_on_ = false;       // one of the steps that were entered led to a new state
+  std::vector<Postponed> postponed_;
   std::uint64_t visited_ = 0;
   SearchResult result_;
 };

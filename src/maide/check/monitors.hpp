@@ -5,16 +5,17 @@
 #include <cstdint>
 #include <vector>
 
+#include "maide/base/bits.hpp"
 #include "maide/check/condition.hpp"
-#include "maide/check/fair_cycle.hpp"
 #include "maide/check/ltl_automaton.hpp"
+#include "maide/check/product_graph.hpp"
 
 namespace maide {
 
 // Under weak fairness each program has a mark: it steps, or cannot.
 inline std::uint64_t weakly_fair_marks(std::size_t programs, std::size_t stepping,
                                        std::uint64_t enabled) {
-  const std::uint64_t all = programs == 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << programs) - 1;
+  const std::uint64_t all = low_bits(static_cast<unsigned>(programs));
   return all & (~enabled | (std::uint64_t{1} << stepping));
 }
 
@@ -53,7 +54,7 @@ class LtlMonitor {
   void stay(const State& state, std::uint32_t at, Follow&& follow) const {
     const std::uint64_t fair =
         marks() == automaton_.mark_count ? 0 : ~std::uint64_t{0} << automaton_.mark_count;
-    const std::uint64_t all = marks() == 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << marks()) - 1;
+    const std::uint64_t all = low_bits(marks());
     read(valuation(state, 0, PackedAtom::no_edge), at, fair & all, follow);
   }
 

@@ -1,7 +1,6 @@
 #include "maide/check/native_engine.hpp"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
@@ -12,6 +11,7 @@
 
 #include "maide/check/condition.hpp"
 #include "maide/check/explorer.hpp"
+#include "maide/check/fair_cycle.hpp"
 #include "maide/check/monitors.hpp"
 
 namespace maide {
@@ -19,16 +19,9 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// Three quarters of the machine's memory.
-std::uint64_t default_memory() {
-  const auto pages = static_cast<std::uint64_t>(::sysconf(_SC_PHYS_PAGES));
-  const auto page = static_cast<std::uint64_t>(::sysconf(_SC_PAGE_SIZE));
-  return pages * page / 4 * 3;
-}
-
 SearchLimits limits_of(const EngineOptions& options) {
   SearchLimits limits;
-  limits.bytes = options.memory_mib ? *options.memory_mib << 20 : default_memory();
+  limits.bytes = memory_limit_mib(options) << 20;
   limits.control = options.control;
   return limits;
 }
@@ -74,12 +67,64 @@ struct InvariantGoal {
   }
 };
 
-template <typename Goal>
-SearchResult explore(const PackedSystem& system, Goal goal, const EngineOptions& options) {
-  const SearchLimits limits = limits_of(options);
-  return with_words(system.words(), [&](auto words) {
-    return BreadthFirstSearch<words.value, Goal>(system, goal, limits).run();
+// With chains a state carries more bits: worth it up to this many.
+constexpr unsigned most_chain_bits = 24;
+constexpr unsigned longest_chain = 8;
+
+// The longest chain for which states of the system stay as small as they can be.
+unsigned chain_length(const PackedSystem& system) {
+  const unsigned state_bits = system.state_bits();
+  const unsigned room =
+      state_bits <= 64 ? std::min(most_chain_bits, 76 - state_bits) : most_chain_bits;
+  unsigned chain = longest_chain;
+  while (chain > 1 && chain_bits(chain, system.code_bits()) > room) --chain;
+  return chain;
+}
+
+// Searches breadth-first for what `make_goal(packed system)` looks for; `rules`: none takes every
+// step.
+template <typename MakeGoal>
+SearchResult explore(const System& plain, const std::optional<ReductionRules>& rules,
+                     Reduction reduction, const SearchLimits& limits, MakeGoal&& make_goal) {
+  unsigned chain = 1;
+  if (rules && reduction == Reduction::full) chain = chain_length(PackedSystem(plain));
+  const PackedSystem system(plain, chain_bits(chain, PackedSystem(plain).code_bits()));
+  std::optional<StubbornSets> sets;
+  BreadthFirstOptions options;
+  if (rules) {
+    options.sets = &sets.emplace(system, rules->sets);
+    options.puts_nothing_off = rules->puts_nothing_off;
+    options.chain = chain;
+  }
+  auto goal = make_goal(system);
+  SearchResult search = with_words(system.words(), [&](auto words) {
+    return BreadthFirstSearch<words.value, decltype(goal)>(system, goal, limits, options).run();
   });
+  if (rules) search.reduction = chain > 1 ? Reduction::full : Reduction::order;
+  return search;
+}
+
+// A reduced search shows some run, not a shortest one: that is looked for among all runs that are
+// no longer, unless it takes too many states.
+constexpr std::uint64_t shortening_states = std::uint64_t{1} << 22;
+
+template <typename MakeGoal>
+SearchResult explore(const System& plain, std::optional<ReductionRules> rules,
+                     const EngineOptions& options, MakeGoal&& make_goal) {
+  SearchLimits limits = limits_of(options);
+  if (options.reduction == Reduction::none || plain.programs.size() > most_reduced_programs) {
+    rules.reset();
+  }
+  SearchResult search = explore(plain, rules, options.reduction, limits, make_goal);
+  if (!rules || search.end != SearchResult::End::found) return search;
+  limits.depth = search.trace->steps.size();
+  limits.states = std::max(shortening_states, 16 * search.states);
+  SearchResult shorter = explore(plain, std::nullopt, Reduction::none, limits, make_goal);
+  search.bytes = std::max(search.bytes, shorter.bytes);
+  if (shorter.trace && shorter.trace->steps.size() < search.trace->steps.size()) {
+    search.trace = std::move(shorter.trace);
+  }
+  return search;
 }
 
 std::string why_incomplete(const SearchResult& search, const EngineOptions& options) {
@@ -89,9 +134,7 @@ std::string why_incomplete(const SearchResult& search, const EngineOptions& opti
     return fmt::format("the search needs more than {} MiB of memory: nothing found {}",
                        limits_of(options).bytes >> 20, reached);
   }
-  return fmt::format("{} {}: nothing found so far",
-                     options.control.stop.stop_requested() ? "interrupted" : "out of time",
-                     reached);
+  return fmt::format("{} {}: nothing found so far", why_stopped(options), reached);
 }
 
 // `G condition`: the condition; null if the formula is no such.
@@ -111,11 +154,18 @@ Formula negation_of(const Formula& formula) {
 
 template <typename Monitor>
 SearchResult find_fair_cycle(const PackedSystem& system, const Monitor& monitor,
-                             const EngineOptions& options) {
+                             const Property& property, const EngineOptions& options) {
+  std::optional<ReductionRules> rules;
+  if (options.reduction != Reduction::none) rules = rules_for_cycle(system.system(), property);
+  std::optional<StubbornSets> sets;
+  if (rules) sets.emplace(system, std::move(rules->sets));
   const SearchLimits limits = limits_of(options);
-  return with_words(system.words(), [&](auto words) {
-    return FairCycleSearch<words.value, Monitor>(system, monitor, limits).run();
+  SearchResult search = with_words(system.words(), [&](auto words) {
+    return FairCycleSearch<words.value, Monitor>(system, monitor, limits, sets ? &*sets : nullptr)
+        .run();
   });
+  if (rules) search.reduction = Reduction::order;
+  return search;
 }
 
 // Programs, and marks, are bits of a word in the search for fair cycles.
@@ -130,7 +180,7 @@ std::optional<SearchResult> search_for_cycle(const System& plain, const Property
   if (property.kind == Property::Kind::stuck) {
     if (!is_within_words(plain, programs)) return std::nullopt;
     const PackedSystem system(plain, node_number_bits, plain.programs.size() + 1);
-    return find_fair_cycle(system, StuckMonitor(system), options);
+    return find_fair_cycle(system, StuckMonitor(system), property, options);
   }
   LtlAutomaton automaton = property.kind == Property::Kind::never
                                ? *property.never
@@ -141,7 +191,7 @@ std::optional<SearchResult> search_for_cycle(const System& plain, const Property
   }
   const PackedSystem system(plain, node_number_bits, automaton.states.size());
   return find_fair_cycle(system, LtlMonitor(system, std::move(automaton), property.fairness),
-                         options);
+                         property, options);
 }
 
 bool needs_cycle(const Property& property) {
@@ -152,16 +202,22 @@ bool needs_cycle(const Property& property) {
 
 SearchResult search_for(const System& plain, const Property& property,
                         const EngineOptions& options) {
-  const PackedSystem system(plain);
   if (property.kind == Property::Kind::deadlock) {
-    return explore(system, DeadlockGoal{system}, options);
+    return explore(plain, rules_for_deadlock(), options,
+                   [](const PackedSystem& system) { return DeadlockGoal{system}; });
   }
-  const Condition condition(invariant_of(property), system.system());
-  const bool holds_first = with_words(system.words(), [&](auto words) {
-    const auto initial = system.pack<words.value>(initial_state(system.system()));
-    return condition.is_true(system, initial, 0, PackedAtom::no_edge);
+  const Condition condition(invariant_of(property), plain);
+  const PackedSystem packed(plain);
+  const bool holds_first = with_words(packed.words(), [&](auto words) {
+    const auto initial = packed.pack<words.value>(initial_state(plain));
+    return condition.is_true(packed, initial, 0, PackedAtom::no_edge);
   });
-  if (holds_first) return explore(system, InvariantGoal{system, condition}, options);
+  if (holds_first) {
+    return explore(plain, rules_for_invariant(plain, property), options,
+                   [&](const PackedSystem& system) {
+                     return InvariantGoal{system, condition};
+                   });
+  }
   SearchResult search;
   search.end = SearchResult::End::found;
   search.states = 1;
@@ -198,6 +254,7 @@ PropertyResult NativeEngine::check(const System& system, const Property& propert
   result.states = search.states;
   result.transitions = search.transitions;
   result.peak_bytes = search.bytes;
+  result.reduction = search.reduction;
   result.seconds = std::chrono::duration<double>(Clock::now() - start).count();
   switch (search.end) {
     case SearchResult::End::complete: result.verdict = Verdict::holds; break;
@@ -217,8 +274,8 @@ PropertyResult NativeEngine::check(const System& system, const Property& propert
 }
 
 CutResult NativeEngine::find_cut(const System& system, const EngineOptions& options) {
-  const PackedSystem packed(system);
-  SearchResult search = explore(packed, CutGoal{}, options);
+  SearchResult search =
+      explore(system, rules_for_cut(), options, [](const PackedSystem&) { return CutGoal{}; });
   CutResult result;
   switch (search.end) {
     case SearchResult::End::complete: result.verdict = Verdict::holds; break;

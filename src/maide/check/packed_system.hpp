@@ -73,6 +73,10 @@ class PackedSystem {
     return programs_[program].field.get(state);
   }
   template <std::size_t words>
+  StateId model_state(const PackedState<words>& state, std::size_t model) const {
+    return models_[model].get(state);
+  }
+  template <std::size_t words>
   bool has_ended(const PackedState<words>& state, std::size_t program) const {
     const PackedProgram& compiled = programs_[program];
     const ControlState at = compiled.field.get(state);

@@ -1,7 +1,6 @@
 #include "maide/check/spin_engine.hpp"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
@@ -25,12 +24,6 @@ constexpr std::uint64_t last_depth = 1'000'000'000;
 constexpr std::size_t largest_claim = 16'000;  // bytes of a formula; spin refuses shorter ones, too
 constexpr std::chrono::seconds shortening_time{5};  // what "cheap" means
 
-std::uint64_t default_memory_mib() {
-  const auto pages = static_cast<std::uint64_t>(::sysconf(_SC_PHYS_PAGES));
-  const auto page = static_cast<std::uint64_t>(::sysconf(_SC_PAGE_SIZE));
-  return std::max<std::uint64_t>(256, pages * page / 4 * 3 >> 20);
-}
-
 // The first lines of what a tool complained about, as one line.
 std::string complaint(const SubprocessResult& result) {
   std::string text = (result.out + result.err).substr(0, 300);
@@ -49,7 +42,7 @@ class Verification {
         purpose_(promela_options.purpose),
         is_fair_(is_fair),
         what_(std::move(what)),
-        memory_mib_(options.memory_mib.value_or(default_memory_mib())),
+        memory_mib_(memory_limit_mib(options)),
         promela_(write_promela(system, promela_options)) {
     std::string text = promela_.text;
     if (purpose_ == Purpose::ltl) text += never_claim();
@@ -267,7 +260,7 @@ PropertyResult SpinEngine::check(const System& system, const Property& property,
     result.trace = std::move(trace);
   } catch (const Interrupted& stop) {
     result.verdict = Verdict::inconclusive;
-    result.reason = options.control.stop.stop_requested() ? "interrupted" : "out of time";
+    result.reason = why_stopped(options);
   }
   return result;
 }
@@ -297,7 +290,7 @@ CutResult SpinEngine::find_cut(const System& system, const EngineOptions& option
     result.verdict = Verdict::violated;
     result.trace = std::move(trace);
   } catch (const Interrupted&) {
-    result.reason = options.control.stop.stop_requested() ? "interrupted" : "out of time";
+    result.reason = why_stopped(options);
   }
   return result;
 }

@@ -32,6 +32,7 @@ namespace {
 struct CheckArguments {
   std::string system;
   std::string engine = "native";
+  std::string reduction = "none";
   std::vector<std::string> properties;
   std::string trace;
   std::string report;
@@ -42,10 +43,17 @@ struct CheckArguments {
   double seconds = 0;
 };
 
+// Of a search that is large enough for it to matter.
+std::string describe_memory(const PropertyResult& result) {
+  if (result.states < 10'000 || result.peak_bytes == 0) return "";
+  return fmt::format(", {:.1f} bytes a state", result.bytes_per_state());
+}
+
 std::string describe(const System& system, const PropertyResult& result, std::size_t width) {
   std::ostringstream text;
-  text << fmt::format("{:<{}}  {}  ({} states, {} transitions, {:.2f} s)\n", result.name, width,
-                      to_string(result.verdict), result.states, result.transitions, result.seconds);
+  text << fmt::format("{:<{}}  {}  ({} states, {} transitions, {:.2f} s{})\n", result.name, width,
+                      to_string(result.verdict), result.states, result.transitions, result.seconds,
+                      describe_memory(result));
   if (!result.reason.empty()) text << "  " << result.reason << "\n";
   if (result.trace) write_trace_text(text, system, *result.trace);
   return text.str();
@@ -152,6 +160,7 @@ ExitStatus run_check(const CheckArguments& arguments, Context& context) {
   const std::unique_ptr<Engine> engine = make_engine(arguments.engine);
   CheckRequest request;
   request.properties = arguments.properties;
+  request.options.reduction = reduction_of(arguments.reduction);
   request.options.control = context.control();
   if (arguments.memory_mib > 0) request.options.memory_mib = arguments.memory_mib;
   if (arguments.seconds > 0) {
@@ -191,6 +200,12 @@ RunFunction set_up_check(CLI::App& app) {
          "What decides: native (Maide's own), or spin, the reference, which has no `stuck`, "
          "no X and no strong fairness, and needs spin and a C compiler")
       ->capture_default_str();
+  app.add_option("--reduction", arguments->reduction,
+                 "What the engine native leaves out, where the property allows it: none; order "
+                 "(of steps that do not disturb one another, other orders); full (also states with "
+                 "a single step)")
+      ->capture_default_str()
+      ->type_name("NAME");
   app.add_option("--property", arguments->properties,
                  "Check this property alone; may be given several times (default: deadlock, "
                  "stuck and all properties of the file)")

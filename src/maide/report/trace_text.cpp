@@ -169,9 +169,14 @@ Json trace_to_json(const System& system, const Trace& trace) {
 Json report_to_json(const System& system, const CheckReport& report) {
   Json properties = Json::array();
   for (const PropertyResult& result : report.properties) {
-    Json entry{{"name", result.name},       {"verdict", to_string(result.verdict)},
-               {"states", result.states},   {"transitions", result.transitions},
-               {"seconds", result.seconds}, {"peak_bytes", result.peak_bytes}};
+    Json entry{{"name", result.name},
+               {"verdict", to_string(result.verdict)},
+               {"states", result.states},
+               {"transitions", result.transitions},
+               {"seconds", result.seconds},
+               {"peak_bytes", result.peak_bytes},
+               {"bytes_per_state", result.bytes_per_state()},
+               {"reduction", to_string(result.reduction)}};
     if (!result.reason.empty()) entry["reason"] = result.reason;
     entry["trace"] = result.trace ? trace_to_json(system, *result.trace) : Json::array();
     if (result.trace && result.trace->loop_start) entry["loop_start"] = *result.trace->loop_start;

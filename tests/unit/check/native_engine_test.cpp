@@ -10,8 +10,15 @@ namespace {
 
 using testing::HasSubstr;
 
+EngineOptions reduced() {
+  EngineOptions options;
+  options.reduction = Reduction::full;
+  return options;
+}
+
+// With all reductions unless told otherwise.
 PropertyResult check(const System& system, const Property& property,
-                     const EngineOptions& options = {}) {
+                     const EngineOptions& options = reduced()) {
   return NativeEngine().check(system, property, options);
 }
 
@@ -127,6 +134,7 @@ System large_system() {
 
 TEST(NativeEngine, LimitsMakeTheVerdictInconclusive) {
   EngineOptions options;
+  options.reduction = Reduction::none;
   options.memory_mib = 1;
   const PropertyResult result = check(large_system(), test::deadlock_property(), options);
   EXPECT_EQ(result.verdict, Verdict::inconclusive);
@@ -138,10 +146,71 @@ TEST(NativeEngine, StopsWhenTold) {
   std::stop_source source;
   source.request_stop();
   EngineOptions options;
+  options.reduction = Reduction::none;
   options.control.stop = source.get_token();
   const PropertyResult result = check(large_system(), test::deadlock_property(), options);
   EXPECT_EQ(result.verdict, Verdict::inconclusive);
   EXPECT_THAT(result.reason, HasSubstr("interrupted"));
+}
+
+// `spinner` alone is enough in every state, and never comes to an end: what `p` does must not be
+// put off for ever (the ignoring problem).
+TEST(NativeEngine, ASpinnerHidesNoStepOfOthers) {
+  const System system = test::system_of(
+      "  spinner: loop { sync.write; sync.read -> message; }\n"
+      "  p: via.write; via.write; via.write;\n",
+      "  never: {always: '!p@end'}\n  goes_on: {ltl: F G !via.write, fairness: none}\n"
+      "  idle: {ltl: F via.write, fairness: none}\n  served: F via.write\n");
+  EXPECT_EQ(check(system, system.properties[1]).verdict, Verdict::holds);
+  EXPECT_EQ(check(system, system.properties[2]).verdict, Verdict::violated);
+  EXPECT_EQ(check(system, system.properties[3]).verdict, Verdict::holds);
+  // The third write is beyond the bound of two.
+  EXPECT_EQ(check(system, system.properties[0]).verdict, Verdict::holds);
+  EXPECT_EQ(NativeEngine().find_cut(system, reduced()).verdict, Verdict::violated);
+  const System waits = test::system_of(
+      "  spinner: loop { sync.write; sync.read -> message; }\n  p: via.write; via.write;\n",
+      "  never: {always: '!p@end'}\n");
+  EXPECT_EQ(check(waits, waits.properties[0]).verdict, Verdict::violated);
+}
+
+// A run that is cut ends there for everybody; what others do before must be seen all the same.
+TEST(NativeEngine, ACutHidesNoStepOfOthers) {
+  const System system =
+      test::system_of("  a: repeat 3 { via.write; }\n  b: if * {} if * {} if * {}\n",
+                      "  never: {always: '!b@end'}\n");
+  EXPECT_EQ(check(system, system.properties[0]).verdict, Verdict::violated);
+}
+
+// Right after the write, before p's silent choice: a formula that sees such steps is not reduced.
+TEST(NativeEngine, SilentStepsAfterAnEventCanBeSeen) {
+  const System system = test::system_of(
+      "  p: via.write; if * {}\n  q: sync.write;\n",
+      "  apart: {ltl: 'G (via.write -> !(via.write U sync.write))', fairness: none}\n");
+  const PropertyResult result = check(system, system.properties[0]);
+  EXPECT_EQ(result.verdict, Verdict::violated);
+  EXPECT_EQ(result.reduction, Reduction::none);
+}
+
+TEST(NativeEngine, IndependentProgramsTakeTheirStepsInOneOrder) {
+  EngineOptions options;
+  options.reduction = Reduction::order;
+  const PropertyResult result = check(large_system(), test::deadlock_property(), options);
+  EXPECT_EQ(result.verdict, Verdict::holds);
+  EXPECT_EQ(result.reduction, Reduction::order);
+  EXPECT_EQ(result.states, 401u);
+}
+
+TEST(NativeEngine, StatesWithASingleStepArePassedBy) {
+  const System system =
+      test::system_of("  p: via.write; via.write; sync.write;\n", "  never: {always: '!p@end'}\n");
+  const PropertyResult result = check(system, test::deadlock_property());
+  EXPECT_EQ(result.verdict, Verdict::holds);
+  EXPECT_EQ(result.reduction, Reduction::full);
+  EXPECT_EQ(result.states, 2u);
+  EXPECT_EQ(result.transitions, 3u);
+  const PropertyResult ends = check(system, system.properties[0]);
+  ASSERT_EQ(ends.verdict, Verdict::violated);
+  EXPECT_EQ(ends.trace->steps.size(), 3u);
 }
 
 }  // namespace

@@ -1,0 +1,150 @@
+// The run that is shown for an accepted strongly connected set of a product's nodes: a shortest way
+// into it, and round in it past every mark - and, with strong fairness, past a step of every
+// program that can step there - always to the nearest of what is still missing.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <optional>
+#include <stdexcept>
+#include <unordered_map>
+#include <vector>
+
+#include "maide/check/fair_parts.hpp"
+#include "maide/check/product_graph.hpp"
+#include "maide/check/trace.hpp"
+
+namespace maide {
+
+template <typename Graph>
+class FairLasso {
+ public:
+  using Number = typename Graph::Number;
+  using Edge = typename Graph::Edge;
+  using Set = std::vector<Number>;  // sorted
+
+  explicit FairLasso(const Graph& graph) : graph_(graph) {}
+
+  // A shortest run, in nodes that the graph knows, to one of `goals`.
+  Trace prefix_to(const Set& goals, Number* reached = nullptr) const {
+    Set first;
+    for (const auto& node : graph_.first_nodes()) {
+      const Number number = graph_.find(node);
+      if (number != Graph::no_node) first.push_back(number);
+    }
+    std::vector<Edge> path;
+    const Number end = shortest_path(
+        first, nullptr,
+        [&](Number node) { return std::binary_search(goals.begin(), goals.end(), node); }, path);
+    if (reached != nullptr) *reached = end;
+    Trace trace;
+    append(path, trace);
+    return trace;
+  }
+
+  Trace run_round(const Set& members) const {
+    Number start = 0;
+    Trace trace = prefix_to(members, &start);
+    const std::uint64_t wanted = wanted_steps(members);
+    std::vector<Edge> loop;
+    std::uint64_t marks = 0, stepped = 0;
+    Number at = start;
+    const auto take = [&](const Edge& edge) {
+      loop.push_back(edge);
+      marks |= edge.marks;
+      if (edge.is_step) stepped |= std::uint64_t{1} << edge.program;
+    };
+    const auto is_done = [&] { return marks == graph_.all_marks() && (wanted & ~stepped) == 0; };
+    const auto is_useful = [&](const Edge& edge) {
+      return is_done() || (edge.marks & ~marks) != 0 ||
+             (edge.is_step && (wanted & ~stepped) >> edge.program & 1) != 0;
+    };
+    // At least one edge, and then whatever is missing; then home.
+    while (loop.empty() || !is_done()) {
+      std::optional<Edge> next;
+      Number target = 0;
+      std::vector<Edge> path;
+      shortest_path(
+          {at}, &members,
+          [&](Number node) {
+            for_each_edge_within(graph_, members, node, [&](const Edge& edge, Number to) {
+              if (next || !is_useful(edge)) return;
+              next = edge;
+              target = to;
+            });
+            return next.has_value();
+          },
+          path);
+      for (const Edge& edge : path) take(edge);
+      take(*next);
+      at = target;
+    }
+    std::vector<Edge> home;
+    shortest_path(
+        {at}, &members, [&](Number node) { return node == start; }, home);
+    loop.insert(loop.end(), home.begin(), home.end());
+    const std::size_t loop_start = trace.steps.size();
+    append(loop, trace);
+    if (trace.steps.size() > loop_start) trace.loop_start = loop_start;
+    return trace;
+  }
+
+ private:
+  std::uint64_t wanted_steps(const Set& members) const {
+    std::uint64_t wanted = 0;
+    if (!graph_.monitor().is_strong()) return wanted;
+    for (const Number member : members) wanted |= graph_.enabled_programs(member);
+    return wanted;
+  }
+
+  // From one of `first` to a node that `is_goal`; of a path without edges the first one. Appends
+  // the edges to `path`; keeps within `set` if there is one. O(what it comes by).
+  template <typename IsGoal>
+  Number shortest_path(const Set& first, const Set* set, IsGoal&& is_goal,
+                       std::vector<Edge>& path) const {
+    std::unordered_map<Number, Number> parents;  // of a first node: no_node
+    Set queue;
+    for (const Number node : first) {
+      if (parents.try_emplace(node, Graph::no_node).second) queue.push_back(node);
+    }
+    for (std::size_t at = 0; at < queue.size(); ++at) {
+      const Number node = queue[at];
+      if (is_goal(node)) {
+        std::vector<Edge> backwards;
+        for (Number back = node; parents.at(back) != Graph::no_node; back = parents.at(back)) {
+          backwards.push_back(edge_between(parents.at(back), back));
+        }
+        path.insert(path.end(), backwards.rbegin(), backwards.rend());
+        return node;
+      }
+      graph_.for_each_edge(node, [&](const Edge& edge) {
+        const Number number = graph_.find(edge.target);
+        if (number == Graph::no_node) return;
+        if (set != nullptr && !std::binary_search(set->begin(), set->end(), number)) return;
+        if (parents.try_emplace(number, node).second) queue.push_back(number);
+      });
+    }
+    throw std::logic_error("the search lost a node");
+  }
+
+  Edge edge_between(Number from, Number to) const {
+    std::optional<Edge> found;
+    graph_.for_each_edge(from, [&](const Edge& edge) {
+      if (!found && edge.target == graph_.node(to)) found = edge;
+    });
+    return found.value();
+  }
+
+  void append(const std::vector<Edge>& path, Trace& trace) const {
+    const PackedSystem& system = graph_.system();
+    for (const Edge& edge : path) {
+      if (edge.is_step) {
+        trace.steps.push_back(system.undo(system.unpack(edge.target), edge.code).step);
+      }
+    }
+  }
+
+  const Graph& graph_;
+};
+
+}  // namespace maide

@@ -1,0 +1,176 @@
+// Reductions against the same engine without any, which other tests hold against the meaning of
+// systems: the same verdict for every property, each kind of fairness, and never a larger graph.
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+#include "explicit_checker.hpp"
+#include "maide/check/native_engine.hpp"
+#include "maide/check/promela_system.hpp"
+#include "random_system.hpp"
+
+namespace maide {
+namespace {
+
+constexpr std::size_t node_limit = 800;
+
+EngineOptions with(Reduction reduction) {
+  EngineOptions options;
+  options.reduction = reduction;
+  return options;
+}
+
+// A formula over the system's labels and events, without X.
+class RandomFormula {
+ public:
+  RandomFormula(const System& system, Random& random) : system_(system), random_(random) {}
+
+  std::string text(int depth) {
+    if (depth == 0 || random_.chance(0.1)) return atom();
+    switch (random_.below(8)) {
+      case 0: return "G " + text(depth - 1);
+      case 1: return "F " + text(depth - 1);
+      case 2: return "G F " + text(depth - 1);
+      case 3: return "!" + text(depth - 1);
+      case 4: return "(" + text(depth - 1) + " U " + text(depth - 1) + ")";
+      case 5: return "(" + text(depth - 1) + " && " + text(depth - 1) + ")";
+      case 6: return "(" + text(depth - 1) + " R " + text(depth - 1) + ")";
+      default: return "(" + text(depth - 1) + " -> " + text(depth - 1) + ")";
+    }
+  }
+
+ private:
+  std::string atom() {
+    const Program& program = system_.programs[random_.below(system_.programs.size())];
+    const std::string label =
+        program.labels.empty() ? "end" : program.labels[random_.below(program.labels.size())];
+    const ModelInstance& model = system_.models[random_.below(system_.models.size())];
+    const std::string atoms[] = {model.name + ".i0", model.name + "!o0", program.name + "@end",
+                                 program.name + "@" + label, program.name + "@" + label};
+    return (random_.chance(0.4) ? "!" : "") + atoms[random_.below(5)];
+  }
+
+  const System& system_;
+  Random& random_;
+};
+
+// Compares, and adds up what was saved.
+class Comparison {
+ public:
+  void check(const System& system, const Property& property) {
+    NativeEngine engine;
+    const PropertyResult all = engine.check(system, property, with(Reduction::none));
+    ++(all.verdict == Verdict::holds ? holds_ : violated_);
+    for (const Reduction reduction : {Reduction::order, Reduction::full}) {
+      const PropertyResult reduced = engine.check(system, property, with(reduction));
+      ASSERT_EQ(reduced.verdict, all.verdict)
+          << to_string(reduction) << " of " << property.name << ", fairness "
+          << static_cast<int>(property.fairness) << "\n"
+          << write_promela(system).text;
+      if (all.verdict == Verdict::holds) {
+        EXPECT_LE(reduced.states, all.states);
+        all_states_ += all.states;
+        reduced_states_ += reduced.states;
+      } else if (all.trace && !all.trace->loop_start) {
+        EXPECT_EQ(reduced.trace->loop_start, all.trace->loop_start);
+      }
+    }
+  }
+  void check_cut(const System& system) {
+    NativeEngine engine;
+    const CutResult all = engine.find_cut(system, with(Reduction::none));
+    ++(all.verdict == Verdict::holds ? holds_ : violated_);
+    for (const Reduction reduction : {Reduction::order, Reduction::full}) {
+      const CutResult reduced = engine.find_cut(system, with(reduction));
+      ASSERT_EQ(reduced.verdict, all.verdict) << write_promela(system).text;
+      if (all.trace) {
+        EXPECT_EQ(reduced.trace->steps.size(), all.trace->steps.size());
+      }
+    }
+  }
+  // Both verdicts were seen often, and less than `percent` of the states were needed.
+  void expect_use(int least, std::uint64_t percent) const {
+    EXPECT_GE(holds_, least);
+    EXPECT_GE(violated_, least);
+    EXPECT_LT(reduced_states_ * 100, all_states_ * percent);
+  }
+
+ private:
+  int holds_ = 0, violated_ = 0;
+  std::uint64_t all_states_ = 0, reduced_states_ = 0;
+};
+
+class Reductions : public testing::TestWithParam<int> {
+ protected:
+  // Systems that are not large; half of them cannot deadlock.
+  System next_system() {
+    is_live_ = !is_live_;
+    while (true) {
+      System system = test::random_system(random_, {2, 4, 3, 0.8, 0.8});
+      const test::ExplicitChecker size(system, node_limit);
+      if (size.is_complete() && !(is_live_ && size.shortest_deadlock())) return system;
+    }
+  }
+  Property property_of(const System& system, const std::string& text, Fairness fairness) {
+    const std::vector<ProgramInterface> interfaces = system.interfaces();
+    Property property;
+    property.name = text;
+    property.formula =
+        parse_formula(ScalarText(text, text, {"f", 1, 1}), {system.programs, interfaces});
+    property.fairness = fairness;
+    return property;
+  }
+  Random random_{static_cast<std::uint64_t>(9000 + GetParam())};
+  Comparison comparison_;
+
+ private:
+  bool is_live_ = false;
+};
+
+TEST_P(Reductions, Deadlock) {
+  Property property;
+  property.name = "deadlock";
+  property.kind = Property::Kind::deadlock;
+  for (int i = 0; i < 100 && !HasFatalFailure(); ++i) comparison_.check(next_system(), property);
+  comparison_.expect_use(10, 90);
+}
+
+TEST_P(Reductions, Cut) {
+  for (int i = 0; i < 100 && !HasFatalFailure(); ++i) comparison_.check_cut(next_system());
+}
+
+TEST_P(Reductions, Invariant) {
+  for (int i = 0; i < 100 && !HasFatalFailure(); ++i) {
+    const System system = next_system();
+    RandomFormula formula(system, random_);
+    const std::string left = formula.text(0), right = formula.text(0);
+    const std::string text = "G (" + left + (random_.chance(0.5) ? " || " : " && ") + right + ")";
+    comparison_.check(system, property_of(system, text, Fairness::weak));
+  }
+  comparison_.expect_use(10, 100);
+}
+
+TEST_P(Reductions, Stuck) {
+  Property property;
+  property.name = "stuck";
+  property.kind = Property::Kind::stuck;
+  for (int i = 0; i < 100 && !HasFatalFailure(); ++i) comparison_.check(next_system(), property);
+  comparison_.expect_use(1, 100);
+}
+
+TEST_P(Reductions, Formulas) {
+  for (int i = 0; i < 100 && !HasFatalFailure(); ++i) {
+    const System system = next_system();
+    const std::string text = RandomFormula(system, random_).text(3);
+    for (const Fairness fairness : {Fairness::none, Fairness::weak, Fairness::strong}) {
+      comparison_.check(system, property_of(system, text, fairness));
+    }
+  }
+  comparison_.expect_use(10, 100);
+}
+
+INSTANTIATE_TEST_SUITE_P(Seeds, Reductions, testing::Range(0, 8));
+
+}  // namespace
+}  // namespace maide

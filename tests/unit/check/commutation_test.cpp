@@ -1,0 +1,66 @@
+#include "maide/check/commutation.hpp"
+
+#include <gtest/gtest.h>
+
+namespace maide {
+namespace {
+
+constexpr std::size_t up = 0, down = 1;
+constexpr std::uint64_t ups = 1, downs = 2;
+
+// Counts from 0 to 2.
+ModelInstance counter() {
+  ModelInstance model;
+  model.name = "counter";
+  model.automaton = InterfaceAutomaton(Alphabet({"up", "down"}), Alphabet({"none"}), 3);
+  for (StateId count = 0; count < 2; ++count) {
+    model.automaton.add_transition(count, {Action::Kind::input, up}, count + 1);
+    model.automaton.add_transition(count + 1, {Action::Kind::input, down}, count);
+  }
+  return model;
+}
+
+std::vector<ProgramEdge> up_and_down() {
+  ProgramEdge edge;
+  edge.kind = ProgramEdge::Kind::give;
+  std::vector<ProgramEdge> edges(2, edge);
+  edges[down].symbol = down;
+  return edges;
+}
+
+using States = std::vector<std::uint8_t>;
+
+TEST(Commutation, ReadersDisturbWritersOnlyAtTheEnds) {
+  Commutation commutation(counter(), up_and_down(), Commutation::Watch::nothing);
+  EXPECT_EQ(commutation.undisturbed(up, downs), (States{1, 1, 0}));
+  EXPECT_EQ(commutation.undisturbed(down, ups), (States{0, 1, 1}));
+}
+
+// Two that write want the last place.
+TEST(Commutation, WhoDoesTheSameCompetes) {
+  Commutation commutation(counter(), up_and_down(), Commutation::Watch::nothing);
+  EXPECT_EQ(commutation.undisturbed(up, ups), (States{0, 0, 1}));
+  EXPECT_EQ(commutation.undisturbed(up, 0), (States{1, 1, 1}));
+}
+
+// A write at 0 makes a read possible. Under weak fairness that matters at 1 only: from there a
+// reader could have been seen both able and, at 0, unable.
+TEST(Commutation, FairnessWatchesWhatBecomesPossible) {
+  Commutation weak(counter(), up_and_down(), Commutation::Watch::weak);
+  EXPECT_EQ(weak.undisturbed(up, downs), (States{1, 0, 0}));
+  Commutation strong(counter(), up_and_down(), Commutation::Watch::strong);
+  EXPECT_EQ(strong.undisturbed(up, downs), (States{0, 0, 0}));
+}
+
+// Never tried at 2: a write there leaves what was learned, and a read first prevents that.
+TEST(Commutation, ACutIsAnOutcomeOfItsOwn) {
+  ModelInstance model = counter();
+  model.automaton.mark_unexplored(2, up);
+  Commutation commutation(model, up_and_down(), Commutation::Watch::nothing);
+  EXPECT_TRUE(commutation.may_be_cut(up, 2));
+  EXPECT_FALSE(commutation.may_be_cut(up, 1));
+  EXPECT_EQ(commutation.undisturbed(up, downs), (States{1, 1, 0}));
+}
+
+}  // namespace
+}  // namespace maide
