@@ -12,6 +12,7 @@
 
 #include "maide/base/error.hpp"
 #include "maide/base/join.hpp"
+#include "maide/check/fewest_switches.hpp"
 
 namespace maide {
 namespace {
@@ -100,6 +101,7 @@ class Checker {
       options_.control.report({"checking", 0, 0, 0, report_.properties.size(), properties_.size()});
       PropertyResult result = engine_.check(system_, property, options_);
       if (result.verdict == Verdict::holds) weaken(result);
+      if (result.trace) result.trace = with_fewest_switches(system_, property, *result.trace);
       report_.properties.push_back(std::move(result));
     }
     for (const Verdict verdict : {Verdict::inconclusive, Verdict::violated}) {

@@ -216,7 +216,13 @@ std::string to_string(const Formula& formula, const FormulaScope& scope) {
 bool holds_on_lasso(const Formula& formula, std::size_t length, std::size_t loop,
                     const std::function<bool(const Atom&, std::size_t position)>& value,
                     std::size_t cut) {
-  return LassoEvaluator(length, loop, value, cut).evaluate(negation_normal_form(formula))[0];
+  return evaluate_on_lasso(formula, length, loop, value, cut)[0];
+}
+
+std::vector<bool> evaluate_on_lasso(const Formula& formula, std::size_t length, std::size_t loop,
+                                    const std::function<bool(const Atom&, std::size_t)>& value,
+                                    std::size_t cut) {
+  return LassoEvaluator(length, loop, value, cut).evaluate(negation_normal_form(formula));
 }
 
 }  // namespace maide

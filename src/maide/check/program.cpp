@@ -77,7 +77,9 @@ class Unroller {
     program_.position = position;
     program_.labels = tree.labels;
     program_.label_sets.emplace_back();
+    program_.rounds.emplace_back();
     frames_.emplace_back();
+    frame_rounds_.push_back(0);
   }
 
   Program run() {
@@ -102,7 +104,8 @@ class Unroller {
     }
   };
 
-  void check_loops(const Block& block) const {
+  // And notes which blocks are bodies of loops.
+  void check_loops(const Block& block) {
     for (const Statement& statement : block) {
       if (statement.kind == Statement::Kind::loop && !takes_step(*statement.body)) {
         throw ParseError(
@@ -110,24 +113,46 @@ class Unroller {
             "an input, waits or chooses",
             {program_.position.file, statement.line, statement.column});
       }
+      if (statement.kind == Statement::Kind::loop || statement.kind == Statement::Kind::repeat) {
+        loops_.emplace(statement.body.get(), &statement);
+      }
       if (statement.body) check_loops(*statement.body);
       if (statement.otherwise) check_loops(*statement.otherwise);
       for (const Arm& arm : statement.arms) check_loops(*arm.body);
     }
   }
 
-  FrameId intern(const Frame& frame) {
+  // `before`: the frame of the same block and round that it follows; none: it is the first.
+  FrameId intern(const Frame& frame, FrameId before = no_frame) {
     const auto [place, is_new] =
         frame_ids_.try_emplace(frame, static_cast<FrameId>(frames_.size()));
-    if (is_new) frames_.push_back(frame);
+    if (is_new) {
+      frames_.push_back(frame);
+      frame_rounds_.push_back(before == no_frame ? make_round(frame) : frame_rounds_[before]);
+    }
     return place->second;
+  }
+
+  // The round of the innermost loop that a block's first frame is in.
+  std::uint32_t make_round(const Frame& first) {
+    const std::uint32_t outer = frame_rounds_[first.parent];
+    const auto loop = loops_.find(first.block);
+    if (loop == loops_.end()) return outer;
+    const Statement& statement = *loop->second;
+    Program::Round round{outer, statement.line, statement.column, 0, 0};
+    if (statement.kind == Statement::Kind::repeat) {
+      round.number = statement.count - first.rounds + 1;
+      round.count = statement.count;
+    }
+    program_.rounds.push_back(round);
+    return static_cast<std::uint32_t>(program_.rounds.size() - 1);
   }
 
   // The frame behind the statement of `id`.
   FrameId behind(FrameId id) {
     Frame frame = frames_[id];
     ++frame.index;
-    return intern(frame);
+    return intern(frame, id);
   }
 
   // The control state in which a program rests that goes on at `id`; new ones are queued.
@@ -208,8 +233,8 @@ class Unroller {
   }
 
   void expand(const Place place) {
-    program_.states.push_back(
-        {static_cast<std::uint32_t>(program_.edges.size()), 0, place.label_set});
+    program_.states.push_back({static_cast<std::uint32_t>(program_.edges.size()), 0,
+                               place.label_set, frame_rounds_[place.frame]});
     if (place.frame == no_frame) return;
     const Statement& statement = statement_at(place.frame);
     const auto add = [&](ProgramEdge edge) { program_.edges.push_back(edge); };
@@ -237,8 +262,10 @@ class Unroller {
 
   const Tree& tree_;
   Program program_;
-  std::vector<Frame> frames_;  // [no_frame] is not used
+  std::vector<Frame> frames_;                // [no_frame] is not used
+  std::vector<std::uint32_t> frame_rounds_;  // by frame: index into the program's rounds
   std::unordered_map<Frame, FrameId, FrameHash> frame_ids_;
+  std::unordered_map<const Block*, const Statement*> loops_;  // by body
   std::map<std::vector<std::uint32_t>, std::uint32_t> label_set_ids_;
   std::unordered_map<Place, ControlState, PlaceHash> control_states_;
   std::vector<Place> places_;  // by control state
@@ -257,6 +284,7 @@ Program parse_program(const std::string& name, const ScalarText& text,
   const program_syntax::Tree tree = program_syntax::parse(text, models);
   Program program = program_syntax::unroll(tree, name, text.position(0));
   program.unreachable = program_syntax::find_unreachable(tree, program.position.file);
+  program.last_line = text.position(text.value().find_last_not_of(" \t\r\n")).line;
   return program;
 }
 

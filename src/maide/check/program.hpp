@@ -37,13 +37,24 @@ struct Program {
     std::uint32_t first_edge = 0;
     std::uint32_t edge_count = 0;
     std::uint32_t label_set = 0;  // index into label_sets
+    std::uint32_t round = 0;      // index into rounds: of the innermost loop
+  };
+  // A round of a `loop` or `repeat`, in one round of each loop around it.
+  struct Round {
+    std::uint32_t outer = 0;   // the round around it; 0: none
+    int line = 0, column = 0;  // of the loop
+    std::uint32_t number = 0;  // from 1; 0 in a `loop`, whose rounds are all the same
+    std::uint32_t count = 0;   // of the `repeat`; 0 in a `loop`
+    bool operator==(const Round&) const = default;
   };
   std::string name;
   SourcePosition position;                             // of the program in the system file
+  int last_line = 0;                                   // of its text there
   std::vector<State> states;                           // state 0 is the initial one
   std::vector<ProgramEdge> edges;                      // grouped by state
   std::vector<std::string> labels;                     // names, in the order of the text
   std::vector<std::vector<std::uint32_t>> label_sets;  // [0] is empty; each sorted
+  std::vector<Round> rounds;                           // [0] is outside of every loop
   std::vector<SourcePosition> unreachable;  // statements behind one that does not come to its end
 
   std::span<const ProgramEdge> edges_of(ControlState state) const {

@@ -1,6 +1,7 @@
 #include "maide/check/system.hpp"
 
 #include <algorithm>
+#include <string_view>
 
 namespace maide {
 namespace {
@@ -94,6 +95,21 @@ bool has_ended(const System& system, const GlobalState& state) {
 
 bool is_deadlock(const System& system, const GlobalState& state) {
   return !state.is_cut && !has_ended(system, state) && enabled_steps(system, state).empty();
+}
+
+std::string source_line(const System& system, const Program& program, int line) {
+  const auto source = system.sources.find(program.position.file);
+  if (source == system.sources.end() || line < 1) return "";
+  std::string_view text = source->second;
+  for (int skipped = 1; skipped < line; ++skipped) {
+    const std::size_t end = text.find('\n');
+    if (end == std::string_view::npos) return "";
+    text.remove_prefix(end + 1);
+  }
+  text = text.substr(0, text.find_first_of("\r\n"));
+  const std::size_t begin = text.find_first_not_of(" \t");
+  if (begin == std::string_view::npos) return "";
+  return std::string(text.substr(begin, text.find_last_not_of(" \t") - begin + 1));
 }
 
 bool is_true(const Atom& atom, const System& system, const GlobalState& state, const Step* last) {

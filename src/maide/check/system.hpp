@@ -8,6 +8,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -52,8 +53,9 @@ struct System {
   std::string file;
   std::vector<ModelInstance> models;
   std::vector<Program> programs;
-  std::vector<Property> properties;  // those of the file
-  std::vector<std::string> remarks;  // one line each: what looks like an oversight
+  std::vector<Property> properties;            // those of the file
+  std::vector<std::string> remarks;            // one line each: what looks like an oversight
+  std::map<std::string, std::string> sources;  // texts of the files that programs stand in, by name
 
   std::vector<ProgramInterface> interfaces() const;  // of the models, in order
 };
@@ -91,6 +93,9 @@ GlobalState apply(const System& system, const GlobalState& state, const Step& st
 // Nothing can happen, and some program has not ended. A cut run is no deadlock.
 bool is_deadlock(const System& system, const GlobalState& state);
 bool has_ended(const System& system, const GlobalState& state);
+
+// The line of the program's source, without blanks around it; "" if it is not known.
+std::string source_line(const System& system, const Program& program, int line);
 
 // What an atom of a formula is in `state`, which was reached by `last` (null: the initial state, or
 // one that repeats for ever).

@@ -25,6 +25,7 @@ class SystemReader {
   SystemReader(std::string_view text, const std::string& file, const ModelSource& source)
       : text_(text), source_(source) {
     system_.file = file;
+    system_.sources.emplace(file, text);
   }
 
   System read() {

@@ -1,6 +1,7 @@
 #include "maide/check/trace.hpp"
 
 #include <algorithm>
+#include <functional>
 #include <stdexcept>
 
 #include "maide/check/ltl_automaton.hpp"
@@ -54,38 +55,51 @@ std::string find_flaw_of_stuck(const System& system, const Trace& trace,
   return "every program that has not ended steps again";
 }
 
-std::string find_flaw_of_run(const System& system, const Property& property, const Trace& trace,
-                             const std::vector<GlobalState>& states) {
+// The run as what formulas and automata are evaluated on (see holds_on_lasso). `value` refers to
+// the arguments.
+struct Positions {
+  std::size_t length = 0, loop = 0, cut = never_cut;
+  std::function<bool(const Atom&, std::size_t at)> value;
+};
+
+Positions positions_of(const System& system, const Trace& trace,
+                       const std::vector<GlobalState>& states) {
   const bool loops = trace.loop_start.has_value();
-  // A run that is cut, or shown no further, must have a bad prefix: whatever comes, it is violated.
-  const bool goes_on = !loops && !enabled_steps(system, states.back()).empty();
-  if (loops && !is_fair_loop(share_loop(system, trace, states), property.fairness)) {
-    return "the run is not fair";
-  }
+  Positions run;
   // A run that ends repeats its last state, without the event that led there.
-  const std::size_t length = states.size() + (loops ? 0 : 1);
-  const std::size_t loop = loops ? *trace.loop_start + 1 : length - 1;
-  const auto value = [&](const Atom& atom, std::size_t at) {
+  run.length = states.size() + (loops ? 0 : 1);
+  run.loop = loops ? *trace.loop_start + 1 : run.length - 1;
+  run.value = [&](const Atom& atom, std::size_t at) {
     const Step* step = at == 0 || at > trace.steps.size() ? nullptr : &trace.steps[at - 1];
     return is_true(atom, system, states[std::min(at, states.size() - 1)], step);
   };
-  std::size_t cut = never_cut;
-  if (goes_on) cut = states.size();
-  if (states.back().is_cut) cut = states.size() - 1;
+  // A run that is cut, or shown no further, must have a bad prefix: whatever comes, it is violated.
+  if (!loops && !enabled_steps(system, states.back()).empty()) run.cut = states.size();
+  if (states.back().is_cut) run.cut = states.size() - 1;
+  return run;
+}
+
+std::string find_flaw_of_run(const System& system, const Property& property, const Trace& trace,
+                             const std::vector<GlobalState>& states) {
+  const bool loops = trace.loop_start.has_value();
+  if (loops && !is_fair_loop(share_loop(system, trace, states), property.fairness)) {
+    return "the run is not fair";
+  }
   if (property.kind == Property::Kind::ltl) {
-    return holds_on_lasso(property.formula, length, loop, value, cut)
+    return evaluate_on_run(system, property.formula, trace, states)[0]
                ? "the formula holds on the run"
                : "";
   }
+  const Positions run = positions_of(system, trace, states);
   const LtlAutomaton& never = *property.never;
-  std::vector<std::uint64_t> valuations(std::min(cut, length));
+  std::vector<std::uint64_t> valuations(std::min(run.cut, run.length));
   for (std::size_t at = 0; at < valuations.size(); ++at) {
     for (std::size_t atom = 0; atom < never.atoms.size(); ++atom) {
-      valuations[at] |= std::uint64_t{value(never.atoms[atom], at)} << atom;
+      valuations[at] |= std::uint64_t{run.value(never.atoms[atom], at)} << atom;
     }
   }
-  const bool is_bad = cut == never_cut ? accepts(never, valuations, loop)
-                                       : accepts_whatever_comes(never, valuations);
+  const bool is_bad = run.cut == never_cut ? accepts(never, valuations, run.loop)
+                                           : accepts_whatever_comes(never, valuations);
   return is_bad ? "" : "the automaton does not accept the run";
 }
 
@@ -105,6 +119,12 @@ std::vector<GlobalState> replay(const System& system, const Trace& trace) {
     throw std::logic_error("the loop does not close");
   }
   return states;
+}
+
+std::vector<bool> evaluate_on_run(const System& system, const Formula& formula, const Trace& trace,
+                                  const std::vector<GlobalState>& states) {
+  const Positions run = positions_of(system, trace, states);
+  return evaluate_on_lasso(formula, run.length, run.loop, run.value, run.cut);
 }
 
 std::string find_flaw(const System& system, const Property& property, const Trace& trace) {

@@ -21,6 +21,12 @@ struct Trace {
 // possible where it is taken, or the loop does not close.
 std::vector<GlobalState> replay(const System& system, const Trace& trace);
 
+// Whether the formula holds at each position of the run: position 0 is the initial state, position
+// i the state after i steps; a run that ends has one more, at which it repeats its last state
+// without the event that led there. `states` are replay()'s.
+std::vector<bool> evaluate_on_run(const System& system, const Formula& formula, const Trace& trace,
+                                  const std::vector<GlobalState>& states);
+
 // Whether the trace is what it claims to be: it replays and shows that `property` does not hold - a
 // deadlock, a fair run that violates the formula, or a prefix that no run can make good. Returns
 // what is wrong with it, "" if nothing is.

@@ -56,6 +56,36 @@ TEST_F(ProgramTest, BookkeepingCostsNoStep) {
   EXPECT_EQ(parse("m.a; stop; m.b;").states.size(), 2u);
 }
 
+// Which rounds of which loops the state is in, outermost first: "2/3" of a repeat, "loop".
+std::string rounds_of(const Program& program, ControlState state) {
+  std::string text;
+  for (std::uint32_t at = program.states[state].round; at != 0; at = program.rounds[at].outer) {
+    const Program::Round& round = program.rounds[at];
+    const std::string own = round.count == 0
+                                ? "loop"
+                                : std::to_string(round.number) + "/" + std::to_string(round.count);
+    text = own + (text.empty() ? "" : " ") + text;
+  }
+  return text;
+}
+
+TEST_F(ProgramTest, StatesKnowTheRoundsTheyAreIn) {
+  const Program program =
+      parse("m.a; loop { repeat 2 { m.b; repeat 3 { m.a -> x; if * { m.stop; } } } m.b; }");
+  std::vector<std::string> visited;
+  std::vector<bool> seen(program.states.size());
+  for (ControlState at = 0; !seen[at]; at = program.edges_of(at).back().target) {
+    seen[at] = true;
+    const std::string rounds = rounds_of(program, at);
+    if (visited.empty() || visited.back() != rounds) visited.push_back(rounds);
+  }
+  const std::vector<std::string> expected{
+      "",         "loop 1/2",     "loop 1/2 1/3", "loop 1/2 2/3", "loop 1/2 3/3",
+      "loop 2/2", "loop 2/2 1/3", "loop 2/2 2/3", "loop 2/2 3/3", "loop"};
+  EXPECT_EQ(visited, expected);
+  EXPECT_EQ(rounds_of(program, program.edges_of(0)[0].target), "loop 1/2");
+}
+
 TEST_F(ProgramTest, ArmsJoinBehindTheSwitch) {
   const Program program = parse("switch m.a { x { m.b; } y {} \"quiet\" {} quiet {} } m.a;");
   // before; after the input; in x; behind; end
