@@ -36,16 +36,38 @@ const std::string waiting =
     "}\n";
 
 TEST_F(CheckCommand, ReadableTrace) {
-  const SubprocessResult result = run_maide({"check", system(waiting)});
+  const SubprocessResult result =
+      run_with_maide("LC_ALL=C \"$maide\" check '" + system(waiting) + "'");
   EXPECT_EQ(result.exit_status, 1);
   EXPECT_THAT(result.out, HasSubstr("deadlock  violated"));
-  EXPECT_THAT(result.out, HasSubstr("p  line 6    via.write"));
+  EXPECT_THAT(result.out, HasSubstr("p waits at line 7 for a message from sync; sync was given "
+                                    "none; no other program would ever write"));
+  EXPECT_THAT(result.out, HasSubstr("|- write ->|"));
+  EXPECT_THAT(result.out, HasSubstr("line 6  via.write;"));
   EXPECT_THAT(result.out, HasSubstr("nothing can happen any more:\n  p waits at line 7 for "
                                     "sync!message; sync has nothing to give; it would take write"));
   EXPECT_THAT(result.out, HasSubstr("q has ended"));
   EXPECT_THAT(result.out, HasSubstr("via has message due, which no program takes"));
   EXPECT_THAT(result.out, HasSubstr("stuck     holds"));
   EXPECT_THAT(result.out, HasSubstr("verdict: violated"));
+}
+
+TEST_F(CheckCommand, TraceAsSteps) {
+  const SubprocessResult result = run_maide({"check", system(waiting), "--trace-format", "steps"});
+  EXPECT_EQ(result.exit_status, 1);
+  EXPECT_THAT(result.out, HasSubstr("p  s.yaml:6   via.write"));
+  EXPECT_THAT(result.out, HasSubstr("via.write;\n"));
+  expect_error(run_maide({"check", system(waiting), "--trace-format", "poem"}), 2,
+               "--trace-format");
+}
+
+TEST_F(CheckCommand, TracesAreDrawnInUtf8WhereTheLocaleIs) {
+  const std::string path = system(waiting);
+  const auto check = [&](const std::string& locale) {
+    return run_with_maide(locale + " \"$maide\" check '" + path + "'").out;
+  };
+  EXPECT_THAT(check("LC_ALL=C.UTF-8"), HasSubstr("│─ write ─→│"));
+  EXPECT_THAT(check("LC_ALL=C"), HasSubstr("|- write ->|"));
 }
 
 TEST_F(CheckCommand, TraceFile) {

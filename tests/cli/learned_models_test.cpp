@@ -55,6 +55,21 @@ TEST(LearnedModels, AreLearnedOnceAndKeptBesideTheSystem) {
   EXPECT_EQ(kept_models(folder), 2U);
 }
 
+TEST(LearnedModels, AreLearnedForWhatIsSuggested) {
+  const TempDir folder("check-test");
+  const std::string file = write_system(folder, "buffered");
+  const SubprocessResult result = run_maide(
+      {"check", file, "--engine", "native", "--property", "deadlock", "--suggest", "--json"});
+  EXPECT_EQ(result.exit_status, 1) << result.err;
+  const Json suggestions = json_of(result)["suggestions"];
+  ASSERT_GE(suggestions.size(), 2U) << suggestions << result.err;
+  EXPECT_THAT(suggestions[0].get<std::string>(),
+              HasSubstr("via: port with kind=strict in place of buffered"));
+  EXPECT_THAT(suggestions[0].get<std::string>(), HasSubstr("(learned and checked: "));
+  EXPECT_THAT(suggestions.back().get<std::string>(),
+              HasSubstr("`repeat 1` in place of `repeat 2` in lines 6 and 8"));
+}
+
 TEST(LearnedModels, AreLearnedAgainWhenTheSystemIsAnother) {
   const TempDir folder("check-test");
   const std::string file = (folder.path() / "system.yaml").string();

@@ -2,13 +2,14 @@
 // that wraps cannot be rewritten in place.
 #include "maide/base/progress_line.hpp"
 
-#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <cstdio>
 #include <cstdlib>
 #include <mutex>
 #include <string_view>
+
+#include "maide/base/terminal.hpp"
 
 namespace maide {
 
@@ -21,12 +22,6 @@ bool stderr_is_terminal() {
   const char* terminal = std::getenv("TERM");
   return ::isatty(STDERR_FILENO) == 1 &&
          (terminal == nullptr || std::string_view(terminal) != "dumb");
-}
-
-std::size_t terminal_width() {
-  winsize size{};
-  if (::ioctl(STDERR_FILENO, TIOCGWINSZ, &size) != 0 || size.ws_col < 20) return 80;
-  return size.ws_col;
 }
 
 }  // namespace
@@ -42,7 +37,8 @@ void ProgressLine::on_progress(const Progress& progress) {
   if (now - last_drawn_ < std::chrono::milliseconds(100)) return;
   last_drawn_ = now;
   std::string text = to_string(progress);
-  if (const std::size_t width = terminal_width(); text.size() >= width) text.resize(width - 1);
+  const std::size_t width = terminal_width(STDERR_FILENO).value_or(80);
+  if (text.size() >= width) text.resize(width - 1);
   std::fprintf(stderr, "\r%s\033[K", text.c_str());
   std::fflush(stderr);
   line_is_shown = true;

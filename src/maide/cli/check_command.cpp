@@ -1,6 +1,7 @@
 // `maide check SYSTEM.yaml`: do these programs, with these models, deadlock, or violate what the
 // system file says?
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <chrono>
@@ -12,17 +13,21 @@
 #include "maide/base/log.hpp"
 #include "maide/base/subprocess.hpp"
 #include "maide/base/temp_dir.hpp"
+#include "maide/base/terminal.hpp"
 #include "maide/check/check_system.hpp"
 #include "maide/check/system_file.hpp"
 #include "maide/cli/argument_check.hpp"
 #include "maide/cli/command.hpp"
 #include "maide/formats/dot.hpp"
+#include "maide/report/explanation.hpp"
 #include "maide/report/html_report.hpp"
 #include "maide/report/sequence_chart.hpp"
+#include "maide/report/terminal_text.hpp"
 #include "maide/report/trace_chart.hpp"
 #include "maide/report/trace_text.hpp"
 #include "maide/workflow/learned_models.hpp"
 #include "maide/workflow/refine_system.hpp"
+#include "maide/workflow/suggest_change.hpp"
 #include "maide/workflow/wrapper_search.hpp"
 
 namespace maide::cli {
@@ -36,6 +41,8 @@ struct CheckArguments {
   std::vector<std::string> properties;
   std::string trace;
   std::string report;
+  std::string trace_format = "chart";
+  bool suggest = false;
   std::size_t jobs = 0;  // for models that are learned
   bool refine = false;
   std::size_t refinements = 100;
@@ -49,26 +56,55 @@ std::string describe_memory(const PropertyResult& result) {
   return fmt::format(", {:.1f} bytes a state", result.bytes_per_state());
 }
 
-std::string describe(const System& system, const PropertyResult& result, std::size_t width) {
+// How a trace is written to standard output.
+struct TraceStyle {
+  TraceFormat format = TraceFormat::chart;
+  ChartTextStyle chart;
+};
+
+TraceStyle trace_style(const std::string& format) {
+  TraceStyle style{format == "steps" ? TraceFormat::steps : TraceFormat::chart, {}};
+  style.chart.unicode = is_utf8_locale();
+  if (const auto width = terminal_width(STDOUT_FILENO)) style.chart.width = *width;
+  return style;
+}
+
+std::string describe(const System& system, const PropertyResult& result, std::size_t width,
+                     const TraceStyle& style) {
   std::ostringstream text;
   text << fmt::format("{:<{}}  {}  ({} states, {} transitions, {:.2f} s{})\n", result.name, width,
                       to_string(result.verdict), result.states, result.transitions, result.seconds,
                       describe_memory(result));
   if (!result.reason.empty()) text << "  " << result.reason << "\n";
-  if (result.trace) write_trace_text(text, system, *result.trace);
+  if (result.trace) {
+    const std::string sentence = explain(system, find_property(system, result.name), *result.trace);
+    text << wrap(sentence + ".", style.chart.width, 2);
+    write_trace_text(text, system, *result.trace, style.format, style.chart);
+  }
   return text.str();
 }
 
-std::string describe(const System& system, const CheckReport& report) {
+std::string describe(const System& system, const CheckReport& report, const TraceStyle& style) {
   std::size_t width = 0;
   for (const PropertyResult& result : report.properties) {
     width = std::max(width, result.name.size());
   }
   std::string text;
-  for (const PropertyResult& result : report.properties) text += describe(system, result, width);
+  for (const PropertyResult& result : report.properties) {
+    text += describe(system, result, width, style);
+  }
   if (!report.assumptions.empty()) text += "this rests on:\n";
   for (const std::string& assumption : report.assumptions) text += "  - " + assumption + "\n";
   return text + "verdict: " + to_string(report.verdict) + "\n";
+}
+
+std::string describe(const Suggestions& suggestions) {
+  if (suggestions.changes.empty()) {
+    return fmt::format("no single change removes it, of {} that were checked\n", suggestions.tried);
+  }
+  std::string text = "what removes it, everything else as it is:\n";
+  for (const std::string& change : suggestions.changes) text += "  - " + change + "\n";
+  return text;
 }
 
 // The trace of the first violated property.
@@ -120,11 +156,14 @@ void write_report_file(const std::string& path, const System& system, const Chec
   log_note("no property is violated, so there is no chart to write to " + path);
 }
 
+LearnedModelsOptions learning_options(const CheckArguments& arguments, const RunControl& control) {
+  return {std::filesystem::path(arguments.system).parent_path(),
+          [](const std::string& line) { log_note(line); }, control, arguments.jobs};
+}
+
 // Once, or until the verdict is confirmed on the real system.
 RefinedCheck check(const CheckArguments& arguments, Engine& engine, const CheckRequest& request) {
-  const LearnedModelsOptions models{std::filesystem::path(arguments.system).parent_path(),
-                                    [](const std::string& line) { log_note(line); },
-                                    request.options.control, arguments.jobs};
+  const LearnedModelsOptions models = learning_options(arguments, request.options.control);
   if (!arguments.refine) {
     RefinedCheck checked;
     checked.system = read_system(arguments.system, make_learning_source(models));
@@ -173,9 +212,18 @@ ExitStatus run_check(const CheckArguments& arguments, Context& context) {
   const System& system = checked.system;
   const CheckReport& report = checked.report;
   for (const std::string& remark : system.remarks) log_note(remark);
-  context.print(describe(system, report));
+  context.print(describe(system, report, trace_style(arguments.trace_format)));
   Json json = report_to_json(system, report);
   if (arguments.refine) json["refinements"] = refinements_to_json(checked.rounds);
+  if (arguments.suggest && report.verdict == Verdict::violated) {
+    SuggestOptions options;
+    options.models = make_learning_source(learning_options(arguments, request.options.control));
+    options.note = [](const std::string& line) { log_note(line); };
+    options.control = request.options.control;
+    const Suggestions suggestions = suggest_changes(system, report, options);
+    context.print(describe(suggestions));
+    json["suggestions"] = suggestions.changes;
+  }
   context.set_result(json);
   if (!arguments.trace.empty()) write_trace_file(arguments.trace, system, report);
   if (!arguments.report.empty()) {
@@ -213,10 +261,19 @@ RunFunction set_up_check(CLI::App& app) {
       ->allow_extra_args(false);
   app.add_option("--trace", arguments->trace,
                  "Write the first counterexample to this file, as JSON");
+  app.add_option("--trace-format", arguments->trace_format,
+                 "How a counterexample is shown: chart, a message sequence chart (where it fits "
+                 "the terminal), or steps, a line each")
+      ->check(CLI::IsMember({"chart", "steps"}))
+      ->capture_default_str()
+      ->type_name("FORMAT");
   app.add_option(
       "--report", arguments->report,
       "Write a page with verdicts, charts and pictures of the models (FILE.html), or the "
       "chart of the first counterexample alone (FILE.svg)");
+  app.add_flag("--suggest", arguments->suggest,
+               "After a violation, look for the smallest change that removes it: other models and "
+               "settings (learned where possible), other numbers of repetitions; each is checked");
   app.add_option("--memory", arguments->memory_mib,
                  "Most memory of a search, in MiB (default: three quarters of the machine's)")
       ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1} << 30))

@@ -5,7 +5,9 @@
 #include <ostream>
 #include <sstream>
 
+#include "maide/report/explanation.hpp"
 #include "maide/report/markup.hpp"
+#include "maide/report/program_listing.hpp"
 #include "maide/report/sequence_chart.hpp"
 #include "maide/report/trace_chart.hpp"
 #include "maide/report/trace_text.hpp"
@@ -18,6 +20,8 @@ constexpr const char* style =
     "table{border-collapse:collapse}td,th{text-align:left;padding:.2em 1em .2em 0}"
     ".violated{color:#a00000;font-weight:bold}.holds{color:#006000;font-weight:bold}"
     ".inconclusive{color:#8a5a00;font-weight:bold}"
+    ".why{font-size:1.15em}mark{background:none;color:inherit}"
+    "mark.waits{background:#fbd5d5}mark.loops{background:#fbe6d0}h3 small{font-weight:normal}"
     "pre{background:#f6f6f6;padding:.8em;overflow-x:auto}svg{max-width:100%;height:auto}";
 
 std::string verdict_cell(Verdict verdict) {
@@ -42,10 +46,14 @@ void write_table(std::ostream& out, const CheckReport& report) {
 
 void write_counterexample(std::ostream& out, const System& system, const PropertyResult& result) {
   out << fmt::format("<h2>{}: how it is violated</h2>\n", escape_markup(result.name));
+  const std::string sentence = explain(system, find_property(system, result.name), *result.trace);
+  out << fmt::format("<p class=\"why\">{}.</p>\n", escape_markup(sentence));
   write_sequence_chart_svg(out, make_trace_chart(system, *result.trace, ""));
   std::ostringstream text;
-  write_trace_text(text, system, *result.trace);
-  out << "<pre>" << escape_markup(text.str()) << "</pre>\n";
+  write_trace_text(text, system, *result.trace, TraceFormat::steps);
+  out << "<details><summary>step by step</summary><pre>" << escape_markup(text.str())
+      << "</pre></details>\n";
+  write_program_listing(out, system, *result.trace);
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
-// A check's result as one HTML page that needs nothing else: verdicts, what they rest on, the
-// counterexample as a message sequence chart and in words, and pictures of the models.
+// A check's result as one HTML page that needs nothing else: verdicts, what they rest on, each
+// counterexample in a sentence, as a message sequence chart, step by step and in the programs'
+// text, and pictures of the models.
 #pragma once
 
 #include <functional>

@@ -6,27 +6,25 @@
 #include <ostream>
 #include <string_view>
 
+#include "maide/report/chart_rows.hpp"
 #include "maide/report/markup.hpp"
 
 namespace maide {
 namespace {
 
 constexpr int margin = 16;
-constexpr int place_width = 70;  // the column of line numbers
+constexpr int number_width = 36;  // the column of steps' numbers
+constexpr int place_width = 94;   // that column and the one of line numbers
 constexpr int lane_width = 164;
 constexpr int row_height = 26;
 constexpr int head_height = 28;
 
-// Draws a chart of which rows [0, head) and [size - tail, size) are shown.
 class Drawing {
  public:
   Drawing(std::ostream& out, const SequenceChart& chart, std::size_t most)
-      : out_(out), chart_(chart) {
-    const std::size_t size = chart.messages.size();
-    head_ = size <= most ? size : most / 2;
-    tail_ = size <= most ? 0 : most - head_;
+      : out_(out), chart_(chart), rows_(fold_chart(chart, most)) {
     top_ = margin + (chart.title.empty() ? 0 : row_height);
-    const std::size_t rows = head_ + tail_ + (tail_ > 0 ? 1 : 0);
+    const std::size_t rows = rows_.size() + (chart.loop_start ? 1 : 0);
     bottom_ = top_ + head_height + static_cast<int>(rows + 1) * row_height;
   }
 
@@ -34,20 +32,13 @@ class Drawing {
     open();
     draw_lanes();
     int y = top_ + head_height + row_height;
-    const std::size_t size = chart_.messages.size();
-    const int first_row = y;
-    int loop_y = 0;
-    for (std::size_t i = 0; i < size; ++i) {
-      if (i == head_ && tail_ > 0) {
-        draw_omission(y, size - head_ - tail_);
-        y += row_height;
-        i = size - tail_;
-      }
-      if (chart_.loop_start && *chart_.loop_start <= i && loop_y == 0) loop_y = y;
-      draw_message(chart_.messages[i], y);
+    std::optional<int> loop_y;
+    for (const ChartRow& row : rows_) {
+      if (chart_.loop_start && row.message >= *chart_.loop_start && !loop_y) loop_y = y;
+      row.remark.empty() ? draw_message(row.message, y) : draw_remark(row.remark, y);
       y += row_height;
     }
-    if (chart_.loop_start) draw_loop(loop_y == 0 ? first_row : loop_y, y);
+    if (chart_.loop_start) draw_loop(loop_y.value_or(y - row_height), y);
     for (const SequenceChart::Note& note : chart_.notes) draw_note(note);
     out_ << "</svg>\n";
   }
@@ -93,11 +84,10 @@ class Drawing {
         y + 16, escape_markup(text));
   }
 
-  void draw_message(const SequenceChart::Message& message, int y) {
-    if (!message.place.empty()) {
-      out_ << fmt::format("<text x=\"{}\" y=\"{}\" font-size=\"11\" fill=\"#777777\">{}</text>\n",
-                          margin, y + 4, escape_markup(message.place));
-    }
+  void draw_message(std::size_t index, int y) {
+    const SequenceChart::Message& message = chart_.messages[index];
+    draw_small(margin, y, fmt::format("{}", index + 1));
+    if (!message.place.empty()) draw_small(margin + number_width, y, message.place);
     const int from = x(message.from);
     if (message.from == message.to) {
       out_ << fmt::format("<circle cx=\"{}\" cy=\"{}\" r=\"3\" fill=\"#1f5fa8\"/>\n", from, y);
@@ -111,6 +101,14 @@ class Drawing {
     // Beside the sender's lifeline, so that labels of long arrows do not hide other lifelines.
     const int direction = message.to > message.from ? 1 : -1;
     draw_label(from + direction * lane_width / 2, y - 5, message.label, "middle");
+    if (message.remark.empty()) return;
+    out_ << fmt::format("<text x=\"{}\" y=\"{}\" font-size=\"11\" fill=\"#b00000\">{}</text>\n",
+                        std::max(from, x(message.to)) + 6, y + 4, escape_markup(message.remark));
+  }
+
+  void draw_small(int at, int y, std::string_view text) {
+    out_ << fmt::format("<text x=\"{}\" y=\"{}\" font-size=\"11\" fill=\"#777777\">{}</text>\n", at,
+                        y + 4, escape_markup(text));
   }
 
   void draw_label(int at, int y, std::string_view text, std::string_view anchor) {
@@ -118,19 +116,23 @@ class Drawing {
                         at, y, anchor, escape_markup(text));
   }
 
-  void draw_omission(int y, std::size_t count) {
+  // A line of text in place of messages; the lifelines are left open behind it.
+  void draw_remark(const std::string& remark, int y) {
+    const int left = margin + place_width;
+    const int width = static_cast<int>(chart_.lanes.size()) * lane_width;
     out_ << fmt::format(
-        "<text x=\"{}\" y=\"{}\" font-style=\"italic\" fill=\"#777777\">... {} steps not drawn "
-        "...</text>\n",
-        margin + place_width, y + 4, count);
+        "<rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" fill=\"#ffffff\"/>\n"
+        "<text x=\"{}\" y=\"{}\" text-anchor=\"middle\" font-style=\"italic\" "
+        "fill=\"#777777\">{}</text>\n",
+        left, y - 12, width, 18, left + width / 2, y + 2, escape_markup(remark));
   }
 
   void draw_loop(int begin, int end) {
     const int left = margin + place_width - 8;
     out_ << fmt::format(
-        "<path d=\"M{0},{1} h-6 v{2} h6\" fill=\"none\" stroke=\"#b04a00\" stroke-width=\"1.4\"/>\n"
-        "<text x=\"{3}\" y=\"{4}\" font-size=\"11\" fill=\"#b04a00\">for ever</text>\n",
-        left, begin - 12, std::max(end - begin, row_height), margin, end + 2);
+        "<path d=\"M{0},{1} h-6 v{2} h6\" fill=\"none\" stroke=\"#b04a00\" stroke-width=\"1.6\"/>\n"
+        "<text x=\"{3}\" y=\"{4}\" fill=\"#b04a00\">repeats for ever</text>\n",
+        left, begin - 14, std::max(end - begin, row_height), margin, end + 8);
   }
 
   void draw_note(const SequenceChart::Note& note) {
@@ -139,15 +141,15 @@ class Drawing {
 
   std::ostream& out_;
   const SequenceChart& chart_;
-  std::size_t head_, tail_;
-  int top_, bottom_;
+  std::vector<ChartRow> rows_;
+  int top_ = 0, bottom_ = 0;
 };
 
 }  // namespace
 
 void write_sequence_chart_svg(std::ostream& out, const SequenceChart& chart,
-                              std::size_t most_messages) {
-  Drawing(out, chart, std::max<std::size_t>(most_messages, 2)).draw();
+                              std::size_t most_rows) {
+  Drawing(out, chart, most_rows).draw();
 }
 
 }  // namespace maide

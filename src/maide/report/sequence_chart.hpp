@@ -17,8 +17,10 @@ struct SequenceChart {
   struct Message {
     std::size_t from = 0;  // lanes; equal for a step that one lane makes alone
     std::size_t to = 0;
-    std::string label;  // "write", "message"
-    std::string place;  // "line 8", shown small at the left; may be empty
+    std::string label;   // "write", "message"
+    std::string place;   // "line 8", shown small at the left; may be empty
+    std::string source;  // the text of that line, where there is room for it
+    std::string remark;  // what is worth knowing of this very message: "one is lost"
   };
   struct Note {
     std::size_t lane = 0;
@@ -32,9 +34,9 @@ struct SequenceChart {
   std::vector<Note> notes;                // what each lane ends in, below the last message
 };
 
-// Writes `chart` as a complete SVG file. O(messages) bytes; at most `most_messages` are drawn, the
-// middle ones left out with a line that counts them.
+// Writes `chart` as a complete SVG file. Repetitions are folded and at most `most_rows` rows drawn
+// (chart_rows).
 void write_sequence_chart_svg(std::ostream& out, const SequenceChart& chart,
-                              std::size_t most_messages = 200);
+                              std::size_t most_rows = 200);
 
 }  // namespace maide

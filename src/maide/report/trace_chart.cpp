@@ -2,7 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <map>
 #include <utility>
+
+#include "maide/check/waiting.hpp"
 
 namespace maide {
 namespace {
@@ -10,28 +14,95 @@ namespace {
 using Kind = ProgramEdge::Kind;
 
 // Where the lanes of programs and models are.
-struct Lanes {
-  explicit Lanes(const System& system) : models(system.models.size()) {}
-  std::size_t of_program(std::size_t program) const { return program == 0 ? 0 : models + program; }
-  static std::size_t of_model(std::size_t model) { return 1 + model; }
-  std::size_t models;
+class Lanes {
+ public:
+  Lanes(const System& system, const Trace& trace) : programs_(system.programs.size()) {
+    const std::size_t count = programs_ + system.models.size();
+    // The first program, the models, the other programs: good where all talk to each other.
+    order_.push_back(0);
+    for (std::size_t i = programs_; i < count; ++i) order_.push_back(i);
+    for (std::size_t i = 1; i < programs_; ++i) order_.push_back(i);
+    talk_.assign(count, std::vector<std::size_t>(count, 0));
+    for (const Step& step : trace.steps) {
+      const ProgramEdge& edge = system.programs[step.program].edges[step.edge];
+      if (edge.kind == Kind::give || edge.kind == Kind::take) {
+        ++talk_[step.program][programs_ + edge.model];
+      }
+    }
+    count <= most_permuted ? try_all_orders() : swap_neighbours();
+    lane_of_.resize(count);
+    for (std::size_t lane = 0; lane < count; ++lane) lane_of_[order_[lane]] = lane;
+  }
+
+  std::size_t of_program(std::size_t program) const { return lane_of_[program]; }
+  std::size_t of_model(std::size_t model) const { return lane_of_[programs_ + model]; }
+
+ private:
+  static constexpr std::size_t most_permuted = 7;
+
+  // The sum of all arrows' lengths.
+  std::size_t length() const {
+    std::size_t sum = 0;
+    for (std::size_t a = 0; a < order_.size(); ++a) {
+      for (std::size_t b = a + 1; b < order_.size(); ++b) {
+        sum += (b - a) * (talk_[order_[a]][order_[b]] + talk_[order_[b]][order_[a]]);
+      }
+    }
+    return sum;
+  }
+
+  // Keeps the first of the orders that are best, seen from the one at the start.
+  void try_all_orders() {
+    const std::vector<std::size_t> start = order_;
+    std::vector<std::size_t> places(start.size()), best = start;
+    for (std::size_t i = 0; i < places.size(); ++i) places[i] = i;
+    std::size_t shortest = length();
+    while (std::next_permutation(places.begin(), places.end())) {
+      for (std::size_t i = 0; i < places.size(); ++i) order_[i] = start[places[i]];
+      if (length() < shortest) shortest = length(), best = order_;
+    }
+    order_ = best;
+  }
+
+  void swap_neighbours() {
+    for (std::size_t shortest = length(), before = shortest + 1; shortest < before;) {
+      before = shortest;
+      for (std::size_t i = 1; i < order_.size(); ++i) {
+        std::swap(order_[i - 1], order_[i]);
+        if (length() < shortest) {
+          shortest = length();
+        } else {
+          std::swap(order_[i - 1], order_[i]);
+        }
+      }
+    }
+  }
+
+  std::size_t programs_;
+  std::vector<std::size_t> order_;              // parts by lane: programs, then models
+  std::vector<std::vector<std::size_t>> talk_;  // messages between parts
+  std::vector<std::size_t> lane_of_;
 };
 
 SequenceChart::Message to_message(const System& system, const Lanes& lanes, const Step& step) {
   const ProgramEdge& edge = system.programs[step.program].edges[step.edge];
   const std::size_t program = lanes.of_program(step.program);
-  SequenceChart::Message message{program, program, "", fmt::format("line {}", edge.line)};
+  SequenceChart::Message message{program, program, "", fmt::format("line {}", edge.line), "", ""};
   if (edge.kind == Kind::choice) {
     message.label = edge.symbol == 0 ? "if" : "else";
     return message;
   }
   const ModelInstance& model = system.models[edge.model];
-  const std::size_t lane = Lanes::of_model(edge.model);
+  const std::size_t lane = lanes.of_model(edge.model);
   switch (edge.kind) {
     case Kind::give:
       message.to = lane;
       message.label = model.automaton.inputs().name(edge.symbol);
-      if (step.is_beyond) message.label += " (never tried)";
+      if (step.is_beyond) {
+        message.remark = model.when_unexplored == WhenUnexplored::drop
+                             ? "never tried there: dropped"
+                             : "never tried there";
+      }
       break;
     case Kind::take:
       message.from = lane;
@@ -55,10 +126,24 @@ std::string describe_wait(const System& system, const ProgramEdge& edge) {
   }
 }
 
+// Programs that have not ended and cannot go on, at the end or in the loop.
+void remark_on_losses(const System& system, const Trace& trace,
+                      const std::vector<GlobalState>& states, SequenceChart& chart) {
+  const std::size_t at = states.size() - 1;
+  for (const std::uint32_t program : blocked_programs(system, states[at])) {
+    const Waiting waiting = find_waiting(system, trace, states, at, program);
+    if (!waiting.account) continue;
+    for (const auto& loss : waiting.account->losses) {
+      chart.messages[loss.step].remark =
+          loss.count == 1 ? "one is lost" : fmt::format("{} are lost", loss.count);
+    }
+  }
+}
+
 }  // namespace
 
 SequenceChart make_trace_chart(const System& system, const Trace& trace, std::string title) {
-  const Lanes lanes(system);
+  const Lanes lanes(system, trace);
   SequenceChart chart;
   chart.title = std::move(title);
   chart.loop_start = trace.loop_start;
@@ -67,12 +152,29 @@ SequenceChart make_trace_chart(const System& system, const Trace& trace, std::st
     chart.lanes[lanes.of_program(i)] = {system.programs[i].name, false};
   }
   for (std::size_t i = 0; i < system.models.size(); ++i) {
-    chart.lanes[Lanes::of_model(i)] = {system.models[i].name, true};
+    chart.lanes[lanes.of_model(i)] = {system.models[i].name, true};
   }
-  for (const Step& step : trace.steps) chart.messages.push_back(to_message(system, lanes, step));
-  const GlobalState last = replay(system, trace).back();
-  if (trace.loop_start || last.is_cut) return chart;
+  std::map<std::pair<std::uint32_t, int>, std::string> sources;  // by program and line
+  for (const Step& step : trace.steps) {
+    const Program& program = system.programs[step.program];
+    const int line = program.edges[step.edge].line;
+    const auto [source, is_new] = sources.try_emplace({step.program, line});
+    if (is_new) source->second = source_line(system, program, line);
+    chart.messages.push_back(to_message(system, lanes, step));
+    chart.messages.back().source = source->second;
+  }
+  const std::vector<GlobalState> states = replay(system, trace);
+  remark_on_losses(system, trace, states, chart);
+  const GlobalState& last = states.back();
+  if (last.is_cut) return chart;
+  // Programs that go round in the loop have no end.
+  std::vector<bool> goes_round(system.programs.size());
+  for (std::size_t at = trace.loop_start.value_or(trace.steps.size()); at < trace.steps.size();
+       ++at) {
+    goes_round[trace.steps[at].program] = true;
+  }
   for (std::size_t i = 0; i < system.programs.size(); ++i) {
+    if (goes_round[i]) continue;
     const Program& program = system.programs[i];
     const ControlState control = last.programs[i];
     chart.notes.push_back(

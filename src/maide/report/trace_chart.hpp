@@ -8,7 +8,8 @@
 
 namespace maide {
 
-// The first program comes leftmost, then the models, then the other programs. O(steps).
+// Programs and models that talk much stand side by side. Messages that a program waits for in the
+// end and that were lost have a remark. O(steps x programs).
 SequenceChart make_trace_chart(const System& system, const Trace& trace, std::string title);
 
 }  // namespace maide

@@ -3,11 +3,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <ostream>
 #include <vector>
 
 #include "maide/check/trace_file.hpp"
+#include "maide/report/chart_rows.hpp"
+#include "maide/report/explanation.hpp"
+#include "maide/report/trace_chart.hpp"
 
 namespace maide {
 namespace {
@@ -127,31 +131,57 @@ void write_end(std::ostream& out, const System& system, const Trace& trace,
   }
 }
 
+void write_steps(std::ostream& out, const System& system, const Trace& trace,
+                 const SequenceChart& chart, const ChartTextStyle& style) {
+  std::size_t name_width = 0, place_width = 0, event_width = 0;
+  const auto program_of = [&](const Step& step) -> const Program& {
+    return system.programs[step.program];
+  };
+  const auto place_of = [&](const Step& step) {
+    const Program& program = program_of(step);
+    const std::string file = std::filesystem::path(program.position.file).filename().string();
+    return fmt::format("{}:{}", file, program.edges[step.edge].line);
+  };
+  const auto event_of = [&](const Step& step) {
+    return describe_edge(system, program_of(step).edges[step.edge]);
+  };
+  for (const Step& step : trace.steps) {
+    name_width = std::max(name_width, program_of(step).name.size());
+    place_width = std::max(place_width, place_of(step).size());
+    event_width = std::max(event_width, event_of(step).size());
+  }
+  bool in_loop = false;
+  for (const ChartRow& row : fold_chart(chart, style.most_rows)) {
+    if (!in_loop && trace.loop_start && row.message >= *trace.loop_start) {
+      in_loop = true;
+      out << "  from here on, again and again:\n";
+    }
+    if (!row.remark.empty()) {
+      out << "       ... " << row.remark << " ...\n";
+      continue;
+    }
+    const Step& step = trace.steps[row.message];
+    const SequenceChart::Message& message = chart.messages[row.message];
+    std::string line = fmt::format("{:>5}  {:<{}}  {:<{}}  {:<{}}  {}", row.message + 1,
+                                   program_of(step).name, name_width, place_of(step), place_width,
+                                   event_of(step), event_width, message.source);
+    if (!message.remark.empty()) line += "  (" + message.remark + ")";
+    line.erase(line.find_last_not_of(' ') + 1);
+    out << line << "\n";
+  }
+}
+
 }  // namespace
 
 void write_trace_text(std::ostream& out, const System& system, const Trace& trace,
-                      std::size_t most_steps) {
-  const std::vector<GlobalState> states = replay(system, trace);
-  std::size_t name_width = 0;
-  for (const Program& program : system.programs) {
-    name_width = std::max(name_width, program.name.size());
+                      TraceFormat format, const ChartTextStyle& style) {
+  const SequenceChart chart = make_trace_chart(system, trace, "");
+  if (format == TraceFormat::chart && fits_as_text(chart, style)) {
+    write_sequence_chart_text(out, chart, style);
+  } else {
+    write_steps(out, system, trace, chart, style);
   }
-  const std::size_t count = trace.steps.size();
-  const std::size_t head = count > most_steps ? most_steps / 2 : count;
-  const std::size_t tail = count > most_steps ? count - (most_steps - head) : count;
-  for (std::size_t at = 0; at < count; ++at) {
-    if (trace.loop_start == at) out << "  from here on, again and again:\n";
-    if (at == head && tail > head) out << fmt::format("  ... {} steps ...\n", tail - head);
-    if (at >= head && at < tail) continue;
-    const Program& program = system.programs[trace.steps[at].program];
-    const ProgramEdge& edge = program.edges[trace.steps[at].edge];
-    const bool is_dropped = trace.steps[at].is_beyond &&
-                            system.models[edge.model].when_unexplored == WhenUnexplored::drop;
-    out << fmt::format("{:>5}  {:<{}}  line {:<4} {}{}\n", at + 1, program.name, name_width,
-                       edge.line, describe_edge(system, edge),
-                       is_dropped ? "  (never tried there: dropped)" : "");
-  }
-  write_end(out, system, trace, states);
+  write_end(out, system, trace, replay(system, trace));
 }
 
 Json trace_to_json(const System& system, const Trace& trace) {
@@ -178,6 +208,9 @@ Json report_to_json(const System& system, const CheckReport& report) {
                {"bytes_per_state", result.bytes_per_state()},
                {"reduction", to_string(result.reduction)}};
     if (!result.reason.empty()) entry["reason"] = result.reason;
+    if (result.trace) {
+      entry["explanation"] = explain(system, find_property(system, result.name), *result.trace);
+    }
     entry["trace"] = result.trace ? trace_to_json(system, *result.trace) : Json::array();
     if (result.trace && result.trace->loop_start) entry["loop_start"] = *result.trace->loop_start;
     properties.push_back(std::move(entry));

@@ -2,24 +2,29 @@
 // and models stand at its end.
 #pragma once
 
+#include <cstdint>
 #include <iosfwd>
 
 #include "maide/base/json.hpp"
 #include "maide/check/check_system.hpp"
+#include "maide/report/sequence_chart_text.hpp"
 
 namespace maide {
 
-// Writes the trace, of which at most `most_steps` steps are shown: the middle is left out with a
-// line that counts them.
+// A message sequence chart, or a line a step with its place and the text that stands there. Both
+// fold repetitions (chart_rows).
+enum class TraceFormat : std::uint8_t { chart, steps };
+
+// Writes the trace - as steps, too, if the chart does not fit - and who waits for what at its end.
 void write_trace_text(std::ostream& out, const System& system, const Trace& trace,
-                      std::size_t most_steps = 200);
+                      TraceFormat format = TraceFormat::chart, const ChartTextStyle& style = {});
 
 // [{"program", "line", "model", "event"}, ...]: events are "?input", "!output", "quiet", and, with
 // model null, "if" and "else" for the branches of an `if *`.
 Json trace_to_json(const System& system, const Trace& trace);
 
-// The report of `maide check --json`. A result with a trace that repeats has `loop_start`; one that
-// is inconclusive has `reason`.
+// The report of `maide check --json`. A result with a trace has `explanation`, and, if the trace
+// repeats, `loop_start`; one that is inconclusive has `reason`.
 Json report_to_json(const System& system, const CheckReport& report);
 
 }  // namespace maide

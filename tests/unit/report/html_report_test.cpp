@@ -69,7 +69,10 @@ TEST(HtmlReport, ShowsVerdictsChartsAndModels) {
   EXPECT_THAT(out.str(), HasSubstr("x &lt; y"));
   EXPECT_THAT(out.str(), HasSubstr("marker-end"));
   EXPECT_THAT(out.str(), HasSubstr("<svg id=\"model\"/>"));
-  EXPECT_THAT(out.str(), HasSubstr("reader waits at line 5"));
+  EXPECT_THAT(out.str(), HasSubstr("<p class=\"why\">reader waits at line 5 for a message from "
+                                   "via; via has nothing to give"));
+  EXPECT_THAT(out.str(),
+              HasSubstr("<mark class=\"waits\">    5      via.read -&gt; message;</mark>"));
 }
 
 }  // namespace

@@ -22,7 +22,8 @@ std::size_t count(const std::string& text, const std::string& part) {
 SequenceChart two_lanes(std::size_t messages) {
   SequenceChart chart;
   chart.lanes = {{"planner", false}, {"via <1>", true}};
-  for (std::size_t i = 0; i < messages; ++i) chart.messages.push_back({0, 1, "write", "line 8"});
+  for (std::size_t i = 0; i < messages; ++i)
+    chart.messages.push_back({0, 1, "write", "line 8", "", ""});
   return chart;
 }
 
@@ -37,17 +38,25 @@ TEST(SequenceChart, DrawsEveryLaneAndMessage) {
   EXPECT_EQ(svg.substr(svg.size() - 7), "</svg>\n");
 }
 
-TEST(SequenceChart, LeavesOutTheMiddleOfLongRunsAndSaysSo) {
+TEST(SequenceChart, FoldsRepetitionsAndSaysSo) {
   const std::string svg = draw(two_lanes(1000), 10);
-  EXPECT_EQ(count(svg, "marker-end"), 10U);
-  EXPECT_EQ(count(svg, "990 steps not drawn"), 1U);
+  EXPECT_EQ(count(svg, "marker-end"), 1U);
+  EXPECT_EQ(count(svg, "step 1 again, 999 times, to step 1000"), 1U);
+}
+
+TEST(SequenceChart, LeavesOutTheMiddleOfLongRunsAndSaysSo) {
+  SequenceChart chart = two_lanes(1000);
+  for (std::size_t i = 0; i < 1000; ++i) chart.messages[i].label = std::to_string(i);
+  const std::string svg = draw(chart, 10);
+  EXPECT_EQ(count(svg, "marker-end"), 9U);
+  EXPECT_EQ(count(svg, "steps 6 to 996 not shown"), 1U);
 }
 
 TEST(SequenceChart, MarksTheLoop) {
   SequenceChart chart = two_lanes(4);
   chart.loop_start = 2;
-  EXPECT_EQ(count(draw(chart), "for ever"), 1U);
-  EXPECT_EQ(count(draw(two_lanes(4)), "for ever"), 0U);
+  EXPECT_EQ(count(draw(chart), "repeats for ever"), 1U);
+  EXPECT_EQ(count(draw(two_lanes(4)), "repeats for ever"), 0U);
 }
 
 }  // namespace

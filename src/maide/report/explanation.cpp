@@ -1,0 +1,336 @@
+#include "maide/report/explanation.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <vector>
+
+#include "maide/check/check_system.hpp"
+#include "maide/check/waiting.hpp"
+#include "maide/report/violation_text.hpp"
+
+namespace maide {
+namespace {
+
+using Kind = ProgramEdge::Kind;
+using Reason = Waiting::Reason;
+using Loss = MessageAccount::Loss;
+
+constexpr std::size_t most_clauses = 4;  // of programs that wait, in one sentence
+
+// "a", "a and b", "a, b and c".
+std::string list(const std::vector<std::string>& words, const std::string& last = " and ") {
+  std::string text;
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    if (i > 0) text += i + 1 == words.size() ? last : ", ";
+    text += words[i];
+  }
+  return text;
+}
+
+// What it is called to have given an input, and to give it.
+std::string past_of(const std::string& input) {
+  return input == "write" ? "wrote" : input == "publish" ? "published" : "gave " + input;
+}
+
+std::string count_of(std::size_t count, const std::string& what) {
+  return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
+}
+
+class Sentence {
+ public:
+  Sentence(const System& system, const Trace& trace)
+      : system_(system), trace_(trace), states_(replay(system, trace)) {}
+
+  std::string write(const Property& property) {
+    const std::string end = trace_.loop_start ? describe_loop() : describe_end();
+    if (property.kind == Property::Kind::never) {
+      const std::string accepted = property.name + " accepts this run, which must never happen";
+      return end.empty() ? accepted : accepted + ": " + end;
+    }
+    if (property.kind != Property::Kind::ltl) return end;
+    const std::string violation = describe_violation(system_, property.formula, trace_, states_);
+    // What comes after a bad prefix does not matter; a promise that is not kept has its reason.
+    return end.empty() || is_syntactically_safe(property.formula) ? violation
+                                                                  : violation + ": " + end;
+  }
+
+ private:
+  const std::string& program(std::uint32_t index) const { return system_.programs[index].name; }
+  const ModelInstance& model(const Waiting& waiting) const { return system_.models[waiting.model]; }
+
+  std::string programs(const std::vector<std::uint32_t>& indices) const {
+    std::vector<std::string> names;
+    for (const std::uint32_t index : indices) names.push_back(program(index));
+    return list(names);
+  }
+
+  std::string input_names(const Waiting& waiting, const std::vector<Symbol>& inputs) const {
+    std::vector<std::string> names;
+    for (const Symbol input : inputs)
+      names.push_back(model(waiting).automaton.inputs().name(input));
+    return list(names, " or ");
+  }
+
+  std::string output_names(const Waiting& waiting, const std::vector<Symbol>& outputs) const {
+    std::vector<std::string> names;
+    for (const Symbol output : outputs) {
+      names.push_back(model(waiting).automaton.outputs().name(output));
+    }
+    return list(names, " or ");
+  }
+
+  std::vector<Symbol> awaited_outputs(const Waiting& waiting) const {
+    std::vector<Symbol> outputs;
+    for (const ProgramEdge& edge : waiting.awaited) {
+      if (edge.kind == Kind::take) outputs.push_back(edge.symbol);
+    }
+    return outputs;
+  }
+
+  // What comes out are messages, and not answers of other kinds.
+  bool is_about_messages(const Waiting& waiting) const {
+    const auto outputs = awaited_outputs(waiting);
+    return std::any_of(outputs.begin(), outputs.end(), [&](Symbol output) {
+      const std::string& name = model(waiting).automaton.outputs().name(output);
+      return name == "message" || name == "next" || name == "gap";
+    });
+  }
+
+  // "waits at line 13 for message 2 of 6 from via"
+  std::string what_is_awaited(const Waiting& waiting) const {
+    const ProgramEdge& first = waiting.awaited.front();
+    const std::string& name = model(waiting).name;
+    const std::string number =
+        waiting.count > 0 ? fmt::format(" {} of {}", waiting.number, waiting.count) : "";
+    std::string text = fmt::format("waits at line {} ", first.line);
+    if (first.kind == Kind::give) {
+      const std::string input = model(waiting).automaton.inputs().name(first.symbol);
+      text += fmt::format("to give {}.{}", name, input);
+      return number.empty() ? text : text + " (" + number.substr(1) + ")";
+    }
+    if (is_about_messages(waiting)) {
+      return text + (number.empty() ? "for a message" : "for message" + number) + " from " + name;
+    }
+    const auto outputs = awaited_outputs(waiting);
+    if (outputs.empty()) return text + "until " + name + " is quiet";
+    text += "for " + output_names(waiting, outputs) + " of " + name;
+    return number.empty() ? text : text + " (" + number.substr(1) + ")";
+  }
+
+  // The first loss, before which it is known which messages the model held: "message 1, overwritten
+  // when planner wrote message 2 before message 1 was read (step 2)".
+  std::string describe_loss(const Waiting& waiting) const {
+    const Loss& loss = waiting.account->losses.front();
+    const Step& step = trace_.steps[loss.step];
+    const ProgramEdge& edge = system_.programs[step.program].edges[step.edge];
+    const auto& messages = waiting.account->messages;
+    const std::string& input = model(waiting).automaton.inputs().name(edge.symbol);
+    const std::string giving = fmt::format("when {} {}", program(step.program), past_of(input));
+    const std::string place = fmt::format("(step {})", loss.step + 1);
+    if (std::find(messages.begin(), messages.end(), edge.symbol) == messages.end()) {
+      return fmt::format("{}, {} {}", count_of(loss.count, "message"), giving, place);
+    }
+    const std::string last = fmt::format("message {}", loss.given);
+    if (step.is_beyond) {
+      return fmt::format("{}, which was never tried there and is taken to be dropped {}", last,
+                         place);
+    }
+    if (loss.held == 0 || loss.held >= loss.given) {
+      return fmt::format("one {} {}, which made no difference to {} {}", giving, last,
+                         model(waiting).name, place);
+    }
+    const std::size_t oldest = loss.given - loss.held;
+    const std::string unread =
+        loss.held == 1 ? fmt::format("message {} was read", oldest)
+                       : fmt::format("any of messages {} to {} was read", oldest, loss.given - 1);
+    const std::string how = fmt::format("{} {} before {} {}", giving, last, unread, place);
+    switch (loss.which) {
+      case Loss::Which::oldest: return fmt::format("message {}, overwritten {}", oldest, how);
+      case Loss::Which::newest: return fmt::format("{}, dropped {}", last, how);
+      case Loss::Which::unknown: break;
+    }
+    return loss.held == 1 ? fmt::format("message {} or {}, {}", oldest, loss.given, how)
+                          : fmt::format("one of messages {} to {}, {}", oldest, loss.given, how);
+  }
+
+  // "planner wrote 6, 1 was read and 5 were lost, the first ..."
+  std::string describe_account(const Waiting& waiting) const {
+    const MessageAccount& account = *waiting.account;
+    const std::string verb = past_of(input_names(waiting, account.messages));
+    if (account.given == 0) return "";
+    const std::string givers = programs({account.givers.begin(), account.givers.end()});
+    std::string text = fmt::format("{} {} {}", givers, verb, account.given);
+    const std::size_t lost = account.lost();
+    const auto were = [](std::size_t count) { return count == 1 ? "was" : "were"; };
+    if (lost == 0 && account.given == account.taken) {
+      return text + (account.given == 1 ? ", and it was read" : ", and all were read");
+    }
+    std::vector<std::string> parts{text};
+    if (account.taken > 0)
+      parts.push_back(fmt::format("{} {} read", account.taken, were(account.taken)));
+    if (lost > 0) parts.push_back(fmt::format("{} {} lost", lost, were(lost)));
+    text = list(parts);
+    if (lost == 0) return text;
+    return text + (lost > 1 ? ", first " : ": ") + describe_loss(waiting);
+  }
+
+  // What would help: "writes there", "gives fork.release", "takes it".
+  std::string help_verb(const Waiting& waiting) const {
+    if (waiting.reason == Reason::output_due) return "take it";
+    const std::string inputs = input_names(waiting, waiting.wanted);
+    return inputs == "write" ? "write to " + model(waiting).name
+                             : fmt::format("give {}.{}", model(waiting).name, inputs);
+  }
+
+  // Who could change it: "p1 has ended", "nobody else would write to q1".
+  std::string describe_helpers(const Waiting& waiting, const GlobalState& state) const {
+    if (waiting.wanted.empty()) return "nothing that programs do there would change that";
+    if (waiting.helpers.empty()) return "no other program would ever " + help_verb(waiting);
+    if (!waiting.reachable_helpers.empty()) {
+      const bool is_only = waiting.helpers.size() == 1;
+      return fmt::format("{}{} would {}", is_only ? "only " : "",
+                         programs(waiting.reachable_helpers), help_verb(waiting));
+    }
+    std::vector<std::uint32_t> ended, others;
+    for (const std::uint32_t helper : waiting.helpers) {
+      const bool is_end = system_.programs[helper].is_end(state.programs[helper]);
+      (is_end ? ended : others).push_back(helper);
+    }
+    std::vector<std::string> parts;
+    if (!ended.empty()) {
+      parts.push_back(
+          fmt::format("{} {} ended", programs(ended), ended.size() == 1 ? "has" : "have"));
+    }
+    if (!others.empty()) {
+      parts.push_back(fmt::format("{} will never {} again", programs(others), help_verb(waiting)));
+    }
+    return list(parts);
+  }
+
+  // What the model does instead: "via holds none: ..."
+  std::string describe_model(const Waiting& waiting) const {
+    const std::string& name = model(waiting).name;
+    const std::string maker =
+        waiting.cause ? program(trace_.steps[*waiting.cause].program) : std::string();
+    const std::size_t step = waiting.cause.value_or(0) + 1;
+    switch (waiting.reason) {
+      case Reason::output_due:
+        return fmt::format("{} has {} due{} and does nothing else until that is taken", name,
+                           output_names(waiting, waiting.due),
+                           waiting.cause ? fmt::format(" since step {} of {}", step, maker) : "");
+      case Reason::busy:
+        return name + " takes none now" +
+               (waiting.cause ? fmt::format(": the call that {} made at step {} has not returned",
+                                            maker, step)
+                              : "");
+      case Reason::bound: return describe_bound(model(waiting)) + ", and there it waits";
+      case Reason::nothing_due: break;
+    }
+    if (!waiting.account || !is_about_messages(waiting)) return name + " has nothing to give";
+    if (waiting.account->held > 0) {
+      return fmt::format("{} holds {}, but was not asked for it", name, waiting.account->held);
+    }
+    const std::string account = describe_account(waiting);
+    return account.empty() ? name + " was given none" : name + " holds none: " + account;
+  }
+
+  std::string describe(const Waiting& waiting, const GlobalState& state) const {
+    return fmt::format("{} {}; {}; {}", program(waiting.program), what_is_awaited(waiting),
+                       describe_model(waiting), describe_helpers(waiting, state));
+  }
+
+  // The program by which to begin: one whose message was lost, or whom nobody can help any more.
+  static int rank(const Waiting& waiting) {
+    if (waiting.account && !waiting.account->losses.empty()) return 0;
+    return waiting.reachable_helpers.empty() ? 1 : 2;
+  }
+
+  std::string describe_deadlock(const GlobalState& state) const {
+    std::vector<Waiting> waitings;
+    for (const std::uint32_t index : blocked_programs(system_, state)) {
+      waitings.push_back(find_waiting(system_, trace_, states_, states_.size() - 1, index));
+    }
+    std::stable_sort(waitings.begin(), waitings.end(),
+                     [](const Waiting& a, const Waiting& b) { return rank(a) < rank(b); });
+    std::string text = describe(waitings.front(), state);
+    const std::vector<std::uint32_t> circle = find_circle(waitings);
+    const std::size_t shown = std::min(waitings.size(), circle.size() > 2 ? 1 : most_clauses);
+    for (std::size_t i = 1; i < shown; ++i) {
+      const Waiting& waiting = waitings[i];
+      text += fmt::format("; {} {}", program(waiting.program), what_is_awaited(waiting));
+      text +=
+          waiting.reason == Reason::nothing_due ? ", and " : ": " + describe_model(waiting) + "; ";
+      text += describe_helpers(waiting, state);
+    }
+    if (circle.size() == 2) text += ": each waits for the other";
+    if (circle.size() > 2) {
+      text += "; they wait in a circle: " + program(circle[0]) + " for " + program(circle[1]);
+      for (std::size_t i = 1; i < circle.size(); ++i) {
+        text += ", " + program(circle[i]) + " for " + program(circle[(i + 1) % circle.size()]);
+      }
+    } else if (shown < waitings.size()) {
+      text += fmt::format("; {} more wait", count_of(waitings.size() - shown, "program"));
+    }
+    return text;
+  }
+
+  std::string describe_end() const {
+    const GlobalState& state = states_.back();
+    if (is_deadlock(system_, state)) return describe_deadlock(state);
+    return has_ended(system_, state) ? "all programs have ended" : "";
+  }
+
+  // Programs that have not ended and do not step in the loop.
+  std::string describe_loop() const {
+    std::vector<bool> steps(system_.programs.size());
+    for (std::size_t at = *trace_.loop_start; at < trace_.steps.size(); ++at) {
+      steps[trace_.steps[at].program] = true;
+    }
+    std::vector<std::uint32_t> running;
+    std::vector<std::string> clauses;
+    for (std::uint32_t index = 0; index < steps.size(); ++index) {
+      const bool is_end = system_.programs[index].is_end(states_.back().programs[index]);
+      if (steps[index]) {
+        running.push_back(index);
+      } else if (!is_end) {
+        clauses.push_back(describe_standstill(index));
+      }
+    }
+    const std::string loop = fmt::format("{} {} on for ever (steps {} to {})", programs(running),
+                                         running.size() == 1 ? "goes" : "go",
+                                         *trace_.loop_start + 1, trace_.steps.size());
+    return clauses.empty() ? loop : list(clauses, "; and ") + "; " + loop;
+  }
+
+  std::string describe_standstill(std::uint32_t index) const {
+    std::size_t blocked = 0, where = 0;
+    const std::size_t length = trace_.steps.size() - *trace_.loop_start;
+    for (std::size_t at = trace_.steps.size(); at-- > *trace_.loop_start;) {
+      const auto waiting = blocked_programs(system_, states_[at]);
+      if (std::find(waiting.begin(), waiting.end(), index) == waiting.end()) continue;
+      ++blocked;
+      where = at;
+    }
+    const std::string never = program(index) + " never steps again: it ";
+    if (blocked == 0) return never + "could, but never gets its turn";
+    const Waiting waiting = find_waiting(system_, trace_, states_, where, index);
+    if (blocked < length) {
+      return never + what_is_awaited(waiting) + ", and each time it could go on, others are faster";
+    }
+    return fmt::format("{}{}; {}; {}", never, what_is_awaited(waiting), describe_model(waiting),
+                       describe_helpers(waiting, states_[where]));
+  }
+
+  const System& system_;
+  const Trace& trace_;
+  std::vector<GlobalState> states_;
+};
+
+}  // namespace
+
+std::string explain(const System& system, const Property& property, const Trace& trace) {
+  return Sentence(system, trace).write(property);
+}
+
+}  // namespace maide

@@ -1,0 +1,185 @@
+#include "maide/report/explanation.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "maide/check/system_file.hpp"
+#include "scheduled_run.hpp"
+
+namespace maide {
+namespace {
+
+const std::string folder = MAIDE_SOURCE_DIR "/examples/";
+
+Property built_in(Property::Kind kind) {
+  Property property;
+  property.kind = kind;
+  return property;
+}
+
+std::string why_deadlock(const System& system, const Trace& trace) {
+  const Property property = built_in(Property::Kind::deadlock);
+  EXPECT_EQ(find_flaw(system, property, trace), "");
+  return explain(system, property, trace);
+}
+
+// A system over models of tests/models.
+System system_of(const std::string& models, const std::string& programs,
+                 const std::string& properties = "") {
+  const ModelSource source = [](const ModelRequest& request) {
+    ModelRequest local = request;
+    local.file = std::string(MAIDE_SOURCE_DIR "/tests/models/") + request.file.filename().string();
+    return read_requested_model(local);
+  };
+  return parse_system("models: {" + models + "}\nprograms:\n" + programs +
+                          (properties.empty() ? "" : "properties:\n" + properties),
+                      "s.yaml", source);
+}
+
+TEST(Explanation, NamesTheMessageThatWasLostAndTheCircle) {
+  const System system = read_system(folder + "case-study-1/buffered.yaml");
+  EXPECT_EQ(
+      why_deadlock(system, test::run_in_turns(system, "0000000111")),
+      "controller waits at line 15 for message 2 of 6 from via; via holds none: planner wrote "
+      "6, 1 was read and 5 were lost, first message 1 or 2, when planner wrote message 2 "
+      "before message 1 was read (step 2); only planner would write to via; planner waits "
+      "at line 11 for a message from sync, and only controller would write to sync: each "
+      "waits for the other");
+}
+
+TEST(Explanation, NamesTheProgramThatHasEnded) {
+  const System system = read_system(folder + "case-study-2/90-100-100-size-1.yaml");
+  const std::string why = why_deadlock(system, test::run_by_priority(system, {2, 1, 0}));
+  EXPECT_THAT(why,
+              testing::StartsWith("p3 waits at line 13 for message 91 of 100 from q1; q1 holds "
+                                  "none: p1 wrote 90, and all were read; p1 has ended"));
+  EXPECT_THAT(why,
+              testing::HasSubstr(
+                  "p2 waits at line 10 to give q2.write (92 of 100): q2 was learned for at most "
+                  "1 message in flight, and there it waits; only p3 would give q2.read"));
+}
+
+TEST(Explanation, NamesAnOutputThatNobodyTakes) {
+  const System system = system_of("via: {file: strict-2.dot}",
+                                  "  p: via.write; via.read; via.write;\n  q: via.write;\n");
+  EXPECT_EQ(why_deadlock(system, test::run_in_turns(system, "00")),
+            "p waits at line 3 to give via.write; via has message due since step 2 of p and does "
+            "nothing else until that is taken; no other program would ever take it; q waits at "
+            "line 4 to give via.write: via has message due since step 2 of p and does nothing else "
+            "until that is taken; no other program would ever take it");
+}
+
+TEST(Explanation, NamesTheCallThatHasNotReturned) {
+  const System system =
+      system_of("via: {file: strict-2.dot}", "  p: via.read; via.read;\n  q: skip;\n");
+  EXPECT_EQ(
+      why_deadlock(system, test::run_in_turns(system, "0")),
+      "p waits at line 3 to give via.read; via takes none now: the call that p made at step 1 "
+      "has not returned; no other program would ever write to via");
+}
+
+// A fork that one takes, and the others wait for.
+InterfaceAutomaton fork_model() {
+  InterfaceAutomaton fork({"take", "release"}, {"granted"}, 3);
+  fork.add_transition(0, {Action::Kind::input, 0}, 1);
+  fork.add_transition(1, {Action::Kind::output, 0}, 2);
+  fork.add_transition(2, {Action::Kind::input, 1}, 0);
+  return fork;
+}
+
+TEST(Explanation, NamesProgramsThatWaitInACircle) {
+  const System system = parse_system(
+      "models: {a: {file: f.dot}, b: {file: f.dot}, c: {file: f.dot}}\nprograms:\n"
+      "  p: loop { a.take -> granted; b.take -> granted; a.release; b.release; }\n"
+      "  q: loop { b.take -> granted; c.take -> granted; b.release; c.release; }\n"
+      "  r: loop { c.take -> granted; a.take -> granted; c.release; a.release; }\n",
+      "s.yaml", [](const ModelRequest&) { return fork_model(); });
+  EXPECT_THAT(why_deadlock(system, test::run_in_turns(system, "001122")),
+              testing::EndsWith("they wait in a circle: p for q, q for r, r for p"));
+}
+
+// A queue of `depth` messages that tells, with the next message, that one was lost.
+InterfaceAutomaton queue_with_gaps(bool drops_oldest) {
+  // Depth 1: empty, holds one (whole), holds one after a gap, and the same while it is due.
+  InterfaceAutomaton queue({"write", "read"}, {"next", "gap"}, 7);
+  const Action write{Action::Kind::input, 0}, read{Action::Kind::input, 1};
+  const Action next{Action::Kind::output, 0}, gap{Action::Kind::output, 1};
+  queue.add_transition(0, write, 1);
+  queue.add_transition(1, write, drops_oldest ? 2 : 5);
+  queue.add_transition(1, read, 3);
+  queue.add_transition(3, next, 0);
+  queue.add_transition(2, write, 2);
+  queue.add_transition(2, read, 4);
+  queue.add_transition(4, gap, 0);
+  if (!drops_oldest) {  // it holds a whole one; what comes after it has a gap before it
+    queue.add_transition(5, write, 5);
+    queue.add_transition(5, read, 6);
+    queue.add_transition(6, next, 0);
+  }
+  return queue;
+}
+
+TEST(Explanation, KnowsFromGapsWhichMessageWasLost) {
+  for (const bool drops_oldest : {true, false}) {
+    const System system = parse_system(
+        "models: {via: {file: f.dot}}\nprograms:\n"
+        "  p: repeat 2 { via.write; }\n"
+        "  q: repeat 2 { switch via.read { next { } gap { } } }\n",
+        "s.yaml", [&](const ModelRequest&) {
+          InterfaceAutomaton queue = queue_with_gaps(drops_oldest);
+          // Nothing to read: the call waits for a write.
+          const StateId waiting = queue.add_state();
+          queue.add_transition(0, {Action::Kind::input, 1}, waiting);
+          queue.add_transition(waiting, {Action::Kind::input, 0}, 3);
+          return queue;
+        });
+    EXPECT_THAT(why_deadlock(system, test::run_in_turns(system, "00111")),
+                testing::HasSubstr(
+                    drops_oldest ? "1 was lost: message 1, overwritten when p wrote message 2 "
+                                   "before message 1 was read (step 2)"
+                                 : "1 was lost: message 2, dropped when p wrote message 2 before "
+                                   "message 1 was read (step 2)"));
+  }
+}
+
+TEST(Explanation, SaysWhoNeverStepsAgainWhileOthersGoOn) {
+  const System system = system_of("via: {file: strict-2.dot}, sync: {file: buffered.dot}",
+                                  "  p: via.read -> message;\n"
+                                  "  q: loop { sync.write; sync.read -> message; }\n");
+  Trace trace = test::run_in_turns(system, "0111");
+  trace.loop_start = 1;
+  const Property stuck = built_in(Property::Kind::stuck);
+  ASSERT_EQ(find_flaw(system, stuck, trace), "");
+  EXPECT_EQ(explain(system, stuck, trace),
+            "p never steps again: it waits at line 3 for a message from via; via was given none; "
+            "no other program would ever write to via; q goes on for ever (steps 2 to 4)");
+}
+
+TEST(Explanation, SaysWhereAFormulaIsBroken) {
+  const System system =
+      system_of("via: {file: strict-2.dot}, sync: {file: buffered.dot}",
+                "  p: |\n    via.write;\n    @sent sync.read -> message;\n"
+                "  q: via.read -> message;\n",
+                "  answered: G (p@sent -> F p@end)\n  never: \"G !via!message\"\n"
+                "  order: \"!via.read U via!message\"\n  recurs: G F via.write\n");
+  const Trace trace = test::run_in_turns(system, "0011");
+  const auto why = [&](std::size_t index) {
+    const Property& property = system.properties[index];
+    EXPECT_EQ(find_flaw(system, property, trace), "") << property.name;
+    return explain(system, property, trace);
+  };
+  EXPECT_EQ(
+      why(0),
+      "p@sent holds after step 1, but p@end never holds from step 1 on: p waits at line 5 for "
+      "a message from sync; sync was given none; no other program would ever write to "
+      "sync");
+  EXPECT_EQ(why(1), "step 4 is via!message");
+  EXPECT_EQ(why(2),
+            "step 3 is via.read, before via!message holds: p waits at line 5 for a message "
+            "from sync; sync was given none; no other program would ever write to sync");
+  EXPECT_THAT(why(3),
+              testing::StartsWith("via.write never holds from step 2 on: p waits at line 5"));
+}
+
+}  // namespace
+}  // namespace maide
