@@ -1,7 +1,7 @@
-"""Explores what `maide export SYSTEM --to mcrl2` writes, state by state, and prints the number of
-states, of transitions and of states without any: "states 12 steps 30 dead 1".
+"""Explores what `maide export SYSTEM --to mcrl2` writes, state by state, and prints for each file
+the number of states, of transitions and of states without any: "states 12 steps 30 dead 1".
 
-    explore_mcrl2.py FILE
+    explore_mcrl2.py FILE...
 
 Reads only that part of mCRL2: one sort of constants, processes that are sums of `action . Process`,
 and init allow(..., comm(..., parallel processes)). Whatever else there is, is an error. By mCRL2's
@@ -82,4 +82,5 @@ def explore(path):
     print(f"states {len(seen)} steps {steps} dead {dead}")
 
 
-explore(sys.argv[1])
+for argument in sys.argv[1:]:
+    explore(argument)

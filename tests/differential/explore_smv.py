@@ -1,7 +1,7 @@
-"""Explores what `maide export SYSTEM --to smv` writes, state by state, and prints the number of
-states and of steps, and whether INVARSPEC holds: "states 12 steps 30 invariant true".
+"""Explores what `maide export SYSTEM --to smv` writes, state by state, and prints for each file the
+number of states and of steps, and whether INVARSPEC holds: "states 12 steps 30 invariant true".
 
-    explore_smv.py FILE
+    explore_smv.py FILE...
 
 Reads only that part of SMV: modules of one variable each, DEFINE, one TRANS, instances with the
 argument `step`. Whatever else there is, is an error. By NuSMV's manual: a transition satisfies the
@@ -203,4 +203,5 @@ def explore(path):
     print(f"states {len(seen)} steps {count} invariant {'true' if holds else 'false'}")
 
 
-explore(sys.argv[1])
+for argument in sys.argv[1:]:
+    explore(argument)
