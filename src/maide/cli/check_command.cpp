@@ -11,8 +11,6 @@
 
 #include "maide/base/file.hpp"
 #include "maide/base/log.hpp"
-#include "maide/base/subprocess.hpp"
-#include "maide/base/temp_dir.hpp"
 #include "maide/base/terminal.hpp"
 #include "maide/check/check_system.hpp"
 #include "maide/check/system_file.hpp"
@@ -20,6 +18,7 @@
 #include "maide/cli/command.hpp"
 #include "maide/formats/dot.hpp"
 #include "maide/report/explanation.hpp"
+#include "maide/report/graphviz.hpp"
 #include "maide/report/html_report.hpp"
 #include "maide/report/sequence_chart.hpp"
 #include "maide/report/terminal_text.hpp"
@@ -28,7 +27,6 @@
 #include "maide/workflow/learned_models.hpp"
 #include "maide/workflow/refine_system.hpp"
 #include "maide/workflow/suggest_change.hpp"
-#include "maide/workflow/wrapper_search.hpp"
 
 namespace maide::cli {
 
@@ -124,15 +122,9 @@ void write_trace_file(const std::string& path, const System& system, const Check
 
 // The picture of a model as an <svg> element, drawn by Graphviz; "" where that is not installed.
 std::string draw(const InterfaceAutomaton& automaton, const RunControl& control) {
-  if (!find_on_path("dot")) return "";
-  const TempDir folder("maide-report-");
   std::ostringstream dot;
   write_dot(dot, automaton);
-  const std::string file = (folder.path() / "model.dot").string();
-  write_file_atomically(file, dot.str());
-  const SubprocessResult drawn = run_program({"dot", "-Tsvg", file}, {}, control);
-  const std::size_t begin = drawn.out.find("<svg");
-  return drawn.succeeded() && begin != std::string::npos ? drawn.out.substr(begin) : "";
+  return draw_svg(dot.str(), control);
 }
 
 // A page, or, if the name ends in .svg, the chart of the first counterexample alone.
