@@ -78,9 +78,11 @@ class Comparison {
 
   Cost run_native() const {
     const std::string property = kind_ == Kind::ltl ? "response" : "deadlock";
-    const MeasuredRun run = run_measured(
-        {maide_, "check", file_, "--engine", "native", "--property", property, "--json"}, folder_,
-        most_seconds);
+    const std::string reduction = kind_ == Kind::reduced ? "full" : "none";
+    const MeasuredRun run =
+        run_measured({maide_, "check", file_, "--engine", "native", "--property", property,
+                      "--reduction", reduction, "--json"},
+                     folder_, most_seconds);
     if (run.exit_status != 0) fail("maide", run);
     const Json report = Json::parse(run.output);
     return {run.seconds, run.peak_bytes, report.at("properties").at(0).at("states")};
