@@ -297,9 +297,11 @@ class Sentence {
         clauses.push_back(describe_standstill(index));
       }
     }
-    const std::string loop = fmt::format("{} {} on for ever (steps {} to {})", programs(running),
-                                         running.size() == 1 ? "goes" : "go",
-                                         *trace_.loop_start + 1, trace_.steps.size());
+    const std::size_t first = *trace_.loop_start + 1, last = trace_.steps.size();
+    const std::string which =
+        first == last ? fmt::format("step {}", last) : fmt::format("steps {} to {}", first, last);
+    const std::string loop = fmt::format("{} {} on for ever ({})", programs(running),
+                                         running.size() == 1 ? "goes" : "go", which);
     return clauses.empty() ? loop : list(clauses, "; and ") + "; " + loop;
   }
 

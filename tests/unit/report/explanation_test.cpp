@@ -155,6 +155,16 @@ TEST(Explanation, SaysWhoNeverStepsAgainWhileOthersGoOn) {
             "no other program would ever write to via; q goes on for ever (steps 2 to 4)");
 }
 
+TEST(Explanation, NamesALoopOfOneStep) {
+  const System system = system_of("via: {file: strict-2.dot}, sync: {file: buffered.dot}",
+                                  "  p: via.read -> message;\n  q: loop { sync.write; }\n");
+  Trace trace = test::run_in_turns(system, "011");
+  trace.loop_start = 2;
+  const Property stuck = built_in(Property::Kind::stuck);
+  ASSERT_EQ(find_flaw(system, stuck, trace), "");
+  EXPECT_THAT(explain(system, stuck, trace), testing::EndsWith("q goes on for ever (step 3)"));
+}
+
 TEST(Explanation, SaysWhereAFormulaIsBroken) {
   const System system =
       system_of("via: {file: strict-2.dot}, sync: {file: buffered.dot}",
