@@ -6,7 +6,6 @@
 
 #include <array>
 #include <cerrno>
-#include <charconv>
 #include <chrono>
 #include <cstdlib>
 #include <stdexcept>
@@ -15,6 +14,7 @@
 
 #include "maide/base/descriptor.hpp"
 #include "maide/base/error.hpp"
+#include "maide/base/parse_number.hpp"
 #include "maide/base/subprocess.hpp"
 #include "maide/wire/tcp.hpp"
 
@@ -69,11 +69,8 @@ Descriptor memory_file(const std::string& text) {
 }
 
 std::uint16_t parse_port(const std::string& text) {
-  std::uint16_t port = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), port);
-  if (error != std::errc() || end != text.data() + text.size() || port == 0) {
-    throw UsageError(fmt::format("option broker: '{}' is not a port", text));
-  }
+  const std::uint16_t port = parse_number<std::uint16_t>(text).value_or(0);
+  if (port == 0) throw UsageError(fmt::format("option broker: '{}' is not a port", text));
   return port;
 }
 

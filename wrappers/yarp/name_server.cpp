@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 #include <yarp/os/Network.h>
 
-#include <charconv>
 #include <chrono>
 #include <cstdint>
 #include <cstdlib>
@@ -13,6 +12,7 @@
 
 #include "maide/base/error.hpp"
 #include "maide/base/file.hpp"
+#include "maide/base/parse_number.hpp"
 #include "maide/base/temp_dir.hpp"
 
 namespace maide::yarp_ports {
@@ -44,9 +44,7 @@ Address parse_address(const std::string& text) {
   Address address;
   if (colon != std::string::npos && colon > 0) {
     address.host = text.substr(0, colon);
-    const char* const end = text.data() + text.size();
-    const auto parsed = std::from_chars(text.data() + colon + 1, end, address.port);
-    if (parsed.ptr != end) address.port = 0;
+    address.port = parse_number<std::uint16_t>(text.substr(colon + 1)).value_or(0);
   }
   if (address.port == 0) {
     throw UsageError(fmt::format("option server={}: it is none, own or HOST:PORT", text));

@@ -4,10 +4,10 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cctype>
-#include <charconv>
 #include <cstdint>
 
 #include "maide/base/error.hpp"
+#include "maide/base/parse_number.hpp"
 #include "maide/base/suggest.hpp"
 #include "maide/workflow/open_system.hpp"
 
@@ -62,26 +62,19 @@ void check_option_names(const CLI::App& app, const std::vector<std::string>& arg
 }
 
 std::string check_count(const std::string& text) {
-  std::uint64_t number = 0;
-  const char* end = text.data() + text.size();
-  const auto [rest, error] = std::from_chars(text.data(), end, number);
-  if (error == std::errc() && rest == end) return "";
+  if (parse_number<std::uint64_t>(text)) return "";
   return "'" + text + "' is not a whole number from 0 to 18446744073709551615";
 }
 
 std::string check_jobs(const std::string& text) {
-  std::size_t number = 0;
-  const char* end = text.data() + text.size();
-  const auto [rest, error] = std::from_chars(text.data(), end, number);
-  if (error == std::errc() && rest == end && number >= 1 && number <= most_jobs) return "";
+  const auto number = parse_number<std::size_t>(text);
+  if (number && *number >= 1 && *number <= most_jobs) return "";
   return "'" + text + "' is not a whole number from 1 to " + std::to_string(most_jobs);
 }
 
 std::string check_seconds(const std::string& text) {
-  double seconds = 0;
-  const char* end = text.data() + text.size();
-  const auto [rest, error] = std::from_chars(text.data(), end, seconds);
-  if (error == std::errc() && rest == end && seconds >= 0.001 && seconds <= 1e8) return "";
+  const auto seconds = parse_number<double>(text);
+  if (seconds && *seconds >= 0.001 && *seconds <= 1e8) return "";
   return "'" + text + "' is not a number of seconds from 0.001 to 1e8";
 }
 

@@ -11,12 +11,12 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <charconv>
 #include <memory>
 #include <stdexcept>
 #include <system_error>
 
 #include "maide/base/error.hpp"
+#include "maide/base/parse_number.hpp"
 
 namespace maide::tcp {
 namespace {
@@ -91,10 +91,7 @@ Address parse_address(const std::string& text) {
     if (is_bracketed) address.host = address.host.substr(1, address.host.size() - 2);
     if (!is_bracketed && address.host.find(':') != std::string::npos) address.host.clear();
   }
-  unsigned port = 65536;
-  const char* end = address.port.data() + address.port.size();
-  const auto parsed = std::from_chars(address.port.data(), end, port);
-  if (address.host.empty() || parsed.ec != std::errc() || parsed.ptr != end || port > 65535) {
+  if (address.host.empty() || !parse_number<std::uint16_t>(address.port)) {
     throw UsageError(fmt::format("'{}' is not HOST:PORT", text));
   }
   return address;

@@ -4,7 +4,6 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <charconv>
 #include <optional>
 #include <set>
 #include <stdexcept>
@@ -12,6 +11,7 @@
 
 #include "maide/base/error.hpp"
 #include "maide/base/join.hpp"
+#include "maide/base/parse_number.hpp"
 #include "maide/base/suggest.hpp"
 
 namespace maide {
@@ -21,13 +21,6 @@ std::string normalised(std::string_view key) {
   std::string text(key);
   std::replace(text.begin(), text.end(), '_', '-');
   return text;
-}
-
-std::optional<std::int64_t> parse_integer(std::string_view text) {
-  std::int64_t value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
-  return value;
 }
 
 std::vector<std::string> split_list(std::string_view text) {
@@ -47,7 +40,7 @@ bool is_one_of(std::string_view value, const std::vector<std::string>& allowed) 
 
 bool is_in_range(std::string_view value, const OptionSpec& spec) {
   if (spec.most < spec.least) return false;
-  const auto number = parse_integer(value);
+  const auto number = parse_number<std::int64_t>(value);
   return number && *number >= spec.least && *number <= spec.most;
 }
 
@@ -205,7 +198,7 @@ const std::string& OptionValues::text(std::string_view key) const {
 }
 
 std::int64_t OptionValues::number(std::string_view key) const {
-  const auto value = parse_integer(text(key));
+  const auto value = parse_number<std::int64_t>(text(key));
   if (!value) throw std::logic_error(fmt::format("option '{}' is not a number", key));
   return *value;
 }

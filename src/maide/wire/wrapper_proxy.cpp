@@ -3,11 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
-#include <system_error>
 #include <utility>
 
 #include "maide/base/error.hpp"
+#include "maide/base/parse_number.hpp"
 #include "maide/wire/proxy_state.hpp"
 
 namespace maide {
@@ -388,11 +387,9 @@ std::chrono::milliseconds WrapperProxy::step_limit() const {
   // What a wrapper says is multiplied by the length of words: a day a step is as good as for ever.
   constexpr std::int64_t longest = 86'400'000;
   for (const auto& [key, value] : info_.options) {
-    std::int64_t limit = 0;
-    const char* end = value.data() + value.size();
-    const auto [stop, error] = std::from_chars(value.data(), end, limit);
-    if (!same_key(key, "step-limit") || error != std::errc() || stop != end || limit <= 0) continue;
-    return std::chrono::milliseconds(std::min(limit, longest));
+    if (!same_key(key, "step-limit")) continue;
+    const auto limit = parse_number<std::int64_t>(value);
+    if (limit && *limit > 0) return std::chrono::milliseconds(std::min(*limit, longest));
   }
   return settings_.step_limit;
 }

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cctype>
-#include <charconv>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <sstream>
@@ -16,6 +15,7 @@
 #include "maide/base/file.hpp"
 #include "maide/base/hash.hpp"
 #include "maide/base/json.hpp"
+#include "maide/base/parse_number.hpp"
 #include "maide/formats/dot.hpp"
 #include "maide/formats/model_file.hpp"
 #include "maide/workflow/learn_model.hpp"
@@ -35,12 +35,8 @@ std::string describe(const ModelRequest& request) {
 }
 
 std::uint64_t read_count(const std::string& name, const std::string& text) {
-  std::uint64_t value = 0;
-  const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (failure != std::errc() || end != text.data() + text.size()) {
-    throw UsageError(fmt::format("'{}' of 'learning' must be a number, not '{}'", name, text));
-  }
-  return value;
+  if (const auto value = parse_number<std::uint64_t>(text)) return *value;
+  throw UsageError(fmt::format("'{}' of 'learning' must be a number, not '{}'", name, text));
 }
 
 // What `learning:` says.

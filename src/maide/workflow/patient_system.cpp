@@ -1,11 +1,11 @@
 #include "maide/workflow/patient_system.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <span>
 #include <utility>
 #include <vector>
 
+#include "maide/base/parse_number.hpp"
 #include "maide/formats/model_file.hpp"
 #include "maide/learn/sul_oracle.hpp"
 #include "maide/sul/ia_translator.hpp"
@@ -16,13 +16,6 @@ namespace maide {
 namespace {
 
 constexpr int longer_ms = 10;
-
-std::optional<int> parse_ms(const std::string& text) {
-  int value = 0;
-  const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (failure != std::errc() || end != text.data() + text.size()) return std::nullopt;
-  return value;
-}
 
 class OwningOracle : public OutputOracle {
  public:
@@ -50,11 +43,11 @@ std::map<std::string, std::string> longer_waits(const std::map<std::string, std:
   const auto quiescence = options.find("quiescence");
   const auto floor = options.find("floor");
   if (quiescence == options.end()) return {};
-  if (const auto delay = parse_ms(quiescence->second)) {
+  if (const auto delay = parse_number<int>(quiescence->second)) {
     return {{"quiescence", std::to_string(std::min(4 * *delay + longer_ms, 60'000))}};
   }
   if (floor == options.end()) return {};
-  return {{"floor", std::to_string(parse_ms(floor->second).value_or(0) + longer_ms)}};
+  return {{"floor", std::to_string(parse_number<int>(floor->second).value_or(0) + longer_ms)}};
 }
 
 std::optional<PatientSystem> make_patient_system(const SystemSpec& spec, const SystemAccess& access,

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <chrono>
 #include <filesystem>
 #include <map>
@@ -15,6 +14,7 @@
 
 #include "maide/base/error.hpp"
 #include "maide/base/join.hpp"
+#include "maide/base/parse_number.hpp"
 #include "maide/check/native_engine.hpp"
 #include "maide/formats/model_file.hpp"
 #include "maide/workflow/open_system.hpp"
@@ -243,7 +243,8 @@ class ChangeSearch {
   void raise(const ModelInstance& instance, const Learned& learned,
              const std::vector<OptionSpec>& specs, const OptionSpec& option) {
     Learned changed = learned;
-    const std::optional<std::uint32_t> before = number_in(value_of(changed.with, option.key));
+    const std::optional<std::uint32_t> before =
+        parse_number<std::uint32_t>(value_of(changed.with, option.key));
     std::uint32_t high = burst_;
     if (!before || *before >= high || std::int64_t{high} > option.most) return;
     std::uint32_t low = *before;  // is not enough; `high` is
@@ -281,20 +282,13 @@ class ChangeSearch {
                        describe_settings(after.with, before.with));
   }
 
-  static std::optional<std::uint32_t> number_in(const std::string& text) {
-    std::uint32_t number = 0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-    if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
-    return number;
-  }
-
   // As many messages in flight as the programs may send; false if it is so already.
   bool fit_size(With& with, const std::vector<OptionSpec>& specs) const {
     const bool has_size = std::any_of(specs.begin(), specs.end(),
                                       [](const OptionSpec& spec) { return spec.key == "size"; });
     if (!has_size) return false;
     std::string& size = value_of(with, "size");
-    if (number_in(size).value_or(0) >= burst_) return false;
+    if (parse_number<std::uint32_t>(size).value_or(0) >= burst_) return false;
     size = std::to_string(burst_);
     return true;
   }
