@@ -74,8 +74,9 @@ constexpr unsigned longest_chain = 8;
 // The longest chain for which states of the system stay as small as they can be.
 unsigned chain_length(const PackedSystem& system) {
   const unsigned state_bits = system.state_bits();
-  const unsigned room =
-      state_bits <= 64 ? std::min(most_chain_bits, 76 - state_bits) : most_chain_bits;
+  const unsigned room = state_bits <= 64
+                            ? std::min(most_chain_bits, most_bits_together - state_bits)
+                            : most_chain_bits;
   unsigned chain = longest_chain;
   while (chain > 1 && chain_bits(chain, system.code_bits()) > room) --chain;
   return chain;
@@ -86,9 +87,9 @@ unsigned chain_length(const PackedSystem& system) {
 template <typename MakeGoal>
 SearchResult explore(const System& plain, const std::optional<ReductionRules>& rules,
                      Reduction reduction, const SearchLimits& limits, MakeGoal&& make_goal) {
-  unsigned chain = 1;
-  if (rules && reduction == Reduction::full) chain = chain_length(PackedSystem(plain));
-  const PackedSystem system(plain, chain_bits(chain, PackedSystem(plain).code_bits()));
+  PackedSystem system(plain);
+  const unsigned chain = rules && reduction == Reduction::full ? chain_length(system) : 1;
+  if (chain > 1) system = PackedSystem(plain, chain_bits(chain, system.code_bits()));
   std::optional<StubbornSets> sets;
   BreadthFirstOptions options;
   if (rules) {
@@ -227,10 +228,7 @@ SearchResult search_for(const System& plain, const Property& property,
 
 }  // namespace
 
-std::string NativeEngine::obstacle(const Property& property) const {
-  static_cast<void>(property);
-  return "";
-}
+std::string NativeEngine::obstacle(const Property& /*property*/) const { return ""; }
 
 PropertyResult NativeEngine::check(const System& system, const Property& property,
                                    const EngineOptions& options) {

@@ -12,7 +12,7 @@ namespace maide {
 namespace {
 
 // What a StateTable can do: see there.
-constexpr unsigned most_together = 76, first_word = 44, most_payload = 32;
+constexpr unsigned first_word = 44, most_payload = 32;
 constexpr unsigned most_code_bits = 31;  // what a table of steps has room for
 
 }  // namespace
@@ -125,7 +125,7 @@ void PackedSystem::lay_out(unsigned payload_bits, std::size_t monitor_states) {
   for (const auto& [bits, field] : fields) state_bits_ += bits;
   std::stable_sort(fields.begin(), fields.end(),
                    [](const auto& left, const auto& right) { return left.first > right.first; });
-  const bool is_one_word = state_bits_ <= 64 && state_bits_ + payload_bits <= most_together;
+  const bool is_one_word = state_bits_ <= 64 && state_bits_ + payload_bits <= most_bits_together;
   std::vector<unsigned> used{0};
   for (const auto& [bits, field] : fields) {
     std::size_t word = 0;

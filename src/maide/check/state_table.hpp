@@ -64,13 +64,16 @@ class Scrambler {
   unsigned shift_;
 };
 
+// Of a state of one word and what is stored with it, in a table.
+inline constexpr unsigned most_bits_together = 76;
+
 template <std::size_t words>
 class StateTable {
  public:
   using State = PackedState<words>;
 
   // `address_bits` of a state's first word are used; 0..64. `payload_bits`: 0..32. With one word
-  // address_bits + payload_bits <= 76, with more the first word has at most 44.
+  // both together are at most most_bits_together, with more the first word has at most 44.
   StateTable(unsigned address_bits, unsigned payload_bits)
       : bits_(std::max(address_bits, 24U)), payload_bits_(payload_bits), scrambler_(bits_) {
     const unsigned local = bits_ - segment_bits;
