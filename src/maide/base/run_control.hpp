@@ -28,6 +28,13 @@ class ProgressObserver {
   virtual void on_progress(const Progress& progress) = 0;
 };
 
+// So many seconds from now.
+inline std::chrono::steady_clock::time_point deadline_in(double seconds) {
+  return std::chrono::steady_clock::now() +
+         std::chrono::duration_cast<std::chrono::steady_clock::duration>(
+             std::chrono::duration<double>(seconds));
+}
+
 struct RunControl {
   std::stop_token stop;
   std::optional<std::chrono::steady_clock::time_point> deadline;

@@ -4,7 +4,6 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
-#include <chrono>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <sstream>
@@ -194,12 +193,7 @@ ExitStatus run_check(const CheckArguments& arguments, Context& context) {
   request.options.reduction = reduction_of(arguments.reduction);
   request.options.control = context.control();
   if (arguments.memory_mib > 0) request.options.memory_mib = arguments.memory_mib;
-  if (arguments.seconds > 0) {
-    request.options.control.deadline =
-        std::chrono::steady_clock::now() +
-        std::chrono::duration_cast<std::chrono::steady_clock::duration>(
-            std::chrono::duration<double>(arguments.seconds));
-  }
+  if (arguments.seconds > 0) request.options.control.deadline = deadline_in(arguments.seconds);
   const RefinedCheck checked = check(arguments, *engine, request);
   const System& system = checked.system;
   const CheckReport& report = checked.report;

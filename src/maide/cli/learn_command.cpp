@@ -278,11 +278,7 @@ ExitStatus learn(const LearnArguments& arguments, Context& context) {
     system.sul->add_purpose(LearningPurpose(read_interface_automaton(arguments.purpose)));
     reference.reset();  // the purpose hides a part of it
   }
-  if (arguments.time_limit) {
-    control.deadline = std::chrono::steady_clock::now() +
-                       std::chrono::duration_cast<std::chrono::steady_clock::duration>(
-                           std::chrono::duration<double>(*arguments.time_limit));
-  }
+  if (arguments.time_limit) control.deadline = deadline_in(*arguments.time_limit);
   ExperimentOptions options = experiment_options(arguments, reference ? &*reference : nullptr);
   if (!arguments.purpose.empty()) options.fingerprint["purpose"] = read_file(arguments.purpose);
   options.confirm = is_to_be_confirmed(arguments, system);

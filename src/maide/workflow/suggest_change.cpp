@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <filesystem>
 #include <map>
 #include <optional>
@@ -24,7 +23,6 @@ namespace maide {
 namespace {
 
 namespace fs = std::filesystem;
-using Clock = std::chrono::steady_clock;
 
 constexpr std::size_t most_files = 50;   // model files beside those in use
 constexpr std::size_t most_repeats = 8;  // different numbers of repetitions
@@ -99,8 +97,7 @@ class ChangeSearch {
     request.properties = properties_;
     request.options.memory_mib = memory_mib;
     request.options.control = options_.control;
-    const auto limit = Clock::now() + std::chrono::duration_cast<Clock::duration>(
-                                          std::chrono::duration<double>(options_.seconds_each));
+    const auto limit = deadline_in(options_.seconds_each);
     auto& deadline = request.options.control.deadline;
     deadline = deadline ? std::min(*deadline, limit) : limit;
     NativeEngine engine;
