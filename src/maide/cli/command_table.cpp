@@ -38,6 +38,10 @@ std::span<const Command> command_table() {
       Command{"reproduce", "Reproduce the paper's results, theirs beside ours",
               "maide reproduce table1 --system port --json\nmaide reproduce table2",
               set_up_reproduce},
+      Command{"bench", "Measure the learning algorithms on a folder of models",
+              "maide bench models --algorithm lsharp --algorithm rs --csv bench.csv\n"
+              "maide bench models --eq standard --time 10 --json",
+              set_up_bench},
       Command{"doctor", "Tell what is usable on this machine, and what to install",
               "maide doctor\nmaide doctor --json", set_up_doctor},
   };

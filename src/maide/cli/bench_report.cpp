@@ -1,0 +1,302 @@
+#include "maide/cli/bench_report.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "maide/learn/learners.hpp"
+#include "maide/workflow/peer_figures.hpp"
+
+namespace maide::cli {
+namespace {
+
+constexpr std::string_view perfect = "perfect";
+constexpr std::size_t learner_width = 30;
+
+std::string title(const BenchModel& model) {
+  return fmt::format("{} {}x{}", model.name, model.machine.size(), model.machine.inputs().size());
+}
+
+// Resets, symbols, the same as asked, equivalence queries, CPU seconds, states.
+std::string row(std::string_view model, std::size_t model_width, std::string_view learner,
+                const std::array<std::string, 7>& cells, std::string_view remark) {
+  std::string text = fmt::format("{:<{}}  {:<{}} {:>9} {:>11} {:>9} {:>11} {:>5} {:>9} {:>6}  {}",
+                                 model, model_width, learner, learner_width, cells[0], cells[1],
+                                 cells[2], cells[3], cells[4], cells[5], cells[6], remark);
+  text.erase(text.find_last_not_of(' ') + 1);
+  return text + "\n";
+}
+
+std::string seconds_text(double seconds) { return fmt::format("{:.4f}", seconds); }
+
+template <typename Figure>
+bool is_of(const Figure& figure, const BenchModel& model) {
+  return figure.model == model.name && figure.states == model.machine.size() &&
+         figure.inputs == model.machine.inputs().size();
+}
+
+std::string in_words(double count) {
+  if (count >= 1e9) return fmt::format("{:g} G", count / 1e9);
+  return count >= 1e6 ? fmt::format("{:g} M", count / 1e6) : fmt::format("{:g} k", count / 1e3);
+}
+
+// The costs of an algorithm over several models.
+struct Mean {
+  std::string_view algorithm;
+  std::size_t models = 0;
+  QueryCounts asked, sent;
+  std::uint64_t equivalence_queries = 0;
+  double cpu_seconds = 0;
+
+  double per_model(std::uint64_t count) const {
+    return models == 0 ? 0 : static_cast<double>(count) / static_cast<double>(models);
+  }
+};
+
+struct Means {
+  std::vector<Mean> of;          // the algorithms, in the order of the runs
+  std::set<std::size_t> models;  // those that every algorithm learned rightly
+};
+
+Means compute_means(std::span<const BenchRun> runs) {
+  Means means;
+  std::map<std::string_view, std::size_t> places;
+  std::map<std::size_t, std::size_t> right;
+  for (const BenchRun& run : runs) {
+    if (places.try_emplace(run.algorithm, means.of.size()).second) {
+      means.of.emplace_back().algorithm = run.algorithm;
+    }
+    if (run.outcome == BenchOutcome::right) ++right[run.model];
+  }
+  for (const auto& [model, count] : right) {
+    if (count == means.of.size()) means.models.insert(model);
+  }
+  for (const BenchRun& run : runs) {
+    if (!means.models.contains(run.model)) continue;
+    Mean& mean = means.of[places.at(run.algorithm)];
+    ++mean.models;
+    mean.asked += run.asked.total();
+    mean.sent += run.sent.total();
+    mean.equivalence_queries += run.equivalence_queries;
+    mean.cpu_seconds += run.cpu_seconds;
+  }
+  return means;
+}
+
+bool have_peers(const std::vector<BenchModel>& models, const Means& means) {
+  std::vector<std::string> names;
+  for (const std::size_t model : means.models) names.push_back(models[model].name);
+  return are_the_41_models(names);
+}
+
+}  // namespace
+
+BenchTable::BenchTable(const std::vector<BenchModel>& models, const BenchOptions& options)
+    : models_(models),
+      is_perfect_(options.test_method == perfect),
+      name_width_(std::string_view("model").size()),
+      model_(models.size()) {
+  for (const BenchModel& model : models) name_width_ = std::max(name_width_, title(model).size());
+}
+
+std::string BenchTable::head() const {
+  return fmt::format("{:<{}}  {:<{}} {:^21} {:^21}\n", "", name_width_, "", learner_width,
+                     "to the system", "asked") +
+         row("model", name_width_, "learner",
+             {"resets", "symbols", "resets", "symbols", "EQ", "CPU s", "states"}, "");
+}
+
+std::string BenchTable::legend() const {
+  return has_peers_ ? "| other tools, on other machines: docs/bench.md says where from\n" : "";
+}
+
+std::string BenchTable::peers() {
+  if (model_ >= models_.size()) return "";
+  std::string text;
+  const auto label = [](std::string_view tool, std::string_view name) {
+    return fmt::format("| {}, {}", tool, name);
+  };
+  if (is_perfect_) {
+    for (const PeerRun& run : peer_runs()) {
+      if (!is_of(run, models_[model_])) continue;
+      text += row("", name_width_, label(run.tool, run.learner),
+                  {std::to_string(run.resets), std::to_string(run.symbols), "", "",
+                   std::to_string(run.equivalence_queries),
+                   run.cpu_seconds ? seconds_text(*run.cpu_seconds) : "", ""},
+                  "");
+    }
+    has_peers_ = has_peers_ || !text.empty();
+    return text;
+  }
+  for (const PeerTesting& testing : peer_testing()) {
+    if (!is_of(testing, models_[model_])) continue;
+    text += row("", name_width_, label("hybrid ADS", "random"),
+                {"", in_words(testing.test_symbols), "", "", "", "",
+                 std::to_string(testing.states_learned)},
+                "tests alone");
+  }
+  has_peers_ = has_peers_ || !text.empty();
+  return text;
+}
+
+std::string BenchTable::line(const BenchRun& run) {
+  std::string text;
+  const bool is_first = run.model != model_;
+  if (is_first) {
+    text = peers();
+    model_ = run.model;
+  }
+  const QueryCounts sent = run.sent.total(), asked = run.asked.total();
+  std::string remark;
+  if (run.outcome == BenchOutcome::wrong) remark = "WRONG";
+  if (run.outcome == BenchOutcome::unfinished) remark = run.error;
+  return text + row(is_first ? title(models_[run.model]) : "", name_width_, run.algorithm,
+                    {std::to_string(sent.resets), std::to_string(sent.symbols),
+                     std::to_string(asked.resets), std::to_string(asked.symbols),
+                     std::to_string(run.equivalence_queries), seconds_text(run.cpu_seconds),
+                     std::to_string(run.states)},
+                    remark);
+}
+
+std::string BenchTable::end(std::span<const BenchRun> runs) {
+  std::string text = peers();
+  const Means means = compute_means(runs);
+  if (means.models.empty()) return text + legend();
+  const std::size_t count = means.models.size();
+  text += fmt::format("\nMeans of the {} that every learner learned rightly; CPU seconds in all\n",
+                      count == 1 ? "one model" : fmt::format("{} models", count));
+  text += fmt::format("{:<{}} {:>16} {:>16} {:>8} {:>9}\n", "learner", learner_width,
+                      "symbols + resets", "asked", "EQ", "CPU s");
+  for (const Mean& mean : means.of) {
+    text += fmt::format("{:<{}} {:>16.0f} {:>16.0f} {:>8.1f} {:>9.4f}\n", mean.algorithm,
+                        learner_width, mean.per_model(mean.sent.symbols + mean.sent.resets),
+                        mean.per_model(mean.asked.symbols + mean.asked.resets),
+                        mean.per_model(mean.equivalence_queries), mean.cpu_seconds);
+  }
+  if (is_perfect_ && have_peers(models_, means)) {
+    for (const PeerMean& mean : peer_means()) {
+      text += fmt::format("{:<{}} {:>16.0f}\n", fmt::format("| {}, {}", mean.tool, mean.learner),
+                          learner_width, mean.symbols_and_resets);
+    }
+  }
+  return text + legend();
+}
+
+std::string bench_csv(const std::vector<BenchModel>& models, std::span<const BenchRun> runs) {
+  std::string text =
+      "model,states,inputs,algorithm,outcome,learned_states,resets,symbols,test_resets,"
+      "test_symbols,asked_resets,asked_symbols,asked_test_resets,asked_test_symbols,"
+      "equivalence_queries,cpu_seconds\n";
+  for (const BenchRun& run : runs) {
+    const BenchModel& model = models[run.model];
+    std::string name;
+    for (const char c : model.name) name += c == '"' ? "\"\"" : std::string(1, c);
+    const QueryCounts sent = run.sent.total(), asked = run.asked.total();
+    const QueryCounts& tests = run.sent.at(LearnPhase::testing);
+    const QueryCounts& asked_tests = run.asked.at(LearnPhase::testing);
+    text += fmt::format("\"{}\",{},{},{},{},{},{},{},{},{},{},{},{},{},{},{:.6f}\n", name,
+                        model.machine.size(), model.machine.inputs().size(), run.algorithm,
+                        to_string(run.outcome), run.states, sent.resets, sent.symbols, tests.resets,
+                        tests.symbols, asked.resets, asked.symbols, asked_tests.resets,
+                        asked_tests.symbols, run.equivalence_queries, run.cpu_seconds);
+  }
+  return text;
+}
+
+namespace {
+
+Json run_json(const BenchModel& model, const BenchRun& run) {
+  const auto counts = [](const Statistics& statistics) {
+    const QueryCounts total = statistics.total();
+    const QueryCounts& tests = statistics.at(LearnPhase::testing);
+    return Json{{"resets", total.resets},
+                {"symbols", total.symbols},
+                {"test_resets", tests.resets},
+                {"test_symbols", tests.symbols}};
+  };
+  return {{"model", model.name},
+          {"states", model.machine.size()},
+          {"inputs", model.machine.inputs().size()},
+          {"algorithm", run.algorithm},
+          {"outcome", to_string(run.outcome)},
+          {"error", run.error.empty() ? Json() : Json(run.error)},
+          {"learned_states", run.states},
+          {"equivalence_queries", run.equivalence_queries},
+          {"to_system", counts(run.sent)},
+          {"asked", counts(run.asked)},
+          {"cpu_seconds", run.cpu_seconds}};
+}
+
+Json peers_json(const BenchModel& model, bool is_perfect) {
+  Json list = Json::array();
+  for (const PeerRun& run : peer_runs()) {
+    if (!is_perfect || !is_of(run, model)) continue;
+    list.push_back({{"model", model.name},
+                    {"tool", run.tool},
+                    {"learner", run.learner},
+                    {"resets", run.resets},
+                    {"symbols", run.symbols},
+                    {"equivalence_queries", run.equivalence_queries},
+                    {"cpu_seconds", run.cpu_seconds ? Json(*run.cpu_seconds) : Json()}});
+  }
+  for (const PeerTesting& testing : peer_testing()) {
+    if (is_perfect || !is_of(testing, model)) continue;
+    list.push_back({{"model", model.name},
+                    {"tool", "hybrid ADS"},
+                    {"test_symbols", testing.test_symbols},
+                    {"states", testing.states_learned}});
+  }
+  return list;
+}
+
+Json means_json(const Means& means) {
+  Json list = Json::array();
+  for (const Mean& mean : means.of) {
+    if (mean.models == 0) continue;
+    list.push_back(
+        {{"algorithm", mean.algorithm},
+         {"models", mean.models},
+         {"symbols_and_resets", mean.per_model(mean.sent.symbols + mean.sent.resets)},
+         {"asked_symbols_and_resets", mean.per_model(mean.asked.symbols + mean.asked.resets)},
+         {"equivalence_queries", mean.per_model(mean.equivalence_queries)},
+         {"cpu_seconds_in_all", mean.cpu_seconds}});
+  }
+  return list;
+}
+
+}  // namespace
+
+Json bench_json(const BenchFolder& folder, const BenchOptions& options,
+                std::span<const BenchRun> runs, bool is_complete) {
+  const bool is_perfect = options.test_method == perfect;
+  Json json{{"equivalence_method", options.test_method},
+            {"seed", options.testing.seed},
+            {"cache", options.use_cache},
+            {"complete", is_complete},
+            {"runs", Json::array()}};
+  for (const BenchRun& run : runs) json["runs"].push_back(run_json(folder.models[run.model], run));
+  const Means means = compute_means(runs);
+  json["means"] = means_json(means);
+  json["peers"] = Json::array();
+  for (const BenchModel& model : folder.models) {
+    for (Json& figure : peers_json(model, is_perfect)) {
+      json["peers"].push_back(std::move(figure));
+    }
+  }
+  json["peer_means"] = Json::array();
+  if (is_perfect && have_peers(folder.models, means)) {
+    for (const PeerMean& mean : peer_means()) {
+      json["peer_means"].push_back({{"tool", mean.tool},
+                                    {"learner", mean.learner},
+                                    {"symbols_and_resets", mean.symbols_and_resets}});
+    }
+  }
+  json["unreadable"] = folder.unreadable;
+  return json;
+}
+
+}  // namespace maide::cli

@@ -1,0 +1,248 @@
+#include "maide/workflow/learner_bench.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <ctime>
+#include <memory>
+#include <mutex>
+#include <new>
+#include <thread>
+#include <utility>
+
+#include "maide/automata/compare.hpp"
+#include "maide/automata/minimize.hpp"
+#include "maide/base/error.hpp"
+#include "maide/formats/model_file.hpp"
+#include "maide/learn/cache.hpp"
+#include "maide/learn/counting_oracle.hpp"
+#include "maide/learn/learners.hpp"
+#include "maide/learn/mealy_oracle.hpp"
+#include "maide/sul/ia_translation.hpp"
+#include "maide/workflow/paced_oracle.hpp"
+
+namespace maide {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool is_model_file(const fs::path& path) {
+  return path.extension() == ".dot" || path.extension() == ".gv" || path.extension() == ".aut";
+}
+
+Mealy read_machine(const fs::path& path) {
+  const Model model = read_model(path);
+  if (const auto* automaton = std::get_if<InterfaceAutomaton>(&model)) {
+    return minimize(to_mealy(*automaton, Translation::eager));
+  }
+  if (const auto* machine = std::get_if<Mealy>(&model)) return minimize(*machine);
+  throw UsageError("the model is nondeterministic");
+}
+
+double thread_cpu_seconds() {
+  std::timespec time{};
+  ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+  return static_cast<double>(time.tv_sec) + static_cast<double>(time.tv_nsec) * 1e-9;
+}
+
+// Counts what is asked; the phases are those of the counter below the cache.
+class Asked : public CountingOracle {
+ public:
+  Asked(OutputOracle& system, const CountingOracle& sent) : CountingOracle(system), sent_(sent) {}
+
+  using OutputOracle::ask;
+  std::vector<MealyAnswer> ask(std::span<const Query> batch, const RunControl& control = {},
+                               const PartialSink& on_early_end = {}) override {
+    set_phase(sent_.phase());
+    return CountingOracle::ask(batch, control, on_early_end);
+  }
+
+ private:
+  const CountingOracle& sent_;
+};
+
+// One learner on one machine.
+class Measurement {
+ public:
+  Measurement(const Mealy& machine, const LearnerEntry& algorithm, const BenchOptions& options)
+      : machine_(machine),
+        system_(machine),
+        sent_(system_),
+        paced_(sent_, pace(options)),
+        cache_(paced_),
+        asked_(options.use_cache ? static_cast<OutputOracle&>(cache_) : paced_, sent_),
+        tests_(
+            find_test_method(options.test_method)
+                .make({asked_, options.use_cache ? &cache_ : nullptr, &machine}, options.testing)),
+        teacher_(*tests_, sent_),
+        learner_(algorithm.make(asked_)) {}
+
+  void run(BenchRun& result, const RunControl& control) {
+    const double start = thread_cpu_seconds();
+    try {
+      run_learner(*learner_, teacher_, control, [&result](const Mealy&, std::uint64_t round) {
+        result.equivalence_queries = round;
+      });
+      result.cpu_seconds = thread_cpu_seconds() - start;
+      result.outcome = is_right() ? BenchOutcome::right : BenchOutcome::wrong;
+    } catch (const Error& error) {
+      result.error = error.what();
+    } catch (const std::bad_alloc&) {
+      result.error = "out of memory";
+    }
+    if (result.outcome == BenchOutcome::unfinished) {
+      result.cpu_seconds = thread_cpu_seconds() - start;
+    }
+    result.states = learner_->hypothesis().size();
+    result.asked = asked_.statistics();
+    result.sent = sent_.statistics();
+  }
+
+ private:
+  static PaceOptions pace(const BenchOptions& options) {
+    PaceOptions pace;
+    if (options.max_experiments != 0) pace.max_queries = options.max_experiments;
+    return pace;
+  }
+  bool is_right() const {
+    return learner_->hypothesis().size() == machine_.size() &&
+           !find_difference(learner_->hypothesis(), machine_);
+  }
+
+  const Mealy& machine_;
+  MealyOracle system_;
+  CountingOracle sent_;
+  PacedOracle paced_;
+  Cache cache_;
+  Asked asked_;
+  std::unique_ptr<EquivalenceOracle> tests_;
+  PhasedTeacher teacher_;
+  std::unique_ptr<Learner> learner_;
+};
+
+// The runs, dealt to threads and handed over in their order.
+class Bench {
+ public:
+  Bench(const std::vector<BenchModel>& models, const BenchOptions& options,
+        const std::function<void(const BenchRun&)>& on_run, const RunControl& control)
+      : models_(models), options_(options), on_run_(on_run), control_(control) {
+    for (const std::string& name : options.algorithms) algorithms_.push_back(&find_learner(name));
+    if (algorithms_.empty()) {
+      for (const LearnerEntry& entry : learners()) algorithms_.push_back(&entry);
+    }
+    // What cannot work is found before threads are started.
+    if (!models.empty()) Measurement(models.front().machine, *algorithms_.front(), options);
+    runs_.resize(models.size() * algorithms_.size());
+  }
+
+  bool run() {
+    const std::size_t wanted =
+        options_.jobs != 0 ? options_.jobs : std::max(1U, std::thread::hardware_concurrency());
+    {
+      std::vector<std::jthread> threads;
+      for (std::size_t job = 1; job < std::min(wanted, runs_.size()); ++job) {
+        threads.emplace_back([this] { work(); });
+      }
+      work();
+    }
+    if (failure_) std::rethrow_exception(failure_);
+    bool is_complete = true;
+    for (; delivered_ < runs_.size(); ++delivered_) {
+      is_complete = is_complete && runs_[delivered_];
+      if (runs_[delivered_]) on_run_(*runs_[delivered_]);
+    }
+    return is_complete;
+  }
+
+ private:
+  void work() {
+    while (!control_.should_stop() && !is_failed_) {
+      const std::size_t index = next_++;
+      if (index >= runs_.size()) return;
+      BenchRun run;
+      run.model = index / algorithms_.size();
+      const LearnerEntry& algorithm = *algorithms_[index % algorithms_.size()];
+      run.algorithm = algorithm.name;
+      RunControl limited;
+      limited.stop = control_.stop;
+      if (options_.seconds) limited.deadline = deadline_in(*options_.seconds);
+      Measurement(models_[run.model].machine, algorithm, options_).run(run, limited);
+      if (run.outcome == BenchOutcome::unfinished && control_.should_stop()) return;
+      deliver(index, std::move(run));
+    }
+  }
+
+  void deliver(std::size_t index, BenchRun run) {
+    const std::lock_guard lock(mutex_);
+    runs_[index] = std::move(run);
+    Progress progress;
+    progress.phase = "measuring";
+    progress.done = ++done_;
+    progress.total = runs_.size();
+    control_.report(progress);
+    try {
+      for (; delivered_ < runs_.size() && runs_[delivered_] && !is_failed_; ++delivered_) {
+        on_run_(*runs_[delivered_]);
+      }
+    } catch (...) {  // whoever listens cannot go on, for example because the disk is full
+      failure_ = std::current_exception();
+      is_failed_ = true;
+    }
+  }
+
+  const std::vector<BenchModel>& models_;
+  const BenchOptions& options_;
+  const std::function<void(const BenchRun&)>& on_run_;
+  const RunControl& control_;
+  std::vector<const LearnerEntry*> algorithms_;
+  std::atomic<std::size_t> next_{0};
+  std::atomic<bool> is_failed_{false};
+  std::mutex mutex_;  // guards what follows
+  std::vector<std::optional<BenchRun>> runs_;
+  std::size_t done_ = 0, delivered_ = 0;
+  std::exception_ptr failure_;
+};
+
+}  // namespace
+
+std::string_view to_string(BenchOutcome outcome) {
+  switch (outcome) {
+    case BenchOutcome::right: return "right";
+    case BenchOutcome::wrong: return "wrong";
+    case BenchOutcome::unfinished: break;
+  }
+  return "unfinished";
+}
+
+BenchFolder read_bench_folder(const fs::path& folder) {
+  if (!fs::is_directory(folder)) {
+    throw UsageError("there is no such folder (" + folder.string() + ")");
+  }
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    if (entry.is_regular_file() && is_model_file(entry.path())) files.push_back(entry.path());
+  }
+  if (files.empty()) throw UsageError("no model files are there (" + folder.string() + ")");
+  std::sort(files.begin(), files.end(), [](const fs::path& left, const fs::path& right) {
+    return std::pair(left.stem(), left) < std::pair(right.stem(), right);
+  });
+  BenchFolder result;
+  for (const fs::path& file : files) {
+    try {
+      result.models.push_back({file.stem().string(), read_machine(file)});
+    } catch (const ParseError& error) {
+      result.unreadable.emplace_back(error.what());
+    } catch (const UsageError& error) {
+      const std::string message = error.what();
+      const bool is_named = message.find(file.string()) != std::string::npos;
+      result.unreadable.push_back(is_named ? message : message + " (" + file.string() + ")");
+    }
+  }
+  return result;
+}
+
+bool run_bench(const std::vector<BenchModel>& models, const BenchOptions& options,
+               const std::function<void(const BenchRun&)>& on_run, const RunControl& control) {
+  return Bench(models, options, on_run, control).run();
+}
+
+}  // namespace maide

@@ -1,0 +1,77 @@
+// Learners x models, measured: what each learner asks, what of it reaches the system through the
+// cache, and the processor time. Models are known machines, so that what was learned can be
+// compared with them; each run is wired as `maide learn` wires it:
+//
+//   learner, teacher -> CountingOracle (asked) -> Cache -> CountingOracle (sent) -> the machine
+//
+// so that one run gives the figures of both conventions: those without a cache, as papers count,
+// and those with one. The counts depend on model, learner, method and seed alone.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "maide/automata/mealy.hpp"
+#include "maide/base/run_control.hpp"
+#include "maide/conformance/test_methods.hpp"
+#include "maide/learn/statistics.hpp"
+
+namespace maide {
+
+struct BenchModel {
+  std::string name;  // the file's, without its extension
+  Mealy machine;     // minimal
+};
+
+struct BenchFolder {
+  std::vector<BenchModel> models;       // by name
+  std::vector<std::string> unreadable;  // what is wrong with the other model files, a line each
+};
+
+// All model files of the folder, not of those in it. An interface automaton counts as its Mealy
+// machine (eager). Throws UsageError if there is no such folder or no model file in it.
+BenchFolder read_bench_folder(const std::filesystem::path& folder);
+
+struct BenchOptions {
+  std::vector<std::string> algorithms;  // names of learners(); empty: all
+  std::string test_method = "perfect";  // a name of test_methods()
+  TestMethodOptions testing;            // seed, extra states, ...
+  bool use_cache = true;
+  // Limits of one run; one that reaches a limit is reported as unfinished.
+  std::optional<double> seconds;      // by the clock
+  std::uint64_t max_experiments = 0;  // words that reach the system; 0: no limit
+  std::size_t jobs = 0;               // runs at once; 0: one for each processor
+};
+
+enum class BenchOutcome : std::uint8_t {
+  right,       // equivalent to the model, and minimal
+  wrong,       // the teacher found no counterexample, but there is one
+  unfinished,  // a limit, or an error
+};
+std::string_view to_string(BenchOutcome outcome);  // "right", "wrong", "unfinished"
+
+struct BenchRun {
+  std::size_t model = 0;       // its place among the models
+  std::string_view algorithm;  // of learners()
+  BenchOutcome outcome = BenchOutcome::unfinished;
+  std::string error;       // why it is unfinished
+  std::size_t states = 0;  // of what was learned, the last hypothesis
+  std::uint64_t equivalence_queries = 0;
+  Statistics asked;        // by learner and tests, cached or not
+  Statistics sent;         // of that, what reached the system
+  double cpu_seconds = 0;  // of the thread: learner, tests, cache and simulation
+};
+
+// Every algorithm on every model, several at once. `on_run` is called in the order of models, then
+// of algorithms, as soon as that order allows, one call at a time. Throws UsageError before
+// anything is run. If `control` says stop, running ones are dropped, `on_run` gets what was
+// measured behind the gaps, too, and the result is false.
+bool run_bench(const std::vector<BenchModel>& models, const BenchOptions& options,
+               const std::function<void(const BenchRun&)>& on_run, const RunControl& control = {});
+
+}  // namespace maide

@@ -1,0 +1,116 @@
+// `maide bench` with the real program.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <string>
+
+#include "maide/base/file.hpp"
+#include "maide/base/temp_dir.hpp"
+#include "run_maide.hpp"
+
+namespace maide::test {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+const std::string models = MAIDE_SOURCE_DIR "/tests/models";
+
+// A machine of two states that a single look at each input does not tell from one of one state.
+constexpr const char* lamp =
+    "digraph { off -> on [label=\"press / quiet\"]; off -> off [label=\"look / dark\"];"
+    "on -> off [label=\"press / quiet\"]; on -> on [label=\"look / light\"]; }";
+
+TEST(Bench, EveryLearnerLearnsEveryModelOfAFolder) {
+  const TempDir folder;
+  const std::string csv = folder.path() / "bench.csv";
+  const SubprocessResult result = run_maide({"bench", models, "--csv", csv, "--json"});
+  EXPECT_EQ(result.exit_status, 0) << result.err;
+  const Json json = json_of(result);
+  EXPECT_EQ(json.at("complete"), true);
+  EXPECT_EQ(json.at("equivalence_method"), "perfect");
+  const std::size_t learners = json.at("means").size();
+  EXPECT_GE(learners, 7U);
+  EXPECT_EQ(json.at("runs").size(), 13 * learners);
+  for (const Json& run : json.at("runs")) {
+    EXPECT_EQ(run.at("outcome"), "right") << run;
+    EXPECT_EQ(run.at("learned_states"), run.at("states"));
+    EXPECT_LE(run.at("to_system").at("symbols"), run.at("asked").at("symbols")) << run;
+    EXPECT_EQ(run.at("to_system").at("test_symbols"), 0) << "the perfect oracle sends nothing";
+  }
+  const std::string written = read_file(csv);
+  EXPECT_EQ(static_cast<std::size_t>(std::count(written.begin(), written.end(), '\n')),
+            13 * learners + 1);
+}
+
+TEST(Bench, CountsDoNotDependOnTheNumberOfJobs) {
+  const auto run = [](const std::string& jobs) {
+    Json json = json_of(run_maide({"bench", models, "--jobs", jobs, "--json", "--algorithm",
+                                   "lsharp", "--eq", "random-words"}));
+    for (Json& row : json.at("runs")) row.erase("cpu_seconds");
+    for (Json& row : json.at("means")) row.erase("cpu_seconds_in_all");
+    return json;
+  };
+  const Json alone = run("1");
+  EXPECT_GT(alone.at("runs").at(0).at("to_system").at("test_symbols"), 0);
+  EXPECT_EQ(alone, run("3"));
+}
+
+TEST(Bench, WithoutACacheEverythingThatIsAskedReachesTheSystem) {
+  const Json json =
+      json_of(run_maide({"bench", models, "--no-cache", "--algorithm", "rs", "--json"}));
+  for (const Json& run : json.at("runs")) EXPECT_EQ(run.at("to_system"), run.at("asked"));
+}
+
+TEST(Bench, PrintsATableWithMeans) {
+  const SubprocessResult result = run_maide({"bench", models, "--algorithm", "lsharp"});
+  EXPECT_EQ(result.exit_status, 0) << result.err;
+  EXPECT_THAT(result.out, HasSubstr("strict-6 8x2"));
+  EXPECT_THAT(result.out, HasSubstr("Means of the 13 models that every learner learned rightly"));
+}
+
+TEST(Bench, AModelThatCannotBeReadIsOneLineAndTheOthersAreMeasured) {
+  const TempDir folder;
+  write_file_atomically(folder.path() / "broken.dot", "digraph {\n  a -> }");
+  write_file_atomically(folder.path() / "lamp.dot", lamp);
+  const SubprocessResult result = run_maide({"bench", folder.path().string(), "--algorithm", "rs"});
+  EXPECT_EQ(result.exit_status, 2);
+  EXPECT_THAT(result.err, HasSubstr("broken.dot:2:8)"));
+  EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1);
+  EXPECT_THAT(result.out, HasSubstr("lamp 2x2"));
+}
+
+// One test of one input cannot find the second state.
+TEST(Bench, AWrongModelIsSaidToBeWrong) {
+  const TempDir folder;
+  write_file_atomically(folder.path() / "lamp.dot", lamp);
+  const SubprocessResult result = run_maide(
+      {"bench", folder.path().string(), "--algorithm", "rs", "--eq", "w", "--max-tests", "0"});
+  EXPECT_EQ(result.exit_status, 1) << result.out;
+  EXPECT_THAT(result.out, HasSubstr("WRONG"));
+  EXPECT_THAT(result.out, Not(HasSubstr("Means")));
+}
+
+TEST(Bench, ARunThatReachesItsLimitIsUnfinished) {
+  const SubprocessResult result =
+      run_maide({"bench", models, "--algorithm", "rs", "--max-experiments", "3", "--json"});
+  EXPECT_EQ(result.exit_status, 3);
+  const Json run = json_of(result).at("runs").at(0);
+  EXPECT_EQ(run.at("outcome"), "unfinished");
+  EXPECT_EQ(run.at("to_system").at("resets"), 3);
+  EXPECT_FALSE(run.at("error").get<std::string>().empty());
+}
+
+TEST(Bench, WhatCannotBeUsedIsAnError) {
+  const TempDir folder;
+  const std::string path = folder.path().string();
+  expect_error(run_maide({"bench", path + "/nothing"}), 2, "there is no such folder");
+  expect_error(run_maide({"bench", path}), 2, "no model files are there");
+  expect_error(run_maide({"bench", models, "--algorithm", "x"}), 2, "unknown algorithm 'x'");
+  expect_error(run_maide({"bench", models, "--eq", "x"}), 2, "unknown equivalence method 'x'");
+}
+
+}  // namespace
+}  // namespace maide::test
