@@ -43,6 +43,8 @@ struct LearnArguments {
   std::string token_file;
   std::optional<std::size_t> extra_states;
   std::optional<std::uint64_t> max_tests;
+  std::optional<std::size_t> infix_min;
+  std::optional<double> infix_mean;
   std::uint64_t max_experiments = 0;
   std::optional<double> time_limit;
   std::uint64_t seed = 1;
@@ -69,6 +71,8 @@ ExperimentOptions experiment_options(const LearnArguments& arguments, const Meal
   options.test_method = arguments.test_method;
   options.testing.extra_states = arguments.extra_states;
   options.testing.max_tests = arguments.max_tests;
+  options.testing.infix_min = arguments.infix_min;
+  options.testing.infix_mean = arguments.infix_mean;
   options.testing.seed = arguments.seed;
   options.reference = reference;
   options.cache_file = arguments.cache;
@@ -310,8 +314,15 @@ std::string describe(const Entries& entries) {
 void add_limits(CLI::App& app, LearnArguments& arguments) {
   app.add_option("--extra-states", arguments.extra_states,
                  "How many states more than the hypothesis the system may have for the tests to "
-                 "find it (--eq w, standard)")
+                 "find it (--eq standard, w, wp, hsi, hads)")
       ->check(check_count);
+  app.add_option("--infix-min", arguments.infix_min,
+                 "Fewest random inputs in the middle of a test (--eq random-w, random-wp, "
+                 "random-hsi, random-hads)")
+      ->check(check_count);
+  app.add_option("--infix-mean", arguments.infix_mean,
+                 "How many more there are on average (likewise)")
+      ->check(CLI::Range(0.0, 1e6));
   app.add_option("--max-tests", arguments.max_tests, "Most tests of one equivalence query")
       ->check(check_count);
   app.add_option("--max-experiments", arguments.max_experiments,

@@ -16,9 +16,9 @@
 #include <optional>
 #include <string>
 
+#include "maide/conformance/complete_method.hpp"
 #include "maide/conformance/random_walk.hpp"
 #include "maide/conformance/random_words.hpp"
-#include "maide/conformance/w_method.hpp"
 #include "maide/learn/equivalence_oracle.hpp"
 
 namespace maide {

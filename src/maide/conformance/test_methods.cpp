@@ -7,11 +7,12 @@
 #include "maide/base/error.hpp"
 #include "maide/base/named_table.hpp"
 #include "maide/conformance/chain_oracle.hpp"
+#include "maide/conformance/complete_method.hpp"
 #include "maide/conformance/perfect_oracle.hpp"
+#include "maide/conformance/random_identifier_suite.hpp"
 #include "maide/conformance/random_walk.hpp"
 #include "maide/conformance/random_words.hpp"
 #include "maide/conformance/standard_method.hpp"
-#include "maide/conformance/w_method.hpp"
 
 namespace maide {
 namespace {
@@ -31,12 +32,22 @@ Oracle make_standard(const TestMethodContext& context, const TestMethodOptions& 
   return std::make_unique<StandardMethod>(context.oracle, method);
 }
 
-Oracle make_w(const TestMethodContext& context, const TestMethodOptions& options) {
-  WMethodOptions method;
+template <const IdentifierMethod& identifiers>
+Oracle make_complete(const TestMethodContext& context, const TestMethodOptions& options) {
+  CompleteMethodOptions method{.seed = options.seed};
   method.runner.batch_size = options.batch_size;
   set(method.extra_states, options.extra_states);
   set(method.runner.max_tests, options.max_tests);
-  return std::make_unique<WMethod>(context.oracle, method);
+  return std::make_unique<CompleteMethod>(context.oracle, identifiers, method);
+}
+
+template <const IdentifierMethod& identifiers>
+Oracle make_random(const TestMethodContext& context, const TestMethodOptions& options) {
+  RandomMethodOptions method{.seed = options.seed, .batch_size = options.batch_size};
+  set(method.infix.min, options.infix_min);
+  set(method.infix.mean, options.infix_mean);
+  set(method.max_tests, options.max_tests);
+  return std::make_unique<RandomMethod>(context.oracle, identifiers, method);
 }
 
 Oracle make_random_words(const TestMethodContext& context, const TestMethodOptions& options) {
@@ -74,12 +85,28 @@ Oracle after_cache(const TestMethodContext& context, const TestMethodOptions& op
   return std::make_unique<ChainOracle>(std::move(links));
 }
 
+constexpr std::string_view random_options = "infix-min infix-mean max-tests seed";
+
 constexpr std::array table{
     TestMethodEntry{"standard",
                     "W-method as deep as a budget of 1000 + 50 n k tests goes, then random words",
                     "extra-states max-tests seed", after_cache<make_standard>},
-    TestMethodEntry{"w", "W-method (Chow, Vasilevskii)", "extra-states max-tests",
-                    after_cache<make_w>},
+    TestMethodEntry{"w", "W-method (Chow, Vasilevskii), complete for extra-states",
+                    "extra-states max-tests", after_cache<make_complete<w_identifiers>>},
+    TestMethodEntry{"wp", "the same by fewer tests: each state's own part of the set (Fujiwara)",
+                    "extra-states max-tests", after_cache<make_complete<wp_identifiers>>},
+    TestMethodEntry{"hsi", "the same by fewer tests: harmonised identifiers (Petrenko)",
+                    "extra-states max-tests", after_cache<make_complete<hsi_identifiers>>},
+    TestMethodEntry{"hads", "the same by fewest tests: adaptive words, hybrid ADS (Smeenk et al.)",
+                    "extra-states max-tests seed", after_cache<make_complete<hads_identifiers>>},
+    TestMethodEntry{"random-w", "access word, random infix, word of the W-method", random_options,
+                    after_cache<make_random<w_identifiers>>},
+    TestMethodEntry{"random-wp", "the same with the words of Wp", random_options,
+                    after_cache<make_random<wp_identifiers>>},
+    TestMethodEntry{"random-hsi", "the same with those of HSI", random_options,
+                    after_cache<make_random<hsi_identifiers>>},
+    TestMethodEntry{"random-hads", "the same with those of hybrid ADS", random_options,
+                    after_cache<make_random<hads_identifiers>>},
     TestMethodEntry{"random-words", "independent random words",
                     "max-tests min-length max-length seed", after_cache<make_random_words>},
     TestMethodEntry{"random-walk", "random inputs with random resets",

@@ -18,11 +18,13 @@ namespace maide {
 
 // What is not set is the method's own default; what a method does not use, it does not look at.
 struct TestMethodOptions {
-  std::optional<std::size_t> extra_states;    // w, standard
+  std::optional<std::size_t> extra_states;    // w, wp, hsi, hads, standard
   std::optional<std::uint64_t> max_tests;     // of one equivalence query
   std::optional<std::size_t> min_length;      // random-words
   std::optional<std::size_t> max_length;      // random-words, random-walk
   std::optional<double> restart_probability;  // random-walk
+  std::optional<std::size_t> infix_min;       // random-w, random-wp, random-hsi, random-hads
+  std::optional<double> infix_mean;           // likewise
   std::uint64_t seed = 0;
   std::size_t batch_size = TestRunnerOptions{}.batch_size;
 };

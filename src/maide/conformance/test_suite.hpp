@@ -20,6 +20,9 @@ class TestSuite {
   // The number of tests in all, words that are prefixes of others included; nothing if endless.
   // Saturates at 2^64-1. O(1).
   virtual std::optional<std::uint64_t> size() const = 0;
+
+  // The inputs of all tests; nothing if endless, or not known. Saturates likewise. O(1).
+  virtual std::optional<std::uint64_t> symbols() const { return std::nullopt; }
 };
 
 }  // namespace maide

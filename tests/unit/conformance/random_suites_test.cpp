@@ -1,9 +1,17 @@
 // Random suites: their ranges, their lengths, and that a seed means a run.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "maide/automata/minimize.hpp"
+#include "maide/automata/random_automata.hpp"
 #include "maide/base/error.hpp"
+#include "maide/conformance/random_identifier_suite.hpp"
 #include "maide/conformance/random_walk.hpp"
 #include "maide/conformance/random_words.hpp"
+#include "maide/conformance/separating_words.hpp"
 #include "maide/learn/mealy_oracle.hpp"
 
 namespace maide {
@@ -45,6 +53,55 @@ TEST(RandomWalkSuite, WithoutRestartsPiecesHaveTheirMaximum) {
   Word word;
   while (suite.next(word)) lengths.push_back(word.size());
   EXPECT_EQ(lengths, (std::vector<std::size_t>{30, 30, 30, 10}));
+}
+
+// Every test is a state's word, an infix within the law, and an identifier of where that leads.
+TEST(RandomIdentifierSuite, TestsAreMadeOfTheirThreeParts) {
+  Random random(2);
+  const Mealy machine = minimize(random_mealy({.states = 20, .inputs = 3, .outputs = 2}, random));
+  const StateIdentifiers identifiers = compute_adaptive_words(machine, Random(1));
+  RandomIdentifierSuite suite(machine, identifiers, {2, 3}, Random(1));
+  const std::vector<Word> cover = compute_state_cover(machine);
+  std::set<std::size_t> starts;
+  Word word;
+  double symbols = 0, expected = 0;
+  for (int i = 0; i < 5000; ++i) {
+    ASSERT_TRUE(suite.next(word));
+    symbols += static_cast<double>(word.size());
+    bool has_parts = false;
+    for (std::size_t start = 0; start < cover.size(); ++start) {
+      if (word.size() < cover[start].size() + 2 ||
+          !std::equal(cover[start].begin(), cover[start].end(), word.begin())) {
+        continue;
+      }
+      starts.insert(start);
+      for (std::size_t end = cover[start].size() + 2; end <= word.size(); ++end) {
+        const Word suffix(word.begin() + static_cast<std::ptrdiff_t>(end), word.end());
+        const auto own = identifiers.of(machine.run(std::span(word).first(end)));
+        has_parts = has_parts || std::find(own.begin(), own.end(), suffix) != own.end();
+      }
+    }
+    EXPECT_TRUE(has_parts) << to_string(word, machine.inputs());
+  }
+  EXPECT_EQ(starts.size(), cover.size());
+  for (const Word& access : cover) expected += static_cast<double>(access.size());
+  expected = expected / static_cast<double>(cover.size()) + 2 + 3;
+  EXPECT_GT(symbols / 5000, expected);
+  EXPECT_LT(symbols / 5000, expected + 10);
+}
+
+TEST(RandomMethod, FindsWhatLiesDeepAndRefusesImpossibleLaws) {
+  Mealy hypothesis({"a", "b"}, {"0", "1"}, 1), system({"a", "b"}, {"0", "1"}, 7);
+  for (Symbol input = 0; input < 2; ++input) hypothesis.set_transition(0, input, 0, 0);
+  for (StateId state = 0; state < 7; ++state) {
+    system.set_transition(state, 0, state == 6 ? 1 : 0, std::min<StateId>(state + 1, 6));
+    system.set_transition(state, 1, 0, 0);
+  }
+  MealyOracle oracle(system);
+  RandomMethod method(oracle, hads_identifiers, {.infix = {1, 6}, .max_tests = 100'000});
+  EXPECT_TRUE(method.find_counterexample(hypothesis));
+  EXPECT_THROW(RandomMethod(oracle, hads_identifiers, {.infix = {1, -1}}), UsageError);
+  EXPECT_THROW(RandomMethod(oracle, hads_identifiers, {.infix = {1, std::nan("")}}), UsageError);
 }
 
 Mealy single_state() {

@@ -155,6 +155,8 @@ TEST(TestMethods, OptionsReachTheMethods) {
   options.min_length = 4;
   options.max_length = 4;
   options.extra_states = 1;
+  options.infix_min = 3;
+  options.infix_mean = 0;
   for (const TestMethodEntry& method : test_methods()) {
     if (method.name == "perfect") continue;
     CountingOracle counter(oracle);
@@ -166,6 +168,9 @@ TEST(TestMethods, OptionsReachTheMethods) {
       EXPECT_EQ(counts.symbols, 28U);
     } else if (method.name == "random-walk") {
       EXPECT_LE(counts.symbols, 28U);
+    } else if (method.name.starts_with("random-")) {
+      EXPECT_GE(counts.symbols, 7 * 3U);
+      EXPECT_LE(counts.symbols, 7 * (3 + 3 + 4U));
     }
   }
 }

@@ -8,7 +8,7 @@
 #include <stop_token>
 
 #include "maide/base/error.hpp"
-#include "maide/conformance/w_method.hpp"
+#include "maide/conformance/complete_method.hpp"
 #include "maide/learn/cache.hpp"
 #include "maide/learn/counting_oracle.hpp"
 #include "maide/learn/learners.hpp"

@@ -1,0 +1,80 @@
+// Equivalence oracles that run a complete suite (identifier_suite.hpp): if the system has at most
+// `extra_states` states more than the hypothesis has, and differs from it, some test shows it.
+// Which words identify states makes the method.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "maide/automata/mealy.hpp"
+#include "maide/base/random.hpp"
+#include "maide/conformance/state_identifiers.hpp"
+#include "maide/conformance/test_runner.hpp"
+#include "maide/learn/equivalence_oracle.hpp"
+
+namespace maide {
+
+// A way to identify states.
+struct IdentifierMethod {
+  std::string_view title;  // in sentences: "the W-method"
+  StateIdentifiers (*compute)(const Mealy& machine, Random random);
+};
+
+inline constexpr IdentifierMethod w_identifiers{"the W-method", compute_characterising_words};
+inline constexpr IdentifierMethod wp_identifiers{"the Wp-method", compute_partial_words};
+inline constexpr IdentifierMethod hsi_identifiers{"the HSI-method", compute_harmonised_words};
+inline constexpr IdentifierMethod hads_identifiers{"hybrid ADS", compute_adaptive_words};
+
+struct CompleteMethodOptions {
+  std::size_t extra_states = 2;
+  TestRunnerOptions runner = {};
+  std::uint64_t seed = 0;  // between identifiers that serve equally well
+};
+
+class CompleteMethod : public EquivalenceOracle {
+ public:
+  // Keeps a reference to `oracle`.
+  CompleteMethod(OutputOracle& oracle, const IdentifierMethod& method,
+                 CompleteMethodOptions options = {})
+      : runner_(oracle, options.runner), method_(method), options_(options) {}
+
+  std::optional<Word> find_counterexample(const Mealy& hypothesis,
+                                          const RunControl& control = {}) override;
+  std::string guarantee() const override { return guarantee_; }
+
+ private:
+  TestRunner runner_;
+  IdentifierMethod method_;
+  CompleteMethodOptions options_;
+  std::string guarantee_ = "not tested";
+};
+
+// Vasilevskii, "Failure diagnosis of automata", 1973; Chow, "Testing software design modeled by
+// finite-state machines", IEEE TSE 1978.
+class WMethod : public CompleteMethod {
+ public:
+  explicit WMethod(OutputOracle& oracle, CompleteMethodOptions options = {})
+      : CompleteMethod(oracle, w_identifiers, options) {}
+};
+
+class WpMethod : public CompleteMethod {
+ public:
+  explicit WpMethod(OutputOracle& oracle, CompleteMethodOptions options = {})
+      : CompleteMethod(oracle, wp_identifiers, options) {}
+};
+
+class HsiMethod : public CompleteMethod {
+ public:
+  explicit HsiMethod(OutputOracle& oracle, CompleteMethodOptions options = {})
+      : CompleteMethod(oracle, hsi_identifiers, options) {}
+};
+
+class HybridAds : public CompleteMethod {
+ public:
+  explicit HybridAds(OutputOracle& oracle, CompleteMethodOptions options = {})
+      : CompleteMethod(oracle, hads_identifiers, options) {}
+};
+
+}  // namespace maide

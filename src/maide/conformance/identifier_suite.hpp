@@ -1,0 +1,73 @@
+// The complete test suites of the W-method's family, by level: words that reach each state and each
+// transition of the hypothesis, continued by all words of up to k inputs, and then by words that
+// identify the state where the hypothesis then is. Which words these are makes the method: the same
+// for all (W), harmonised ones (HSI, hybrid ADS), or few at the last level and the rest when a
+// further level begins (Wp).
+//
+// With a state cover P such a suite finds every system that differs from a hypothesis of n states
+// and has at most n + k; and more: every one whose states all lie within k inputs of those that the
+// words of P reach (k-P-completeness: Vaandrager & Melse, "New fault domains for conformance
+// testing of finite state machines", CONCUR 2025).
+//
+// Tests come by level, few extra states first, so differences that lie near are found early and a
+// suite that is cut off is complete for fewer extra states. Prefixes of other tests are left to the
+// cache.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "maide/automata/mealy.hpp"
+#include "maide/conformance/state_identifiers.hpp"
+#include "maide/conformance/test_suite.hpp"
+
+namespace maide {
+
+class IdentifierSuite : public TestSuite {
+ public:
+  // Keeps a reference to `hypothesis`, which must be complete; the identifiers must be its own.
+  IdentifierSuite(const Mealy& hypothesis, StateIdentifiers identifiers, std::size_t extra_states);
+
+  bool next(Word& word) override;
+  std::optional<std::uint64_t> size() const override { return volume_.tests; }
+  std::optional<std::uint64_t> symbols() const override { return volume_.symbols; }
+
+  // Extra states for which the tests made so far are complete; nothing if not even for none. O(1).
+  std::optional<std::size_t> complete_for() const { return complete_for_; }
+  // Tests that are complete for so many extra states: the first of this suite. O(n k extra_states).
+  std::uint64_t size_up_to(std::size_t extra_states) const {
+    return compute_volume(extra_states).tests;
+  }
+
+ private:
+  struct Volume {
+    std::uint64_t tests = 0, symbols = 0;
+  };
+  // The words of a level are followed by the identifiers; by the rest when the next level begins.
+  enum class Pass : std::uint8_t { identifiers, rest };
+
+  Volume compute_volume(std::size_t extra_states) const;
+  bool start_level();
+  bool advance_access();
+  void select_suffixes();
+  const std::vector<Word>& bases() const { return level_ == 0 ? cover_ : transitions_; }
+
+  const Mealy& hypothesis_;
+  StateIdentifiers identifiers_;
+  std::size_t extra_states_;
+  std::vector<Word> cover_;        // P
+  std::vector<Word> transitions_;  // P.I \ P
+  Volume volume_;
+  // The test that comes next: a base, an infix, a suffix. Level 0 is P, level i is
+  // (P.I \ P).I^(i-1).
+  std::size_t level_ = 0, base_ = 0;
+  Pass pass_ = Pass::identifiers;
+  Word infix_;
+  std::span<const Word> suffixes_;
+  std::size_t suffix_ = 0;
+  bool at_end_ = false;
+  std::optional<std::size_t> complete_for_;
+};
+
+}  // namespace maide
