@@ -216,6 +216,51 @@ TEST(Learn, ResumesFromItsCacheWithoutAskingAgain) {
   expect_error(run_maide(learn({"port", "kind=strict", "size=3", "--cache", cache})), 2, "size");
 }
 
+// strict-3 is another version of strict-4; buffered has other outputs, port other inputs.
+TEST(Learn, StartsFromAModelOfAnotherVersion) {
+  for (const char* old : {"strict-4", "strict-3", "buffered-tryread", "port"}) {
+    for (const char* algorithm : {"lsharp", "rs", "op"}) {
+      for (const char* translation : {"eager", "av"}) {
+        const TempDir folder("learn-test");
+        const std::string file = (folder.path() / "model.dot").string();
+        const std::string from = (models / (std::string(old) + ".dot")).string();
+        const Json json = json_of(
+            run_maide(learn({"port", "kind=strict", "size=4", "--start-from", from, "--algorithm",
+                             algorithm, "--translation", translation, "-o", file, "--json"})));
+        EXPECT_EQ(json.at("start_from"), from);
+        const IaComparison difference = compare(read_interface_automaton(file),
+                                                read_interface_automaton(models / "strict-4.dot"));
+        EXPECT_TRUE(difference.same()) << old << " " << algorithm << " " << translation;
+      }
+    }
+  }
+}
+
+TEST(Learn, AModelOfTheSameVersionSavesHypotheses) {
+  const std::string model = (models / "strict-6.dot").string();
+  std::uint64_t hypotheses[2];
+  for (const bool from_old : {false, true}) {
+    auto arguments = learn({"sim:" + model, "--algorithm", "lsharp", "--json"});
+    if (from_old) arguments.insert(arguments.end(), {"--start-from", model});
+    hypotheses[from_old] = json_of(run_maide(arguments)).at("equivalence_queries");
+  }
+  EXPECT_GT(hypotheses[false], 1U);
+  EXPECT_EQ(hypotheses[true], 1U);
+}
+
+TEST(Learn, RefusesOldModelsThatItCannotUse) {
+  expect_error(run_maide(learn({"port", "--start-from", "/no/such/model.dot"})), 2,
+               "/no/such/model.dot");
+  const std::string model = (models / "port.dot").string();
+  expect_error(run_maide(learn({"port", "--start-from", model, "--algorithm", "nstar"})), 2,
+               "nstar cannot start from an old model");
+  std::string coin;
+  for (const auto& entry : fs::directory_iterator(models / "nondeterministic")) {
+    if (entry.path().extension() == ".dot") coin = entry.path().string();
+  }
+  expect_error(run_maide(learn({"port", "--start-from", coin})), 2, "(" + coin + ")");
+}
+
 TEST(Learn, KeepsWhatWasLearnedWhenInterrupted) {
   const TempDir folder("learn-test");
   const std::string file = (folder.path() / "model.dot").string();

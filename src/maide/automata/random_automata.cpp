@@ -62,6 +62,39 @@ Mealy random_mealy(const RandomMealyOptions& options, Random& random) {
   return machine;
 }
 
+Mealy mutate(const Mealy& machine, std::size_t changes, Random& random) {
+  const std::size_t inputs = machine.inputs().size();
+  if (machine.size() == 0 || inputs == 0) throw UsageError("there is no transition to mutate");
+  Mealy result = machine;
+  const auto any_state = [&] { return static_cast<StateId>(random.below(result.size())); };
+  const auto any_input = [&] { return static_cast<Symbol>(random.below(inputs)); };
+  const auto change_one = [&](StateId state) {
+    const Symbol input = any_input();
+    if (random.chance(0.5)) {
+      const auto output = static_cast<Symbol>(random.below(result.outputs().size()));
+      result.set_transition(state, input, output, result.target(state, input));
+    } else {
+      result.set_transition(state, input, result.output(state, input), any_state());
+    }
+  };
+  for (std::size_t change = 0; change < changes; ++change) {
+    const StateId state = any_state();
+    if (random.below(3) != 0) {
+      change_one(state);
+      continue;
+    }
+    const Symbol input = any_input();
+    const StateId copied = result.target(state, input);
+    const StateId copy = result.add_state();
+    for (Symbol i = 0; i < inputs; ++i) {
+      result.set_transition(copy, i, result.output(copied, i), result.target(copied, i));
+    }
+    result.set_transition(state, input, result.output(state, input), copy);
+    change_one(copy);
+  }
+  return result;
+}
+
 InterfaceAutomaton random_interface_automaton(const RandomInterfaceAutomatonOptions& options,
                                               Random& random) {
   const std::size_t actions = options.inputs + options.outputs;

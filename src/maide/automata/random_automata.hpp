@@ -21,6 +21,13 @@ struct RandomMealyOptions {
 // states. O(states x inputs).
 Mealy random_mealy(const RandomMealyOptions& options, Random& random);
 
+// The machine of another version: so many times, one of: a transition gets another output, a
+// transition gets another target, or a transition leads to a new state, a copy of its target with
+// one transition changed. Outputs are among those the machine has; a change may by chance change
+// nothing, and states may become unreachable. Throws UsageError for a machine without transitions.
+// O(states x inputs).
+Mealy mutate(const Mealy& machine, std::size_t changes, Random& random);
+
 struct RandomInterfaceAutomatonOptions {
   std::size_t states = 10;
   std::size_t inputs = 3;     // named i0, i1, ...

@@ -40,6 +40,7 @@ struct LearnArguments {
   std::string translation;
   std::string cache;
   std::string purpose;
+  std::string start_from;
   std::string token_file;
   std::optional<std::size_t> extra_states;
   std::optional<std::uint64_t> max_tests;
@@ -79,6 +80,16 @@ ExperimentOptions experiment_options(const LearnArguments& arguments, const Meal
   options.max_experiments = arguments.max_experiments;
   options.vote = arguments.vote;
   return options;
+}
+
+Mealy read_old_model(const LearnArguments& arguments) {
+  Model model = read_model(arguments.start_from);
+  try {
+    return to_old_model(std::move(model),
+                        wanted_translation(arguments).value_or(Translation::eager));
+  } catch (const UsageError& error) {
+    throw UsageError(std::string(error.what()) + " (" + arguments.start_from + ")");
+  }
 }
 
 Json as_json(const LearnedModel& learned, std::size_t jobs, const std::string& path) {
@@ -252,6 +263,7 @@ ExitStatus give_result(const LearnedModel& learned, const LearnArguments& argume
     context.print(summary);
   }
   Json result = as_json(learned, jobs, written);
+  result["start_from"] = arguments.start_from.empty() ? Json() : Json(arguments.start_from);
   if (written.empty() && !dot.empty()) result["dot"] = dot;
   context.set_result(result);
   return ExitStatus::ok;
@@ -284,6 +296,7 @@ ExitStatus learn(const LearnArguments& arguments, Context& context) {
   }
   if (arguments.time_limit) control.deadline = deadline_in(*arguments.time_limit);
   ExperimentOptions options = experiment_options(arguments, reference ? &*reference : nullptr);
+  if (!arguments.start_from.empty()) options.old_model = read_old_model(arguments);
   if (!arguments.purpose.empty()) options.fingerprint["purpose"] = read_file(arguments.purpose);
   options.confirm = is_to_be_confirmed(arguments, system);
   if (options.confirm) {
@@ -374,6 +387,9 @@ RunFunction set_up_learn(CLI::App& app) {
   app.add_option("--purpose", arguments->purpose,
                  "A learning purpose: an interface automaton (DOT) that says which inputs may be "
                  "offered when; what it does not allow is never tried");
+  app.add_option("--start-from", arguments->start_from,
+                 "A model of an earlier version of the system (DOT or Aldebaran): what still holds "
+                 "of it saves queries; the result is the system's in any case");
   app.add_option("--token-file", arguments->token_file,
                  "A file with the token of a listening wrapper (or set MAIDE_TOKEN)");
   add_limits(app, *arguments);

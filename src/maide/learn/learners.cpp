@@ -22,6 +22,11 @@ std::unique_ptr<Learner> make_lsharp_by_words(OutputOracle& oracle) {
   return std::make_unique<LSharp>(oracle, Separation::separating_words);
 }
 
+template <Separation separation>
+std::unique_ptr<Learner> make_lsharp_from(OutputOracle& oracle, const Mealy& old_model) {
+  return std::make_unique<LSharp>(oracle, old_model, separation);
+}
+
 constexpr std::array table{
     LearnerEntry{"rs", "observation table, Rivest & Schapire's handling of counterexamples",
                  make<RivestSchapire>},
@@ -34,9 +39,9 @@ constexpr std::array table{
     LearnerEntry{"op", "observation pack: discrimination tree, Rivest & Schapire's counterexamples",
                  make<ObservationPack>},
     LearnerEntry{"lsharp", "L#: observation tree and apartness, adaptive distinguishing sequences",
-                 make<LSharp>},
-    LearnerEntry{"lsharp-sepseq", "L# with separating sequences, plain words",
-                 make_lsharp_by_words},
+                 make<LSharp>, make_lsharp_from<Separation::adaptive>},
+    LearnerEntry{"lsharp-sepseq", "L# with separating sequences, plain words", make_lsharp_by_words,
+                 make_lsharp_from<Separation::separating_words>},
 };
 
 }  // namespace

@@ -16,6 +16,9 @@ struct LearnerEntry {
   std::string_view name;         // as in `--algorithm NAME`
   std::string_view description;  // one line, for help
   std::unique_ptr<Learner> (*make)(OutputOracle& oracle);
+  // The same, starting from a model of an earlier version of the system; null: the algorithm has no
+  // use for one, and the words of old_model.hpp are tested first instead.
+  std::unique_ptr<Learner> (*make_from)(OutputOracle& oracle, const Mealy& old_model) = nullptr;
 };
 
 // All of them, the default first.

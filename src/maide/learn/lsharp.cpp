@@ -81,7 +81,7 @@ void LSharp::complete(const RunControl& control) {
       control.report(progress);
       continue;
     }
-    if (extend(control) || separate(control)) continue;
+    if (rebuild(control) || extend(control) || separate(control) || doubt(control)) continue;
     make_hypothesis();
     const std::optional<Word> conflict = find_conflict();
     if (!conflict) return;
@@ -178,8 +178,9 @@ Query LSharp::separation(Transition transition) {
 DecisionTree LSharp::identify(Transition transition, Symbol output,
                               const std::vector<StateId>& candidates) {
   const StateId source = apartness_.source(transition);
-  const std::vector<double> weights =
+  std::vector<double> weights =
       prior().weights(apartness_.size(), source, apartness_.input(transition), output);
+  weigh_expected(transition, output, weights);
   std::vector<Suspect> suspects;
   for (const StateId state : candidates) {
     suspects.push_back({apartness_.node(state), weights[state]});

@@ -15,6 +15,19 @@
 // `lsharp-sepseq` extends by the input alone and separates by a shortest word. Both ask in small
 // batches.
 //
+// Adaptive learning (Kruger, Junges & Rot, "State Matching and Multiple References in Adaptive
+// Active Automata Learning", FM 2024): with a model of an earlier version each state of the basis
+// is matched with one of the old model (state_matching.hpp), which says what to ask:
+//
+//   rebuild   an input that leads, says the old model, to a state that the basis lacks is asked
+//             before others, followed by what identifies that state there
+//   doubt     a frontier node whose candidate is not what the old model says is asked, as the
+//             candidate is, the word that tells the two old states apart
+//
+// and states where the old model sees them are likely. Rebuilding replaces queries that L# asks
+// anyhow; doubts that find nothing are given up after some, so that a model that fits nowhere costs
+// no more than a few queries.
+//
 // Invariant: the basis is pairwise apart and prefix-closed, so it has at most n states; every
 // separating query removes a candidate, every counterexample adds a state. For n states, k inputs
 // and counterexamples of length m at most k n^2 + (n - 1) (3 + log2(m + n)) output queries.
@@ -27,6 +40,7 @@
 #include "maide/learn/apartness.hpp"
 #include "maide/learn/learner.hpp"
 #include "maide/learn/output_oracle.hpp"
+#include "maide/learn/state_matching.hpp"
 #include "maide/learn/target_prior.hpp"
 
 namespace maide {
@@ -38,11 +52,15 @@ class LSharp : public Learner {
  public:
   // Keeps a reference to `oracle`. Throws UsageError if it has no inputs.
   explicit LSharp(OutputOracle& oracle, Separation separation = Separation::adaptive);
+  // The same, starting from a model of an earlier version; its inputs go by name.
+  LSharp(OutputOracle& oracle, const Mealy& old_model, Separation separation);
 
   void start(const RunControl& control = {}) override { complete(control); }
   void refine(const Word& counterexample, const RunControl& control = {}) override;
   const Mealy& hypothesis() const override { return hypothesis_; }
   std::uint64_t output_queries() const override { return output_queries_; }
+  // What was found out: basis, frontier and observation tree.
+  const Apartness& knowledge() const { return apartness_; }
 
  private:
   using Node = ObservationTree::Node;
@@ -57,6 +75,11 @@ class LSharp : public Learner {
                         const std::vector<StateId>& candidates);
   DecisionTree path_to(Transition transition) const;
   const TargetPrior& prior();
+
+  // With an old model: lsharp_adaptive.cpp.
+  bool rebuild(const RunControl& control);
+  bool doubt(const RunControl& control);
+  void weigh_expected(Transition transition, Symbol output, std::vector<double>& weights) const;
 
   void ask(const std::vector<Query>& batch, const RunControl& control);
   Symbol last_output(const Word& word, const RunControl& control);
@@ -76,6 +99,10 @@ class LSharp : public Learner {
   std::optional<TargetPrior> prior_;
   std::uint64_t prior_expires_ = 0;  // at this number of output queries
   std::uint64_t output_queries_ = 0;
+
+  std::optional<StateMatching> matching_;  // if there is an old model
+  std::size_t rebuilt_ = 0;                // states of the basis when rebuild() had nothing to do
+  std::int64_t doubts_left_ = 8;           // as many more may find nothing
 };
 
 }  // namespace maide

@@ -14,6 +14,7 @@
 #include "maide/learn/confirming_teacher.hpp"
 #include "maide/learn/counting_oracle.hpp"
 #include "maide/learn/learners.hpp"
+#include "maide/learn/old_model.hpp"
 #include "maide/learn/sul_oracle.hpp"
 #include "maide/workflow/confirm_model.hpp"
 #include "maide/workflow/paced_oracle.hpp"
@@ -57,6 +58,7 @@ class Run {
       if (begins) phase_ = counter_.phase();
       counter_.set_phase(begins ? LearnPhase::confirmation : phase_);
     });
+    find_known_words();
     control_.progress = &progress_;
     result_.algorithm = algorithm_.name;
     result_.test_method = method_.name;
@@ -85,11 +87,27 @@ class Run {
 
   std::unique_ptr<EquivalenceOracle> make_tests() {
     auto tests = method_.make({*cache_, &*cache_, options_.reference}, options_.testing);
-    if (options_.known_words.empty()) return tests;
+    if (known_words_.empty()) return tests;
     std::vector<std::unique_ptr<EquivalenceOracle>> links;
-    links.push_back(std::make_unique<KnownWords>(*cache_, options_.known_words));
+    links.push_back(std::make_unique<KnownWords>(*cache_, known_words_));
     links.push_back(std::move(tests));
     return std::make_unique<ChainOracle>(std::move(links));
+  }
+
+  // A learner that has no use for an old model still profits from counterexamples that it shows.
+  void find_known_words() {
+    known_words_ = options_.known_words;
+    if (!options_.old_model || algorithm_.make_from != nullptr) return;
+    const OldModel old_model(*options_.old_model, cache_->inputs());
+    const std::vector<Word> words = old_model.test_words();
+    known_words_.insert(known_words_.end(), words.begin(), words.end());
+  }
+
+  std::unique_ptr<Learner> make_learner() {
+    if (options_.old_model && algorithm_.make_from != nullptr) {
+      return algorithm_.make_from(*cache_, *options_.old_model);
+    }
+    return algorithm_.make(*cache_);
   }
 
   // False if it must be done again on a corrected cache.
@@ -97,7 +115,7 @@ class Run {
     const auto tests = make_tests();
     ConfirmingTeacher confirming(*tests, *cache_);
     PhasedTeacher teacher(options_.confirm ? confirming : *tests, counter_);
-    const auto learner = algorithm_.make(*cache_);
+    const auto learner = make_learner();
     counter_.set_phase(LearnPhase::learning);
     bool is_over = true;
     try {
@@ -143,6 +161,7 @@ class Run {
   PacedOracle paced_;
   std::optional<CacheFile> file_;
   std::optional<Cache> cache_;
+  std::vector<Word> known_words_;            // each hypothesis is tested with these first
   LearnPhase phase_ = LearnPhase::learning;  // before a vote
   QueryCounts patient_counts_;
   ExperimentResult result_;

@@ -40,6 +40,7 @@ struct ExperimentOptions {
   Fingerprint fingerprint;               // whose words the cache file holds, besides the inputs
   std::uint64_t max_experiments = 0;     // words run on the system; 0: no limit
   VoteOptions vote;                      // how contradictions are decided
+  std::optional<Mealy> old_model;        // of an earlier version of the system; need not be right
   std::vector<Word> known_words;         // each hypothesis is tested with these first
   bool confirm = false;                  // ask each counterexample again before it is believed
   std::optional<PatientSystem> patient;  // confirms the final model, where given

@@ -6,6 +6,7 @@
 #include "maide/automata/minimize.hpp"
 #include "maide/base/error.hpp"
 #include "maide/learn/sul_oracle.hpp"
+#include "maide/sul/ia_translation.hpp"
 #include "maide/workflow/nondeterministic_run.hpp"
 
 namespace maide {
@@ -72,6 +73,7 @@ LearnedModel learn_nondeterministic(IaTranslator& translator, LearnedModel learn
   if (translator.translation() != Translation::eager) {
     throw UsageError("nstar learns the eager translation");
   }
+  if (options.old_model) throw UsageError("nstar cannot start from an old model");
   SulOracle system(translator);
   NondeterministicResult result = run_nondeterministic_experiment(system, options, control);
   learned.experiment = std::move(result.experiment);
@@ -84,6 +86,14 @@ LearnedModel learn_nondeterministic(IaTranslator& translator, LearnedModel learn
 }
 
 }  // namespace
+
+Mealy to_old_model(Model model, Translation translation) {
+  if (auto* machine = std::get_if<Mealy>(&model)) return std::move(*machine);
+  if (const auto* automaton = std::get_if<InterfaceAutomaton>(&model)) {
+    return to_mealy(*automaton, translation);
+  }
+  throw UsageError("a run cannot start from a nondeterministic model");
+}
 
 LearnedModel learn_model(Sul& sul, Translation translation, const ExperimentOptions& options,
                          const RunControl& control) {

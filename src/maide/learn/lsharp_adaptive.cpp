@@ -1,0 +1,93 @@
+// L# with a model of an earlier version: the rules `rebuild` and `doubt`; see lsharp.hpp.
+#include <algorithm>
+#include <numeric>
+#include <set>
+#include <utility>
+
+#include "maide/learn/lsharp.hpp"
+
+namespace maide {
+namespace {
+
+constexpr std::size_t batch_size = 4;
+
+Word joined(Word word, const Word& suffix) {
+  word.insert(word.end(), suffix.begin(), suffix.end());
+  return word;
+}
+
+}  // namespace
+
+LSharp::LSharp(OutputOracle& oracle, const Mealy& old_model, Separation separation)
+    : LSharp(oracle, separation) {
+  matching_.emplace(OldModel(old_model, oracle.inputs()));
+}
+
+// Asks for old states that no state of the basis is matched with, where the old model expects them;
+// false if there are none.
+bool LSharp::rebuild(const RunControl& control) {
+  if (!matching_ || rebuilt_ == apartness_.size()) return false;
+  matching_->update(apartness_, oracle_.outputs());
+  std::vector<Query> batch;
+  std::set<StateId> asked;  // old states
+  for (Transition transition = 0; transition < apartness_.transition_count(); ++transition) {
+    if (apartness_.target_node(transition) != ObservationTree::none) continue;
+    const StateId expected = matching_->expected(apartness_, transition);
+    if (expected == StateMatching::none) continue;
+    if (matching_->matched_by(expected) != StateMatching::none) continue;
+    if (!asked.insert(expected).second) continue;
+    batch.emplace_back(
+        joined(apartness_.word_to(transition), matching_->old_model().identifying_word(expected)));
+    if (batch.size() == batch_size) break;
+  }
+  if (batch.empty()) {
+    rebuilt_ = apartness_.size();
+    return false;
+  }
+  ask(batch, control);
+  return true;
+}
+
+// Every transition has one candidate. Asks one that should be another state, and its candidate,
+// what told them apart in the old model; false if nothing is in doubt.
+bool LSharp::doubt(const RunControl& control) {
+  if (!matching_ || doubts_left_ <= 0) return false;
+  matching_->update(apartness_, oracle_.outputs());
+  const ObservationTree& tree = apartness_.tree();
+  for (Transition transition = 0; transition < apartness_.transition_count(); ++transition) {
+    if (apartness_.basis_target(transition) != Mealy::no_state) continue;
+    const StateId expected = matching_->expected(apartness_, transition);
+    if (expected == StateMatching::none) continue;
+    if (matching_->matched_by(expected) != StateMatching::none) continue;
+    const StateId candidate = apartness_.candidates(transition).front();
+    if (matching_->match(candidate) == expected) continue;
+    const Word suffix =
+        matching_->old_model().separating_word(expected, matching_->match(candidate));
+    std::vector<Query> batch;
+    const Word here = joined(apartness_.word_to(transition), suffix);
+    const Word there = joined(apartness_.access(candidate), suffix);
+    const auto is_new = [&](const Word& word) {
+      return tree.find(ObservationTree::root, word) == ObservationTree::none;
+    };
+    if (is_new(here)) batch.emplace_back(here);
+    // What is asked here may begin with what is asked there.
+    const auto difference = std::mismatch(there.begin(), there.end(), here.begin(), here.end());
+    if (is_new(there) && difference.first != there.end()) batch.emplace_back(there);
+    if (batch.empty()) continue;
+    ask(batch, control);
+    doubts_left_ += apartness_.isolated().empty() ? -1 : 1;
+    return true;
+  }
+  return false;
+}
+
+// A transition whose output is the old model's leads where that says, probably.
+void LSharp::weigh_expected(Transition transition, Symbol output,
+                            std::vector<double>& weights) const {
+  if (!matching_ || !matching_->agrees(apartness_, transition, output)) return;
+  const StateId expected = matching_->matched_by(matching_->expected(apartness_, transition));
+  if (expected == StateMatching::none) return;
+  weights[expected] += 4 * std::accumulate(weights.begin(), weights.end(), 0.0);
+}
+
+}  // namespace maide
