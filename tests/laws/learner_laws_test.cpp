@@ -51,9 +51,14 @@ std::uint64_t query_bound(std::string_view algorithm, std::uint64_t states, std:
     const auto logarithm = static_cast<std::uint64_t>(std::bit_width(longest));
     return rows - 1 + rows * (states - 1) + (states - 1) * (1 + logarithm);
   }
-  if (algorithm == "op") {
+  if (algorithm == "op" || algorithm == "ttt") {
     const auto logarithm = static_cast<std::uint64_t>(std::bit_width(longest));
     return states * states * inputs + states * inputs + (states - 1) * (3 + logarithm);
+  }
+  if (algorithm == "kv") {
+    const auto logarithm = static_cast<std::uint64_t>(std::bit_width(longest));
+    return states * states * inputs + states * inputs + (states - 1) * (states - 1) * logarithm +
+           states;
   }
   if (algorithm.starts_with("lsharp")) {
     const auto logarithm = static_cast<std::uint64_t>(std::bit_width(longest + states));

@@ -11,16 +11,29 @@ std::size_t first_mismatch(const Mealy& hypothesis, const Word& word, const Word
   return 0;
 }
 
-// Invariant: from access(w[0..low)) the rest of the word ends in the system's output, from
-// access(w[0..high)) it does not. At 0 it does by definition; at m-1 the output is a fact that the
-// hypothesis was built from, and it is wrong for w.
+std::vector<StateId> states_along(const Mealy& machine, const Word& word) {
+  std::vector<StateId> states;
+  StateId state = machine.initial();
+  for (const Symbol input : word) {
+    states.push_back(state);
+    state = machine.target(state, input);
+  }
+  return states;
+}
+
 Decomposition decompose(const Mealy& hypothesis, std::span<const Word> access,
                         const Word& counterexample, Symbol last_output, OutputOracle& oracle,
                         const RunControl& control) {
-  std::vector<StateId> states{hypothesis.initial()};
-  for (const Symbol input : counterexample) {
-    states.push_back(hypothesis.target(states.back(), input));
-  }
+  return decompose(states_along(hypothesis, counterexample), access, counterexample, last_output,
+                   oracle, control);
+}
+
+// Invariant: from access(states[low]) the rest of the word ends in the system's output, from
+// access(states[high]) it does not. At 0 it does by definition; at m-1 the output is a fact that
+// the hypothesis was built from, and it is wrong for w.
+Decomposition decompose(std::span<const StateId> states, std::span<const Word> access,
+                        const Word& counterexample, Symbol last_output, OutputOracle& oracle,
+                        const RunControl& control) {
   Decomposition result;
   std::size_t low = 0, high = counterexample.size() - 1;
   while (high - low > 1) {

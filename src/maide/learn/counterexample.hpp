@@ -29,4 +29,13 @@ Decomposition decompose(const Mealy& hypothesis, std::span<const Word> access,
                         const Word& counterexample, Symbol last_output, OutputOracle& oracle,
                         const RunControl& control);
 
+// The same for a word that begins in some state: `states[i]` is the one that the hypothesis is in
+// before the input at i.
+Decomposition decompose(std::span<const StateId> states, std::span<const Word> access,
+                        const Word& counterexample, Symbol last_output, OutputOracle& oracle,
+                        const RunControl& control);
+
+// The states that the machine passes along `word`, the last not included. O(length).
+std::vector<StateId> states_along(const Mealy& machine, const Word& word);
+
 }  // namespace maide

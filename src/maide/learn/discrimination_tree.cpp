@@ -1,135 +1,158 @@
 #include "maide/learn/discrimination_tree.hpp"
 
+#include <algorithm>
+#include <map>
 #include <utility>
 
-#include "maide/base/error.hpp"
-
 namespace maide {
-namespace {
 
-constexpr Symbol unknown_output = ~Symbol{0};
-
-Word tail(const Word& word, std::size_t from) {
-  return {word.begin() + static_cast<std::ptrdiff_t>(from), word.end()};
+DiscriminationTree::DiscriminationTree() {
+  leaf_.push_back(root);
+  nodes_.emplace_back();
+  nodes_[root].state = 0;
 }
 
-Word joined(Word word, const Word& suffix) {
-  word.insert(word.end(), suffix.begin(), suffix.end());
-  return word;
+DiscriminationTree::Node DiscriminationTree::child(Node node,
+                                                   std::span<const Symbol> answer) const {
+  const std::vector<Node>& children = nodes_[node].children;
+  const auto found = std::lower_bound(
+      children.begin(), children.end(), answer, [&](Node child, std::span<const Symbol> wanted) {
+        return std::ranges::lexicographical_compare(nodes_[child].label, wanted);
+      });
+  if (found == children.end() || !std::ranges::equal(nodes_[*found].label, answer)) return none;
+  return *found;
 }
 
-}  // namespace
-
-DiscriminationTree::DiscriminationTree(OutputOracle& oracle) : oracle_(oracle) {
-  if (oracle.inputs().empty()) throw UsageError("the system has no inputs to learn from");
-  add_leaf(none, add_state({}, none));
+DiscriminationTree::Node DiscriminationTree::common_ancestor(Node left, Node right) const {
+  const auto depth = [&](Node node) {
+    std::size_t result = 0;
+    for (; nodes_[node].parent != none; node = nodes_[node].parent) ++result;
+    return result;
+  };
+  std::size_t left_depth = depth(left), right_depth = depth(right);
+  for (; left_depth > right_depth; --left_depth) left = nodes_[left].parent;
+  for (; right_depth > left_depth; --right_depth) right = nodes_[right].parent;
+  while (left != right) {
+    left = nodes_[left].parent;
+    right = nodes_[right].parent;
+  }
+  return left;
 }
 
-DiscriminationTree::Node DiscriminationTree::add_leaf(Node parent, StateId state) {
-  const auto node = static_cast<Node>(nodes_.size());
-  nodes_.push_back({parent, {}, {}, {}});
-  state_.push_back(state);
-  leaf_[state] = node;
+DiscriminationTree::Node DiscriminationTree::child_towards(Node ancestor, Node below) const {
+  while (below != none && nodes_[below].parent != ancestor) below = nodes_[below].parent;
+  return below;
+}
+
+DiscriminationTree::Node DiscriminationTree::block_of(Node node) const {
+  Node block = node;
+  for (; node != none; node = nodes_[node].parent) {
+    if (nodes_[node].temporary) block = node;
+  }
+  return block;
+}
+
+void DiscriminationTree::for_each_leaf(Node node, const std::function<void(Node)>& visit) const {
+  std::vector<Node> open{node};
+  while (!open.empty()) {
+    node = open.back();
+    open.pop_back();
+    if (is_leaf(node)) visit(node);
+    open.insert(open.end(), nodes_[node].children.rbegin(), nodes_[node].children.rend());
+  }
+}
+
+DiscriminationTree::Node DiscriminationTree::add_node(Record record) {
+  if (free_.empty()) {
+    nodes_.push_back(std::move(record));
+    return static_cast<Node>(nodes_.size() - 1);
+  }
+  const Node node = free_.back();
+  free_.pop_back();
+  nodes_[node] = std::move(record);
   return node;
 }
 
-// Its transitions begin at the root.
-StateId DiscriminationTree::add_state(Word access, Transition from) {
-  const auto state = static_cast<StateId>(access_.size());
-  access_.push_back(std::move(access));
-  spanning_.push_back(from);
-  leaf_.push_back(none);
-  for (Symbol input = 0; input < oracle_.inputs().size(); ++input) {
-    unsettled_.push_back(static_cast<Transition>(place_.size()));
-    place_.push_back(root);
-    output_.push_back(unknown_output);
-  }
-  return state;
+void DiscriminationTree::release(Node node) {
+  nodes_[node] = {};
+  free_.push_back(node);
 }
 
-Word DiscriminationTree::word_to(Transition transition) const {
-  Word word = access_[transition / oracle_.inputs().size()];
-  word.push_back(static_cast<Symbol>(transition % oracle_.inputs().size()));
-  return word;
+void DiscriminationTree::hang(Node parent, Node child, Word label) {
+  std::vector<Node>& children = nodes_[parent].children;
+  const auto place =
+      std::lower_bound(children.begin(), children.end(), label,
+                       [&](Node left, const Word& right) { return nodes_[left].label < right; });
+  children.insert(place, child);
+  nodes_[child].parent = parent;
+  nodes_[child].label = std::move(label);
 }
 
-void DiscriminationTree::settle(const RunControl& control) {
-  while (!unsettled_.empty()) {
-    control.check("learning");
-    std::vector<Query> batch;
-    std::vector<Transition> asked;
-    for (const Transition transition : unsettled_) {
-      const Inner& node = nodes_[place_[transition]];
-      if (node.suffix.empty() && output_[transition] != unknown_output) continue;
-      batch.emplace_back(joined(word_to(transition), node.suffix));
-      asked.push_back(transition);
-    }
-    const std::vector<MealyAnswer> answers = oracle_.ask(batch, control);
-    output_queries_ += answers.size();
-    unsettled_.clear();
-    for (std::size_t i = 0; i < asked.size(); ++i) {
-      const Word& outputs = complete_outputs(answers[i], std::get<Word>(batch[i]));
-      const std::size_t access = access_[asked[i] / oracle_.inputs().size()].size();
-      follow(asked[i], outputs, access + 1);
-    }
-    Progress progress;
-    progress.phase = "learning";
-    progress.states = size();
-    progress.words = output_queries_;
-    control.report(progress);
-  }
+DiscriminationTree::Node DiscriminationTree::add_leaf(Node parent, Word label) {
+  Record record;
+  record.state = static_cast<StateId>(leaf_.size());
+  const Node leaf = add_node(std::move(record));
+  leaf_.push_back(leaf);
+  hang(parent, leaf, std::move(label));
+  return leaf;
 }
 
-// The answer to the word that leads to the transition's target, of length `prefix`, and the suffix
-// of its node.
-void DiscriminationTree::follow(Transition transition, const Word& outputs, std::size_t prefix) {
-  output_[transition] = outputs[prefix - 1];
-  const Node node = place_[transition];
-  if (!nodes_[node].suffix.empty()) {
-    Word value = tail(outputs, prefix);
-    const auto found = nodes_[node].branches.find(value);
-    if (found == nodes_[node].branches.end()) {
-      const Node leaf = add_leaf(node, add_state(word_to(transition), transition));
-      nodes_[node].branches.emplace(std::move(value), leaf);
-      place_[transition] = leaf;
-    } else {
-      place_[transition] = found->second;
-    }
-  }
-  Inner& place = nodes_[place_[transition]];
-  if (place.suffix.empty()) {
-    place.coming.push_back(transition);
-  } else {
-    unsettled_.push_back(transition);
-  }
+void DiscriminationTree::split(Node leaf, Inner inner, Word label) {
+  Record record;
+  record.state = std::exchange(nodes_[leaf].state, Mealy::no_state);
+  const Node lower = add_node(std::move(record));
+  leaf_[nodes_[lower].state] = lower;
+  nodes_[leaf].suffix = std::move(inner.suffix);
+  nodes_[leaf].rest = inner.rest;
+  nodes_[leaf].temporary = inner.temporary;
+  hang(leaf, lower, std::move(label));
 }
 
-bool DiscriminationTree::split(StateId state, Transition from, const Word& suffix,
-                               const RunControl& control) {
-  const std::vector<Query> batch{joined(access_[state], suffix), joined(word_to(from), suffix)};
-  const std::vector<MealyAnswer> answers = oracle_.ask(batch, control);
-  output_queries_ += answers.size();
-  Word old_value =
-      tail(complete_outputs(answers[0], std::get<Word>(batch[0])), access_[state].size());
-  Word new_value = tail(complete_outputs(answers[1], std::get<Word>(batch[1])),
-                        std::get<Word>(batch[1]).size() - suffix.size());
-  if (old_value == new_value) return false;
-  const Node node = leaf_[state];
-  const Node old_leaf = add_leaf(node, state);
-  const Node new_leaf = add_leaf(node, add_state(word_to(from), from));
-  Inner& inner = nodes_[node];
-  inner.suffix = suffix;
-  inner.branches.emplace(std::move(old_value), old_leaf);
-  inner.branches.emplace(std::move(new_value), new_leaf);
-  for (const Transition transition : std::exchange(inner.coming, {})) {
-    if (transition == from || transition == spanning_[state]) {
-      place_[transition] = transition == from ? new_leaf : old_leaf;
-      nodes_[place_[transition]].coming.push_back(transition);
-    } else {
-      unsettled_.push_back(transition);
-    }
+// The part of a temporary subtree that holds the chosen states, without nodes that tell none of
+// them apart; none if it holds none. Leaves move, inner nodes are copied.
+DiscriminationTree::Node DiscriminationTree::extract(Node source, const std::vector<bool>& chosen) {
+  if (is_leaf(source)) return chosen[nodes_[source].state] ? source : none;
+  std::vector<std::pair<Node, Word>> parts;
+  for (const Node child : nodes_[source].children) {
+    Word label = nodes_[child].label;  // before the child moves
+    const Node part = extract(child, chosen);
+    if (part != none) parts.emplace_back(part, std::move(label));
   }
-  return true;
+  if (parts.empty()) return none;
+  if (parts.size() == 1) return parts.front().first;
+  Record record;
+  record.suffix = nodes_[source].suffix;
+  record.temporary = true;
+  const Node copy = add_node(std::move(record));
+  for (auto& [part, label] : parts) hang(copy, part, std::move(label));
+  return copy;
+}
+
+void DiscriminationTree::finalise(Node block, Inner inner,
+                                  const std::function<Word(StateId)>& answer) {
+  std::map<Word, std::vector<StateId>> groups;
+  for_each_leaf(block, [&](Node leaf) { groups[answer(state(leaf))].push_back(state(leaf)); });
+  std::vector<Node> old_nodes;  // inner nodes of the block but its root
+  for (std::vector<Node> open{block}; !open.empty();) {
+    const Node node = open.back();
+    open.pop_back();
+    if (is_leaf(node)) continue;
+    if (node != block) old_nodes.push_back(node);
+    open.insert(open.end(), nodes_[node].children.begin(), nodes_[node].children.end());
+  }
+  std::vector<std::pair<Node, Word>> parts;
+  std::vector<bool> chosen(leaf_.size());
+  for (const auto& [label, states] : groups) {
+    for (const StateId state : states) chosen[state] = true;
+    parts.emplace_back(extract(block, chosen), label);
+    for (const StateId state : states) chosen[state] = false;
+  }
+  for (const Node node : old_nodes) release(node);
+  nodes_[block].children.clear();
+  nodes_[block].suffix = std::move(inner.suffix);
+  nodes_[block].rest = inner.rest;
+  nodes_[block].temporary = inner.temporary;
+  for (auto& [part, label] : parts) hang(block, part, std::move(label));
 }
 
 }  // namespace maide

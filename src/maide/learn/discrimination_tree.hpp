@@ -1,78 +1,93 @@
 // The discrimination tree (Kearns & Vazirani, "An Introduction to Computational Learning Theory",
-// 1994): inner nodes hold a suffix, their branches the output words that it gets, leaves one state
-// each. A word is *sifted*: it is asked with the suffix of a node, and the answer says where it
-// goes on. What takes a branch that is not there has found a new state.
+// 1994): inner nodes hold a suffix, their children hang from the outputs that it gets, leaves hold
+// one state each. A word goes down by the answers to itself and the suffix of each node. Who asks
+// is TreeHypothesis; here is the tree alone.
 //
-// The transitions of all states are sifted together, a level of the tree in one batch, so that many
-// systems can answer at once. A leaf keeps the transitions that lead to it: when it is split, only
-// these are sifted again, from there.
+// A node may be *temporary* (TTT: Isberner, Howar & Steffen, RV 2014): its suffix came out of a
+// counterexample and will be replaced by a shorter one. A maximal subtree of temporary nodes is a
+// *block*. Nodes that are not temporary stay what they are, for ever.
 //
-// Invariant: access(q) takes the path to the leaf of q. For n states, k inputs: at most n k (depth
-// of the tree) output queries, and what a split needs.
+// Invariant: every state has a leaf, and answers the suffix of each node above it as the labels
+// say.
 #pragma once
 
 #include <cstdint>
-#include <map>
+#include <functional>
 #include <span>
 #include <vector>
 
 #include "maide/automata/mealy.hpp"
-#include "maide/learn/output_oracle.hpp"
 
 namespace maide {
 
 class DiscriminationTree {
  public:
   using Node = std::uint32_t;
-  // The transition of a state by an input: state x inputs + input.
-  using Transition = std::uint32_t;
   static constexpr Node root = 0;
   static constexpr Node none = ~Node{0};
 
-  // One leaf: the initial state. Keeps a reference to `oracle`. Throws UsageError if it has no
-  // inputs.
-  explicit DiscriminationTree(OutputOracle& oracle);
+  // One leaf, of state 0.
+  DiscriminationTree();
 
-  std::size_t size() const { return access_.size(); }  // states
-  const Word& access(StateId state) const { return access_[state]; }
-  // The state that a transition leads to, and its output; settled transitions only.
-  StateId target(Transition transition) const { return state_[place_[transition]]; }
-  Symbol output(Transition transition) const { return output_[transition]; }
+  bool is_leaf(Node node) const { return nodes_[node].suffix.empty(); }
+  bool is_temporary(Node node) const { return nodes_[node].temporary; }
+  Node leaf(StateId state) const { return leaf_[state]; }
+  StateId state(Node leaf) const { return nodes_[leaf].state; }
+  Node parent(Node node) const { return nodes_[node].parent; }
+  // Of an inner node; empty for leaves.
+  const Word& suffix(Node node) const { return nodes_[node].suffix; }
+  // The node whose suffix is that of this node without its first input, where it was given.
+  Node rest(Node node) const { return nodes_[node].rest; }
+  // The answer to the parent's suffix from which the node hangs.
+  const Word& label(Node node) const { return nodes_[node].label; }
+  std::span<const Node> children(Node node) const { return nodes_[node].children; }
 
-  // Sifts all transitions that are not settled; finds new states on the way. May be called again
-  // after an exception.
-  void settle(const RunControl& control);
+  // The child that hangs from this answer, or none. O(log children) comparisons.
+  Node child(Node node, std::span<const Symbol> answer) const;
+  // The lowest node that has both below it (or is one of them). O(depth).
+  Node common_ancestor(Node left, Node right) const;
+  // The child of `ancestor` that has `below` in its subtree, or none. O(depth).
+  Node child_towards(Node ancestor, Node below) const;
+  // The uppermost temporary node above `node` or itself; `node` where there is none. O(depth).
+  Node block_of(Node node) const;
+  // Leaves below a node, in the order of the tree.
+  void for_each_leaf(Node node, const std::function<void(Node)>& visit) const;
 
-  // Splits the leaf of `state`: `access` is the access word of a new state, the last step of which
-  // is the transition `from`, and `suffix` gets other outputs from there. Returns false, and does
-  // nothing, if it gets the same. Two output queries. Afterwards settle().
-  bool split(StateId state, Transition from, const Word& suffix, const RunControl& control);
+  // Adds a leaf for the next state.
+  Node add_leaf(Node parent, Word label);
 
-  std::uint64_t output_queries() const { return output_queries_; }
+  // What becomes of a node.
+  struct Inner {
+    Word suffix;
+    Node rest = none;  // see rest()
+    bool temporary = false;
+  };
+  // Makes a leaf an inner node that has one child, a new leaf of the leaf's state.
+  void split(Node leaf, Inner inner, Word label);
+
+  // Gives the block with this root a suffix for good; `answer` says what each of its states
+  // answers. Below it, states that answer alike stay told apart by what did so before.
+  void finalise(Node block, Inner inner, const std::function<Word(StateId)>& answer);
 
  private:
-  struct Inner {
+  struct Record {
     Node parent = none;
-    Word suffix;                     // empty: a leaf
-    std::map<Word, Node> branches;   // by output word
-    std::vector<Transition> coming;  // of a leaf: transitions that lead to it, and some that did
+    StateId state = Mealy::no_state;  // of a leaf
+    Node rest = none;
+    bool temporary = false;
+    Word suffix;
+    Word label;
+    std::vector<Node> children;  // ascending by label
   };
 
-  Node add_leaf(Node parent, StateId state);
-  StateId add_state(Word access, Transition from);
-  Word word_to(Transition transition) const;
-  void follow(Transition transition, const Word& outputs, std::size_t prefix);
+  Node add_node(Record record);
+  void hang(Node parent, Node child, Word label);
+  Node extract(Node source, const std::vector<bool>& chosen);
+  void release(Node node);
 
-  OutputOracle& oracle_;
-  std::vector<Inner> nodes_;
-  std::vector<StateId> state_;        // by node: of a leaf
-  std::vector<Node> leaf_;            // by state
-  std::vector<Word> access_;          // by state
-  std::vector<Transition> spanning_;  // by state: the transition that it was found by
-  std::vector<Node> place_;           // by transition: the node it has come to
-  std::vector<Symbol> output_;        // by transition
-  std::vector<Transition> unsettled_;
-  std::uint64_t output_queries_ = 0;
+  std::vector<Record> nodes_;
+  std::vector<Node> leaf_;  // by state
+  std::vector<Node> free_;  // nodes that are not in the tree any more
 };
 
 }  // namespace maide

@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "maide/automata/minimize.hpp"
+
 namespace maide {
 
 LearnResult run_learner(Learner& learner, EquivalenceOracle& teacher, const RunControl& control,
@@ -15,7 +17,7 @@ LearnResult run_learner(Learner& learner, EquivalenceOracle& teacher, const RunC
     if (!counterexample) break;
     learner.refine(*counterexample, control);
   }
-  result.model = learner.hypothesis();
+  result.model = breadth_first(learner.hypothesis());
   return result;
 }
 

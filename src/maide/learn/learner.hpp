@@ -22,7 +22,8 @@ class Learner {
   // the system on that word. A word that is no counterexample throws std::invalid_argument.
   virtual void refine(const Word& counterexample, const RunControl& control = {}) = 0;
 
-  // The present hypothesis: complete; states numbered in the order of a breadth-first search.
+  // The present hypothesis: complete, every state reachable, state 0 initial. A learner that lets a
+  // state keep its number from one hypothesis to the next spares the perfect oracle work.
   virtual const Mealy& hypothesis() const = 0;
 
   // Output queries asked so far, answered by a cache or not.
@@ -33,7 +34,7 @@ class Learner {
 using HypothesisObserver = std::function<void(const Mealy& hypothesis, std::uint64_t round)>;
 
 struct LearnResult {
-  Mealy model;
+  Mealy model;  // the last hypothesis, states numbered in breadth-first order
   std::uint64_t equivalence_queries = 0;  // the last one, which found nothing, included
 };
 

@@ -3,12 +3,14 @@
 #include <array>
 
 #include "maide/base/named_table.hpp"
+#include "maide/learn/kearns_vazirani.hpp"
 #include "maide/learn/lm_plus.hpp"
 #include "maide/learn/lsharp.hpp"
 #include "maide/learn/lstar.hpp"
 #include "maide/learn/observation_pack.hpp"
 #include "maide/learn/rivest_schapire.hpp"
 #include "maide/learn/suffix_one_by_one.hpp"
+#include "maide/learn/ttt.hpp"
 
 namespace maide {
 namespace {
@@ -38,6 +40,9 @@ constexpr std::array table{
                  make<SuffixOneByOne>},
     LearnerEntry{"op", "observation pack: discrimination tree, Rivest & Schapire's counterexamples",
                  make<ObservationPack>},
+    LearnerEntry{"kv", "Kearns & Vazirani: discrimination tree, suffixes grown by one input each",
+                 make<KearnsVazirani>},
+    LearnerEntry{"ttt", "TTT: discrimination tree, nothing of a counterexample is kept", make<Ttt>},
     LearnerEntry{"lsharp", "L#: observation tree and apartness, adaptive distinguishing sequences",
                  make<LSharp>, make_lsharp_from<Separation::adaptive>},
     LearnerEntry{"lsharp-sepseq", "L# with separating sequences, plain words", make_lsharp_by_words,

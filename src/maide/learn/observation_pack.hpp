@@ -8,34 +8,18 @@
 // k n^2 + k n + (n - 1) (3 + ceil(log2 m)) output queries, at most n - 1 counterexamples.
 #pragma once
 
-#include <vector>
-
-#include "maide/learn/discrimination_tree.hpp"
-#include "maide/learn/learner.hpp"
+#include "maide/learn/tree_learner.hpp"
 
 namespace maide {
 
-class ObservationPack : public Learner {
+class ObservationPack : public TreeLearner {
  public:
   // Keeps a reference to `oracle`. Throws UsageError if it has no inputs.
-  explicit ObservationPack(OutputOracle& oracle) : oracle_(oracle), tree_(oracle) {}
-
-  void start(const RunControl& control = {}) override;
-  void refine(const Word& counterexample, const RunControl& control = {}) override;
-  const Mealy& hypothesis() const override { return hypothesis_; }
-  std::uint64_t output_queries() const override {
-    return tree_.output_queries() + counterexample_queries_;
-  }
+  explicit ObservationPack(OutputOracle& oracle) : TreeLearner(oracle) {}
 
  private:
-  void make_hypothesis();
-
-  OutputOracle& oracle_;
-  DiscriminationTree tree_;
-  Mealy hypothesis_;
-  std::vector<StateId> tree_state_;  // of each state of the hypothesis
-  std::vector<Word> access_;         // of each state of the hypothesis
-  std::uint64_t counterexample_queries_ = 0;
+  bool split(const Word& counterexample, std::span<const Symbol> outputs,
+             const RunControl& control) override;
 };
 
 }  // namespace maide

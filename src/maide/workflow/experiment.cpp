@@ -8,6 +8,7 @@
 #include <optional>
 #include <utility>
 
+#include "maide/automata/minimize.hpp"
 #include "maide/conformance/chain_oracle.hpp"
 #include "maide/conformance/known_words.hpp"
 #include "maide/learn/cache.hpp"
@@ -136,7 +137,7 @@ class Run {
     }
     result_.output_queries += learner->output_queries();
     // A run that ends before its first hypothesis leaves the one before.
-    if (learner->hypothesis().size() > 0) result_.model = learner->hypothesis();
+    if (learner->hypothesis().size() > 0) result_.model = breadth_first(learner->hypothesis());
     return is_over;
   }
 

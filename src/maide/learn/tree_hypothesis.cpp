@@ -1,0 +1,253 @@
+#include "maide/learn/tree_hypothesis.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "maide/base/error.hpp"
+
+namespace maide {
+namespace {
+
+constexpr Symbol unknown_output = ~Symbol{0};
+
+// Queries asked at once: enough for any number of systems, few enough to stay in a processor's
+// cache.
+constexpr std::size_t batch_size = 4096;
+
+Word tail(const Word& word, std::size_t from) {
+  return {word.begin() + static_cast<std::ptrdiff_t>(from), word.end()};
+}
+
+}  // namespace
+
+TreeHypothesis::TreeHypothesis(OutputOracle& oracle) : oracle_(oracle) {
+  if (oracle.inputs().empty()) throw UsageError("the system has no inputs to learn from");
+  access_.emplace_back();
+  spanning_.push_back(no_transition);
+  add_transitions();
+}
+
+// Of the newest state; they begin at the root.
+void TreeHypothesis::add_transitions() {
+  for (Symbol input = 0; input < oracle_.inputs().size(); ++input) {
+    unsettled_.push_back(static_cast<Transition>(place_.size()));
+    place_.push_back(DiscriminationTree::root);
+    output_.push_back(unknown_output);
+  }
+}
+
+StateId TreeHypothesis::add_state(Node parent, Word label, Transition from) {
+  const auto state = static_cast<StateId>(size());
+  tree_.add_leaf(parent, std::move(label));
+  access_.push_back(word_to(from));
+  spanning_.push_back(from);
+  add_transitions();
+  return state;
+}
+
+Word TreeHypothesis::word_to(Transition transition) const {
+  const Word& access = access_[transition / oracle_.inputs().size()];
+  Word word;
+  word.reserve(access.size() + 1);
+  word.assign(access.begin(), access.end());
+  word.push_back(static_cast<Symbol>(transition % oracle_.inputs().size()));
+  return word;
+}
+
+void TreeHypothesis::put(Transition transition, Node node) {
+  place_[transition] = node;
+  if (coming_.size() <= node) coming_.resize(node + std::size_t{1});
+  coming_[node].push_back(transition);
+  changed_.push_back(transition);
+}
+
+std::vector<TreeHypothesis::Transition> TreeHypothesis::take_coming(Node node) {
+  if (coming_.size() <= node) return {};
+  return std::exchange(coming_[node], {});
+}
+
+void TreeHypothesis::settle(const RunControl& control) {
+  const std::size_t inputs = oracle_.inputs().size();
+  while (!unsettled_.empty()) {
+    control.check("learning");
+    const std::vector<Transition> asked(
+        unsettled_.begin(),
+        unsettled_.begin() + static_cast<std::ptrdiff_t>(std::min(batch_size, unsettled_.size())));
+    std::vector<Query> batch;
+    batch.reserve(asked.size());
+    for (const Transition transition : asked) {
+      const Word& access = access_[transition / inputs];
+      const Word& suffix = tree_.suffix(place_[transition]);
+      Word word;
+      word.reserve(access.size() + 1 + suffix.size());
+      word.assign(access.begin(), access.end());
+      word.push_back(static_cast<Symbol>(transition % inputs));
+      word.insert(word.end(), suffix.begin(), suffix.end());
+      batch.emplace_back(std::move(word));
+    }
+    const std::vector<MealyAnswer> answers = oracle_.ask(batch, control);
+    output_queries_ += answers.size();
+    unsettled_.erase(unsettled_.begin(),
+                     unsettled_.begin() + static_cast<std::ptrdiff_t>(asked.size()));
+    for (std::size_t i = 0; i < asked.size(); ++i) {
+      follow(asked[i], complete_outputs(answers[i], std::get<Word>(batch[i])));
+    }
+    Progress progress;
+    progress.phase = "learning";
+    progress.states = size();
+    progress.words = output_queries_;
+    control.report(progress);
+  }
+}
+
+// The answer to the transition's word and the suffix of its node.
+void TreeHypothesis::follow(Transition transition, const Word& outputs) {
+  const Node node = place_[transition];
+  const std::size_t prefix = outputs.size() - tree_.suffix(node).size();
+  output_[transition] = outputs[prefix - 1];
+  Node next = node;
+  if (!tree_.is_leaf(node)) {
+    next = tree_.child(node, std::span(outputs).subspan(prefix));
+    if (next == DiscriminationTree::none) {
+      next = tree_.leaf(add_state(node, tail(outputs, prefix), transition));
+    }
+  }
+  if (tree_.is_leaf(next) || tree_.is_temporary(next)) {
+    put(transition, next);
+  } else {
+    place_[transition] = next;
+    unsettled_.push_back(transition);
+  }
+}
+
+void TreeHypothesis::update() {
+  if (machine_.size() == 0) machine_ = Mealy(oracle_.inputs(), oracle_.outputs(), 1);
+  for (std::size_t i = machine_.outputs().size(); i < oracle_.outputs().size(); ++i) {
+    machine_.intern_output(oracle_.outputs().name(static_cast<Symbol>(i)));
+  }
+  while (machine_.size() < size()) machine_.add_state();
+  const std::size_t inputs = oracle_.inputs().size();
+  for (const Transition transition : std::exchange(changed_, {})) {
+    machine_.set_transition(static_cast<StateId>(transition / inputs),
+                            static_cast<Symbol>(transition % inputs), output_[transition],
+                            tree_.state(place_[transition]));
+  }
+}
+
+Word TreeHypothesis::ask_after(Word prefix, const Word& suffix, const RunControl& control) {
+  const std::size_t length = prefix.size();
+  prefix.insert(prefix.end(), suffix.begin(), suffix.end());
+  ++output_queries_;
+  return tail(oracle_.ask(prefix, control), length);
+}
+
+bool TreeHypothesis::split(StateId state, Transition from, DiscriminationTree::Inner inner,
+                           const RunControl& control) {
+  Word old_label = ask_after(access_[state], inner.suffix, control);
+  Word new_label = ask_after(word_to(from), inner.suffix, control);
+  if (old_label == new_label) return false;
+  const Node node = tree_.leaf(state);
+  const bool stay = inner.temporary;
+  tree_.split(node, std::move(inner), std::move(old_label));
+  const StateId added = add_state(node, std::move(new_label), from);
+  for (const Transition transition : take_coming(node)) {
+    if (transition == from) {
+      put(transition, tree_.leaf(added));
+    } else if (transition == spanning_[state]) {
+      put(transition, tree_.leaf(state));
+    } else if (stay) {
+      put(transition, node);
+    } else {
+      unsettled_.push_back(transition);
+    }
+  }
+  return true;
+}
+
+void TreeHypothesis::split(StateId state, DiscriminationTree::Inner inner, Word label) {
+  const Node node = tree_.leaf(state);
+  tree_.split(node, std::move(inner), std::move(label));
+  for (const Transition transition : take_coming(node)) {
+    if (transition == spanning_[state]) {
+      put(transition, tree_.leaf(state));
+    } else {
+      unsettled_.push_back(transition);
+    }
+  }
+}
+
+std::optional<TreeHypothesis::Node> TreeHypothesis::find_disagreement(const Word& word,
+                                                                      StateId state,
+                                                                      const RunControl& control) {
+  std::vector<Node> path{tree_.leaf(state)};
+  while (path.back() != DiscriminationTree::root) path.push_back(tree_.parent(path.back()));
+  for (std::size_t i = path.size() - 1; i > 0; --i) {
+    if (ask_after(word, tree_.suffix(path[i]), control) != tree_.label(path[i - 1])) return path[i];
+  }
+  return std::nullopt;
+}
+
+Word TreeHypothesis::known_answer(StateId state, Symbol input, Node node) const {
+  const Transition passed = transition(state, input);
+  Word answer{output_[passed]};
+  if (node != DiscriminationTree::none) {
+    const Word& rest = tree_.label(tree_.child_towards(node, place_[passed]));
+    answer.insert(answer.end(), rest.begin(), rest.end());
+  }
+  return answer;
+}
+
+StateId TreeHypothesis::target_in_block(Transition transition, const RunControl& control) {
+  Node node = place_[transition];
+  while (!tree_.is_leaf(node)) {
+    Word answer = ask_after(word_to(transition), tree_.suffix(node), control);
+    Node next = tree_.child(node, answer);
+    if (next == DiscriminationTree::none) {
+      next = tree_.leaf(add_state(node, std::move(answer), transition));
+    }
+    std::erase(coming_[node], transition);
+    put(transition, next);
+    node = next;
+  }
+  return tree_.state(node);
+}
+
+void TreeHypothesis::finalise(Node block, DiscriminationTree::Inner inner) {
+  std::vector<Transition> coming;
+  for (std::vector<Node> open{block}; !open.empty();) {
+    const Node node = open.back();
+    open.pop_back();
+    const std::vector<Transition> here = take_coming(node);
+    coming.insert(coming.end(), here.begin(), here.end());
+    const std::span<const Node> children = tree_.children(node);
+    open.insert(open.end(), children.rbegin(), children.rend());
+  }
+  // What is known now, before places in the block are gone.
+  struct Member {
+    Transition spanning;
+    StateId state;
+    Word answer;
+  };
+  std::vector<Member> members;
+  tree_.for_each_leaf(block, [&](Node leaf) {
+    const StateId state = tree_.state(leaf);
+    members.push_back(
+        {spanning_[state], state, known_answer(state, inner.suffix.front(), inner.rest)});
+  });
+  std::ranges::sort(members, {}, &Member::state);
+  tree_.finalise(block, std::move(inner), [&](StateId state) {
+    return std::ranges::lower_bound(members, state, {}, &Member::state)->answer;
+  });
+  std::ranges::sort(members, {}, &Member::spanning);
+  for (const Transition transition : coming) {
+    const auto member = std::ranges::lower_bound(members, transition, {}, &Member::spanning);
+    if (member != members.end() && member->spanning == transition) {
+      put(transition, tree_.leaf(member->state));
+    } else {
+      place_[transition] = block;
+      unsettled_.push_back(transition);
+    }
+  }
+}
+
+}  // namespace maide

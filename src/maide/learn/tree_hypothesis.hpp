@@ -1,0 +1,109 @@
+// What learners with a discrimination tree share: a spanning tree of access words, and for every
+// transition the place in the discrimination tree that it was *sifted* to. A word is asked with the
+// suffix of a node, and the answer says where it goes on; what takes a branch that is not there has
+// found a new state.
+//
+// Transitions are sifted together, level by level, in batches, so that many systems can answer at
+// once. A node keeps the transitions that came to it: when a leaf is split, only these go on from
+// there. They stop at leaves and at the roots of blocks (discrimination_tree.hpp).
+//
+// Invariant: access words are prefix-closed, access(q) takes the path to the leaf of q. A state
+// keeps its number, so that from one hypothesis to the next only what was learned changes. For n
+// states and k inputs at most n k (depth of the tree) output queries, and what splits need.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "maide/automata/mealy.hpp"
+#include "maide/learn/discrimination_tree.hpp"
+#include "maide/learn/output_oracle.hpp"
+
+namespace maide {
+
+class TreeHypothesis {
+ public:
+  using Node = DiscriminationTree::Node;
+  // The transition of a state by an input: state x inputs + input.
+  using Transition = std::uint32_t;
+  static constexpr Transition no_transition = ~Transition{0};
+
+  // One state. Keeps a reference to `oracle`. Throws UsageError if it has no inputs.
+  explicit TreeHypothesis(OutputOracle& oracle);
+
+  // The machine as of the last update(); without states before the first.
+  const Mealy& machine() const { return machine_; }
+  const DiscriminationTree& tree() const { return tree_; }
+  std::size_t size() const { return access_.size(); }  // states found
+  const Word& access(StateId state) const { return access_[state]; }
+  std::span<const Word> access() const { return access_; }
+  Transition transition(StateId state, Symbol input) const {
+    return static_cast<Transition>(state * oracle_.inputs().size() + input);
+  }
+  Word word_to(Transition transition) const;
+
+  // Where a settled transition has come to, and its output.
+  Node place(Transition transition) const { return place_[transition]; }
+  Symbol output(Transition transition) const { return output_[transition]; }
+
+  // Sifts all transitions that are not settled; finds new states on the way. May be called again
+  // after an exception.
+  void settle(const RunControl& control);
+
+  // Makes the machine anew out of what was settled since. All transitions are at leaves.
+  // O(changes).
+  void update();
+
+  // Splits the leaf of `state`: word_to(from), which is in it, becomes the access word of a new
+  // state, for `suffix` gets other outputs from there. Returns false, and does nothing, if it gets
+  // the same. Two output queries. Afterwards settle(): unless the suffix is temporary, the
+  // transitions to the leaf go on.
+  bool split(StateId state, Transition from, DiscriminationTree::Inner inner,
+             const RunControl& control);
+
+  // Splits the leaf of `state`, which answers `label`, without another state: if one of the
+  // transitions that go on from there answers otherwise, settle() finds it.
+  void split(StateId state, DiscriminationTree::Inner inner, Word label);
+
+  // The uppermost node on the way to the state's leaf whose suffix gets another answer after `word`
+  // than from the state; none if the word is sifted to that leaf. At most depth output queries.
+  std::optional<Node> find_disagreement(const Word& word, StateId state, const RunControl& control);
+
+  // What a state answers to `input` and the suffix of `node`, which the transition has passed (or
+  // to the input alone, for no node): known without asking.
+  Word known_answer(StateId state, Symbol input, Node node) const;
+
+  // Sifts a transition that is in a block down to a leaf of it, now. At most depth output queries.
+  StateId target_in_block(Transition transition, const RunControl& control);
+
+  // See DiscriminationTree::finalise; what a state answers is the known answer to the first input
+  // of the suffix and its rest. The transitions to the block go on. Afterwards settle().
+  void finalise(Node block, DiscriminationTree::Inner inner);
+
+  std::uint64_t output_queries() const { return output_queries_; }
+
+ private:
+  // Asks `suffix` after `prefix`: one output query.
+  Word ask_after(Word prefix, const Word& suffix, const RunControl& control);
+  void add_transitions();
+  StateId add_state(Node parent, Word label, Transition from);
+  void follow(Transition transition, const Word& outputs);
+  void put(Transition transition, Node node);
+  std::vector<Transition> take_coming(Node node);
+
+  OutputOracle& oracle_;
+  DiscriminationTree tree_;
+  Mealy machine_;
+  std::vector<Word> access_;          // by state
+  std::vector<Transition> spanning_;  // by state: the transition that it was found by
+  std::vector<Node> place_;           // by transition: the node it has come to
+  std::vector<Symbol> output_;        // by transition
+  std::vector<Transition> unsettled_;
+  std::vector<Transition> changed_;              // since the machine was made
+  std::vector<std::vector<Transition>> coming_;  // by node: transitions that stopped there
+  std::uint64_t output_queries_ = 0;
+};
+
+}  // namespace maide

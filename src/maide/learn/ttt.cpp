@@ -1,0 +1,146 @@
+#include "maide/learn/ttt.hpp"
+
+#include <algorithm>
+
+#include "maide/base/error.hpp"
+#include "maide/learn/counterexample.hpp"
+
+namespace maide {
+
+bool Ttt::split(const Word& counterexample, std::span<const Symbol> outputs,
+                const RunControl& control) {
+  return split_for_a_time(states_along(hypothesis(), counterexample), counterexample,
+                          outputs[counterexample.size() - 1], control);
+}
+
+bool Ttt::split_for_a_time(std::span<const StateId> states, const Word& word, Symbol last_output,
+                           const RunControl& control) {
+  if (!split_by_suffix(states, word, last_output, true, control)) return false;
+  const DiscriminationTree& tree = states_.tree();
+  const Node block = tree.block_of(tree.leaf(static_cast<StateId>(states_.size() - 1)));
+  if (std::ranges::find(blocks_, block) == blocks_.end()) blocks_.push_back(block);
+  return true;
+}
+
+void Ttt::complete(const RunControl& control) {
+  while (true) {
+    states_.settle(control);
+    if (finalise_some_block()) continue;
+    if (!blocks_.empty()) {
+      split_block(blocks_.front(), control);
+      continue;
+    }
+    states_.update();
+    if (!split_where_a_claim_fails(control)) return;
+  }
+}
+
+// The shortest suffix that tells states of the block apart and of which all is known.
+std::optional<DiscriminationTree::Inner> Ttt::find_splitter(Node block) const {
+  const DiscriminationTree& tree = states_.tree();
+  std::vector<StateId> members;
+  tree.for_each_leaf(block, [&](Node leaf) { members.push_back(tree.state(leaf)); });
+  std::optional<DiscriminationTree::Inner> best;
+  for (Symbol input = 0; input < oracle_.inputs().size(); ++input) {
+    const auto first = states_.transition(members.front(), input);
+    Node common = tree.block_of(states_.place(first));
+    const Node first_place = common;
+    bool outputs_differ = false, places_differ = false;
+    for (const StateId member : members) {
+      const auto transition = states_.transition(member, input);
+      outputs_differ = outputs_differ || states_.output(transition) != states_.output(first);
+      const Node place = tree.block_of(states_.place(transition));
+      if (place == first_place) continue;
+      places_differ = true;
+      common = tree.common_ancestor(common, place);
+    }
+    if (outputs_differ) return DiscriminationTree::Inner{{input}};
+    if (!places_differ) continue;
+    const Word& rest = tree.suffix(common);
+    if (best && best->suffix.size() <= rest.size() + 1) continue;
+    best = DiscriminationTree::Inner{{input}, common};
+    best->suffix.insert(best->suffix.end(), rest.begin(), rest.end());
+  }
+  return best;
+}
+
+bool Ttt::finalise_some_block() {
+  for (std::size_t i = 0; i < blocks_.size(); ++i) {
+    const Node block = blocks_[i];
+    auto splitter = find_splitter(block);
+    if (!splitter) continue;
+    states_.finalise(block, std::move(*splitter));
+    blocks_.erase(blocks_.begin() + static_cast<std::ptrdiff_t>(i));
+    for (const Node child : states_.tree().children(block)) {
+      if (states_.tree().is_temporary(child)) blocks_.push_back(child);
+    }
+    return true;
+  }
+  return false;
+}
+
+// No input tells states of any block apart. If the transitions were right about the suffix of this
+// block for two states that answer it differently, they would part somewhere, and that would be a
+// splitter. So they are wrong about one of them.
+void Ttt::split_block(Node block, const RunControl& control) {
+  const DiscriminationTree& tree = states_.tree();
+  const std::size_t known_states = states_.size();
+  for (const std::size_t side : {0, 1}) {
+    Node leaf = tree.children(block)[side];
+    while (!tree.is_leaf(leaf)) leaf = tree.children(leaf).front();
+    const Word word = tree.suffix(block);
+    const Word answer = tree.label(tree.children(block)[side]);
+    std::vector<StateId> states{tree.state(leaf)};
+    for (std::size_t i = 0; i < word.size(); ++i) {
+      const auto transition = states_.transition(states.back(), word[i]);
+      if (states_.output(transition) != answer[i]) {
+        const Word cut(word.begin(), word.begin() + static_cast<std::ptrdiff_t>(i) + 1);
+        if (split_for_a_time(states, cut, answer[i], control)) return;
+        break;
+      }
+      states.push_back(states_.target_in_block(transition, control));
+      if (states_.size() > known_states) return;  // that was a transition to a new state
+    }
+  }
+  throw NondeterminismError(to_string(tree.suffix(block), oracle_.inputs()),
+                            to_string(tree.label(tree.children(block)[0]), oracle_.outputs()),
+                            to_string(tree.label(tree.children(block)[1]), oracle_.outputs()));
+}
+
+// The transition by the first input of the node's suffix has passed the node with the rest of it.
+bool Ttt::is_certain(const Claim& claim) const {
+  const DiscriminationTree& tree = states_.tree();
+  const Node rest = tree.rest(claim.node);
+  if (rest == DiscriminationTree::none) return true;
+  const auto transition = states_.transition(claim.state, tree.suffix(claim.node).front());
+  return tree.child_towards(rest, states_.place(transition)) != DiscriminationTree::none;
+}
+
+bool Ttt::split_where_a_claim_fails(const RunControl& control) {
+  const DiscriminationTree& tree = states_.tree();
+  for (; examined_ < states_.size(); ++examined_) {
+    Node node = tree.leaf(examined_);
+    while ((node = tree.parent(node)) != DiscriminationTree::none) {
+      claims_.push_back({examined_, node});
+    }
+  }
+  std::erase_if(claims_, [&](const Claim& claim) { return is_certain(claim); });
+  for (const auto& [state, node] : claims_) {
+    const Word& suffix = tree.suffix(node);
+    const Word& answer = tree.label(tree.child_towards(node, tree.leaf(state)));
+    std::vector<StateId> states{state};
+    for (std::size_t i = 0; i < suffix.size(); ++i) {
+      const StateId now = states.back();
+      if (hypothesis().output(now, suffix[i]) != answer[i]) {
+        const Word cut(suffix.begin(), suffix.begin() + static_cast<std::ptrdiff_t>(i) + 1);
+        if (split_for_a_time(states, cut, answer[i], control)) return true;
+        throw NondeterminismError(to_string(suffix, oracle_.inputs()),
+                                  to_string(answer, oracle_.outputs()), "something else");
+      }
+      states.push_back(hypothesis().target(now, suffix[i]));
+    }
+  }
+  return false;
+}
+
+}  // namespace maide
