@@ -228,6 +228,8 @@ Json run_json(const BenchModel& model, const BenchRun& run) {
           {"equivalence_queries", run.equivalence_queries},
           {"to_system", counts(run.sent)},
           {"asked", counts(run.asked)},
+          {"cache_edges", run.cache_edges},
+          {"cache_bytes", run.cache_bytes},
           {"cpu_seconds", run.cpu_seconds}};
 }
 

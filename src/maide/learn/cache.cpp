@@ -32,33 +32,6 @@ bool is_prefix(const Word& prefix, const Word& word) {
   return prefix.size() <= word.size() && std::equal(prefix.begin(), prefix.end(), word.begin());
 }
 
-// Those of the unknown queries whose answers answer all of them: no word that is a prefix of
-// another, nothing twice. Ascending. O(words log words) comparisons.
-std::vector<std::size_t> select_queries(std::span<const Query> batch,
-                                        std::span<const std::size_t> unknown) {
-  std::vector<std::size_t> selected, words;
-  std::unordered_set<Word, WordHash> trees;
-  for (const std::size_t index : unknown) {
-    if (const auto* tree = std::get_if<DecisionTree>(&batch[index])) {
-      if (trees.insert(encode(*tree)).second) selected.push_back(index);
-    } else {
-      words.push_back(index);
-    }
-  }
-  const auto word = [&](std::size_t index) -> const Word& { return std::get<Word>(batch[index]); };
-  // A word's extensions follow it; of equal words the first in the batch comes last, and stays.
-  std::sort(words.begin(), words.end(), [&](std::size_t left, std::size_t right) {
-    const auto order = word(left) <=> word(right);
-    return order != 0 ? order < 0 : left > right;
-  });
-  for (std::size_t i = 0; i < words.size(); ++i) {
-    if (i + 1 < words.size() && is_prefix(word(words[i]), word(words[i + 1]))) continue;
-    selected.push_back(words[i]);
-  }
-  std::sort(selected.begin(), selected.end());
-  return selected;
-}
-
 }  // namespace
 
 Cache::Cache(OutputOracle& system) : system_(system), outputs_(system.outputs()) {}
@@ -76,14 +49,41 @@ Cache::Cache(OutputOracle& system, CacheFile& file) : Cache(system) {
 
 Symbol Cache::intern_output(std::string_view name) { return outputs_.intern(name); }
 
-bool Cache::answer_from_tree(const Query& query, MealyAnswer& answer) {
-  TraceTree::Node node = TraceTree::root;
-  return play_query(query, answer, [&](Symbol input) -> std::optional<Symbol> {
-    node = tree_.child(node, input);
-    if (node == TraceTree::none) return std::nullopt;
-    tree_.mark(node);
-    return tree_.output(node);
+Cache::Lookup Cache::look_up(const Query& query) {
+  Lookup result;
+  result.is_whole = play_query(query, result.answer, [&](Symbol input) -> std::optional<Symbol> {
+    const TraceTree::Node next = tree_.child(result.node, input);
+    if (next == TraceTree::none) return std::nullopt;
+    result.node = next;
+    tree_.mark(next);
+    return tree_.output(next);
   });
+  return result;
+}
+
+std::vector<Cache::Lookup> Cache::look_up_all(std::span<const Query> batch) {
+  std::vector<Lookup> results(batch.size());
+  std::vector<std::span<const Symbol>> words(batch.size());  // empty for trees
+  for (std::size_t i = 0; i < batch.size(); ++i) {
+    if (const Word* word = std::get_if<Word>(&batch[i])) {
+      words[i] = *word;
+      results[i].answer.outputs.reserve(word->size());
+    }
+  }
+  tree_.walk_together(words, [&](std::size_t i, TraceTree::Node node) {
+    results[i].node = node;
+    results[i].answer.outputs.push_back(tree_.output(node));
+    tree_.mark(node);
+  });
+  for (std::size_t i = 0; i < batch.size(); ++i) {
+    if (std::holds_alternative<DecisionTree>(batch[i])) {
+      results[i] = look_up(batch[i]);
+      continue;
+    }
+    results[i].is_whole = results[i].answer.outputs.size() == words[i].size();
+    if (results[i].is_whole) results[i].answer.inputs = std::get<Word>(batch[i]);
+  }
+  return results;
 }
 
 std::vector<MealyAnswer> Cache::ask(std::span<const Query> batch, const RunControl& control,
@@ -100,54 +100,108 @@ std::vector<MealyAnswer> Cache::ask(std::span<const Query> batch, const RunContr
     }
     batch = converted;
   }
-  std::vector<MealyAnswer> answers(batch.size());
+  std::vector<Lookup> known = look_up_all(batch);
   std::vector<std::size_t> unknown;
   for (std::size_t i = 0; i < batch.size(); ++i) {
-    if (!answer_from_tree(batch[i], answers[i])) unknown.push_back(i);
+    if (!known[i].is_whole) unknown.push_back(i);
   }
   hits_ += batch.size() - unknown.size();
   try {
-    if (!unknown.empty()) ask_system(batch, std::move(unknown), answers, control);
+    if (!unknown.empty()) ask_system(batch, std::move(unknown), known, control);
   } catch (...) {
     for (std::size_t i = 0; on_early_end && i < batch.size(); ++i) {
-      MealyAnswer answer;
-      if (!answer_from_tree(batch[i], answer)) continue;
-      hand_up(answer);
-      on_early_end(i, answer);
+      Lookup lookup = look_up(batch[i]);
+      if (!lookup.is_whole) continue;
+      hand_up(lookup.answer);
+      on_early_end(i, lookup.answer);
     }
     throw;
   }
-  for (MealyAnswer& answer : answers) hand_up(answer);
+  std::vector<MealyAnswer> answers;
+  answers.reserve(batch.size());
+  for (Lookup& lookup : known) {
+    hand_up(lookup.answer);
+    answers.push_back(std::move(lookup.answer));
+  }
   return answers;
+}
+
+// Those of the unknown queries whose answers answer all of them: no word that is a prefix of
+// another, nothing twice. Ascending. Words of which one is a prefix of the other leave the tree at
+// the same place by the same input, so only such are compared. O(words log words).
+std::vector<std::size_t> Cache::select_queries(std::span<const Query> batch,
+                                               std::span<const std::size_t> unknown,
+                                               const std::vector<Lookup>& known) {
+  std::vector<std::size_t> selected;
+  std::unordered_set<Word, WordHash> trees;
+  struct Leaving {
+    std::uint64_t place;  // the node and the input
+    std::size_t index;
+  };
+  std::vector<Leaving> words;
+  const auto word = [&](std::size_t index) -> const Word& { return std::get<Word>(batch[index]); };
+  for (const std::size_t index : unknown) {
+    if (const auto* tree = std::get_if<DecisionTree>(&batch[index])) {
+      if (trees.insert(encode(*tree)).second) selected.push_back(index);
+    } else {
+      const Symbol input = word(index)[known[index].answer.outputs.size()];
+      words.push_back({std::uint64_t{known[index].node} << 32 | input, index});
+    }
+  }
+  // A word's extensions follow it; of equal words the first in the batch comes last, and stays.
+  std::sort(words.begin(), words.end(), [&](const Leaving& left, const Leaving& right) {
+    if (left.place != right.place) return left.place < right.place;
+    const auto order = word(left.index) <=> word(right.index);
+    return order != 0 ? order < 0 : left.index > right.index;
+  });
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    if (i + 1 < words.size() && words[i].place == words[i + 1].place &&
+        is_prefix(word(words[i].index), word(words[i + 1].index))) {
+      continue;
+    }
+    selected.push_back(words[i].index);
+  }
+  std::sort(selected.begin(), selected.end());
+  return selected;
 }
 
 // Asks until nothing is unknown: a word that ended early does not answer its prefixes' extensions,
 // and a correction may forget what was just recorded.
 void Cache::ask_system(std::span<const Query> batch, std::vector<std::size_t> unknown,
-                       std::vector<MealyAnswer>& answers, const RunControl& control) {
+                       std::vector<Lookup>& known, const RunControl& control) {
   while (!unknown.empty()) {
-    const std::vector<std::size_t> selected = select_queries(batch, unknown);
+    const std::vector<std::size_t> selected = select_queries(batch, unknown, known);
     const std::size_t chunk = file_ != nullptr ? words_at_risk : selected.size();
     const std::uint64_t corrections = votes_ ? votes_->corrections : 0;
+    const TraceTree::Node first_fresh = tree_.next_node();
     for (std::size_t start = 0; start < selected.size(); start += chunk) {
       const auto part =
           std::span(selected).subspan(start, std::min(chunk, selected.size() - start));
-      std::vector<Query> queries;
-      queries.reserve(part.size());
-      for (const std::size_t index : part) queries.push_back(to_system(batch[index]));
-      std::vector<MealyAnswer> fresh = send(std::move(queries), control);
-      for (std::size_t i = 0; i < part.size(); ++i) answers[part[i]] = std::move(fresh[i]);
+      std::vector<const Lookup*> lookups;
+      lookups.reserve(part.size());
+      for (const std::size_t index : part) lookups.push_back(&known[index]);
+      std::vector<Query> copies;
+      std::vector<MealyAnswer> fresh = send(to_system(batch, part, copies), control, lookups);
+      for (std::size_t i = 0; i < part.size(); ++i) known[part[i]].answer = std::move(fresh[i]);
     }
     misses_ += selected.size();
     const bool was_corrected = votes_ && votes_->corrections != corrections;
+    // What is new in the tree are answers to this batch.
+    for (TraceTree::Node node = first_fresh; !was_corrected && node < tree_.next_node(); ++node) {
+      tree_.mark(node);
+    }
     std::vector<std::size_t> still_unknown;
     for (const std::size_t index : unknown) {
-      MealyAnswer& answer = answers[index];
       const bool was_sent = std::binary_search(selected.begin(), selected.end(), index);
-      if (was_sent && answer.end != WordEnd::complete) continue;  // there is no more of it
-      answer.inputs.clear();
-      answer.outputs.clear();
-      if (answer_from_tree(batch[index], answer)) {
+      Lookup& lookup = known[index];
+      if (was_sent && lookup.answer.end != WordEnd::complete) continue;  // there is no more of it
+      const Word* const word = std::get_if<Word>(&batch[index]);
+      if (was_sent && !was_corrected && word != nullptr && lookup.answer.inputs == *word) continue;
+      Lookup now = look_up(batch[index]);
+      lookup.answer.inputs = std::move(now.answer.inputs);  // but times and attempts as sent
+      lookup.answer.outputs = std::move(now.answer.outputs);
+      lookup.node = now.node;
+      if (now.is_whole) {
         if (!was_sent) ++hits_;
       } else if (was_sent && !was_corrected) {
         throw Error(ExitStatus::system_failed, "the system answered another query than was asked");
@@ -160,28 +214,34 @@ void Cache::ask_system(std::span<const Query> batch, std::vector<std::size_t> un
 }
 
 // Answers in the tree's numbering, recorded; also those before an exception. Asks again what noise
-// has spoilt.
-std::vector<MealyAnswer> Cache::send(std::vector<Query> queries, const RunControl& control) {
+// has spoilt. `known`: what was looked up of each query just now, or nothing.
+std::vector<MealyAnswer> Cache::send(std::span<const Query> queries, const RunControl& control,
+                                     std::span<const Lookup* const> known) {
   std::vector<MealyAnswer> answers(queries.size());
   std::vector<std::size_t> places(queries.size());
   std::iota(places.begin(), places.end(), std::size_t{0});
+  std::vector<Query> again;
+  const std::uint64_t corrections = votes_ ? votes_->corrections : 0;
   try {
     for (std::uint32_t attempt = 1; !queries.empty(); ++attempt) {
       std::vector<MealyAnswer> fresh = ask_below(queries, control);
       std::vector<Query> spoilt;
       std::vector<std::size_t> spoilt_places;
       for (std::size_t i = 0; i < fresh.size(); ++i) {
-        if (!accept(fresh[i], control)) {
+        const bool is_known = !known.empty() && (!votes_ || votes_->corrections == corrections);
+        if (!(is_known && extend(queries[i], *known[places[i]], fresh[i])) &&
+            !accept(fresh[i], control)) {
           if (attempt >= votes_->options.most_attempts) {
             throw contradiction(fresh[i].inputs, fresh[i].outputs,
                                 find_conflict(fresh[i].inputs, fresh[i].outputs).value_or(0));
           }
-          spoilt.push_back(std::move(queries[i]));
+          spoilt.push_back(queries[i]);
           spoilt_places.push_back(places[i]);
         }
         answers[places[i]] = std::move(fresh[i]);
       }
-      queries = std::move(spoilt);
+      again = std::move(spoilt);
+      queries = again;
       places = std::move(spoilt_places);
     }
     if (file_ != nullptr) file_->commit();
@@ -191,6 +251,35 @@ std::vector<MealyAnswer> Cache::send(std::vector<Query> queries, const RunContro
   }
   throw_if_corrected();
   return answers;
+}
+
+// Records an answer whose beginning was looked up before, without walking there again; false, and
+// nothing is recorded, if there is more to do: it contradicts the tree, or votes wait for it.
+bool Cache::extend(const Query& query, const Lookup& known, const MealyAnswer& answer) {
+  if (votes_ && !votes_->watched.empty()) return false;
+  const Word* const word = std::get_if<Word>(&query);
+  const Word& path = word != nullptr ? *word : known.answer.inputs;
+  const std::size_t start = known.answer.outputs.size();
+  const std::size_t end = std::min(answer.inputs.size(), answer.outputs.size());
+  if (end <= start || (word != nullptr && end > word->size()) ||
+      !std::equal(path.begin(), path.begin() + static_cast<std::ptrdiff_t>(start),
+                  answer.inputs.begin()) ||
+      !std::equal(known.answer.outputs.begin(), known.answer.outputs.end(),
+                  answer.outputs.begin())) {
+    return false;
+  }
+  TraceTree::Node node = known.node;
+  std::size_t i = start;
+  for (; i < end; ++i) {  // what other words of the batch have brought
+    const TraceTree::Node child = tree_.child(node, answer.inputs[i]);
+    if (child == TraceTree::none) break;
+    if (tree_.output(child) != answer.outputs[i]) return false;
+    node = child;
+  }
+  if (i == end) return true;
+  for (; i < end; ++i) node = tree_.add_child(node, answer.inputs[i], answer.outputs[i]);
+  if (file_ != nullptr) file_->add(answer.inputs, answer.outputs, stored_outputs_);
+  return true;
 }
 
 // The system's answers in the tree's numbering. Those before an exception are recorded unless they
@@ -260,8 +349,10 @@ void Cache::learn_system_outputs() {
 }
 
 void Cache::hand_up(MealyAnswer& answer) {
+  if (handed_up_.size() < stored_outputs_.size()) {
+    handed_up_.resize(stored_outputs_.size(), no_symbol);
+  }
   for (Symbol& output : answer.outputs) {
-    if (output >= handed_up_.size()) handed_up_.resize(stored_outputs_.size(), no_symbol);
     Symbol& handed_up = handed_up_[output];
     if (handed_up == no_symbol) handed_up = outputs_.intern(stored_outputs_.name(output));
     output = handed_up;
@@ -287,6 +378,23 @@ Query Cache::to_system(const Query& query) {
     }
   }
   return result;
+}
+
+// These queries of the batch, ascending: the part of the batch itself where nothing lies between
+// them and none is a tree, as learners mostly ask; else in `copies`.
+std::span<const Query> Cache::to_system(std::span<const Query> batch,
+                                        std::span<const std::size_t> selected,
+                                        std::vector<Query>& copies) {
+  const auto is_word = [&](std::size_t index) {
+    return std::holds_alternative<Word>(batch[index]);
+  };
+  if (selected.back() - selected.front() + 1 == selected.size() &&
+      std::all_of(selected.begin(), selected.end(), is_word)) {
+    return batch.subspan(selected.front(), selected.size());
+  }
+  copies.reserve(selected.size());
+  for (const std::size_t index : selected) copies.push_back(to_system(batch[index]));
+  return copies;
 }
 
 }  // namespace maide

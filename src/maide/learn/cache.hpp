@@ -90,12 +90,25 @@ class Cache : public OutputOracle {
 
   static constexpr Symbol no_symbol = ~Symbol{0};
 
-  // Answers, outputs in the tree's numbering, as far as the tree goes; true if to the end of the
-  // query. Marks what it reads as asked in this run.
-  bool answer_from_tree(const Query& query, MealyAnswer& answer);
+  // What the tree knows of a query.
+  struct Lookup {
+    // Outputs in the tree's numbering, as far as the tree goes; inputs of words only to the end.
+    MealyAnswer answer;
+    TraceTree::Node node = TraceTree::root;  // where it leads
+    bool is_whole = false;                   // the answer goes to the end of the query
+  };
+
+  // Both mark what they read as asked in this run.
+  Lookup look_up(const Query& query);
+  std::vector<Lookup> look_up_all(std::span<const Query> batch);
   void ask_system(std::span<const Query> batch, std::vector<std::size_t> unknown,
-                  std::vector<MealyAnswer>& answers, const RunControl& control);
-  std::vector<MealyAnswer> send(std::vector<Query> queries, const RunControl& control);
+                  std::vector<Lookup>& known, const RunControl& control);
+  static std::vector<std::size_t> select_queries(std::span<const Query> batch,
+                                                 std::span<const std::size_t> unknown,
+                                                 const std::vector<Lookup>& known);
+  std::vector<MealyAnswer> send(std::span<const Query> queries, const RunControl& control,
+                                std::span<const Lookup* const> known = {});
+  bool extend(const Query& query, const Lookup& known, const MealyAnswer& answer);
   std::vector<MealyAnswer> ask_below(std::span<const Query> queries, const RunControl& control);
   void record(const MealyAnswer& answer);
   bool insert(const Word& inputs, const Word& outputs);
@@ -117,6 +130,9 @@ class Cache : public OutputOracle {
   void hand_up(MealyAnswer& answer);
   Query to_stored(const DecisionTree& tree);
   Query to_system(const Query& query);
+  std::span<const Query> to_system(std::span<const Query> batch,
+                                   std::span<const std::size_t> selected,
+                                   std::vector<Query>& copies);
 
   OutputOracle& system_;
   CacheFile* file_ = nullptr;

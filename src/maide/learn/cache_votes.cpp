@@ -48,7 +48,8 @@ void Cache::hold_votes(const VoteOptions& options, std::function<void(bool)> on_
 
 void Cache::ask_afresh(const Word& word, const RunControl& control) {
   const VoteScope scope(votes_);
-  send({word}, control);
+  const Query query = word;
+  send(std::span(&query, 1), control);
 }
 
 bool Cache::is_kept(const Word& word) const {

@@ -8,8 +8,11 @@
 // at (input mod slots) or behind. A block as large as the alphabet is an array.
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "maide/automata/alphabet.hpp"
@@ -33,6 +36,12 @@ class TraceTree {
     if ((link & block_flag) == 0) return at(link).input == input ? link : none;
     return find_in_block(block(link & ~block_flag), input);
   }
+  // Follows several words from the root, as far as the tree knows each, and calls visit(i, node)
+  // for every node that word i comes to, in its order. In a large tree each step waits for memory;
+  // the words take turns, so that they wait together. O(their lengths) on average.
+  template <typename Visit>
+  void walk_together(std::span<const std::span<const Symbol>> words, Visit&& visit) const;
+
   // Input and output of the edge that leads to `node`, which is not the root.
   Symbol input(Node node) const { return at(node).input; }
   Symbol output(Node node) const { return at(node).output & ~mark_flag; }
@@ -56,6 +65,9 @@ class TraceTree {
 
   // The children, by ascending input. O(children).
   void children(Node node, std::vector<Node>& result) const;
+
+  // Nodes are numbered in the order in which they were added; this is the next one's number.
+  Node next_node() const { return static_cast<Node>(size_); }
 
   std::uint64_t edge_count() const { return size_ - 1 - forgotten_; }
   // Memory held, in bytes.
@@ -101,5 +113,63 @@ class TraceTree {
   std::uint32_t block_end_ = 0;                          // words used of the blocks' chunks
   std::vector<std::vector<std::uint32_t>> free_blocks_;  // by logarithm of their slots
 };
+
+template <typename Visit>
+void TraceTree::walk_together(std::span<const std::span<const Symbol>> words, Visit&& visit) const {
+  struct Walk {
+    std::size_t word;
+    Node node;
+    const std::uint32_t* slot;  // where the next child should be; null: `child` is the only one
+    Node child;
+  };
+  constexpr std::size_t most = 16;  // about as many lines as a core fetches at once
+  for (std::size_t start = 0; start < words.size(); start += most) {
+    std::array<Walk, most> walks;
+    std::size_t count = std::min(most, words.size() - start);
+    for (std::size_t i = 0; i < count; ++i) walks[i] = {start + i, root, nullptr, none};
+    for (std::size_t depth = 0; count > 0; ++depth) {
+      for (std::size_t i = 0; i < count;) {
+        Walk& walk = walks[i];
+        const std::uint32_t link = depth < words[walk.word].size() ? at(walk.node).link : 0;
+        if (link == 0) {
+          walk = walks[--count];
+          continue;
+        }
+        walk.slot = nullptr;
+        if ((link & block_flag) == 0) {
+          walk.child = link;
+          __builtin_prefetch(&at(link));
+        } else {
+          const std::uint32_t* const children = block(link & ~block_flag);
+          walk.slot = &children[1 + (words[walk.word][depth] & (children[0] - 1))];
+          __builtin_prefetch(walk.slot);
+        }
+        ++i;
+      }
+      for (std::size_t i = 0; i < count; ++i) {
+        if (walks[i].slot == nullptr) continue;
+        walks[i].child = *walks[i].slot;
+        __builtin_prefetch(&at(walks[i].child));
+      }
+      for (std::size_t i = 0; i < count;) {
+        Walk& walk = walks[i];
+        const Symbol input = words[walk.word][depth];
+        // An empty slot is child 0, the root, whose input is none of an edge.
+        if (walk.child == root || at(walk.child).input != input) {
+          walk.child = walk.slot == nullptr || walk.child == root
+                           ? none
+                           : find_in_block(block(at(walk.node).link & ~block_flag), input);
+          if (walk.child == none) {
+            walk = walks[--count];
+            continue;
+          }
+        }
+        walk.node = walk.child;
+        visit(walk.word, walk.node);
+        ++i;
+      }
+    }
+  }
+}
 
 }  // namespace maide

@@ -95,6 +95,8 @@ class Measurement {
     result.states = learner_->hypothesis().size();
     result.asked = asked_.statistics();
     result.sent = sent_.statistics();
+    result.cache_edges = cache_.observation_count();
+    result.cache_bytes = cache_.bytes();
   }
 
  private:

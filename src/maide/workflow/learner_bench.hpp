@@ -65,6 +65,7 @@ struct BenchRun {
   Statistics asked;        // by learner and tests, cached or not
   Statistics sent;         // of that, what reached the system
   double cpu_seconds = 0;  // of the thread: learner, tests, cache and simulation
+  std::uint64_t cache_edges = 0, cache_bytes = 0;
 };
 
 // Every algorithm on every model, several at once. `on_run` is called in the order of models, then

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <map>
+#include <span>
+#include <vector>
 
 #include "maide/base/error.hpp"
 #include "maide/base/random.hpp"
@@ -37,6 +39,39 @@ TEST(TraceTree, HoldsWhatAMapHolds) {
       }
     }
     EXPECT_EQ(tree.edge_count(), map.size());
+  }
+}
+
+// Words that end inside the tree, leave it early, are empty, or are there twice.
+TEST(TraceTree, WordsThatAreWalkedTogetherComeWhereEachComesAlone) {
+  for (const std::uint64_t inputs : {1U, 2U, 7U, 40U}) {
+    Random random(inputs);
+    TraceTree tree;
+    std::vector<Word> words(1);
+    for (int i = 0; i < 500; ++i) {
+      Word word(random.below(12));
+      for (Symbol& symbol : word) symbol = static_cast<Symbol>(random.below(inputs));
+      TraceTree::Node node = TraceTree::root;
+      for (std::size_t step = 0; step < word.size() && random.below(9) != 0; ++step) {
+        const TraceTree::Node child = tree.child(node, word[step]);
+        node = child != TraceTree::none ? child : tree.add_child(node, word[step], 0);
+      }
+      words.push_back(word);
+    }
+    const std::vector<std::span<const Symbol>> spans(words.begin(), words.end());
+    std::vector<std::vector<TraceTree::Node>> visited(words.size());
+    tree.walk_together(spans,
+                       [&](std::size_t i, TraceTree::Node node) { visited[i].push_back(node); });
+    for (std::size_t i = 0; i < words.size(); ++i) {
+      std::vector<TraceTree::Node> alone;
+      TraceTree::Node node = TraceTree::root;
+      for (const Symbol input : words[i]) {
+        node = tree.child(node, input);
+        if (node == TraceTree::none) break;
+        alone.push_back(node);
+      }
+      EXPECT_EQ(visited[i], alone) << i;
+    }
   }
 }
 
