@@ -58,9 +58,7 @@ TEST(CommandLine, SuggestsCommandsAndOptions) {
 }
 
 TEST(CommandLine, LaterCommandsAreSaidToBeMissing) {
-  for (const std::string name : {"test", "cache"}) {
-    expect_error(run_maide({name, "x", "--y"}), 2, "'" + name + "' is not part of this version");
-  }
+  expect_error(run_maide({"test", "x", "--y"}), 2, "'test' is not part of this version");
 }
 
 TEST(CommandLine, RefusesWhatItDoesNotExpect) {

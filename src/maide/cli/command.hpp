@@ -49,6 +49,7 @@ std::span<const Command> command_table();
 
 // One function for each row of the table, in a file of its own.
 RunFunction set_up_bench(CLI::App& app);
+RunFunction set_up_cache(CLI::App& app);
 RunFunction set_up_compare(CLI::App& app);
 RunFunction set_up_doctor(CLI::App& app);
 RunFunction set_up_check(CLI::App& app);

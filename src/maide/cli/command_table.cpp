@@ -38,6 +38,11 @@ std::span<const Command> command_table() {
       Command{"reproduce", "Reproduce the paper's results, theirs beside ours",
               "maide reproduce table1 --system port --json\nmaide reproduce table2",
               set_up_reproduce},
+      Command{"cache", "Show, merge and check the answers that learning has kept on disk",
+              "maide cache show port.cache\n"
+              "maide cache merge monday.cache tuesday.cache -o all.cache\n"
+              "maide cache check port.cache --system 'port kind=strict'",
+              set_up_cache},
       Command{"bench", "Measure the learning algorithms on a folder of models",
               "maide bench models --algorithm lsharp --algorithm rs --csv bench.csv\n"
               "maide bench models --eq standard --time 10 --json",

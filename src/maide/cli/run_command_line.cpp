@@ -79,7 +79,7 @@ std::unique_ptr<Prepared> prepare(const Command& command) {
 
 const Command& find_command(const std::string& name) {
   // Commands that the design names and later versions will have.
-  static const std::vector<std::string> planned{"test", "cache"};
+  static const std::vector<std::string> planned{"test"};
   std::vector<std::string> names;
   for (const Command& command : command_table()) {
     if (command.name == name) return command;

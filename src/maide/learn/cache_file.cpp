@@ -3,12 +3,14 @@
 #include <fmt/format.h>
 #include <sqlite3.h>
 
+#include <chrono>
 #include <span>
+#include <thread>
 #include <utility>
 #include <vector>
 
-#include "maide/base/error.hpp"
 #include "maide/base/join.hpp"
+#include "maide/base/log.hpp"
 
 namespace maide {
 namespace {
@@ -105,19 +107,38 @@ class CacheFile::Statement {
 };
 
 CacheFile::CacheFile(const std::filesystem::path& path, const Alphabet& inputs,
-                     const Fingerprint& fingerprint)
-    : path_(path), inputs_(inputs) {
+                     const Fingerprint& fingerprint, const RunControl* wait)
+    : path_(path) {
+  for (bool is_waiting = false;; is_waiting = true) {
+    try {
+      open(true);
+      if (is_new()) initialise(inputs, fingerprint);
+      read_system();
+      expect_system(inputs, fingerprint);
+      prepare();
+      return;
+    } catch (const CacheInUse&) {
+      close();
+      if (wait == nullptr) throw;
+      if (!is_waiting) log_note("waiting for another process to close " + path.string());
+    } catch (...) {
+      close();
+      throw;
+    }
+    Progress progress;
+    progress.phase = "waiting for the cache";
+    wait->report(progress);
+    wait->check(progress.phase);
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  }
+}
+
+CacheFile::CacheFile(const std::filesystem::path& path) : path_(path) {
   try {
-    open();
-    if (pragma("application_id") == "0" && pragma("schema_version") == "0") {
-      initialise(inputs, fingerprint);
-    } else {
-      verify(inputs, fingerprint);
-    }
-    if (sqlite3_prepare_v2(database_, "INSERT INTO words(inputs, outputs) VALUES (?, ?)", -1,
-                           &insert_word_, nullptr) != SQLITE_OK) {
-      fail("read");
-    }
+    open(false);
+    if (is_new()) throw UsageError(fmt::format("not a cache of Maide ({})", path.string()));
+    read_system();
+    prepare();
   } catch (...) {
     close();
     throw;
@@ -141,7 +162,7 @@ void CacheFile::fail(const char* doing) const {
   const int code = sqlite3_errcode(database_) & 0xff;
   const std::string name = path_.string();
   if (code == SQLITE_BUSY || code == SQLITE_LOCKED) {
-    throw UsageError(fmt::format("the cache is in use by another process ({})", name));
+    throw CacheInUse(fmt::format("the cache is in use by another process ({})", name));
   }
   if (code == SQLITE_NOTADB) throw UsageError(fmt::format("not a cache of Maide ({})", name));
   if (code == SQLITE_CORRUPT) throw UsageError(fmt::format("the cache is damaged ({})", name));
@@ -161,11 +182,9 @@ std::string CacheFile::pragma(const char* name) {
   return statement.step("read") ? std::string(statement.column(0)) : std::string();
 }
 
-void CacheFile::open() {
-  if (sqlite3_open_v2(path_.c_str(), &database_, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE,
-                      nullptr) != SQLITE_OK) {
-    fail("open");
-  }
+void CacheFile::open(bool create) {
+  const int flags = SQLITE_OPEN_READWRITE | (create ? SQLITE_OPEN_CREATE : 0);
+  if (sqlite3_open_v2(path_.c_str(), &database_, flags, nullptr) != SQLITE_OK) fail("open");
   if (sqlite3_db_readonly(database_, "main") == 1) {
     throw UsageError(fmt::format("cannot write the cache: no permission ({})", path_.string()));
   }
@@ -181,6 +200,18 @@ void CacheFile::open() {
   execute("PRAGMA synchronous = NORMAL");
   execute("BEGIN EXCLUSIVE");
   execute("COMMIT");
+}
+
+bool CacheFile::is_new() {
+  return pragma("application_id") == "0" && pragma("schema_version") == "0";
+}
+
+// Makes what add() needs.
+void CacheFile::prepare() {
+  if (sqlite3_prepare_v2(database_, "INSERT INTO words(inputs, outputs) VALUES (?, ?)", -1,
+                         &insert_word_, nullptr) != SQLITE_OK) {
+    fail("read");
+  }
 }
 
 void CacheFile::initialise(const Alphabet& inputs, const Fingerprint& fingerprint) {
@@ -206,30 +237,41 @@ void CacheFile::initialise(const Alphabet& inputs, const Fingerprint& fingerprin
   execute("COMMIT");
 }
 
-void CacheFile::verify(const Alphabet& inputs, const Fingerprint& fingerprint) {
+void CacheFile::read_system() {
   const std::string version = pragma("user_version");
   if (version != format_version) {
     throw UsageError(fmt::format("the cache has format {}, this Maide reads format {} ({})",
                                  version, format_version, path_.string()));
   }
-  Fingerprint recorded;
   Statement read_fingerprint(*this, "SELECT name, value FROM fingerprint");
   while (read_fingerprint.step("read")) {
-    recorded.emplace(read_fingerprint.column(0), read_fingerprint.column(1));
+    fingerprint_.emplace(read_fingerprint.column(0), read_fingerprint.column(1));
   }
-  std::vector<std::string> recorded_inputs;
   Statement read_inputs(*this, "SELECT name FROM inputs ORDER BY id");
-  while (read_inputs.step("read")) recorded_inputs.emplace_back(read_inputs.column(0));
-  Fingerprint expected = fingerprint;
-  recorded["the inputs"] = join(recorded_inputs, ",");
-  expected["the inputs"] = join(inputs.names(), ",");
-  const std::string differences = describe_differences(recorded, expected);
-  if (!differences.empty()) {
-    throw UsageError(fmt::format("the cache was recorded for another system: {} ({})", differences,
-                                 path_.string()));
-  }
+  while (read_inputs.step("read")) inputs_.intern(read_inputs.column(0));
   Statement read_outputs(*this, "SELECT name FROM outputs ORDER BY id");
   while (read_outputs.step("read")) outputs_.intern(read_outputs.column(0));
+}
+
+void CacheFile::expect_system(const Alphabet& inputs, const Fingerprint& fingerprint) const {
+  const std::string differences = describe_differences(*this, inputs, fingerprint);
+  if (differences.empty()) return;
+  throw UsageError(fmt::format("the cache was recorded for another system: {} ({})", differences,
+                               path_.string()));
+}
+
+std::string describe_differences(const CacheFile& cache, const Alphabet& inputs,
+                                 const Fingerprint& fingerprint) {
+  Fingerprint there = cache.fingerprint(), here = fingerprint;
+  there["the inputs"] = join(cache.inputs().names(), ",");
+  here["the inputs"] = join(inputs.names(), ",");
+  return describe_differences(there, here);
+}
+
+std::string CacheFile::find_damage() {
+  Statement statement(*this, "PRAGMA integrity_check(1)");
+  const std::string found(statement.step("read") ? statement.column(0) : "nothing to read");
+  return found == "ok" ? "" : found;
 }
 
 void CacheFile::for_each(const std::function<void(const Word&, const Word&)>& visit) {

@@ -1,7 +1,7 @@
 // The cache on disk: a SQLite database of the words that were run and their answers, written as the
 // run goes, so that a killed run resumes where it was. It belongs to one system: what the caller
 // gives as fingerprint (options, versions, translation) and the inputs must be the same when it is
-// opened again. One process at a time may have it open.
+// opened again. One process at a time may have it open; others can wait for it.
 //
 // Transactions end with each batch; in WAL mode a kill loses at most the words of the batch in
 // flight. All errors are UsageErrors of one line that name the file.
@@ -14,6 +14,8 @@
 #include <string>
 
 #include "maide/automata/alphabet.hpp"
+#include "maide/base/error.hpp"
+#include "maide/base/run_control.hpp"
 
 struct sqlite3;
 struct sqlite3_stmt;
@@ -23,22 +25,37 @@ namespace maide {
 // What identifies a system: names and values, say {"depth", "3"}.
 using Fingerprint = std::map<std::string, std::string>;
 
+// Another process has the cache open.
+class CacheInUse : public UsageError {
+ public:
+  using UsageError::UsageError;
+};
+
 class CacheFile {
  public:
-  // Opens the file, or makes it. Throws UsageError if it cannot be written, is no cache, is open
-  // elsewhere, or was recorded for another system; the latter names what differs.
+  // Opens the file, or makes it. Throws UsageError if it cannot be written, is no cache, or was
+  // recorded for another system, naming what differs. While another process has it open: waits as
+  // long as `wait` allows, with a note in the log (throws Interrupted); without it throws
+  // CacheInUse.
   CacheFile(const std::filesystem::path& path, const Alphabet& inputs,
-            const Fingerprint& fingerprint);
+            const Fingerprint& fingerprint, const RunControl* wait = nullptr);
+  // Opens a cache that is there, of whatever system. Throws as above.
+  explicit CacheFile(const std::filesystem::path& path);
   ~CacheFile();
   CacheFile(const CacheFile&) = delete;
   CacheFile& operator=(const CacheFile&) = delete;
 
   const std::filesystem::path& path() const { return path_; }
+  const Alphabet& inputs() const { return inputs_; }
   // The outputs of the words in the file, as those number them.
   const Alphabet& outputs() const { return outputs_; }
+  const Fingerprint& fingerprint() const { return fingerprint_; }
 
   // Hands over every word and its answer, in the order in which they were added.
   void for_each(const std::function<void(const Word& inputs, const Word& outputs)>& visit);
+
+  // What SQLite finds wrong with the file, in its words; "" for nothing. Reads all of it.
+  std::string find_damage();
 
   // Adds a word and its answer; it is safe after the next commit(). `names` names the outputs; it
   // begins with outputs().
@@ -54,9 +71,12 @@ class CacheFile {
 
   void execute(const char* sql);
   void begin();
-  void open();
+  void open(bool create);
+  bool is_new();
   void initialise(const Alphabet& inputs, const Fingerprint& fingerprint);
-  void verify(const Alphabet& inputs, const Fingerprint& fingerprint);
+  void read_system();
+  void expect_system(const Alphabet& inputs, const Fingerprint& fingerprint) const;
+  void prepare();
   std::string pragma(const char* name);
   [[noreturn]] void fail(const char* doing) const;
   void close() noexcept;
@@ -65,7 +85,13 @@ class CacheFile {
   sqlite3* database_ = nullptr;
   sqlite3_stmt* insert_word_ = nullptr;
   Alphabet inputs_, outputs_;
+  Fingerprint fingerprint_;
   bool in_transaction_ = false;
 };
+
+// What differs between the system of a cache and another one: "depth is '3' there, '4' here; ...";
+// "" if they are the same.
+std::string describe_differences(const CacheFile& cache, const Alphabet& inputs,
+                                 const Fingerprint& fingerprint);
 
 }  // namespace maide

@@ -51,7 +51,7 @@ class Run {
         progress_(control.progress, counter_),
         paced_(counter_, pace()) {
     if (!options.cache_file.empty()) {
-      file_.emplace(options.cache_file, system.inputs(), options.fingerprint);
+      file_.emplace(options.cache_file, system.inputs(), options.fingerprint, &control);
       if (options.on_cached_word) tell_cached_words(*file_, options);
     }
     cache_.emplace(file_ ? Cache(paced_, *file_) : Cache(paced_));

@@ -1,0 +1,33 @@
+// Asks a system again for a sample of the words in a cache: whether it still answers as it did.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "maide/base/run_control.hpp"
+#include "maide/learn/cache_file.hpp"
+#include "maide/learn/cache_survey.hpp"
+#include "maide/workflow/open_system.hpp"
+#include "maide/workflow/system_spec.hpp"
+
+namespace maide {
+
+struct RecheckOptions {
+  std::uint64_t words = 100;  // the size of the sample; all of the cache if it has no more
+  std::uint64_t seed = 1;     // of the sample
+  SystemAccess access;        // the translation is the cache's
+};
+
+struct RecheckResult {
+  std::uint64_t words = 0;               // asked
+  std::vector<CacheConflict> conflicts;  // `known`: of the cache; `other`: of the system
+};
+
+// Opens the system, which must be the cache's. Every word is asked once, so a single wrong answer
+// of a noisy system is a conflict, too. Throws UsageError if it is another system, and what
+// open_system() and the system throw.
+RecheckResult recheck_cache(CacheFile& cache, const SystemSpec& spec, const RecheckOptions& options,
+                            const RunControl& control = {});
+
+}  // namespace maide

@@ -1,0 +1,181 @@
+// `maide cache` with the real program, on caches that `maide learn` has written.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <iterator>
+#include <memory>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "maide/base/file.hpp"
+#include "maide/base/temp_dir.hpp"
+#include "maide/learn/cache_file.hpp"
+#include "run_maide.hpp"
+
+namespace maide::test {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+const std::string model = MAIDE_SOURCE_DIR "/tests/models/strict-6.dot";
+const std::string simulated = "sim:" + model;
+
+class CacheCommand : public testing::Test {
+ protected:
+  std::string path(const std::string& name) const { return (folder.path() / name).string(); }
+
+  // Learns into the cache; the words run on the system.
+  std::uint64_t learn(const std::string& cache, std::vector<std::string> more = {}) {
+    std::vector<std::string> arguments{"learn",  simulated, "--cache",        cache,
+                                       "--json", "-o",      path("model.dot")};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const SubprocessResult result = run_maide(arguments);
+    EXPECT_EQ(result.exit_status, 0) << result.err;
+    return json_of(result).at("experiments");
+  }
+  // Adds a word that was answered with `outputs` over `names`.
+  void add_word(const std::string& cache, const Word& inputs, const Word& outputs,
+                const Alphabet& names) {
+    CacheFile file(cache);
+    Alphabet all = file.outputs();
+    Word renumbered;
+    for (const Symbol output : outputs) renumbered.push_back(all.intern(names.name(output)));
+    file.add(inputs, renumbered, all);
+    file.commit();
+  }
+
+  TempDir folder;
+};
+
+TEST_F(CacheCommand, ShowSaysWhatIsInIt) {
+  const std::string cache = path("a.cache");
+  const std::uint64_t experiments = learn(cache);
+  const SubprocessResult text = run_maide({"cache", "show", cache});
+  EXPECT_EQ(text.exit_status, 0) << text.err;
+  EXPECT_THAT(text.out, HasSubstr("system        " + simulated));
+  EXPECT_THAT(text.out, HasSubstr("translation   eager"));
+  EXPECT_THAT(text.out, HasSubstr("inputs        2: write, read"));
+  const Json found = json_of(run_maide({"cache", "show", cache, "--json"})).at("caches").at(0);
+  EXPECT_EQ(found.at("words"), experiments);
+  EXPECT_GT(found.at("observations"), 0);
+  EXPECT_GE(found.at("symbols"), found.at("observations"));
+  EXPECT_EQ(found.at("bytes"), fs::file_size(cache));
+  EXPECT_EQ(found.at("conflicts"), 0);
+}
+
+// What two runs have asked is asked no more by a third one on the merged cache.
+TEST_F(CacheCommand, MergedCachesAnswerWhatEachOfThemAnswers) {
+  const std::string one = path("one.cache"), two = path("two.cache"), all = path("all.cache");
+  const std::vector<std::string> words{"--eq", "random-words", "--seed", "7"};
+  const std::uint64_t first = learn(one), second = learn(two, words);
+  const SubprocessResult result = run_maide({"cache", "merge", one, two, "-o", all, "--json"});
+  ASSERT_EQ(result.exit_status, 0) << result.err;
+  EXPECT_GE(json_of(result).at("words"), std::max(first, second));
+  EXPECT_LT(json_of(result).at("words"), first + second);
+  EXPECT_EQ(learn(all), 0U);
+  EXPECT_EQ(learn(all, words), 0U);
+  EXPECT_EQ(run_maide({"cache", "check", all}).exit_status, 0);
+  expect_error(run_maide({"cache", "merge", one, two, "-o", all}), 2, "is there already");
+  expect_error(run_maide({"cache", "merge", one, two}), 2, "-o FILE");
+}
+
+TEST_F(CacheCommand, CachesThatContradictEachOtherAreNotMerged) {
+  const std::string one = path("one.cache"), two = path("two.cache"), all = path("all.cache");
+  learn(one);
+  fs::copy_file(one, two);
+  add_word(two, {0, 1, 1}, {0, 1, 0}, {"quiet", "lie"});
+  const SubprocessResult result = run_maide({"cache", "merge", one, two, "-o", all});
+  EXPECT_EQ(result.exit_status, 1);
+  EXPECT_THAT(
+      result.out,
+      HasSubstr("\"write read\" is answered \"quiet message\" and \"quiet lie\" by " + two));
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder.path()), fs::directory_iterator()), 3)
+      << "the model and two caches";
+}
+
+TEST_F(CacheCommand, CachesOfOtherSystemsAreNotMerged) {
+  const std::string one = path("one.cache"), two = path("two.cache");
+  learn(one);
+  CacheFile(two, Alphabet{"write", "read"}, {{"the system", "another"}}).commit();
+  expect_error(run_maide({"cache", "merge", one, two, "-o", path("all.cache")}), 2,
+               "the caches are of different systems: the system is 'another' there");
+  EXPECT_FALSE(fs::exists(path("all.cache")));
+}
+
+TEST_F(CacheCommand, CheckFindsContradictionsAndDamage) {
+  const std::string sound = path("sound.cache"), torn = path("torn.cache");
+  learn(sound);
+  EXPECT_THAT(run_maide({"cache", "check", sound}).out, HasSubstr("sound.cache: sound, "));
+
+  const std::string wrong = path("wrong.cache");
+  fs::copy_file(sound, wrong);
+  add_word(wrong, {0, 1, 1}, {0, 1, 0}, {"quiet", "lie"});
+  const SubprocessResult contradiction = run_maide({"cache", "check", sound, wrong});
+  EXPECT_EQ(contradiction.exit_status, 1);
+  EXPECT_THAT(contradiction.out, HasSubstr("1 of "));
+  EXPECT_THAT(contradiction.out, HasSubstr("\"write read\" is answered"));
+
+  fs::copy_file(sound, torn);
+  fs::resize_file(torn, fs::file_size(torn) - 4096);
+  const SubprocessResult damage = run_maide({"cache", "check", torn, sound});
+  EXPECT_EQ(damage.exit_status, 2);
+  EXPECT_THAT(damage.err, HasSubstr("torn.cache)"));
+  EXPECT_THAT(damage.out, HasSubstr("sound.cache: sound, ")) << "the others are checked, too";
+
+  expect_error(run_maide({"cache", "check", path("nothing")}), 2, "cannot open the cache");
+  expect_error(run_maide({"cache", "check", model}), 2, "not a cache of Maide");
+  expect_error(run_maide({"cache", "look", sound}), 2, "'look' is none of show, merge, check");
+}
+
+TEST_F(CacheCommand, CheckAsksTheSystemAgain) {
+  const std::string cache = path("a.cache");
+  const std::uint64_t words = learn(cache);
+  const auto check = [&](const std::string& system) {
+    return run_maide({"cache", "check", cache, "--system", system, "--words", "1000000"});
+  };
+  const SubprocessResult same = check("'" + simulated + "'");
+  EXPECT_EQ(same.exit_status, 0) << same.err;
+  EXPECT_THAT(same.out, HasSubstr(std::to_string(words) + " of them asked again: all"));
+
+  add_word(cache, {1, 1, 1}, {0, 1, 0}, {"quiet", "lie"});  // another system, so to speak
+  {
+    CacheFile file(cache);
+    const Alphabet& names = file.outputs();
+    file.remove_contradicting({1, 1}, {names.at("quiet"), names.at("lie")});
+    file.commit();
+  }
+  const SubprocessResult other = check(simulated);
+  EXPECT_EQ(other.exit_status, 1) << other.out << other.err;
+  EXPECT_THAT(other.out,
+              HasSubstr("\"read read\" is answered \"quiet lie\" and \"quiet refused\""));
+  expect_error(run_maide({"cache", "check", cache, "--system",
+                          "sim:" MAIDE_SOURCE_DIR "/tests/models/port.dot"}),
+               2, "recorded for another system");
+}
+
+// Somebody else has the cache open; the run waits for them, and then asks only what they did not.
+TEST_F(CacheCommand, ARunWaitsForAnotherOneToCloseTheCache) {
+  const std::string cache = path("a.cache");
+  learn(cache);
+  const std::string script = "\"$maide\" learn " + simulated + " --cache " + cache + " --json -o " +
+                             path("again.dot") + " 2> " + path("note") +
+                             " & run=$!; until grep -q waiting " + path("note") +
+                             "; do sleep 0.01; done; touch " + path("waits") + "; wait $run";
+  auto holder = std::make_unique<CacheFile>(cache);
+  const std::jthread release([&] {
+    while (!fs::exists(path("waits"))) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    holder.reset();
+  });
+  const SubprocessResult result = run_with_maide(script);
+  EXPECT_EQ(result.exit_status, 0) << result.err;
+  EXPECT_EQ(json_of(result).at("experiments"), 0);
+  EXPECT_THAT(read_file(path("note")), HasSubstr("waiting for another process to close " + cache));
+}
+
+}  // namespace
+}  // namespace maide::test
