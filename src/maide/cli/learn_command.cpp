@@ -46,6 +46,7 @@ struct LearnArguments {
   std::optional<std::uint64_t> max_tests;
   std::optional<std::size_t> infix_min;
   std::optional<double> infix_mean;
+  std::string infix_inputs;
   std::uint64_t max_experiments = 0;
   std::optional<double> time_limit;
   std::uint64_t seed = 1;
@@ -74,6 +75,10 @@ ExperimentOptions experiment_options(const LearnArguments& arguments, const Meal
   options.testing.max_tests = arguments.max_tests;
   options.testing.infix_min = arguments.infix_min;
   options.testing.infix_mean = arguments.infix_mean;
+  if (!arguments.infix_inputs.empty()) {
+    options.testing.infix_inputs =
+        arguments.infix_inputs == "uniform" ? InfixInputs::uniform : InfixInputs::off_sinks;
+  }
   options.testing.seed = arguments.seed;
   options.reference = reference;
   options.cache_file = arguments.cache;
@@ -336,6 +341,10 @@ void add_limits(CLI::App& app, LearnArguments& arguments) {
   app.add_option("--infix-mean", arguments.infix_mean,
                  "How many more there are on average (likewise)")
       ->check(CLI::Range(0.0, 1e6));
+  app.add_option("--infix-inputs", arguments.infix_inputs,
+                 "How they are drawn: off-sinks (seldom those that lead where most transitions "
+                 "lead; the default) or uniform (likewise)")
+      ->check(CLI::IsMember({"off-sinks", "uniform"}));
   app.add_option("--max-tests", arguments.max_tests, "Most tests of one equivalence query")
       ->check(check_count);
   app.add_option("--max-experiments", arguments.max_experiments,

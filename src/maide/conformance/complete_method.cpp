@@ -7,28 +7,31 @@
 
 namespace maide {
 
+std::string describe_passed(const IdentifierSuite& suite, std::uint64_t tests,
+                            const IdentifierMethod& method, const Mealy& hypothesis) {
+  const std::size_t states = minimize(hypothesis).size();
+  const std::string text = fmt::format("not refuted by {} tests of {}", tests, method.title);
+  const auto extra = suite.complete_for();
+  if (!extra) {
+    return text + fmt::format(
+                      ", cut off before the {} that would exclude other machines of {} "
+                      "states",
+                      suite.size_up_to(0), states);
+  }
+  return text + fmt::format(
+                    ": no machine with at most {} more state{} ({} in all) behaves "
+                    "differently",
+                    *extra, *extra == 1 ? "" : "s", states + *extra);
+}
+
 std::optional<Word> CompleteMethod::find_counterexample(const Mealy& hypothesis,
                                                         const RunControl& control) {
   IdentifierSuite suite(hypothesis, method_.compute(hypothesis, Random(options_.seed)),
                         options_.extra_states);
   guarantee_ = "not tested to the end";
   std::optional<Word> counterexample = runner_.run(suite, hypothesis, control);
-  if (counterexample) {
-    guarantee_ = fmt::format("refuted by {}", method_.title);
-    return counterexample;
-  }
-  guarantee_ = fmt::format("not refuted by {} tests of {}", runner_.last_tests(), method_.title);
-  const std::size_t states = minimize(hypothesis).size();
-  if (const auto extra = suite.complete_for()) {
-    guarantee_ += fmt::format(
-        ": no machine with at most {} more state{} ({} in all) behaves "
-        "differently",
-        *extra, *extra == 1 ? "" : "s", states + *extra);
-  } else {
-    guarantee_ +=
-        fmt::format(", cut off before the {} that would exclude other machines of {} states",
-                    suite.size_up_to(0), states);
-  }
+  guarantee_ = counterexample ? fmt::format("refuted by {}", method_.title)
+                              : describe_passed(suite, runner_.last_tests(), method_, hypothesis);
   return counterexample;
 }
 

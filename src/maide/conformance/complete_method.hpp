@@ -10,6 +10,7 @@
 
 #include "maide/automata/mealy.hpp"
 #include "maide/base/random.hpp"
+#include "maide/conformance/identifier_suite.hpp"
 #include "maide/conformance/state_identifiers.hpp"
 #include "maide/conformance/test_runner.hpp"
 #include "maide/learn/equivalence_oracle.hpp"
@@ -26,6 +27,11 @@ inline constexpr IdentifierMethod w_identifiers{"the W-method", compute_characte
 inline constexpr IdentifierMethod wp_identifiers{"the Wp-method", compute_partial_words};
 inline constexpr IdentifierMethod hsi_identifiers{"the HSI-method", compute_harmonised_words};
 inline constexpr IdentifierMethod hads_identifiers{"hybrid ADS", compute_adaptive_words};
+
+// In words, what it means that the first `tests` tests of the suite, all that it has made so far,
+// were passed by the system.
+std::string describe_passed(const IdentifierSuite& suite, std::uint64_t tests,
+                            const IdentifierMethod& method, const Mealy& hypothesis);
 
 struct CompleteMethodOptions {
   std::size_t extra_states = 2;

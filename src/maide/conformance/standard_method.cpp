@@ -1,5 +1,7 @@
 #include "maide/conformance/standard_method.hpp"
 
+#include <algorithm>
+
 #include "maide/sul/ia_translation.hpp"
 
 namespace maide {
@@ -7,25 +9,48 @@ namespace maide {
 StandardMethod::StandardMethod(OutputOracle& oracle, StandardMethodOptions options)
     : oracle_(oracle),
       options_(options),
-      random_words_(oracle, {.max_tests = options.random_tests,
-                             .seed = options.seed,
-                             .batch_size = options.batch_size}),
+      random_(options.seed),
       random_walk_(oracle, {.seed = options.seed, .batch_size = options.batch_size}) {}
+
+StandardMethod::Plan StandardMethod::make_plan(const IdentifierSuite& suite,
+                                               const Mealy& hypothesis) const {
+  const std::uint64_t budget =
+      options_.max_tests.value_or(1000 + 50 * hypothesis.size() * hypothesis.inputs().size());
+  if (*suite.size() <= budget) return {*suite.size(), options_.random_tests, 0};
+  const std::uint64_t before = std::min(suite.size_up_to(0), budget);
+  std::uint64_t all = before;
+  for (std::size_t extra = 1; extra <= options_.extra_states; ++extra) {
+    const std::uint64_t deeper = suite.size_up_to(extra);
+    if (deeper > budget / 2) break;
+    all = deeper;
+  }
+  return {before, std::max(options_.random_tests, budget - all), all - before};
+}
 
 std::optional<Word> StandardMethod::find_counterexample(const Mealy& hypothesis,
                                                         const RunControl& control) {
-  const std::uint64_t budget =
-      options_.max_tests.value_or(1000 + 50 * hypothesis.size() * hypothesis.inputs().size());
-  WMethod w_method(oracle_, {options_.extra_states, {budget, options_.batch_size}});
   guarantee_ = "not tested to the end";
-  std::optional<Word> counterexample = w_method.find_counterexample(hypothesis, control);
-  guarantee_ = w_method.guarantee();
-  if (!counterexample && options_.random_tests > 0) {
-    counterexample = random_words_.find_counterexample(hypothesis, control);
-    guarantee_ += "; " + random_words_.guarantee();
+  IdentifierSuite suite(hypothesis, hads_identifiers.compute(hypothesis, Random(options_.seed)),
+                        options_.extra_states);
+  const Plan plan = make_plan(suite, hypothesis);
+  const auto run_suite = [&](std::uint64_t tests) {
+    TestRunner runner(oracle_, {tests, options_.batch_size});
+    return runner.run(suite, hypothesis, control);
+  };
+  std::optional<Word> counterexample = run_suite(plan.suite_before);
+  RandomMethod random_tests(
+      oracle_, hads_identifiers,
+      {.max_tests = plan.random, .seed = random_(), .batch_size = options_.batch_size});
+  if (!counterexample) counterexample = random_tests.find_counterexample(hypothesis, control);
+  if (!counterexample) counterexample = run_suite(plan.suite_after);
+  if (counterexample) {
+    guarantee_ = "refuted by a test";
+    return counterexample;
   }
-  const bool takes_delta = hypothesis.inputs().find(delta_input).has_value();
-  if (!counterexample && takes_delta && options_.random_tests > 0) {
+  guarantee_ =
+      describe_passed(suite, plan.suite_before + plan.suite_after, hads_identifiers, hypothesis) +
+      "; " + random_tests.guarantee();
+  if (hypothesis.inputs().find(delta_input).has_value()) {
     counterexample = random_walk_.find_counterexample(hypothesis, control);
     guarantee_ += "; " + random_walk_.guarantee();
   }

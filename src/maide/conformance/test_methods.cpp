@@ -9,7 +9,6 @@
 #include "maide/conformance/chain_oracle.hpp"
 #include "maide/conformance/complete_method.hpp"
 #include "maide/conformance/perfect_oracle.hpp"
-#include "maide/conformance/random_identifier_suite.hpp"
 #include "maide/conformance/random_walk.hpp"
 #include "maide/conformance/random_words.hpp"
 #include "maide/conformance/standard_method.hpp"
@@ -46,6 +45,7 @@ Oracle make_random(const TestMethodContext& context, const TestMethodOptions& op
   RandomMethodOptions method{.seed = options.seed, .batch_size = options.batch_size};
   set(method.infix.min, options.infix_min);
   set(method.infix.mean, options.infix_mean);
+  set(method.infix.inputs, options.infix_inputs);
   set(method.max_tests, options.max_tests);
   return std::make_unique<RandomMethod>(context.oracle, identifiers, method);
 }
@@ -85,11 +85,11 @@ Oracle after_cache(const TestMethodContext& context, const TestMethodOptions& op
   return std::make_unique<ChainOracle>(std::move(links));
 }
 
-constexpr std::string_view random_options = "infix-min infix-mean max-tests seed";
+constexpr std::string_view random_options = "infix-min infix-mean infix-inputs max-tests seed";
 
 constexpr std::array table{
     TestMethodEntry{"standard",
-                    "W-method as deep as a budget of 1000 + 50 n k tests goes, then random words",
+                    "hybrid ADS as deep as a budget of 1000 + 50 n k tests goes, and random-hads",
                     "extra-states max-tests seed", after_cache<make_standard>},
     TestMethodEntry{"w", "W-method (Chow, Vasilevskii), complete for extra-states",
                     "extra-states max-tests", after_cache<make_complete<w_identifiers>>},

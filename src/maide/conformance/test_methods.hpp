@@ -9,6 +9,7 @@
 #include <string>
 #include <string_view>
 
+#include "maide/conformance/random_identifier_suite.hpp"
 #include "maide/conformance/test_runner.hpp"
 #include "maide/learn/cache.hpp"
 #include "maide/learn/equivalence_oracle.hpp"
@@ -25,6 +26,7 @@ struct TestMethodOptions {
   std::optional<double> restart_probability;  // random-walk
   std::optional<std::size_t> infix_min;       // random-w, random-wp, random-hsi, random-hads
   std::optional<double> infix_mean;           // likewise
+  std::optional<InfixInputs> infix_inputs;    // likewise
   std::uint64_t seed = 0;
   std::size_t batch_size = TestRunnerOptions{}.batch_size;
 };

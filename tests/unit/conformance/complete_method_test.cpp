@@ -270,9 +270,46 @@ TEST(StandardMethod, CoversTheQueuesOfThePaper) {
       const bool three = guarantee.find("at most 3 more") != std::string::npos;
       const bool two = guarantee.find("at most 2 more") != std::string::npos;
       EXPECT_TRUE(three || (translation == Translation::av && two)) << entry.path() << guarantee;
-      EXPECT_NE(guarantee.find("200 random words"), std::string::npos) << guarantee;
+      EXPECT_NE(guarantee.find("200 random tests"), std::string::npos) << guarantee;
     }
   }
+}
+
+// A lock: the right inputs in order; everything else leads to its end.
+Mealy lock(std::size_t length, std::size_t inputs) {
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < inputs; ++i) names.push_back("i" + std::to_string(i));
+  Mealy machine(Alphabet(names), {"no", "yes"}, length + 1);
+  const auto end = static_cast<StateId>(length);
+  for (StateId state = 0; state <= end; ++state) {
+    for (Symbol input = 0; input < inputs; ++input) {
+      const bool is_right = state < length && input == (state * 7 + 3) % inputs;
+      machine.set_transition(state, input, is_right ? 1 : 0, is_right ? state + 1 : end);
+    }
+  }
+  return machine;
+}
+
+// Larger machines get what is complete within half of the budget, and random tests for the rest.
+TEST(StandardMethod, SharesItsBudget) {
+  const Mealy machine = lock(12, 4);
+  MealyOracle oracle(machine);
+  StandardMethod method(oracle);
+  EXPECT_EQ(method.find_counterexample(machine), std::nullopt);
+  IdentifierSuite suite = make_suite(machine, hads_identifiers, 3);
+  const std::uint64_t budget = 1000 + 50 * machine.size() * 4, complete = suite.size_up_to(1);
+  ASSERT_LE(complete, budget / 2);
+  ASSERT_GT(suite.size_up_to(2), budget / 2);
+  EXPECT_EQ(method.guarantee(),
+            "not refuted by " + std::to_string(complete) +
+                " tests of hybrid ADS: no machine with at most 1 more state (14 in all) behaves "
+                "differently; not refuted by " +
+                std::to_string(budget - complete) +
+                " random tests of hybrid ADS with infixes of 9 inputs on average");
+  StandardMethod little(oracle, {.max_tests = 5});
+  EXPECT_EQ(little.find_counterexample(machine), std::nullopt);
+  EXPECT_NE(little.guarantee().find("not refuted by 5 tests of hybrid ADS, cut off before"),
+            std::string::npos);
 }
 
 }  // namespace

@@ -90,6 +90,29 @@ TEST(RandomIdentifierSuite, TestsAreMadeOfTheirThreeParts) {
   EXPECT_LT(symbols / 5000, expected + 10);
 }
 
+// Frequencies are the weights: of three inputs two lead to a state to which six transitions lead,
+// one to a state to which two lead.
+TEST(InfixSampler, DrawsWithTheWeightsOfItsLaw) {
+  Mealy machine({"a", "b", "c"}, {"0"}, 3);
+  for (StateId state = 0; state < 3; ++state) {
+    machine.set_transition(state, 0, 0, 2);
+    machine.set_transition(state, 1, 0, 2);
+    machine.set_transition(state, 2, 0, state == 2 ? 0 : 1);
+  }
+  Random random(5);
+  const auto count = [&](InfixInputs inputs) {
+    const InfixSampler sampler(machine, inputs);
+    std::vector<int> drawn(3);
+    for (int i = 0; i < 10'000; ++i) ++drawn.at(sampler.draw(0, random));
+    return drawn;
+  };
+  for (const int drawn : count(InfixInputs::uniform)) EXPECT_NEAR(drawn, 3333, 200);
+  const std::vector<int> off_sinks = count(InfixInputs::off_sinks);  // 1/6, 1/6, 1/2
+  EXPECT_NEAR(off_sinks[0], 2000, 200);
+  EXPECT_NEAR(off_sinks[1], 2000, 200);
+  EXPECT_NEAR(off_sinks[2], 6000, 200);
+}
+
 TEST(RandomMethod, FindsWhatLiesDeepAndRefusesImpossibleLaws) {
   Mealy hypothesis({"a", "b"}, {"0", "1"}, 1), system({"a", "b"}, {"0", "1"}, 7);
   for (Symbol input = 0; input < 2; ++input) hypothesis.set_transition(0, input, 0, 0);
