@@ -43,4 +43,22 @@ std::string describe_contradictions(const std::vector<Contradiction>& contradict
   return text;
 }
 
+Json contradictions_as_json(const std::vector<LogContradiction>& contradictions) {
+  Json list = Json::array();
+  for (const LogContradiction& wrong : contradictions) {
+    list.push_back({{"word", wrong.word}, {"logged", wrong.logged}, {"answered", wrong.answered}});
+  }
+  return list;
+}
+
+std::string describe_contradictions(const std::vector<LogContradiction>& contradictions) {
+  if (contradictions.empty()) return "";
+  const LogContradiction& first = contradictions.front();
+  return fmt::format(
+      "  the log is wrong     about {} word{}: \"{}\" ends in '{}', there in '{}'{}\n",
+      contradictions.size(), contradictions.size() == 1 ? "" : "s", first.word, first.answered,
+      first.logged,
+      contradictions.size() < LoggedTraces::most_contradictions ? "" : "; it was given up");
+}
+
 }  // namespace maide::cli

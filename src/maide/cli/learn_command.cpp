@@ -17,6 +17,7 @@
 #include "maide/cli/argument_check.hpp"
 #include "maide/cli/command.hpp"
 #include "maide/cli/contradiction_report.hpp"
+#include "maide/cli/learn_from_traces.hpp"
 #include "maide/conformance/test_methods.hpp"
 #include "maide/formats/dot.hpp"
 #include "maide/formats/model_file.hpp"
@@ -27,6 +28,7 @@
 #include "maide/workflow/nondeterministic_run.hpp"
 #include "maide/workflow/open_system.hpp"
 #include "maide/workflow/patient_system.hpp"
+#include "maide/workflow/read_traces.hpp"
 
 namespace maide::cli {
 namespace {
@@ -41,6 +43,7 @@ struct LearnArguments {
   std::string cache;
   std::string purpose;
   std::string start_from;
+  std::string from_traces;
   std::string token_file;
   std::optional<std::size_t> extra_states;
   std::optional<std::uint64_t> max_tests;
@@ -200,6 +203,7 @@ std::string as_text(const LearnedModel& learned, const LearnArguments& arguments
         fmt::format("  confirmation         {} of these words to confirm answers\n", again.queries);
   }
   text += describe_contradictions(run.contradictions, arguments.vote);
+  text += describe_contradictions(run.log_contradictions);
   text += fmt::format("  result               {}\n", run.guarantee);
   if (learned.model) {
     if (const auto* automaton = std::get_if<InterfaceAutomaton>(&*learned.model)) {
@@ -268,6 +272,9 @@ ExitStatus give_result(const LearnedModel& learned, const LearnArguments& argume
     context.print(summary);
   }
   Json result = as_json(learned, jobs, written);
+  if (!arguments.from_traces.empty()) {
+    result["log_contradictions"] = contradictions_as_json(learned.experiment.log_contradictions);
+  }
   result["start_from"] = arguments.start_from.empty() ? Json() : Json(arguments.start_from);
   if (written.empty() && !dot.empty()) result["dot"] = dot;
   context.set_result(result);
@@ -285,6 +292,10 @@ ExitStatus list_options(const SystemSpec& spec, const SystemAccess& access, Cont
 }
 
 ExitStatus learn(const LearnArguments& arguments, Context& context) {
+  if (arguments.sul.empty() && !arguments.from_traces.empty()) {
+    if (!arguments.start_from.empty()) throw UsageError("--start-from needs a system");
+    return learn_from_traces(arguments.from_traces, arguments.output, context);
+  }
   const SystemSpec spec = parse_system_spec(arguments.sul, arguments.key_values);
   SystemAccess access;
   access.token_file = arguments.token_file;
@@ -301,6 +312,11 @@ ExitStatus learn(const LearnArguments& arguments, Context& context) {
   }
   if (arguments.time_limit) control.deadline = deadline_in(*arguments.time_limit);
   ExperimentOptions options = experiment_options(arguments, reference ? &*reference : nullptr);
+  TraceLog traces;
+  if (!arguments.from_traces.empty()) {
+    traces = read_traces(arguments.from_traces);
+    options.traces = &traces;
+  }
   if (!arguments.start_from.empty()) options.old_model = read_old_model(arguments);
   if (!arguments.purpose.empty()) options.fingerprint["purpose"] = read_file(arguments.purpose);
   options.confirm = is_to_be_confirmed(arguments, system);
@@ -373,11 +389,12 @@ void add_confirmation(CLI::App& app, LearnArguments& arguments) {
 
 RunFunction set_up_learn(CLI::App& app) {
   auto arguments = std::make_shared<LearnArguments>();
-  app.add_option("SUL", arguments->sul,
-                 "The system: a wrapper's name (port, yarp, ros1, fastdds, cyclonedds, zeromq, "
-                 "mqtt; 'maide doctor' tells which are here), sim:FILE (a model, simulated), "
-                 "tcp://HOST:PORT,... (one that listens, or several), or exec:PROGRAM ARGS")
-      ->required();
+  const CLI::Option* const sul =
+      app.add_option("SUL", arguments->sul,
+                     "The system: a wrapper's name (port, yarp, ros1, fastdds, cyclonedds, zeromq, "
+                     "mqtt; 'maide doctor' tells which are here), sim:FILE (a model, simulated), "
+                     "tcp://HOST:PORT,... (one that listens, or several), or exec:PROGRAM ARGS; "
+                     "needed unless there is --from-traces");
   app.add_option("KEY=VALUE", arguments->key_values,
                  "Options of the system; --list-options tells which it has")
       ->default_str("");
@@ -396,6 +413,11 @@ RunFunction set_up_learn(CLI::App& app) {
   app.add_option("--purpose", arguments->purpose,
                  "A learning purpose: an interface automaton (DOT) that says which inputs may be "
                  "offered when; what it does not allow is never tried");
+  app.add_option(
+      "--from-traces", arguments->from_traces,
+      "A log of what the system did, a line of JSON a trace ([[\"input\", \"output\"], ...]), "
+      "or a cache of --cache. Without SUL the model is learned from the log alone (RPNI); "
+      "with it the log shows counterexamples, and the system is asked about each");
   app.add_option("--start-from", arguments->start_from,
                  "A model of an earlier version of the system (DOT or Aldebaran): what still holds "
                  "of it saves queries; the result is the system's in any case");
@@ -407,7 +429,10 @@ RunFunction set_up_learn(CLI::App& app) {
   add_seed_option(app, arguments->seed);
   app.add_flag("--list-options", arguments->list_options,
                "List the options of the system, with defaults and allowed values, and exit");
-  return [arguments](Context& context) { return learn(*arguments, context); };
+  return [arguments, sul](Context& context) {
+    if (sul->count() == 0 && arguments->from_traces.empty()) throw UsageError("SUL is required");
+    return learn(*arguments, context);
+  };
 }
 
 }  // namespace maide::cli

@@ -31,7 +31,7 @@ std::optional<Word> KnownWords::find_counterexample(const Mealy& hypothesis,
 }
 
 std::string KnownWords::guarantee() const {
-  return fmt::format("right about {} counterexample{} to earlier models", words_.size(),
+  return fmt::format("right about {} word{} that earlier models gave", words_.size(),
                      words_.size() == 1 ? "" : "s");
 }
 

@@ -16,6 +16,7 @@
 #include "maide/learn/counting_oracle.hpp"
 #include "maide/learn/learners.hpp"
 #include "maide/learn/old_model.hpp"
+#include "maide/learn/rpni.hpp"
 #include "maide/learn/sul_oracle.hpp"
 #include "maide/workflow/confirm_model.hpp"
 #include "maide/workflow/paced_oracle.hpp"
@@ -59,8 +60,8 @@ class Run {
       if (begins) phase_ = counter_.phase();
       counter_.set_phase(begins ? LearnPhase::confirmation : phase_);
     });
-    find_known_words();
     control_.progress = &progress_;
+    use_what_is_known();
     result_.algorithm = algorithm_.name;
     result_.test_method = method_.name;
   }
@@ -88,27 +89,35 @@ class Run {
 
   std::unique_ptr<EquivalenceOracle> make_tests() {
     auto tests = method_.make({*cache_, &*cache_, options_.reference}, options_.testing);
-    if (known_words_.empty()) return tests;
+    if (known_words_.empty() && options_.traces == nullptr) return tests;
     std::vector<std::unique_ptr<EquivalenceOracle>> links;
-    links.push_back(std::make_unique<KnownWords>(*cache_, known_words_));
+    if (!known_words_.empty()) links.push_back(std::make_unique<KnownWords>(*cache_, known_words_));
+    if (options_.traces != nullptr) {
+      auto traces = std::make_unique<LoggedTraces>(*cache_, *options_.traces);
+      traces_ = traces.get();
+      links.push_back(std::move(traces));
+    }
     links.push_back(std::move(tests));
     return std::make_unique<ChainOracle>(std::move(links));
   }
 
-  // A learner that has no use for an old model still profits from counterexamples that it shows.
-  void find_known_words() {
+  // A learner that cannot start from an old model still profits from counterexamples that it shows.
+  void use_what_is_known() {
     known_words_ = options_.known_words;
-    if (!options_.old_model || algorithm_.make_from != nullptr) return;
-    const OldModel old_model(*options_.old_model, cache_->inputs());
-    const std::vector<Word> words = old_model.test_words();
-    known_words_.insert(known_words_.end(), words.begin(), words.end());
+    if (algorithm_.make_from != nullptr) {
+      old_model_ = options_.old_model;
+      if (!old_model_ && options_.traces != nullptr && !options_.traces->inputs.empty()) {
+        old_model_ = learn_passively(*options_.traces, control_).machine;
+      }
+    } else if (options_.old_model) {
+      const OldModel old_model(*options_.old_model, cache_->inputs());
+      const std::vector<Word> words = old_model.test_words();
+      known_words_.insert(known_words_.end(), words.begin(), words.end());
+    }
   }
 
   std::unique_ptr<Learner> make_learner() {
-    if (options_.old_model && algorithm_.make_from != nullptr) {
-      return algorithm_.make_from(*cache_, *options_.old_model);
-    }
-    return algorithm_.make(*cache_);
+    return old_model_ ? algorithm_.make_from(*cache_, *old_model_) : algorithm_.make(*cache_);
   }
 
   // False if it must be done again on a corrected cache.
@@ -136,6 +145,7 @@ class Run {
       result_.error = std::current_exception();
     }
     result_.output_queries += learner->output_queries();
+    if (traces_ != nullptr) result_.log_contradictions = traces_->contradictions();
     // A run that ends before its first hypothesis leaves the one before.
     if (learner->hypothesis().size() > 0) result_.model = breadth_first(learner->hypothesis());
     return is_over;
@@ -163,6 +173,8 @@ class Run {
   std::optional<CacheFile> file_;
   std::optional<Cache> cache_;
   std::vector<Word> known_words_;            // each hypothesis is tested with these first
+  std::optional<Mealy> old_model_;           // if the algorithm can start from one
+  const LoggedTraces* traces_ = nullptr;     // of the present run
   LearnPhase phase_ = LearnPhase::learning;  // before a vote
   QueryCounts patient_counts_;
   ExperimentResult result_;

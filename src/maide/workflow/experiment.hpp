@@ -20,6 +20,7 @@
 
 #include "maide/automata/mealy.hpp"
 #include "maide/base/run_control.hpp"
+#include "maide/conformance/logged_traces.hpp"
 #include "maide/conformance/test_methods.hpp"
 #include "maide/learn/cache_file.hpp"
 #include "maide/learn/learner.hpp"
@@ -32,15 +33,18 @@
 namespace maide {
 
 struct ExperimentOptions {
-  std::string algorithm;                 // a name of learners(); empty: the default
-  std::string test_method;               // a name of test_methods(); empty: the default
-  TestMethodOptions testing;             // seed, extra states, ...
-  const Mealy* reference = nullptr;      // the system as a machine, for the perfect oracle
-  std::filesystem::path cache_file;      // empty: the cache is in memory only
-  Fingerprint fingerprint;               // whose words the cache file holds, besides the inputs
-  std::uint64_t max_experiments = 0;     // words run on the system; 0: no limit
-  VoteOptions vote;                      // how contradictions are decided
-  std::optional<Mealy> old_model;        // of an earlier version of the system; need not be right
+  std::string algorithm;              // a name of learners(); empty: the default
+  std::string test_method;            // a name of test_methods(); empty: the default
+  TestMethodOptions testing;          // seed, extra states, ...
+  const Mealy* reference = nullptr;   // the system as a machine, for the perfect oracle
+  std::filesystem::path cache_file;   // empty: the cache is in memory only
+  Fingerprint fingerprint;            // whose words the cache file holds, besides the inputs
+  std::uint64_t max_experiments = 0;  // words run on the system; 0: no limit
+  VoteOptions vote;                   // how contradictions are decided
+  std::optional<Mealy> old_model;     // of an earlier version of the system; need not be right
+  // Of the system, asked about where a hypothesis differs; an algorithm that can start from an old
+  // model starts from what the log alone gives, if there is no better one.
+  const TraceLog* traces = nullptr;
   std::vector<Word> known_words;         // each hypothesis is tested with these first
   bool confirm = false;                  // ask each counterexample again before it is believed
   std::optional<PatientSystem> patient;  // confirms the final model, where given
@@ -61,6 +65,8 @@ struct ExperimentResult {
 
   std::vector<Contradiction> contradictions;  // words that were answered in several ways
   std::uint64_t restarts = 0;                 // of the learner, after a correction
+  std::vector<LogContradiction>
+      log_contradictions;  // words that ExperimentOptions::traces has wrong
 
   std::uint64_t output_queries = 0;       // asked by the learning algorithm, cached or not
   std::uint64_t equivalence_queries = 0;  // the last one, which found nothing, included

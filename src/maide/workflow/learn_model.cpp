@@ -73,6 +73,7 @@ LearnedModel learn_nondeterministic(IaTranslator& translator, LearnedModel learn
   if (translator.translation() != Translation::eager) {
     throw UsageError("nstar learns the eager translation");
   }
+  if (options.traces != nullptr) throw UsageError("nstar cannot start from traces");
   if (options.old_model) throw UsageError("nstar cannot start from an old model");
   SulOracle system(translator);
   NondeterministicResult result = run_nondeterministic_experiment(system, options, control);

@@ -1,0 +1,31 @@
+// Logs of what a system did: one trace a line, a JSON array of steps, each an input and the output
+// that it got:
+//
+//   [["write", "quiet"], ["read", "message"]]
+//
+// From a reset on: a trace begins in the initial state. Empty lines are skipped.
+#pragma once
+
+#include <iosfwd>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "maide/automata/alphabet.hpp"
+
+namespace maide {
+
+struct TraceLog {
+  struct Trace {
+    Word inputs, outputs;  // as many outputs as inputs
+  };
+  Alphabet inputs, outputs;  // in the order in which they appear, unless known otherwise
+  std::vector<Trace> traces;
+};
+
+// Throws ParseError (file:line:column).
+TraceLog read_trace_log(std::string_view text, const std::string& file);
+
+void write_trace_log(std::ostream& out, const TraceLog& log);
+
+}  // namespace maide
