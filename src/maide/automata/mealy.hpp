@@ -30,6 +30,12 @@ struct Actor {
 class Mealy {
  public:
   static constexpr StateId no_state = ~StateId{0};
+  // A transition of a state by an input.
+  struct Cell {
+    StateId target = no_state;
+    Symbol output = 0;
+    bool operator==(const Cell&) const = default;
+  };
 
   Mealy() = default;
   // `states` states numbered from 0, state 0 initial, no transitions yet.
@@ -47,6 +53,10 @@ class Mealy {
   void set_transition(StateId from, Symbol input, Symbol output, StateId to);
   StateId target(StateId from, Symbol input) const { return cells_[index(from, input)].target; }
   Symbol output(StateId from, Symbol input) const { return cells_[index(from, input)].output; }
+  // The transitions of a state, by input.
+  std::span<const Cell> row(StateId from) const {
+    return std::span(cells_).subspan(index(from, 0), inputs_.size());
+  }
   // Every state has a transition for every input. O(size x inputs).
   bool is_complete() const;
 
@@ -61,10 +71,6 @@ class Mealy {
   std::vector<Actor> actors;  // empty where the system has none
 
  private:
-  struct Cell {
-    StateId target = no_state;
-    Symbol output = 0;
-  };
   std::size_t index(StateId from, Symbol input) const {
     return std::size_t{from} * inputs_.size() + input;
   }

@@ -2,6 +2,7 @@
 // to the system. For simulated systems, tests and benchmarks.
 #pragma once
 
+#include "maide/conformance/incremental_comparison.hpp"
 #include "maide/learn/equivalence_oracle.hpp"
 
 namespace maide {
@@ -9,7 +10,7 @@ namespace maide {
 class PerfectOracle : public EquivalenceOracle {
  public:
   // Keeps a reference to `reference`, which must be complete.
-  explicit PerfectOracle(const Mealy& reference) : reference_(reference) {}
+  explicit PerfectOracle(const Mealy& reference) : comparison_(reference) {}
 
   // A shortest counterexample, alphabet-least. Throws UsageError if the inputs differ.
   std::optional<Word> find_counterexample(const Mealy& hypothesis,
@@ -17,7 +18,7 @@ class PerfectOracle : public EquivalenceOracle {
   std::string guarantee() const override;
 
  private:
-  const Mealy& reference_;
+  IncrementalComparison comparison_;
 };
 
 }  // namespace maide
