@@ -15,9 +15,9 @@
 #include <string>
 #include <vector>
 
-#include "growth_plot.hpp"
 #include "maide/base/error.hpp"
 #include "maide/base/file.hpp"
+#include "maide/report/line_plot.hpp"
 #include "maide/workflow/learn_model.hpp"
 #include "maide/workflow/open_system.hpp"
 
@@ -90,7 +90,7 @@ void run(const Arguments& arguments) {
       panels[1].lines.back().points.emplace_back(x, static_cast<double>(cost.symbols));
       // As it goes, for the last size may take long.
       write_file_atomically(arguments.output + ".csv", csv);
-      write_file_atomically(arguments.output + ".svg", draw_growth(panels, "N"));
+      write_file_atomically(arguments.output + ".svg", draw_plot(panels, {.x_title = "N"}));
       if (cost.seconds > arguments.seconds) break;
     }
   }

@@ -26,6 +26,7 @@ class Context {
 
   bool json() const noexcept { return options_.json; }
   bool quiet() const noexcept { return options_.quiet; }
+  bool verbose() const noexcept { return options_.verbose; }
 
   // For long calls: Ctrl-C, the progress line, no deadline. Valid as long as the context is.
   RunControl control();

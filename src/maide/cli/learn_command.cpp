@@ -18,6 +18,7 @@
 #include "maide/cli/command.hpp"
 #include "maide/cli/contradiction_report.hpp"
 #include "maide/cli/learn_from_traces.hpp"
+#include "maide/cli/learn_statistics.hpp"
 #include "maide/conformance/test_methods.hpp"
 #include "maide/formats/dot.hpp"
 #include "maide/formats/model_file.hpp"
@@ -41,6 +42,7 @@ struct LearnArguments {
   std::string test_method{test_methods().front().name};
   std::string translation;
   std::string cache;
+  std::string plot;
   std::string purpose;
   std::string start_from;
   std::string from_traces;
@@ -128,6 +130,7 @@ Json as_json(const LearnedModel& learned, std::size_t jobs, const std::string& p
             {"contradictions", contradictions_as_json(run.contradictions)},
             {"restarts", run.restarts},
             {"model", path.empty() ? Json() : Json(path)}};
+  add_statistics(json, run);
   json["ends"] = Json::array();
   for (const SystemEnd& end : learned.ends) {
     json["ends"].push_back({{"output", end.output},
@@ -263,8 +266,9 @@ ExitStatus give_result(const LearnedModel& learned, const LearnArguments& argume
   } catch (const Error& failure) {
     return rescue(learned, jobs, dot, failure, context);
   }
-  const std::string summary = context.quiet() ? short_text(learned, written)
-                                              : as_text(learned, arguments, spec, jobs, written);
+  std::string summary = context.quiet() ? short_text(learned, written)
+                                        : as_text(learned, arguments, spec, jobs, written);
+  if (context.verbose()) summary += describe_statistics(learned.experiment);
   if (written.empty()) {
     if (!context.json() && !context.quiet()) fmt::print(stderr, "{}", printable(summary));
     context.print_data(dot);
@@ -304,6 +308,7 @@ ExitStatus learn(const LearnArguments& arguments, Context& context) {
   RunControl control = context.control();
   if (arguments.list_options) return list_options(spec, access, context);
   if (!arguments.output.empty()) check_can_write(arguments.output);
+  if (!arguments.plot.empty()) check_can_write(arguments.plot);
   const OpenedSystem system = open_system(spec, access, control);
   std::optional<Mealy> reference = system.reference;
   if (!arguments.purpose.empty()) {
@@ -326,6 +331,9 @@ ExitStatus learn(const LearnArguments& arguments, Context& context) {
   const LearnedModel learned =
       learn_model(*system.sul, access.translation.value_or(Translation::eager), options, control);
   const ExitStatus given = give_result(learned, arguments, spec, system.jobs, context);
+  if (!arguments.plot.empty()) {
+    write_file_atomically(arguments.plot, draw_hypotheses(learned.experiment, spec.text));
+  }
   if (learned.experiment.is_complete()) return given;
   try {
     std::rethrow_exception(learned.experiment.error);
@@ -410,6 +418,8 @@ RunFunction set_up_learn(CLI::App& app) {
   app.add_option(
       "--cache", arguments->cache,
       "Keep every answer of the system in this file; a run that was ended resumes there");
+  app.add_option("--plot", arguments->plot,
+                 "Draw the states of the hypothesis over the symbols given to the system (SVG)");
   app.add_option("--purpose", arguments->purpose,
                  "A learning purpose: an interface automaton (DOT) that says which inputs may be "
                  "offered when; what it does not allow is never tried");

@@ -3,8 +3,11 @@
 
 #include <array>
 #include <chrono>
+#include <cstddef>
 #include <cstdint>
+#include <span>
 #include <string_view>
+#include <vector>
 
 namespace maide {
 
@@ -31,6 +34,7 @@ struct QueryCounts {
   std::chrono::microseconds asking{0};
 
   QueryCounts& operator+=(const QueryCounts& other);
+  QueryCounts& operator-=(const QueryCounts& other);
   bool operator==(const QueryCounts&) const = default;
 };
 
@@ -43,5 +47,20 @@ class Statistics {
  private:
   std::array<QueryCounts, learn_phase_count> phases_{};
 };
+
+// A hypothesis, and what had been spent in all when it was made.
+struct HypothesisCost {
+  std::size_t states = 0;
+  Statistics before;
+};
+
+// What each hypothesis took: to make it (learning, refinement) and then to test it (testing,
+// confirmation), up to the next one or to `end`, the costs of the whole run.
+struct HypothesisShare {
+  std::size_t states = 0;
+  QueryCounts to_make, to_test;
+};
+std::vector<HypothesisShare> divide(std::span<const HypothesisCost> hypotheses,
+                                    const Statistics& end);
 
 }  // namespace maide

@@ -132,6 +132,7 @@ class Run {
       run_learner(*learner, teacher, control_, [this](const Mealy& hypothesis, std::uint64_t) {
         ++result_.equivalence_queries;
         progress_.set_hypothesis(hypothesis.size());
+        result_.hypotheses.push_back({hypothesis.size(), counter_.statistics()});
         if (options_.on_hypothesis) {
           options_.on_hypothesis(hypothesis, result_.equivalence_queries);
         }

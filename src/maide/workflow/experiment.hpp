@@ -81,6 +81,8 @@ struct ExperimentResult {
   double seconds_in_settling = 0;         // the part of the steps that was waiting for quiescence
   double seconds_in_learner = 0;          // of `seconds`, those in which no system was asked
   Statistics statistics;                  // what reached the system, by phase
+  // Every hypothesis in its turn, also those of a learner that had to begin again.
+  std::vector<HypothesisCost> hypotheses;
 
   bool is_complete() const { return error == nullptr; }
 };

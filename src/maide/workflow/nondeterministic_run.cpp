@@ -30,6 +30,7 @@ void learn(NStar& learner, TraceSamples& samples, CountingOracle& counter,
   while (true) {
     ++result.equivalence_queries;
     progress.set_hypothesis(learner.hypothesis().size());
+    result.hypotheses.push_back({learner.hypothesis().size(), counter.statistics()});
     counter.set_phase(LearnPhase::testing);
     const bool is_refuted = tests.is_refuted(control);
     result.guarantee = tests.guarantee();

@@ -1,0 +1,61 @@
+// What `maide learn` says of a run's costs: by phase, by hypothesis, as a plot.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+
+#include "maide/base/file.hpp"
+#include "maide/base/temp_dir.hpp"
+#include "run_maide.hpp"
+
+namespace maide::test {
+namespace {
+
+using testing::HasSubstr;
+
+const std::string simulated = "sim:" MAIDE_SOURCE_DIR "/tests/models/strict-6-tryread.dot";
+
+TEST(LearnStatistics, PhasesAndHypothesesSumUpToTheRun) {
+  const Json json = json_of(run_maide({"learn", simulated, "--confirm", "yes", "--json"}));
+  for (const auto& [part, whole] :
+       {std::pair("words", "experiments"), {"symbols", "symbols"}, {"resets", "resets"}}) {
+    std::uint64_t of_phases = 0, of_hypotheses = 0;
+    for (const Json& phase : json.at("phases")) of_phases += phase.at(part).get<std::uint64_t>();
+    for (const Json& hypothesis : json.at("hypotheses")) {
+      of_hypotheses += hypothesis.at("to_make").at(part).get<std::uint64_t>();
+      of_hypotheses += hypothesis.at("to_test").at(part).get<std::uint64_t>();
+    }
+    EXPECT_EQ(of_phases, json.at(whole)) << part;
+    EXPECT_EQ(of_hypotheses, json.at(whole)) << part;
+  }
+  EXPECT_EQ(json.at("hypotheses").size(), json.at("equivalence_queries"));
+  EXPECT_EQ(json.at("hypotheses").back().at("states"), json.at("mealy_states"));
+  EXPECT_GT(json.at("phases").at("testing").at("symbols"), 0);
+}
+
+TEST(LearnStatistics, AreATableOfTheVerboseSummary) {
+  const TempDir folder;
+  const std::string file = (folder.path() / "model.dot").string();
+  const SubprocessResult result = run_maide({"learn", simulated, "-o", file, "-v"});
+  EXPECT_EQ(result.exit_status, 0) << result.err;
+  EXPECT_THAT(result.out, HasSubstr("by phase"));
+  EXPECT_THAT(result.out, HasSubstr("by hypothesis"));
+}
+
+TEST(LearnStatistics, ThePlotHasAStepForEachHypothesis) {
+  const TempDir folder;
+  const std::string plot = (folder.path() / "plot.svg").string();
+  const Json json = json_of(run_maide({"learn", simulated, "--json", "--plot", plot}));
+  const std::string svg = read_file(plot);
+  EXPECT_TRUE(svg.starts_with("<svg "));
+  const std::size_t start = svg.find(" d=\"M", svg.find("class=\"line\""));
+  const std::string line = svg.substr(start, svg.find('/', start) - start);
+  EXPECT_EQ(static_cast<std::size_t>(std::count(line.begin(), line.end(), 'H')),
+            json.at("hypotheses").size());
+  expect_error(run_maide({"learn", simulated, "--plot", "/no/such/folder/plot.svg"}), 2,
+               "/no/such/folder");
+}
+
+}  // namespace
+}  // namespace maide::test
