@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <bit>
+#include <cstring>
 #include <numeric>
+#include <type_traits>
 
 #include "maide/automata/compare.hpp"
 
@@ -133,7 +135,8 @@ void IncrementalComparison::update(const Mealy& hypothesis) {
 
 void IncrementalComparison::change_row(StateId state, std::span<const Mealy::Cell> row) {
   Mealy::Cell* const old_row = &cells_[state * inputs_];
-  if (std::equal(row.begin(), row.end(), old_row)) return;
+  static_assert(std::has_unique_object_representations_v<Mealy::Cell>);
+  if (std::memcmp(row.data(), old_row, row.size_bytes()) == 0) return;  // nearly always
   bool outputs_changed = false;
   for (std::size_t input = 0; input < inputs_; ++input) {
     if (row[input] == old_row[input]) continue;

@@ -1,16 +1,54 @@
 #include "maide/learn/mealy_oracle.hpp"
 
+#include <algorithm>
+
 namespace maide {
+
+namespace {
+
+// Plays words on a machine. Learners ask for words in an order in which many begin as the one
+// before: such a word goes on from where they part.
+class WordPlayer {
+ public:
+  explicit WordPlayer(const Mealy& machine) : machine_(machine), states_{machine.initial()} {}
+
+  void play(const Word& word, MealyAnswer& answer) {
+    const auto part = std::ranges::mismatch(word_, word);
+    const auto known = static_cast<std::size_t>(part.in1 - word_.begin());
+    answer.inputs = word;
+    answer.outputs.reserve(word.size());
+    answer.outputs.assign(outputs_.begin(), outputs_.begin() + static_cast<std::ptrdiff_t>(known));
+    states_.resize(known + 1);
+    for (std::size_t i = known; i < word.size(); ++i) {
+      answer.outputs.push_back(machine_.output(states_.back(), word[i]));
+      states_.push_back(machine_.target(states_.back(), word[i]));
+    }
+    word_ = word;
+    outputs_ = answer.outputs;
+  }
+
+ private:
+  const Mealy& machine_;
+  Word word_, outputs_;          // of the last word
+  std::vector<StateId> states_;  // along it, one more than it has symbols
+};
+
+}  // namespace
 
 std::vector<MealyAnswer> MealyOracle::ask(std::span<const Query> batch, const RunControl& control,
                                           const PartialSink& on_early_end) {
   std::vector<MealyAnswer> answers(batch.size());
+  WordPlayer player(machine_);
   for (std::size_t i = 0; i < batch.size(); ++i) {
     if (i % 1024 == 0 && control.should_stop()) {
       if (on_early_end) {
         for (std::size_t done = 0; done < i; ++done) on_early_end(done, answers[done]);
       }
       control.check("answering output queries");
+    }
+    if (const Word* word = std::get_if<Word>(&batch[i])) {
+      player.play(*word, answers[i]);
+      continue;
     }
     StateId state = machine_.initial();
     play_query(batch[i], answers[i], [&](Symbol input) -> std::optional<Symbol> {
