@@ -1,22 +1,28 @@
 // Learners x models, with the perfect oracle: resets, symbols, equivalence queries, CPU seconds.
 //
 //   bench_learn FOLDER [ALGORITHM ...]
+//   bench_learn --random STATES,STATES,... [ALGORITHM ...]
 //
 // FOLDER holds Mealy machines as .dot files. Each is learned twice by each algorithm: asking the
 // system for every output query, as published figures count them, and through the cache. Exit
-// status 1 if a learned machine is not equivalent to its model.
+// status 1 if a learned machine is not equivalent to its model. With --random the machines are
+// random ones of these sizes with 10 inputs and 10 outputs, always the same: how does the cost
+// grow?
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <ctime>
 #include <filesystem>
 #include <span>
+#include <sstream>
 #include <string>
 #include <vector>
 
 #include "maide/automata/compare.hpp"
 #include "maide/automata/minimize.hpp"
+#include "maide/automata/random_automata.hpp"
 #include "maide/base/error.hpp"
+#include "maide/base/parse_number.hpp"
 #include "maide/conformance/perfect_oracle.hpp"
 #include "maide/formats/model_file.hpp"
 #include "maide/learn/cache.hpp"
@@ -79,6 +85,20 @@ std::vector<Model> read_folder(const std::filesystem::path& folder) {
   return models;
 }
 
+// Random machines of these numbers of states, separated by commas.
+std::vector<Model> make_random(const std::string& sizes) {
+  std::vector<Model> models;
+  std::istringstream list(sizes);
+  for (std::string text; std::getline(list, text, ',');) {
+    const auto states = parse_number<std::size_t>(text);
+    if (!states || *states == 0) throw UsageError("'" + text + "' is no number of states");
+    Random random(*states);
+    models.push_back(
+        {"random", random_mealy({.states = *states, .inputs = 10, .outputs = 10}, random)});
+  }
+  return models;
+}
+
 // All models by one algorithm; false if one was learned wrongly.
 bool run(const std::vector<Model>& models, const LearnerEntry& algorithm, bool use_cache) {
   const std::string name = std::string(algorithm.name) + (use_cache ? ", cached" : "");
@@ -103,10 +123,15 @@ bool run(const std::vector<Model>& models, const LearnerEntry& algorithm, bool u
 }
 
 int run_all(std::span<char*> arguments) {
-  if (arguments.size() < 2) throw UsageError("usage: bench_learn FOLDER [ALGORITHM ...]");
-  const std::vector<Model> models = read_folder(arguments[1]);
+  const bool is_random = arguments.size() > 2 && std::string(arguments[1]) == "--random";
+  if (arguments.size() < 2) {
+    throw UsageError("usage: bench_learn FOLDER|--random STATES,... [ALGORITHM ...]");
+  }
+  const std::vector<Model> models =
+      is_random ? make_random(arguments[2]) : read_folder(arguments[1]);
   std::vector<const LearnerEntry*> algorithms;
-  for (const char* name : arguments.subspan(2)) algorithms.push_back(&find_learner(name));
+  for (const char* name : arguments.subspan(is_random ? 3 : 2))
+    algorithms.push_back(&find_learner(name));
   if (algorithms.empty()) {
     for (const LearnerEntry& entry : learners()) algorithms.push_back(&entry);
   }
