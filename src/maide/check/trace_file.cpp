@@ -10,7 +10,6 @@
 #include "maide/base/error.hpp"
 #include "maide/base/file.hpp"
 #include "maide/base/join.hpp"
-#include "maide/base/json.hpp"
 
 namespace maide {
 namespace {
@@ -169,6 +168,26 @@ StepText describe_step(const System& system, const Step& step) {
   if (edge.kind == Kind::take) text.event = "!" + instance.automaton.outputs().name(edge.symbol);
   if (edge.kind == Kind::quiet) text.event = "quiet";
   return text;
+}
+
+Json step_to_json(const StepText& step) {
+  return {{"program", step.program},
+          {"line", step.line},
+          {"model", step.model.empty() ? Json() : Json(step.model)},
+          {"event", step.event}};
+}
+
+Json trace_to_json(const System& system, const Trace& trace) {
+  Json steps = Json::array();
+  for (const Step& step : trace.steps) steps.push_back(step_to_json(describe_step(system, step)));
+  return steps;
+}
+
+Json trace_file_to_json(const System& system, const std::string& property, const Trace& trace) {
+  return {{"system", system.file},
+          {"property", property},
+          {"steps", trace_to_json(system, trace)},
+          {"loop_start", trace.loop_start ? Json(*trace.loop_start) : Json()}};
 }
 
 TraceFile parse_trace(std::string_view text, const std::string& file, const System& system) {

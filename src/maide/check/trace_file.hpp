@@ -10,6 +10,7 @@
 #include <string>
 #include <string_view>
 
+#include "maide/base/json.hpp"
 #include "maide/check/trace.hpp"
 
 namespace maide {
@@ -23,6 +24,13 @@ struct StepText {
 };
 
 StepText describe_step(const System& system, const Step& step);
+
+// {"program", "line", "model", "event"}; the model of an internal choice is null.
+Json step_to_json(const StepText& step);
+// A list of these.
+Json trace_to_json(const System& system, const Trace& trace);
+// What a file has: the trace by which `property` is violated.
+Json trace_file_to_json(const System& system, const std::string& property, const Trace& trace);
 
 struct TraceFile {
   std::string property;  // as in the file; "" if it names none

@@ -13,6 +13,7 @@
 #include "maide/base/terminal.hpp"
 #include "maide/check/check_system.hpp"
 #include "maide/check/system_file.hpp"
+#include "maide/check/trace_file.hpp"
 #include "maide/cli/argument_check.hpp"
 #include "maide/cli/command.hpp"
 #include "maide/formats/dot.hpp"
@@ -108,11 +109,7 @@ std::string describe(const Suggestions& suggestions) {
 void write_trace_file(const std::string& path, const System& system, const CheckReport& report) {
   for (const PropertyResult& result : report.properties) {
     if (!result.trace) continue;
-    Json trace{{"system", system.file},
-               {"property", result.name},
-               {"steps", trace_to_json(system, *result.trace)},
-               {"loop_start", nullptr}};
-    if (result.trace->loop_start) trace["loop_start"] = *result.trace->loop_start;
+    const Json trace = trace_file_to_json(system, result.name, *result.trace);
     write_file_atomically(path, to_json_line(trace) + "\n");
     return;
   }

@@ -201,13 +201,10 @@ Json as_json(const Replay& replay, const Tally& tally, const std::string& verdic
   json["steps"] = Json::array();
   const Trace& trace = replay.traces[tally.shown];
   for (std::size_t at = 0; at < tally.example->seen.size(); ++at) {
-    const StepText step = describe_step(replay.system, trace.steps[at]);
+    Json step = step_to_json(describe_step(replay.system, trace.steps[at]));
     const std::string& seen = tally.example->seen[at];
-    json["steps"].push_back({{"program", step.program},
-                             {"line", step.line},
-                             {"model", step.model.empty() ? Json() : Json(step.model)},
-                             {"event", step.event},
-                             {"seen", seen.empty() ? Json() : Json(seen)}});
+    step["seen"] = seen.empty() ? Json() : Json(seen);
+    json["steps"].push_back(std::move(step));
   }
   json["deviation"] = nullptr;
   if (const auto& deviation = tally.example->deviation) {

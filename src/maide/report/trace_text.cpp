@@ -184,18 +184,6 @@ void write_trace_text(std::ostream& out, const System& system, const Trace& trac
   write_end(out, system, trace, replay(system, trace));
 }
 
-Json trace_to_json(const System& system, const Trace& trace) {
-  Json steps = Json::array();
-  for (const Step& step : trace.steps) {
-    const StepText text = describe_step(system, step);
-    steps.push_back({{"program", text.program},
-                     {"line", text.line},
-                     {"model", text.model.empty() ? Json() : Json(text.model)},
-                     {"event", text.event}});
-  }
-  return steps;
-}
-
 Json report_to_json(const System& system, const CheckReport& report) {
   Json properties = Json::array();
   for (const PropertyResult& result : report.properties) {

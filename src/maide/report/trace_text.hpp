@@ -19,10 +19,6 @@ enum class TraceFormat : std::uint8_t { chart, steps };
 void write_trace_text(std::ostream& out, const System& system, const Trace& trace,
                       TraceFormat format = TraceFormat::chart, const ChartTextStyle& style = {});
 
-// [{"program", "line", "model", "event"}, ...]: events are "?input", "!output", "quiet", and, with
-// model null, "if" and "else" for the branches of an `if *`.
-Json trace_to_json(const System& system, const Trace& trace);
-
 // The report of `maide check --json`. A result with a trace has `explanation`, and, if the trace
 // repeats, `loop_start`; one that is inconclusive has `reason`.
 Json report_to_json(const System& system, const CheckReport& report);

@@ -9,7 +9,6 @@
 
 #include "maide/check/check_system.hpp"
 #include "maide/check/native_engine.hpp"
-#include "maide/report/trace_text.hpp"
 #include "systems.hpp"
 
 namespace maide::test {
@@ -30,9 +29,7 @@ Trace find_trace(const System& system, const std::string& property) {
 }
 
 std::string as_file(const System& system, const Trace& trace) {
-  Json json{{"property", "it"}, {"steps", trace_to_json(system, trace)}, {"loop_start", nullptr}};
-  if (trace.loop_start) json["loop_start"] = *trace.loop_start;
-  return to_json_line(json);
+  return to_json_line(trace_file_to_json(system, "it", trace));
 }
 
 TEST(TraceFile, IsReadBack) {
