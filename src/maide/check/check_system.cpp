@@ -137,6 +137,7 @@ class Checker {
 
   // A "holds" that leans on something that is not known.
   void weaken(PropertyResult& result) {
+    if (!cut_ && result.stays_within_learned) cut_ = CutResult{Verdict::holds, "", std::nullopt};
     if (!cut_) cut_ = engine_.find_cut(system_, options_);
     const std::optional<std::string> hidden = find_hidden_return(system_, uses_);
     if (cut_->verdict == Verdict::violated) {

@@ -40,6 +40,9 @@ class Commutation {
   // Number of outcomes.
   std::size_t count(std::size_t action, StateId at) const { return outcomes_[action][at].size(); }
   bool may_be_cut(std::size_t action, StateId at) const;
+  // Whether `b` does not disturb `a` in that one state, fairness aside: see above. True if `b` is
+  // not possible.
+  bool commute(std::size_t a, std::size_t b, StateId at) const;
 
   // By state: whether `action` is undisturbed there by the actions in `others`, a set of bits.
   // O(actions x transitions) the first time that it is asked.
@@ -56,7 +59,6 @@ class Commutation {
     std::vector<std::uint8_t> undisturbed;
   };
 
-  bool commute(std::size_t a, std::size_t b, StateId at) const;
   bool makes_possible(std::size_t a, std::size_t b, StateId at) const;
   // Adds all states from which `others` can lead to one that is marked.
   void spread_backwards(std::vector<std::uint8_t>& marked, std::uint64_t others) const;

@@ -1,5 +1,6 @@
 #include "maide/check/condition.hpp"
 
+#include <algorithm>
 #include <stdexcept>
 
 namespace maide {
@@ -29,6 +30,11 @@ PackedAtom::PackedAtom(const Atom& atom, const System& system)
 Condition::Condition(const Formula& formula, const System& system) {
   if (!is_boolean(formula)) throw std::invalid_argument("a condition has no temporal operators");
   add(formula, system);
+}
+
+bool Condition::has_events() const {
+  return std::any_of(atoms_.begin(), atoms_.end(),
+                     [](const PackedAtom& atom) { return atom.is_event(); });
 }
 
 std::uint32_t Condition::add(const Formula& formula, const System& system) {

@@ -16,6 +16,7 @@ class PackedAtom {
 
   // No event: the initial state, or one that repeats for ever.
   static constexpr std::uint32_t no_edge = ~std::uint32_t{0};
+  bool is_event() const { return is_event_; }
   // `state` was reached by `program` taking `edge`.
   template <std::size_t words>
   bool is_true(const PackedSystem& system, const PackedState<words>& state, std::size_t program,
@@ -34,6 +35,9 @@ class Condition {
  public:
   // `formula` has no temporal operator (std::invalid_argument).
   Condition(const Formula& formula, const System& system);
+
+  // Whether it depends on the step by which a state was reached.
+  bool has_events() const;
 
   template <std::size_t words>
   bool is_true(const PackedSystem& system, const PackedState<words>& state, std::size_t program,

@@ -21,11 +21,12 @@ struct PropertyResult {
   Verdict verdict = Verdict::inconclusive;
   std::string reason;                     // of an inconclusive verdict, one line; else empty
   std::uint64_t states = 0;               // stored; with a formula, of its product with the system
-  std::uint64_t transitions = 0;          // taken
+  std::uint64_t transitions = 0;          // seen; with a formula, taken
   double seconds = 0;                     // of the search, wall clock
   std::uint64_t peak_bytes = 0;           // memory of the search
   Reduction reduction = Reduction::none;  // what was used
   std::optional<Trace> trace;             // of a violation
+  bool stays_within_learned = false;      // all runs were seen, and none goes beyond
 
   // Of the memory at its peak; 0 without states.
   double bytes_per_state() const {

@@ -3,6 +3,8 @@
 // states, visited states in a StateTable together with the code of the step that led to each
 // (packed_system.hpp), so that the run is read off backwards and costs a few bits a state.
 //
+// Where every state is to be visited, not every transition need be (step_order.hpp).
+//
 // With stubborn sets (stubborn_sets.hpp) only their steps are taken. Where no run may be put off
 // for ever - for all that is no deadlock - a state whose steps lead to no new state is expanded
 // whole: then each state has a way to a later one at which the steps left out are still possible
@@ -14,6 +16,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cstdint>
 #include <new>
 #include <stdexcept>
@@ -23,15 +26,19 @@
 #include "maide/base/bits.hpp"
 #include "maide/check/packed_system.hpp"
 #include "maide/check/search.hpp"
+#include "maide/check/step_order.hpp"
 #include "maide/check/stubborn_sets.hpp"
 
 namespace maide {
 
 // How a search saves itself work.
 struct BreadthFirstOptions {
-  StubbornSets* sets = nullptr;   // not owned; null: every step is taken
+  StubbornSets* sets = nullptr;   // not owned; null: every state is visited
   bool puts_nothing_off = false;  // no step is left out for ever; with `sets`
   unsigned chain = 1;             // most steps from one stored state to the next
+  // Not owned; null, as with `sets`: every transition is taken. Else the goal must not depend on
+  // the step by which a state was reached.
+  const StepOrder* order = nullptr;
 };
 
 // Bits of payload of a search with chains of that length.
@@ -83,10 +90,9 @@ class BreadthFirstSearch {
     State state;
     typename StateTable<words>::Address address;
     std::uint64_t payload;
+    std::uint32_t last;          // in the order of steps
     bool is_of_reduced = false;  // from a state of which steps are left out
-    bool is_last = false;        // of that state's, which is:
-    State source;
-    std::uint64_t programs;  // whose steps were taken there
+    bool is_last = false;        // of that state's, which is in sources_
   };
   // A state whose other steps have to be taken after all.
   struct Postponed {
@@ -95,19 +101,26 @@ class BreadthFirstSearch {
   };
 
   std::uint64_t bytes() const {
-    return table_.peak_bytes() + (level_.capacity() + next_level_.capacity()) * sizeof(State);
+    return table_.peak_bytes() + (level_.capacity() + next_level_.capacity()) * sizeof(State) +
+           (lasts_.capacity() + next_lasts_.capacity()) * sizeof(std::uint32_t);
   }
 
   void search() {
     table_.insert(initial_, 0);
     next_level_.push_back(initial_);
+    if (options_.order != nullptr) next_lasts_.push_back(StepOrder::first_state);
     while (!next_level_.empty() && result_.depth <= limits_.depth) {
       std::swap(level_, next_level_);
       next_level_.clear();
+      std::swap(lasts_, next_lasts_);
+      next_lasts_.clear();
       ++result_.depth;
-      for (const State& state : level_) {
+      for (std::size_t i = 0; i < level_.size(); ++i) {
         if (++visited_ % limit_interval == 0 && !look_at_limits()) return;
-        if (expand(state)) return;
+        if (options_.order != nullptr ? expand_in_order(level_[i], (*options_.order)[lasts_[i]])
+                                      : expand(level_[i])) {
+          return;
+        }
       }
       if (finish_level()) return;
     }
@@ -115,9 +128,10 @@ class BreadthFirstSearch {
 
   bool look_at_limits() {
     // The next level may have to move to a larger place.
-    const std::uint64_t growth = next_level_.size() + limit_interval > next_level_.capacity()
-                                     ? 2 * next_level_.capacity() * sizeof(State)
-                                     : 0;
+    const std::uint64_t growth =
+        next_level_.size() + limit_interval > next_level_.capacity()
+            ? 2 * next_level_.capacity() * (sizeof(State) + sizeof(std::uint32_t))
+            : 0;
     return may_go_on(limits_, table_.size(), bytes(), table_.growth_bytes() + growth, result_);
   }
 
@@ -131,10 +145,9 @@ class BreadthFirstSearch {
     is_of_reduced_ = true;
     if (take_steps(state, programs)) return true;
     is_of_reduced_ = false;
-    Pending& last = pending_[(pending_next_ + pipeline - 1) % pipeline];
-    last.is_last = true;
-    last.source = state;
-    last.programs = programs;
+    const std::size_t last = (pending_next_ + pipeline - 1) % pipeline;
+    pending_[last].is_last = true;
+    sources_[last] = {state, programs};
     return expand_postponed();
   }
 
@@ -147,28 +160,60 @@ class BreadthFirstSearch {
     return false;
   }
 
+  // All steps, of which those that `last` leaves out are only counted. True if the goal is met.
+  bool expand_in_order(const State& state, const StepOrder::Last& last) {
+    const StepOrder& order = *options_.order;
+    bool is_end = true;
+    for (std::size_t program = 0; program < system_.program_count(); ++program) {
+      const auto is_left_out = [&](std::uint32_t edge) {
+        return program < last.program && order.leaves_out(last, program, edge);
+      };
+      if (take_steps(state, program, is_left_out, is_end)) return true;
+    }
+    return is_end && ends_at(state);
+  }
+
   // The steps of those programs. True if the goal is met.
   bool take_steps(const State& state, std::uint64_t programs) {
     bool is_end = true;
+    const auto is_left_out = [](std::uint32_t) { return false; };
     for (std::size_t program = 0; program < system_.program_count(); ++program) {
       if (program < most_reduced_programs && (programs >> program & 1) == 0) continue;
-      bool is_found = false;
-      system_.for_each_step(
-          state, program,
-          [&](const State& next, std::uint32_t edge, bool is_cut, std::uint64_t code) {
-            is_end = false;
-            if (is_found) return;
-            ++result_.transitions;
-            if (goal_.on_step(state, next, program, edge, is_cut)) {
-              is_found = true;
-              found(next, {code, 1});
-            } else if (!is_cut) {
-              is_found = follow(next, {code, 1});
-            }
-          });
-      if (is_found) return true;
+      if (take_steps(state, program, is_left_out, is_end)) return true;
     }
-    if (!is_end || !goal_.on_end(state)) return false;
+    return is_end && ends_at(state);
+  }
+
+  // The steps of a program, but those of edges that are left out. True if the goal is met; where
+  // there is a step, left out or not, is no end.
+  template <typename IsLeftOut>
+  bool take_steps(const State& state, std::size_t program, IsLeftOut&& is_left_out, bool& is_end) {
+    bool is_found = false;
+    system_.for_each_step(
+        state, program,
+        [&](const State& next, std::uint32_t edge, bool is_cut, std::uint64_t code) {
+          is_end = false;
+          if (is_found) return;
+          ++result_.transitions;
+          result_.has_cut = result_.has_cut || is_cut;
+          if (is_left_out(edge)) return;
+          if (goal_.on_step(state, next, program, edge, is_cut)) {
+            is_found = true;
+            found(next, {code, 1});
+          } else if (is_cut) {
+            return;
+          } else if (options_.order != nullptr) {
+            push(next, code, options_.order->behind(system_, state, program, edge));
+          } else {
+            is_found = follow(next, {code, 1});
+          }
+        });
+    return is_found;
+  }
+
+  // At a state in which nothing can happen. True if the goal is met.
+  bool ends_at(const State& state) {
+    if (!goal_.on_end(state)) return false;
     result_.end = SearchResult::End::found;
     result_.trace = trace_to(system_.unpack(state));
     return true;
@@ -203,38 +248,42 @@ class BreadthFirstSearch {
       }
       state = after;
     }
-    push(state, chain);
+    push(state, payload_of(chain), StepOrder::first_state);
     return false;
   }
 
   // ---- lookups, a little later than asked for ----
 
-  void push(const State& state, const Chain& chain) {
+  void push(const State& state, std::uint64_t payload, std::uint32_t last) {
     Pending& slot = pending_[pending_next_];
     if (pending_count_ == pipeline) {
-      enter(slot);
+      enter(pending_next_);
     } else {
       ++pending_count_;
     }
-    slot = {state, table_.address_of(state), payload_of(chain), is_of_reduced_, false, {}, 0};
+    slot = {state, table_.address_of(state), payload, last, is_of_reduced_, false};
     table_.prefetch(slot.address);
     pending_next_ = (pending_next_ + 1) % pipeline;
   }
 
-  void enter(const Pending& pending) {
+  void enter(std::size_t slot) {
+    const Pending& pending = pending_[slot];
     const bool is_new = table_.insert(pending.state, pending.address, pending.payload).is_new;
-    if (is_new) next_level_.push_back(pending.state);
+    if (is_new) {
+      next_level_.push_back(pending.state);
+      if (options_.order != nullptr) next_lasts_.push_back(pending.last);
+    }
     if (!pending.is_of_reduced) return;
     leads_on_ = leads_on_ || is_new;
     if (!pending.is_last) return;
-    if (!leads_on_) postponed_.push_back({pending.source, pending.programs});
+    if (!leads_on_) postponed_.push_back(sources_[slot]);
     leads_on_ = false;
   }
 
   bool finish_level() {
     do {
       const std::size_t first = (pending_next_ + pipeline - pending_count_) % pipeline;
-      for (std::size_t i = 0; i < pending_count_; ++i) enter(pending_[(first + i) % pipeline]);
+      for (std::size_t i = 0; i < pending_count_; ++i) enter((first + i) % pipeline);
       pending_count_ = 0;
       if (expand_postponed()) return true;
     } while (pending_count_ > 0);
@@ -294,7 +343,9 @@ class BreadthFirstSearch {
   State initial_;
   StateTable<words> table_;
   std::vector<State> level_, next_level_;
+  std::vector<std::uint32_t> lasts_, next_lasts_;  // by state of a level, with an order of steps
   std::array<Pending, pipeline> pending_;
+  std::array<Postponed, pipeline> sources_;  // of the last one of each
   std::size_t pending_next_ = 0, pending_count_ = 0;
   bool is_of_reduced_ = false;  // the state that is expanded now
   bool leads_on_ = false;       // one of the steps that were entered led to a new state

@@ -26,11 +26,12 @@ SearchLimits limits_of(const EngineOptions& options) {
   return limits;
 }
 
-// Goals: see explorer.hpp.
+// Goals: see explorer.hpp. `depends_on_step()`: on more than the states that are visited.
 
 // A state in which nothing can happen and some program has not ended.
 struct DeadlockGoal {
   const PackedSystem& system;
+  static bool depends_on_step() { return false; }
   template <typename State>
   bool on_step(const State&, const State&, std::size_t, std::uint32_t, bool) const {
     return false;
@@ -41,7 +42,10 @@ struct DeadlockGoal {
   }
 };
 
+// A step that commutes with the one before it is cut in either order, so the shortest run to a cut
+// ends with one that no order leaves out.
 struct CutGoal {
+  static bool depends_on_step() { return false; }
   template <typename State>
   bool on_step(const State&, const State&, std::size_t, std::uint32_t, bool is_cut) const {
     return is_cut;
@@ -56,6 +60,7 @@ struct CutGoal {
 struct InvariantGoal {
   const PackedSystem& system;
   Condition condition;
+  bool depends_on_step() const { return condition.has_events(); }
   template <std::size_t words>
   bool on_step(const PackedState<words>&, const PackedState<words>& next, std::size_t program,
                std::uint32_t edge, bool is_cut) const {
@@ -98,6 +103,8 @@ SearchResult explore(const System& plain, const std::optional<ReductionRules>& r
     options.chain = chain;
   }
   auto goal = make_goal(system);
+  std::optional<StepOrder> order;
+  if (!rules && !goal.depends_on_step()) options.order = &order.emplace(system);
   SearchResult search = with_words(system.words(), [&](auto words) {
     return BreadthFirstSearch<words.value, decltype(goal)>(system, goal, limits, options).run();
   });
@@ -253,6 +260,9 @@ PropertyResult NativeEngine::check(const System& system, const Property& propert
   result.transitions = search.transitions;
   result.peak_bytes = search.bytes;
   result.reduction = search.reduction;
+  result.stays_within_learned = !needs_cycle(property) && !search.has_cut &&
+                                search.reduction == Reduction::none &&
+                                search.end == SearchResult::End::complete;
   result.seconds = std::chrono::duration<double>(Clock::now() - start).count();
   switch (search.end) {
     case SearchResult::End::complete: result.verdict = Verdict::holds; break;
@@ -272,6 +282,7 @@ PropertyResult NativeEngine::check(const System& system, const Property& propert
 }
 
 CutResult NativeEngine::find_cut(const System& system, const EngineOptions& options) {
+  if (!PackedSystem(system).has_cuts()) return {Verdict::holds, "", std::nullopt};
   SearchResult search =
       explore(system, rules_for_cut(), options, [](const PackedSystem&) { return CutGoal{}; });
   CutResult result;

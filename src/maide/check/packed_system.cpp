@@ -71,6 +71,7 @@ void PackedSystem::add_action(const ProgramEdge& edge) {
       Target step;
       step.state = met.target;
       step.is_cut = met.is_beyond && model.when_unexplored == WhenUnexplored::stop ? 1 : 0;
+      has_cuts_ = has_cuts_ || step.is_cut != 0;
       step.code = static_cast<std::uint32_t>(sources.size()) & 0x7fffffff;
       sources.push_back({at, met.is_beyond});
       steps.push_back(step);

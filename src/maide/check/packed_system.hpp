@@ -120,6 +120,9 @@ class PackedSystem {
     }
   }
 
+  // Whether any step, possible or not, may cut a run.
+  bool has_cuts() const { return has_cuts_; }
+
   // The step with that code that led to `state`, and the state before it.
   struct Origin {
     Step step;
@@ -178,6 +181,7 @@ class PackedSystem {
   std::size_t words_ = 1;
   unsigned address_bits_ = 0, state_bits_ = 0, code_bits_ = 0;
   unsigned program_bits_ = 0, into_bits_ = 0, source_bits_ = 0;
+  bool has_cuts_ = false;
 };
 
 // Calls `work(std::integral_constant<std::size_t, n>)` with the least n that is compiled and holds

@@ -32,8 +32,9 @@ struct SearchResult {
   };
   End end = End::complete;
   std::uint64_t states = 0;               // stored
-  std::uint64_t transitions = 0;          // steps taken
+  std::uint64_t transitions = 0;          // seen, or taken in a search for cycles
   std::uint64_t depth = 0;                // of the last level that was begun; of the longest path
+  bool has_cut = false;                   // one of them leaves what was learned
   std::uint64_t bytes = 0;                // the most that the search had
   std::optional<Trace> trace;             // of what was found
   Reduction reduction = Reduction::none;  // what was used

@@ -20,8 +20,6 @@
 #include <cstdlib>
 #include <cstring>
 #include <new>
-#include <utility>
-#include <vector>
 
 #include "maide/base/bits.hpp"
 
@@ -84,7 +82,7 @@ class StateTable {
   StateTable(const StateTable&) = delete;
   StateTable& operator=(const StateTable&) = delete;
   ~StateTable() {
-    for (Segment& segment : segments_) std::free(segment.data);
+    for (Segment& segment : segments_) unmap(segment);
   }
 
   struct Insertion {
@@ -135,7 +133,9 @@ class StateTable {
 
   // The state's payload; false if it is not there.
   bool find(const State& state, std::uint64_t& payload) const {
-    const Address address = address_of(state);
+    return find(state, address_of(state), payload);
+  }
+  bool find(const State& state, const Address& address, std::uint64_t& payload) const {
     const Segment& segment = segments_[address.segment];
     const Place place = locate(segment, address.local, state);
     if (place.is_there) payload = (load(segment, place.at) >> 8) & payload_mask();
@@ -147,11 +147,12 @@ class StateTable {
   void for_each(Visit&& visit) const {
     const unsigned local = bits_ - segment_bits;
     for (std::size_t number = 0; number < segment_count; ++number) {
-      for_each_local(segments_[number], [&](std::uint64_t at, std::uint64_t value) {
-        State state = rest_at(segments_[number], at);
+      const Segment& segment = segments_[number];
+      for_each_local(segment, [&](std::uint64_t at, std::uint64_t entry, std::uint64_t value) {
+        State state = rest_at(segment, at);
         state[0] = scrambler_.invert(value | (std::uint64_t{number} << local));
         if constexpr (words > 1) state[0] ^= fold(state) & mask();
-        visit(state, (load(segments_[number], at) >> 8) & payload_mask());
+        visit(state, (entry >> 8) & payload_mask());
       });
     }
   }
@@ -217,7 +218,11 @@ class StateTable {
   }
   void store(Segment& segment, std::uint64_t at, std::uint64_t entry, const State& state) {
     unsigned char* place = segment.data + at * segment.width;
-    std::memcpy(place, &entry, segment.low_bytes);
+    // Eight bytes at once; those behind the entry's stay what they are.
+    std::uint64_t value;
+    std::memcpy(&value, place, sizeof value);
+    value = (value & ~segment.low_mask) | (entry & segment.low_mask);
+    std::memcpy(place, &value, sizeof value);
     if constexpr (words > 1) std::memcpy(place + segment.low_bytes, &state[0] + 1, rest_bytes);
   }
 
@@ -242,11 +247,16 @@ class StateTable {
     }
   }
 
+  // 0: the slot is empty.
+  static std::uint64_t distance_at(const Segment& segment, std::uint64_t at) {
+    return segment.data[at * segment.width];
+  }
+
   // Moves the entries from `at` on one slot further; false if one would be too far from home.
   bool make_room(Segment& segment, std::uint64_t at, std::uint64_t own_home) {
     if (at - own_home + 1 > most_distance) return false;
     std::uint64_t end = at;
-    for (std::uint64_t distance; (distance = segment.data[end * segment.width]) != 0; ++end) {
+    for (std::uint64_t distance; (distance = distance_at(segment, end)) != 0; ++end) {
       if (distance == most_distance) return false;
     }
     if (end >= segment.slots + most_distance) return false;
@@ -256,31 +266,70 @@ class StateTable {
     return true;
   }
 
-  // Calls `visit(at, local)` for each entry, by home. The first number of each home is known
-  // without a division: they are spaced evenly.
+  // The least local number of each home, without a division: range / slots = whole + part / 2^64,
+  // nearly; what that misses is at most one, and shows in the rest.
+  class FirstOfHome {
+   public:
+    FirstOfHome(WideNumber range, std::uint64_t slots)
+        : slots_(slots),
+          whole_(static_cast<std::uint64_t>(range / slots)),
+          rest_(static_cast<std::uint64_t>(range % slots)),
+          part_(static_cast<std::uint64_t>((WideNumber{rest_} << 64) / slots)) {}
+    std::uint64_t operator()(std::uint64_t own_home) const {
+      const auto parts = static_cast<std::uint64_t>((WideNumber{part_} * own_home) >> 64);
+      const std::uint64_t rest = own_home * rest_ - parts * slots_;  // 0 .. 2 slots - 1
+      const std::uint64_t floor = own_home * whole_ + parts;
+      // Rounded up: one more if anything is left, and one for the slots that were missed.
+      return floor + (rest > 0 ? 1 : 0) + (rest > slots_ ? 1 : 0);
+    }
+
+   private:
+    std::uint64_t slots_, whole_, rest_, part_;
+  };
+
+  // Calls `visit(at, entry, local)` for each entry, by home.
   template <typename Visit>
   void for_each_local(const Segment& segment, Visit&& visit) const {
-    const WideNumber range = WideNumber{1} << (bits_ - segment_bits);
-    const auto quotient = static_cast<std::uint64_t>(range / segment.slots);
-    const auto remainder = static_cast<std::uint64_t>(range % segment.slots);
-    std::uint64_t at = 0;
-    std::uint64_t floor = 0, excess = 0;  // home * range = floor * slots + excess
-    for (std::uint64_t own_home = 0; own_home < segment.slots; ++own_home) {
-      const std::uint64_t first = floor + (excess > 0 ? 1 : 0);
-      at = std::max(at, own_home);
-      for (; at < segment.slots + most_distance; ++at) {
-        const std::uint64_t entry = load(segment, at);
-        const std::uint64_t distance = entry & 255;
-        if (distance == 0 || at - (distance - 1) != own_home) break;
-        const std::uint64_t residual = entry >> residual_shift();
-        visit(at, first + ((residual - first) & segment.residual_mask));
-      }
-      floor += quotient;
-      excess += remainder;
-      if (excess >= segment.slots) {
-        excess -= segment.slots;
-        ++floor;
-      }
+    const FirstOfHome first_of(WideNumber{1} << (bits_ - segment_bits), segment.slots);
+    for (std::uint64_t at = 0; at < segment.slots + most_distance; ++at) {
+      const std::uint64_t entry = load(segment, at);
+      const std::uint64_t distance = entry & 255;
+      if (distance == 0) continue;
+      const std::uint64_t first = first_of(at - (distance - 1));
+      const std::uint64_t residual = entry >> residual_shift();
+      visit(at, entry, first + ((residual - first) & segment.residual_mask));
+    }
+  }
+
+  static constexpr std::uint64_t huge_page = std::uint64_t{1} << 21;
+  // Large ones are pages of their own: zero, and given back at once.
+  static bool is_mapped(std::uint64_t bytes) { return bytes >= 2 * huge_page; }
+  static std::uint64_t mapped_bytes(std::uint64_t bytes) {
+    return (bytes + huge_page - 1) / huge_page * huge_page;
+  }
+  static unsigned char* map_zeros(std::uint64_t bytes) {
+    if (!is_mapped(bytes)) {
+      void* data = std::calloc(bytes, 1);
+      if (data == nullptr) throw std::bad_alloc();
+      return static_cast<unsigned char*>(data);
+    }
+    // One huge page more, and what is not on their bounds is given back.
+    const std::uint64_t size = mapped_bytes(bytes);
+    void* mapped = ::mmap(nullptr, size + huge_page, PROT_READ | PROT_WRITE,
+                          MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+    if (mapped == MAP_FAILED) throw std::bad_alloc();
+    auto* const start = static_cast<unsigned char*>(mapped);
+    const std::uint64_t before = -reinterpret_cast<std::uintptr_t>(start) % huge_page;
+    if (before > 0) ::munmap(start, before);
+    if (before < huge_page) ::munmap(start + before + size, huge_page - before);
+    ::madvise(start + before, size, MADV_HUGEPAGE);
+    return start + before;
+  }
+  static void unmap(const Segment& segment) {
+    if (is_mapped(segment.bytes)) {
+      ::munmap(segment.data, mapped_bytes(segment.bytes));
+    } else {
+      std::free(segment.data);
     }
   }
 
@@ -297,16 +346,7 @@ class StateTable {
     segment.width = segment.low_bytes + rest_bytes;
     // Entries are read eight bytes at a time, the last one too.
     segment.bytes = (slots + most_distance + 1) * segment.width + 8;
-    constexpr std::uint64_t huge_page = std::uint64_t{1} << 21;
-    if (segment.bytes >= 2 * huge_page) {
-      const std::uint64_t rounded = (segment.bytes + huge_page - 1) / huge_page * huge_page;
-      segment.data = static_cast<unsigned char*>(std::aligned_alloc(huge_page, rounded));
-      if (segment.data != nullptr) ::madvise(segment.data, rounded, MADV_HUGEPAGE);
-      if (segment.data != nullptr) std::memset(segment.data, 0, segment.bytes);
-    } else {
-      segment.data = static_cast<unsigned char*>(std::calloc(segment.bytes, 1));
-    }
-    if (segment.data == nullptr) throw std::bad_alloc();
+    segment.data = map_zeros(segment.bytes);
     bytes_ += segment.bytes;
     peak_bytes_ = std::max(peak_bytes_, bytes_);
   }
@@ -317,46 +357,40 @@ class StateTable {
       segment = {};
       allocate(segment, slots);
       if (copy(old, segment)) break;
-      std::free(segment.data);
+      unmap(segment);
       bytes_ -= segment.bytes;
     }
-    std::free(old.data);
+    unmap(old);
     bytes_ -= old.bytes;
   }
 
-  // In the order of homes; those of one home are brought into order, for they may part. False if
-  // one came too far from home.
+  // In the order of homes, but those of one home are in none: where they part, some come late.
+  // False if one would come too far from home.
   bool copy(const Segment& from, Segment& to) {
-    to.size = from.size;
-    std::uint64_t next = 0;                                      // the first slot that is free
-    std::vector<std::pair<std::uint64_t, std::uint64_t>> group;  // value, place
-    std::uint64_t group_home = 0;
-    const auto flush = [&] {
-      std::sort(group.begin(), group.end());
-      for (const auto& [value, place] : group) {
-        const std::uint64_t new_home = home(to, value);
-        const std::uint64_t at = std::max(next, new_home);
-        if (at - new_home + 1 > most_distance) return false;
-        const std::uint64_t payload = (load(from, place) >> 8) & payload_mask();
-        store(
-            to, at,
-            (at - new_home + 1) | (payload << 8) | ((value & to.residual_mask) << residual_shift()),
-            rest_at(from, place));
+    std::uint64_t next = 0;  // the first slot behind all entries
+    std::uint64_t last_home = 0;
+    bool fits = true;
+    for_each_local(from, [&](std::uint64_t place, std::uint64_t entry, std::uint64_t value) {
+      const std::uint64_t new_home = home(to, value);
+      std::uint64_t at = std::max(next, new_home);
+      if (new_home < last_home) {
+        at = new_home;
+        while (distance_at(to, at) > at - new_home) ++at;
+        fits = fits && make_room(to, at, new_home);
+        while (distance_at(to, next) != 0) ++next;
+      } else {
+        last_home = new_home;
         next = at + 1;
       }
-      group.clear();
-      return true;
-    };
-    bool fits = true;
-    for_each_local(from, [&](std::uint64_t at, std::uint64_t value) {
-      const std::uint64_t old_home = home(from, value);
-      if (old_home != group_home) {
-        fits = flush() && fits;
-        group_home = old_home;
-      }
-      group.push_back({value, at});
+      fits = fits && at - new_home < most_distance;
+      if (!fits) return;
+      const std::uint64_t payload = entry & (payload_mask() << 8);
+      const std::uint64_t residual = value & to.residual_mask;
+      store(to, at, (at - new_home + 1) | payload | (residual << residual_shift()),
+            rest_at(from, place));
     });
-    return flush() && fits;
+    to.size = from.size;
+    return fits;
   }
 
   unsigned bits_, payload_bits_;

@@ -1,0 +1,87 @@
+#include "maide/check/step_order.hpp"
+
+#include <algorithm>
+#include <map>
+#include <utility>
+
+#include "maide/check/commutation.hpp"
+
+namespace maide {
+namespace {
+
+// Pairs of actions in a state, to be looked at for one model.
+constexpr std::uint64_t most_pairs = std::uint64_t{1} << 24;
+
+bool is_same_action(const ProgramEdge& left, const ProgramEdge& right) {
+  return left.kind == right.kind &&
+         (left.kind == ProgramEdge::Kind::quiet || left.symbol == right.symbol);
+}
+
+}  // namespace
+
+StepOrder::StepOrder(const PackedSystem& packed) {
+  const System& system = packed.system();
+  for (const Program& program : system.programs) steps_.emplace_back(program.edges.size());
+  if (system.programs.size() > 64) return;
+  for (std::uint32_t p = 0; p < system.programs.size(); ++p) {
+    const auto choice = static_cast<std::uint32_t>(lasts_.size());
+    lasts_.push_back({0, no_model, p});
+    for (std::size_t i = 0; i < steps_[p].size(); ++i) {
+      if (system.programs[p].edges[i].kind == ProgramEdge::Kind::choice)
+        steps_[p][i].first = choice;
+    }
+  }
+  for (std::uint32_t m = 0; m < system.models.size(); ++m) add_model(system, m);
+}
+
+void StepOrder::add_model(const System& system, std::uint32_t model) {
+  std::vector<ProgramEdge> actions;
+  const auto number_of = [&](const ProgramEdge& edge) {
+    const auto same = [&](const ProgramEdge& other) { return is_same_action(edge, other); };
+    const auto place = std::find_if(actions.begin(), actions.end(), same);
+    return static_cast<std::uint32_t>(place - actions.begin());
+  };
+  const auto uses = [&](const ProgramEdge& edge) {
+    return edge.kind != ProgramEdge::Kind::choice && edge.model == model;
+  };
+  for (const Program& program : system.programs) {
+    for (const ProgramEdge& edge : program.edges) {
+      if (!uses(edge)) continue;
+      if (number_of(edge) == actions.size()) actions.push_back(edge);
+    }
+  }
+  if (actions.empty()) return;
+  const std::size_t states = system.models[model].automaton.size();
+  const bool is_known =
+      actions.size() <= no_action && states * actions.size() * actions.size() <= most_pairs;
+  // By action and state: what commutes with it.
+  std::vector<std::vector<std::uint64_t>> commuting(actions.size());
+  if (is_known) {
+    const Commutation commutation(system.models[model], actions, Commutation::Watch::nothing);
+    for (std::size_t a = 0; a < actions.size(); ++a) {
+      for (StateId at = 0; at < states; ++at) {
+        std::uint64_t& set = commuting[a].emplace_back(0);
+        for (std::size_t b = 0; b < actions.size(); ++b) {
+          if (commutation.commute(b, a, at)) set |= std::uint64_t{1} << b;
+        }
+      }
+    }
+  }
+  for (std::uint32_t p = 0; p < system.programs.size(); ++p) {
+    std::map<std::uint32_t, std::uint32_t> first;  // of the program's lasts, by action
+    for (std::size_t i = 0; i < steps_[p].size(); ++i) {
+      const ProgramEdge& edge = system.programs[p].edges[i];
+      if (!uses(edge)) continue;
+      const std::uint32_t action = is_known ? number_of(edge) : no_action;
+      const auto [place, is_new] =
+          first.try_emplace(action, static_cast<std::uint32_t>(lasts_.size()));
+      steps_[p][i] = {model, action, place->second};
+      if (!is_new) continue;
+      for (StateId at = 0; at < states; ++at) {
+        lasts_.push_back({is_known ? commuting[action][at] : 0, model, p});
+      }
+    }
+  }
+}
+
+}  // namespace maide
