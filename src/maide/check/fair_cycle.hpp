@@ -8,18 +8,24 @@
 // the search's path is expanded whole, so that no step is left out all the way round a cycle
 // (Peled, "Combining partial order reductions with on-the-fly model-checking", FMSD 1996). Marks
 // always count every program that can step, left out or not.
+//
+// Without stubborn sets all nodes are visited. Among those in which the monitor still waits there
+// is no cycle to be found, so not every transition between them need be taken (step_order.hpp).
 #pragma once
 
 #include <algorithm>
 #include <cstdint>
 #include <new>
+#include <optional>
 #include <utility>
 #include <vector>
 
+#include "maide/base/chunked_stack.hpp"
 #include "maide/check/fair_lasso.hpp"
 #include "maide/check/fair_parts.hpp"
 #include "maide/check/product_graph.hpp"
 #include "maide/check/search.hpp"
+#include "maide/check/step_order.hpp"
 #include "maide/check/stubborn_sets.hpp"
 
 namespace maide {
@@ -31,7 +37,9 @@ class FairCycleSearch {
   // every step.
   FairCycleSearch(const PackedSystem& system, const Monitor& monitor, const SearchLimits& limits,
                   StubbornSets* sets = nullptr)
-      : graph_(system, monitor), limits_(limits), sets_(sets) {}
+      : graph_(system, monitor), limits_(limits), sets_(sets) {
+    if (sets_ == nullptr) order_.emplace(system);
+  }
 
   SearchResult run() {
     try {
@@ -50,37 +58,47 @@ class FairCycleSearch {
   using Edge = typename Graph::Edge;
   using Number = typename Graph::Number;
 
+  using Address = typename Graph::Address;
+  using Step = typename Graph::Steps::One;
+
+  // A node on the path.
   struct Frame {
     Number node = 0;
-    std::size_t first_edge = 0;  // in edges_; the next to be taken is the last
+    std::uint32_t open = 0;  // of its edges, the last ones of open_
+  };
+  // An edge whose target was not known when its source was expanded.
+  struct Open {
+    State target;
+    // To a node in which the monitor waits: what the step leaves out. Else its marks, but none from
+    // where the monitor waits: no cycle passes there.
+    std::uint64_t marks_or_last = 0;
   };
   struct Root {
     Number node = 0;
-    std::uint64_t marks = 0;     // inside the component
-    std::uint64_t incoming = 0;  // of the edge by which it was entered
+    std::size_t first_active = 0;  // of the component's nodes, in active_
+    std::uint64_t marks = 0;       // inside the component
+    std::uint64_t incoming = 0;    // of the edge by which it was entered
+  };
+  // An edge of the node that is expanded.
+  struct Successor {
+    Edge edge;
+    Address address;
+    Number number = Graph::no_node;  // if it was known
   };
 
   std::uint64_t bytes() const {
-    return graph_.bytes() + (is_dead_.capacity() + is_on_path_.capacity()) / 8 + held(frames_) +
-           held(edges_) + held(active_) + held(roots_);
-  }
-  template <typename Item>
-  static std::uint64_t held(const std::vector<Item>& items) {
-    return items.capacity() * sizeof(Item);
-  }
-  // A vector that is nearly full moves to a place of twice the size.
-  template <typename Item>
-  static std::uint64_t growth(const std::vector<Item>& items) {
-    return items.size() + 8 * limit_interval > items.capacity() ? 2 * held(items) : 0;
+    return graph_.bytes() + (is_dead_.capacity() + is_on_path_.capacity()) / 8 + frames_.bytes() +
+           open_.bytes() + active_.bytes() + roots_.bytes();
   }
   std::uint64_t growth_bytes() const {
-    return graph_.growth_bytes(limit_interval) + growth(frames_) + growth(edges_) +
-           growth(active_) + growth(roots_);
+    const std::uint64_t chunks =
+        frames_.chunk_bytes + 8 * open_.chunk_bytes + active_.chunk_bytes + roots_.chunk_bytes;
+    return graph_.growth_bytes(limit_interval) + chunks;
   }
 
   void search() {
     for (const State& node : graph_.first_nodes()) {
-      if (!enter(node, 0)) continue;
+      if (!enter({node, StepOrder::first_state})) continue;
       if (is_over_ || search_from_top()) return;
     }
   }
@@ -88,90 +106,152 @@ class FairCycleSearch {
   // True if the search is over.
   bool search_from_top() {
     while (!frames_.empty()) {
-      const Frame& frame = frames_.back();
-      if (edges_.size() == frame.first_edge) {
+      if (frames_.top().open == 0) {
         leave();
         if (is_over_) return true;
         continue;
       }
-      const Edge edge = edges_.back();
-      edges_.pop_back();
-      ++result_.transitions;
-      if (!enter(edge.target, edge.marks)) merge(edge);
+      const Open edge = open_.top();
+      open_.pop();
+      --frames_.top().open;
+      if (!open_.empty()) graph_.prefetch(graph_.address_of(open_.top().target));
+      if (!enter(edge)) merge(known_, is_waiting(edge.target) ? 0 : edge.marks_or_last);
       if (is_over_) return true;
     }
     return false;
   }
 
   // True if the node is new; it is then the top of the path.
-  bool enter(const State& node, std::uint64_t incoming) {
+  bool enter(const Open& edge) {
+    const State& node = edge.target;
     const auto [number, is_new] = graph_.insert(node);
     known_ = number;
     if (!is_new) return false;
     is_dead_.push_back(false);
     is_on_path_.push_back(true);
-    active_.push_back(number);
-    roots_.push_back({number, 0, incoming});
-    frames_.push_back({number, edges_.size()});
-    expand(node);
+    roots_.push({number, active_.size(), 0, is_waiting(node) ? 0 : edge.marks_or_last});
+    active_.push(number);
+    frames_.push({number, 0});
     result_.depth = std::max<std::uint64_t>(result_.depth, frames_.size());
-    if (graph_.size() % limit_interval == 0 &&
-        !may_go_on(limits_, graph_.size(), bytes(), growth_bytes(), result_)) {
-      is_over_ = true;
-    }
-    if (graph_.monitor_state(number) == graph_.monitor().universal()) {
+    if (graph_.monitor_state(node) == graph_.monitor().universal()) {
       is_over_ = true;
       result_.end = SearchResult::End::found;
+      graph_.list_nodes();
       result_.trace = FairLasso(graph_).prefix_to({number});
+      return true;
+    }
+    expand(edge);
+    if (!is_over_ && graph_.size() % limit_interval == 0 &&
+        !may_go_on(limits_, graph_.size(), bytes(), growth_bytes(), result_)) {
+      is_over_ = true;
     }
     return true;
   }
 
-  void expand(const State& node) {
+  // Edges to known nodes are looked at now, the others are put aside.
+  void expand(const Open& incoming) {
+    const State& node = incoming.target;
     graph_.find_steps(node, steps_);
+    successors_.clear();
+    if (is_waiting(node)) {
+      find_successors_in_order(node, (*order_)[static_cast<std::uint32_t>(incoming.marks_or_last)]);
+    } else {
+      find_reduced_successors(node);
+    }
+    for (const Successor& successor : successors_) {
+      ++result_.transitions;
+      const Edge& edge = successor.edge;
+      if (successor.number == Graph::no_node) {
+        open_.push({edge.target, marks_or_last(node, edge)});
+        ++frames_.top().open;
+      } else {
+        merge(successor.number, is_waiting(node) ? 0 : edge.marks);
+        if (is_over_) return;
+      }
+    }
+  }
+
+  bool is_waiting(const State& node) const {
+    return order_ && graph_.monitor().is_waiting(graph_.monitor_state(node));
+  }
+  std::uint64_t marks_or_last(const State& node, const Edge& edge) const {
+    if (!is_waiting(edge.target)) return is_waiting(node) ? 0 : edge.marks;
+    if (!edge.is_step || graph_.monitor_state(edge.target) != graph_.monitor_state(node)) {
+      return StepOrder::first_state;
+    }
+    return order_->behind(graph_.system(), graph_.plain(node), edge.program, edge.edge);
+  }
+
+  void find_reduced_successors(const State& node) {
     std::uint64_t programs = ~std::uint64_t{0};
     if (sets_ != nullptr) {
       const std::uint64_t selected = sets_->select(graph_.plain(node));
       if (sets_->is_reduced()) programs = selected;
     }
-    const std::size_t first = edges_.size();
-    const auto add = [&](const Edge& edge) { edges_.push_back(edge); };
-    graph_.for_each_edge(node, steps_, programs, add);
+    find_successors(node, [&](const Step& step) { return (programs >> step.program & 1) != 0; });
     if (programs == ~std::uint64_t{0}) return;
-    const bool leads_back = std::any_of(edges_.begin() + static_cast<std::ptrdiff_t>(first),
-                                        edges_.end(), [&](const Edge& edge) {
-                                          const Number target = graph_.find(edge.target);
-                                          return target != Graph::no_node && is_on_path_[target];
-                                        });
-    if (leads_back) graph_.for_each_edge(node, steps_, ~programs, add);
+    if (std::any_of(successors_.begin(), successors_.end(), [&](const Successor& successor) {
+          return successor.number != Graph::no_node && is_on_path_[successor.number];
+        })) {
+      find_successors(node, [&](const Step& step) { return (programs >> step.program & 1) == 0; });
+    }
+  }
+
+  void find_successors_in_order(const State& node, const StepOrder::Last& last) {
+    find_successors(node, [&](const Step& step) {
+      return step.program >= last.program || !order_->leaves_out(last, step.program, step.edge);
+    });
+  }
+
+  // Appends the edges by the steps that are wanted.
+  template <typename IsWanted>
+  void find_successors(const State& node, IsWanted&& is_wanted) {
+    const std::size_t first = successors_.size();
+    graph_.for_each_wanted_edge(node, steps_, is_wanted, [&](const Edge& edge) {
+      const Address address = graph_.address_of(edge.target);
+      graph_.prefetch(address);
+      successors_.push_back({edge, address});
+    });
+    for (std::size_t i = first; i < successors_.size(); ++i) {
+      Successor& successor = successors_[i];
+      successor.number = graph_.find(successor.edge.target, successor.address);
+    }
   }
 
   // An edge from the top to a node that is known.
-  void merge(const Edge& edge) {
-    if (is_dead_[known_]) return;
-    std::uint64_t marks = edge.marks;
-    while (roots_.back().node > known_) {
-      marks |= roots_.back().marks | roots_.back().incoming;
-      roots_.pop_back();
+  void merge(Number known, std::uint64_t marks) {
+    if (is_dead_[known]) return;
+    while (roots_.top().node > known) {
+      marks |= roots_.top().marks | roots_.top().incoming;
+      roots_.pop();
     }
-    roots_.back().marks |= marks;
-    if (roots_.back().marks != graph_.all_marks() || graph_.monitor().is_strong()) return;
-    const auto first = std::lower_bound(active_.begin(), active_.end(), roots_.back().node);
-    found({first, active_.end()});
+    roots_.top().marks |= marks;
+    if (roots_.top().marks != graph_.all_marks() || graph_.monitor().is_strong()) return;
+    graph_.list_nodes();
+    found(members_from(roots_.top().first_active));
+  }
+
+  // The active nodes from that one on.
+  std::vector<Number> members_from(std::size_t first) const {
+    std::vector<Number> members;
+    for (std::size_t i = first; i < active_.size(); ++i) members.push_back(active_[i]);
+    return members;
   }
 
   // The top has no more edges.
   void leave() {
-    const Number node = frames_.back().node;
-    frames_.pop_back();
+    const Number node = frames_.top().node;
+    frames_.pop();
     is_on_path_[node] = false;
-    if (roots_.back().node != node) return;
-    const bool has_all = roots_.back().marks == graph_.all_marks();
-    roots_.pop_back();
-    const auto first = std::lower_bound(active_.begin(), active_.end(), node);
-    if (graph_.monitor().is_strong() && has_all) check_whole({first, active_.end()});
-    for (auto member = first; member != active_.end(); ++member) is_dead_[*member] = true;
-    active_.erase(first, active_.end());
+    const Root root = roots_.top();
+    if (root.node != node) return;
+    roots_.pop();
+    if (graph_.monitor().is_strong() && root.marks == graph_.all_marks()) {
+      graph_.list_nodes();
+      check_whole(members_from(root.first_active));
+    }
+    for (std::size_t i = root.first_active; i < active_.size(); ++i) is_dead_[active_[i]] = true;
+    active_.shrink_to(root.first_active);
   }
 
   // Under strong fairness a component is looked at once it is complete.
@@ -194,14 +274,16 @@ class FairCycleSearch {
   Graph graph_;
   const SearchLimits& limits_;
   StubbornSets* sets_;
+  std::optional<StepOrder> order_;
   std::vector<bool> is_dead_, is_on_path_;  // by node
-  std::vector<Frame> frames_;
-  std::vector<Edge> edges_;
-  std::vector<Number> active_;  // nodes of components that are not complete, ascending
-  std::vector<Root> roots_;
+  ChunkedStack<Frame> frames_;
+  ChunkedStack<Open> open_;
+  ChunkedStack<Number> active_;  // nodes of components that are not complete, ascending
+  ChunkedStack<Root> roots_;
   Number known_ = 0;  // the node that enter() found
   bool is_over_ = false;
   typename Graph::Steps steps_;
+  std::vector<Successor> successors_;
   SearchResult result_;
 };
 

@@ -133,6 +133,53 @@ std::uint32_t find_universal(const LtlAutomaton& automaton) {
   return LtlAutomaton::no_state;
 }
 
+namespace {
+
+// Whether a path of at least one transition to another state comes back to `state`.
+bool comes_back(const LtlAutomaton& automaton, std::uint32_t state) {
+  std::vector<bool> seen(automaton.states.size(), false);
+  std::vector<std::uint32_t> open;
+  const auto follow = [&](std::uint32_t from) {
+    for (const auto& transition : automaton.states[from]) {
+      if (transition.target == from || seen[transition.target]) continue;
+      seen[transition.target] = true;
+      open.push_back(transition.target);
+    }
+  };
+  follow(state);
+  while (!open.empty() && !seen[state]) {
+    const std::uint32_t from = open.back();
+    open.pop_back();
+    follow(from);
+  }
+  return seen[state];
+}
+
+}  // namespace
+
+std::vector<bool> find_waiting(const LtlAutomaton& automaton) {
+  constexpr std::size_t most_states = 1000;
+  std::vector<bool> waiting(automaton.states.size(), false);
+  if (automaton.states.size() > most_states) return waiting;
+  std::uint64_t events = 0;
+  for (std::size_t i = 0; i < automaton.atoms.size(); ++i) {
+    if (automaton.atoms[i].is_event()) events |= std::uint64_t{1} << i;
+  }
+  for (std::uint32_t state = 0; state < automaton.states.size(); ++state) {
+    std::uint64_t marks = 0, letters = 0;
+    bool may_stay = false;
+    for (const auto& transition : automaton.states[state]) {
+      letters |= transition.letter.positive | transition.letter.negative;
+      if (transition.target != state) continue;
+      marks |= transition.marks;
+      may_stay = may_stay || transition.letter == Letter();
+    }
+    waiting[state] = may_stay && marks != automaton.all_marks() && (letters & events) == 0 &&
+                     !comes_back(automaton, state);
+  }
+  return waiting;
+}
+
 bool accepts(const LtlAutomaton& automaton, const std::vector<std::uint64_t>& valuations,
              std::size_t loop) {
   const RunGraph graph(automaton, valuations, loop);

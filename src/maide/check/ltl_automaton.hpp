@@ -54,6 +54,12 @@ LtlAutomaton translate(const Formula& formula);
 // A state that goes to itself on every letter with every mark, or no_state.
 std::uint32_t find_universal(const LtlAutomaton& automaton);
 
+// By state: whether a run may wait in it for as long as it likes, whatever happens, without being
+// accepted for that: it goes to itself on every letter, no path leads back to it, its own
+// transitions lack a mark, and where it goes from there depends on no event. (So one of a system's
+// runs to a state does as well as another.) All false for more than 1,000 states.
+std::vector<bool> find_waiting(const LtlAutomaton& automaton);
+
 // Whether the automaton accepts the run with positions 0..length-1, of which loop..length-1 repeat
 // for ever; `valuations`: the atoms that are true, by position. O(transitions x length).
 bool accepts(const LtlAutomaton& automaton, const std::vector<std::uint64_t>& valuations,

@@ -26,6 +26,7 @@ class LtlMonitor {
   LtlMonitor(const PackedSystem& packed, LtlAutomaton automaton, Fairness fairness)
       : packed_(packed), automaton_(std::move(automaton)), fairness_(fairness) {
     for (const Atom& atom : automaton_.atoms) atoms_.emplace_back(atom, packed.system());
+    is_waiting_ = find_waiting(automaton_);
   }
 
   unsigned marks() const {
@@ -34,6 +35,7 @@ class LtlMonitor {
   }
   std::uint32_t universal() const { return automaton_.universal; }
   bool is_strong() const { return fairness_ == Fairness::strong; }
+  bool is_waiting(std::uint32_t at) const { return is_waiting_[at]; }
 
   template <typename State, typename Follow>
   void start(const State& state, Follow&& follow) const {
@@ -78,6 +80,7 @@ class LtlMonitor {
   LtlAutomaton automaton_;
   Fairness fairness_;
   std::vector<PackedAtom> atoms_;
+  std::vector<bool> is_waiting_;  // by state
 };
 
 // Weakly fair runs on which some program, that has not ended, never steps again while others run
@@ -91,6 +94,7 @@ class StuckMonitor {
   unsigned marks() const { return static_cast<unsigned>(packed_.program_count()); }
   std::uint32_t universal() const { return no_monitor_state; }
   bool is_strong() const { return false; }
+  bool is_waiting(std::uint32_t at) const { return at == 0; }
 
   template <typename State, typename Follow>
   void start(const State& state, Follow&& follow) const {

@@ -5,6 +5,9 @@
 //   unsigned marks() const;                at most 64
 //   std::uint32_t universal() const;       a state in which every run is accepted, or no state
 //   bool is_strong() const;                programs that can step again and again on the cycle do
+//   bool is_waiting(state) const;          whatever happens it may stay there; no cycle with every
+//                                          mark passes there, and what it goes to depends on the
+//                                          system's next state alone
 //   void start(state, follow)              calls follow(monitor state, marks) for the initial state
 //   void step(next, program, edge, enabled programs, monitor state, follow)
 //   void stay(state, monitor state, follow)     nothing can happen any more; may follow nothing
@@ -40,6 +43,7 @@ class ProductGraph {
     State target;
     std::uint64_t marks = 0;
     std::uint32_t code = 0;  // of the step
+    std::uint32_t edge = 0;  // of the program
     std::uint16_t program = 0;
     bool is_step = false;  // else the run stays where it is
   };
@@ -66,9 +70,8 @@ class ProductGraph {
   const PackedSystem& system() const { return system_; }
   const Monitor& monitor() const { return monitor_; }
   std::uint64_t all_marks() const { return low_bits(monitor_.marks()); }
-  std::size_t size() const { return nodes_.size(); }
-  const State& node(Number number) const { return nodes_[number]; }
-  std::uint32_t monitor_state(Number number) const { return system_.monitor().get(nodes_[number]); }
+  std::size_t size() const { return table_.size(); }
+  std::uint32_t monitor_state(const State& node) const { return system_.monitor().get(node); }
 
   // The node's number; a new node gets the next one. Throws std::bad_alloc.
   struct Insertion {
@@ -76,17 +79,33 @@ class ProductGraph {
     bool is_new = false;
   };
   Insertion insert(const State& node) {
-    const auto number = static_cast<Number>(nodes_.size());
+    const auto number = static_cast<Number>(size());
     if (number >= no_node - 1) throw std::bad_alloc();
     const auto insertion = table_.insert(node, number);
-    if (insertion.is_new) nodes_.push_back(node);
+    if (insertion.is_new && lists_nodes_) nodes_.push_back(node);
     return {static_cast<Number>(insertion.payload), insertion.is_new};
   }
   // no_node if it is not known.
-  Number find(const State& node) const {
+  Number find(const State& node) const { return find(node, address_of(node)); }
+  using Address = typename StateTable<words>::Address;
+  Number find(const State& node, const Address& address) const {
     std::uint64_t number = 0;
-    return table_.find(node, number) ? static_cast<Number>(number) : no_node;
+    return table_.find(node, address, number) ? static_cast<Number>(number) : no_node;
   }
+  Address address_of(const State& node) const { return table_.address_of(node); }
+  // Ahead of a find() or insert().
+  void prefetch(const Address& address) const { table_.prefetch(address); }
+
+  // The table tells nodes' numbers; the other way round takes a list, which is made when it is
+  // first needed: O(nodes). Before that, node(), enabled_programs() and for_each_edge() by number
+  // are not to be called.
+  void list_nodes() {
+    if (lists_nodes_) return;
+    nodes_.resize(size());
+    table_.for_each([&](const State& node, std::uint64_t number) { nodes_[number] = node; });
+    lists_nodes_ = true;
+  }
+  const State& node(Number number) const { return nodes_[number]; }
 
   State plain(const State& node) const {
     State plain = node;
@@ -117,21 +136,30 @@ class ProductGraph {
   template <typename Visit>
   void for_each_edge(const State& node, const Steps& found, std::uint64_t programs,
                      Visit&& visit) const {
+    const auto is_wanted = [&](const typename Steps::One& step) {
+      return (programs >> step.program & 1) != 0;
+    };
+    for_each_wanted_edge(node, found, is_wanted, visit);
+  }
+  // By the steps for which `is_wanted(step)`, or by none at all.
+  template <typename IsWanted, typename Visit>
+  void for_each_wanted_edge(const State& node, const Steps& found, IsWanted&& is_wanted,
+                            Visit&& visit) const {
     const std::uint32_t watching = system_.monitor().get(node);
     for (const auto& step : found.steps) {
-      if ((programs >> step.program & 1) == 0) continue;
+      if (!is_wanted(step)) continue;
       monitor_.step(step.next, step.program, step.edge, found.enabled, watching,
                     [&](std::uint32_t state, std::uint64_t marks) {
                       State target = step.next;
                       system_.monitor().set(target, state);
-                      visit(Edge{target, marks, step.code, step.program, true});
+                      visit(Edge{target, marks, step.code, step.edge, step.program, true});
                     });
     }
     if (found.enabled != 0) return;
     monitor_.stay(plain(node), watching, [&](std::uint32_t state, std::uint64_t marks) {
       State target = node;
       system_.monitor().set(target, state);
-      visit(Edge{target, marks, 0, 0, false});
+      visit(Edge{target, marks, 0, 0, 0, false});
     });
   }
   // Everything that may follow. Not to be nested.
@@ -163,7 +191,8 @@ class ProductGraph {
   const PackedSystem& system_;
   const Monitor& monitor_;
   StateTable<words> table_;
-  std::vector<State> nodes_;  // by number, in the order of discovery
+  std::vector<State> nodes_;  // by number, in the order of discovery; once they are listed
+  bool lists_nodes_ = false;
   mutable Steps scratch_;
 };
 

@@ -2,7 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "maide/base/random.hpp"
+#include "maide/check/ltl_automaton.hpp"
 #include "systems.hpp"
 
 namespace maide {
@@ -169,6 +172,22 @@ TEST_F(FormulaTest, CutRunsFailOnBadPrefixesOnly) {
   EXPECT_FALSE(holds_when_cut("G p@a", 2));
   EXPECT_FALSE(holds_when_cut("p@a -> p@b", 1));
   EXPECT_TRUE(holds_when_cut("p@a -> (true U p@b)", 1));
+}
+
+TEST_F(FormulaTest, WhereAnAutomatonWaits) {
+  const auto waiting = [&](const std::string& text) {
+    const std::vector<bool> states = find_waiting(translate(parse(text)));
+    return std::count(states.begin(), states.end(), true);
+  };
+  // Until the response does not come any more.
+  EXPECT_EQ(waiting("!G (p@a -> F p@b)"), 1);
+  EXPECT_EQ(waiting("F G !p@b"), 1);
+  EXPECT_EQ(waiting("G F p@a && F G !p@b"), 1);
+  // To come by its mark, it need not leave.
+  EXPECT_EQ(waiting("G F p@a"), 0);
+  // Which run it is matters.
+  EXPECT_EQ(waiting("F (via.write && G !p@b)"), 0);
+  EXPECT_EQ(waiting("G !p@b"), 0);
 }
 
 }  // namespace
