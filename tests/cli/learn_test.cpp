@@ -349,6 +349,38 @@ TEST(Learn, RefusesLogsThatItCannotUse) {
                "nstar");
 }
 
+TEST(Learn, DfasAndMooreMachinesStayWhatTheyAre) {
+  const TempDir folder("learn-test");
+  const std::string system = (folder.path() / "system.dot").string();
+  const std::string file = (folder.path() / "model.dot").string();
+  const char* const texts[] = {
+      // Words that end in a: one state as a Mealy machine, two as a DFA.
+      "digraph g { s0; s1 [shape=doublecircle]; __start0 -> s0; s0 -> s1 [label=a]; "
+      "s0 -> s0 [label=b]; s1 -> s1 [label=a]; s1 -> s0 [label=b]; }",
+      "digraph g { s0 [label=\"s0|red\"]; s1 [label=\"s1|green\"]; __start0 -> s0; "
+      "s0 -> s1 [label=go]; s1 -> s0 [label=go]; s0 -> s0 [label=stay]; s1 -> s1 [label=stay]; }"};
+  for (const char* text : texts) {
+    write_file_atomically(system, text);
+    for (const char* algorithm : {"lsharp", "rs", "op"}) {
+      const Json json = json_of(
+          run_maide(learn({"sim:" + system, "--algorithm", algorithm, "-o", file, "--json"})));
+      EXPECT_EQ(json.at("states"), 2);
+      EXPECT_EQ(json.at("transitions"), 4);
+      const SubprocessResult compared = run_maide({"compare", system, file});
+      EXPECT_EQ(compared.exit_status, 0) << compared.out;
+    }
+  }
+  // Another initial state: nothing but the empty word shows it.
+  write_file_atomically(system, texts[0]);
+  write_file_atomically(file,
+                        "digraph g { s0 [shape=doublecircle]; s1; __start0 -> s0; "
+                        "s0 -> s0 [label=a]; s0 -> s1 [label=b]; s1 -> s0 [label=a]; "
+                        "s1 -> s1 [label=b]; }");
+  const SubprocessResult compared = run_maide({"compare", system, file});
+  EXPECT_EQ(compared.exit_status, 1);
+  EXPECT_THAT(compared.out, HasSubstr("the empty word tells them apart"));
+}
+
 TEST(Learn, KeepsWhatWasLearnedWhenInterrupted) {
   const TempDir folder("learn-test");
   const std::string file = (folder.path() / "model.dot").string();

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "maide/automata/compare.hpp"
+#include "maide/automata/moore.hpp"
 #include "maide/cli/command.hpp"
 #include "maide/formats/model_file.hpp"
 #include "maide/sul/ia_translation.hpp"
@@ -36,7 +37,24 @@ struct Names {
   std::string left, right;
 };
 
+// Moore machines and DFAs have an output before the first input, too.
+std::optional<Outcome> compare_initial_outputs(const Mealy& left, const Mealy& right,
+                                               const Names& names) {
+  const auto left_output = find_initial_output(left), right_output = find_initial_output(right);
+  if (!left_output || !right_output || *left_output == *right_output) return std::nullopt;
+  return Outcome{false,
+                 fmt::format("They differ: the empty word tells them apart\n  {} answers {}\n  {} "
+                             "answers {}\n",
+                             names.left, *left_output, names.right, *right_output),
+                 Json{{"same", false},
+                      {"kind", "mealy"},
+                      {"word", Json::array()},
+                      {"left", *left_output},
+                      {"right", *right_output}}};
+}
+
 Outcome compare_mealy(const Mealy& left, const Mealy& right, const Names& names) {
+  if (auto outcome = compare_initial_outputs(left, right, names)) return *std::move(outcome);
   const auto difference = find_difference(left, right);
   Json json{{"same", !difference}, {"kind", "mealy"}};
   if (!difference) {

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "maide/automata/moore.hpp"
 #include "maide/base/error.hpp"
 #include "maide/base/file.hpp"
 #include "maide/base/join.hpp"
@@ -285,6 +286,16 @@ ExitStatus give_result(const LearnedModel& learned, const LearnArguments& argume
   return ExitStatus::ok;
 }
 
+// What is learned from a simulated Moore machine or DFA is one.
+void keep_kind(LearnedModel& learned, const Mealy& reference) {
+  const auto initial_output = find_initial_output(reference);
+  if (!initial_output || !learned.model) return;
+  if (auto* machine = std::get_if<Mealy>(&*learned.model)) {
+    mark_as_moore(*machine, reference.origin.at("type"), *initial_output);
+    *machine = split_states(*machine);
+  }
+}
+
 // As a wrapper's hello has them.
 ExitStatus list_options(const SystemSpec& spec, const SystemAccess& access, Context& context) {
   const std::vector<OptionSpec> table = list_system_options(spec, access, context.control());
@@ -328,8 +339,9 @@ ExitStatus learn(const LearnArguments& arguments, Context& context) {
   if (options.confirm) {
     options.patient = make_patient_system(spec, access, *system.sul, arguments.purpose, control);
   }
-  const LearnedModel learned =
+  LearnedModel learned =
       learn_model(*system.sul, access.translation.value_or(Translation::eager), options, control);
+  if (reference) keep_kind(learned, *reference);
   const ExitStatus given = give_result(learned, arguments, spec, system.jobs, context);
   if (!arguments.plot.empty()) {
     write_file_atomically(arguments.plot, draw_hypotheses(learned.experiment, spec.text));

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "maide/automata/moore.hpp"
 #include "maide/formats/actors_text.hpp"
 #include "maide/formats/dot.hpp"
 #include "maide/formats/dot_syntax.hpp"
@@ -31,7 +32,13 @@ class DotReader {
     read_graph_attributes();
     read_nodes();
     read_edges();
-    return to_model(graph_);
+    if (!is_moore()) return to_model(graph_);
+    put_outputs_on_edges();
+    Model model = to_model(graph_);
+    if (auto* machine = std::get_if<Mealy>(&model)) {
+      mark_as_moore(*machine, is_dfa_ ? "dfa" : "moore", outputs_[graph_.initial]);
+    }
+    return model;
   }
 
  private:
@@ -133,7 +140,65 @@ class DotReader {
     }
   }
 
+  // A DFA has edges with inputs alone and a double circle for each accepting state, a Moore machine
+  // an output in each state's label: "s0 / output", or "s0|output" as others write it.
+  bool is_moore() {
+    const auto type = graph_.origin.find("type");
+    const bool is_said = type != graph_.origin.end() && type->second == "moore";
+    is_dfa_ = type != graph_.origin.end() && type->second == "dfa";
+    if (is_said || is_dfa_) return true;
+    for (const LabelledGraph::Edge& edge : graph_.edges) {
+      if (edge.label.find('/') != std::string::npos) return false;
+      if (edge.label.starts_with('?') || edge.label.starts_with('!')) return false;
+    }
+    bool has_outputs = !graph_.states.empty();
+    for (const DotGraph::Node& node : dot_.nodes) {
+      if (is_start(node.name)) continue;
+      is_dfa_ = is_dfa_ || is_accepting(node);
+      has_outputs = has_outputs && state_output(node).has_value();
+    }
+    return is_dfa_ || has_outputs;
+  }
+
+  bool is_accepting(const DotGraph::Node& node) const {
+    const Attribute* shape = dot_.find(node.attributes, "shape");
+    return shape != nullptr && shape->value == "doublecircle";
+  }
+
+  std::optional<std::string> state_output(const DotGraph::Node& node) const {
+    const Attribute* label = dot_.find(node.attributes, "label");
+    if (label == nullptr) return std::nullopt;
+    const std::string text = unescape_dot_label(label->value);
+    const std::size_t slash = text.find(" / ");
+    const std::size_t place = slash == std::string::npos ? text.find('|') : slash + 2;
+    if (place == std::string::npos || place + 1 >= text.size()) return std::nullopt;
+    std::string_view rest = trim(std::string_view(text).substr(place + 1));
+    std::string name;
+    if (rest.starts_with('"') && take_quoted_name(rest, name)) return name;
+    return std::string(rest);
+  }
+
+  void put_outputs_on_edges() {
+    for (const DotGraph::Node& node : dot_.nodes) {
+      if (is_start(node.name)) continue;
+      if (is_dfa_) {
+        outputs_.emplace_back(is_accepting(node) ? accepting_output : rejecting_output);
+      } else if (auto output = state_output(node)) {
+        outputs_.push_back(*std::move(output));
+      } else {
+        throw ParseError("state " + shown(node.name) + " of a Moore machine has no output",
+                         graph_.at(place(node.place)));
+      }
+    }
+    for (LabelledGraph::Edge& edge : graph_.edges) {
+      edge.label = mealy_label(trim(edge.label), outputs_[edge.to]);
+    }
+    graph_.type = "mealy";
+  }
+
   DotGraph dot_;
+  bool is_dfa_ = false;
+  std::vector<std::string> outputs_;  // by state, of a Moore machine
   LabelledGraph graph_;
   std::vector<StateId> numbers_;  // of each node; no_state for the mark of the initial state
 };

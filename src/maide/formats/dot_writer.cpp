@@ -1,9 +1,11 @@
 // DOT as it is written: one line a state and an edge, in the order of the model, so that the same
 // model always gives the same bytes.
 #include <ostream>
+#include <string>
 #include <string_view>
 #include <vector>
 
+#include "maide/automata/moore.hpp"
 #include "maide/formats/actors_text.hpp"
 #include "maide/formats/dot.hpp"
 #include "maide/formats/dot_syntax.hpp"
@@ -49,8 +51,38 @@ void write_edge(std::ostream& out, StateId from, StateId to, const std::string& 
 
 }  // namespace
 
+namespace {
+
+// States have outputs, edges have inputs alone; a DFA's accepting states are double circles.
+void write_moore(std::ostream& out, const Mealy& machine, const std::vector<std::string>& outputs) {
+  const bool is_dfa = machine.origin.at("type") == "dfa";
+  write_head(out, "", machine.inputs(), machine.outputs(), machine.actors, {}, machine.origin);
+  for (StateId state = 0; state < machine.size(); ++state) {
+    const std::string name = "s" + std::to_string(state);
+    const bool is_double = is_dfa && outputs[state] == accepting_output;
+    out << "  " << name << " [shape=\"" << (is_double ? "doublecircle" : "circle")
+        << "\" label=" << quote_dot_label(is_dfa ? name : mealy_label(name, outputs[state]))
+        << "];\n";
+  }
+  out << "  __start0 -> s" << machine.initial() << ";\n";
+  for (StateId state = 0; state < machine.size(); ++state) {
+    for (Symbol input = 0; input < machine.inputs().size(); ++input) {
+      write_edge(out, state, machine.target(state, input), machine.inputs().name(input));
+    }
+  }
+  out << "}\n";
+}
+
+}  // namespace
+
 void write_dot(std::ostream& out, const Mealy& machine) {
   if (!machine.is_complete()) throw UsageError("an incomplete Mealy machine cannot be written");
+  if (find_initial_output(machine)) {
+    const auto outputs = find_state_outputs(machine);
+    if (outputs) return write_moore(out, machine, *outputs);
+    const Mealy moore = split_states(machine);
+    return write_moore(out, moore, *find_state_outputs(moore));
+  }
   write_dot(out, NondeterministicMealy(machine));
 }
 

@@ -7,6 +7,8 @@
 #include <filesystem>
 #include <sstream>
 
+#include "maide/automata/compare.hpp"
+#include "maide/automata/moore.hpp"
 #include "maide/automata/random_automata.hpp"
 #include "maide/formats/model_file.hpp"
 
@@ -216,6 +218,52 @@ TEST(ModelFile, OtherExtensionsAndKindsAreRefused) {
   EXPECT_THROW(read_model("model.png"), UsageError);
   EXPECT_THROW(read_model("no-such-file.dot"), UsageError);
   EXPECT_THROW(read_mealy(MAIDE_SOURCE_DIR "/tests/models/port.dot"), UsageError);
+}
+
+// As AALpy writes DFAs.
+TEST(Dot, DoubleCirclesMakeADfa) {
+  const Mealy dfa = mealy_of(
+      "digraph g { s0 [label=\"s0\"]; s1 [label=\"s1\", shape=doublecircle];\n"
+      "s0 -> s1 [label=\"a\"]; s0 -> s0 [label=\"b\"]; s1 -> s1 [label=\"a\"];\n"
+      "s1 -> s0 [label=\"b\"]; __start0 [label=\"\", shape=none]; __start0 -> s0 [label=\"\"]; }");
+  EXPECT_EQ(find_initial_output(dfa), rejecting_output);
+  EXPECT_EQ(dfa.origin.at("type"), "dfa");
+  EXPECT_EQ(dfa.outputs().name(dfa.output(1, 0)), accepting_output);
+  EXPECT_EQ(dfa.outputs().name(dfa.output(1, 1)), rejecting_output);
+  const std::string written = dot_of(dfa);
+  EXPECT_THAT(written, HasSubstr("s1 [shape=\"doublecircle\" label=\"s1\"];"));
+  EXPECT_THAT(written, HasSubstr("s0 -> s1 [label=\"a\"];"));
+  expect_same(mealy_of(written), dfa);
+}
+
+TEST(Dot, OutputsInStatesMakeAMooreMachine) {
+  for (const char* separator : {"|", " / "}) {
+    const std::string label = std::string("q") + separator;
+    const Mealy moore =
+        mealy_of("digraph g { s0 [label=\"" + label + "off\"]; s1 [label=\"" + label +
+                 "on\"]; __start0 -> s0; s0 -> s1 [label=press]; s1 -> s0 [label=press]; }");
+    EXPECT_EQ(find_state_outputs(moore), (std::vector<std::string>{"off", "on"}));
+    expect_same(mealy_of(dot_of(moore)), moore);
+  }
+  EXPECT_THAT(error_of("digraph g { type=moore; s0 [label=q]; s0 -> s0 [label=a]; }"),
+              HasSubstr("state 's0' of a Moore machine has no output (m.dot:1:"));
+  EXPECT_THAT(error_of("digraph g { s0; s1 [shape=doublecircle]; s0 -> s1 [label=a]; }"),
+              HasSubstr("'s1' has no transition"));
+  // Without outputs it is neither.
+  EXPECT_THAT(error_of("digraph g { s0; s0 -> s0 [label=a]; }"), HasSubstr("is not"));
+}
+
+// A Mealy machine that is marked, but minimal as one, is written with the states that it lacks.
+TEST(Dot, WritesAllStatesOfAMooreMachine) {
+  Random random(7);
+  for (int i = 0; i < 20; ++i) {
+    Mealy machine = random_mealy({.states = 8, .inputs = 2, .outputs = 3}, random);
+    mark_as_moore(machine, "moore", "o1");
+    const Mealy read = mealy_of(dot_of(machine));
+    EXPECT_FALSE(find_difference(read, machine).has_value());
+    EXPECT_EQ(find_initial_output(read), "o1");
+    expect_same(mealy_of(dot_of(read)), read);
+  }
 }
 
 }  // namespace
