@@ -336,7 +336,12 @@ TEST(Learn, RefusesLogsThatItCannotUse) {
   const TempDir folder("learn-test");
   const std::string log = (folder.path() / "log.jsonl").string();
   write_file_atomically(log, "[[\"a\",\"x\"]]\n[[\"a\",\"y\"]]\n");
-  expect_error(run_maide(learn({"--from-traces", log})), 2, "trace 2 contradicts one before it");
+  const std::string contradiction = "trace 2 contradicts one before it";
+  expect_error(run_maide(learn({"--from-traces", log})), 2, contradiction);
+  for (const char* algorithm : {"rs", "lsharp"}) {
+    expect_error(run_maide(learn({"port", "--from-traces", log, "--algorithm", algorithm})), 2,
+                 "(" + log + ")");
+  }
   write_file_atomically(log, "[[\"a\",\"x\"]]\nread\n");
   expect_error(run_maide(learn({"--from-traces", log})), 2, "(" + log + ":2");
   write_file_atomically(log, "");

@@ -12,22 +12,11 @@
 #include "maide/workflow/read_traces.hpp"
 
 namespace maide::cli {
-namespace {
-
-PassiveModel learn(const TraceLog& traces, const std::string& log, const RunControl& control) {
-  try {
-    return learn_passively(traces, control);
-  } catch (const UsageError& error) {
-    throw UsageError(fmt::format("{} ({})", error.what(), log));
-  }
-}
-
-}  // namespace
 
 ExitStatus learn_from_traces(const std::string& log, const std::string& output, Context& context) {
   if (!output.empty()) check_can_write(output);
   const TraceLog traces = read_traces(log);
-  PassiveModel learned = learn(traces, log, context.control());
+  PassiveModel learned = learn_passively(traces, context.control());
   Mealy& machine = learned.machine;
   machine.origin["algorithm"] = "rpni";
   machine.origin["passive"] =

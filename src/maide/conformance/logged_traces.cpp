@@ -28,10 +28,11 @@ void LoggedTraces::insert(const TraceLog& log, const TraceLog::Trace& trace) {
     } else if (tree_.output(child) == trace.outputs[i]) {
       node = child;
     } else {
-      throw UsageError(fmt::format("the log contradicts itself: \"{}\" ends in '{}' and in '{}'",
-                                   to_string(std::span(trace.inputs).first(i + 1), log.inputs),
-                                   outputs_.name(tree_.output(child)),
-                                   outputs_.name(trace.outputs[i])));
+      throw UsageError(
+          located(fmt::format("the log contradicts itself: \"{}\" ends in '{}' and in '{}'",
+                              to_string(std::span(trace.inputs).first(i + 1), log.inputs),
+                              outputs_.name(tree_.output(child)), outputs_.name(trace.outputs[i])),
+                  log));
     }
   }
 }

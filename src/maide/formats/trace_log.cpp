@@ -21,8 +21,13 @@ Json parse_line(std::string_view line, const std::string& file, int number) {
 
 }  // namespace
 
+std::string located(const std::string& what, const TraceLog& log) {
+  return log.file.empty() ? what : what + " (" + log.file + ")";
+}
+
 TraceLog read_trace_log(std::string_view text, const std::string& file) {
   TraceLog log;
+  log.file = file;
   int number = 0;
   while (!text.empty()) {
     const std::size_t end = std::min(text.find('\n'), text.size());

@@ -21,7 +21,11 @@ struct TraceLog {
   };
   Alphabet inputs, outputs;  // in the order in which they appear, unless known otherwise
   std::vector<Trace> traces;
+  std::string file = {};  // for messages; empty: it came from elsewhere
 };
+
+// `what` with the log's file, if it has one, as errors name it.
+std::string located(const std::string& what, const TraceLog& log);
 
 // Throws ParseError (file:line:column).
 TraceLog read_trace_log(std::string_view text, const std::string& file);

@@ -73,10 +73,12 @@ class Merger {
         continue;
       }
       if (edges_[edge].output != trace.outputs[i]) {
-        throw UsageError(fmt::format(
-            "trace {} contradicts one before it: \"{}\" ends in '{}' here and in '{}' there",
-            number + 1, to_string(std::span(trace.inputs).first(i + 1), log_.inputs),
-            log_.outputs.name(trace.outputs[i]), log_.outputs.name(edges_[edge].output)));
+        throw UsageError(located(
+            fmt::format(
+                "trace {} contradicts one before it: \"{}\" ends in '{}' here and in '{}' there",
+                number + 1, to_string(std::span(trace.inputs).first(i + 1), log_.inputs),
+                log_.outputs.name(trace.outputs[i]), log_.outputs.name(edges_[edge].output)),
+            log_));
       }
       node = edges_[edge].target;
     }
@@ -223,7 +225,7 @@ class Merger {
 }  // namespace
 
 PassiveModel learn_passively(const TraceLog& log, const RunControl& control) {
-  if (log.inputs.empty()) throw UsageError("the log has no inputs to learn from");
+  if (log.inputs.empty()) throw UsageError(located("the log has no inputs to learn from", log));
   return Merger(log, control).run();
 }
 

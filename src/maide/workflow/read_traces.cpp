@@ -10,7 +10,7 @@ namespace {
 
 TraceLog read_cache(const std::filesystem::path& path) {
   CacheFile file(path);
-  TraceLog log{file.inputs(), file.outputs(), {}};
+  TraceLog log{file.inputs(), file.outputs(), {}, path.string()};
   file.for_each([&](const Word& inputs, const Word& outputs) {
     // A word that did not complete has fewer outputs.
     log.traces.push_back(
