@@ -7,6 +7,7 @@
 #include "maide/automata/random_automata.hpp"
 #include "maide/base/error.hpp"
 #include "maide/conformance/chain_oracle.hpp"
+#include "maide/conformance/machine_runner.hpp"
 #include "maide/conformance/test_methods.hpp"
 #include "maide/learn/counting_oracle.hpp"
 #include "maide/learn/mealy_oracle.hpp"
@@ -82,6 +83,38 @@ TEST(TestRunner, MatchesOutputsByName) {
   strange.set_transition(0, 0, 0, 0);
   strange.set_transition(0, 1, 0, 0);
   EXPECT_EQ(runner.run(third, strange, {}), Word{0});
+}
+
+// The same as through an output oracle: the word, and what is counted.
+TEST(MachineRunner, FindsWhatATestRunnerFinds) {
+  const Mealy system = fading(5);
+  const std::vector<Word> words{{0}, {1, 1, 1}, {0, 1, 0, 1, 0, 1, 1}, {0, 0, 0, 0}};
+  for (const std::size_t good : {1U, 2U, 3U, 5U}) {
+    for (const Mealy& hypothesis :
+         {fading(good), fading(good, {"y", "x"}), fading(good, {"z", "y", "x"})}) {
+      MealyOracle oracle(system);
+      TestRunner slow(oracle, {});
+      MachineRunner fast(system);
+      ListSuite first(words), second(words);
+      const auto word = slow.run(first, hypothesis, {});
+      EXPECT_EQ(fast.run(second, hypothesis, 1000), word);
+      EXPECT_EQ(word.has_value(), good != 5);
+      EXPECT_EQ(fast.tests(), slow.last_tests());
+      if (!word) {
+        EXPECT_EQ(fast.symbols(), 1U + 3 + 7 + 4);
+      }
+    }
+  }
+  MachineRunner limited(system);
+  ListSuite suite(words);
+  EXPECT_EQ(limited.run(suite, fading(3), 2), std::nullopt);
+  EXPECT_EQ(limited.symbols(), 4U);
+  EXPECT_THROW(limited.run(suite, Mealy({"b", "a"}, {"x"}, 1), 5), UsageError);
+  std::stop_source source;
+  source.request_stop();
+  RunControl control;
+  control.stop = source.get_token();
+  EXPECT_THROW(MachineRunner(system).run(suite, system, 5, control), Interrupted);
 }
 
 TEST(TestRunner, RefusesOtherInputsAndStopsWhenAsked) {
