@@ -19,6 +19,7 @@
 
 #include "maide/automata/compare.hpp"
 #include "maide/base/error.hpp"
+#include "maide/conformance/test_chain.hpp"
 #include "maide/conformance/test_methods.hpp"
 #include "maide/formats/model_file.hpp"
 #include "maide/learn/cache.hpp"
@@ -77,7 +78,7 @@ Run learn_once(const Mealy& model, const Arguments& arguments, std::uint64_t see
   CountingOracle tests(cache);
   TestMethodOptions options;
   options.seed = seed;
-  const auto method = find_test_method(arguments.method).make({tests, &cache, &model}, options);
+  const auto method = TestChain(arguments.method).make({tests, &cache, &model}, options);
   LastCounterexample teacher(*method, tests);
   const auto learner = find_learner(arguments.algorithm).make(cache);
   const LearnResult result = run_learner(*learner, teacher);

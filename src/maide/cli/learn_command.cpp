@@ -82,8 +82,7 @@ ExperimentOptions experiment_options(const LearnArguments& arguments, const Meal
   options.testing.infix_min = arguments.infix_min;
   options.testing.infix_mean = arguments.infix_mean;
   if (!arguments.infix_inputs.empty()) {
-    options.testing.infix_inputs =
-        arguments.infix_inputs == "uniform" ? InfixInputs::uniform : InfixInputs::off_sinks;
+    options.testing.infix_inputs = find_infix_inputs(arguments.infix_inputs);
   }
   options.testing.seed = arguments.seed;
   options.reference = reference;
@@ -422,7 +421,10 @@ RunFunction set_up_learn(CLI::App& app) {
                  "Where the model goes, as DOT; without it, to standard output");
   app.add_option("--algorithm", arguments->algorithm,
                  fmt::format("{}; {}: {}", describe(learners()), nstar_name, nstar_description));
-  app.add_option("--eq", arguments->test_method, describe(test_methods()));
+  app.add_option("--eq", arguments->test_method,
+                 describe(test_methods()) +
+                     ". Several with commas between are asked in turn, each with options of its "
+                     "own: w:extra-states=1,random-hads:max-tests=5000");
   app.add_option("--translation", arguments->translation,
                  "Which Mealy machine stands for the interface automaton: eager (an input and all "
                  "its outputs are one step; the default) or av (Aarts & Vaandrager)")

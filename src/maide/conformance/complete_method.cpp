@@ -11,12 +11,16 @@ std::string describe_passed(const IdentifierSuite& suite, std::uint64_t tests,
                             const IdentifierMethod& method, const Mealy& hypothesis) {
   const std::size_t states = minimize(hypothesis).size();
   const std::string text = fmt::format("not refuted by {} tests of {}", tests, method.title);
+  if (!method.is_complete) return text;
   const auto extra = suite.complete_for();
   if (!extra) {
     return text + fmt::format(
                       ", cut off before the {} that would exclude other machines of {} "
                       "states",
                       suite.size_up_to(0), states);
+  }
+  if (*extra == 0) {
+    return text + fmt::format(": no machine of at most {} states behaves differently", states);
   }
   return text + fmt::format(
                     ": no machine with at most {} more state{} ({} in all) behaves "

@@ -21,12 +21,16 @@ namespace maide {
 struct IdentifierMethod {
   std::string_view title;  // in sentences: "the W-method"
   StateIdentifiers (*compute)(const Mealy& machine, Random random);
+  bool is_complete = true;  // tells all states apart, so its suites are complete
 };
 
 inline constexpr IdentifierMethod w_identifiers{"the W-method", compute_characterising_words};
 inline constexpr IdentifierMethod wp_identifiers{"the Wp-method", compute_partial_words};
 inline constexpr IdentifierMethod hsi_identifiers{"the HSI-method", compute_harmonised_words};
 inline constexpr IdentifierMethod hads_identifiers{"hybrid ADS", compute_adaptive_words};
+// Every transition, and every path of `extra_states` transitions more, is taken once; where it
+// leads is not looked at.
+inline constexpr IdentifierMethod no_identifiers{"transition cover", compute_no_words, false};
 
 // In words, what it means that the first `tests` tests of the suite, all that it has made so far,
 // were passed by the system.

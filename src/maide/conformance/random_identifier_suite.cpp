@@ -20,6 +20,13 @@ void check(const InfixLaw& law) {
 
 }  // namespace
 
+InfixInputs find_infix_inputs(std::string_view name) {
+  if (name == "off-sinks") return InfixInputs::off_sinks;
+  if (name == "uniform") return InfixInputs::uniform;
+  throw UsageError("the inputs of an infix are off-sinks or uniform, not '" + std::string(name) +
+                   "'");
+}
+
 InfixSampler::InfixSampler(const Mealy& hypothesis, InfixInputs inputs)
     : input_count_(hypothesis.inputs().size()) {
   if (inputs == InfixInputs::uniform || input_count_ == 0) return;

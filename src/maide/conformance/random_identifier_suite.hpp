@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "maide/automata/mealy.hpp"
@@ -29,6 +30,9 @@ enum class InfixInputs : std::uint8_t {
   off_sinks,
   uniform,
 };
+
+// "off-sinks", "uniform"; throws UsageError.
+InfixInputs find_infix_inputs(std::string_view name);
 
 // At least `min` inputs, and on average `mean` more, geometrically distributed.
 struct InfixLaw {

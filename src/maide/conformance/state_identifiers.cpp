@@ -199,6 +199,10 @@ StateIdentifiers::StateIdentifiers(std::vector<std::vector<Word>> words,
   }
 }
 
+StateIdentifiers compute_no_words(const Mealy& /*machine*/, Random /*random*/) {
+  return StateIdentifiers(std::vector<Word>());
+}
+
 StateIdentifiers compute_characterising_words(const Mealy& machine, Random /*random*/) {
   return StateIdentifiers(compute_characterising_set(machine, SeparatingWords(machine)));
 }

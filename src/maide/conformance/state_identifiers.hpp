@@ -42,6 +42,9 @@ class StateIdentifiers {
 // `machine` must be complete. `random` decides between what serves equally well; not all look at
 // it.
 
+// None: the empty word for all states.
+StateIdentifiers compute_no_words(const Mealy& machine, Random random);
+
 // W: one characterising set for all states (separating_words.hpp).
 StateIdentifiers compute_characterising_words(const Mealy& machine, Random random);
 

@@ -19,7 +19,7 @@ namespace maide {
 
 // What is not set is the method's own default; what a method does not use, it does not look at.
 struct TestMethodOptions {
-  std::optional<std::size_t> extra_states;    // w, wp, hsi, hads, standard
+  std::optional<std::size_t> extra_states;    // w, wp, hsi, hads, transition-cover, standard
   std::optional<std::uint64_t> max_tests;     // of one equivalence query
   std::optional<std::size_t> min_length;      // random-words
   std::optional<std::size_t> max_length;      // random-words, random-walk

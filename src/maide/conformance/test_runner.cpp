@@ -1,8 +1,11 @@
 #include "maide/conformance/test_runner.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "maide/base/error.hpp"
+#include "maide/base/log.hpp"
 
 namespace maide {
 namespace {
@@ -57,6 +60,10 @@ std::optional<Word> TestRunner::run(TestSuite& suite, const Mealy& hypothesis,
   progress.phase = "testing";
   progress.states = hypothesis.size();
   progress.total = std::min(suite.size().value_or(options_.max_tests), options_.max_tests);
+  if (suite.size() && suite.symbols()) {
+    log_detail(fmt::format("a suite of {} tests, {} inputs, for {} states", *suite.size(),
+                           *suite.symbols(), hypothesis.size()));
+  }
   std::vector<Query> batch;
   Word word;
   while (last_tests_ < options_.max_tests) {

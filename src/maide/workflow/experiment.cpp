@@ -11,6 +11,7 @@
 #include "maide/automata/minimize.hpp"
 #include "maide/conformance/chain_oracle.hpp"
 #include "maide/conformance/known_words.hpp"
+#include "maide/conformance/test_chain.hpp"
 #include "maide/learn/cache.hpp"
 #include "maide/learn/confirming_teacher.hpp"
 #include "maide/learn/counting_oracle.hpp"
@@ -46,8 +47,7 @@ class Run {
         control_(control),
         algorithm_(options.algorithm.empty() ? learners().front()
                                              : find_learner(options.algorithm)),
-        method_(options.test_method.empty() ? test_methods().front()
-                                            : find_test_method(options.test_method)),
+        method_(options.test_method),
         counter_(system),
         progress_(control.progress, counter_),
         paced_(counter_, pace()) {
@@ -63,7 +63,7 @@ class Run {
     control_.progress = &progress_;
     use_what_is_known();
     result_.algorithm = algorithm_.name;
-    result_.test_method = method_.name;
+    result_.test_method = method_.text();
   }
 
   ExperimentResult run() {
@@ -167,7 +167,7 @@ class Run {
   const ExperimentOptions& options_;
   RunControl control_;
   const LearnerEntry& algorithm_;
-  const TestMethodEntry& method_;
+  TestChain method_;
   CountingOracle counter_;
   CountedProgress progress_;
   PacedOracle paced_;

@@ -34,7 +34,7 @@ namespace maide {
 
 struct ExperimentOptions {
   std::string algorithm;              // a name of learners(); empty: the default
-  std::string test_method;            // a name of test_methods(); empty: the default
+  std::string test_method;            // as TestChain reads it; empty: the default
   TestMethodOptions testing;          // seed, extra states, ...
   const Mealy* reference = nullptr;   // the system as a machine, for the perfect oracle
   std::filesystem::path cache_file;   // empty: the cache is in memory only

@@ -1,0 +1,49 @@
+// Equivalence methods in a row, as `--eq` has them: names with commas between, each with options of
+// its own behind colons, such as
+//
+//   w:extra-states=1,random-hads:max-tests=5000:infix-mean=4
+//
+// Each is asked only if those before it found nothing. What was observed already comes first,
+// whether the row begins with `cache` or not, because it costs nothing; not before `perfect`, whose
+// counterexamples are the shortest that there are.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "maide/conformance/test_methods.hpp"
+#include "maide/learn/equivalence_oracle.hpp"
+
+namespace maide {
+
+class TestChain {
+ public:
+  // Throws UsageError for unknown methods, for options that a method does not look at, and for
+  // values that are none. Empty: the default method.
+  explicit TestChain(std::string_view text);
+
+  const std::string& text() const { return text_; }
+
+  // The oracle; options of a link go before those given here. Keeps references to the context's
+  // parts. Throws UsageError where a method cannot work on it.
+  std::unique_ptr<EquivalenceOracle> make(const TestMethodContext& context,
+                                          const TestMethodOptions& options) const;
+
+ private:
+  struct Setting {
+    std::string key, value;
+  };
+  struct Link {
+    const TestMethodEntry* method;  // null: what is in the cache
+    std::vector<Setting> settings;
+  };
+  static Link parse_link(std::string_view text);
+  static void apply(const Setting& setting, TestMethodOptions& options);
+
+  std::string text_;
+  std::vector<Link> links_;
+};
+
+}  // namespace maide
