@@ -335,7 +335,7 @@ TEST(Learn, ALogShowsCounterexamplesAndIsNotBelieved) {
 TEST(Learn, RefusesLogsThatItCannotUse) {
   const TempDir folder("learn-test");
   const std::string log = (folder.path() / "log.jsonl").string();
-  write_file_atomically(log, "[[\"a\",\"x\"]]\n[[\"a\",\"y\"]]\n");
+  write_file_atomically(log, "[[\"write\",\"x\"]]\n[[\"write\",\"y\"]]\n");
   const std::string contradiction = "trace 2 contradicts one before it";
   expect_error(run_maide(learn({"--from-traces", log})), 2, contradiction);
   for (const char* algorithm : {"rs", "lsharp"}) {
