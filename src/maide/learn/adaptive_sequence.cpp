@@ -11,8 +11,7 @@ namespace {
 
 class Planner {
  public:
-  Planner(const ObservationTree& tree, double retry)
-      : tree_(tree), retry_(retry), counts_(tree.input_count()) {}
+  explicit Planner(const ObservationTree& tree) : tree_(tree), counts_(tree.input_count()) {}
 
   // Appends the sequence for these suspects; false if no two of them are apart.
   bool append(const std::vector<Suspect>& suspects, DecisionTree& result) {
@@ -36,18 +35,24 @@ class Planner {
     std::vector<Suspect> suspects;
   };
 
-  // The input of least estimated cost among those that tell some apart at once; if there is none,
+  // Of the inputs that tell some apart at once the one of least estimated cost, one that is known
+  // from all suspects if there is any: the others may need another query. If none tells some apart,
   // the first of a shortest word that does.
   std::optional<Symbol> choose_input(const std::vector<Suspect>& suspects) {
-    std::optional<Symbol> best;
-    double least = std::numeric_limits<double>::infinity();
-    for (const Symbol input : shared_inputs(suspects)) {
-      const double cost = estimate(suspects, input);
-      if (cost >= least) continue;
-      least = cost;
-      best = input;
+    const std::vector<Symbol> inputs = shared_inputs(suspects);
+    for (const bool known_from_all : {true, false}) {
+      std::optional<Symbol> best;
+      double least = std::numeric_limits<double>::infinity();
+      for (const Symbol input : inputs) {
+        if ((counts_[input] == suspects.size()) != known_from_all) continue;
+        const double cost = estimate(suspects, input);
+        if (cost >= least) continue;
+        least = cost;
+        best = input;
+      }
+      if (best) return best;
     }
-    return best ? best : first_of_witness(suspects);
+    return first_of_witness(suspects);
   }
 
   // Inputs known from at least two suspects, ascending.
@@ -66,14 +71,11 @@ class Planner {
   // Weight x symbols until one suspect is left; infinite if the input tells no two apart at once.
   double estimate(const std::vector<Suspect>& suspects, Symbol input) {
     outputs_.clear();
-    double weight = 0, lost = 0;
+    double weight = 0;
     for (const Suspect& suspect : suspects) {
       weight += suspect.weight;
       const auto child = tree_.child(suspect.node, input);
-      if (child == ObservationTree::none) {
-        lost += 1;
-        continue;
-      }
+      if (child == ObservationTree::none) continue;
       const Symbol output = tree_.output(child);
       auto found = std::find_if(outputs_.begin(), outputs_.end(),
                                 [&](const Count& count) { return count.output == output; });
@@ -88,7 +90,6 @@ class Planner {
         cost += count.weight * (1 + std::log2(static_cast<double>(count.suspects))) / 2;
       }
     }
-    if (lost > 0) cost += weight * retry_;
     return cost;
   }
 
@@ -123,17 +124,15 @@ class Planner {
   };
 
   const ObservationTree& tree_;
-  double retry_;
   std::vector<unsigned> counts_;  // by input
   std::vector<Count> outputs_;
 };
 
 }  // namespace
 
-DecisionTree find_adaptive_sequence(const ObservationTree& tree, std::vector<Suspect> suspects,
-                                    double retry) {
+DecisionTree find_adaptive_sequence(const ObservationTree& tree, std::vector<Suspect> suspects) {
   DecisionTree result;
-  Planner(tree, retry).append(suspects, result);
+  Planner(tree).append(suspects, result);
   return result;
 }
 

@@ -23,9 +23,8 @@ struct Suspect {
 };
 
 // The decision tree for `suspects`; without nodes if no two of them are apart. Every path through
-// it tells at least two suspects apart, if its last output is a known one. `retry`: what another
-// query would cost, in symbols. O(inputs x suspects x length).
-DecisionTree find_adaptive_sequence(const ObservationTree& tree, std::vector<Suspect> suspects,
-                                    double retry);
+// it tells at least two suspects apart, if its last output is a known one. O(inputs x
+// suspects x length).
+DecisionTree find_adaptive_sequence(const ObservationTree& tree, std::vector<Suspect> suspects);
 
 }  // namespace maide

@@ -185,8 +185,7 @@ DecisionTree LSharp::identify(Transition transition, Symbol output,
   for (const StateId state : candidates) {
     suspects.push_back({apartness_.node(state), weights[state]});
   }
-  const auto retry = static_cast<double>(apartness_.access(source).size() + 3);
-  return find_adaptive_sequence(apartness_.tree(), suspects, retry);
+  return find_adaptive_sequence(apartness_.tree(), suspects);
 }
 
 // The access word and the input; nothing follows the last output yet.

@@ -82,7 +82,7 @@ void OldModel::find_identifying_words() {
       suspects[machine_.target(state, input)].weight += 1;
     }
   }
-  const DecisionTree tree = find_adaptive_sequence(knowledge_->tree(), suspects, 1);
+  const DecisionTree tree = find_adaptive_sequence(knowledge_->tree(), suspects);
   MealyOracle oracle(machine_);
   for (StateId state = 0; state < machine_.size(); ++state) {
     machine_.set_initial(state);

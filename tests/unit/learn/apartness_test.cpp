@@ -126,7 +126,7 @@ TEST(AdaptiveSequence, EveryPathTellsSuspectsApart) {
       suspects.push_back({apartness.node(state), random.unit() + 0.1});
     }
     ASSERT_GE(suspects.size(), 2U);
-    const DecisionTree sequence = find_adaptive_sequence(apartness.tree(), suspects, 3);
+    const DecisionTree sequence = find_adaptive_sequence(apartness.tree(), suspects);
     for (StateId state = 0; state < machine.size(); ++state) {
       MealyAnswer answer;
       StateId at = state;
