@@ -9,6 +9,7 @@
 
 #include "maide/automata/compare.hpp"
 #include "maide/base/file.hpp"
+#include "maide/base/shell_words.hpp"
 #include "maide/base/temp_dir.hpp"
 #include "maide/formats/model_file.hpp"
 #include "maide/formats/trace_log.hpp"
@@ -496,7 +497,10 @@ for line in sys.stdin:
   EXPECT_EQ(result.exit_status, 4) << result.err;
   EXPECT_THAT(result.err, HasSubstr("input 'press' is refused and yet changes the state"));
   EXPECT_EQ(json_of(result).at("states"), 2);
-  EXPECT_EQ(std::get<Mealy>(read_model(file)).size(), 2U);
+  const auto kept = std::get<Mealy>(read_model(file));
+  EXPECT_EQ(kept.size(), 2U);
+  // Not the name that the wrapper gives itself: this leads back to it.
+  EXPECT_EQ(split_shell_words(kept.origin.at("sul")).front(), "exec:python3 '" + wrapper + "'");
 }
 
 TEST(Reproduce, Table1OnTheReferencePort) {

@@ -305,6 +305,16 @@ ExitStatus list_options(const SystemSpec& spec, const SystemAccess& access, Cont
   return ExitStatus::ok;
 }
 
+// The name that a wrapper gives itself does not lead back to one that was reached by a command or
+// an address.
+void keep_origin(LearnedModel& learned, const SystemSpec& spec, const SulInfo& info) {
+  const bool is_named =
+      spec.kind == SystemSpec::Kind::program || spec.kind == SystemSpec::Kind::tcp;
+  if (!learned.model || !is_named) return;
+  std::visit([&](auto& model) { model.origin["sul"] = origin_of(spec, info.options); },
+             *learned.model);
+}
+
 ExitStatus learn(const LearnArguments& arguments, Context& context) {
   if (arguments.sul.empty() && !arguments.from_traces.empty()) {
     if (!arguments.start_from.empty()) throw UsageError("--start-from needs a system");
@@ -341,6 +351,7 @@ ExitStatus learn(const LearnArguments& arguments, Context& context) {
   LearnedModel learned =
       learn_model(*system.sul, access.translation.value_or(Translation::eager), options, control);
   if (reference) keep_kind(learned, *reference);
+  keep_origin(learned, spec, system.sul->info());
   const ExitStatus given = give_result(learned, arguments, spec, system.jobs, context);
   if (!arguments.plot.empty()) {
     write_file_atomically(arguments.plot, draw_hypotheses(learned.experiment, spec.text));

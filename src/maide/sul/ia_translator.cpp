@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "maide/base/error.hpp"
+#include "maide/base/shell_words.hpp"
 
 namespace maide {
 namespace {
@@ -143,8 +144,10 @@ void IaTranslator::remember(const Word& inputs, const std::vector<std::string>& 
 
 Origin describe_origin(const SulInfo& info) {
   Origin origin;
-  origin["sul"] = info.name;
-  for (const auto& [key, value] : info.options) origin["sul"] += " " + key + "=" + value;
+  origin["sul"] = quote_shell_word(info.name);
+  for (const auto& [key, value] : info.options) {
+    origin["sul"] += " " + quote_shell_word(key + "=" + value);
+  }
   if (!info.bound.empty()) origin["bound"] = info.bound;
   std::string versions;
   for (const auto& [what, version] : info.versions) {

@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "maide/base/shell_words.hpp"
+
 namespace maide {
 
 struct SystemSpec {
@@ -22,8 +24,7 @@ struct SystemSpec {
 // Throws UsageError: an unknown scheme, an empty target, a word without '=', a key given twice.
 SystemSpec parse_system_spec(const std::string& sul, std::span<const std::string> key_values);
 
-// Splits a command line into words as a shell does - blanks, '...', "...", backslash - but expands
-// nothing. Throws UsageError on an unclosed quote.
-std::vector<std::string> split_shell_words(std::string_view line);
+// The system and its options in one line, as a model keeps them; split_shell_words() undoes it.
+std::string origin_of(const SystemSpec& spec, const std::map<std::string, std::string>& options);
 
 }  // namespace maide

@@ -36,11 +36,17 @@ TEST(SystemSpec, RefusesWhatItCannotRead) {
   EXPECT_THROW(parse("port", {"at-bound=refuse", "at_bound=absorb"}), UsageError);
 }
 
-TEST(ShellWords, SplitLikeAShellWithoutExpansion) {
-  EXPECT_EQ(split_shell_words(R"(a 'b c' "d \"e\" $HOME" f\ g '' *)"),
-            (Words{"a", "b c", "d \"e\" $HOME", "f g", "", "*"}));
-  EXPECT_EQ(split_shell_words("  "), Words{});
-  EXPECT_THROW(split_shell_words("a 'b"), UsageError);
+// What a model keeps of its system leads back there.
+TEST(SystemSpec, AnOriginCanBeReadAgain) {
+  const Words options{"payload=a b", "text=it's", "size=3"};
+  for (const std::string name : {"sim:my models/a.dot", "exec:./wrap 'x y'", "port"}) {
+    const SystemSpec spec = parse_system_spec(name, options);
+    const Words words = split_shell_words(origin_of(spec, spec.options));
+    const SystemSpec again = parse_system_spec(words.front(), std::span(words).subspan(1));
+    EXPECT_EQ(again.text, spec.text);
+    EXPECT_EQ(again.command, spec.command);
+    EXPECT_EQ(again.options, spec.options);
+  }
 }
 
 }  // namespace
