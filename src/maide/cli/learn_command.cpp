@@ -19,6 +19,7 @@
 #include "maide/cli/command.hpp"
 #include "maide/cli/contradiction_report.hpp"
 #include "maide/cli/learn_from_traces.hpp"
+#include "maide/cli/learn_report.hpp"
 #include "maide/cli/learn_statistics.hpp"
 #include "maide/conformance/test_methods.hpp"
 #include "maide/formats/dot.hpp"
@@ -102,147 +103,13 @@ Mealy read_old_model(const LearnArguments& arguments) {
   }
 }
 
-Json as_json(const LearnedModel& learned, std::size_t jobs, const std::string& path) {
-  const ExperimentResult& run = learned.experiment;
-  Json json{{"algorithm", run.algorithm},
-            {"equivalence_method", run.test_method},
-            {"translation", learned.is_plain ? "none" : to_string(learned.translation)},
-            {"complete", run.is_complete()},
-            {"states", learned.states()},
-            {"transitions", learned.transitions()},
-            {"mealy_states", learned.mealy_states},
-            {"output_queries", run.output_queries},
-            {"equivalence_queries", run.equivalence_queries},
-            {"experiments", run.experiments},
-            {"symbols", run.symbols},
-            {"resets", run.resets},
-            {"jobs", jobs},
-            {"seconds", run.seconds},
-            {"seconds_in_system", run.seconds_in_system},
-            {"seconds_in_calls", run.seconds_in_system - run.seconds_in_settling},
-            {"seconds_in_quiescence", run.seconds_in_settling},
-            {"seconds_in_reset", run.seconds_in_reset},
-            {"seconds_waiting_for_reset", run.seconds_in_reset_wait},
-            {"seconds_in_learner", run.seconds_in_learner},
-            {"guarantee", run.guarantee},
-            {"confirmation_experiments", run.statistics.at(LearnPhase::confirmation).queries},
-            {"confirmation_symbols", run.statistics.at(LearnPhase::confirmation).symbols},
-            {"contradictions", contradictions_as_json(run.contradictions)},
-            {"restarts", run.restarts},
-            {"model", path.empty() ? Json() : Json(path)}};
-  add_statistics(json, run);
-  json["ends"] = Json::array();
-  for (const SystemEnd& end : learned.ends) {
-    json["ends"].push_back({{"output", end.output},
-                            {"word", end.word},
-                            {"states", end.states},
-                            {"reason", end.reason.empty() ? Json() : Json(end.reason)}});
-  }
-  json["replacements"] = {{"count", learned.incidents.count}, {"first", Json::array()}};
-  for (const SulIncidents::Death& death : learned.incidents.first) {
-    json["replacements"]["first"].push_back(
-        {{"reason", death.reason}, {"after", death.after}, {"asked_again", death.word}});
-  }
-  if (learned.model) {
-    if (const auto* automaton = std::get_if<InterfaceAutomaton>(&*learned.model)) {
-      json["hidden_returns"] = automaton->hidden_returns;
-      const auto bound = automaton->origin.find("bound");
-      json["bound"] = bound == automaton->origin.end() ? Json() : Json(bound->second);
-    }
-  }
-  return json;
-}
-
-// What an interface automaton's marks mean for whoever uses it, a line each.
-std::string remarks(const InterfaceAutomaton& automaton) {
-  std::string text;
-  std::size_t untried = 0;
-  for (StateId state = 0; state < automaton.size(); ++state) {
-    untried += automaton.unexplored(state).size();
-    for (const auto& transition : automaton.transitions(state)) {
-      untried += transition.absorbed ? 1 : 0;
-    }
-  }
-  if (const auto bound = automaton.origin.find("bound");
-      untried > 0 && bound != automaton.origin.end()) {
-    text += fmt::format("  bound                {}: beyond it nothing was tried\n", bound->second);
-  }
-  for (const std::string& input : automaton.hidden_returns) {
-    text += fmt::format(
-        "  hidden return        {0} was seen to block, and its return is not observed: see "
-        "observe=\n",
-        input);
-  }
-  return text;
-}
-
-std::string as_text(const LearnedModel& learned, const LearnArguments& arguments,
-                    const SystemSpec& spec, std::size_t jobs, const std::string& path) {
-  const ExperimentResult& run = learned.experiment;
-  std::string text = spec.text;
-  for (const auto& [key, value] : spec.options) text += " " + key + "=" + value;
-  text += run.is_complete() ? "\n" : "  (not finished)\n";
-  if (learned.model && std::holds_alternative<InterfaceAutomaton>(*learned.model)) {
-    text += fmt::format("  interface automaton  {} states, {} transitions\n", learned.states(),
-                        learned.transitions());
-  }
-  text += fmt::format("  Mealy machine        {} states{}\n", learned.mealy_states,
-                      learned.is_plain ? "" : fmt::format(" ({})", to_string(learned.translation)));
-  text +=
-      fmt::format("  queries              {} output queries ({}), {} equivalence queries ({})\n",
-                  run.output_queries, run.algorithm, run.equivalence_queries, run.test_method);
-  text += fmt::format("  experiments          {} words run on the system: {} resets, {} symbols\n",
-                      run.experiments, run.resets, run.symbols);
-  text += fmt::format("  time                 {:.2f} s: {:.2f} learner and tests, {:.2f} asking\n",
-                      run.seconds, run.seconds_in_learner, run.seconds - run.seconds_in_learner);
-  text += fmt::format(
-      "  in the system        {:.2f} s calls, {:.2f} waiting for quiescence, {:.2f} resets ({:.2f} "
-      "waited for){}\n",
-      run.seconds_in_system - run.seconds_in_settling, run.seconds_in_settling,
-      run.seconds_in_reset, run.seconds_in_reset_wait,
-      jobs > 1 ? fmt::format("; sums over {} at once", jobs) : "");
-  if (const QueryCounts& again = run.statistics.at(LearnPhase::confirmation); again.queries > 0) {
-    text +=
-        fmt::format("  confirmation         {} of these words to confirm answers\n", again.queries);
-  }
-  text += describe_contradictions(run.contradictions, arguments.vote);
-  text += describe_contradictions(run.log_contradictions);
-  text += fmt::format("  result               {}\n", run.guarantee);
-  if (learned.model) {
-    if (const auto* automaton = std::get_if<InterfaceAutomaton>(&*learned.model)) {
-      text += remarks(*automaton);
-    }
-  }
-  for (const SystemEnd& end : learned.ends) {
-    text += fmt::format("  {:<19}  {}: {}{}\n", end.output, join(end.word, " "),
-                        end.reason.empty() ? "known from the cache" : end.reason,
-                        end.states == 1 ? "" : fmt::format("; so in {} states", end.states));
-  }
-  if (learned.incidents.count > 0) {
-    const SulIncidents::Death& first = learned.incidents.first.front();
-    text +=
-        fmt::format("  replaced             the wrapper, {} time{}: {}{}\n",
-                    learned.incidents.count, learned.incidents.count == 1 ? "" : "s", first.reason,
-                    first.after.empty() ? "" : fmt::format(", after \"{}\"", first.after));
-  }
-  if (!path.empty()) text += fmt::format("  model                {}\n", path);
-  return text;
-}
-
-// The one line under -q.
-std::string short_text(const LearnedModel& learned, const std::string& path) {
-  return fmt::format("{}: {} states, {} transitions{}\n", path, learned.states(),
-                     learned.transitions(),
-                     learned.experiment.is_complete() ? "" : " (not finished)");
-}
-
 // A file that cannot be written after all (a full disk) does not cost the model: it goes to
 // standard output.
 ExitStatus rescue(const LearnedModel& learned, std::size_t jobs, const std::string& dot,
                   const Error& failure, Context& context) {
   context.complain(failure.what());
   context.print_data(dot);
-  Json json = as_json(learned, jobs, "");
+  Json json = learned_as_json(learned, jobs, "");
   json["error"] = failure.what();
   json["dot"] = dot;
   context.set_result(json);
@@ -266,8 +133,9 @@ ExitStatus give_result(const LearnedModel& learned, const LearnArguments& argume
   } catch (const Error& failure) {
     return rescue(learned, jobs, dot, failure, context);
   }
-  std::string summary = context.quiet() ? short_text(learned, written)
-                                        : as_text(learned, arguments, spec, jobs, written);
+  std::string summary = context.quiet()
+                            ? describe_briefly(learned, written)
+                            : describe_learned(learned, spec, arguments.vote, jobs, written);
   if (context.verbose()) summary += describe_statistics(learned.experiment);
   if (written.empty()) {
     if (!context.json() && !context.quiet()) fmt::print(stderr, "{}", printable(summary));
@@ -275,7 +143,7 @@ ExitStatus give_result(const LearnedModel& learned, const LearnArguments& argume
   } else {
     context.print(summary);
   }
-  Json result = as_json(learned, jobs, written);
+  Json result = learned_as_json(learned, jobs, written);
   if (!arguments.from_traces.empty()) {
     result["log_contradictions"] = contradictions_as_json(learned.experiment.log_contradictions);
   }
