@@ -82,6 +82,10 @@ TEST_F(CacheCommand, MergedCachesAnswerWhatEachOfThemAnswers) {
   EXPECT_EQ(run_maide({"cache", "check", all}).exit_status, 0);
   expect_error(run_maide({"cache", "merge", one, two, "-o", all}), 2, "is there already");
   expect_error(run_maide({"cache", "merge", one, two}), 2, "-o FILE");
+  write_file_atomically(path("new.cache.part"), "somebody's");
+  expect_error(run_maide({"cache", "merge", one, two, "-o", path("new.cache")}), 2,
+               "this one is there already (" + path("new.cache.part"));
+  EXPECT_EQ(read_file(path("new.cache.part")), "somebody's");
 }
 
 TEST_F(CacheCommand, CachesThatContradictEachOtherAreNotMerged) {
@@ -153,9 +157,55 @@ TEST_F(CacheCommand, CheckAsksTheSystemAgain) {
   EXPECT_EQ(other.exit_status, 1) << other.out << other.err;
   EXPECT_THAT(other.out,
               HasSubstr("\"read read\" is answered \"quiet lie\" and \"quiet refused\""));
+  expect_error(run_maide({"cache", "check", cache, "--system", simulated, "--words", "0"}), 2,
+               "'0' is not a whole number from 1");
   expect_error(run_maide({"cache", "check", cache, "--system",
                           "sim:" MAIDE_SOURCE_DIR "/tests/models/port.dot"}),
                2, "recorded for another system");
+}
+
+// The cache says "lie" to each of eleven inputs, twice to the first one; to the twelfth only the
+// second time.
+TEST_F(CacheCommand, CheckShowsEachChangedAnswerOnceShortestFirst) {
+  std::string machine = "digraph {";
+  for (char input = 'a'; input <= 'l'; ++input) {
+    machine += std::string(" s -> s [label=\"") + input + " / no\"];";
+  }
+  write_file_atomically(path("deaf.dot"), machine + " }");
+  const std::string cache = path("a.cache"), system = "sim:" + path("deaf.dot");
+  ASSERT_EQ(run_maide({"learn", system, "--cache", cache, "-o", path("m.dot")}).exit_status, 0);
+  {
+    CacheFile file(cache);
+    Alphabet names = file.outputs();
+    const Symbol no = names.at("no"), lie = names.intern("lie");
+    for (Symbol input = 0; input < 11; ++input) file.add({input, input}, {lie, no}, names);
+    file.add({0, 1}, {lie, no}, names);
+    file.add({11, 11, 0}, {no, lie, no}, names);
+    for (Symbol input = 0; input < 11; ++input) file.remove_contradicting({input}, {lie});
+    file.remove_contradicting({11, 11}, {no, lie});
+    file.commit();
+  }
+  const SubprocessResult text = run_maide({"cache", "check", cache, "--system", system});
+  EXPECT_EQ(text.exit_status, 1) << text.out << text.err;
+  EXPECT_THAT(text.out, HasSubstr("13 answered otherwise\n  \"a\" is answered \"lie\" and \"no\", "
+                                  "in 2 words\n  \"b\" is"));
+  EXPECT_THAT(text.out, HasSubstr("\"j\" is answered \"lie\" and \"no\"\n  and 2 more"));
+  const Json found = json_of(run_maide({"cache", "check", cache, "--system", system, "--json"}))
+                         .at("caches")
+                         .at(0);
+  EXPECT_EQ(found.at("different"), 13);
+  ASSERT_EQ(found.at("answered_otherwise").size(), 12U);
+  EXPECT_EQ(found.at("answered_otherwise").back(),
+            (Json{{"word", "l l"}, {"known", "no lie"}, {"other", "no no"}, {"words", 1}}));
+}
+
+TEST_F(CacheCommand, OptionsOfAnotherVerbAreRefused) {
+  const std::string cache = path("a.cache");
+  learn(cache);
+  expect_error(run_maide({"cache", "show", cache, "--system", simulated}), 2,
+               "--system is an option of 'maide cache check', not of 'maide cache show'");
+  expect_error(run_maide({"cache", "check", cache, "-o", path("b.cache")}), 2,
+               "--output is an option of 'maide cache merge', not of 'maide cache check'");
 }
 
 // Somebody else has the cache open; the run waits for them, and then asks only what they did not.

@@ -7,12 +7,14 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "maide/base/error.hpp"
 #include "maide/base/join.hpp"
-#include "maide/cli/argument_check.hpp"
+#include "maide/base/parse_number.hpp"
 #include "maide/cli/command.hpp"
 #include "maide/learn/cache_survey.hpp"
 #include "maide/workflow/recheck_cache.hpp"
@@ -26,7 +28,20 @@ struct CacheArguments {
   std::string output;
   std::string system;
   RecheckOptions recheck;
+  struct VerbOption {
+    std::string_view verb;  // that looks at it
+    const CLI::Option* option;
+  };
+  std::vector<VerbOption> options;
 };
+
+void refuse_options_of_other_verbs(const CacheArguments& arguments) {
+  for (const auto& [verb, option] : arguments.options) {
+    if (option->count() == 0 || verb == arguments.what) continue;
+    throw UsageError(fmt::format("{} is an option of 'maide cache {}', not of 'maide cache {}'",
+                                 option->get_name(), verb, arguments.what));
+  }
+}
 
 Json conflict_json(const std::optional<CacheConflict>& conflict) {
   if (!conflict) return nullptr;
@@ -117,6 +132,8 @@ ExitStatus merge(const CacheArguments& arguments, Context& context) {
   return ExitStatus::violated;
 }
 
+constexpr std::size_t most_shown = 10;  // changed answers
+
 struct Checked {
   ExitStatus status = ExitStatus::ok;
   std::string text;  // a line or more
@@ -146,16 +163,27 @@ Checked check_file(const std::string& path, const CacheArguments& arguments, Con
   if (words.empty()) throw UsageError("--system names no system");
   const SystemSpec spec = parse_system_spec(words.front(), std::span(words).subspan(1));
   const RecheckResult again = recheck_cache(cache, spec, arguments.recheck, context.control());
+  if (again.different > 0) checked.status = ExitStatus::violated;
   checked.json["asked_again"] = again.words;
+  checked.json["different"] = again.different;
   checked.json["answered_otherwise"] = Json::array();
-  checked.text += fmt::format("  {} of them asked again: {}\n", again.words,
-                              again.conflicts.empty()
-                                  ? "all are answered as they were"
-                                  : fmt::format("{} answered otherwise", again.conflicts.size()));
-  for (const CacheConflict& conflict : again.conflicts) {
-    checked.status = ExitStatus::violated;
-    checked.text += "  " + describe_conflict(conflict) + "\n";
-    checked.json["answered_otherwise"].push_back(conflict_json(conflict));
+  checked.text +=
+      fmt::format("  {} of them asked again: {}\n", again.words,
+                  again.different == 0 ? "all are answered as they were"
+                                       : fmt::format("{} answered otherwise", again.different));
+  for (const ChangedAnswer& changed : again.changed) {
+    Json entry = conflict_json(changed.conflict);
+    entry["words"] = changed.words;
+    checked.json["answered_otherwise"].push_back(std::move(entry));
+  }
+  const std::size_t shown = std::min(again.changed.size(), most_shown);
+  for (const ChangedAnswer& changed : std::span(again.changed).first(shown)) {
+    checked.text +=
+        fmt::format("  {}{}\n", describe_conflict(changed.conflict),
+                    changed.words == 1 ? "" : fmt::format(", in {} words", changed.words));
+  }
+  if (shown < again.changed.size()) {
+    checked.text += fmt::format("  and {} more (--json has all)\n", again.changed.size() - shown);
   }
   return checked;
 }
@@ -194,16 +222,26 @@ RunFunction set_up_cache(CLI::App& app) {
       });
   app.add_option("FILE", arguments->files, "Files that maide learn --cache has written")
       ->required();
-  app.add_option("-o,--output", arguments->output, "merge: the new file");
-  app.add_option("--system", arguments->system,
-                 "check: ask this system again, written as in maide learn: 'port kind=strict'");
-  app.add_option("--words", arguments->recheck.words, "check: how many words are asked again")
-      ->check(check_count);
-  app.add_option("--token-file", arguments->recheck.access.token_file,
-                 "A file with the token of a listening wrapper (or set MAIDE_TOKEN)");
-  add_jobs_option(app, arguments->recheck.access.jobs);
-  add_seed_option(app, arguments->recheck.seed);
+  const auto only = [&](std::string_view verb, const CLI::Option* option) {
+    arguments->options.push_back({verb, option});
+  };
+  only("merge", app.add_option("-o,--output", arguments->output, "merge: the new file"));
+  only("check", app.add_option("--system", arguments->system,
+                               "check: ask this system again, written as in maide learn: "
+                               "'port kind=strict'"));
+  only("check", app.add_option("--words", arguments->recheck.words,
+                               "check: how many words are asked again, from 1")
+                    ->check([](const std::string& text) {
+                      if (parse_number<std::uint64_t>(text).value_or(0) >= 1) return std::string();
+                      return "'" + text + "' is not a whole number from 1";
+                    }));
+  only("check", app.add_option("--token-file", arguments->recheck.access.token_file,
+                               "check: a file with the token of a listening wrapper (or set "
+                               "MAIDE_TOKEN)"));
+  only("check", add_jobs_option(app, arguments->recheck.access.jobs));
+  only("check", add_seed_option(app, arguments->recheck.seed));
   return [arguments](Context& context) {
+    refuse_options_of_other_verbs(*arguments);
     if (arguments->what == "show") return show(*arguments, context);
     if (arguments->what == "merge") return merge(*arguments, context);
     return check(*arguments, context);

@@ -1,10 +1,12 @@
 #include "maide/learn/cache_file.hpp"
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <sqlite3.h>
+#include <unistd.h>
 
 #include <chrono>
-#include <span>
+#include <system_error>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -66,6 +68,43 @@ std::string describe_differences(const Fingerprint& there, const Fingerprint& he
   return join(differences, "; ");
 }
 
+// From the root on, because SQLite takes names such as ":memory:" for something else than files;
+// without symbolic links, because its log stands beside the file itself.
+std::string absolute_name(const std::filesystem::path& path) {
+  std::error_code failure;
+  const std::filesystem::path absolute = std::filesystem::absolute(path, failure);
+  if (failure) return path.string();
+  const std::filesystem::path canonical = std::filesystem::weakly_canonical(absolute, failure);
+  return failure ? absolute.string() : canonical.string();
+}
+
+bool may_write(const std::filesystem::path& path) {
+  return ::faccessat(AT_FDCWD, path.c_str(), W_OK, AT_EACCESS) == 0;
+}
+
+// The file, and the folder in which SQLite keeps its log beside it.
+bool can_be_written(const std::string& name) {
+  return may_write(name) && may_write(std::filesystem::path(name).parent_path());
+}
+
+bool has_log(const std::string& name) {
+  std::error_code ignored;
+  return std::filesystem::exists(name + "-wal", ignored);
+}
+
+// A file that nobody changes, as SQLite writes that.
+std::string immutable_uri(const std::string& name) {
+  std::string uri = "file://";
+  for (const char c : name) {
+    if (c == '%' || c == '?' || c == '#') {
+      uri += fmt::format("%{:02X}", static_cast<unsigned char>(c));
+    } else {
+      uri += c;
+    }
+  }
+  return uri + "?immutable=1";
+}
+
 }  // namespace
 
 // A prepared statement, reset and finalised in time.
@@ -111,7 +150,7 @@ CacheFile::CacheFile(const std::filesystem::path& path, const Alphabet& inputs,
     : path_(path) {
   for (bool is_waiting = false;; is_waiting = true) {
     try {
-      open(true);
+      open_to_write(true);
       if (is_new()) initialise(inputs, fingerprint);
       read_system();
       expect_system(inputs, fingerprint);
@@ -135,10 +174,15 @@ CacheFile::CacheFile(const std::filesystem::path& path, const Alphabet& inputs,
 
 CacheFile::CacheFile(const std::filesystem::path& path) : path_(path) {
   try {
-    open(false);
+    is_read_only_ = !can_be_written(absolute_name(path));
+    if (is_read_only_) {
+      open_to_read();
+    } else {
+      open_to_write(false);
+    }
     if (is_new()) throw UsageError(fmt::format("not a cache of Maide ({})", path.string()));
     read_system();
-    prepare();
+    if (!is_read_only_) prepare();
   } catch (...) {
     close();
     throw;
@@ -166,6 +210,12 @@ void CacheFile::fail(const char* doing) const {
   }
   if (code == SQLITE_NOTADB) throw UsageError(fmt::format("not a cache of Maide ({})", name));
   if (code == SQLITE_CORRUPT) throw UsageError(fmt::format("the cache is damaged ({})", name));
+  if (is_read_only_ && code == SQLITE_CANTOPEN && has_log(absolute_name(path_))) {
+    throw UsageError(fmt::format(
+        "cannot {} the cache: its last run did not close it, and to do so needs permission to "
+        "write ({})",
+        doing, name));
+  }
   const std::string message =
       fmt::format("cannot {} the cache: {} ({})", doing, sqlite3_errmsg(database_), name);
   // The disk is full, or fails: no fault of the arguments.
@@ -182,9 +232,10 @@ std::string CacheFile::pragma(const char* name) {
   return statement.step("read") ? std::string(statement.column(0)) : std::string();
 }
 
-void CacheFile::open(bool create) {
+void CacheFile::open_to_write(bool create) {
   const int flags = SQLITE_OPEN_READWRITE | (create ? SQLITE_OPEN_CREATE : 0);
-  if (sqlite3_open_v2(path_.c_str(), &database_, flags, nullptr) != SQLITE_OK) fail("open");
+  const std::string name = absolute_name(path_);
+  if (sqlite3_open_v2(name.c_str(), &database_, flags, nullptr) != SQLITE_OK) fail("open");
   if (sqlite3_db_readonly(database_, "main") == 1) {
     throw UsageError(fmt::format("cannot write the cache: no permission ({})", path_.string()));
   }
@@ -192,14 +243,28 @@ void CacheFile::open(bool create) {
   // needs no shared memory and works on network file systems.
   execute("PRAGMA locking_mode = EXCLUSIVE");
   // Asked before anything is written, so a file that is not ours stays as it is.
-  const std::string id = pragma("application_id");
-  if (id != application_id && !(id == "0" && pragma("schema_version") == "0")) {
-    throw UsageError(fmt::format("a database, but not a cache of Maide ({})", path_.string()));
-  }
+  expect_ours();
   execute("PRAGMA journal_mode = WAL");
   execute("PRAGMA synchronous = NORMAL");
   execute("BEGIN EXCLUSIVE");
   execute("COMMIT");
+}
+
+// Without locks and shared memory, which need a file that can be written: nobody has the cache open
+// if no log stands beside it. With one SQLite may find a way, and else says why not.
+void CacheFile::open_to_read() {
+  const std::string name = absolute_name(path_);
+  const std::string opened = has_log(name) ? name : immutable_uri(name);
+  const int flags = SQLITE_OPEN_READONLY | SQLITE_OPEN_URI;
+  if (sqlite3_open_v2(opened.c_str(), &database_, flags, nullptr) != SQLITE_OK) fail("open");
+  expect_ours();
+}
+
+void CacheFile::expect_ours() {
+  const std::string id = pragma("application_id");
+  if (id != application_id && !(id == "0" && pragma("schema_version") == "0")) {
+    throw UsageError(fmt::format("a database, but not a cache of Maide ({})", path_.string()));
+  }
 }
 
 bool CacheFile::is_new() {
@@ -287,6 +352,9 @@ void CacheFile::for_each(const std::function<void(const Word&, const Word&)>& vi
 }
 
 void CacheFile::begin() {
+  if (is_read_only_) {
+    throw UsageError(fmt::format("cannot write the cache: no permission ({})", path_.string()));
+  }
   if (!in_transaction_) execute("BEGIN IMMEDIATE");
   in_transaction_ = true;
 }
@@ -305,8 +373,7 @@ void CacheFile::add(const Word& inputs, const Word& answer, const Alphabet& name
                     SQLITE_STATIC);
   sqlite3_bind_blob(insert_word_, 2, output_bytes.data(), static_cast<int>(output_bytes.size()),
                     SQLITE_STATIC);
-  const int result = sqlite3_step(insert_word_);
-  if (result != SQLITE_DONE) fail("write");
+  if (sqlite3_step(insert_word_) != SQLITE_DONE) fail("write");
   sqlite3_reset(insert_word_);
 }
 

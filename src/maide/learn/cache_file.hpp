@@ -39,7 +39,8 @@ class CacheFile {
   // CacheInUse.
   CacheFile(const std::filesystem::path& path, const Alphabet& inputs,
             const Fingerprint& fingerprint, const RunControl* wait = nullptr);
-  // Opens a cache that is there, of whatever system. Throws as above.
+  // Opens a cache that is there, of whatever system. One that cannot be written is only read; then
+  // add() and remove_contradicting() throw UsageError. Throws as above.
   explicit CacheFile(const std::filesystem::path& path);
   ~CacheFile();
   CacheFile(const CacheFile&) = delete;
@@ -71,7 +72,9 @@ class CacheFile {
 
   void execute(const char* sql);
   void begin();
-  void open(bool create);
+  void open_to_write(bool create);
+  void open_to_read();
+  void expect_ours();
   bool is_new();
   void initialise(const Alphabet& inputs, const Fingerprint& fingerprint);
   void read_system();
@@ -86,6 +89,7 @@ class CacheFile {
   sqlite3_stmt* insert_word_ = nullptr;
   Alphabet inputs_, outputs_;
   Fingerprint fingerprint_;
+  bool is_read_only_ = false;
   bool in_transaction_ = false;
 };
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <system_error>
 
 namespace maide {
@@ -26,14 +27,24 @@ class Paced {
   std::uint64_t done_ = 0;
 };
 
-// Removes the file unless it was given its name.
+// A new file beside `name`, removed unless it was given that name.
 class Draft {
  public:
+  // Throws UsageError if something of its name is there already, which may be somebody's.
   explicit Draft(std::filesystem::path name) : name_(std::move(name)), path_(name_) {
     path_ += ".part";
-    remove();
+    for (const char* ending : endings) {
+      const std::string taken = path_.string() + ending;
+      std::error_code ignored;
+      if (!std::filesystem::exists(std::filesystem::symlink_status(taken, ignored))) continue;
+      throw UsageError(fmt::format(
+          "the merged cache is drafted in a new file, and this one is there already ({})", taken));
+    }
   }
-  ~Draft() { remove(); }
+  ~Draft() {
+    std::error_code ignored;
+    for (const char* ending : endings) std::filesystem::remove(path_.string() + ending, ignored);
+  }
   Draft(const Draft&) = delete;
   Draft& operator=(const Draft&) = delete;
 
@@ -48,12 +59,7 @@ class Draft {
   }
 
  private:
-  void remove() noexcept {
-    std::error_code ignored;
-    for (const char* ending : {"", "-wal", "-shm", "-journal"}) {
-      std::filesystem::remove(path_.string() + ending, ignored);
-    }
-  }
+  static constexpr std::array endings{"", "-wal", "-shm", "-journal"};  // SQLite's
   std::filesystem::path name_, path_;
 };
 

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <map>
 #include <span>
 #include <utility>
 #include <variant>
@@ -44,6 +46,22 @@ std::string value_of(const Fingerprint& fingerprint, const std::string& name) {
   return found == fingerprint.end() ? "" : found->second;
 }
 
+struct ShorterFirst {
+  bool operator()(const Word& left, const Word& right) const {
+    return left.size() != right.size() ? left.size() < right.size() : left < right;
+  }
+};
+
+// How many inputs lead to the first output that is another one now; 0 if there is none.
+std::size_t first_difference(const Sample& word, const Alphabet& known, const MealyAnswer& answer,
+                             const Alphabet& names) {
+  const std::size_t length = std::min(word.outputs.size(), answer.outputs.size());
+  for (std::size_t i = 0; i < length; ++i) {
+    if (known.name(word.outputs[i]) != names.name(answer.outputs[i])) return i + 1;
+  }
+  return 0;
+}
+
 LearningPurpose read_purpose(const std::string& text, const std::string& file) {
   const Model model = read_dot(text, file);
   const auto* automaton = std::get_if<InterfaceAutomaton>(&model);
@@ -74,6 +92,7 @@ RecheckResult recheck_cache(CacheFile& cache, const SystemSpec& spec, const Rech
   const std::vector<Sample> sample = draw(cache, options);
   SulOracle system(translator);
   RecheckResult result;
+  std::map<Word, ChangedAnswer, ShorterFirst> changed;
   constexpr std::size_t batch_size = 64;
   for (std::size_t start = 0; start < sample.size(); start += batch_size) {
     const auto part = std::span(sample).subspan(start, std::min(batch_size, sample.size() - start));
@@ -81,11 +100,17 @@ RecheckResult recheck_cache(CacheFile& cache, const SystemSpec& spec, const Rech
     for (const Sample& word : part) batch.emplace_back(word.inputs);
     const std::vector<MealyAnswer> answers = system.ask(batch, control);
     for (std::size_t i = 0; i < part.size(); ++i) {
-      // What the cache knows first, then what the system says now: the first difference counts.
-      TraceCollection both(cache.inputs());
-      both.add(part[i].inputs, part[i].outputs, cache.outputs());
-      both.add(answers[i].inputs, answers[i].outputs, system.outputs());
-      if (both.conflict()) result.conflicts.push_back(*both.conflict());
+      const std::size_t length =
+          first_difference(part[i], cache.outputs(), answers[i], system.outputs());
+      if (length == 0) continue;
+      ++result.different;
+      const auto beginning = [length](const Word& word) { return std::span(word).first(length); };
+      const auto inputs = beginning(part[i].inputs);
+      ChangedAnswer& entry = changed[Word(inputs.begin(), inputs.end())];
+      if (entry.words++ > 0) continue;
+      entry.conflict = {to_string(inputs, cache.inputs()),
+                        to_string(beginning(part[i].outputs), cache.outputs()),
+                        to_string(beginning(answers[i].outputs), system.outputs())};
     }
     result.words += part.size();
     Progress progress;
@@ -94,6 +119,7 @@ RecheckResult recheck_cache(CacheFile& cache, const SystemSpec& spec, const Rech
     progress.total = sample.size();
     control.report(progress);
   }
+  for (auto& [word, entry] : changed) result.changed.push_back(std::move(entry));
   return result;
 }
 

@@ -19,9 +19,16 @@ struct RecheckOptions {
   SystemAccess access;        // the translation is the cache's
 };
 
+// A word that the system answers otherwise now, up to the first output that is another one.
+struct ChangedAnswer {
+  CacheConflict conflict;   // `known`: of the cache; `other`: of the system, the first time
+  std::uint64_t words = 0;  // of the sample, that begin with it
+};
+
 struct RecheckResult {
-  std::uint64_t words = 0;               // asked
-  std::vector<CacheConflict> conflicts;  // `known`: of the cache; `other`: of the system
+  std::uint64_t words = 0;             // asked
+  std::uint64_t different = 0;         // of them, answered otherwise
+  std::vector<ChangedAnswer> changed;  // shortest first, each word once
 };
 
 // Opens the system, which must be the cache's. Every word is asked once, so a single wrong answer

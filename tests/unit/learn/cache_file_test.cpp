@@ -8,6 +8,7 @@
 
 #include <csignal>
 #include <fstream>
+#include <iterator>
 
 #include "maide/automata/random_automata.hpp"
 #include "maide/base/error.hpp"
@@ -164,6 +165,50 @@ TEST_F(CacheFileTest, AReadOnlyFileIsOneClearLine) {
               return failure().find(message) != std::string::npos ? 0 : 2;
             }),
             0);
+}
+
+// Neither file nor folder can be written, as with somebody else's cache.
+TEST_F(CacheFileTest, AReadOnlyFileIsReadWithoutWriting) {
+  make();
+  using std::filesystem::perms;
+  const perms all_read = perms::owner_read | perms::group_read | perms::others_read;
+  const perms all_enter = perms::owner_exec | perms::group_exec | perms::others_exec;
+  std::filesystem::permissions(path, all_read);
+  std::filesystem::permissions(directory.path(), all_read | all_enter);
+  const auto read = [&](bool has_log) {
+    if (geteuid() == 0 && seteuid(65534) != 0) return 1;
+    try {
+      CacheFile file(path);
+      std::vector<Word> words;
+      file.for_each([&](const Word& word, const Word&) { words.push_back(word); });
+      if (words != std::vector<Word>{{0, 1}} || !file.find_damage().empty()) return 2;
+      file.add({1}, {0}, file.outputs());
+    } catch (const UsageError& error) {
+      const std::string expected = has_log ? "its last run did not close it" : "no permission";
+      return std::string(error.what()).find(expected) != std::string::npos ? 0 : 3;
+    }
+    return 4;
+  };
+  EXPECT_EQ(run_in_child([&] { return read(false); }), 0);
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(directory.path()), {}), 1);
+  // A log beside it may hold words, and cannot be read without writing.
+  std::filesystem::permissions(directory.path(), perms::owner_all | all_read | all_enter);
+  std::ofstream(path.string() + "-wal") << "x";
+  std::filesystem::permissions(path.string() + "-wal", all_read);
+  std::filesystem::permissions(directory.path(), all_read | all_enter);
+  EXPECT_EQ(run_in_child([&] { return read(true); }), 0);
+  std::filesystem::permissions(directory.path(), perms::owner_all);
+}
+
+TEST_F(CacheFileTest, NamesThatAreSpecialToSqliteAreFiles) {
+  const std::filesystem::path before = std::filesystem::current_path();
+  std::filesystem::current_path(directory.path());
+  for (const char* name : {":memory:", "file:a?mode=memory"}) {
+    path = name;
+    make();
+    EXPECT_TRUE(std::filesystem::exists(directory.path() / name)) << name;
+  }
+  std::filesystem::current_path(before);
 }
 
 // A limit on the size of files stands for a full disk.
