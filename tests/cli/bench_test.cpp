@@ -82,6 +82,29 @@ TEST(Bench, AModelThatCannotBeReadIsOneLineAndTheOthersAreMeasured) {
   EXPECT_THAT(result.out, HasSubstr("lamp 2x2"));
 }
 
+TEST(Bench, AModelWithoutInputsIsOneLineAndTheOthersAreMeasured) {
+  const TempDir folder;
+  write_file_atomically(folder.path() / "mute.dot", "digraph { __start0 -> s0; }");
+  write_file_atomically(folder.path() / "lamp.dot", lamp);
+  const SubprocessResult result = run_maide({"bench", folder.path().string(), "--algorithm", "rs"});
+  EXPECT_EQ(result.exit_status, 2);
+  EXPECT_THAT(result.err, HasSubstr("mute.dot)"));
+  EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1);
+  EXPECT_THAT(result.out, HasSubstr("lamp 2x2"));
+}
+
+TEST(Bench, EquivalenceMethodsCanBeAskedInTurn) {
+  const TempDir folder;
+  write_file_atomically(folder.path() / "lamp.dot", lamp);
+  const auto run = [&](const std::string& methods) {
+    return run_maide({"bench", folder.path().string(), "--algorithm", "rs", "--eq", methods});
+  };
+  const SubprocessResult right = run("random-words:max-tests=0,w:extra-states=1");
+  EXPECT_EQ(right.exit_status, 0) << right.out << right.err;
+  EXPECT_EQ(run("random-words:max-tests=0,w:max-tests=0").exit_status, 1) << "nothing is tested";
+  expect_error(run("w:seed=3"), 2, "the equivalence method 'w' has no option 'seed'");
+}
+
 // One test of one input cannot find the second state.
 TEST(Bench, AWrongModelIsSaidToBeWrong) {
   const TempDir folder;

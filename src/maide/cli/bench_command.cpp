@@ -6,6 +6,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "maide/base/error.hpp"
@@ -14,6 +15,7 @@
 #include "maide/cli/argument_check.hpp"
 #include "maide/cli/bench_report.hpp"
 #include "maide/cli/command.hpp"
+#include "maide/conformance/test_chain.hpp"
 #include "maide/learn/learners.hpp"
 
 namespace maide::cli {
@@ -43,8 +45,8 @@ ExitStatus bench(const BenchArguments& arguments, Context& context) {
   BenchOptions options = arguments.options;
   options.seconds = arguments.seconds;
   options.use_cache = !arguments.no_cache;
-  for (const std::string& name : options.algorithms) find_learner(name);
-  find_test_method(options.test_method);
+  bench_learners(options);  // wrong names are found before models are read
+  TestChain{options.test_method};
   const BenchFolder folder = read_bench_folder(arguments.folder);
   for (const std::string& message : folder.unreadable) context.complain(message);
   if (folder.models.empty()) {
@@ -70,6 +72,15 @@ ExitStatus bench(const BenchArguments& arguments, Context& context) {
   return status_of(runs, folder, is_complete);
 }
 
+// The methods that look at an option, "w, wp, hsi".
+std::string methods_with(std::string_view option) {
+  std::vector<std::string> names;
+  for (const TestMethodEntry& method : test_methods()) {
+    if (method.options.find(option) != std::string_view::npos) names.emplace_back(method.name);
+  }
+  return join(names);
+}
+
 void add_bench_limits(CLI::App& app, BenchArguments& arguments) {
   app.add_option("--time", arguments.seconds, "Most seconds of one run")->check(check_seconds);
   app.add_option("--max-experiments", arguments.options.max_experiments,
@@ -79,7 +90,9 @@ void add_bench_limits(CLI::App& app, BenchArguments& arguments) {
                  "Most tests of one equivalence query")
       ->check(check_count);
   app.add_option("--extra-states", arguments.options.testing.extra_states,
-                 "As in maide learn (--eq w, standard)")
+                 "How many states more than the hypothesis the system may have for the tests to "
+                 "find it (--eq " +
+                     methods_with("extra-states") + ")")
       ->check(check_count);
 }
 
@@ -100,10 +113,13 @@ RunFunction set_up_bench(CLI::App& app) {
       ->allow_extra_args(false)
       ->default_str("");
   app.add_option("--eq", arguments->options.test_method,
-                 "The equivalence method, as in maide learn");
+                 "The equivalence method, as in maide learn; several with commas between are "
+                 "asked in turn, each with options of its own: "
+                 "w:extra-states=1,random-hads:max-tests=5000");
   app.add_option("--csv", arguments->csv, "Write a line for each run to this file");
   app.add_flag("--no-cache", arguments->no_cache,
-               "Ask the system every query: the processor time is then the learner's alone");
+               "Ask the system every query; the processor time is then that of the learner, "
+               "tests and simulation");
   app.add_option("-j,--jobs", arguments->options.jobs,
                  "How many runs at once; counts are the same, times may suffer. Default: one for "
                  "each processor")

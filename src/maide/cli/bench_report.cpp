@@ -58,18 +58,20 @@ struct Mean {
 };
 
 struct Means {
-  std::vector<Mean> of;          // the algorithms, in the order of the runs
+  std::vector<Mean> of;          // the algorithms, in the order of the options
   std::set<std::size_t> models;  // those that every algorithm learned rightly
 };
 
-Means compute_means(std::span<const BenchRun> runs) {
+// A run that is missing, after an interruption, is none that was right.
+Means compute_means(std::span<const BenchRun> runs, const BenchOptions& options) {
   Means means;
   std::map<std::string_view, std::size_t> places;
   std::map<std::size_t, std::size_t> right;
+  for (const LearnerEntry* algorithm : bench_learners(options)) {
+    places.emplace(algorithm->name, means.of.size());
+    means.of.emplace_back().algorithm = algorithm->name;
+  }
   for (const BenchRun& run : runs) {
-    if (places.try_emplace(run.algorithm, means.of.size()).second) {
-      means.of.emplace_back().algorithm = run.algorithm;
-    }
     if (run.outcome == BenchOutcome::right) ++right[run.model];
   }
   for (const auto& [model, count] : right) {
@@ -97,6 +99,7 @@ bool have_peers(const std::vector<BenchModel>& models, const Means& means) {
 
 BenchTable::BenchTable(const std::vector<BenchModel>& models, const BenchOptions& options)
     : models_(models),
+      options_(options),
       is_perfect_(options.test_method == perfect),
       name_width_(std::string_view("model").size()),
       model_(models.size()) {
@@ -164,7 +167,7 @@ std::string BenchTable::line(const BenchRun& run) {
 
 std::string BenchTable::end(std::span<const BenchRun> runs) {
   std::string text = peers();
-  const Means means = compute_means(runs);
+  const Means means = compute_means(runs, options_);
   if (means.models.empty()) return text + legend();
   const std::size_t count = means.models.size();
   text += fmt::format("\nMeans of the {} that every learner learned rightly; CPU seconds in all\n",
@@ -281,7 +284,7 @@ Json bench_json(const BenchFolder& folder, const BenchOptions& options,
             {"complete", is_complete},
             {"runs", Json::array()}};
   for (const BenchRun& run : runs) json["runs"].push_back(run_json(folder.models[run.model], run));
-  const Means means = compute_means(runs);
+  const Means means = compute_means(runs, options);
   json["means"] = means_json(means);
   json["peers"] = Json::array();
   for (const BenchModel& model : folder.models) {

@@ -14,7 +14,7 @@ namespace maide::cli {
 // The table, a piece at a time, so that it can be watched.
 class BenchTable {
  public:
-  // Keeps both. `is_perfect`: equivalence queries go to a perfect oracle.
+  // Keeps references to both.
   BenchTable(const std::vector<BenchModel>& models, const BenchOptions& options);
 
   std::string head() const;
@@ -28,6 +28,7 @@ class BenchTable {
   std::string legend() const;
 
   const std::vector<BenchModel>& models_;
+  const BenchOptions& options_;
   bool is_perfect_;
   bool has_peers_ = false;  // other tools' figures were printed
   std::size_t name_width_ = 0;

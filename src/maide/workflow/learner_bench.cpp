@@ -6,16 +6,17 @@
 #include <memory>
 #include <mutex>
 #include <new>
+#include <system_error>
 #include <thread>
 #include <utility>
 
 #include "maide/automata/compare.hpp"
 #include "maide/automata/minimize.hpp"
 #include "maide/base/error.hpp"
+#include "maide/conformance/test_chain.hpp"
 #include "maide/formats/model_file.hpp"
 #include "maide/learn/cache.hpp"
 #include "maide/learn/counting_oracle.hpp"
-#include "maide/learn/learners.hpp"
 #include "maide/learn/mealy_oracle.hpp"
 #include "maide/sul/ia_translation.hpp"
 #include "maide/workflow/paced_oracle.hpp"
@@ -29,13 +30,33 @@ bool is_model_file(const fs::path& path) {
   return path.extension() == ".dot" || path.extension() == ".gv" || path.extension() == ".aut";
 }
 
+Mealy minimal_machine(const Mealy& machine) {
+  if (machine.inputs().size() == 0) throw UsageError("the model has no inputs");
+  return minimize(machine);
+}
+
 Mealy read_machine(const fs::path& path) {
   const Model model = read_model(path);
   if (const auto* automaton = std::get_if<InterfaceAutomaton>(&model)) {
-    return minimize(to_mealy(*automaton, Translation::eager));
+    return minimal_machine(to_mealy(*automaton, Translation::eager));
   }
-  if (const auto* machine = std::get_if<Mealy>(&model)) return minimize(*machine);
+  if (const auto* machine = std::get_if<Mealy>(&model)) return minimal_machine(*machine);
   throw UsageError("the model is nondeterministic");
+}
+
+std::vector<fs::path> find_model_files(const fs::path& folder) {
+  std::vector<fs::path> files;
+  std::error_code failure, ignored;
+  for (fs::directory_iterator entry(folder, failure), end; !failure && entry != end;
+       entry.increment(failure)) {
+    if (is_model_file(entry->path()) && entry->is_regular_file(ignored)) {
+      files.push_back(entry->path());
+    }
+  }
+  if (failure) {
+    throw UsageError("cannot read the folder: " + failure.message() + " (" + folder.string() + ")");
+  }
+  return files;
 }
 
 double thread_cpu_seconds() {
@@ -63,16 +84,16 @@ class Asked : public CountingOracle {
 // One learner on one machine.
 class Measurement {
  public:
-  Measurement(const Mealy& machine, const LearnerEntry& algorithm, const BenchOptions& options)
+  Measurement(const Mealy& machine, const LearnerEntry& algorithm, const TestChain& method,
+              const BenchOptions& options)
       : machine_(machine),
         system_(machine),
         sent_(system_),
         paced_(sent_, pace(options)),
         cache_(paced_),
         asked_(options.use_cache ? static_cast<OutputOracle&>(cache_) : paced_, sent_),
-        tests_(
-            find_test_method(options.test_method)
-                .make({asked_, options.use_cache ? &cache_ : nullptr, &machine}, options.testing)),
+        tests_(method.make({asked_, options.use_cache ? &cache_ : nullptr, &machine},
+                           options.testing)),
         teacher_(*tests_, sent_),
         learner_(algorithm.make(asked_)) {}
 
@@ -126,13 +147,16 @@ class Bench {
  public:
   Bench(const std::vector<BenchModel>& models, const BenchOptions& options,
         const std::function<void(const BenchRun&)>& on_run, const RunControl& control)
-      : models_(models), options_(options), on_run_(on_run), control_(control) {
-    for (const std::string& name : options.algorithms) algorithms_.push_back(&find_learner(name));
-    if (algorithms_.empty()) {
-      for (const LearnerEntry& entry : learners()) algorithms_.push_back(&entry);
-    }
+      : models_(models),
+        options_(options),
+        on_run_(on_run),
+        control_(control),
+        method_(options.test_method),
+        algorithms_(bench_learners(options)) {
     // What cannot work is found before threads are started.
-    if (!models.empty()) Measurement(models.front().machine, *algorithms_.front(), options);
+    if (!models.empty()) {
+      Measurement(models.front().machine, *algorithms_.front(), method_, options);
+    }
     runs_.resize(models.size() * algorithms_.size());
   }
 
@@ -157,20 +181,36 @@ class Bench {
 
  private:
   void work() {
-    while (!control_.should_stop() && !is_failed_) {
-      const std::size_t index = next_++;
-      if (index >= runs_.size()) return;
-      BenchRun run;
-      run.model = index / algorithms_.size();
-      const LearnerEntry& algorithm = *algorithms_[index % algorithms_.size()];
-      run.algorithm = algorithm.name;
-      RunControl limited;
-      limited.stop = control_.stop;
-      if (options_.seconds) limited.deadline = deadline_in(*options_.seconds);
-      Measurement(models_[run.model].machine, algorithm, options_).run(run, limited);
-      if (run.outcome == BenchOutcome::unfinished && control_.should_stop()) return;
-      deliver(index, std::move(run));
+    try {
+      while (!control_.should_stop() && !is_failed_) {
+        const std::size_t index = next_++;
+        if (index >= runs_.size()) return;
+        BenchRun run = measure(index);
+        if (run.outcome == BenchOutcome::unfinished && control_.should_stop()) return;
+        deliver(index, std::move(run));
+      }
+    } catch (...) {  // for example whoever listens cannot go on, because the disk is full
+      const std::lock_guard lock(mutex_);
+      failure_ = std::current_exception();
+      is_failed_ = true;
     }
+  }
+
+  BenchRun measure(std::size_t index) const {
+    BenchRun run;
+    run.model = index / algorithms_.size();
+    const LearnerEntry& algorithm = *algorithms_[index % algorithms_.size()];
+    run.algorithm = algorithm.name;
+    RunControl limited;
+    limited.stop = control_.stop;
+    if (options_.seconds) limited.deadline = deadline_in(*options_.seconds);
+    try {
+      Measurement(models_[run.model].machine, algorithm, method_, options_).run(run, limited);
+    } catch (const Error& error) {  // a learner or a method that cannot begin on this machine
+      run.outcome = BenchOutcome::unfinished;
+      run.error = error.what();
+    }
+    return run;
   }
 
   void deliver(std::size_t index, BenchRun run) {
@@ -181,13 +221,8 @@ class Bench {
     progress.done = ++done_;
     progress.total = runs_.size();
     control_.report(progress);
-    try {
-      for (; delivered_ < runs_.size() && runs_[delivered_] && !is_failed_; ++delivered_) {
-        on_run_(*runs_[delivered_]);
-      }
-    } catch (...) {  // whoever listens cannot go on, for example because the disk is full
-      failure_ = std::current_exception();
-      is_failed_ = true;
+    for (; delivered_ < runs_.size() && runs_[delivered_] && !is_failed_; ++delivered_) {
+      on_run_(*runs_[delivered_]);
     }
   }
 
@@ -195,6 +230,7 @@ class Bench {
   const BenchOptions& options_;
   const std::function<void(const BenchRun&)>& on_run_;
   const RunControl& control_;
+  TestChain method_;
   std::vector<const LearnerEntry*> algorithms_;
   std::atomic<std::size_t> next_{0};
   std::atomic<bool> is_failed_{false};
@@ -216,13 +252,11 @@ std::string_view to_string(BenchOutcome outcome) {
 }
 
 BenchFolder read_bench_folder(const fs::path& folder) {
-  if (!fs::is_directory(folder)) {
+  std::error_code ignored;
+  if (!fs::is_directory(folder, ignored)) {
     throw UsageError("there is no such folder (" + folder.string() + ")");
   }
-  std::vector<fs::path> files;
-  for (const auto& entry : fs::directory_iterator(folder)) {
-    if (entry.is_regular_file() && is_model_file(entry.path())) files.push_back(entry.path());
-  }
+  std::vector<fs::path> files = find_model_files(folder);
   if (files.empty()) throw UsageError("no model files are there (" + folder.string() + ")");
   std::sort(files.begin(), files.end(), [](const fs::path& left, const fs::path& right) {
     return std::pair(left.stem(), left) < std::pair(right.stem(), right);
@@ -240,6 +274,19 @@ BenchFolder read_bench_folder(const fs::path& folder) {
     }
   }
   return result;
+}
+
+std::vector<const LearnerEntry*> bench_learners(const BenchOptions& options) {
+  std::vector<const LearnerEntry*> algorithms;
+  for (const std::string& name : options.algorithms) {
+    const LearnerEntry* const entry = &find_learner(name);
+    if (std::find(algorithms.begin(), algorithms.end(), entry) == algorithms.end()) {
+      algorithms.push_back(entry);
+    }
+  }
+  if (!options.algorithms.empty()) return algorithms;
+  for (const LearnerEntry& entry : learners()) algorithms.push_back(&entry);
+  return algorithms;
 }
 
 bool run_bench(const std::vector<BenchModel>& models, const BenchOptions& options,

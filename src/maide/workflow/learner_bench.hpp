@@ -19,6 +19,7 @@
 #include "maide/automata/mealy.hpp"
 #include "maide/base/run_control.hpp"
 #include "maide/conformance/test_methods.hpp"
+#include "maide/learn/learners.hpp"
 #include "maide/learn/statistics.hpp"
 
 namespace maide {
@@ -34,12 +35,13 @@ struct BenchFolder {
 };
 
 // All model files of the folder, not of those in it. An interface automaton counts as its Mealy
-// machine (eager). Throws UsageError if there is no such folder or no model file in it.
+// machine (eager); one without inputs counts as unreadable. Throws UsageError if there is no such
+// folder, it cannot be read, or no model file is in it.
 BenchFolder read_bench_folder(const std::filesystem::path& folder);
 
 struct BenchOptions {
-  std::vector<std::string> algorithms;  // names of learners(); empty: all
-  std::string test_method = "perfect";  // a name of test_methods()
+  std::vector<std::string> algorithms;  // names of learners(), each counts once; empty: all
+  std::string test_method = "perfect";  // as TestChain reads it
   TestMethodOptions testing;            // seed, extra states, ...
   bool use_cache = true;
   // Limits of one run; one that reaches a limit is reported as unfinished.
@@ -47,6 +49,9 @@ struct BenchOptions {
   std::uint64_t max_experiments = 0;  // words that reach the system; 0: no limit
   std::size_t jobs = 0;               // runs at once; 0: one for each processor
 };
+
+// The learners that are measured, in their order. Throws UsageError for a name that is none.
+std::vector<const LearnerEntry*> bench_learners(const BenchOptions& options);
 
 enum class BenchOutcome : std::uint8_t {
   right,       // equivalent to the model, and minimal

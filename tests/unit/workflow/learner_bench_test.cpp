@@ -77,6 +77,15 @@ TEST(LearnerBench, RefusesUnknownNamesBeforeAnythingIsRun) {
   EXPECT_THROW(run_bench(random_models(1), method, none), UsageError);
 }
 
+TEST(LearnerBench, AnAlgorithmThatIsNamedTwiceCountsOnce) {
+  BenchOptions options;
+  options.algorithms = {"rs", "lsharp", "rs"};
+  const std::vector<const LearnerEntry*> algorithms = bench_learners(options);
+  ASSERT_EQ(algorithms.size(), 2U);
+  EXPECT_EQ(algorithms[1]->name, "lsharp");
+  EXPECT_EQ(bench_learners({}).size(), learners().size());
+}
+
 TEST(PeerFigures, AreFoundByNamesInAlphabeticalOrder) {
   EXPECT_FALSE(are_the_41_models({}));
   const std::vector<std::string> some{"BitVise", "DropBear"};
