@@ -181,10 +181,12 @@ class ProductGraph {
   }
 
   std::uint64_t bytes() const { return table_.peak_bytes() + nodes_.capacity() * sizeof(State); }
-  // What it may take to add `count` nodes.
+  // What it may take to add `count` nodes, and to list them in the end.
   std::uint64_t growth_bytes(std::size_t count) const {
-    return table_.growth_bytes() +
-           (nodes_.size() + count > nodes_.capacity() ? 2 * nodes_.capacity() * sizeof(State) : 0);
+    const std::uint64_t list = !lists_nodes_                               ? size()
+                               : nodes_.size() + count > nodes_.capacity() ? 2 * nodes_.capacity()
+                                                                           : 0;
+    return table_.growth_bytes() + list * sizeof(State);
   }
 
  private:

@@ -305,7 +305,7 @@ class StateTable {
   // Large ones are pages of their own: zero, and given back at once.
   static bool is_mapped(std::uint64_t bytes) { return bytes >= 2 * huge_page; }
   static std::uint64_t mapped_bytes(std::uint64_t bytes) {
-    return (bytes + huge_page - 1) / huge_page * huge_page;
+    return is_mapped(bytes) ? (bytes + huge_page - 1) / huge_page * huge_page : bytes;
   }
   static unsigned char* map_zeros(std::uint64_t bytes) {
     if (!is_mapped(bytes)) {
@@ -314,20 +314,19 @@ class StateTable {
       return static_cast<unsigned char*>(data);
     }
     // One huge page more, and what is not on their bounds is given back.
-    const std::uint64_t size = mapped_bytes(bytes);
-    void* mapped = ::mmap(nullptr, size + huge_page, PROT_READ | PROT_WRITE,
+    void* mapped = ::mmap(nullptr, bytes + huge_page, PROT_READ | PROT_WRITE,
                           MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
     if (mapped == MAP_FAILED) throw std::bad_alloc();
     auto* const start = static_cast<unsigned char*>(mapped);
     const std::uint64_t before = -reinterpret_cast<std::uintptr_t>(start) % huge_page;
     if (before > 0) ::munmap(start, before);
-    if (before < huge_page) ::munmap(start + before + size, huge_page - before);
-    ::madvise(start + before, size, MADV_HUGEPAGE);
+    if (before < huge_page) ::munmap(start + before + bytes, huge_page - before);
+    ::madvise(start + before, bytes, MADV_HUGEPAGE);
     return start + before;
   }
   static void unmap(const Segment& segment) {
     if (is_mapped(segment.bytes)) {
-      ::munmap(segment.data, mapped_bytes(segment.bytes));
+      ::munmap(segment.data, segment.bytes);
     } else {
       std::free(segment.data);
     }
@@ -345,23 +344,29 @@ class StateTable {
     segment.low_mask = low_bits(8 * segment.low_bytes);
     segment.width = segment.low_bytes + rest_bytes;
     // Entries are read eight bytes at a time, the last one too.
-    segment.bytes = (slots + most_distance + 1) * segment.width + 8;
+    segment.bytes = mapped_bytes((slots + most_distance + 1) * segment.width + 8);
     segment.data = map_zeros(segment.bytes);
     bytes_ += segment.bytes;
     peak_bytes_ = std::max(peak_bytes_, bytes_);
   }
 
+  void release(const Segment& segment) {
+    unmap(segment);
+    bytes_ -= segment.bytes;
+  }
+
+  // Throws std::bad_alloc, and then the segment is what it was.
   void grow(Segment& segment) {
-    Segment old = segment;
-    for (std::uint64_t slots = old.slots + old.slots * 2 / 5 + 8;; slots += slots / 4) {
-      segment = {};
-      allocate(segment, slots);
-      if (copy(old, segment)) break;
-      unmap(segment);
-      bytes_ -= segment.bytes;
+    for (std::uint64_t slots = segment.slots + segment.slots * 2 / 5 + 8;; slots += slots / 4) {
+      Segment larger;
+      allocate(larger, slots);
+      if (copy(segment, larger)) {
+        release(segment);
+        segment = larger;
+        return;
+      }
+      release(larger);
     }
-    unmap(old);
-    bytes_ -= old.bytes;
   }
 
   // In the order of homes, but those of one home are in none: where they part, some come late.

@@ -9,8 +9,9 @@
 namespace maide {
 namespace {
 
-// Pairs of actions in a state, to be looked at for one model.
-constexpr std::uint64_t most_pairs = std::uint64_t{1} << 24;
+// Of one model, times its states: pairs of actions, programs with actions. A larger one would take
+// longer than the order of its steps saves.
+constexpr std::uint64_t most_pairs = std::uint64_t{1} << 20;
 
 bool is_same_action(const ProgramEdge& left, const ProgramEdge& right) {
   return left.kind == right.kind &&
@@ -52,8 +53,9 @@ void StepOrder::add_model(const System& system, std::uint32_t model) {
   }
   if (actions.empty()) return;
   const std::size_t states = system.models[model].automaton.size();
+  const std::size_t widest = std::max(actions.size(), system.programs.size());
   const bool is_known =
-      actions.size() <= no_action && states * actions.size() * actions.size() <= most_pairs;
+      actions.size() <= no_action && states * actions.size() * widest <= most_pairs;
   // By action and state: what commutes with it.
   std::vector<std::vector<std::uint64_t>> commuting(actions.size());
   if (is_known) {
@@ -77,9 +79,11 @@ void StepOrder::add_model(const System& system, std::uint32_t model) {
           first.try_emplace(action, static_cast<std::uint32_t>(lasts_.size()));
       steps_[p][i] = {model, action, place->second};
       if (!is_new) continue;
-      for (StateId at = 0; at < states; ++at) {
-        lasts_.push_back({is_known ? commuting[action][at] : 0, model, p});
+      if (!is_known) {
+        lasts_.push_back({0, model, p});
+        continue;
       }
+      for (StateId at = 0; at < states; ++at) lasts_.push_back({commuting[action][at], model, p});
     }
   }
 }

@@ -42,8 +42,8 @@ class StepOrder {
   std::uint32_t behind(const PackedSystem& packed, const PackedState<words>& state,
                        std::size_t program, std::uint32_t edge) const {
     const Step& step = steps_[program][edge];
-    return step.model < no_model - 1 ? step.first + packed.model_state(state, step.model)
-                                     : step.first;
+    if (step.action == no_action) return step.first;
+    return step.first + packed.model_state(state, step.model);
   }
   const Last& operator[](std::uint32_t index) const { return lasts_[index]; }
 
@@ -55,11 +55,11 @@ class StepOrder {
 
  private:
   static constexpr std::uint32_t no_model = ~std::uint32_t{0};
-  static constexpr std::uint32_t no_action = 63;  // never commutes
+  static constexpr std::uint32_t no_action = 63;  // or one of which nothing is known
   struct Step {
     std::uint32_t model = no_model - 1;  // of a choice: none
     std::uint32_t action = no_action;
-    std::uint32_t first = first_state;  // in lasts_, by the model's state if there is an action
+    std::uint32_t first = first_state;  // in lasts_; of an action by the model's state
   };
 
   void add_model(const System& system, std::uint32_t model);
