@@ -16,6 +16,9 @@ void check(const InfixLaw& law) {
   if (!(law.mean >= 0 && law.mean <= 1e6)) {
     throw UsageError(fmt::format("{} is no mean length of an infix", law.mean));
   }
+  if (law.min > 1'000'000) {
+    throw UsageError(fmt::format("an infix of at least {} inputs is too long", law.min));
+  }
 }
 
 }  // namespace

@@ -23,6 +23,10 @@ RandomWords::RandomWords(OutputOracle& oracle, RandomWordsOptions options)
     throw UsageError(fmt::format("random words of length {} to {} cannot be", options.min_length,
                                  options.max_length));
   }
+  constexpr std::size_t longest = 1'000'000;
+  if (std::max(options.min_length, options.max_length) > longest) {
+    throw UsageError(fmt::format("random words of more than {} inputs are too long", longest));
+  }
 }
 
 std::optional<Word> RandomWords::find_counterexample(const Mealy& hypothesis,

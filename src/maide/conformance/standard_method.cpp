@@ -16,7 +16,12 @@ StandardMethod::Plan StandardMethod::make_plan(const IdentifierSuite& suite,
                                                const Mealy& hypothesis) const {
   const std::uint64_t budget =
       options_.max_tests.value_or(1000 + 50 * hypothesis.size() * hypothesis.inputs().size());
-  if (*suite.size() <= budget) return {*suite.size(), options_.random_tests, 0};
+  // Within a limit that was given, random tests come out of what is left of it.
+  const auto at_least = [&](std::uint64_t spent) {
+    return options_.max_tests ? std::min(options_.random_tests, budget - spent)
+                              : options_.random_tests;
+  };
+  if (*suite.size() <= budget) return {*suite.size(), at_least(*suite.size()), 0};
   const std::uint64_t before = std::min(suite.size_up_to(0), budget);
   std::uint64_t all = before;
   for (std::size_t extra = 1; extra <= options_.extra_states; ++extra) {
@@ -24,7 +29,7 @@ StandardMethod::Plan StandardMethod::make_plan(const IdentifierSuite& suite,
     if (deeper > budget / 2) break;
     all = deeper;
   }
-  return {before, std::max(options_.random_tests, budget - all), all - before};
+  return {before, std::max(at_least(all), budget - all), all - before};
 }
 
 std::optional<Word> StandardMethod::find_counterexample(const Mealy& hypothesis,

@@ -310,6 +310,7 @@ TEST(StandardMethod, SharesItsBudget) {
   EXPECT_EQ(little.find_counterexample(machine), std::nullopt);
   EXPECT_NE(little.guarantee().find("not refuted by 5 tests of hybrid ADS, cut off before"),
             std::string::npos);
+  EXPECT_NE(little.guarantee().find("not refuted by 0 random tests"), std::string::npos);
 }
 
 }  // namespace

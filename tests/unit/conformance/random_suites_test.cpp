@@ -174,6 +174,13 @@ TEST(RandomMethods, EachQueryDrawsAnewAndTheSameSeedIsTheSameRun) {
   EXPECT_NE(walked, words_of<RandomWalk>(RandomWalkOptions{.max_steps = 500, .seed = 4}, 2));
 }
 
+TEST(RandomMethods, RefuseLengthsThatNobodyMeans) {
+  const Mealy machine = single_state();
+  MealyOracle oracle(machine);
+  EXPECT_THROW(RandomWords(oracle, {.max_length = ~std::size_t{0}}), UsageError);
+  EXPECT_THROW(RandomMethod(oracle, hads_identifiers, {.infix = {~std::size_t{0}, 1}}), UsageError);
+}
+
 TEST(RandomMethods, SayWhatTheyDid) {
   const Mealy machine = single_state();
   MealyOracle oracle(machine);
