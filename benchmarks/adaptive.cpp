@@ -62,7 +62,7 @@ Cost measure(const LearnerEntry& algorithm, const Mealy& model, const Mealy* old
   links.push_back(std::make_unique<PerfectOracle>(model));
   ChainOracle teacher(std::move(links));
   const auto learner = old_model != nullptr && algorithm.make_from != nullptr
-                           ? algorithm.make_from(cache, *old_model)
+                           ? algorithm.make_from(cache, *old_model, {})
                            : algorithm.make(cache);
   const LearnResult result = run_learner(*learner, teacher);
   const QueryCounts counts = counter.statistics().total();

@@ -44,7 +44,7 @@ Cost learn_from(const LearnerEntry& algorithm, const Mealy& reference, const Mea
   links.push_back(std::make_unique<PerfectOracle>(reference));
   ChainOracle teacher(std::move(links));
   const auto learner = old_model != nullptr && algorithm.make_from != nullptr
-                           ? algorithm.make_from(cache, *old_model)
+                           ? algorithm.make_from(cache, *old_model, {})
                            : algorithm.make(cache);
   const LearnResult result = run_learner(*learner, teacher);
   EXPECT_FALSE(find_difference(reference, result.model).has_value());

@@ -18,7 +18,8 @@ struct LearnerEntry {
   std::unique_ptr<Learner> (*make)(OutputOracle& oracle);
   // The same, starting from a model of an earlier version of the system; null: the algorithm has no
   // use for one, and the words of old_model.hpp are tested first instead.
-  std::unique_ptr<Learner> (*make_from)(OutputOracle& oracle, const Mealy& old_model) = nullptr;
+  std::unique_ptr<Learner> (*make_from)(OutputOracle& oracle, const Mealy& old_model,
+                                        const RunControl& control) = nullptr;
 };
 
 // All of them, the default first.

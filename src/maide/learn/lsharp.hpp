@@ -53,7 +53,8 @@ class LSharp : public Learner {
   // Keeps a reference to `oracle`. Throws UsageError if it has no inputs.
   explicit LSharp(OutputOracle& oracle, Separation separation = Separation::adaptive);
   // The same, starting from a model of an earlier version; its inputs go by name.
-  LSharp(OutputOracle& oracle, const Mealy& old_model, Separation separation);
+  LSharp(OutputOracle& oracle, const Mealy& old_model, Separation separation,
+         const RunControl& control);
 
   void start(const RunControl& control = {}) override { complete(control); }
   void refine(const Word& counterexample, const RunControl& control = {}) override;

@@ -18,9 +18,10 @@ Word joined(Word word, const Word& suffix) {
 
 }  // namespace
 
-LSharp::LSharp(OutputOracle& oracle, const Mealy& old_model, Separation separation)
+LSharp::LSharp(OutputOracle& oracle, const Mealy& old_model, Separation separation,
+               const RunControl& control)
     : LSharp(oracle, separation) {
-  matching_.emplace(OldModel(old_model, oracle.inputs()));
+  matching_.emplace(OldModel(old_model, oracle.inputs(), control));
 }
 
 // Asks for old states that no state of the basis is matched with, where the old model expects them;

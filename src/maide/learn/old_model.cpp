@@ -38,7 +38,7 @@ Word joined(Word word, const Word& suffix) {
 
 }  // namespace
 
-OldModel::OldModel(const Mealy& machine, const Alphabet& inputs)
+OldModel::OldModel(const Mealy& machine, const Alphabet& inputs, const RunControl& control)
     : machine_(restrict_inputs(machine, inputs)), to_old_(inputs.size(), unknown) {
   for (Symbol input = 0; input < machine_.inputs().size(); ++input) {
     const Symbol now = inputs.at(machine_.inputs().name(input));
@@ -51,7 +51,7 @@ OldModel::OldModel(const Mealy& machine, const Alphabet& inputs)
     return;
   }
   machine_ = minimize(machine_);
-  learn_itself();
+  learn_itself(control);
   find_identifying_words();
 }
 
@@ -59,12 +59,12 @@ OldModel::~OldModel() = default;
 OldModel::OldModel(OldModel&&) noexcept = default;
 OldModel& OldModel::operator=(OldModel&&) noexcept = default;
 
-void OldModel::learn_itself() {
+void OldModel::learn_itself(const RunControl& control) {
   MealyOracle oracle(machine_);
   LSharp learner(oracle);
-  learner.start();
+  learner.start(control);
   while (const auto word = find_distinguishing_word(learner.hypothesis(), machine_)) {
-    learner.refine(*word);
+    learner.refine(*word, control);
   }
   knowledge_ = std::make_unique<Apartness>(learner.knowledge());
   basis_state_.resize(machine_.size());

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "maide/automata/mealy.hpp"
+#include "maide/base/run_control.hpp"
 
 namespace maide {
 
@@ -21,8 +22,9 @@ class Apartness;
 
 class OldModel {
  public:
-  // Of a complete machine, for a system with these inputs. Inputs go by name. O(learning it).
-  OldModel(const Mealy& machine, const Alphabet& inputs);
+  // Of a complete machine, for a system with these inputs. Inputs go by name. O(learning it);
+  // throws Interrupted if `control` says so.
+  OldModel(const Mealy& machine, const Alphabet& inputs, const RunControl& control = {});
   ~OldModel();
   OldModel(OldModel&&) noexcept;
   OldModel& operator=(OldModel&&) noexcept;
@@ -54,7 +56,7 @@ class OldModel {
  private:
   static constexpr Symbol unknown = ~Symbol{0};
 
-  void learn_itself();
+  void learn_itself(const RunControl& control);
   void find_identifying_words();
   Word to_new(const Word& word) const;
 

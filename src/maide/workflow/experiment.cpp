@@ -110,14 +110,14 @@ class Run {
         old_model_ = learn_passively(*options_.traces, control_).machine;
       }
     } else if (options_.old_model) {
-      const OldModel old_model(*options_.old_model, cache_->inputs());
+      const OldModel old_model(*options_.old_model, cache_->inputs(), control_);
       const std::vector<Word> words = old_model.test_words();
       known_words_.insert(known_words_.end(), words.begin(), words.end());
     }
   }
 
   std::unique_ptr<Learner> make_learner() {
-    return old_model_ ? algorithm_.make_from(*cache_, *old_model_) : algorithm_.make(*cache_);
+    return old_model_ ? algorithm_.make_from(*cache_, *old_model_, control_) : algorithm_.make(*cache_);
   }
 
   // False if it must be done again on a corrected cache.
