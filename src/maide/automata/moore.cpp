@@ -33,8 +33,9 @@ std::optional<std::vector<std::string>> find_state_outputs(const Mealy& machine)
       output = name;
     }
   }
+  // A state that nothing leads to may have any.
   std::vector<std::string> result;
-  for (const auto& output : outputs) result.push_back(output.value_or(machine.outputs().name(0)));
+  for (const auto& output : outputs) result.push_back(output ? *output : *initial);
   return result;
 }
 

@@ -35,9 +35,13 @@ class DotReader {
     if (!is_moore()) return to_model(graph_);
     put_outputs_on_edges();
     Model model = to_model(graph_);
-    if (auto* machine = std::get_if<Mealy>(&model)) {
-      mark_as_moore(*machine, is_dfa_ ? "dfa" : "moore", outputs_[graph_.initial]);
+    auto* machine = std::get_if<Mealy>(&model);
+    if (machine == nullptr) {
+      throw ParseError(std::string("a ") + (is_dfa_ ? "DFA" : "Moore machine") +
+                           " has one transition for each input, and this one has several",
+                       {graph_.file, 1, 1});
     }
+    mark_as_moore(*machine, is_dfa_ ? "dfa" : "moore", outputs_[graph_.initial]);
     return model;
   }
 

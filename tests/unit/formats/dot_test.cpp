@@ -254,6 +254,17 @@ TEST(Dot, OutputsInStatesMakeAMooreMachine) {
 }
 
 // A Mealy machine that is marked, but minimal as one, is written with the states that it lacks.
+TEST(Dot, AMachineWithoutInputsHasAnOutput) {
+  const Mealy machine = mealy_of("digraph g { s0 [shape=doublecircle]; }");
+  EXPECT_EQ(find_state_outputs(machine), (std::vector<std::string>{"accept"}));
+}
+
+TEST(Dot, ANondeterministicDfaIsNone) {
+  EXPECT_THAT(error_of("digraph g { a [shape=doublecircle]; a -> a [label=i]; a -> b [label=i]; "
+                       "b -> b [label=i]; }"),
+              HasSubstr("a DFA has one transition for each input"));
+}
+
 TEST(Dot, WritesAllStatesOfAMooreMachine) {
   Random random(7);
   for (int i = 0; i < 20; ++i) {
