@@ -283,6 +283,19 @@ std::string log_of(const std::string& model, std::size_t longest) {
   return text.str();
 }
 
+TEST(Learn, OverwritesNoFileThatItUses) {
+  const TempDir folder("learn-test");
+  const std::string file = (folder.path() / "file").string();
+  const std::string other = (folder.path() / "." / "file").string();
+  for (const char* option : {"--plot", "--cache"}) {
+    expect_error(run_maide(learn({"port", option, file, "-o", other})), 2,
+                 "--output and " + std::string(option) + " are the same file");
+  }
+  expect_error(run_maide(learn({"port", "--cache", file, "--plot", other})), 2,
+               "--plot and --cache are the same file");
+  EXPECT_FALSE(std::filesystem::exists(file));
+}
+
 TEST(Learn, LearnsFromALogAlone) {
   const TempDir folder("learn-test");
   const std::string log = (folder.path() / "log.jsonl").string();
@@ -298,6 +311,10 @@ TEST(Learn, LearnsFromALogAlone) {
       find_difference(learned, to_mealy(read_interface_automaton(model), Translation::eager)));
   EXPECT_THAT(learned.origin.at("passive"), HasSubstr("1023 traces alone"));
   EXPECT_TRUE(run_maide(learn({"--from-traces", log})).out.starts_with("digraph "));
+  expect_error(run_maide(learn({"--from-traces", log, "--plot", file})), 2,
+               "--plot needs a system");
+  expect_error(run_maide(learn({"--from-traces", log, "-o", log})), 2,
+               "--output and --from-traces are the same file");
 }
 
 TEST(Learn, LearnsFromACacheAlone) {

@@ -145,4 +145,11 @@ void check_can_write(const fs::path& path) {
   if (!fs::is_directory(folder, ignored)) fail("write", ENOTDIR, path);
 }
 
+bool is_same_file(const fs::path& left, const fs::path& right) {
+  std::error_code error;
+  if (fs::equivalent(left, right, error)) return true;
+  const fs::path a = fs::weakly_canonical(left, error), b = fs::weakly_canonical(right, error);
+  return !a.empty() && a == b;
+}
+
 }  // namespace maide

@@ -27,4 +27,7 @@ void write_file_atomically(const std::filesystem::path& path,
 // far as it can be foreseen (no such folder, no permission, a folder). Writes nothing.
 void check_can_write(const std::filesystem::path& path);
 
+// Whether both names are of one file, there or not.
+bool is_same_file(const std::filesystem::path& left, const std::filesystem::path& right);
+
 }  // namespace maide

@@ -2,12 +2,14 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <chrono>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <sstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "maide/automata/moore.hpp"
@@ -183,10 +185,32 @@ void keep_origin(LearnedModel& learned, const SystemSpec& spec, const SulInfo& i
              *learned.model);
 }
 
+// A file that is written must be none of those that are read or written otherwise.
+void check_distinct(const LearnArguments& arguments) {
+  const std::pair<std::string, std::string> files[]{{"--output", arguments.output},
+                                                    {"--plot", arguments.plot},
+                                                    {"--cache", arguments.cache},
+                                                    {"--from-traces", arguments.from_traces},
+                                                    {"--purpose", arguments.purpose}};
+  for (auto left = std::begin(files); left != std::end(files); ++left) {
+    for (auto right = left + 1; right != std::end(files); ++right) {
+      // A cache may be a log of its own run; nothing else may meet.
+      if (left->first == "--cache" && right->first == "--from-traces") continue;
+      if (left->second.empty() || right->second.empty()) continue;
+      if (is_same_file(left->second, right->second)) {
+        throw UsageError(fmt::format("{} and {} are the same file ({})", left->first, right->first,
+                                     right->second));
+      }
+    }
+  }
+}
+
 ExitStatus learn(const LearnArguments& arguments, Context& context) {
+  check_distinct(arguments);
   if (arguments.sul.empty() && !arguments.from_traces.empty()) {
-    if (!arguments.start_from.empty()) throw UsageError("--start-from needs a system");
-    return learn_from_traces(arguments.from_traces, arguments.output, context);
+    RunControl control = context.control();
+    if (arguments.time_limit) control.deadline = deadline_in(*arguments.time_limit);
+    return learn_from_traces(arguments.from_traces, arguments.output, control, context);
   }
   const SystemSpec spec = parse_system_spec(arguments.sul, arguments.key_values);
   SystemAccess access;
@@ -259,7 +283,8 @@ void add_limits(CLI::App& app, LearnArguments& arguments) {
                  "How they are drawn: off-sinks (seldom those that lead where most transitions "
                  "lead; the default) or uniform (likewise)")
       ->check(CLI::IsMember({"off-sinks", "uniform"}));
-  app.add_option("--max-tests", arguments.max_tests, "Most tests of one equivalence query")
+  app.add_option("--max-tests", arguments.max_tests,
+                 "Most tests of one equivalence query, of each of its methods")
       ->check(check_count);
   app.add_option("--max-experiments", arguments.max_experiments,
                  "Most words run on the system in all; 0: no limit")
@@ -281,6 +306,20 @@ void add_confirmation(CLI::App& app, LearnArguments& arguments) {
                  "Most times that a word is asked again until a majority decides; then the system "
                  "is nondeterministic (exit status 3)")
       ->check(CLI::Range(10, 100000));
+}
+
+// A log alone has no use for anything that is about asking.
+void check_without_system(const CLI::App& app, const LearnArguments& arguments) {
+  if (arguments.from_traces.empty()) throw UsageError("SUL is required");
+  const std::vector<std::string> useful{"--from-traces", "--output", "--time",
+                                        "--json",        "--quiet",  "--verbose"};
+  for (const CLI::Option* option : app.get_options()) {
+    const std::string name = option->get_name();
+    if (option->count() == 0 || std::find(useful.begin(), useful.end(), name) != useful.end()) {
+      continue;
+    }
+    throw UsageError(name + " needs a system: --from-traces alone asks none");
+  }
 }
 
 }  // namespace
@@ -332,8 +371,8 @@ RunFunction set_up_learn(CLI::App& app) {
   add_seed_option(app, arguments->seed);
   app.add_flag("--list-options", arguments->list_options,
                "List the options of the system, with defaults and allowed values, and exit");
-  return [arguments, sul](Context& context) {
-    if (sul->count() == 0 && arguments->from_traces.empty()) throw UsageError("SUL is required");
+  return [arguments, sul, &app](Context& context) {
+    if (sul->count() == 0) check_without_system(app, *arguments);
     return learn(*arguments, context);
   };
 }

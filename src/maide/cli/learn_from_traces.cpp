@@ -13,10 +13,11 @@
 
 namespace maide::cli {
 
-ExitStatus learn_from_traces(const std::string& log, const std::string& output, Context& context) {
+ExitStatus learn_from_traces(const std::string& log, const std::string& output,
+                             const RunControl& control, Context& context) {
   if (!output.empty()) check_can_write(output);
   const TraceLog traces = read_traces(log);
-  PassiveModel learned = learn_passively(traces, context.control());
+  PassiveModel learned = learn_passively(traces, control);
   Mealy& machine = learned.machine;
   machine.origin["algorithm"] = "rpni";
   machine.origin["passive"] =

@@ -4,11 +4,13 @@
 #include <string>
 
 #include "maide/base/error.hpp"
+#include "maide/base/run_control.hpp"
 #include "maide/cli/context.hpp"
 
 namespace maide::cli {
 
 // `output`: the model's file; empty: standard output.
-ExitStatus learn_from_traces(const std::string& log, const std::string& output, Context& context);
+ExitStatus learn_from_traces(const std::string& log, const std::string& output,
+                             const RunControl& control, Context& context);
 
 }  // namespace maide::cli
