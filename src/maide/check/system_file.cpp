@@ -341,7 +341,8 @@ InterfaceAutomaton read_requested_model(const ModelRequest& request) {
   throw ParseError("'" + request.file.string() +
                        "' is a Mealy machine and programs meet interface automata (?input, "
                        "!output): `maide learn sim:" +
-                       request.file.filename().string() + " -o model.dot --translation eager` makes one of it",
+                       request.file.filename().string() +
+                       " -o model.dot --translation eager` makes one of it",
                    request.position);
 }
 

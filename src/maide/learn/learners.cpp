@@ -26,7 +26,7 @@ std::unique_ptr<Learner> make_lsharp_by_words(OutputOracle& oracle) {
 
 template <Separation separation>
 std::unique_ptr<Learner> make_lsharp_from(OutputOracle& oracle, const Mealy& old_model,
-                                           const RunControl& control) {
+                                          const RunControl& control) {
   return std::make_unique<LSharp>(oracle, old_model, separation, control);
 }
 

@@ -117,7 +117,8 @@ class Run {
   }
 
   std::unique_ptr<Learner> make_learner() {
-    return old_model_ ? algorithm_.make_from(*cache_, *old_model_, control_) : algorithm_.make(*cache_);
+    return old_model_ ? algorithm_.make_from(*cache_, *old_model_, control_)
+                      : algorithm_.make(*cache_);
   }
 
   // False if it must be done again on a corrected cache.
