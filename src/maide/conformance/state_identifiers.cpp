@@ -6,25 +6,12 @@
 #include <unordered_map>
 #include <utility>
 
+#include "maide/automata/words.hpp"
 #include "maide/conformance/separating_words.hpp"
 #include "maide/conformance/splitting_tree.hpp"
 
 namespace maide {
 namespace {
-
-bool is_prefix(const Word& shorter, const Word& word) {
-  return shorter.size() <= word.size() && std::equal(shorter.begin(), shorter.end(), word.begin());
-}
-
-// Leaves out words that are prefixes of others; never all.
-void drop_prefixes(std::vector<Word>& words) {
-  std::sort(words.begin(), words.end());
-  for (std::size_t i = words.size(); i-- > 1;) {
-    if (is_prefix(words[i - 1], words[i])) {
-      words.erase(words.begin() + static_cast<std::ptrdiff_t>(i - 1));
-    }
-  }
-}
 
 // Sends groups of states through the splitting tree.
 class AdaptiveWords {
@@ -180,7 +167,7 @@ class OwnWords {
 
 StateIdentifiers::StateIdentifiers(std::vector<std::vector<Word>> words) : own_(std::move(words)) {
   for (std::vector<Word>& own : own_) {
-    drop_prefixes(own);
+    own = without_prefixes(std::move(own));
     if (own.empty()) own.emplace_back();
   }
 }

@@ -5,6 +5,7 @@
 #include <unordered_set>
 #include <utility>
 
+#include "maide/automata/words.hpp"
 #include "maide/base/error.hpp"
 #include "maide/learn/cache_file.hpp"
 
@@ -26,10 +27,6 @@ Word encode(const DecisionTree& tree) {
     }
   }
   return code;
-}
-
-bool is_prefix(const Word& prefix, const Word& word) {
-  return prefix.size() <= word.size() && std::equal(prefix.begin(), prefix.end(), word.begin());
 }
 
 }  // namespace

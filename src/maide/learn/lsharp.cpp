@@ -13,10 +13,6 @@
 namespace maide {
 namespace {
 
-// Queries asked at once. More would help more systems at a time; each is chosen without the answers
-// to the others, which costs some.
-constexpr std::size_t batch_size = 4;
-
 std::size_t checked_input_count(const OutputOracle& oracle) {
   if (oracle.inputs().empty()) throw UsageError("the system has no inputs to learn from");
   return oracle.inputs().size();

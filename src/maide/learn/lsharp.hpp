@@ -67,6 +67,10 @@ class LSharp : public Learner {
   using Node = ObservationTree::Node;
   using Transition = Apartness::Transition;
 
+  // Queries asked at once. More would help more systems at a time; each is chosen without the
+  // answers to the others, which costs some.
+  static constexpr std::size_t batch_size = 4;
+
   void complete(const RunControl& control);
   bool extend(const RunControl& control);
   bool separate(const RunControl& control);

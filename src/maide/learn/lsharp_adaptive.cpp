@@ -4,19 +4,10 @@
 #include <set>
 #include <utility>
 
+#include "maide/automata/words.hpp"
 #include "maide/learn/lsharp.hpp"
 
 namespace maide {
-namespace {
-
-constexpr std::size_t batch_size = 4;
-
-Word joined(Word word, const Word& suffix) {
-  word.insert(word.end(), suffix.begin(), suffix.end());
-  return word;
-}
-
-}  // namespace
 
 LSharp::LSharp(OutputOracle& oracle, const Mealy& old_model, Separation separation,
                const RunControl& control)

@@ -6,6 +6,7 @@
 
 #include "maide/automata/compare.hpp"
 #include "maide/automata/minimize.hpp"
+#include "maide/automata/words.hpp"
 #include "maide/base/error.hpp"
 #include "maide/learn/adaptive_sequence.hpp"
 #include "maide/learn/lsharp.hpp"
@@ -29,11 +30,6 @@ Mealy restrict_inputs(const Mealy& machine, const Alphabet& inputs) {
     }
   }
   return result;
-}
-
-Word joined(Word word, const Word& suffix) {
-  word.insert(word.end(), suffix.begin(), suffix.end());
-  return word;
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "maide/automata/words.hpp"
 #include "maide/base/error.hpp"
 
 namespace maide {
@@ -22,18 +23,6 @@ std::uint32_t needed_count(const SamplingOptions& options) {
   }
   return static_cast<std::uint32_t>(
       std::ceil(std::log1p(-options.confidence) / std::log1p(-options.rarest)));
-}
-
-// The words that are no prefixes of others, none twice.
-std::vector<Word> without_prefixes(std::vector<Word> words) {
-  std::sort(words.begin(), words.end());
-  std::vector<Word> kept;
-  for (std::size_t i = 0; i < words.size(); ++i) {
-    const bool goes_on = i + 1 < words.size() && words[i].size() <= words[i + 1].size() &&
-                         std::equal(words[i].begin(), words[i].end(), words[i + 1].begin());
-    if (!goes_on) kept.push_back(std::move(words[i]));
-  }
-  return kept;
 }
 
 }  // namespace

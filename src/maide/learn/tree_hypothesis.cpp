@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "maide/automata/words.hpp"
 #include "maide/base/error.hpp"
 
 namespace maide {
@@ -136,9 +137,8 @@ void TreeHypothesis::update() {
 
 Word TreeHypothesis::ask_after(Word prefix, const Word& suffix, const RunControl& control) {
   const std::size_t length = prefix.size();
-  prefix.insert(prefix.end(), suffix.begin(), suffix.end());
   ++output_queries_;
-  return tail(oracle_.ask(prefix, control), length);
+  return tail(oracle_.ask(joined(std::move(prefix), suffix), control), length);
 }
 
 bool TreeHypothesis::split(StateId state, Transition from, DiscriminationTree::Inner inner,

@@ -1,0 +1,43 @@
+#include "maide/automata/words.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <set>
+
+#include "maide/base/random.hpp"
+
+namespace maide {
+namespace {
+
+TEST(Words, PrefixesAndJoins) {
+  EXPECT_TRUE(is_prefix({}, {}));
+  EXPECT_TRUE(is_prefix({1, 2}, {1, 2}));
+  EXPECT_TRUE(is_prefix({1}, {1, 2}));
+  EXPECT_FALSE(is_prefix({1, 2}, {1}));
+  EXPECT_FALSE(is_prefix({2}, {1, 2}));
+  EXPECT_EQ(joined({1}, {2, 3}), (Word{1, 2, 3}));
+  EXPECT_EQ(joined({}, {}), Word());
+}
+
+TEST(Words, WithoutPrefixesKeepsWhatNoneGoesOnFrom) {
+  Random random(1);
+  for (int round = 0; round < 500; ++round) {
+    std::vector<Word> words(random.below(12));
+    for (Word& word : words) {
+      word.resize(random.below(5));
+      for (Symbol& symbol : word) symbol = static_cast<Symbol>(random.below(2));
+    }
+    std::set<Word> expected;
+    for (const Word& word : words) {
+      const bool goes_on = std::any_of(words.begin(), words.end(), [&](const Word& other) {
+        return other != word && is_prefix(word, other);
+      });
+      if (!goes_on) expected.insert(word);
+    }
+    EXPECT_EQ(without_prefixes(words), std::vector<Word>(expected.begin(), expected.end()));
+  }
+}
+
+}  // namespace
+}  // namespace maide
