@@ -6,6 +6,27 @@
 
 namespace maide {
 
+std::vector<std::vector<ProgramEdge>> find_actions(const System& system) {
+  std::vector<std::vector<ProgramEdge>> actions(system.models.size());
+  for (const Program& program : system.programs) {
+    for (const ProgramEdge& edge : program.edges) {
+      if (edge.kind == ProgramEdge::Kind::choice) continue;
+      auto& known = actions[edge.model];
+      if (action_number(known, edge) == known.size()) known.push_back(edge);
+    }
+  }
+  return actions;
+}
+
+std::uint32_t action_number(const std::vector<ProgramEdge>& actions, const ProgramEdge& edge) {
+  const auto place =
+      std::find_if(actions.begin(), actions.end(), [&edge](const ProgramEdge& other) {
+        return other.kind == edge.kind &&
+               (edge.kind == ProgramEdge::Kind::quiet || other.symbol == edge.symbol);
+      });
+  return static_cast<std::uint32_t>(place - actions.begin());
+}
+
 Commutation::Commutation(const ModelInstance& model, const std::vector<ProgramEdge>& actions,
                          Watch watch)
     : states_(model.automaton.size()), watch_(watch), answers_(actions.size()) {

@@ -21,6 +21,11 @@
 
 namespace maide {
 
+// What programs do with each model, by model: an edge for each action, none a choice.
+std::vector<std::vector<ProgramEdge>> find_actions(const System& system);
+// The number of the edge's action among those of its model; their count if it is none of them.
+std::uint32_t action_number(const std::vector<ProgramEdge>& actions, const ProgramEdge& edge);
+
 class Commutation {
  public:
   // What else must be kept in which `a` comes first.

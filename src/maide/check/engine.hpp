@@ -21,7 +21,7 @@ struct PropertyResult {
   Verdict verdict = Verdict::inconclusive;
   std::string reason;                     // of an inconclusive verdict, one line; else empty
   std::uint64_t states = 0;               // stored; with a formula, of its product with the system
-  std::uint64_t transitions = 0;          // seen; with a formula, taken
+  std::uint64_t transitions = 0;          // seen, or taken in a search for cycles
   double seconds = 0;                     // of the search, wall clock
   std::uint64_t peak_bytes = 0;           // memory of the search
   Reduction reduction = Reduction::none;  // what was used

@@ -38,7 +38,7 @@ class FairCycleSearch {
   FairCycleSearch(const PackedSystem& system, const Monitor& monitor, const SearchLimits& limits,
                   StubbornSets* sets = nullptr)
       : graph_(system, monitor), limits_(limits), sets_(sets) {
-    if (sets_ == nullptr) order_.emplace(system);
+    if (sets_ == nullptr && monitor.may_wait()) order_.emplace(system);
   }
 
   SearchResult run() {

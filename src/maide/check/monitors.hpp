@@ -2,6 +2,7 @@
 // and a program that never steps again.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <vector>
 
@@ -36,6 +37,9 @@ class LtlMonitor {
   std::uint32_t universal() const { return automaton_.universal; }
   bool is_strong() const { return fairness_ == Fairness::strong; }
   bool is_waiting(std::uint32_t at) const { return is_waiting_[at]; }
+  bool may_wait() const {
+    return std::find(is_waiting_.begin(), is_waiting_.end(), true) != is_waiting_.end();
+  }
 
   template <typename State, typename Follow>
   void start(const State& state, Follow&& follow) const {
@@ -95,6 +99,7 @@ class StuckMonitor {
   std::uint32_t universal() const { return no_monitor_state; }
   bool is_strong() const { return false; }
   bool is_waiting(std::uint32_t at) const { return at == 0; }
+  bool may_wait() const { return true; }
 
   template <typename State, typename Follow>
   void start(const State& state, Follow&& follow) const {

@@ -8,6 +8,7 @@
 //   bool is_waiting(state) const;          whatever happens it may stay there; no cycle with every
 //                                          mark passes there, and what it goes to depends on the
 //                                          system's next state alone
+//   bool may_wait() const;                 in any state
 //   void start(state, follow)              calls follow(monitor state, marks) for the initial state
 //   void step(next, program, edge, enabled programs, monitor state, follow)
 //   void stay(state, monitor state, follow)     nothing can happen any more; may follow nothing

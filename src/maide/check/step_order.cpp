@@ -13,11 +13,6 @@ namespace {
 // longer than the order of its steps saves.
 constexpr std::uint64_t most_pairs = std::uint64_t{1} << 20;
 
-bool is_same_action(const ProgramEdge& left, const ProgramEdge& right) {
-  return left.kind == right.kind &&
-         (left.kind == ProgramEdge::Kind::quiet || left.symbol == right.symbol);
-}
-
 }  // namespace
 
 StepOrder::StepOrder(const PackedSystem& packed) {
@@ -28,29 +23,16 @@ StepOrder::StepOrder(const PackedSystem& packed) {
     const auto choice = static_cast<std::uint32_t>(lasts_.size());
     lasts_.push_back({0, no_model, p});
     for (std::size_t i = 0; i < steps_[p].size(); ++i) {
-      if (system.programs[p].edges[i].kind == ProgramEdge::Kind::choice)
-        steps_[p][i].first = choice;
+      const bool is_choice = system.programs[p].edges[i].kind == ProgramEdge::Kind::choice;
+      if (is_choice) steps_[p][i].first = choice;
     }
   }
-  for (std::uint32_t m = 0; m < system.models.size(); ++m) add_model(system, m);
+  const std::vector<std::vector<ProgramEdge>> actions = find_actions(system);
+  for (std::uint32_t m = 0; m < system.models.size(); ++m) add_model(system, m, actions[m]);
 }
 
-void StepOrder::add_model(const System& system, std::uint32_t model) {
-  std::vector<ProgramEdge> actions;
-  const auto number_of = [&](const ProgramEdge& edge) {
-    const auto same = [&](const ProgramEdge& other) { return is_same_action(edge, other); };
-    const auto place = std::find_if(actions.begin(), actions.end(), same);
-    return static_cast<std::uint32_t>(place - actions.begin());
-  };
-  const auto uses = [&](const ProgramEdge& edge) {
-    return edge.kind != ProgramEdge::Kind::choice && edge.model == model;
-  };
-  for (const Program& program : system.programs) {
-    for (const ProgramEdge& edge : program.edges) {
-      if (!uses(edge)) continue;
-      if (number_of(edge) == actions.size()) actions.push_back(edge);
-    }
-  }
+void StepOrder::add_model(const System& system, std::uint32_t model,
+                          const std::vector<ProgramEdge>& actions) {
   if (actions.empty()) return;
   const std::size_t states = system.models[model].automaton.size();
   const std::size_t widest = std::max(actions.size(), system.programs.size());
@@ -73,8 +55,8 @@ void StepOrder::add_model(const System& system, std::uint32_t model) {
     std::map<std::uint32_t, std::uint32_t> first;  // of the program's lasts, by action
     for (std::size_t i = 0; i < steps_[p].size(); ++i) {
       const ProgramEdge& edge = system.programs[p].edges[i];
-      if (!uses(edge)) continue;
-      const std::uint32_t action = is_known ? number_of(edge) : no_action;
+      if (edge.kind == ProgramEdge::Kind::choice || edge.model != model) continue;
+      const std::uint32_t action = is_known ? action_number(actions, edge) : no_action;
       const auto [place, is_new] =
           first.try_emplace(action, static_cast<std::uint32_t>(lasts_.size()));
       steps_[p][i] = {model, action, place->second};

@@ -62,7 +62,8 @@ class StepOrder {
     std::uint32_t first = first_state;  // in lasts_; of an action by the model's state
   };
 
-  void add_model(const System& system, std::uint32_t model);
+  void add_model(const System& system, std::uint32_t model,
+                 const std::vector<ProgramEdge>& actions);
 
   std::vector<std::vector<Step>> steps_;  // by program, by edge
   std::vector<Last> lasts_{Last{}};

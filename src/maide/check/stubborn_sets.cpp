@@ -6,11 +6,6 @@
 namespace maide {
 namespace {
 
-bool is_same_action(const ProgramEdge& left, const ProgramEdge& right) {
-  return left.kind == right.kind &&
-         (left.kind == ProgramEdge::Kind::quiet || left.symbol == right.symbol);
-}
-
 std::uint64_t bit(std::size_t index) { return std::uint64_t{1} << index; }
 
 }  // namespace
@@ -20,15 +15,7 @@ StubbornSets::StubbornSets(const PackedSystem& packed, StubbornOptions options)
   const System& system = packed.system();
   programs_.resize(system.programs.size());
   if (programs_.size() > most_reduced_programs) return;
-  std::vector<std::vector<ProgramEdge>> actions(system.models.size());
-  for (const Program& program : system.programs) {
-    for (const ProgramEdge& edge : program.edges) {
-      if (edge.kind == ProgramEdge::Kind::choice) continue;
-      auto& known = actions[edge.model];
-      const auto same = [&](const ProgramEdge& other) { return is_same_action(edge, other); };
-      if (std::none_of(known.begin(), known.end(), same)) known.push_back(edge);
-    }
-  }
+  const std::vector<std::vector<ProgramEdge>> actions = find_actions(system);
   for (std::size_t m = 0; m < system.models.size(); ++m) {
     // More actions than bits: the system is not reduced.
     if (actions[m].size() > 64) {
@@ -55,11 +42,7 @@ void StubbornSets::add_program(std::size_t index,
     next.is_visible = !options_.visible.empty() && options_.visible[index][i];
     if (edge.kind != ProgramEdge::Kind::choice) {
       next.model = edge.model;
-      const auto& known = actions[edge.model];
-      const auto place = std::find_if(known.begin(), known.end(), [&](const ProgramEdge& other) {
-        return is_same_action(edge, other);
-      });
-      next.action = static_cast<std::uint32_t>(place - known.begin());
+      next.action = action_number(actions[edge.model], edge);
       auto& models = reduced.models;
       if (std::find(models.begin(), models.end(), edge.model) == models.end()) {
         models_[edge.model].users.push_back(
