@@ -10,6 +10,7 @@
 #include "maide/automata/random_automata.hpp"
 #include "maide/base/error.hpp"
 #include "maide/conformance/perfect_oracle.hpp"
+#include "maide/conformance/test_chain.hpp"
 #include "maide/conformance/test_methods.hpp"
 #include "maide/learn/cache.hpp"
 #include "maide/learn/counting_oracle.hpp"
@@ -176,7 +177,7 @@ TEST_P(LearnerLaws, EveryMethodFindsASmallMachineAndTheSameSeedIsTheSameRun) {
         Cache cache(counter);
         TestMethodOptions options;
         options.seed = 5;
-        const auto teacher = method.make({cache, &cache, &reference}, options);
+        const auto teacher = TestChain(method.name).make({cache, &cache, &reference}, options);
         const Learned run = learn_with(algorithm(), cache, *teacher);
         EXPECT_FALSE(find_difference(reference, run.model).has_value()) << method.name;
         EXPECT_NE(teacher->guarantee(), "");

@@ -72,15 +72,6 @@ ExitStatus bench(const BenchArguments& arguments, Context& context) {
   return status_of(runs, folder, is_complete);
 }
 
-// The methods that look at an option, "w, wp, hsi".
-std::string methods_with(std::string_view option) {
-  std::vector<std::string> names;
-  for (const TestMethodEntry& method : test_methods()) {
-    if (method.options.find(option) != std::string_view::npos) names.emplace_back(method.name);
-  }
-  return join(names);
-}
-
 void add_bench_limits(CLI::App& app, BenchArguments& arguments) {
   app.add_option("--time", arguments.seconds, "Most seconds of one run")->check(check_seconds);
   app.add_option("--max-experiments", arguments.options.max_experiments,

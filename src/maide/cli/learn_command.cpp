@@ -270,7 +270,8 @@ std::string describe(const Entries& entries) {
 void add_limits(CLI::App& app, LearnArguments& arguments) {
   app.add_option("--extra-states", arguments.extra_states,
                  "How many states more than the hypothesis the system may have for the tests to "
-                 "find it (--eq standard, w, wp, hsi, hads)")
+                 "find it (--eq " +
+                     methods_with("extra-states") + ")")
       ->check(check_count);
   app.add_option("--infix-min", arguments.infix_min,
                  "Fewest random inputs in the middle of a test (--eq random-w, random-wp, "

@@ -63,7 +63,7 @@ class InfixSampler {
 class RandomIdentifierSuite : public TestSuite {
  public:
   // Endless. Keeps a reference to `hypothesis`, which must be complete; the identifiers must be its
-  // own. Throws UsageError if the law's mean is negative or above a million.
+  // own. Throws UsageError if the law's numbers are negative or above a million.
   RandomIdentifierSuite(const Mealy& hypothesis, StateIdentifiers identifiers, InfixLaw law,
                         Random random);
 

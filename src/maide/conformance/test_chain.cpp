@@ -88,7 +88,7 @@ std::unique_ptr<EquivalenceOracle> TestChain::make(const TestMethodContext& cont
     if (link.method == nullptr) continue;
     TestMethodOptions own = options;
     for (const Setting& setting : link.settings) apply(setting, own);
-    oracles.push_back(link.method->make({context.oracle, nullptr, context.reference}, own));
+    oracles.push_back(link.method->make(context, own));
   }
   if (oracles.size() == 1) return std::move(oracles.front());
   return std::make_unique<ChainOracle>(std::move(oracles));

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "maide/base/error.hpp"
+#include "maide/base/join.hpp"
 #include "maide/base/named_table.hpp"
-#include "maide/conformance/chain_oracle.hpp"
 #include "maide/conformance/complete_method.hpp"
 #include "maide/conformance/perfect_oracle.hpp"
 #include "maide/conformance/random_walk.hpp"
@@ -73,47 +73,35 @@ Oracle make_perfect(const TestMethodContext& context, const TestMethodOptions&) 
   return std::make_unique<PerfectOracle>(*context.reference);
 }
 
-// What was observed already is looked at first. Not by the perfect oracle, whose counterexamples
-// are the shortest that there are.
-template <Oracle (*make)(const TestMethodContext&, const TestMethodOptions&)>
-Oracle after_cache(const TestMethodContext& context, const TestMethodOptions& options) {
-  Oracle oracle = make(context, options);
-  if (context.cache == nullptr) return oracle;
-  std::vector<Oracle> links;
-  links.push_back(context.cache->make_consistency_test());
-  links.push_back(std::move(oracle));
-  return std::make_unique<ChainOracle>(std::move(links));
-}
-
 constexpr std::string_view random_options = "infix-min infix-mean infix-inputs max-tests seed";
 
 constexpr std::array table{
     TestMethodEntry{"standard",
                     "hybrid ADS as deep as a budget of 1000 + 50 n k tests goes, and random-hads",
-                    "extra-states max-tests seed", after_cache<make_standard>},
+                    "extra-states max-tests seed", make_standard},
     TestMethodEntry{"w", "W-method (Chow, Vasilevskii), complete for extra-states",
-                    "extra-states max-tests", after_cache<make_complete<w_identifiers>>},
+                    "extra-states max-tests", make_complete<w_identifiers>},
     TestMethodEntry{"wp", "the same by fewer tests: each state's own part of the set (Fujiwara)",
-                    "extra-states max-tests", after_cache<make_complete<wp_identifiers>>},
+                    "extra-states max-tests", make_complete<wp_identifiers>},
     TestMethodEntry{"hsi", "the same by fewer tests: harmonised identifiers (Petrenko)",
-                    "extra-states max-tests", after_cache<make_complete<hsi_identifiers>>},
+                    "extra-states max-tests", make_complete<hsi_identifiers>},
     TestMethodEntry{"hads", "the same by fewest tests: adaptive words, hybrid ADS (Smeenk et al.)",
-                    "extra-states max-tests seed", after_cache<make_complete<hads_identifiers>>},
+                    "extra-states max-tests seed", make_complete<hads_identifiers>},
     TestMethodEntry{"random-w", "access word, random infix, word of the W-method", random_options,
-                    after_cache<make_random<w_identifiers>>},
+                    make_random<w_identifiers>},
     TestMethodEntry{"random-wp", "the same with the words of Wp", random_options,
-                    after_cache<make_random<wp_identifiers>>},
+                    make_random<wp_identifiers>},
     TestMethodEntry{"random-hsi", "the same with those of HSI", random_options,
-                    after_cache<make_random<hsi_identifiers>>},
+                    make_random<hsi_identifiers>},
     TestMethodEntry{"random-hads", "the same with those of hybrid ADS", random_options,
-                    after_cache<make_random<hads_identifiers>>},
+                    make_random<hads_identifiers>},
     TestMethodEntry{"transition-cover",
                     "each path of extra-states + 1 transitions from each state; identifies nothing",
-                    "extra-states max-tests", after_cache<make_complete<no_identifiers>>},
+                    "extra-states max-tests", make_complete<no_identifiers>},
     TestMethodEntry{"random-words", "independent random words",
-                    "max-tests min-length max-length seed", after_cache<make_random_words>},
+                    "max-tests min-length max-length seed", make_random_words},
     TestMethodEntry{"random-walk", "random inputs with random resets",
-                    "max-tests max-length restart-probability seed", after_cache<make_random_walk>},
+                    "max-tests max-length restart-probability seed", make_random_walk},
     TestMethodEntry{"perfect", "compares with the simulated model; sends nothing", "",
                     make_perfect},
 };
@@ -124,6 +112,14 @@ std::span<const TestMethodEntry> test_methods() { return table; }
 
 const TestMethodEntry& find_test_method(std::string_view name) {
   return find_row(test_methods(), "equivalence method", name);
+}
+
+std::string methods_with(std::string_view option) {
+  std::vector<std::string> names;
+  for (const TestMethodEntry& method : table) {
+    if (method.options.find(option) != std::string_view::npos) names.emplace_back(method.name);
+  }
+  return join(names);
 }
 
 }  // namespace maide

@@ -34,7 +34,7 @@ struct TestMethodOptions {
 // What a method tests on.
 struct TestMethodContext {
   OutputOracle& oracle;              // the tests are run here
-  Cache* cache = nullptr;            // if given, hypotheses are first compared with what it knows
+  Cache* cache = nullptr;            // if given, a TestChain compares hypotheses with it first
   const Mealy* reference = nullptr;  // the system as a machine, where it is known (simulations)
 };
 
@@ -52,5 +52,8 @@ std::span<const TestMethodEntry> test_methods();
 // references to the context's parts; `make` throws UsageError where the method cannot work on it
 // (`perfect` without a reference).
 const TestMethodEntry& find_test_method(std::string_view name);
+
+// The names of the methods that look at an option: "w, wp, hsi".
+std::string methods_with(std::string_view option);
 
 }  // namespace maide
