@@ -33,7 +33,6 @@ std::optional<std::vector<std::string>> find_state_outputs(const Mealy& machine)
       output = name;
     }
   }
-  // A state that nothing leads to may have any.
   std::vector<std::string> result;
   for (const auto& output : outputs) result.push_back(output ? *output : *initial);
   return result;

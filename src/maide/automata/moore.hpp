@@ -25,7 +25,7 @@ void mark_as_moore(Mealy& machine, const std::string& type, const std::string& i
 
 // The output of each state: that of all transitions into it, and of the initial state the one that
 // the machine is marked with. Nothing if it is not marked, or a state would have two outputs.
-// Unreachable states have the first output. O(n k).
+// A state that no transition leads to has the initial one's. O(n k).
 std::optional<std::vector<std::string>> find_state_outputs(const Mealy& machine);
 
 // An equivalent machine, marked alike, whose states have one output each, reachable states only, in

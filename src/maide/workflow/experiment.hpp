@@ -65,8 +65,8 @@ struct ExperimentResult {
 
   std::vector<Contradiction> contradictions;  // words that were answered in several ways
   std::uint64_t restarts = 0;                 // of the learner, after a correction
-  std::vector<LogContradiction>
-      log_contradictions;  // words that ExperimentOptions::traces has wrong
+  // Words that ExperimentOptions::traces has wrong.
+  std::vector<LogContradiction> log_contradictions;
 
   std::uint64_t output_queries = 0;       // asked by the learning algorithm, cached or not
   std::uint64_t equivalence_queries = 0;  // the last one, which found nothing, included

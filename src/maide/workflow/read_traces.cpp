@@ -1,6 +1,11 @@
 #include "maide/workflow/read_traces.hpp"
 
+#include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <string>
+#include <string_view>
+#include <system_error>
 
 #include "maide/base/file.hpp"
 #include "maide/learn/cache_file.hpp"
@@ -20,12 +25,21 @@ TraceLog read_cache(const std::filesystem::path& path) {
   return log;
 }
 
+// By its first bytes. What is no regular file can be read once only, and is no database.
+bool is_sqlite(const std::filesystem::path& path) {
+  constexpr std::string_view magic = "SQLite format 3";
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(path, ignored)) return false;
+  std::string start(magic.size(), '\0');
+  std::ifstream(path, std::ios::binary).read(start.data(), std::ssize(start));
+  return start == magic;
+}
+
 }  // namespace
 
 TraceLog read_traces(const std::filesystem::path& path) {
-  const std::string text = read_file(path);
-  if (text.starts_with("SQLite format 3")) return read_cache(path);
-  return read_trace_log(text, path.string());
+  if (is_sqlite(path)) return read_cache(path);
+  return read_trace_log(read_file(path), path.string());
 }
 
 }  // namespace maide
