@@ -61,6 +61,11 @@ std::uint64_t query_bound(std::string_view algorithm, std::uint64_t states, std:
     return states * states * inputs + states * inputs + (states - 1) * (states - 1) * logarithm +
            states;
   }
+  if (algorithm == "tttlambda") {
+    const auto logarithm = static_cast<std::uint64_t>(std::bit_width(longest));
+    return states * states * inputs + states * inputs +
+           (states - 1) * (3 + (states - 1) * logarithm);
+  }
   if (algorithm.starts_with("lsharp")) {
     const auto logarithm = static_cast<std::uint64_t>(std::bit_width(longest + states));
     return states * states * inputs + (states - 1) * (3 + logarithm);

@@ -3,7 +3,11 @@
 namespace maide {
 
 std::size_t first_mismatch(const Mealy& hypothesis, const Word& word, const Word& outputs) {
-  StateId state = hypothesis.initial();
+  return first_mismatch(hypothesis, hypothesis.initial(), word, outputs);
+}
+
+std::size_t first_mismatch(const Mealy& hypothesis, StateId state, std::span<const Symbol> word,
+                           std::span<const Symbol> outputs) {
   for (std::size_t i = 0; i < word.size(); ++i) {
     if (hypothesis.output(state, word[i]) != outputs[i]) return i + 1;
     state = hypothesis.target(state, word[i]);
@@ -12,8 +16,11 @@ std::size_t first_mismatch(const Mealy& hypothesis, const Word& word, const Word
 }
 
 std::vector<StateId> states_along(const Mealy& machine, const Word& word) {
+  return states_along(machine, machine.initial(), word);
+}
+
+std::vector<StateId> states_along(const Mealy& machine, StateId state, const Word& word) {
   std::vector<StateId> states;
-  StateId state = machine.initial();
   for (const Symbol input : word) {
     states.push_back(state);
     state = machine.target(state, input);

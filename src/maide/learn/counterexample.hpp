@@ -14,6 +14,9 @@ namespace maide {
 // Length of the shortest prefix of `word` on which the hypothesis' outputs are not `outputs`; 0 if
 // they agree. Both number outputs alike. O(length).
 std::size_t first_mismatch(const Mealy& hypothesis, const Word& word, const Word& outputs);
+// The same for a word that begins in `state`.
+std::size_t first_mismatch(const Mealy& hypothesis, StateId state, std::span<const Symbol> word,
+                           std::span<const Symbol> outputs);
 
 // How a counterexample w of length m decomposes: for u = w[0..position), a = w[position] and
 // v = w[position+1..m), the words access(u) a and access(u a) lead the hypothesis to one state,
@@ -37,5 +40,7 @@ Decomposition decompose(std::span<const StateId> states, std::span<const Word> a
 
 // The states that the machine passes along `word`, the last not included. O(length).
 std::vector<StateId> states_along(const Mealy& machine, const Word& word);
+// The same for a word that begins in `state`.
+std::vector<StateId> states_along(const Mealy& machine, StateId state, const Word& word);
 
 }  // namespace maide

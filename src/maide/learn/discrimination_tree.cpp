@@ -23,6 +23,11 @@ DiscriminationTree::Node DiscriminationTree::child(Node node,
   return *found;
 }
 
+StateId DiscriminationTree::representative(Node node) const {
+  while (!is_leaf(node)) node = nodes_[node].children.front();
+  return state(node);
+}
+
 DiscriminationTree::Node DiscriminationTree::common_ancestor(Node left, Node right) const {
   const auto depth = [&](Node node) {
     std::size_t result = 0;
@@ -81,8 +86,8 @@ void DiscriminationTree::release(Node node) {
 void DiscriminationTree::hang(Node parent, Node child, Word label) {
   std::vector<Node>& children = nodes_[parent].children;
   const auto place =
-      std::lower_bound(children.begin(), children.end(), label,
-                       [&](Node left, const Word& right) { return nodes_[left].label < right; });
+      std::upper_bound(children.begin(), children.end(), label,
+                       [&](const Word& left, Node right) { return left < nodes_[right].label; });
   children.insert(place, child);
   nodes_[child].parent = parent;
   nodes_[child].label = std::move(label);

@@ -4,8 +4,9 @@
 // is TreeHypothesis; here is the tree alone.
 //
 // A node may be *temporary* (TTT: Isberner, Howar & Steffen, RV 2014): its suffix came out of a
-// counterexample and will be replaced by a shorter one. A maximal subtree of temporary nodes is a
-// *block*. Nodes that are not temporary stay what they are, for ever.
+// counterexample and will be replaced by a shorter one; or it has none, and one is still to be
+// found for its states (TTT-lambda: Howar & Steffen 2022). A maximal subtree of temporary nodes is
+// a *block*. Nodes that are not temporary stay what they are, for ever.
 //
 // Invariant: every state has a leaf, and answers the suffix of each node above it as the labels
 // say.
@@ -29,18 +30,20 @@ class DiscriminationTree {
   // One leaf, of state 0.
   DiscriminationTree();
 
-  bool is_leaf(Node node) const { return nodes_[node].suffix.empty(); }
+  bool is_leaf(Node node) const { return nodes_[node].state != Mealy::no_state; }
   bool is_temporary(Node node) const { return nodes_[node].temporary; }
   Node leaf(StateId state) const { return leaf_[state]; }
   StateId state(Node leaf) const { return nodes_[leaf].state; }
   Node parent(Node node) const { return nodes_[node].parent; }
-  // Of an inner node; empty for leaves.
+  // Of an inner node; empty for leaves, and where none is known yet.
   const Word& suffix(Node node) const { return nodes_[node].suffix; }
   // The node whose suffix is that of this node without its first input, where it was given.
   Node rest(Node node) const { return nodes_[node].rest; }
   // The answer to the parent's suffix from which the node hangs.
   const Word& label(Node node) const { return nodes_[node].label; }
   std::span<const Node> children(Node node) const { return nodes_[node].children; }
+  // The state that stands for those below a node: that of its first leaf. O(depth).
+  StateId representative(Node node) const;
 
   // The child that hangs from this answer, or none. O(log children) comparisons.
   Node child(Node node, std::span<const Symbol> answer) const;
@@ -77,7 +80,7 @@ class DiscriminationTree {
     bool temporary = false;
     Word suffix;
     Word label;
-    std::vector<Node> children;  // ascending by label
+    std::vector<Node> children;  // ascending by label, by age where labels are the same
   };
 
   Node add_node(Record record);

@@ -11,6 +11,7 @@
 #include "maide/learn/rivest_schapire.hpp"
 #include "maide/learn/suffix_one_by_one.hpp"
 #include "maide/learn/ttt.hpp"
+#include "maide/learn/ttt_lambda.hpp"
 
 namespace maide {
 namespace {
@@ -44,6 +45,9 @@ constexpr std::array table{
     LearnerEntry{"kv", "Kearns & Vazirani: discrimination tree, suffixes grown by one input each",
                  make<KearnsVazirani>},
     LearnerEntry{"ttt", "TTT: discrimination tree, nothing of a counterexample is kept", make<Ttt>},
+    LearnerEntry{"tttlambda",
+                 "TTT-lambda: discrimination tree, counterexamples name access words alone",
+                 make<TttLambda>},
     LearnerEntry{"lsharp", "L#: observation tree and apartness, adaptive distinguishing sequences",
                  make<LSharp>, make_lsharp_from<Separation::adaptive>},
     LearnerEntry{"lsharp-sepseq", "L# with separating sequences, plain words", make_lsharp_by_words,

@@ -107,7 +107,7 @@ void TreeHypothesis::follow(Transition transition, const Word& outputs) {
   const std::size_t prefix = outputs.size() - tree_.suffix(node).size();
   output_[transition] = outputs[prefix - 1];
   Node next = node;
-  if (!tree_.is_leaf(node)) {
+  if (!tree_.suffix(node).empty()) {
     next = tree_.child(node, std::span(outputs).subspan(prefix));
     if (next == DiscriminationTree::none) {
       next = tree_.leaf(add_state(node, tail(outputs, prefix), transition));
@@ -131,7 +131,7 @@ void TreeHypothesis::update() {
   for (const Transition transition : std::exchange(changed_, {})) {
     machine_.set_transition(static_cast<StateId>(transition / inputs),
                             static_cast<Symbol>(transition % inputs), output_[transition],
-                            tree_.state(place_[transition]));
+                            tree_.representative(place_[transition]));
   }
 }
 
@@ -146,34 +146,47 @@ bool TreeHypothesis::split(StateId state, Transition from, DiscriminationTree::I
   Word old_label = ask_after(access_[state], inner.suffix, control);
   Word new_label = ask_after(word_to(from), inner.suffix, control);
   if (old_label == new_label) return false;
+  split(state, from, std::move(inner), std::move(old_label), std::move(new_label));
+  return true;
+}
+
+void TreeHypothesis::split(StateId state, Transition from, DiscriminationTree::Inner inner,
+                           Word old_label, Word new_label) {
   const Node node = tree_.leaf(state);
   const bool stay = inner.temporary;
   tree_.split(node, std::move(inner), std::move(old_label));
-  const StateId added = add_state(node, std::move(new_label), from);
-  for (const Transition transition : take_coming(node)) {
-    if (transition == from) {
-      put(transition, tree_.leaf(added));
-    } else if (transition == spanning_[state]) {
+  go_on(node, state, add_state(node, std::move(new_label), from), stay);
+}
+
+void TreeHypothesis::go_on(Node inner, StateId state, StateId added, bool stay) {
+  for (const Transition transition : take_coming(inner)) {
+    if (transition == spanning_[state]) {
       put(transition, tree_.leaf(state));
+    } else if (added != Mealy::no_state && transition == spanning_[added]) {
+      put(transition, tree_.leaf(added));
     } else if (stay) {
-      put(transition, node);
+      put(transition, inner);
     } else {
       unsettled_.push_back(transition);
     }
   }
-  return true;
 }
 
 void TreeHypothesis::split(StateId state, DiscriminationTree::Inner inner, Word label) {
   const Node node = tree_.leaf(state);
   tree_.split(node, std::move(inner), std::move(label));
-  for (const Transition transition : take_coming(node)) {
-    if (transition == spanning_[state]) {
-      put(transition, tree_.leaf(state));
-    } else {
-      unsettled_.push_back(transition);
-    }
+  go_on(node, state, Mealy::no_state, false);
+}
+
+void TreeHypothesis::promote(Transition from) {
+  Node node = place_[from];
+  if (tree_.is_leaf(node)) {
+    const StateId state = tree_.state(node);
+    tree_.split(node, {.suffix = {}, .temporary = true}, {});
+    go_on(node, state, Mealy::no_state, true);
   }
+  std::erase(coming_[node], from);
+  put(from, tree_.leaf(add_state(node, {}, from)));
 }
 
 std::optional<TreeHypothesis::Node> TreeHypothesis::find_disagreement(const Word& word,

@@ -44,6 +44,12 @@ class TreeHypothesis {
   }
   Word word_to(Transition transition) const;
 
+  // The word to it is the access word of a state.
+  bool is_spanning(Transition transition) const {
+    const Node node = place_[transition];
+    return tree_.is_leaf(node) && spanning_[tree_.state(node)] == transition;
+  }
+
   // Where a settled transition has come to, and its output.
   Node place(Transition transition) const { return place_[transition]; }
   Symbol output(Transition transition) const { return output_[transition]; }
@@ -52,8 +58,8 @@ class TreeHypothesis {
   // after an exception.
   void settle(const RunControl& control);
 
-  // Makes the machine anew out of what was settled since. All transitions are at leaves.
-  // O(changes).
+  // Makes the machine anew out of what was settled since. Transitions are at leaves, or in blocks:
+  // then they lead to the state that stands for the others. O(changes).
   void update();
 
   // Splits the leaf of `state`: word_to(from), which is in it, becomes the access word of a new
@@ -63,9 +69,18 @@ class TreeHypothesis {
   bool split(StateId state, Transition from, DiscriminationTree::Inner inner,
              const RunControl& control);
 
+  // The same where it is known what the state and word_to(from) answer. No output queries.
+  void split(StateId state, Transition from, DiscriminationTree::Inner inner, Word old_label,
+             Word new_label);
+
   // Splits the leaf of `state`, which answers `label`, without another state: if one of the
   // transitions that go on from there answers otherwise, settle() finds it.
   void split(StateId state, DiscriminationTree::Inner inner, Word label);
+
+  // Makes word_to(from), which is at a leaf or in a block, the access word of a new state there,
+  // which nothing tells from the others yet: the leaf becomes a block. No output queries. The state
+  // is known to be another one, so that finalise() will part them. Afterwards settle().
+  void promote(Transition from);
 
   // The uppermost node on the way to the state's leaf whose suffix gets another answer after `word`
   // than from the state; none if the word is sifted to that leaf. At most depth output queries.
@@ -92,6 +107,10 @@ class TreeHypothesis {
   void follow(Transition transition, const Word& outputs);
   void put(Transition transition, Node node);
   std::vector<Transition> take_coming(Node node);
+  // Moves what has come to the leaf of `state`, which has become an inner node: the spanning
+  // transitions of `state` and of `added`, unless there is none, to their leaves; the others go on,
+  // or stay.
+  void go_on(Node inner, StateId state, StateId added, bool stay);
 
   OutputOracle& oracle_;
   DiscriminationTree tree_;

@@ -122,7 +122,7 @@ TEST(Learners, UnknownNamesListTheKnownOnes) {
   } catch (const UsageError& error) {
     EXPECT_STREQ(error.what(),
                  "unknown algorithm 'magic'; known are: rs, lmplus, lstar, suffix1by1, op, kv, "
-                 "ttt, lsharp, lsharp-sepseq");
+                 "ttt, tttlambda, lsharp, lsharp-sepseq");
   }
 }
 
