@@ -16,6 +16,7 @@
 
 #include "maide/base/descriptor.hpp"
 #include "maide/base/error.hpp"
+#include "maide/wire/blocked_call.hpp"
 
 namespace maide {
 namespace {
@@ -98,17 +99,6 @@ std::int64_t parse_run_count(std::string_view text) {
 char parse_state(std::string_view text) {
   const std::size_t paren = text.rfind(')');
   return paren == std::string_view::npos || paren + 2 >= text.size() ? '?' : text[paren + 2];
-}
-
-enum class Block : std::uint8_t { running, timed_sleep, blocked };
-
-// What /proc/.../syscall says: "running", or the number of the call in which the thread sleeps.
-Block parse_syscall(std::string_view text) {
-  long number = -1;
-  if (text.empty() || text.front() == 'r') return Block::running;
-  std::from_chars(text.data(), text.data() + text.size(), number);
-  return number == SYS_nanosleep || number == SYS_clock_nanosleep ? Block::timed_sleep
-                                                                  : Block::blocked;
 }
 
 }  // namespace
@@ -211,9 +201,9 @@ bool ThreadScan::begin(bool timed_sleep_is_rest) {
       if (parse_state(read_text(entry->stat.get(), buffer)) != 'S') return false;
       continue;
     }
-    const Block block = parse_syscall(read_text(entry->syscall.get(), buffer));
-    if (block == Block::running) return false;
-    if (block == Block::timed_sleep && !timed_sleep_is_rest) return false;
+    const BlockedCall call = parse_blocked_call(read_text(entry->syscall.get(), buffer), thread);
+    if (call == BlockedCall::running) return false;
+    if (call == BlockedCall::timed_sleep && !timed_sleep_is_rest) return false;
   }
   return true;
 }

@@ -39,8 +39,8 @@ class ThreadScan {
   // All threads of that process belong to the system too. As long as it is gone nothing is asleep.
   void watch_process(pid_t process);
 
-  // First pass: false if a thread is not asleep, or sleeps only for a set time (nanosleep) and that
-  // is not `timed_sleep_is_rest`.
+  // First pass: false if a thread is not asleep, or its time limit is past (blocked_call.hpp), or
+  // it sleeps only for a set time (nanosleep) and that is not `timed_sleep_is_rest`.
   bool begin(bool timed_sleep_is_rest = false);
   // Second pass, after begin() said true: false if a thread has run since, is about to, has come or
   // gone. Some 3 to 8 microseconds a thread for both passes.

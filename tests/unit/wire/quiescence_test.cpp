@@ -3,10 +3,14 @@
 #include <gtest/gtest.h>
 #include <netinet/in.h>
 #include <netinet/tcp.h>
+#include <sys/prctl.h>
 #include <sys/socket.h>
 
 #include <algorithm>
 #include <atomic>
+#include <condition_variable>
+#include <mutex>
+#include <thread>
 
 #include "busy_machine.hpp"
 #include "maide/base/descriptor.hpp"
@@ -86,6 +90,53 @@ TEST(Quiescence, ASleepForASetTimeIsNotQuiescence) {
     EXPECT_TRUE(awake);
     sleeper.join();
   }
+}
+
+// A thread whose timers may be late by 5 ms waits for what never comes until a time that is past.
+template <typename Clock>
+void expect_late_waits_are_seen() {
+  Quiescence quiescence(with_limit(60s));
+  for (int trial = 0; trial < 20; ++trial) {
+    std::atomic<bool> done = false;
+    std::thread waiter([&] {
+      ::prctl(PR_SET_TIMERSLACK, 5'000'000UL, 0UL, 0UL, 0UL);
+      std::mutex mutex;
+      std::condition_variable changed;
+      std::unique_lock lock(mutex);
+      const auto past = Clock::now();
+      for (int i = 0; i < 3; ++i) changed.wait_until(lock, past);
+      done = true;
+    });
+    ASSERT_EQ(quiescence.wait(never, not_aborted), Verdict::quiescent);
+    EXPECT_TRUE(done);
+    waiter.join();
+  }
+}
+
+TEST(Quiescence, AWaitWhoseTimeIsPastIsNotQuiescence) {
+  expect_late_waits_are_seen<std::chrono::steady_clock>();
+  expect_late_waits_are_seen<std::chrono::system_clock>();
+}
+
+TEST(Quiescence, AWaitWhoseTimeHasNotComeIsQuiescence) {
+  Quiescence quiescence(with_limit(60s));
+  std::mutex mutex;
+  std::condition_variable changed;
+  bool is_over = false;
+  std::atomic<bool> ended = false;
+  std::thread waiter([&] {
+    std::unique_lock lock(mutex);
+    changed.wait_for(lock, 600s, [&] { return is_over; });
+    ended = true;
+  });
+  EXPECT_EQ(quiescence.wait(never, not_aborted), Verdict::quiescent);
+  EXPECT_FALSE(ended);
+  {
+    const std::scoped_lock lock(mutex);
+    is_over = true;
+  }
+  changed.notify_one();
+  waiter.join();
 }
 
 TEST(Quiescence, APollThatFindsNothingIsQuiescence) {
