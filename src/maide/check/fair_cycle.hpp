@@ -21,6 +21,7 @@
 #include <vector>
 
 #include "maide/base/chunked_stack.hpp"
+#include "maide/base/error.hpp"
 #include "maide/check/fair_lasso.hpp"
 #include "maide/check/fair_parts.hpp"
 #include "maide/check/product_graph.hpp"
@@ -46,6 +47,8 @@ class FairCycleSearch {
       search();
     } catch (const std::bad_alloc&) {
       result_.end = SearchResult::End::out_of_memory;
+    } catch (const Interrupted&) {
+      result_.end = SearchResult::End::stopped;
     }
     result_.states = graph_.size();
     result_.bytes = std::max(result_.bytes, bytes());
@@ -93,7 +96,7 @@ class FairCycleSearch {
   std::uint64_t growth_bytes() const {
     const std::uint64_t chunks =
         frames_.chunk_bytes + 8 * open_.chunk_bytes + active_.chunk_bytes + roots_.chunk_bytes;
-    return graph_.growth_bytes(limit_interval) + chunks;
+    return graph_.growth_bytes(limit_interval) + FairLasso<Graph>::bytes(graph_) + chunks;
   }
 
   void search() {
@@ -134,10 +137,7 @@ class FairCycleSearch {
     frames_.push({number, 0});
     result_.depth = std::max<std::uint64_t>(result_.depth, frames_.size());
     if (graph_.monitor_state(node) == graph_.monitor().universal()) {
-      is_over_ = true;
-      result_.end = SearchResult::End::found;
-      graph_.list_nodes();
-      result_.trace = FairLasso(graph_).prefix_to({number});
+      found([&](FairLasso<Graph>& lasso) { return lasso.prefix_to({number}); });
       return true;
     }
     expand(edge);
@@ -227,8 +227,7 @@ class FairCycleSearch {
     }
     roots_.top().marks |= marks;
     if (roots_.top().marks != graph_.all_marks() || graph_.monitor().is_strong()) return;
-    graph_.list_nodes();
-    found(members_from(roots_.top().first_active));
+    found_round(members_from(roots_.top().first_active));
   }
 
   // The active nodes from that one on.
@@ -257,18 +256,23 @@ class FairCycleSearch {
   // Under strong fairness a component is looked at once it is complete.
   void check_whole(std::vector<Number> members) {
     FairParts<Graph> parts(graph_, limits_.control);
-    if (const auto part = parts.find(std::move(members))) {
-      found(*part);
-    } else if (parts.is_stopped()) {
-      is_over_ = true;
-      result_.end = SearchResult::End::stopped;
-    }
+    if (const auto part = parts.find(std::move(members))) found_round(*part);
   }
 
-  void found(const std::vector<Number>& members) {
+  void found_round(const std::vector<Number>& members) {
+    found([&](FairLasso<Graph>& lasso) { return lasso.run_round(members); });
+  }
+
+  // There is a violation; `run(lasso)` makes the run that is shown.
+  template <typename Run>
+  void found(Run&& run) {
     is_over_ = true;
+    result_.has_violation = true;
+    graph_.list_nodes();
+    FairLasso<Graph> lasso(graph_, limits_.control);
+    result_.bytes = std::max(result_.bytes, bytes() + lasso.bytes(graph_));
+    result_.trace = run(lasso);
     result_.end = SearchResult::End::found;
-    result_.trace = FairLasso(graph_).run_round(members);
   }
 
   Graph graph_;

@@ -1,17 +1,18 @@
 // The run that is shown for an accepted strongly connected set of a product's nodes: a shortest way
 // into it, and round in it past every mark - and, with strong fairness, past a step of every
-// program that can step there - always to the nearest of what is still missing.
+// program that can step there - always to the nearest of what is still missing. Eight bytes a node
+// of the product; throws Interrupted when the control says to stop.
 #pragma once
 
 #include <algorithm>
 #include <cstdint>
 #include <optional>
 #include <stdexcept>
-#include <unordered_map>
 #include <vector>
 
 #include "maide/check/fair_parts.hpp"
 #include "maide/check/product_graph.hpp"
+#include "maide/check/search.hpp"
 #include "maide/check/trace.hpp"
 
 namespace maide {
@@ -23,10 +24,16 @@ class FairLasso {
   using Edge = typename Graph::Edge;
   using Set = std::vector<Number>;  // sorted
 
-  explicit FairLasso(const Graph& graph) : graph_(graph) {}
+  // Of the graph's nodes now. Throws std::bad_alloc.
+  FairLasso(const Graph& graph, const RunControl& control)
+      : graph_(graph), control_(control), parents_(graph.size(), unseen) {
+    queue_.reserve(graph.size());
+  }
+
+  static std::uint64_t bytes(const Graph& graph) { return 2 * sizeof(Number) * graph.size(); }
 
   // A shortest run, in nodes that the graph knows, to one of `goals`.
-  Trace prefix_to(const Set& goals, Number* reached = nullptr) const {
+  Trace prefix_to(const Set& goals, Number* reached = nullptr) {
     Set first;
     for (const auto& node : graph_.first_nodes()) {
       const Number number = graph_.find(node);
@@ -42,7 +49,7 @@ class FairLasso {
     return trace;
   }
 
-  Trace run_round(const Set& members) const {
+  Trace run_round(const Set& members) {
     Number start = 0;
     Trace trace = prefix_to(members, &start);
     const std::uint64_t wanted = wanted_steps(members);
@@ -101,30 +108,38 @@ class FairLasso {
   // the edges to `path`; keeps within `set` if there is one. O(what it comes by).
   template <typename IsGoal>
   Number shortest_path(const Set& first, const Set* set, IsGoal&& is_goal,
-                       std::vector<Edge>& path) const {
-    std::unordered_map<Number, Number> parents;  // of a first node: no_node
-    Set queue;
-    for (const Number node : first) {
-      if (parents.try_emplace(node, Graph::no_node).second) queue.push_back(node);
-    }
-    for (std::size_t at = 0; at < queue.size(); ++at) {
-      const Number node = queue[at];
+                       std::vector<Edge>& path) {
+    for (const Number node : queue_) parents_[node] = unseen;
+    queue_.clear();
+    const auto see = [this](Number node, Number parent) {
+      if (parents_[node] != unseen) return;
+      parents_[node] = parent;
+      queue_.push_back(node);
+    };
+    for (const Number node : first) see(node, Graph::no_node);
+    for (std::size_t at = 0; at < queue_.size(); ++at) {
+      if (++looked_at_ % limit_interval == 0) control_.check("the search for a run to show");
+      const Number node = queue_[at];
       if (is_goal(node)) {
-        std::vector<Edge> backwards;
-        for (Number back = node; parents.at(back) != Graph::no_node; back = parents.at(back)) {
-          backwards.push_back(edge_between(parents.at(back), back));
-        }
-        path.insert(path.end(), backwards.rbegin(), backwards.rend());
+        append_path_to(node, path);
         return node;
       }
       graph_.for_each_edge(node, [&](const Edge& edge) {
         const Number number = graph_.find(edge.target);
         if (number == Graph::no_node) return;
         if (set != nullptr && !std::binary_search(set->begin(), set->end(), number)) return;
-        if (parents.try_emplace(number, node).second) queue.push_back(number);
+        see(number, node);
       });
     }
     throw std::logic_error("the search lost a node");
+  }
+
+  void append_path_to(Number node, std::vector<Edge>& path) const {
+    const std::size_t start = path.size();
+    for (; parents_[node] != Graph::no_node; node = parents_[node]) {
+      path.push_back(edge_between(parents_[node], node));
+    }
+    std::reverse(path.begin() + static_cast<std::ptrdiff_t>(start), path.end());
   }
 
   Edge edge_between(Number from, Number to) const {
@@ -144,7 +159,13 @@ class FairLasso {
     }
   }
 
+  static constexpr Number unseen = Graph::no_node - 1;
+
   const Graph& graph_;
+  const RunControl& control_;
+  std::vector<Number> parents_;  // by node: on the way from the first ones, whose is no_node
+  Set queue_;                    // nodes that were seen
+  std::uint64_t looked_at_ = 0;
 };
 
 }  // namespace maide

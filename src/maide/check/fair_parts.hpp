@@ -23,17 +23,17 @@ class FairParts {
 
   FairParts(const Graph& graph, const RunControl& control) : graph_(graph), control_(control) {}
 
-  // A part with every mark in which each program that can step does; nothing if there is none, or
-  // if the control said to stop. At most as many rounds as there are programs.
+  // A part with every mark in which each program that can step does, if there is one. At most as
+  // many rounds as there are programs. Throws Interrupted when the control says to stop.
   std::optional<Set> find(Set members) {
     std::vector<Set> open{std::move(members)};
-    while (!open.empty() && !is_stopped_) {
+    while (!open.empty()) {
       const Set set = std::move(open.back());
       open.pop_back();
       std::uint64_t marks = 0, enabled = 0, stepped = 0;
       bool has_edge = false;
       for (const Number member : set) {
-        if (must_stop()) return std::nullopt;
+        look();
         enabled |= graph_.enabled_programs(member);
         for_each_edge_within(graph_, set, member, [&](const auto& edge, Number) {
           has_edge = true;
@@ -52,15 +52,13 @@ class FairParts {
     }
     return std::nullopt;
   }
-  bool is_stopped() const { return is_stopped_; }
 
  private:
-  bool must_stop() {
-    if (++looked_at_ % limit_interval == 0 && control_.should_stop()) is_stopped_ = true;
-    return is_stopped_;
+  void look() {
+    if (++looked_at_ % limit_interval == 0) control_.check("the search for a fair cycle");
   }
 
-  // Tarjan's components of a set of nodes (iterative; SIAM J. Comput. 1972); some only, if stopped.
+  // Tarjan's components of a set of nodes (iterative; SIAM J. Comput. 1972).
   std::vector<Set> components_of(const Set& set) {
     struct Open {
       std::size_t place;
@@ -100,7 +98,7 @@ class FairParts {
     for (std::size_t start = 0; start < set.size(); ++start) {
       if (order[start] == 0) enter(start);
       while (!path.empty()) {
-        if (must_stop()) return {};
+        look();
         auto& targets = path.back().targets;
         const std::size_t place = path.back().place;
         if (targets.empty()) {
@@ -122,7 +120,6 @@ class FairParts {
   const Graph& graph_;
   const RunControl& control_;
   std::uint64_t looked_at_ = 0;
-  bool is_stopped_ = false;
 };
 
 // `set` is sorted. Visits the edges from `member` that stay in it, and where they lead.

@@ -138,11 +138,14 @@ SearchResult explore(const System& plain, std::optional<ReductionRules> rules,
 std::string why_incomplete(const SearchResult& search, const EngineOptions& options) {
   const std::string reached =
       fmt::format("after {} states, to depth {}", search.states, search.depth);
+  const std::string found = search.has_violation
+                                ? "it is violated, but no run that shows it was worked out"
+                                : "nothing found so far";
   if (search.end == SearchResult::End::out_of_memory) {
-    return fmt::format("the search needs more than {} MiB of memory: nothing found {}",
-                       limits_of(options).bytes >> 20, reached);
+    return fmt::format("the search needs more than {} MiB of memory {}: {}",
+                       limits_of(options).bytes >> 20, reached, found);
   }
-  return fmt::format("{} {}: nothing found so far", why_stopped(options), reached);
+  return fmt::format("{} {}: {}", why_stopped(options), reached, found);
 }
 
 // `G condition`: the condition; null if the formula is no such.

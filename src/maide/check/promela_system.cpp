@@ -7,6 +7,7 @@
 #include <set>
 
 #include "maide/base/error.hpp"
+#include "maide/check/model_usage.hpp"
 #include "maide/check/promela_names.hpp"
 
 namespace maide {
@@ -14,41 +15,6 @@ namespace {
 
 using Purpose = PromelaOptions::Purpose;
 constexpr std::size_t most_names = 250;  // SPIN's mtype, process and channel numbers are bytes
-
-// Whether giving this input may cut a run, as far as the model alone tells.
-bool cuts(const ModelInstance& model, Symbol input) {
-  if (model.when_unexplored != WhenUnexplored::stop) return false;
-  for (StateId state = 0; state < model.automaton.size(); ++state) {
-    if (model.automaton.is_quiescent(state) && is_beyond_learned(model.automaton, state, input)) {
-      return true;
-    }
-  }
-  return false;
-}
-
-// What the programs use of each instance.
-struct Usage {
-  struct Instance {
-    std::set<Symbol> inputs;
-    std::set<Symbol> cutting;  // those inputs that may cut a run
-    bool quiet = false;        // some program has an arm for it
-  };
-  std::vector<Instance> instances;
-  bool any_cut = false;
-
-  explicit Usage(const System& system) : instances(system.models.size()) {
-    for (const Program& program : system.programs) {
-      for (const ProgramEdge& edge : program.edges) {
-        if (edge.kind == ProgramEdge::Kind::quiet) instances[edge.model].quiet = true;
-        if (edge.kind != ProgramEdge::Kind::give) continue;
-        if (!instances[edge.model].inputs.insert(edge.symbol).second) continue;
-        if (!cuts(system.models[edge.model], edge.symbol)) continue;
-        instances[edge.model].cutting.insert(edge.symbol);
-        any_cut = true;
-      }
-    }
-  }
-};
 
 std::string one_line(std::string text) {  // for comments
   for (char& c : text) {
@@ -408,15 +374,13 @@ class Writer {
 
   const System& system_;
   const PromelaOptions& options_;
-  Usage usage_;
+  ModelUsage usage_;
   PromelaNames names_;
   std::map<Atom, std::size_t> event_codes_;
   PromelaSystem result_;
 };
 
 }  // namespace
-
-bool may_be_cut(const System& system) { return Usage(system).any_cut; }
 
 PromelaSystem write_promela(const System& system, const PromelaOptions& options) {
   return Writer(system, options).run();

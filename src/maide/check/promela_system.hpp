@@ -50,8 +50,4 @@ struct PromelaSystem {
 // Throws UsageError if the system has more symbols or processes than SPIN can have (250).
 PromelaSystem write_promela(const System& system, const PromelaOptions& options = {});
 
-// Whether some program's input may be beyond what was learned while its model says `stop`, as far
-// as the automata alone tell: otherwise no run can be cut.
-bool may_be_cut(const System& system);
-
 }  // namespace maide

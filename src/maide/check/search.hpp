@@ -35,6 +35,7 @@ struct SearchResult {
   std::uint64_t transitions = 0;          // seen, or taken in a search for cycles
   std::uint64_t depth = 0;                // of the last level that was begun; of the longest path
   bool has_cut = false;                   // one of them leaves what was learned
+  bool has_violation = false;             // of a search for cycles, though perhaps not shown
   std::uint64_t bytes = 0;                // the most that the search had
   std::optional<Trace> trace;             // of what was found
   Reduction reduction = Reduction::none;  // what was used

@@ -10,6 +10,7 @@
 #include "maide/base/file.hpp"
 #include "maide/base/subprocess.hpp"
 #include "maide/base/temp_dir.hpp"
+#include "maide/check/model_usage.hpp"
 #include "maide/check/pan_output.hpp"
 
 namespace maide {
@@ -267,7 +268,7 @@ PropertyResult SpinEngine::check(const System& system, const Property& property,
 
 CutResult SpinEngine::find_cut(const System& system, const EngineOptions& options) {
   CutResult result;
-  if (!may_be_cut(system)) {
+  if (!ModelUsage(system).any_cut) {
     result.verdict = Verdict::holds;
     return result;
   }
