@@ -191,6 +191,80 @@ TEST(NativeEngine, SilentStepsAfterAnEventCanBeSeen) {
   EXPECT_EQ(result.reduction, Reduction::none);
 }
 
+// A door with two bolts that are drawn and shot apart, and shut again together. Who wants to pass
+// can do so only while the first alone is drawn.
+InterfaceAutomaton door() {
+  enum Input : Symbol { first, second, shut, pass };
+  enum Drawn : StateId { none, only_first, only_second, both };
+  InterfaceAutomaton door(Alphabet({"first", "second", "shut", "pass"}), Alphabet({"none"}), 4);
+  const auto add = [&door](Drawn from, Input input, Drawn to) {
+    door.add_transition(from, {Action::Kind::input, input}, to);
+  };
+  add(none, first, only_first);
+  add(none, second, only_second);
+  add(only_first, second, both);
+  add(only_second, first, both);
+  add(both, shut, none);
+  add(only_first, pass, only_first);
+  return door;
+}
+
+// The second bolt before the first, again and again, and nobody could ever pass. In the other
+// order, which `one` alone would be enough for as far as weak fairness goes, they could each time.
+TEST(NativeEngine, StrongFairnessSeesWhatIsPossibleInEachOrder) {
+  const System system = parse_system(
+      "models:\n  door: {file: door.dot}\n"
+      "programs:\n  one: loop { door.first; }\n  two: loop { door.second; door.shut; }\n"
+      "  guest: door.pass;\n"
+      "properties:\n  passes: {ltl: F guest@end, fairness: strong}\n",
+      "system.yaml", [](const ModelRequest&) { return door(); });
+  const PropertyResult result = check(system, system.properties[0]);
+  EXPECT_EQ(result.verdict, Verdict::violated);
+  EXPECT_EQ(result.reduction, Reduction::order);
+}
+
+// A machine that is turned and pressed, again and again, and wears out at some pressing; from it a
+// ticket is picked, a blank or a prize, of which a prize alone can be cashed. A worn machine has
+// blanks only, and after a prize was picked it does not wear out any more.
+InterfaceAutomaton machine() {
+  enum Input : Symbol { turn, press, pick, cash };
+  enum Phase : StateId { idle, turned, worn, worn_turned };
+  enum Ticket : StateId { none, blank, prize, cashed };
+  const auto state = [](StateId phase, StateId ticket) { return 4 * phase + ticket; };
+  InterfaceAutomaton machine(Alphabet({"turn", "press", "pick", "cash"}), Alphabet({"none"}), 16);
+  const auto add = [&machine](StateId from, Input input, StateId to) {
+    machine.add_transition(from, {Action::Kind::input, input}, to);
+  };
+  for (StateId ticket = none; ticket <= cashed; ++ticket) {
+    add(state(idle, ticket), turn, state(turned, ticket));
+    add(state(turned, ticket), press, state(idle, ticket));
+    if (ticket <= blank) add(state(turned, ticket), press, state(worn, ticket));
+    add(state(worn, ticket), turn, state(worn_turned, ticket));
+    add(state(worn_turned, ticket), press, state(worn, ticket));
+  }
+  for (StateId phase = idle; phase <= worn_turned; ++phase) {
+    add(state(phase, none), pick, state(phase, blank));
+    if (phase <= turned) add(state(phase, none), pick, state(phase, prize));
+    add(state(phase, prize), cash, state(phase, cashed));
+  }
+  return machine;
+}
+
+// Whatever can be reached by picking, then pressing, can be reached by pressing, then picking. But
+// not after each outcome of the press: the search goes on from a worn machine only, the other is
+// where it began.
+TEST(NativeEngine, WhatIsPutOffMustBePossibleAfterEachOutcome) {
+  const System system = parse_system(
+      "models:\n  machine: {file: machine.dot}\n"
+      "programs:\n  owner: loop { machine.turn; machine.press; }\n"
+      "  player: machine.pick; machine.cash;\n"
+      "properties:\n  loses: {always: '!player@end'}\n",
+      "system.yaml", [](const ModelRequest&) { return machine(); });
+  EngineOptions options;
+  options.reduction = Reduction::order;
+  EXPECT_EQ(check(system, system.properties[0], options).verdict, Verdict::violated);
+}
+
 TEST(NativeEngine, IndependentProgramsTakeTheirStepsInOneOrder) {
   EngineOptions options;
   options.reduction = Reduction::order;
