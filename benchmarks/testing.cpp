@@ -70,7 +70,7 @@ class Teacher : public EquivalenceOracle {
   std::optional<Word> find_counterexample(const Mealy& hypothesis,
                                           const RunControl& control) override {
     RandomIdentifierSuite suite(hypothesis, compute_adaptive_words(hypothesis, random_.split()),
-                                law_, random_.split());
+                                law_, random_.split(), counterexamples_);
     auto word = runner_.run(suite, hypothesis, most_, control);
     if (!word || hypothesis.size() * 10 >= states_ * tenths_) {
       fmt::print("  {:>6} states after {:>15} inputs of tests, {:>9.1f} s CPU\n", hypothesis.size(),
@@ -78,7 +78,10 @@ class Teacher : public EquivalenceOracle {
       std::fflush(stdout);
       tenths_ = hypothesis.size() * 10 / states_ + 1;
     }
-    if (word) until_last_ = runner_.symbols();
+    if (word) {
+      until_last_ = runner_.symbols();
+      counterexamples_.push_back(*word);
+    }
     return word;
   }
   std::string guarantee() const override { return "not refuted"; }
@@ -90,6 +93,7 @@ class Teacher : public EquivalenceOracle {
   std::uint64_t most_;
   InfixLaw law_;
   Random random_;
+  std::vector<Word> counterexamples_;
   std::size_t tenths_ = 1;
   std::uint64_t until_last_ = 0;
 };

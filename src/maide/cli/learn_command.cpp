@@ -282,8 +282,10 @@ void add_limits(CLI::App& app, LearnArguments& arguments) {
       ->check(CLI::Range(0.0, 1e6));
   app.add_option("--infix-inputs", arguments.infix_inputs,
                  "How they are drawn: off-sinks (seldom those that lead where most transitions "
-                 "lead; the default) or uniform (likewise)")
-      ->check(CLI::IsMember({"off-sinks", "uniform"}));
+                 "lead), off-loops (seldom those that change nothing), few (four inputs at most), "
+                 "replayed (pieces of the counterexamples so far), mixed (for each test another "
+                 "one of these; the default), uniform (likewise)")
+      ->check(CLI::IsMember({"mixed", "off-sinks", "off-loops", "few", "replayed", "uniform"}));
   app.add_option("--max-tests", arguments.max_tests,
                  "Most tests of one equivalence query, of each of its methods")
       ->check(check_count);

@@ -7,13 +7,14 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "maide/automata/mealy.hpp"
 #include "maide/base/random.hpp"
 #include "maide/conformance/complete_method.hpp"
+#include "maide/conformance/infix_sampler.hpp"
 #include "maide/conformance/state_identifiers.hpp"
 #include "maide/conformance/test_runner.hpp"
 #include "maide/conformance/test_suite.hpp"
@@ -21,63 +22,20 @@
 
 namespace maide {
 
-// Which inputs an infix is drawn from.
-enum class InfixInputs : std::uint8_t {
-  // Each transition with a weight of 1 over the number of transitions that lead where it leads. So
-  // tests seldom enter the states where every wrong input ends, to which most transitions of a
-  // protocol lead, and which hide whatever comes after. (OpenSSH's last state is found with 60
-  // times fewer inputs than by uniform infixes.)
-  off_sinks,
-  uniform,
-};
-
-// "off-sinks", "uniform"; throws UsageError.
-InfixInputs find_infix_inputs(std::string_view name);
-
-// At least `min` inputs, and on average `mean` more, geometrically distributed.
-struct InfixLaw {
-  std::size_t min = 1;
-  double mean = 8;
-  InfixInputs inputs = InfixInputs::off_sinks;
-};
-
-// Draws the inputs of an infix. O(n k) to make, O(1) to draw: Walker's alias method ("An efficient
-// method for generating discrete random variables with general distributions", ACM TOMS 1977;
-// tables after Vose, IEEE TSE 1991).
-class InfixSampler {
- public:
-  InfixSampler(const Mealy& hypothesis, InfixInputs inputs);
-  // There must be an input.
-  Symbol draw(StateId state, Random& random) const;
-
- private:
-  // One of k equally likely slots of a state: the slot's own input, or another.
-  struct Slot {
-    std::uint32_t threshold;  // own if 32 random bits are below
-    Symbol other;
-  };
-  std::size_t input_count_;
-  std::vector<Slot> slots_;  // by state, then input; empty if uniform
-};
-
 class RandomIdentifierSuite : public TestSuite {
  public:
-  // Endless. Keeps a reference to `hypothesis`, which must be complete; the identifiers must be its
-  // own. Throws UsageError if the law's numbers are negative or above a million.
+  // Endless. Keeps references to `hypothesis`, which must be complete, and to the counterexamples
+  // to replay; the identifiers must be the hypothesis' own. Throws UsageError if the law's numbers
+  // are negative or above a million.
   RandomIdentifierSuite(const Mealy& hypothesis, StateIdentifiers identifiers, InfixLaw law,
-                        Random random);
+                        Random random, std::span<const Word> counterexamples = {});
 
   bool next(Word& word) override;
   std::optional<std::uint64_t> size() const override { return std::nullopt; }
 
  private:
-  std::size_t draw_length();
-
-  const Mealy& hypothesis_;
   StateIdentifiers identifiers_;
-  InfixLaw law_;
-  double log_going_on_;  // the logarithm of the probability that one more input follows
-  InfixSampler sampler_;
+  InfixSampler infixes_;
   Random random_;
   std::vector<Word> cover_;
   std::vector<StateId> reached_;  // by each word of the cover
@@ -92,8 +50,8 @@ struct RandomMethodOptions {
 
 class RandomMethod : public EquivalenceOracle {
  public:
-  // Keeps a reference to `oracle`. Each equivalence query draws new tests. Throws UsageError as the
-  // suite does.
+  // Keeps a reference to `oracle`. Each equivalence query draws new tests, which replay pieces of
+  // the counterexamples before. Throws UsageError as the suite does.
   RandomMethod(OutputOracle& oracle, const IdentifierMethod& method,
                RandomMethodOptions options = {});
 
@@ -101,11 +59,17 @@ class RandomMethod : public EquivalenceOracle {
                                           const RunControl& control = {}) override;
   std::string guarantee() const override { return guarantee_; }
 
+  // For methods that run these tests beside others: as many of the next query, and a counterexample
+  // that another test found.
+  void set_max_tests(std::uint64_t max_tests) { options_.max_tests = max_tests; }
+  void add_counterexample(const Word& word) { counterexamples_.push_back(word); }
+
  private:
-  TestRunner runner_;
+  OutputOracle& oracle_;
   IdentifierMethod method_;
-  InfixLaw law_;
+  RandomMethodOptions options_;
   Random random_;
+  std::vector<Word> counterexamples_;
   std::string guarantee_ = "not tested";
 };
 

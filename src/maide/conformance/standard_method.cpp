@@ -9,7 +9,8 @@ namespace maide {
 StandardMethod::StandardMethod(OutputOracle& oracle, StandardMethodOptions options)
     : oracle_(oracle),
       options_(options),
-      random_(options.seed),
+      random_tests_(oracle, hads_identifiers,
+                    {.seed = options.seed, .batch_size = options.batch_size}),
       random_walk_(oracle, {.seed = options.seed, .batch_size = options.batch_size}) {}
 
 StandardMethod::Plan StandardMethod::make_plan(const IdentifierSuite& suite,
@@ -40,13 +41,13 @@ std::optional<Word> StandardMethod::find_counterexample(const Mealy& hypothesis,
   const Plan plan = make_plan(suite, hypothesis);
   const auto run_suite = [&](std::uint64_t tests) {
     TestRunner runner(oracle_, {tests, options_.batch_size});
-    return runner.run(suite, hypothesis, control);
+    auto found = runner.run(suite, hypothesis, control);
+    if (found) random_tests_.add_counterexample(*found);
+    return found;
   };
   std::optional<Word> counterexample = run_suite(plan.suite_before);
-  RandomMethod random_tests(
-      oracle_, hads_identifiers,
-      {.max_tests = plan.random, .seed = random_(), .batch_size = options_.batch_size});
-  if (!counterexample) counterexample = random_tests.find_counterexample(hypothesis, control);
+  random_tests_.set_max_tests(plan.random);
+  if (!counterexample) counterexample = random_tests_.find_counterexample(hypothesis, control);
   if (!counterexample) counterexample = run_suite(plan.suite_after);
   if (counterexample) {
     guarantee_ = "refuted by a test";
@@ -54,7 +55,7 @@ std::optional<Word> StandardMethod::find_counterexample(const Mealy& hypothesis,
   }
   guarantee_ =
       describe_passed(suite, plan.suite_before + plan.suite_after, hads_identifiers, hypothesis) +
-      "; " + random_tests.guarantee();
+      "; " + random_tests_.guarantee();
   if (hypothesis.inputs().find(delta_input).has_value()) {
     counterexample = random_walk_.find_counterexample(hypothesis, control);
     guarantee_ += "; " + random_walk_.guarantee();

@@ -7,8 +7,8 @@
 // some 20 states and 5 inputs, and their results are theorems for three extra states. For larger
 // machines one more extra state costs too much, and random tests find the same states sooner: there
 // the suite is complete for as many as half of the budget pays for, and the rest goes to random
-// tests, which keep off error sinks. They come after the suite for no extra state, which tests each
-// transition once, and before the deeper ones.
+// tests, of several laws (infix_sampler.hpp). They come after the suite for no extra state, which
+// tests each transition once, and before the deeper ones.
 //
 // `guarantee()` says how far it came.
 //
@@ -21,7 +21,6 @@
 #include <optional>
 #include <string>
 
-#include "maide/conformance/complete_method.hpp"
 #include "maide/conformance/identifier_suite.hpp"
 #include "maide/conformance/random_identifier_suite.hpp"
 #include "maide/conformance/random_walk.hpp"
@@ -55,7 +54,7 @@ class StandardMethod : public EquivalenceOracle {
 
   OutputOracle& oracle_;
   StandardMethodOptions options_;
-  Random random_;
+  RandomMethod random_tests_;
   RandomWalk random_walk_;
   std::string guarantee_ = "not tested";
 };

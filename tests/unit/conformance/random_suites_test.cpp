@@ -4,10 +4,12 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <string>
 
 #include "maide/automata/minimize.hpp"
 #include "maide/automata/random_automata.hpp"
 #include "maide/base/error.hpp"
+#include "maide/conformance/infix_sampler.hpp"
 #include "maide/conformance/random_identifier_suite.hpp"
 #include "maide/conformance/random_walk.hpp"
 #include "maide/conformance/random_words.hpp"
@@ -90,27 +92,96 @@ TEST(RandomIdentifierSuite, TestsAreMadeOfTheirThreeParts) {
   EXPECT_LT(symbols / 5000, expected + 10);
 }
 
-// Frequencies are the weights: of three inputs two lead to a state to which six transitions lead,
-// one to a state to which two lead.
+// The frequencies of the first inputs are the weights.
 TEST(InfixSampler, DrawsWithTheWeightsOfItsLaw) {
+  // Of state 0's inputs two lead to a state to which six transitions of three states lead, one to a
+  // state to which two lead; in state 1 two inputs of three change nothing.
   Mealy machine({"a", "b", "c"}, {"0"}, 3);
   for (StateId state = 0; state < 3; ++state) {
     machine.set_transition(state, 0, 0, 2);
     machine.set_transition(state, 1, 0, 2);
     machine.set_transition(state, 2, 0, state == 2 ? 0 : 1);
   }
+  Mealy controller({"a", "b", "c"}, {"0"}, 2);
+  for (StateId state = 0; state < 2; ++state) {
+    controller.set_transition(state, 0, 0, state);
+    controller.set_transition(state, 1, 0, state);
+    controller.set_transition(state, 2, 0, 1 - state);
+  }
   Random random(5);
-  const auto count = [&](InfixInputs inputs) {
-    const InfixSampler sampler(machine, inputs);
+  const auto count = [&](const Mealy& model, InfixInputs inputs) {
+    const InfixSampler sampler(model, {.min = 1, .mean = 0, .inputs = inputs}, {});
     std::vector<int> drawn(3);
-    for (int i = 0; i < 10'000; ++i) ++drawn.at(sampler.draw(0, random));
+    for (int i = 0; i < 10'000; ++i) {
+      StateId state = 0;
+      Word word;
+      sampler.draw(state, word, random);
+      EXPECT_EQ(state, model.run(word));
+      ++drawn.at(word.at(0));
+    }
     return drawn;
   };
-  for (const int drawn : count(InfixInputs::uniform)) EXPECT_NEAR(drawn, 3333, 200);
-  const std::vector<int> off_sinks = count(InfixInputs::off_sinks);  // 1/6, 1/6, 1/2
+  for (const int drawn : count(machine, InfixInputs::uniform)) EXPECT_NEAR(drawn, 3333, 200);
+  const std::vector<int> off_sinks = count(machine, InfixInputs::off_sinks);  // 1/6, 1/6, 1/2
   EXPECT_NEAR(off_sinks[0], 2000, 200);
   EXPECT_NEAR(off_sinks[1], 2000, 200);
   EXPECT_NEAR(off_sinks[2], 6000, 200);
+  const std::vector<int> off_loops = count(controller, InfixInputs::off_loops);  // 1/4, 1/4, 1/2
+  EXPECT_NEAR(off_loops[0], 2500, 200);
+  EXPECT_NEAR(off_loops[1], 2500, 200);
+  EXPECT_NEAR(off_loops[2], 5000, 200);
+  // Nothing to replay.
+  EXPECT_NEAR(count(machine, InfixInputs::replayed)[2], 6000, 200);
+}
+
+Mealy single_state(std::size_t inputs = 2) {
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < inputs; ++i) names.push_back("i" + std::to_string(i));
+  Mealy machine(Alphabet(names), {"0"}, 1);
+  for (Symbol input = 0; input < inputs; ++input) machine.set_transition(0, input, 0, 0);
+  return machine;
+}
+
+TEST(InfixSampler, DrawsFewInputsOrReplaysPieces) {
+  const Mealy machine = single_state(30);
+  Random random(6);
+  const auto draw = [&](InfixInputs inputs, std::span<const Word> counterexamples) {
+    const InfixSampler sampler(machine, {.min = 50, .mean = 0, .inputs = inputs}, counterexamples);
+    StateId state = 0;
+    Word word;
+    sampler.draw(state, word, random);
+    EXPECT_EQ(word.size(), 50U);
+    return word;
+  };
+  std::set<std::size_t> sizes;
+  for (int i = 0; i < 200; ++i) {
+    const Word word = draw(InfixInputs::few, {});
+    sizes.insert(std::set(word.begin(), word.end()).size());
+  }
+  EXPECT_EQ(sizes, (std::set<std::size_t>{1, 2, 3, 4}));
+
+  const std::vector<Word> counterexamples{{1, 2, 3}, {7, 8}};
+  std::set<Symbol> replayed, starts;
+  for (int i = 0; i < 200; ++i) {
+    const Word word = draw(InfixInputs::replayed, counterexamples);
+    starts.insert(word.front());
+    replayed.insert(word.begin(), word.end());
+    for (std::size_t j = 0; j + 1 < word.size(); ++j) {
+      if (word[j] == 1 || word[j] == 2 || word[j] == 7) {
+        EXPECT_EQ(word[j + 1], word[j] + 1);
+      }
+    }
+  }
+  EXPECT_EQ(replayed, (std::set<Symbol>{1, 2, 3, 7, 8}));
+  EXPECT_EQ(starts, replayed);
+
+  sizes.clear();
+  for (int i = 0; i < 200; ++i) {
+    const Word word = draw(InfixInputs::mixed, counterexamples);
+    sizes.insert(std::set(word.begin(), word.end()).size());
+  }
+  EXPECT_TRUE(sizes.contains(1)) << "few";
+  EXPECT_GT(*sizes.rbegin(), 10U) << "off-sinks, off-loops";
 }
 
 TEST(RandomMethod, FindsWhatLiesDeepAndRefusesImpossibleLaws) {
@@ -125,13 +196,6 @@ TEST(RandomMethod, FindsWhatLiesDeepAndRefusesImpossibleLaws) {
   EXPECT_TRUE(method.find_counterexample(hypothesis));
   EXPECT_THROW(RandomMethod(oracle, hads_identifiers, {.infix = {1, -1}}), UsageError);
   EXPECT_THROW(RandomMethod(oracle, hads_identifiers, {.infix = {1, std::nan("")}}), UsageError);
-}
-
-Mealy single_state() {
-  Mealy machine({"a", "b"}, {"0"}, 1);
-  machine.set_transition(0, 0, 0, 0);
-  machine.set_transition(0, 1, 0, 0);
-  return machine;
 }
 
 // Remembers the words.
@@ -154,6 +218,73 @@ std::vector<Word> words_of(Options options, int queries) {
   Method method(recorder, options);
   for (int i = 0; i < queries; ++i) method.find_counterexample(machine);
   return recorder.words;
+}
+
+// A ring of `size` states: in each one of 20 inputs goes on, all others change nothing; a further
+// input tells the place in the ring. Going on from the last place says "yes". Another ring may lie
+// behind it, in which that does not.
+Mealy ring(StateId size, StateId rings) {
+  Mealy machine = single_state(21);
+  machine.intern_output("yes");
+  while (machine.size() < std::size_t{size} * rings) machine.add_state();
+  for (StateId state = 0; state < machine.size(); ++state) {
+    const StateId place = state % size, first = state - place;
+    for (Symbol input = 0; input < 20; ++input) machine.set_transition(state, input, 0, state);
+    machine.set_transition(state, 20, machine.intern_output("at " + std::to_string(place)), state);
+    const bool is_last = place + 1 == size;
+    machine.set_transition(state, (place * 7 + 3) % 20, is_last && first == 0 ? 1 : 0,
+                           is_last ? first : state + 1);
+  }
+  return machine;
+}
+
+// What the laws are for: an input that counts, and a mode behind inputs that seem to do nothing, in
+// which all is as before but for the end of a long sequence.
+TEST(RandomMethod, FindsCountersAndModesByTheLawsForThem) {
+  const Mealy hypothesis = ring(6, 1);
+  Mealy modes = ring(6, 2);
+  modes.set_transition(0, 19, 0, 6);
+  Mealy counter = hypothesis;
+  for (StateId count = 6; count < 14; ++count) {
+    counter.add_state();
+    for (Symbol input = 0; input < 21; ++input) {
+      const Mealy::Cell cell = counter.row(0)[input];
+      counter.set_transition(count, input, cell.output, cell.target);
+    }
+  }
+  for (StateId count = 6; count < 14; ++count) {
+    counter.set_transition(count == 6 ? 0 : count - 1, 19, count == 13 ? 1 : 0, count);
+  }
+  counter.set_transition(13, 19, 1, 13);
+  const auto finds = [&](const Mealy& system, InfixInputs inputs) {
+    MealyOracle oracle(system);
+    RandomMethod method(oracle, hads_identifiers,
+                        {.infix = {.inputs = inputs}, .max_tests = 20'000, .seed = 1});
+    return method.find_counterexample(hypothesis).has_value();
+  };
+  EXPECT_TRUE(finds(counter, InfixInputs::few));
+  EXPECT_TRUE(finds(modes, InfixInputs::off_loops));
+  for (const Mealy& system : {counter, modes}) {
+    EXPECT_TRUE(finds(system, InfixInputs::mixed));
+    EXPECT_FALSE(finds(system, InfixInputs::off_sinks));
+    EXPECT_FALSE(finds(system, InfixInputs::uniform));
+  }
+}
+
+// A counterexample, by whichever test, makes the next one of its kind easy to find.
+TEST(RandomMethod, ReplaysCounterexamples) {
+  const Mealy hypothesis = ring(12, 1);
+  Mealy modes = ring(12, 2);
+  modes.set_transition(0, 19, 0, 12);
+  MealyOracle oracle(modes);
+  const RandomMethodOptions options{
+      .infix = {.mean = 12, .inputs = InfixInputs::replayed}, .max_tests = 5'000, .seed = 1};
+  RandomMethod method(oracle, hads_identifiers, options);
+  EXPECT_FALSE(method.find_counterexample(hypothesis));
+  Word around{19};
+  for (Symbol place = 0; place < 12; ++place) around.push_back((place * 7 + 3) % 20);
+  method.add_counterexample(around);
+  EXPECT_TRUE(method.find_counterexample(hypothesis));
 }
 
 TEST(RandomMethods, EachQueryDrawsAnewAndTheSameSeedIsTheSameRun) {
