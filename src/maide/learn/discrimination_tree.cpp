@@ -4,6 +4,8 @@
 #include <map>
 #include <utility>
 
+#include "maide/learn/adaptive_experiment.hpp"
+
 namespace maide {
 
 DiscriminationTree::DiscriminationTree() {
@@ -21,6 +23,11 @@ DiscriminationTree::Node DiscriminationTree::child(Node node,
       });
   if (found == children.end() || !std::ranges::equal(nodes_[*found].label, answer)) return none;
   return *found;
+}
+
+Word DiscriminationTree::inputs_to(Node node) const {
+  const Record& above = nodes_[nodes_[node].parent];
+  return above.suffix.empty() ? inputs_along(above.experiment, nodes_[node].label) : above.suffix;
 }
 
 StateId DiscriminationTree::representative(Node node) const {
@@ -110,10 +117,11 @@ void DiscriminationTree::split(Node leaf, Inner inner, Word label) {
   nodes_[leaf].suffix = std::move(inner.suffix);
   nodes_[leaf].rest = inner.rest;
   nodes_[leaf].temporary = inner.temporary;
+  nodes_[leaf].experiment = std::move(inner.experiment);
   hang(leaf, lower, std::move(label));
 }
 
-// The part of a temporary subtree that holds the chosen states, without nodes that tell none of
+// The part of a subtree that holds the chosen states, without nodes that tell none of
 // them apart; none if it holds none. Leaves move, inner nodes are copied.
 DiscriminationTree::Node DiscriminationTree::extract(Node source, const std::vector<bool>& chosen) {
   if (is_leaf(source)) return chosen[nodes_[source].state] ? source : none;
@@ -127,37 +135,57 @@ DiscriminationTree::Node DiscriminationTree::extract(Node source, const std::vec
   if (parts.size() == 1) return parts.front().first;
   Record record;
   record.suffix = nodes_[source].suffix;
-  record.temporary = true;
+  record.rest = nodes_[source].rest;
+  record.temporary = nodes_[source].temporary;
+  record.experiment = nodes_[source].experiment;
   const Node copy = add_node(std::move(record));
   for (auto& [part, label] : parts) hang(copy, part, std::move(label));
   return copy;
 }
 
-void DiscriminationTree::finalise(Node block, Inner inner,
-                                  const std::function<Word(StateId)>& answer) {
+// The parts of a subtree by what their states answer. Its inner nodes but the uppermost are gone.
+std::vector<std::pair<DiscriminationTree::Node, Word>> DiscriminationTree::regroup(
+    Node node, const std::function<Word(StateId)>& answer) {
   std::map<Word, std::vector<StateId>> groups;
-  for_each_leaf(block, [&](Node leaf) { groups[answer(state(leaf))].push_back(state(leaf)); });
-  std::vector<Node> old_nodes;  // inner nodes of the block but its root
-  for (std::vector<Node> open{block}; !open.empty();) {
-    const Node node = open.back();
+  for_each_leaf(node, [&](Node leaf) { groups[answer(state(leaf))].push_back(state(leaf)); });
+  std::vector<Node> old_nodes;  // inner nodes below
+  for (std::vector<Node> open{node}; !open.empty();) {
+    const Node next = open.back();
     open.pop_back();
-    if (is_leaf(node)) continue;
-    if (node != block) old_nodes.push_back(node);
-    open.insert(open.end(), nodes_[node].children.begin(), nodes_[node].children.end());
+    if (is_leaf(next)) continue;
+    if (next != node) old_nodes.push_back(next);
+    open.insert(open.end(), nodes_[next].children.begin(), nodes_[next].children.end());
   }
   std::vector<std::pair<Node, Word>> parts;
   std::vector<bool> chosen(leaf_.size());
   for (const auto& [label, states] : groups) {
     for (const StateId state : states) chosen[state] = true;
-    parts.emplace_back(extract(block, chosen), label);
+    parts.emplace_back(extract(node, chosen), label);
     for (const StateId state : states) chosen[state] = false;
   }
-  for (const Node node : old_nodes) release(node);
-  nodes_[block].children.clear();
+  for (const Node old_node : old_nodes) release(old_node);
+  nodes_[node].children.clear();
+  return parts;
+}
+
+void DiscriminationTree::finalise(Node block, Inner inner,
+                                  const std::function<Word(StateId)>& answer) {
+  const std::vector<std::pair<Node, Word>> parts = regroup(block, answer);
   nodes_[block].suffix = std::move(inner.suffix);
   nodes_[block].rest = inner.rest;
   nodes_[block].temporary = inner.temporary;
-  for (auto& [part, label] : parts) hang(block, part, std::move(label));
+  nodes_[block].experiment = std::move(inner.experiment);
+  for (const auto& [part, label] : parts) hang(block, part, label);
+}
+
+void DiscriminationTree::lengthen(Node node, DecisionTree experiment,
+                                  const std::function<Word(StateId)>& answer) {
+  const Node above = parent(node);
+  const std::vector<std::pair<Node, Word>> parts = regroup(node, answer);
+  std::erase(nodes_[above].children, node);
+  release(node);
+  nodes_[above].experiment = std::move(experiment);
+  for (const auto& [part, label] : parts) hang(above, part, label);
 }
 
 }  // namespace maide

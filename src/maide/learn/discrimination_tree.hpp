@@ -6,7 +6,12 @@
 // A node may be *temporary* (TTT: Isberner, Howar & Steffen, RV 2014): its suffix came out of a
 // counterexample and will be replaced by a shorter one; or it has none, and one is still to be
 // found for its states (TTT-lambda: Howar & Steffen 2022). A maximal subtree of temporary nodes is
-// a *block*. Nodes that are not temporary stay what they are, for ever.
+// a *block*. Nodes that are not temporary stay what they are.
+//
+// A node may hold an adaptive *experiment* instead of a suffix, a decision tree that ends with each
+// output that it has no branch for (ADT: Frohme, FMICS 2019): the outputs to it, of different
+// lengths, are the labels. From one experiment to the next the system is reset. Better experiments
+// replace it.
 //
 // Invariant: every state has a leaf, and answers the suffix of each node above it as the labels
 // say.
@@ -15,9 +20,11 @@
 #include <cstdint>
 #include <functional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "maide/automata/mealy.hpp"
+#include "maide/sul/query.hpp"
 
 namespace maide {
 
@@ -37,10 +44,18 @@ class DiscriminationTree {
   Node parent(Node node) const { return nodes_[node].parent; }
   // Of an inner node; empty for leaves, and where none is known yet.
   const Word& suffix(Node node) const { return nodes_[node].suffix; }
+  // Of an inner node that asks no suffix; without nodes for the others.
+  const DecisionTree& experiment(Node node) const { return nodes_[node].experiment; }
+  // There is something to ask.
+  bool has_question(Node node) const {
+    return !nodes_[node].suffix.empty() || !nodes_[node].experiment.nodes.empty();
+  }
   // The node whose suffix is that of this node without its first input, where it was given.
   Node rest(Node node) const { return nodes_[node].rest; }
   // The answer to the parent's suffix from which the node hangs.
   const Word& label(Node node) const { return nodes_[node].label; }
+  // The inputs that the label answers. O(their number).
+  Word inputs_to(Node node) const;
   std::span<const Node> children(Node node) const { return nodes_[node].children; }
   // The state that stands for those below a node: that of its first leaf. O(depth).
   StateId representative(Node node) const;
@@ -64,6 +79,7 @@ class DiscriminationTree {
     Word suffix;
     Node rest = none;  // see rest()
     bool temporary = false;
+    DecisionTree experiment = {};  // if there is no suffix
   };
   // Makes a leaf an inner node that has one child, a new leaf of the leaf's state.
   void split(Node leaf, Inner inner, Word label);
@@ -72,6 +88,11 @@ class DiscriminationTree {
   // answers. Below it, states that answer alike stay told apart by what did so before.
   void finalise(Node block, Inner inner, const std::function<Word(StateId)>& answer);
 
+  // The experiment above an inner node becomes one that goes on where the node hung: its states
+  // hang from what they answer to that; those that answer alike stay told apart by what did so
+  // before.
+  void lengthen(Node node, DecisionTree experiment, const std::function<Word(StateId)>& answer);
+
  private:
   struct Record {
     Node parent = none;
@@ -79,6 +100,7 @@ class DiscriminationTree {
     Node rest = none;
     bool temporary = false;
     Word suffix;
+    DecisionTree experiment;
     Word label;
     std::vector<Node> children;  // ascending by label, by age where labels are the same
   };
@@ -86,6 +108,7 @@ class DiscriminationTree {
   Node add_node(Record record);
   void hang(Node parent, Node child, Word label);
   Node extract(Node source, const std::vector<bool>& chosen);
+  std::vector<std::pair<Node, Word>> regroup(Node node, const std::function<Word(StateId)>& answer);
   void release(Node node);
 
   std::vector<Record> nodes_;

@@ -3,6 +3,7 @@
 #include <array>
 
 #include "maide/base/named_table.hpp"
+#include "maide/learn/adt.hpp"
 #include "maide/learn/kearns_vazirani.hpp"
 #include "maide/learn/lm_plus.hpp"
 #include "maide/learn/lsharp.hpp"
@@ -48,6 +49,9 @@ constexpr std::array table{
     LearnerEntry{"tttlambda",
                  "TTT-lambda: discrimination tree, counterexamples name access words alone",
                  make<TttLambda>},
+    LearnerEntry{"adt",
+                 "ADT: discrimination tree of adaptive distinguishing sequences, fewest resets",
+                 make<Adt>},
     LearnerEntry{"lsharp", "L#: observation tree and apartness, adaptive distinguishing sequences",
                  make<LSharp>, make_lsharp_from<Separation::adaptive>},
     LearnerEntry{"lsharp-sepseq", "L# with separating sequences, plain words", make_lsharp_by_words,

@@ -7,8 +7,10 @@
 #include <utility>
 
 #include "maide/base/error.hpp"
+#include "maide/learn/adaptive_experiment.hpp"
 #include "maide/learn/adaptive_sequence.hpp"
 #include "maide/learn/counterexample.hpp"
+#include "maide/learn/observing_oracle.hpp"
 
 namespace maide {
 namespace {
@@ -16,16 +18,6 @@ namespace {
 std::size_t checked_input_count(const OutputOracle& oracle) {
   if (oracle.inputs().empty()) throw UsageError("the system has no inputs to learn from");
   return oracle.inputs().size();
-}
-
-// Makes `subtree` what follows `output` at `node`.
-void graft(DecisionTree& tree, std::size_t node, Symbol output, const DecisionTree& subtree) {
-  const auto offset = static_cast<std::uint32_t>(tree.nodes.size());
-  tree.nodes[node].branches.emplace_back(output, offset);
-  for (DecisionTree::Node copy : subtree.nodes) {
-    for (auto& branch : copy.branches) branch.second += offset;
-    tree.nodes.push_back(std::move(copy));
-  }
 }
 
 }  // namespace
@@ -47,15 +39,7 @@ void LSharp::ask(const std::vector<Query>& batch, const RunControl& control) {
       if (inserted.known < inputs.size()) continue;
       throw Error(ExitStatus::system_failed, "the system did not answer a query to its end");
     }
-    const auto wrong = std::span(inputs).first(inserted.known + 1);
-    Word before;
-    for (std::size_t length = 1; length <= wrong.size(); ++length) {
-      const Node node = apartness_.tree().find(ObservationTree::root, wrong.first(length));
-      before.push_back(apartness_.tree().output(node));
-    }
-    throw NondeterminismError(to_string(wrong, oracle_.inputs()),
-                              to_string(before, oracle_.outputs()),
-                              to_string(std::span(outputs).first(wrong.size()), oracle_.outputs()));
+    throw contradiction(apartness_.tree(), answers[i], inserted.known, oracle_);
   }
 }
 

@@ -24,4 +24,18 @@ const Word& complete_outputs(const MealyAnswer& answer, const Word& word) {
   return answer.outputs;
 }
 
+const Word& complete_outputs(const MealyAnswer& answer, const Query& query) {
+  if (const Word* word = std::get_if<Word>(&query)) return complete_outputs(answer, *word);
+  MealyAnswer played;
+  const bool is_complete = play_query(query, played, [&](Symbol) -> std::optional<Symbol> {
+    const std::size_t place = played.outputs.size();
+    if (place == answer.outputs.size()) return std::nullopt;
+    return answer.outputs[place];
+  });
+  if (!is_complete || played.inputs != answer.inputs) {
+    throw Error(ExitStatus::system_failed, "the system did not answer a query to its end");
+  }
+  return answer.outputs;
+}
+
 }  // namespace maide

@@ -43,6 +43,8 @@ class OutputOracle {
 // The outputs of an answer, one for each input of `word`; throws Error where some are missing
 // because the word did not complete.
 const Word& complete_outputs(const MealyAnswer& answer, const Word& word);
+// The same for any query, which ends where it says so.
+const Word& complete_outputs(const MealyAnswer& answer, const Query& query);
 
 // Plays `query` with `step`, a function from an input to its output, or to nothing where it does
 // not know. Appends to `answer`; true if the query was played to its end. O(length of the path).

@@ -1,10 +1,12 @@
 #include "maide/learn/tree_hypothesis.hpp"
 
 #include <algorithm>
+#include <numeric>
 #include <utility>
 
 #include "maide/automata/words.hpp"
 #include "maide/base/error.hpp"
+#include "maide/learn/adaptive_experiment.hpp"
 
 namespace maide {
 namespace {
@@ -68,7 +70,6 @@ std::vector<TreeHypothesis::Transition> TreeHypothesis::take_coming(Node node) {
 }
 
 void TreeHypothesis::settle(const RunControl& control) {
-  const std::size_t inputs = oracle_.inputs().size();
   while (!unsettled_.empty()) {
     control.check("learning");
     const std::vector<Transition> asked(
@@ -76,22 +77,13 @@ void TreeHypothesis::settle(const RunControl& control) {
         unsettled_.begin() + static_cast<std::ptrdiff_t>(std::min(batch_size, unsettled_.size())));
     std::vector<Query> batch;
     batch.reserve(asked.size());
-    for (const Transition transition : asked) {
-      const Word& access = access_[transition / inputs];
-      const Word& suffix = tree_.suffix(place_[transition]);
-      Word word;
-      word.reserve(access.size() + 1 + suffix.size());
-      word.assign(access.begin(), access.end());
-      word.push_back(static_cast<Symbol>(transition % inputs));
-      word.insert(word.end(), suffix.begin(), suffix.end());
-      batch.emplace_back(std::move(word));
-    }
+    for (const Transition transition : asked) batch.push_back(question(transition));
     const std::vector<MealyAnswer> answers = oracle_.ask(batch, control);
     output_queries_ += answers.size();
     unsettled_.erase(unsettled_.begin(),
                      unsettled_.begin() + static_cast<std::ptrdiff_t>(asked.size()));
     for (std::size_t i = 0; i < asked.size(); ++i) {
-      follow(asked[i], complete_outputs(answers[i], std::get<Word>(batch[i])));
+      follow(asked[i], complete_outputs(answers[i], batch[i]));
     }
     Progress progress;
     progress.phase = "learning";
@@ -101,13 +93,47 @@ void TreeHypothesis::settle(const RunControl& control) {
   }
 }
 
-// The answer to the transition's word and the suffix of its node.
+// The transition's word, and what is asked at its node.
+Query TreeHypothesis::question(Transition transition) const {
+  const std::size_t inputs = oracle_.inputs().size();
+  const auto state = static_cast<StateId>(transition / inputs);
+  const auto input = static_cast<Symbol>(transition % inputs);
+  const Word& access = access_[state];
+  const Node node = place_[transition];
+  const Word& suffix = tree_.suffix(node);
+  Word word;
+  word.reserve(access.size() + 1 + suffix.size());
+  word.assign(access.begin(), access.end());
+  word.push_back(input);
+  word.insert(word.end(), suffix.begin(), suffix.end());
+  const DecisionTree& experiment = tree_.experiment(node);
+  if (experiment.nodes.empty()) return word;
+  DecisionTree query = chain(word, access_outputs(state));
+  std::vector<Symbol> outputs{output_[transition]};
+  if (outputs.front() == unknown_output) {
+    outputs.resize(oracle_.outputs().size());
+    std::iota(outputs.begin(), outputs.end(), Symbol{0});
+  }
+  graft(query, access.size(), outputs, experiment);
+  return query;
+}
+
+Word TreeHypothesis::access_outputs(StateId state) const {
+  Word outputs;
+  for (; spanning_[state] != no_transition;
+       state = static_cast<StateId>(spanning_[state] / oracle_.inputs().size())) {
+    outputs.push_back(output_[spanning_[state]]);
+  }
+  return {outputs.rbegin(), outputs.rend()};
+}
+
+// The answer to the transition's question; it ends early if its output is a new one.
 void TreeHypothesis::follow(Transition transition, const Word& outputs) {
   const Node node = place_[transition];
-  const std::size_t prefix = outputs.size() - tree_.suffix(node).size();
+  const std::size_t prefix = access_[transition / oracle_.inputs().size()].size() + 1;
   output_[transition] = outputs[prefix - 1];
   Node next = node;
-  if (!tree_.suffix(node).empty()) {
+  if (tree_.has_question(node) && outputs.size() > prefix) {
     next = tree_.child(node, std::span(outputs).subspan(prefix));
     if (next == DiscriminationTree::none) {
       next = tree_.leaf(add_state(node, tail(outputs, prefix), transition));
@@ -195,7 +221,8 @@ std::optional<TreeHypothesis::Node> TreeHypothesis::find_disagreement(const Word
   std::vector<Node> path{tree_.leaf(state)};
   while (path.back() != DiscriminationTree::root) path.push_back(tree_.parent(path.back()));
   for (std::size_t i = path.size() - 1; i > 0; --i) {
-    if (ask_after(word, tree_.suffix(path[i]), control) != tree_.label(path[i - 1])) return path[i];
+    const Node below = path[i - 1];
+    if (ask_after(word, tree_.inputs_to(below), control) != tree_.label(below)) return path[i];
   }
   return std::nullopt;
 }
@@ -226,38 +253,53 @@ StateId TreeHypothesis::target_in_block(Transition transition, const RunControl&
 }
 
 void TreeHypothesis::finalise(Node block, DiscriminationTree::Inner inner) {
-  std::vector<Transition> coming;
-  for (std::vector<Node> open{block}; !open.empty();) {
-    const Node node = open.back();
-    open.pop_back();
-    const std::vector<Transition> here = take_coming(node);
-    coming.insert(coming.end(), here.begin(), here.end());
-    const std::span<const Node> children = tree_.children(node);
-    open.insert(open.end(), children.rbegin(), children.rend());
-  }
-  // What is known now, before places in the block are gone.
-  struct Member {
-    Transition spanning;
-    StateId state;
-    Word answer;
-  };
-  std::vector<Member> members;
+  Answers answers;
   tree_.for_each_leaf(block, [&](Node leaf) {
     const StateId state = tree_.state(leaf);
-    members.push_back(
-        {spanning_[state], state, known_answer(state, inner.suffix.front(), inner.rest)});
+    answers.emplace(state, known_answer(state, inner.suffix.front(), inner.rest));
   });
-  std::ranges::sort(members, {}, &Member::state);
-  tree_.finalise(block, std::move(inner), [&](StateId state) {
-    return std::ranges::lower_bound(members, state, {}, &Member::state)->answer;
-  });
-  std::ranges::sort(members, {}, &Member::spanning);
-  for (const Transition transition : coming) {
-    const auto member = std::ranges::lower_bound(members, transition, {}, &Member::spanning);
-    if (member != members.end() && member->spanning == transition) {
-      put(transition, tree_.leaf(member->state));
+  replace(block, std::move(inner), answers);
+}
+
+void TreeHypothesis::replace(Node node, DiscriminationTree::Inner inner, const Answers& answers) {
+  const std::vector<Transition> coming = take_coming_below(node);
+  tree_.finalise(node, std::move(inner), [&](StateId state) { return answers.at(state); });
+  send_back(coming, answers, node);
+}
+
+void TreeHypothesis::lengthen(Node node, DecisionTree experiment, const Answers& answers) {
+  const Node above = tree_.parent(node);
+  const std::vector<Transition> coming = take_coming_below(node);
+  tree_.lengthen(node, std::move(experiment), [&](StateId state) { return answers.at(state); });
+  send_back(coming, answers, above);
+}
+
+std::vector<TreeHypothesis::Transition> TreeHypothesis::take_coming_below(Node node) {
+  std::vector<Transition> coming;
+  for (std::vector<Node> open{node}; !open.empty();) {
+    const Node next = open.back();
+    open.pop_back();
+    const std::vector<Transition> here = take_coming(next);
+    coming.insert(coming.end(), here.begin(), here.end());
+    const std::span<const Node> children = tree_.children(next);
+    open.insert(open.end(), children.rbegin(), children.rend());
+  }
+  return coming;
+}
+
+// The transitions go on at `node`, but for those by which these states were found.
+void TreeHypothesis::send_back(const std::vector<Transition>& transitions, const Answers& states,
+                               Node node) {
+  std::vector<std::pair<Transition, StateId>> spanning;
+  for (const auto& [state, answer] : states) spanning.emplace_back(spanning_[state], state);
+  std::ranges::sort(spanning);
+  for (const Transition transition : transitions) {
+    const auto found =
+        std::ranges::lower_bound(spanning, transition, {}, &std::pair<Transition, StateId>::first);
+    if (found != spanning.end() && found->first == transition) {
+      put(transition, tree_.leaf(found->second));
     } else {
-      place_[transition] = block;
+      place_[transition] = node;
       unsettled_.push_back(transition);
     }
   }

@@ -13,6 +13,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <span>
 #include <vector>
@@ -43,6 +44,8 @@ class TreeHypothesis {
     return static_cast<Transition>(state * oracle_.inputs().size() + input);
   }
   Word word_to(Transition transition) const;
+  // The outputs along access(state). O(length).
+  Word access_outputs(StateId state) const;
 
   // The word to it is the access word of a state.
   bool is_spanning(Transition transition) const {
@@ -50,6 +53,10 @@ class TreeHypothesis {
     return tree_.is_leaf(node) && spanning_[tree_.state(node)] == transition;
   }
 
+  // Transitions that have come to this node.
+  std::size_t coming_count(Node node) const {
+    return node < coming_.size() ? coming_[node].size() : 0;
+  }
   // Where a settled transition has come to, and its output.
   Node place(Transition transition) const { return place_[transition]; }
   Symbol output(Transition transition) const { return output_[transition]; }
@@ -97,11 +104,21 @@ class TreeHypothesis {
   // of the suffix and its rest. The transitions to the block go on. Afterwards settle().
   void finalise(Node block, DiscriminationTree::Inner inner);
 
+  // What each of some states answers.
+  using Answers = std::map<StateId, Word>;
+  // The same with answers that were asked for, for any inner node.
+  void replace(Node node, DiscriminationTree::Inner inner, const Answers& answers);
+  // See DiscriminationTree::lengthen. The transitions to these states go on. Afterwards settle().
+  void lengthen(Node node, DecisionTree experiment, const Answers& answers);
+
   std::uint64_t output_queries() const { return output_queries_; }
 
  private:
   // Asks `suffix` after `prefix`: one output query.
   Word ask_after(Word prefix, const Word& suffix, const RunControl& control);
+  Query question(Transition transition) const;
+  std::vector<Transition> take_coming_below(Node node);
+  void send_back(const std::vector<Transition>& transitions, const Answers& states, Node node);
   void add_transitions();
   StateId add_state(Node parent, Word label, Transition from);
   void follow(Transition transition, const Word& outputs);

@@ -19,16 +19,21 @@ void TreeLearner::refine(const Word& counterexample, const RunControl& control) 
     throw std::invalid_argument("the hypothesis agrees with the system on this word");
   }
   complete(control);  // what an interruption left
-  while (const std::size_t length = first_mismatch(hypothesis(), counterexample, outputs)) {
-    const Word cut(counterexample.begin(),
-                   counterexample.begin() + static_cast<std::ptrdiff_t>(length));
-    if (!split(cut, outputs, control)) {
-      throw NondeterminismError(to_string(cut, oracle_.inputs()),
-                                to_string(hypothesis().output_word(cut), oracle_.outputs()),
-                                to_string(std::span(outputs).first(length), oracle_.outputs()));
-    }
-    complete(control);
+  prepare(control);
+  while (split_at_mismatch(counterexample, outputs, control)) complete(control);
+}
+
+bool TreeLearner::split_at_mismatch(const Word& word, const Word& outputs,
+                                    const RunControl& control) {
+  const std::size_t length = first_mismatch(hypothesis(), word, outputs);
+  if (length == 0) return false;
+  const Word cut(word.begin(), word.begin() + static_cast<std::ptrdiff_t>(length));
+  if (!split(cut, outputs, control)) {
+    throw NondeterminismError(to_string(cut, oracle_.inputs()),
+                              to_string(hypothesis().output_word(cut), oracle_.outputs()),
+                              to_string(std::span(outputs).first(length), oracle_.outputs()));
   }
+  return true;
 }
 
 bool TreeLearner::split_by_suffix(std::span<const StateId> states, const Word& word,

@@ -21,11 +21,19 @@ class TreeLearner : public Learner {
   // Keeps a reference to `oracle`. Throws UsageError if it has no inputs.
   explicit TreeLearner(OutputOracle& oracle) : oracle_(oracle), states_(oracle) {}
 
+  // Called before a counterexample is handled; may make the hypothesis agree with it.
+  virtual void prepare(const RunControl& /*control*/) {}
+
   // Splits the tree. `counterexample` is cut at its first mismatch; `outputs` is what the system
   // answers to it, or more. Returns false if there was nothing to split: then the system answers
   // now one way, now another.
   virtual bool split(const Word& counterexample, std::span<const Symbol> outputs,
                      const RunControl& control) = 0;
+
+  // Splits the tree where the hypothesis first differs from what the system answers to `word`;
+  // returns false if it agrees. Afterwards complete(). Throws NondeterminismError if there was
+  // nothing to split.
+  bool split_at_mismatch(const Word& word, const Word& outputs, const RunControl& control);
 
   // Sifts what a split left and makes the hypothesis.
   virtual void complete(const RunControl& control);

@@ -122,7 +122,7 @@ TEST(Learners, UnknownNamesListTheKnownOnes) {
   } catch (const UsageError& error) {
     EXPECT_STREQ(error.what(),
                  "unknown algorithm 'magic'; known are: rs, lmplus, lstar, suffix1by1, op, kv, "
-                 "ttt, tttlambda, lsharp, lsharp-sepseq");
+                 "ttt, tttlambda, adt, lsharp, lsharp-sepseq");
   }
 }
 

@@ -56,7 +56,7 @@ TEST(TreeLearners, NothingOfLongCounterexamplesIsKept) {
 
 TEST(TreeLearners, AStateKeepsItsNumberFromOneHypothesisToTheNext) {
   Random random(7);
-  for (const std::string_view algorithm : {"op", "kv", "ttt", "tttlambda"}) {
+  for (const std::string_view algorithm : {"op", "kv", "ttt", "tttlambda", "adt"}) {
     const Mealy machine = random_mealy({.states = 60, .inputs = 2, .outputs = 2}, random);
     MealyOracle oracle(machine);
     const auto learner = find_learner(algorithm).make(oracle);
@@ -76,6 +76,23 @@ TEST(TreeLearners, AStateKeepsItsNumberFromOneHypothesisToTheNext) {
     }
     EXPECT_GT(rounds, 3);
   }
+}
+
+// States are told apart without a reset between most of the words that do so.
+TEST(TreeLearners, AdtSparesResets) {
+  Random random(8);
+  const Mealy machine = random_mealy({.states = 200, .inputs = 5, .outputs = 3}, random);
+  std::size_t resets[2] = {};
+  for (const bool is_adaptive : {false, true}) {
+    RecordingOracle oracle(machine);
+    const auto learner = find_learner(is_adaptive ? "adt" : "op").make(oracle);
+    learner->start();
+    while (const auto word = find_distinguishing_word(learner->hypothesis(), machine)) {
+      learner->refine(*word);
+    }
+    resets[is_adaptive ? 1 : 0] = oracle.asked.size();
+  }
+  EXPECT_LT(3 * resets[1], 2 * resets[0]);
 }
 
 // Answers 1 to the second input of the first long word, and 0 to everything else.

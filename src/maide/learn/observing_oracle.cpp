@@ -1,0 +1,58 @@
+#include "maide/learn/observing_oracle.hpp"
+
+#include <utility>
+
+namespace maide {
+
+bool ObservingOracle::look_up(const Query& query, MealyAnswer& answer) const {
+  ObservationTree::Node node = ObservationTree::root;
+  return play_query(query, answer, [&](Symbol input) -> std::optional<Symbol> {
+    node = tree_.child(node, input);
+    if (node == ObservationTree::none) return std::nullopt;
+    return tree_.output(node);
+  });
+}
+
+void ObservingOracle::keep(const MealyAnswer& answer) {
+  const ObservationTree::Inserted inserted = tree_.insert(answer.inputs, answer.outputs);
+  if (inserted.conflict) throw contradiction(tree_, answer, inserted.known, system_);
+}
+
+std::vector<MealyAnswer> ObservingOracle::ask(std::span<const Query> batch,
+                                              const RunControl& control,
+                                              const PartialSink& on_early_end) {
+  std::vector<MealyAnswer> answers(batch.size());
+  std::vector<std::size_t> places;
+  std::vector<Query> unknown;
+  for (std::size_t i = 0; i < batch.size(); ++i) {
+    if (look_up(batch[i], answers[i])) continue;
+    places.push_back(i);
+    unknown.push_back(batch[i]);
+  }
+  if (unknown.empty()) return answers;
+  const auto keep_part = [&](std::size_t i, const MealyAnswer& answer) {
+    tree_.insert(answer.inputs, answer.outputs);
+    ++output_queries_;
+    if (on_early_end) on_early_end(places[i], answer);
+  };
+  std::vector<MealyAnswer> fresh = system_.ask(unknown, control, keep_part);
+  output_queries_ += fresh.size();
+  for (std::size_t i = 0; i < fresh.size(); ++i) {
+    keep(fresh[i]);
+    answers[places[i]] = std::move(fresh[i]);
+  }
+  return answers;
+}
+
+NondeterminismError contradiction(const ObservationTree& tree, const MealyAnswer& answer,
+                                  std::size_t place, const OutputOracle& oracle) {
+  const auto wrong = std::span(answer.inputs).first(place + 1);
+  Word before;
+  for (std::size_t length = 1; length <= wrong.size(); ++length) {
+    before.push_back(tree.output(tree.find(ObservationTree::root, wrong.first(length))));
+  }
+  return {to_string(wrong, oracle.inputs()), to_string(before, oracle.outputs()),
+          to_string(std::span(answer.outputs).first(wrong.size()), oracle.outputs())};
+}
+
+}  // namespace maide
