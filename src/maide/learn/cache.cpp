@@ -46,43 +46,6 @@ Cache::Cache(OutputOracle& system, CacheFile& file) : Cache(system) {
 
 Symbol Cache::intern_output(std::string_view name) { return outputs_.intern(name); }
 
-Cache::Lookup Cache::look_up(const Query& query) {
-  Lookup result;
-  result.is_whole = play_query(query, result.answer, [&](Symbol input) -> std::optional<Symbol> {
-    const TraceTree::Node next = tree_.child(result.node, input);
-    if (next == TraceTree::none) return std::nullopt;
-    result.node = next;
-    tree_.mark(next);
-    return tree_.output(next);
-  });
-  return result;
-}
-
-std::vector<Cache::Lookup> Cache::look_up_all(std::span<const Query> batch) {
-  std::vector<Lookup> results(batch.size());
-  std::vector<std::span<const Symbol>> words(batch.size());  // empty for trees
-  for (std::size_t i = 0; i < batch.size(); ++i) {
-    if (const Word* word = std::get_if<Word>(&batch[i])) {
-      words[i] = *word;
-      results[i].answer.outputs.reserve(word->size());
-    }
-  }
-  tree_.walk_together(words, [&](std::size_t i, TraceTree::Node node) {
-    results[i].node = node;
-    results[i].answer.outputs.push_back(tree_.output(node));
-    tree_.mark(node);
-  });
-  for (std::size_t i = 0; i < batch.size(); ++i) {
-    if (std::holds_alternative<DecisionTree>(batch[i])) {
-      results[i] = look_up(batch[i]);
-      continue;
-    }
-    results[i].is_whole = results[i].answer.outputs.size() == words[i].size();
-    if (results[i].is_whole) results[i].answer.inputs = std::get<Word>(batch[i]);
-  }
-  return results;
-}
-
 std::vector<MealyAnswer> Cache::ask(std::span<const Query> batch, const RunControl& control,
                                     const PartialSink& on_early_end) {
   // Branches of trees in the tree's numbering; words are the same in all.

@@ -101,6 +101,7 @@ class Cache : public OutputOracle {
   // Both mark what they read as asked in this run.
   Lookup look_up(const Query& query);
   std::vector<Lookup> look_up_all(std::span<const Query> batch);
+  void follow_in_turn(std::span<const std::span<const Symbol>> words, std::vector<Lookup>& results);
   void ask_system(std::span<const Query> batch, std::vector<std::size_t> unknown,
                   std::vector<Lookup>& known, const RunControl& control);
   static std::vector<std::size_t> select_queries(std::span<const Query> batch,

@@ -12,24 +12,31 @@ class WordPlayer {
  public:
   explicit WordPlayer(const Mealy& machine) : machine_(machine), states_{machine.initial()} {}
 
+  // Word and answer must stay until the next call.
   void play(const Word& word, MealyAnswer& answer) {
-    const auto part = std::ranges::mismatch(word_, word);
-    const auto known = static_cast<std::size_t>(part.in1 - word_.begin());
+    const std::size_t known =
+        word_ == nullptr
+            ? 0
+            : static_cast<std::size_t>(std::ranges::mismatch(*word_, word).in1 - word_->begin());
     answer.inputs = word;
     answer.outputs.reserve(word.size());
-    answer.outputs.assign(outputs_.begin(), outputs_.begin() + static_cast<std::ptrdiff_t>(known));
+    if (known > 0) {
+      answer.outputs.assign(outputs_->begin(),
+                            outputs_->begin() + static_cast<std::ptrdiff_t>(known));
+    }
     states_.resize(known + 1);
     for (std::size_t i = known; i < word.size(); ++i) {
       answer.outputs.push_back(machine_.output(states_.back(), word[i]));
       states_.push_back(machine_.target(states_.back(), word[i]));
     }
-    word_ = word;
-    outputs_ = answer.outputs;
+    word_ = &word;
+    outputs_ = &answer.outputs;
   }
 
  private:
   const Mealy& machine_;
-  Word word_, outputs_;          // of the last word
+  const Word* word_ = nullptr;  // the last one
+  const Word* outputs_ = nullptr;
   std::vector<StateId> states_;  // along it, one more than it has symbols
 };
 
