@@ -155,6 +155,12 @@ TEST_P(LearnerLaws, LearnsRandomMachines) {
   }
 }
 
+// More states than adaptive sequences are planned for at once.
+TEST_P(LearnerLaws, LearnsAMachineOfManyStates) {
+  Random random(6);
+  expect_law(algorithm(), random_mealy({.states = 200, .inputs = 3, .outputs = 3}, random));
+}
+
 TEST_P(LearnerLaws, CachedAndUncachedRunsAreIdentical) {
   Random random(2);
   for (int i = 0; i < 30; ++i) {

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <deque>
 #include <limits>
+#include <map>
 #include <optional>
 #include <utility>
 
@@ -93,11 +95,31 @@ class Planner {
     return cost;
   }
 
+  // The first input of a shortest word that tells two suspects apart. All are walked together, so
+  // it costs the trees below them and not the square of their number.
   std::optional<Symbol> first_of_witness(const std::vector<Suspect>& suspects) const {
-    for (std::size_t i = 0; i < suspects.size(); ++i) {
-      for (std::size_t j = i + 1; j < suspects.size(); ++j) {
-        const Word witness = tree_.find_witness(suspects[i].node, suspects[j].node);
-        if (!witness.empty()) return witness.front();
+    struct Place {
+      Symbol first;
+      std::vector<ObservationTree::Node> nodes;  // to which one word leads, with the same outputs
+    };
+    std::vector<ObservationTree::Node> roots;
+    for (const Suspect& suspect : suspects) roots.push_back(suspect.node);
+    std::deque<Place> queue{{0, std::move(roots)}};
+    std::map<Symbol, std::vector<ObservationTree::Node>> children;
+    for (bool is_root = true; !queue.empty(); is_root = false, queue.pop_front()) {
+      children.clear();
+      for (const ObservationTree::Node node : queue.front().nodes) {
+        tree_.for_each_child(node, [&](ObservationTree::Node child) {
+          children[tree_.input(child)].push_back(child);
+        });
+      }
+      for (auto& [input, nodes] : children) {
+        const Symbol first = is_root ? input : queue.front().first;
+        const auto answers_otherwise = [&, output = tree_.output(nodes.front())](auto node) {
+          return tree_.output(node) != output;
+        };
+        if (std::any_of(nodes.begin(), nodes.end(), answers_otherwise)) return first;
+        if (nodes.size() > 1) queue.push_back({first, std::move(nodes)});
       }
     }
     return std::nullopt;
