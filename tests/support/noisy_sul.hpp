@@ -17,13 +17,17 @@ struct NoiseOptions {
   std::uint64_t seed = 0;
 };
 
-// A system whose answers are sometimes observed wrongly; what it does is not disturbed.
+// A system whose answers are sometimes observed wrongly; what it does is not disturbed. It answers
+// words alone: what is below would branch in a decision tree by what really happened.
 class NoisySul : public Sul {
  public:
   // Keeps a reference to `sul`.
-  NoisySul(Sul& sul, NoiseOptions options) : sul_(sul), options_(options), random_(options.seed) {}
+  NoisySul(Sul& sul, NoiseOptions options)
+      : sul_(sul), options_(options), random_(options.seed), info_(sul.info()) {
+    info_.speaks_trees = false;
+  }
 
-  const SulInfo& info() const override { return sul_.info(); }
+  const SulInfo& info() const override { return info_; }
   void add_purpose(const LearningPurpose& purpose) override { sul_.add_purpose(purpose); }
   void run(std::span<const SulQuery> batch, const SulAnswerSink& sink,
            const RunControl& control) override {
@@ -55,6 +59,7 @@ class NoisySul : public Sul {
   Sul& sul_;
   NoiseOptions options_;
   Random random_;
+  SulInfo info_;
   std::uint64_t disturbed_ = 0;
 };
 

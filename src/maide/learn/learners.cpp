@@ -33,6 +33,10 @@ std::unique_ptr<Learner> make_lsharp_from(OutputOracle& oracle, const Mealy& old
 }
 
 constexpr std::array table{
+    LearnerEntry{"lsharp", "L#: observation tree and apartness, adaptive distinguishing sequences",
+                 make<LSharp>, make_lsharp_from<Separation::adaptive>, "lsharp-sepseq"},
+    LearnerEntry{"lsharp-sepseq", "L# with separating sequences, plain words", make_lsharp_by_words,
+                 make_lsharp_from<Separation::separating_words>},
     LearnerEntry{"rs", "observation table, Rivest & Schapire's handling of counterexamples",
                  make<RivestSchapire>},
     LearnerEntry{"lmplus", "L*M+: observation table, Shahbaz's handling of counterexamples",
@@ -49,13 +53,8 @@ constexpr std::array table{
     LearnerEntry{"tttlambda",
                  "TTT-lambda: discrimination tree, counterexamples name access words alone",
                  make<TttLambda>},
-    LearnerEntry{"adt",
-                 "ADT: discrimination tree of adaptive distinguishing sequences, fewest resets",
+    LearnerEntry{"adt", "ADT: discrimination tree of adaptive distinguishing sequences, few resets",
                  make<Adt>},
-    LearnerEntry{"lsharp", "L#: observation tree and apartness, adaptive distinguishing sequences",
-                 make<LSharp>, make_lsharp_from<Separation::adaptive>},
-    LearnerEntry{"lsharp-sepseq", "L# with separating sequences, plain words", make_lsharp_by_words,
-                 make_lsharp_from<Separation::separating_words>},
 };
 
 }  // namespace

@@ -20,6 +20,9 @@ struct LearnerEntry {
   // use for one, and the words of old_model.hpp are tested first instead.
   std::unique_ptr<Learner> (*make_from)(OutputOracle& oracle, const Mealy& old_model,
                                         const RunControl& control) = nullptr;
+  // The algorithm to take where the system answers words alone; empty: this one asks no decision
+  // trees.
+  std::string_view by_words = "";
 };
 
 // All of them, the default first.

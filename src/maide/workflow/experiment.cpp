@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "maide/automata/minimize.hpp"
+#include "maide/base/log.hpp"
 #include "maide/conformance/chain_oracle.hpp"
 #include "maide/conformance/known_words.hpp"
 #include "maide/conformance/test_chain.hpp"
@@ -31,6 +32,19 @@ std::uint64_t confirmation_budget(const Statistics& statistics) {
   return std::clamp<std::uint64_t>(statistics.total().symbols / 400, 20, 500);
 }
 
+const LearnerEntry& choose_algorithm(const std::string& name) {
+  return name.empty() ? learners().front() : find_learner(name);
+}
+
+// The algorithm, or the one that stands in for it where a system answers no decision trees.
+std::string choose_by_words(const std::string& name) {
+  const LearnerEntry& wanted = choose_algorithm(name);
+  if (wanted.by_words.empty()) return std::string(wanted.name);
+  log_detail(fmt::format("the system answers no decision trees: {} instead of {}", wanted.by_words,
+                         wanted.name));
+  return std::string(wanted.by_words);
+}
+
 void tell_cached_words(CacheFile& file, const ExperimentOptions& options) {
   file.for_each([&](const Word& inputs, const Word& outputs) {
     std::vector<std::string> names;
@@ -45,8 +59,7 @@ class Run {
   Run(OutputOracle& system, const ExperimentOptions& options, const RunControl& control)
       : options_(options),
         control_(control),
-        algorithm_(options.algorithm.empty() ? learners().front()
-                                             : find_learner(options.algorithm)),
+        algorithm_(choose_algorithm(options.algorithm)),
         method_(options.test_method),
         counter_(system),
         progress_(control.progress, counter_),
@@ -196,6 +209,7 @@ ExperimentResult run_experiment(IaTranslator& translator, const ExperimentOption
   completed.on_cached_word = [&](const Word& inputs, const std::vector<std::string>& outputs) {
     translator.remember(inputs, outputs);
   };
+  if (!translator.info().speaks_trees) completed.algorithm = choose_by_words(options.algorithm);
   SulOracle system(translator);
   return run_experiment(system, completed, control);
 }
