@@ -3,6 +3,8 @@
 #include <charconv>
 #include <ostream>
 
+#include "maide/automata/moore.hpp"
+#include "maide/base/error.hpp"
 #include "maide/formats/names.hpp"
 
 namespace maide {
@@ -220,6 +222,9 @@ Model read_aut(std::string_view text, const std::string& file) {
 }
 
 std::string marks_of(const Model& model) {
+  if (const auto* machine = std::get_if<Mealy>(&model)) {
+    return find_initial_output(*machine) ? "first output, that of a Moore machine" : "";
+  }
   const auto* automaton = std::get_if<InterfaceAutomaton>(&model);
   if (automaton == nullptr) return "";
   bool unexplored = false;

@@ -18,9 +18,10 @@ Model read_aut(std::string_view text, const std::string& file);
 
 enum class MarkLoss : bool { refuse, accept };
 
-// An interface automaton's unexplored inputs, absorbed edges and hidden returns cannot be written:
-// throws UsageError for a model that has any, unless their loss is accepted. Unexplored inputs then
-// look refused, absorbed edges look tried.
+// An interface automaton's unexplored inputs, absorbed edges and hidden returns cannot be written,
+// nor the output of a Moore machine before its first input: throws UsageError for a model that has
+// any, unless their loss is accepted. Unexplored inputs then look refused, absorbed edges look
+// tried.
 void write_aut(std::ostream& out, const Model& model, MarkLoss marks = MarkLoss::refuse);
 
 // Which marks a model has, for messages: "unexplored inputs, absorbed edges"; empty for none.

@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "maide/automata/compare.hpp"
+#include "maide/automata/moore.hpp"
 #include "maide/automata/random_automata.hpp"
 #include "maide/formats/model_file.hpp"
 
@@ -66,6 +67,15 @@ TEST(Aut, MarksAreOnlyDroppedWhenAsked) {
     EXPECT_EQ(back.transition_count(), std::get<InterfaceAutomaton>(model).transition_count());
   }
   EXPECT_EQ(marks_of(read_model(folder + "buffered.dot")), "");
+}
+
+TEST(Aut, TheFirstOutputOfAMooreMachineIsOnlyDroppedWhenAsked) {
+  Mealy machine({"a"}, {"x"}, 1);
+  machine.set_transition(0, 0, 0, 0);
+  EXPECT_NO_THROW(aut_of(machine));
+  mark_as_moore(machine, "moore", "x");
+  EXPECT_THROW(aut_of(machine), UsageError);
+  EXPECT_EQ(aut_of(machine, MarkLoss::accept), "des (0, 1, 1)\n(0, \"a / x\", 0)\n");
 }
 
 TEST(Aut, KindsThatWouldBeMistakenAreRefused) {
