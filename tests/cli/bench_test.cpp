@@ -82,6 +82,17 @@ TEST(Bench, AModelThatCannotBeReadIsOneLineAndTheOthersAreMeasured) {
   EXPECT_THAT(result.out, HasSubstr("lamp 2x2"));
 }
 
+TEST(Bench, FilesThatDifferInTheirExtensionAreToldApart) {
+  const TempDir folder;
+  for (const char* name : {"lamp.dot", "lamp.gv", "other.dot"}) {
+    write_file_atomically(folder.path() / name, lamp);
+  }
+  const SubprocessResult result = run_maide({"bench", folder.path().string(), "--algorithm", "rs"});
+  EXPECT_THAT(result.out, HasSubstr("lamp.dot 2x2"));
+  EXPECT_THAT(result.out, HasSubstr("lamp.gv 2x2"));
+  EXPECT_THAT(result.out, HasSubstr("other 2x2"));
+}
+
 TEST(Bench, AModelWithoutInputsIsOneLineAndTheOthersAreMeasured) {
   const TempDir folder;
   write_file_atomically(folder.path() / "mute.dot", "digraph { __start0 -> s0; }");

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <ctime>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <new>
@@ -261,10 +262,13 @@ BenchFolder read_bench_folder(const fs::path& folder) {
   std::sort(files.begin(), files.end(), [](const fs::path& left, const fs::path& right) {
     return std::pair(left.stem(), left) < std::pair(right.stem(), right);
   });
+  std::map<fs::path, int> stems;
+  for (const fs::path& file : files) ++stems[file.stem()];
   BenchFolder result;
   for (const fs::path& file : files) {
+    const fs::path name = stems[file.stem()] == 1 ? file.stem() : file.filename();
     try {
-      result.models.push_back({file.stem().string(), read_machine(file)});
+      result.models.push_back({name.string(), read_machine(file)});
     } catch (const ParseError& error) {
       result.unreadable.emplace_back(error.what());
     } catch (const UsageError& error) {

@@ -25,7 +25,7 @@
 namespace maide {
 
 struct BenchModel {
-  std::string name;  // the file's, without its extension
+  std::string name;  // the file's; without its extension where that tells it from the others
   Mealy machine;     // minimal
 };
 
