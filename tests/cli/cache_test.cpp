@@ -202,6 +202,8 @@ TEST_F(CacheCommand, CheckShowsEachChangedAnswerOnceShortestFirst) {
 TEST_F(CacheCommand, OptionsOfAnotherVerbAreRefused) {
   const std::string cache = path("a.cache");
   learn(cache);
+  expect_error(run_maide({"cache", "check", cache, "--words", "5"}), 2,
+               "--words needs a system that is asked again");
   expect_error(run_maide({"cache", "show", cache, "--system", simulated}), 2,
                "--system is an option of 'maide cache check', not of 'maide cache show'");
   expect_error(run_maide({"cache", "check", cache, "-o", path("b.cache")}), 2,

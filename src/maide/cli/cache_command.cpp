@@ -43,6 +43,15 @@ void refuse_options_of_other_verbs(const CacheArguments& arguments) {
   }
 }
 
+// Those of the second asking say nothing without a system that is asked.
+void refuse_options_without_system(const CacheArguments& arguments) {
+  if (arguments.what != "check" || !arguments.system.empty()) return;
+  for (const auto& [verb, option] : arguments.options) {
+    if (verb != "check" || option->count() == 0) continue;
+    throw UsageError(option->get_name() + " needs a system that is asked again: --system SYSTEM");
+  }
+}
+
 Json conflict_json(const std::optional<CacheConflict>& conflict) {
   if (!conflict) return nullptr;
   return {{"word", conflict->word}, {"known", conflict->known}, {"other", conflict->other}};
@@ -242,6 +251,7 @@ RunFunction set_up_cache(CLI::App& app) {
   only("check", add_seed_option(app, arguments->recheck.seed));
   return [arguments](Context& context) {
     refuse_options_of_other_verbs(*arguments);
+    refuse_options_without_system(*arguments);
     if (arguments->what == "show") return show(*arguments, context);
     if (arguments->what == "merge") return merge(*arguments, context);
     return check(*arguments, context);
