@@ -61,8 +61,8 @@ class TreeHypothesis {
   Node place(Transition transition) const { return place_[transition]; }
   Symbol output(Transition transition) const { return output_[transition]; }
 
-  // Sifts all transitions that are not settled; finds new states on the way. May be called again
-  // after an exception.
+  // Sifts all transitions that are not settled; finds new states on the way. After an
+  // exception the machine of the last update() can still be read, no more.
   void settle(const RunControl& control);
 
   // Makes the machine anew out of what was settled since. Transitions are at leaves, or in blocks:
