@@ -54,6 +54,10 @@ TEST(CommandLine, SuggestsCommandsAndOptions) {
   expect_error(run_maide({"learn", "port", "--depth"}), 2, "is written depth=VALUE (see");
   expect_error(run_maide({"--verbose"}), 2, "unknown option '--verbose'");
   expect_error(run_maide({""}), 2, "unknown command ''");
+  expect_error(run_maide({"learn", "port", "--algorithm", ""}), 2,
+               "the value of --algorithm is empty");
+  expect_error(run_maide({"learn", "port", "--eq", ""}), 2, "the value of --eq is empty");
+  expect_error(run_maide({"learn", "port", "--algorithm", "magic"}), 2, ", nstar");
   expect_error(run_maide({"help", "nothing"}), 2, "unknown command 'nothing'");
 }
 

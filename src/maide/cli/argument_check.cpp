@@ -61,6 +61,15 @@ void check_option_names(const CLI::App& app, const std::vector<std::string>& arg
   }
 }
 
+void check_values(const CLI::App& app, const std::string& hint) {
+  for (const CLI::Option* option : app.get_options()) {
+    if (option->get_positional()) continue;
+    const std::vector<std::string>& values = option->results();
+    if (std::find(values.begin(), values.end(), "") == values.end()) continue;
+    throw UsageError("the value of " + option->get_name() + " is empty" + hint);
+  }
+}
+
 std::string check_count(const std::string& text) {
   if (parse_number<std::uint64_t>(text)) return "";
   return "'" + text + "' is not a whole number from 0 to 18446744073709551615";

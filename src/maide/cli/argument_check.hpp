@@ -16,6 +16,10 @@ namespace maide::cli {
 void check_option_names(const CLI::App& app, const std::vector<std::string>& arguments,
                         const std::string& hint);
 
+// Throws UsageError for an option that was given with an empty value (a variable of a script that
+// is not set), which would pass for one that was not given; `hint` ends the message.
+void check_values(const CLI::App& app, const std::string& hint);
+
 // Checks for CLI11's `check()`: empty if the text is one, else what is wrong with it. By itself
 // CLI11 takes "-1" for the greatest number there is, and what does not fit for what is nearest.
 std::string check_count(const std::string& text);    // a whole number from 0 to 2^64-1

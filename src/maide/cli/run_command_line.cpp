@@ -105,6 +105,7 @@ ExitStatus run(const Command& command, const std::vector<std::string>& arguments
   } catch (const CLI::ParseError& error) {
     throw UsageError(readable_message(error) + hint);
   }
+  check_values(*prepared->app, hint);
   const CommonOptions& common = prepared->common;
   if (common.quiet && common.verbose) throw UsageError("-q and -v exclude each other" + hint);
   set_up_log("maide", common.quiet     ? LogLevel::quiet
