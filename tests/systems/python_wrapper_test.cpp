@@ -1,6 +1,8 @@
 // The wrapper of examples/python, which knows the protocol only: learned like any other.
 #include <gtest/gtest.h>
 
+#include <utility>
+
 #include "maide/base/error.hpp"
 #include "maide/wire/wrapper_proxy.hpp"
 #include "maide/workflow/experiment.hpp"
@@ -11,6 +13,19 @@ namespace {
 std::unique_ptr<WrapperProxy> start_queue(const std::string& size) {
   return spawn_wrapper({MAIDE_PYTHON, MAIDE_SOURCE_DIR "/examples/python/queue_wrapper.py"},
                        {{"size", size}});
+}
+
+TEST(PythonWrapper, IsAskedWordsWhateverTheAlgorithm) {
+  for (const auto& [wanted, taken] : {std::pair("lsharp", "lsharp-sepseq"), {"adt", "ttt"}}) {
+    const auto sul = start_queue("2");
+    IaTranslator translator(*sul, Translation::eager);
+    ExperimentOptions options;
+    options.algorithm = wanted;
+    const ExperimentResult result = run_experiment(translator, options);
+    if (result.error) std::rethrow_exception(result.error);
+    EXPECT_EQ(result.algorithm, taken);
+    EXPECT_EQ(result.model.size(), 3u);
+  }
 }
 
 TEST(PythonWrapper, IsLearned) {

@@ -54,7 +54,7 @@ constexpr std::array table{
                  "TTT-lambda: discrimination tree, counterexamples name access words alone",
                  make<TttLambda>},
     LearnerEntry{"adt", "ADT: discrimination tree of adaptive distinguishing sequences, few resets",
-                 make<Adt>},
+                 make<Adt>, nullptr, "ttt"},
 };
 
 }  // namespace

@@ -40,8 +40,9 @@ const LearnerEntry& choose_algorithm(const std::string& name) {
 std::string choose_by_words(const std::string& name) {
   const LearnerEntry& wanted = choose_algorithm(name);
   if (wanted.by_words.empty()) return std::string(wanted.name);
-  log_detail(fmt::format("the system answers no decision trees: {} instead of {}", wanted.by_words,
-                         wanted.name));
+  const auto log = name.empty() ? log_detail : log_note;  // who named one, wants to know
+  log(fmt::format("the system answers no decision trees: {} instead of {}", wanted.by_words,
+                  wanted.name));
   return std::string(wanted.by_words);
 }
 
