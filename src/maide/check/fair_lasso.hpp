@@ -24,7 +24,7 @@ class FairLasso {
   using Edge = typename Graph::Edge;
   using Set = std::vector<Number>;  // sorted
 
-  // Of the graph's nodes now. Throws std::bad_alloc.
+  // Of the graph's nodes now. Keeps references. Throws std::bad_alloc.
   FairLasso(const Graph& graph, const RunControl& control)
       : graph_(graph), control_(control), parents_(graph.size(), unseen) {
     queue_.reserve(graph.size());

@@ -34,7 +34,8 @@ struct Counters {
 
 TEST(FairLasso, ItsPrefixIsAShortestRun) {
   const Counters counters;
-  FairLasso lasso(counters.graph, RunControl{});
+  const RunControl control;
+  FairLasso lasso(counters.graph, control);
   // Three nodes are first ones: nobody is stuck yet, or either is from the start.
   EXPECT_EQ(lasso.prefix_to({2}).steps.size(), 0u);
   // Breadth-first the last node is as far away as any: where both have counted to the end.
