@@ -331,7 +331,7 @@ int run(int argc, char** argv) {
     return app.exit(error);
   }
   if (systems.empty()) {
-    systems = {"grasping:100", "grasping:340", "philosophers:13", "pipeline:6:3", "token-ring:7:2"};
+    systems = {"grasping:100", "grasping:340", "philosophers:13", "pipeline:6:3", "token-ring:6:2"};
   }
   std::vector<SystemText> texts;
   for (const std::string& system : systems) texts.push_back(parse_system_text(system));
