@@ -191,33 +191,46 @@ TEST(NativeEngine, SilentStepsAfterAnEventCanBeSeen) {
   EXPECT_EQ(result.reduction, Reduction::none);
 }
 
+// What a model of `states` states does when inputs are given.
+struct Given {
+  StateId from;
+  Symbol input;
+  StateId to;
+};
+
+// A system of one model, `name`; `rest`: its programs and properties.
+System system_with(const std::string& name, const std::vector<std::string>& inputs,
+                   std::size_t states, const std::vector<Given>& steps, const std::string& rest) {
+  InterfaceAutomaton automaton(Alphabet(inputs), Alphabet({"none"}), states);
+  for (const auto& [from, input, to] : steps) {
+    automaton.add_transition(from, {Action::Kind::input, input}, to);
+  }
+  return parse_system("models:\n  " + name + ": {file: model.dot}\n" + rest, "system.yaml",
+                      [&](const ModelRequest&) { return automaton; });
+}
+
 // A door with two bolts that are drawn and shot apart, and shut again together. Who wants to pass
 // can do so only while the first alone is drawn.
-InterfaceAutomaton door() {
-  enum Input : Symbol { first, second, shut, pass };
-  enum Drawn : StateId { none, only_first, only_second, both };
-  InterfaceAutomaton door(Alphabet({"first", "second", "shut", "pass"}), Alphabet({"none"}), 4);
-  const auto add = [&door](Drawn from, Input input, Drawn to) {
-    door.add_transition(from, {Action::Kind::input, input}, to);
-  };
-  add(none, first, only_first);
-  add(none, second, only_second);
-  add(only_first, second, both);
-  add(only_second, first, both);
-  add(both, shut, none);
-  add(only_first, pass, only_first);
-  return door;
+System door_system(const std::string& rest) {
+  enum : Symbol { first, second, shut, pass };
+  enum : StateId { none, only_first, only_second, both };
+  return system_with("door", {"first", "second", "shut", "pass"}, 4,
+                     {{none, first, only_first},
+                      {none, second, only_second},
+                      {only_first, second, both},
+                      {only_second, first, both},
+                      {both, shut, none},
+                      {only_first, pass, only_first}},
+                     rest);
 }
 
 // The second bolt before the first, again and again, and nobody could ever pass. In the other
 // order, which `one` alone would be enough for as far as weak fairness goes, they could each time.
 TEST(NativeEngine, StrongFairnessSeesWhatIsPossibleInEachOrder) {
-  const System system = parse_system(
-      "models:\n  door: {file: door.dot}\n"
+  const System system = door_system(
       "programs:\n  one: loop { door.first; }\n  two: loop { door.second; door.shut; }\n"
       "  guest: door.pass;\n"
-      "properties:\n  passes: {ltl: F guest@end, fairness: strong}\n",
-      "system.yaml", [](const ModelRequest&) { return door(); });
+      "properties:\n  passes: {ltl: F guest@end, fairness: strong}\n");
   const PropertyResult result = check(system, system.properties[0]);
   EXPECT_EQ(result.verdict, Verdict::violated);
   EXPECT_EQ(result.reduction, Reduction::order);
@@ -226,40 +239,35 @@ TEST(NativeEngine, StrongFairnessSeesWhatIsPossibleInEachOrder) {
 // A machine that is turned and pressed, again and again, and wears out at some pressing; from it a
 // ticket is picked, a blank or a prize, of which a prize alone can be cashed. A worn machine has
 // blanks only, and after a prize was picked it does not wear out any more.
-InterfaceAutomaton machine() {
-  enum Input : Symbol { turn, press, pick, cash };
-  enum Phase : StateId { idle, turned, worn, worn_turned };
-  enum Ticket : StateId { none, blank, prize, cashed };
+System machine_system(const std::string& rest) {
+  enum : Symbol { turn, press, pick, cash };
+  enum : StateId { idle, turned, worn, worn_turned };
+  enum : StateId { none, blank, prize, cashed };
   const auto state = [](StateId phase, StateId ticket) { return 4 * phase + ticket; };
-  InterfaceAutomaton machine(Alphabet({"turn", "press", "pick", "cash"}), Alphabet({"none"}), 16);
-  const auto add = [&machine](StateId from, Input input, StateId to) {
-    machine.add_transition(from, {Action::Kind::input, input}, to);
-  };
+  std::vector<Given> steps;
   for (StateId ticket = none; ticket <= cashed; ++ticket) {
-    add(state(idle, ticket), turn, state(turned, ticket));
-    add(state(turned, ticket), press, state(idle, ticket));
-    if (ticket <= blank) add(state(turned, ticket), press, state(worn, ticket));
-    add(state(worn, ticket), turn, state(worn_turned, ticket));
-    add(state(worn_turned, ticket), press, state(worn, ticket));
+    steps.push_back({state(idle, ticket), turn, state(turned, ticket)});
+    steps.push_back({state(turned, ticket), press, state(idle, ticket)});
+    if (ticket <= blank) steps.push_back({state(turned, ticket), press, state(worn, ticket)});
+    steps.push_back({state(worn, ticket), turn, state(worn_turned, ticket)});
+    steps.push_back({state(worn_turned, ticket), press, state(worn, ticket)});
   }
   for (StateId phase = idle; phase <= worn_turned; ++phase) {
-    add(state(phase, none), pick, state(phase, blank));
-    if (phase <= turned) add(state(phase, none), pick, state(phase, prize));
-    add(state(phase, prize), cash, state(phase, cashed));
+    steps.push_back({state(phase, none), pick, state(phase, blank)});
+    if (phase <= turned) steps.push_back({state(phase, none), pick, state(phase, prize)});
+    steps.push_back({state(phase, prize), cash, state(phase, cashed)});
   }
-  return machine;
+  return system_with("machine", {"turn", "press", "pick", "cash"}, 16, steps, rest);
 }
 
 // Whatever can be reached by picking, then pressing, can be reached by pressing, then picking. But
 // not after each outcome of the press: the search goes on from a worn machine only, the other is
 // where it began.
 TEST(NativeEngine, WhatIsPutOffMustBePossibleAfterEachOutcome) {
-  const System system = parse_system(
-      "models:\n  machine: {file: machine.dot}\n"
+  const System system = machine_system(
       "programs:\n  owner: loop { machine.turn; machine.press; }\n"
       "  player: machine.pick; machine.cash;\n"
-      "properties:\n  loses: {always: '!player@end'}\n",
-      "system.yaml", [](const ModelRequest&) { return machine(); });
+      "properties:\n  loses: {always: '!player@end'}\n");
   EngineOptions options;
   options.reduction = Reduction::order;
   EXPECT_EQ(check(system, system.properties[0], options).verdict, Verdict::violated);
