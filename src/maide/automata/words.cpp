@@ -10,6 +10,18 @@ Word joined(Word word, const Word& suffix) {
   return word;
 }
 
+Word head(const Word& word, std::size_t length) {
+  return {word.begin(), word.begin() + static_cast<std::ptrdiff_t>(length)};
+}
+
+Word tail(const Word& word, std::size_t start) {
+  return {word.begin() + static_cast<std::ptrdiff_t>(start), word.end()};
+}
+
+std::size_t count_common(std::span<const Symbol> left, std::span<const Symbol> right) {
+  return static_cast<std::size_t>(std::ranges::mismatch(left, right).in1 - left.begin());
+}
+
 bool is_prefix(const Word& prefix, const Word& word) {
   return prefix.size() <= word.size() && std::equal(prefix.begin(), prefix.end(), word.begin());
 }

@@ -1,6 +1,8 @@
 // What is done with words everywhere.
 #pragma once
 
+#include <cstddef>
+#include <span>
 #include <vector>
 
 #include "maide/automata/alphabet.hpp"
@@ -9,6 +11,15 @@ namespace maide {
 
 // `word`, then `suffix`.
 Word joined(Word word, const Word& suffix);
+
+// The first `length` symbols.
+Word head(const Word& word, std::size_t length);
+
+// From the symbol number `start` on.
+Word tail(const Word& word, std::size_t start);
+
+// Length of the longest common prefix. O(that length).
+std::size_t count_common(std::span<const Symbol> left, std::span<const Symbol> right);
 
 // Every word is a prefix of itself.
 bool is_prefix(const Word& prefix, const Word& word);

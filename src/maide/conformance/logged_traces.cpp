@@ -4,6 +4,7 @@
 
 #include <span>
 
+#include "maide/automata/words.hpp"
 #include "maide/base/error.hpp"
 #include "maide/learn/counterexample.hpp"
 
@@ -43,7 +44,7 @@ std::optional<Word> LoggedTraces::settle(const Mealy& hypothesis, const Word& wo
                                          TraceTree::Node node, const RunControl& control) {
   const Word outputs = oracle_.ask(word, control);
   if (const std::size_t length = first_mismatch(hypothesis, word, outputs); length != 0) {
-    return Word(word.begin(), word.begin() + static_cast<std::ptrdiff_t>(length));
+    return head(word, length);
   }
   const std::string& answered = oracle_.outputs().name(outputs.back());
   contradictions_.push_back(

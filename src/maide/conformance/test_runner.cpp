@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "maide/automata/words.hpp"
 #include "maide/base/error.hpp"
 #include "maide/base/log.hpp"
 
@@ -83,7 +84,7 @@ std::optional<Word> TestRunner::run(TestSuite& suite, const Mealy& hypothesis,
       const Word& test = std::get<Word>(batch[i]);
       ++last_tests_;
       if (const std::size_t length = find_difference(hypothesis, test, answers[i], outputs)) {
-        return Word(test.begin(), test.begin() + static_cast<std::ptrdiff_t>(length));
+        return head(test, length);
       }
     }
     progress.done = last_tests_;

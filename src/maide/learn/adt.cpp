@@ -1,7 +1,6 @@
 #include "maide/learn/adt.hpp"
 
 #include <algorithm>
-#include <set>
 #include <utility>
 
 #include "maide/automata/words.hpp"
@@ -67,8 +66,7 @@ bool Adt::split(const Word& counterexample, std::span<const Symbol> outputs,
   const bool is_root = tree.leaf(state) == DiscriminationTree::root;
   const Word before = is_root ? Word{} : tree.inputs_to(tree.leaf(state));
   if (split_by_known_word(state, from, before)) return true;
-  const Word suffix(counterexample.begin() + static_cast<std::ptrdiff_t>(position) + 1,
-                    counterexample.end());
+  const Word suffix = tail(counterexample, position + 1);
   oracle_.ask(joined(states_.access(state), suffix), control);
   oracle_.ask(joined(states_.word_to(from), suffix), control);
   return split_by_known_word(state, from, {});
@@ -112,7 +110,7 @@ void Adt::place_waiting(const RunControl& control) {
   const DiscriminationTree& tree = states_.tree();
   if (!lengthen_over(waiting_, control)) {
     Answers answers;
-    for (const StateId state : states_below(waiting_)) {
+    for (const StateId state : tree.states_below(waiting_)) {
       answers[state] = tree.label(tree.child_towards(waiting_, tree.leaf(state)));
     }
     states_.replace(waiting_, {.suffix = {}, .experiment = tree.experiment(waiting_)}, answers);
@@ -127,7 +125,7 @@ void Adt::prepare(const RunControl& control) {
   for (std::size_t next = 0; next < queue.size(); ++next) {
     const Node node = queue[next];
     if (tree.is_leaf(node)) continue;
-    const std::size_t states = states_below(node).size();
+    const std::size_t states = tree.states_below(node).size();
     if (tried_.size() <= node) tried_.resize(node + std::size_t{1});
     if (states <= most_states && std::exchange(tried_[node], states) != states) {
       if (node != DiscriminationTree::root && lengthen_over(node, control)) continue;
@@ -138,26 +136,19 @@ void Adt::prepare(const RunControl& control) {
   complete(control);
 }
 
-std::vector<StateId> Adt::states_below(Node node) const {
-  std::vector<StateId> states;
-  states_.tree().for_each_leaf(node,
-                               [&](Node leaf) { states.push_back(states_.tree().state(leaf)); });
-  return states;
-}
-
 // The experiment above a node goes on with a sequence that tells the states below apart, instead of
 // a reset; false if none was found.
 bool Adt::lengthen_over(Node node, const RunControl& control) {
   const DiscriminationTree& tree = states_.tree();
   const Node above = tree.parent(node);
   if (tree.experiment(above).nodes.size() > largest_experiment) return false;
-  const std::vector<StateId> states = states_below(node);
+  const std::vector<StateId> states = tree.states_below(node);
   const Word before = tree.inputs_to(node);
   std::vector<StateId> reached;
-  for (StateId state : states) {
-    for (const Symbol input : before) state = hypothesis().target(state, input);
-    if (std::ranges::find(reached, state) != reached.end()) return false;
-    reached.push_back(state);
+  for (const StateId state : states) {
+    const StateId target = hypothesis().run(state, before);
+    if (std::ranges::find(reached, target) != reached.end()) return false;
+    reached.push_back(target);
   }
   const auto sequence = find_distinguishing_sequence(hypothesis(), reached, effort);
   if (!sequence) return false;
@@ -174,7 +165,7 @@ bool Adt::lengthen_over(Node node, const RunControl& control) {
 // The states below a node are told apart by a sequence instead of by what is there; false if none
 // was found.
 bool Adt::replace_below(Node node, const RunControl& control) {
-  const std::vector<StateId> states = states_below(node);
+  const std::vector<StateId> states = states_.tree().states_below(node);
   auto sequence = find_distinguishing_sequence(hypothesis(), states, effort);
   if (!sequence) return false;
   const Answers answers = ask_states(states, {}, {}, *sequence, control);
@@ -212,7 +203,7 @@ Adt::Answers Adt::ask_states(const std::vector<StateId>& states, const Word& bef
   for (std::size_t i = 0; i < batch.size(); ++i) {
     const Word& outputs = complete_outputs(answers[i], batch[i]);
     const std::size_t length = states_.access(states[i]).size() + before.size();
-    result[states[i]] = {outputs.begin() + static_cast<std::ptrdiff_t>(length), outputs.end()};
+    result[states[i]] = tail(outputs, length);
     if (first_mismatch(hypothesis(), answers[i].inputs, outputs) > 0) {
       contradictions_.push_back(answers[i].inputs);
     }

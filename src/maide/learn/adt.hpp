@@ -60,7 +60,6 @@ class Adt : private AdtKnowledge, public TreeLearner {
   bool is_worth_replacing(Node node) const;
   Answers ask_states(const std::vector<StateId>& states, const Word& before, const Word& label,
                      const DecisionTree& sequence, const RunControl& control);
-  std::vector<StateId> states_below(Node node) const;
 
   Node waiting_ = DiscriminationTree::none;  // a new node whose experiment may still go away
   std::vector<std::size_t> tried_;           // by node: states below when it was restructured

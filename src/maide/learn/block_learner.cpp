@@ -10,17 +10,10 @@ void BlockLearner::add_block_of_newest_state() {
   if (std::ranges::find(blocks_, block) == blocks_.end()) blocks_.push_back(block);
 }
 
-std::vector<StateId> BlockLearner::members_of(Node block) const {
-  const DiscriminationTree& tree = states_.tree();
-  std::vector<StateId> members;
-  tree.for_each_leaf(block, [&](Node leaf) { members.push_back(tree.state(leaf)); });
-  return members;
-}
-
 // The shortest suffix that tells states of the block apart and of which all is known.
 std::optional<DiscriminationTree::Inner> BlockLearner::find_splitter(Node block) const {
   const DiscriminationTree& tree = states_.tree();
-  const std::vector<StateId> members = members_of(block);
+  const std::vector<StateId> members = tree.states_below(block);
   std::optional<DiscriminationTree::Inner> best;
   for (Symbol input = 0; input < oracle_.inputs().size(); ++input) {
     const auto first = states_.transition(members.front(), input);

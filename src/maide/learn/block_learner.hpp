@@ -24,9 +24,6 @@ class BlockLearner : public TreeLearner {
   // Finalises the first block that an input leads apart, if there is one: then settle() again.
   bool finalise_some_block();
 
-  // The states below a node, in the order of the tree. O(states of the block).
-  std::vector<StateId> members_of(Node block) const;
-
   std::vector<Node> blocks_;  // their roots; empty: all nodes are final
 
  private:

@@ -4,17 +4,10 @@
 #include <span>
 #include <vector>
 
+#include "maide/automata/words.hpp"
 #include "maide/learn/cache.hpp"
 
 namespace maide {
-namespace {
-
-// Length of the longest common prefix.
-std::size_t count_common(std::span<const Symbol> left, std::span<const Symbol> right) {
-  return static_cast<std::size_t>(std::ranges::mismatch(left, right).in1 - left.begin());
-}
-
-}  // namespace
 
 Cache::Lookup Cache::look_up(const Query& query) {
   Lookup result;

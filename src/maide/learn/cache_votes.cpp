@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "maide/automata/words.hpp"
 #include "maide/learn/cache.hpp"
 #include "maide/learn/cache_file.hpp"
 
@@ -13,12 +14,8 @@ namespace {
 // Runs of one vote that are spoilt before the input that is voted on, for each attempt allowed.
 constexpr std::uint32_t spoilt_limit = 10;
 
-Word first(const Word& word, std::size_t length) {
-  return Word(word.begin(), word.begin() + static_cast<std::ptrdiff_t>(length));
-}
-
 bool is_proper_prefix(const Word& prefix, const Word& word) {
-  return prefix.size() < word.size() && std::equal(prefix.begin(), prefix.end(), word.begin());
+  return prefix.size() < word.size() && is_prefix(prefix, word);
 }
 
 }  // namespace
@@ -72,7 +69,7 @@ bool Cache::accept(const MealyAnswer& answer, const RunControl& control) {
       return true;
     }
     if (!votes_) throw contradiction(answer.inputs, answer.outputs, *agreeing);
-    if (!decide(first(answer.inputs, *agreeing + 1), answer.outputs[*agreeing], control)) {
+    if (!decide(head(answer.inputs, *agreeing + 1), answer.outputs[*agreeing], control)) {
       return false;
     }
   }
@@ -121,7 +118,7 @@ bool Cache::decide(const Word& word, Symbol other, const RunControl& control) {
         throw contradiction(answer.inputs, answer.outputs, *agreeing);
       }
       // Spoilt earlier, or the tree is wrong there; then this ballot is closed.
-      if (decide(first(word, *agreeing + 1), answer.outputs[*agreeing], control)) return true;
+      if (decide(head(word, *agreeing + 1), answer.outputs[*agreeing], control)) return true;
     }
   }
   return impose(word, *ballot.winner());

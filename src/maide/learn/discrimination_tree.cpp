@@ -35,6 +35,12 @@ StateId DiscriminationTree::representative(Node node) const {
   return state(node);
 }
 
+std::vector<StateId> DiscriminationTree::states_below(Node node) const {
+  std::vector<StateId> states;
+  for_each_leaf(node, [&](Node leaf) { states.push_back(state(leaf)); });
+  return states;
+}
+
 DiscriminationTree::Node DiscriminationTree::common_ancestor(Node left, Node right) const {
   const auto depth = [&](Node node) {
     std::size_t result = 0;

@@ -60,6 +60,9 @@ class DiscriminationTree {
   // The state that stands for those below a node: that of its first leaf. O(depth).
   StateId representative(Node node) const;
 
+  // The states below a node, in the order of the tree. O(nodes below).
+  std::vector<StateId> states_below(Node node) const;
+
   // The child that hangs from this answer, or none. O(log children) comparisons.
   Node child(Node node, std::span<const Symbol> answer) const;
   // The lowest node that has both below it (or is one of them). O(depth).

@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "maide/automata/words.hpp"
 #include "maide/base/error.hpp"
 #include "maide/learn/adaptive_experiment.hpp"
 #include "maide/learn/adaptive_sequence.hpp"
@@ -306,9 +307,7 @@ void LSharp::refine(const Word& counterexample, const RunControl& control) {
   if (length == 0) {
     throw std::invalid_argument("the hypothesis agrees with the system on this word");
   }
-  analyse(
-      Word(counterexample.begin(), counterexample.begin() + static_cast<std::ptrdiff_t>(length)),
-      control);
+  analyse(head(counterexample, length), control);
   complete(control);
 }
 

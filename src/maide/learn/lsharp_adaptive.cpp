@@ -1,5 +1,4 @@
 // L# with a model of an earlier version: the rules `rebuild` and `doubt`; see lsharp.hpp.
-#include <algorithm>
 #include <numeric>
 #include <set>
 #include <utility>
@@ -63,8 +62,7 @@ bool LSharp::doubt(const RunControl& control) {
     };
     if (is_new(here)) batch.emplace_back(here);
     // What is asked here may begin with what is asked there.
-    const auto difference = std::mismatch(there.begin(), there.end(), here.begin(), here.end());
-    if (is_new(there) && difference.first != there.end()) batch.emplace_back(there);
+    if (is_new(there) && !is_prefix(there, here)) batch.emplace_back(there);
     if (batch.empty()) continue;
     ask(batch, control);
     doubts_left_ += apartness_.isolated().empty() ? -1 : 1;

@@ -1,6 +1,6 @@
 #include "maide/learn/mealy_oracle.hpp"
 
-#include <algorithm>
+#include "maide/automata/words.hpp"
 
 namespace maide {
 
@@ -14,10 +14,7 @@ class WordPlayer {
 
   // Word and answer must stay until the next call.
   void play(const Word& word, MealyAnswer& answer) {
-    const std::size_t known =
-        word_ == nullptr
-            ? 0
-            : static_cast<std::size_t>(std::ranges::mismatch(*word_, word).in1 - word_->begin());
+    const std::size_t known = word_ == nullptr ? 0 : count_common(*word_, word);
     answer.inputs = word;
     answer.outputs.reserve(word.size());
     if (known > 0) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "maide/automata/words.hpp"
 #include "maide/base/error.hpp"
 
 namespace maide {
@@ -40,10 +41,7 @@ std::optional<Word> ObservationTable::find_inconsistency() const {
       const auto& right = rows_[extension(equal, input)].cells;
       const auto difference = std::mismatch(left.begin(), left.end(), right.begin());
       if (difference.first == left.end()) continue;
-      Word suffix{input};
-      const Word& rest = columns_[difference.first - left.begin()].suffix;
-      suffix.insert(suffix.end(), rest.begin(), rest.end());
-      return suffix;
+      return joined({input}, columns_[difference.first - left.begin()].suffix);
     }
   }
   return std::nullopt;
@@ -95,7 +93,7 @@ void ObservationTable::fill_row(Row& row, std::size_t column, const Word& output
   if (!row.prefix.empty()) row.output = outputs[row.prefix.size() - 1];
   if (column == columns_.size()) return;
   auto& values = columns_[column].values;
-  const Word value(outputs.begin() + static_cast<std::ptrdiff_t>(row.prefix.size()), outputs.end());
+  const Word value = tail(outputs, row.prefix.size());
   const auto next = static_cast<std::uint32_t>(values.size());
   row.cells.push_back(values.try_emplace(value, next).first->second);
 }

@@ -1,5 +1,6 @@
 #include "maide/learn/rivest_schapire.hpp"
 
+#include "maide/automata/words.hpp"
 #include "maide/learn/counterexample.hpp"
 
 namespace maide {
@@ -9,8 +10,7 @@ std::vector<Word> RivestSchapire::suffixes_of(const Word& counterexample, Symbol
   const Decomposition split =
       decompose(hypothesis(), hypothesis_.access, counterexample, last_output, oracle_, control);
   counterexample_queries_ += split.output_queries;
-  return {Word(counterexample.begin() + static_cast<std::ptrdiff_t>(split.position) + 1,
-               counterexample.end())};
+  return {tail(counterexample, split.position + 1)};
 }
 
 }  // namespace maide

@@ -17,10 +17,6 @@ constexpr Symbol unknown_output = ~Symbol{0};
 // cache.
 constexpr std::size_t batch_size = 4096;
 
-Word tail(const Word& word, std::size_t from) {
-  return {word.begin() + static_cast<std::ptrdiff_t>(from), word.end()};
-}
-
 }  // namespace
 
 TreeHypothesis::TreeHypothesis(OutputOracle& oracle) : oracle_(oracle) {

@@ -2,6 +2,7 @@
 
 #include <stdexcept>
 
+#include "maide/automata/words.hpp"
 #include "maide/base/error.hpp"
 #include "maide/learn/counterexample.hpp"
 
@@ -27,7 +28,7 @@ bool TreeLearner::split_at_mismatch(const Word& word, const Word& outputs,
                                     const RunControl& control) {
   const std::size_t length = first_mismatch(hypothesis(), word, outputs);
   if (length == 0) return false;
-  const Word cut(word.begin(), word.begin() + static_cast<std::ptrdiff_t>(length));
+  const Word cut = head(word, length);
   if (!split(cut, outputs, control)) {
     throw NondeterminismError(to_string(cut, oracle_.inputs()),
                               to_string(hypothesis().output_word(cut), oracle_.outputs()),
@@ -42,7 +43,7 @@ bool TreeLearner::split_by_suffix(std::span<const StateId> states, const Word& w
   const Decomposition part =
       decompose(states, states_.access(), word, last_output, oracle_, control);
   counterexample_queries_ += part.output_queries;
-  const Word suffix(word.begin() + static_cast<std::ptrdiff_t>(part.position) + 1, word.end());
+  const Word suffix = tail(word, part.position + 1);
   const auto from = states_.transition(states[part.position], word[part.position]);
   return states_.split(states[part.position + 1], from,
                        {suffix, DiscriminationTree::none, temporary}, control);

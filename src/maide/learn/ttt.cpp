@@ -1,5 +1,6 @@
 #include "maide/learn/ttt.hpp"
 
+#include "maide/automata/words.hpp"
 #include "maide/base/error.hpp"
 #include "maide/learn/counterexample.hpp"
 
@@ -46,7 +47,7 @@ void Ttt::split_block(Node block, const RunControl& control) {
     for (std::size_t i = 0; i < word.size(); ++i) {
       const auto transition = states_.transition(states.back(), word[i]);
       if (states_.output(transition) != answer[i]) {
-        const Word cut(word.begin(), word.begin() + static_cast<std::ptrdiff_t>(i) + 1);
+        const Word cut = head(word, i + 1);
         if (split_for_a_time(states, cut, answer[i], control)) return;
         break;
       }
@@ -84,7 +85,7 @@ bool Ttt::split_where_a_claim_fails(const RunControl& control) {
     for (std::size_t i = 0; i < suffix.size(); ++i) {
       const StateId now = states.back();
       if (hypothesis().output(now, suffix[i]) != answer[i]) {
-        const Word cut(suffix.begin(), suffix.begin() + static_cast<std::ptrdiff_t>(i) + 1);
+        const Word cut = head(suffix, i + 1);
         if (split_for_a_time(states, cut, answer[i], control)) return true;
         throw NondeterminismError(to_string(suffix, oracle_.inputs()),
                                   to_string(answer, oracle_.outputs()), "something else");

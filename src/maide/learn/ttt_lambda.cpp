@@ -8,14 +8,6 @@
 #include "maide/learn/counterexample.hpp"
 
 namespace maide {
-namespace {
-
-Word part(const Word& word, std::size_t from, std::size_t to) {
-  return {word.begin() + static_cast<std::ptrdiff_t>(from),
-          word.begin() + static_cast<std::ptrdiff_t>(to)};
-}
-
-}  // namespace
 
 bool TttLambda::split(const Word& counterexample, std::span<const Symbol> outputs,
                       const RunControl& control) {
@@ -42,14 +34,14 @@ std::optional<TttLambda::Mistake> TttLambda::find_mistake_after(StateId state, c
   const auto after = std::span(outputs).subspan(access.size());
   const std::size_t length = first_mismatch(hypothesis(), state, word, after);
   if (length == 0) return std::nullopt;
-  return Mistake{state, part(word, 0, length), after[length - 1]};
+  return Mistake{state, head(word, length), after[length - 1]};
 }
 
 // The same, after one of the states in the leaf of `state`.
 std::optional<TttLambda::Mistake> TttLambda::find_mistake(StateId state, const Word& word,
                                                           const RunControl& control) {
   const DiscriminationTree& tree = states_.tree();
-  for (const StateId member : members_of(tree.block_of(tree.leaf(state)))) {
+  for (const StateId member : tree.states_below(tree.block_of(tree.leaf(state)))) {
     if (auto mistake = find_mistake_after(member, word, control)) return mistake;
   }
   return std::nullopt;
@@ -71,7 +63,7 @@ bool TttLambda::promote_along(Mistake mistake, const RunControl& control) {
   }
   while (high > low + 1) {
     const std::size_t middle = low + (high - low) / 2;
-    const auto found = find_mistake(states[middle], part(word, middle, word.size()), control);
+    const auto found = find_mistake(states[middle], tail(word, middle), control);
     if (!found) {
       high = middle;
       continue;
@@ -93,7 +85,7 @@ bool TttLambda::promote_along(Mistake mistake, const RunControl& control) {
   }
   states_.promote(from);
   add_block_of_newest_state();
-  witnesses_.push_back({static_cast<StateId>(states_.size() - 1), part(word, high, word.size())});
+  witnesses_.push_back({static_cast<StateId>(states_.size() - 1), tail(word, high)});
   return true;
 }
 

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <system_error>
 
+#include "maide/automata/words.hpp"
 #include "maide/base/file.hpp"
 #include "maide/learn/cache_file.hpp"
 
@@ -18,9 +19,7 @@ TraceLog read_cache(const std::filesystem::path& path) {
   TraceLog log{file.inputs(), file.outputs(), {}, path.string()};
   file.for_each([&](const Word& inputs, const Word& outputs) {
     // A word that did not complete has fewer outputs.
-    log.traces.push_back(
-        {Word(inputs.begin(), inputs.begin() + static_cast<std::ptrdiff_t>(outputs.size())),
-         outputs});
+    log.traces.push_back({head(inputs, outputs.size()), outputs});
   });
   return log;
 }

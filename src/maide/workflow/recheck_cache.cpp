@@ -8,6 +8,7 @@
 #include <utility>
 #include <variant>
 
+#include "maide/automata/words.hpp"
 #include "maide/base/random.hpp"
 #include "maide/formats/dot.hpp"
 #include "maide/learn/sul_oracle.hpp"
@@ -29,8 +30,7 @@ std::vector<Sample> draw(CacheFile& cache, const RecheckOptions& options) {
   cache.for_each([&](const Word& inputs, const Word& outputs) {
     if (outputs.empty()) return;
     // Behind the last output the word was aborted.
-    Sample word{Word(inputs.begin(), inputs.begin() + static_cast<std::ptrdiff_t>(outputs.size())),
-                outputs};
+    Sample word{head(inputs, outputs.size()), outputs};
     ++seen;
     if (sample.size() < options.words) {
       sample.push_back(std::move(word));

@@ -20,6 +20,17 @@ TEST(Words, PrefixesAndJoins) {
   EXPECT_EQ(joined({}, {}), Word());
 }
 
+TEST(Words, Parts) {
+  const Word word{1, 2, 3};
+  EXPECT_EQ(head(word, 0), Word());
+  EXPECT_EQ(head(word, 2), (Word{1, 2}));
+  EXPECT_EQ(tail(word, 2), (Word{3}));
+  EXPECT_EQ(tail(word, 3), Word());
+  EXPECT_EQ(count_common(word, Word{1, 2, 4, 3}), 2u);
+  EXPECT_EQ(count_common(word, Word{1}), 1u);
+  EXPECT_EQ(count_common(Word{}, word), 0u);
+}
+
 TEST(Words, WithoutPrefixesKeepsWhatNoneGoesOnFrom) {
   Random random(1);
   for (int round = 0; round < 500; ++round) {
