@@ -263,6 +263,14 @@ TEST(Learn, RefusesOldModelsThatItCannotUse) {
     if (entry.path().extension() == ".dot") coin = entry.path().string();
   }
   expect_error(run_maide(learn({"port", "--start-from", coin})), 2, "(" + coin + ")");
+  const TempDir folder("learn-test");
+  const std::string coffee = (folder.path() / "coffee.dot").string();
+  write_file_atomically(coffee, "digraph { __start0 -> a; a -> a [label=\"coin / beep\"]; }");
+  for (const char* translation : {"eager", "av"}) {
+    expect_error(
+        run_maide(learn({"port", "--start-from", coffee, "--translation", translation})), 2,
+        "a model with none of the system's inputs, which are write, read (" + coffee + ")");
+  }
 }
 
 // Every word of up to `longest` inputs, as the model answers it.

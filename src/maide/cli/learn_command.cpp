@@ -33,6 +33,7 @@
 #include "maide/workflow/nondeterministic_run.hpp"
 #include "maide/workflow/open_system.hpp"
 #include "maide/workflow/patient_system.hpp"
+#include "maide/workflow/read_machine.hpp"
 #include "maide/workflow/read_traces.hpp"
 
 namespace maide::cli {
@@ -93,16 +94,6 @@ ExperimentOptions experiment_options(const LearnArguments& arguments, const Meal
   options.max_experiments = arguments.max_experiments;
   options.vote = arguments.vote;
   return options;
-}
-
-Mealy read_old_model(const LearnArguments& arguments) {
-  Model model = read_model(arguments.start_from);
-  try {
-    return to_old_model(std::move(model),
-                        wanted_translation(arguments).value_or(Translation::eager));
-  } catch (const UsageError& error) {
-    throw UsageError(std::string(error.what()) + " (" + arguments.start_from + ")");
-  }
 }
 
 // A file that cannot be written after all (a full disk) does not cost the model: it goes to
@@ -216,6 +207,7 @@ ExitStatus learn(const LearnArguments& arguments, Context& context) {
   SystemAccess access;
   access.token_file = arguments.token_file;
   access.translation = wanted_translation(arguments);
+  const Translation translation = access.translation.value_or(Translation::eager);
   access.jobs = arguments.jobs;
   RunControl control = context.control();
   if (arguments.list_options) return list_options(spec, access, context);
@@ -234,14 +226,16 @@ ExitStatus learn(const LearnArguments& arguments, Context& context) {
     traces = read_traces(arguments.from_traces);
     options.traces = &traces;
   }
-  if (!arguments.start_from.empty()) options.old_model = read_old_model(arguments);
+  if (!arguments.start_from.empty()) {
+    options.old_model =
+        read_old_machine(arguments.start_from, translation, input_alphabet(system.sul->info()));
+  }
   if (!arguments.purpose.empty()) options.fingerprint["purpose"] = read_file(arguments.purpose);
   options.confirm = is_to_be_confirmed(arguments, system);
   if (options.confirm) {
     options.patient = make_patient_system(spec, access, *system.sul, arguments.purpose, control);
   }
-  LearnedModel learned =
-      learn_model(*system.sul, access.translation.value_or(Translation::eager), options, control);
+  LearnedModel learned = learn_model(*system.sul, translation, options, control);
   if (reference) keep_kind(learned, *reference);
   keep_origin(learned, spec, system.sul->info());
   const ExitStatus given = give_result(learned, arguments, spec, system.jobs, context);

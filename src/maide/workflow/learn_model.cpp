@@ -1,17 +1,14 @@
 #include "maide/workflow/learn_model.hpp"
 
-#include <algorithm>
 #include <exception>
 #include <string>
 #include <utility>
-#include <vector>
 
 #include "maide/automata/minimize.hpp"
 #include "maide/base/error.hpp"
 #include "maide/base/named_table.hpp"
 #include "maide/learn/learners.hpp"
 #include "maide/learn/sul_oracle.hpp"
-#include "maide/sul/ia_translation.hpp"
 #include "maide/workflow/nondeterministic_run.hpp"
 
 namespace maide {
@@ -91,24 +88,7 @@ LearnedModel learn_nondeterministic(IaTranslator& translator, LearnedModel learn
   return learned;
 }
 
-// Those that run_experiment() knows, and nstar, which it does not.
-void check_algorithm(const std::string& name) {
-  std::vector<std::string> known;
-  for (const LearnerEntry& entry : learners()) known.emplace_back(entry.name);
-  if (name.empty() || std::find(known.begin(), known.end(), name) != known.end()) return;
-  known.emplace_back(nstar_name);
-  throw unknown_name("algorithm", name, known);
-}
-
 }  // namespace
-
-Mealy to_old_model(Model model, Translation translation) {
-  if (auto* machine = std::get_if<Mealy>(&model)) return std::move(*machine);
-  if (const auto* automaton = std::get_if<InterfaceAutomaton>(&model)) {
-    return to_mealy(*automaton, translation);
-  }
-  throw UsageError("a run cannot start from a nondeterministic model");
-}
 
 LearnedModel learn_model(Sul& sul, Translation translation, const ExperimentOptions& options,
                          const RunControl& control) {
@@ -121,7 +101,9 @@ LearnedModel learn_model(Sul& sul, Translation translation, const ExperimentOpti
     learned.incidents = sul.incidents();
     return learned;
   }
-  check_algorithm(options.algorithm);
+  if (!options.algorithm.empty()) {
+    find_row(learners(), "algorithm", options.algorithm, {nstar_name});  // it takes nstar, too
+  }
   learned.experiment = run_experiment(translator, options, control);
   learned.incidents = sul.incidents();
   Mealy& machine = learned.experiment.model;

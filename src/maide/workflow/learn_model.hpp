@@ -32,11 +32,6 @@ struct LearnedModel {
   std::size_t transitions() const;  // of `model`: a Mealy machine has states x inputs
 };
 
-// The Mealy machine of a model of an earlier version, for ExperimentOptions::old_model: that of
-// `translation` if the model is an interface automaton. Throws UsageError, without the file's name,
-// for a nondeterministic model.
-Mealy to_old_model(Model model, Translation translation);
-
 // Learns the system behind `sul`. The model's origin names the system, its options and versions,
 // the bound, algorithm, tests, seed, and the words that end the system ("ends"). Throws as
 // run_experiment does; what ends a run early is in `experiment.error`.

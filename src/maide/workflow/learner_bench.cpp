@@ -15,12 +15,11 @@
 #include "maide/automata/minimize.hpp"
 #include "maide/base/error.hpp"
 #include "maide/conformance/test_chain.hpp"
-#include "maide/formats/model_file.hpp"
 #include "maide/learn/cache.hpp"
 #include "maide/learn/counting_oracle.hpp"
 #include "maide/learn/mealy_oracle.hpp"
-#include "maide/sul/ia_translation.hpp"
 #include "maide/workflow/paced_oracle.hpp"
+#include "maide/workflow/read_machine.hpp"
 
 namespace maide {
 namespace {
@@ -31,18 +30,12 @@ bool is_model_file(const fs::path& path) {
   return path.extension() == ".dot" || path.extension() == ".gv" || path.extension() == ".aut";
 }
 
-Mealy minimal_machine(const Mealy& machine) {
-  if (machine.inputs().size() == 0) throw UsageError("the model has no inputs");
-  return minimize(machine);
-}
-
-Mealy read_machine(const fs::path& path) {
-  const Model model = read_model(path);
-  if (const auto* automaton = std::get_if<InterfaceAutomaton>(&model)) {
-    return minimal_machine(to_mealy(*automaton, Translation::eager));
+Mealy read_minimal_machine(const fs::path& path) {
+  const Mealy machine = read_machine(path, Translation::eager);
+  if (machine.inputs().empty()) {
+    throw UsageError("the model has no inputs (" + path.string() + ")");
   }
-  if (const auto* machine = std::get_if<Mealy>(&model)) return minimal_machine(*machine);
-  throw UsageError("the model is nondeterministic");
+  return minimize(machine);
 }
 
 std::vector<fs::path> find_model_files(const fs::path& folder) {
@@ -268,13 +261,9 @@ BenchFolder read_bench_folder(const fs::path& folder) {
   for (const fs::path& file : files) {
     const fs::path name = stems[file.stem()] == 1 ? file.stem() : file.filename();
     try {
-      result.models.push_back({name.string(), read_machine(file)});
-    } catch (const ParseError& error) {
+      result.models.push_back({name.string(), read_minimal_machine(file)});
+    } catch (const Error& error) {
       result.unreadable.emplace_back(error.what());
-    } catch (const UsageError& error) {
-      const std::string message = error.what();
-      const bool is_named = message.find(file.string()) != std::string::npos;
-      result.unreadable.push_back(is_named ? message : message + " (" + file.string() + ")");
     }
   }
   return result;
