@@ -90,6 +90,73 @@ TEST(LearnedModels, AreLearnedAgainWhenTheSystemIsAnother) {
   EXPECT_THAT(changed.err, HasSubstr("message"));
 }
 
+// A run without any test finds no more of a queue than it starts from. Three messages go through a
+// queue of three, `model.dot`; a model that knows of fewer makes the programs hang.
+class StartingFromAnOldModel : public testing::Test {
+ protected:
+  // What `maide check` says; `start_from` is the key with its value, or nothing.
+  SubprocessResult check(const std::string& start_from, const std::string& more = "") const {
+    const std::string file = (folder_.path() / "system.yaml").string();
+    write_file_atomically(file,
+                          "models:\n  via:\n    learn: sim:model.dot\n"
+                          "    learning: {eq: random-words, max-tests: 0" +
+                              start_from + more +
+                              "}\n"
+                              "programs:\n  planner: |\n    repeat 3 { via.write; }\n"
+                              "  controller: |\n    repeat 3 { via.read -> message; }\n");
+    return run_maide({"check", file, "--property", "deadlock"});
+  }
+  void write_model(const std::string& name, const std::string& text) const {
+    write_file_atomically(folder_.path() / name, text);
+  }
+  std::string queue() const { return read_file(models_ / "strict-3.dot"); }
+
+  const fs::path models_ = fs::path(MAIDE_SOURCE_DIR) / "tests/models";
+  const TempDir folder_{"check-test"};
+};
+
+TEST_F(StartingFromAnOldModel, FindsWhatThatKnowsAndNotMore) {
+  write_model("model.dot", queue());
+  write_model("old.dot", queue());
+  EXPECT_EQ(check("").exit_status, 1) << "a false alarm";
+  fs::remove_all(folder_.path() / "maide-models");
+  const SubprocessResult result = check(", start-from: old.dot");
+  EXPECT_EQ(result.exit_status, 0) << result.err;
+  EXPECT_THAT(result.err, HasSubstr("starting from an earlier model"));
+  // It is the same model without the key.
+  const SubprocessResult again = check("");
+  EXPECT_EQ(again.exit_status, 0) << again.err;
+  EXPECT_THAT(again.err, HasSubstr("learned before"));
+}
+
+TEST_F(StartingFromAnOldModel, TheKeptModelOfAnotherVersionIsOne) {
+  write_model("model.dot", queue());
+  write_model("old.dot", queue());
+  EXPECT_EQ(check(", start-from: old.dot").exit_status, 0);
+  write_model("model.dot", "// The next version.\n" + queue());
+  const SubprocessResult result = check("");
+  EXPECT_EQ(result.exit_status, 0) << result.err;
+  EXPECT_THAT(result.err, HasSubstr("starting from an earlier model"));
+}
+
+TEST_F(StartingFromAnOldModel, IsRefusedWhereItCannotBe) {
+  write_model("model.dot", queue());
+  write_model("coffee.dot", "digraph { __start0 -> a; a -> a [label=\"coin / beep\"]; }");
+  fs::copy_file(models_ / "nondeterministic/lossy.dot", folder_.path() / "lossy.dot");
+  const auto refused = [&](const std::string& file, const std::string& why,
+                           const std::string& more = "") {
+    const SubprocessResult result = check(", start-from: " + file, more);
+    EXPECT_EQ(result.exit_status, 2);
+    EXPECT_THAT(result.err, HasSubstr(why));
+    EXPECT_THAT(result.err, HasSubstr("model via: "));
+    EXPECT_THAT(result.err, HasSubstr("system.yaml:3:"));
+  };
+  refused("nothing.dot", (folder_.path() / "nothing.dot").string());
+  refused("coffee.dot", "with none of the system's inputs, which are write, read");
+  refused("lossy.dot", "lossy.dot)");
+  refused("model.dot", "nstar cannot start from an old model", ", algorithm: nstar");
+}
+
 TEST(LearnedModels, FailWithThePlaceThatAsksForThem) {
   const TempDir folder("check-test");
   const std::string file = write_system(folder, "round");

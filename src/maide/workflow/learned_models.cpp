@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <sstream>
+#include <string_view>
 #include <system_error>
 #include <utility>
 
@@ -18,20 +19,27 @@
 #include "maide/base/parse_number.hpp"
 #include "maide/formats/dot.hpp"
 #include "maide/formats/model_file.hpp"
+#include "maide/sul/ia_translation.hpp"
 #include "maide/workflow/learn_model.hpp"
+#include "maide/workflow/nondeterministic_run.hpp"
 #include "maide/workflow/open_system.hpp"
 #include "maide/workflow/patient_system.hpp"
+#include "maide/workflow/read_machine.hpp"
 
 namespace maide {
 namespace {
 
+constexpr std::string_view start_from_key = "start-from";
+
+// Names what is learned. What that starts from makes no other model of it.
 std::string describe(const ModelRequest& request) {
   std::string text = request.learn;
   for (const auto& [key, value] : request.with) text += " " + key + "=" + value;
-  if (request.learning.empty()) return text;
-  text += " (learning";
-  for (const auto& [key, value] : request.learning) text += " " + key + "=" + value;
-  return text + ")";
+  std::string learning;
+  for (const auto& [key, value] : request.learning) {
+    if (key != start_from_key) learning += " " + key + "=" + value;
+  }
+  return learning.empty() ? text : text + " (learning" + learning + ")";
 }
 
 std::uint64_t read_count(const std::string& name, const std::string& text) {
@@ -39,8 +47,9 @@ std::uint64_t read_count(const std::string& name, const std::string& text) {
   throw UsageError(fmt::format("'{}' of 'learning' must be a number, not '{}'", name, text));
 }
 
-// What `learning:` says.
-ExperimentOptions read_learning(const ModelRequest& request) {
+// What `learning:` says of a system; files are relative to `folder`.
+ExperimentOptions read_learning(const ModelRequest& request, const std::filesystem::path& folder,
+                                const SulInfo& system) {
   ExperimentOptions options;
   for (const auto& [name, value] : request.learning) {
     if (name == "algorithm") {
@@ -53,10 +62,13 @@ ExperimentOptions read_learning(const ModelRequest& request) {
       options.testing.max_tests = read_count(name, value);
     } else if (name == "seed") {
       options.testing.seed = read_count(name, value);
+    } else if (name == start_from_key) {
+      options.old_model =
+          read_old_machine(folder / value, Translation::eager, input_alphabet(system));
     } else {
-      throw UsageError(
-          "'learning' has no key '" + name +
-          "'; it may have: algorithm, eq, extra-states, max-tests, seed, as in `maide learn`");
+      throw UsageError("'learning' has no key '" + name +
+                       "'; it may have: algorithm, eq, extra-states, max-tests, seed, start-from, "
+                       "as in `maide learn`");
     }
   }
   return options;
@@ -105,17 +117,14 @@ Words read_counterexamples(const InterfaceAutomaton& automaton, const std::strin
   }
 }
 
-std::vector<Word> to_symbols(const Words& words, const SulInfo& system) {
+std::vector<Word> to_symbols(const Words& words, const Alphabet& inputs) {
   std::vector<Word> result;
   for (const std::vector<std::string>& names : words) {
     Word& word = result.emplace_back();
     for (const std::string& name : names) {
-      Symbol symbol = 0;
-      while (symbol < system.inputs.size() && system.inputs[symbol].name != name) ++symbol;
-      if (symbol == system.inputs.size()) {
-        throw UsageError("the system has no input '" + name + "' of a counterexample");
-      }
-      word.push_back(symbol);
+      const auto symbol = inputs.find(name);
+      if (!symbol) throw UsageError("the system has no input '" + name + "' of a counterexample");
+      word.push_back(*symbol);
     }
   }
   return result;
@@ -129,7 +138,7 @@ InterfaceAutomaton learn(const ModelRequest& request, const Opened& opened,
   std::error_code failure;  // the cache that is opened there says it better
   std::filesystem::create_directories(kept.parent_path(), failure);
   experiment.cache_file = cache_path(kept, sul.info());
-  experiment.known_words = to_symbols(counterexamples, sul.info());
+  experiment.known_words = to_symbols(counterexamples, input_alphabet(sul.info()));
   experiment.reference = opened.system.reference ? &*opened.system.reference : nullptr;
   experiment.confirm = !opened.system.reference;
   experiment.patient = make_patient_system(opened.spec, opened.access, sul, {}, control);
@@ -146,16 +155,31 @@ InterfaceAutomaton learn(const ModelRequest& request, const Opened& opened,
   return std::move(*automaton);
 }
 
-// The kept model, if it was learned from this very system: name, options, versions, bound.
-std::optional<InterfaceAutomaton> read_kept(const std::filesystem::path& file,
-                                            const SulInfo& system) {
+std::optional<InterfaceAutomaton> read_kept(const std::filesystem::path& file) {
   if (!std::filesystem::exists(file)) return std::nullopt;
-  InterfaceAutomaton automaton = read_interface_automaton(file);
-  for (const auto& [key, value] : describe_origin(system)) {
-    const auto kept = automaton.origin.find(key);
-    if (kept == automaton.origin.end() || kept->second != value) return std::nullopt;
+  return read_interface_automaton(file);
+}
+
+// Whether a model was learned from this very system: name, options, versions, bound.
+bool is_model_of(const InterfaceAutomaton& automaton, const SulInfo& system) {
+  const Origin now = describe_origin(system);
+  return std::all_of(now.begin(), now.end(), [&](const auto& entry) {
+    const auto kept = automaton.origin.find(entry.first);
+    return kept != automaton.origin.end() && kept->second == entry.second;
+  });
+}
+
+// A kept model to start from: of this system, to be refined, or of another version of it. What it
+// cannot be started from is left: nobody asked for it.
+std::optional<Mealy> machine_of(const InterfaceAutomaton& kept, const ExperimentOptions& options,
+                                const SulInfo& system) {
+  if (options.algorithm == nstar_name) return std::nullopt;
+  try {
+    Mealy machine = to_mealy(kept, Translation::eager);
+    if (shares_inputs(machine, input_alphabet(system))) return machine;
+  } catch (const UsageError&) {  // no machine stands for it: it was edited
   }
-  return automaton;
+  return std::nullopt;
 }
 
 void keep(const std::filesystem::path& file, const InterfaceAutomaton& automaton) {
@@ -194,13 +218,20 @@ ModelSource make_learning_source(LearnedModelsOptions options) {
     };
     try {
       const Opened opened = open(request, options);
-      if (const auto before = read_kept(kept, opened.system.sul->info())) {
+      const SulInfo& system = opened.system.sul->info();
+      ExperimentOptions experiment = read_learning(request, options.folder, system);
+      const auto before = read_kept(kept);
+      if (before && is_model_of(*before, system)) {
         note(fmt::format("{}: learned before ({})", request.instance, kept.string()));
         return *before;
       }
-      note(fmt::format("{}: learning {}", request.instance, describe(request)));
+      if (before && !experiment.old_model) {
+        experiment.old_model = machine_of(*before, experiment, system);
+      }
+      note(fmt::format("{}: learning {}{}", request.instance, describe(request),
+                       experiment.old_model ? ", starting from an earlier model" : ""));
       InterfaceAutomaton automaton =
-          learn(request, opened, read_learning(request), {}, kept, options.control);
+          learn(request, opened, std::move(experiment), {}, kept, options.control);
       keep(kept, automaton);
       return automaton;
     } catch (const Error& error) {
@@ -214,9 +245,13 @@ Refinement refine_learned_model(const ModelRequest& request, const RefinementGoa
   const std::filesystem::path kept = kept_model_path(options.folder, request);
   try {
     const Opened opened = open(request, options);
-    const auto before = read_kept(kept, opened.system.sul->info());
-    if (!before) throw UsageError("the model to refine is not there any more");
-    ExperimentOptions experiment = read_learning(request);
+    const SulInfo& system = opened.system.sul->info();
+    const auto before = read_kept(kept);
+    if (!before || !is_model_of(*before, system)) {
+      throw UsageError("the model to refine is not there any more");
+    }
+    ExperimentOptions experiment = read_learning(request, options.folder, system);
+    experiment.old_model = machine_of(*before, experiment, system);
     if (goal.tests_again) {
       experiment.test_method.clear();
       experiment.testing = {};

@@ -27,7 +27,8 @@ struct LearnedModelsOptions {
 
 // Reads models that are files, reads kept models that were learned from the same system (options
 // and versions; it is opened to see), and learns the others, with the defaults of `maide learn`
-// where `learning:` says nothing else.
+// where `learning:` says nothing else. That starts from the model that `start-from:` names there,
+// or else from the kept one of another version.
 // What goes wrong is an Error with its exit status and the place that asks for it.
 ModelSource make_learning_source(LearnedModelsOptions options);
 
@@ -49,9 +50,9 @@ struct Refinement {
   std::string tests;                                // what it is not refuted by now
 };
 
-// Learns the kept model of a request (`learn:`) again, from what is known of its system, the
-// counterexamples of earlier refinements, and the goal; keeps the outcome in its place. What was
-// asked stays in the cache if the call ends early. Errors as above.
+// Learns the kept model of a request (`learn:`) again, from that model, what is known of its
+// system, the counterexamples of earlier refinements, and the goal; keeps the outcome in its place.
+// What was asked stays in the cache if the call ends early. Errors as above.
 Refinement refine_learned_model(const ModelRequest& request, const RefinementGoal& goal,
                                 const LearnedModelsOptions& options);
 
