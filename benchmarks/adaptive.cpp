@@ -32,7 +32,6 @@
 #include "maide/learn/counting_oracle.hpp"
 #include "maide/learn/learners.hpp"
 #include "maide/learn/mealy_oracle.hpp"
-#include "maide/learn/old_model.hpp"
 
 namespace maide {
 namespace {
@@ -55,15 +54,12 @@ Cost measure(const LearnerEntry& algorithm, const Mealy& model, const Mealy* old
   CountingOracle counter(system);
   Cache cache(counter);
   std::vector<std::unique_ptr<EquivalenceOracle>> links;
-  if (old_model != nullptr && algorithm.make_from == nullptr) {
-    links.push_back(
-        std::make_unique<KnownWords>(cache, OldModel(*old_model, model.inputs()).test_words()));
+  if (auto words = first_words(algorithm, old_model, model.inputs()); !words.empty()) {
+    links.push_back(std::make_unique<KnownWords>(cache, std::move(words)));
   }
   links.push_back(std::make_unique<PerfectOracle>(model));
   ChainOracle teacher(std::move(links));
-  const auto learner = old_model != nullptr && algorithm.make_from != nullptr
-                           ? algorithm.make_from(cache, *old_model, {})
-                           : algorithm.make(cache);
+  const auto learner = make_learner(algorithm, cache, old_model);
   const LearnResult result = run_learner(*learner, teacher);
   const QueryCounts counts = counter.statistics().total();
   return {counts.symbols + counts.resets, result.equivalence_queries,

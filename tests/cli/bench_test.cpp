@@ -137,6 +137,44 @@ TEST(Bench, ARunThatReachesItsLimitIsUnfinished) {
   EXPECT_FALSE(run.at("error").get<std::string>().empty());
 }
 
+// From itself L# needs one hypothesis, and from a model of another name none is started.
+TEST(Bench, LearnersStartFromModelsOfEarlierVersions) {
+  const TempDir folder;
+  for (const char* name : {"strict-6.dot", "strict-4.dot"}) {
+    std::filesystem::copy_file(models + "/" + name, folder.path() / name);
+  }
+  const std::string old = folder.path().string();
+  const Json json = json_of(run_maide({"bench", models, "--start-from", old, "--json"}));
+  EXPECT_EQ(json.at("start_from"), old);
+  std::size_t started = 0;
+  for (const Json& run : json.at("runs")) {
+    EXPECT_EQ(run.at("outcome"), "right") << run;
+    const bool has_old = run.at("model") == "strict-6" || run.at("model") == "strict-4";
+    EXPECT_EQ(run.at("old_states"), has_old ? run.at("states") : Json()) << run;
+    if (!has_old) continue;
+    ++started;
+    EXPECT_LE(run.at("equivalence_queries"), run.at("algorithm") == "lsharp" ? 1 : 4) << run;
+  }
+  EXPECT_EQ(started, 2 * json.at("means").size());
+  EXPECT_THAT(run_maide({"bench", old, "--start-from", models, "--algorithm", "rs"}).out,
+              HasSubstr("strict-6 8x2, from 8"));
+}
+
+TEST(Bench, FoldersWithoutEarlierVersionsAreRefused) {
+  const TempDir folder;
+  write_file_atomically(folder.path() / "lamp.dot", lamp);
+  const std::string old = folder.path().string();
+  expect_error(run_maide({"bench", models, "--start-from", old}), 2,
+               "no model has the name of one to be learned (" + old + ")");
+  expect_error(run_maide({"bench", models, "--start-from", old + "/no"}), 2, old + "/no");
+  std::filesystem::rename(folder.path() / "lamp.dot", folder.path() / "strict-6.dot");
+  const SubprocessResult result =
+      run_maide({"bench", models, "--start-from", old, "--algorithm", "rs"});
+  EXPECT_EQ(result.exit_status, 2);
+  EXPECT_THAT(result.err, HasSubstr("the earlier version of strict-6 has none of its inputs"));
+  EXPECT_THAT(result.out, HasSubstr("strict-6 8x2 "));
+}
+
 TEST(Bench, WhatCannotBeUsedIsAnError) {
   const TempDir folder;
   const std::string path = folder.path().string();

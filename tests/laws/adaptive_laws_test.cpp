@@ -37,15 +37,12 @@ Cost learn_from(const LearnerEntry& algorithm, const Mealy& reference, const Mea
   CountingOracle counter(system);
   Cache cache(counter);
   std::vector<std::unique_ptr<EquivalenceOracle>> links;
-  if (old_model != nullptr && algorithm.make_from == nullptr) {
-    links.push_back(
-        std::make_unique<KnownWords>(cache, OldModel(*old_model, reference.inputs()).test_words()));
+  if (auto words = first_words(algorithm, old_model, reference.inputs()); !words.empty()) {
+    links.push_back(std::make_unique<KnownWords>(cache, std::move(words)));
   }
   links.push_back(std::make_unique<PerfectOracle>(reference));
   ChainOracle teacher(std::move(links));
-  const auto learner = old_model != nullptr && algorithm.make_from != nullptr
-                           ? algorithm.make_from(cache, *old_model, {})
-                           : algorithm.make(cache);
+  const auto learner = make_learner(algorithm, cache, old_model);
   const LearnResult result = run_learner(*learner, teacher);
   EXPECT_FALSE(find_difference(reference, result.model).has_value());
   EXPECT_EQ(result.model.size(), minimize(reference).size());

@@ -24,6 +24,7 @@ namespace {
 struct BenchArguments {
   std::string folder;
   std::string csv;
+  std::string start_from;
   BenchOptions options;
   double seconds = 60;
   bool no_cache = false;
@@ -47,7 +48,8 @@ ExitStatus bench(const BenchArguments& arguments, Context& context) {
   options.use_cache = !arguments.no_cache;
   bench_learners(options);  // wrong names are found before models are read
   TestChain{options.test_method};
-  const BenchFolder folder = read_bench_folder(arguments.folder);
+  BenchFolder folder = read_bench_folder(arguments.folder);
+  if (!arguments.start_from.empty()) add_old_versions(folder, arguments.start_from);
   for (const std::string& message : folder.unreadable) context.complain(message);
   if (folder.models.empty()) {
     throw UsageError("no model there can be learned (" + arguments.folder + ")");
@@ -64,7 +66,9 @@ ExitStatus bench(const BenchArguments& arguments, Context& context) {
       },
       context.control());
   context.print(table.end(runs));
-  context.set_result(bench_json(folder, options, runs, is_complete));
+  Json json = bench_json(folder, options, runs, is_complete);
+  json["start_from"] = arguments.start_from.empty() ? Json() : Json(arguments.start_from);
+  context.set_result(json);
   if (!arguments.csv.empty()) {
     write_file_atomically(arguments.csv, bench_csv(folder.models, runs));
   }
@@ -107,6 +111,9 @@ RunFunction set_up_bench(CLI::App& app) {
                  "The equivalence method, as in maide learn; several with commas between are "
                  "asked in turn, each with options of its own: "
                  "w:extra-states=1,random-hads:max-tests=5000");
+  app.add_option("--start-from", arguments->start_from,
+                 "A folder of models of earlier versions, by the same names: learners start from "
+                 "them, as in maide learn");
   app.add_option("--csv", arguments->csv, "Write a line for each run to this file");
   app.add_flag("--no-cache", arguments->no_cache,
                "Ask the system every query; the processor time is then that of the learner, "

@@ -17,8 +17,14 @@ namespace {
 constexpr std::string_view perfect = "perfect";
 constexpr std::size_t learner_width = 30;
 
+// States of the model that learners start from; "" if there is none.
+std::string size_of_old(const BenchModel& model) {
+  return model.old_version ? std::to_string(model.old_version->size()) : "";
+}
+
 std::string title(const BenchModel& model) {
-  return fmt::format("{} {}x{}", model.name, model.machine.size(), model.machine.inputs().size());
+  return fmt::format("{} {}x{}{}", model.name, model.machine.size(), model.machine.inputs().size(),
+                     model.old_version ? fmt::format(", from {}", size_of_old(model)) : "");
 }
 
 // Resets, symbols, the same as asked, equivalence queries, CPU seconds, states.
@@ -33,10 +39,11 @@ std::string row(std::string_view model, std::size_t model_width, std::string_vie
 
 std::string seconds_text(double seconds) { return fmt::format("{:.4f}", seconds); }
 
+// Other tools started from nothing.
 template <typename Figure>
 bool is_of(const Figure& figure, const BenchModel& model) {
-  return figure.model == model.name && figure.states == model.machine.size() &&
-         figure.inputs == model.machine.inputs().size();
+  return !model.old_version && figure.model == model.name &&
+         figure.states == model.machine.size() && figure.inputs == model.machine.inputs().size();
 }
 
 std::string in_words(double count) {
@@ -91,7 +98,10 @@ Means compute_means(std::span<const BenchRun> runs, const BenchOptions& options)
 
 bool have_peers(const std::vector<BenchModel>& models, const Means& means) {
   std::vector<std::string> names;
-  for (const std::size_t model : means.models) names.push_back(models[model].name);
+  for (const std::size_t model : means.models) {
+    if (models[model].old_version) return false;
+    names.push_back(models[model].name);
+  }
   return are_the_41_models(names);
 }
 
@@ -193,7 +203,7 @@ std::string bench_csv(const std::vector<BenchModel>& models, std::span<const Ben
   std::string text =
       "model,states,inputs,algorithm,outcome,learned_states,resets,symbols,test_resets,"
       "test_symbols,asked_resets,asked_symbols,asked_test_resets,asked_test_symbols,"
-      "equivalence_queries,cpu_seconds\n";
+      "equivalence_queries,cpu_seconds,old_states\n";
   for (const BenchRun& run : runs) {
     const BenchModel& model = models[run.model];
     std::string name;
@@ -201,11 +211,12 @@ std::string bench_csv(const std::vector<BenchModel>& models, std::span<const Ben
     const QueryCounts sent = run.sent.total(), asked = run.asked.total();
     const QueryCounts& tests = run.sent.at(LearnPhase::testing);
     const QueryCounts& asked_tests = run.asked.at(LearnPhase::testing);
-    text += fmt::format("\"{}\",{},{},{},{},{},{},{},{},{},{},{},{},{},{},{:.6f}\n", name,
+    text += fmt::format("\"{}\",{},{},{},{},{},{},{},{},{},{},{},{},{},{},{:.6f},{}\n", name,
                         model.machine.size(), model.machine.inputs().size(), run.algorithm,
                         to_string(run.outcome), run.states, sent.resets, sent.symbols, tests.resets,
                         tests.symbols, asked.resets, asked.symbols, asked_tests.resets,
-                        asked_tests.symbols, run.equivalence_queries, run.cpu_seconds);
+                        asked_tests.symbols, run.equivalence_queries, run.cpu_seconds,
+                        size_of_old(model));
   }
   return text;
 }
@@ -224,6 +235,7 @@ Json run_json(const BenchModel& model, const BenchRun& run) {
   return {{"model", model.name},
           {"states", model.machine.size()},
           {"inputs", model.machine.inputs().size()},
+          {"old_states", model.old_version ? Json(model.old_version->size()) : Json()},
           {"algorithm", run.algorithm},
           {"outcome", to_string(run.outcome)},
           {"error", run.error.empty() ? Json() : Json(run.error)},

@@ -9,6 +9,7 @@
 #include "maide/learn/lsharp.hpp"
 #include "maide/learn/lstar.hpp"
 #include "maide/learn/observation_pack.hpp"
+#include "maide/learn/old_model.hpp"
 #include "maide/learn/rivest_schapire.hpp"
 #include "maide/learn/suffix_one_by_one.hpp"
 #include "maide/learn/ttt.hpp"
@@ -63,6 +64,19 @@ std::span<const LearnerEntry> learners() { return table; }
 
 const LearnerEntry& find_learner(std::string_view name) {
   return find_row(learners(), "algorithm", name);
+}
+
+std::unique_ptr<Learner> make_learner(const LearnerEntry& algorithm, OutputOracle& oracle,
+                                      const Mealy* old_model, const RunControl& control) {
+  return old_model != nullptr && algorithm.make_from != nullptr
+             ? algorithm.make_from(oracle, *old_model, control)
+             : algorithm.make(oracle);
+}
+
+std::vector<Word> first_words(const LearnerEntry& algorithm, const Mealy* old_model,
+                              const Alphabet& inputs, const RunControl& control) {
+  if (old_model == nullptr || algorithm.make_from != nullptr) return {};
+  return OldModel(*old_model, inputs, control).test_words();
 }
 
 }  // namespace maide

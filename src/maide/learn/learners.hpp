@@ -6,6 +6,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "maide/learn/learner.hpp"
 #include "maide/learn/output_oracle.hpp"
@@ -17,7 +18,7 @@ struct LearnerEntry {
   std::string_view description;  // one line, for help
   std::unique_ptr<Learner> (*make)(OutputOracle& oracle);
   // The same, starting from a model of an earlier version of the system; null: the algorithm has no
-  // use for one, and the words of old_model.hpp are tested first instead.
+  // use for one, see make_learner() and first_words().
   std::unique_ptr<Learner> (*make_from)(OutputOracle& oracle, const Mealy& old_model,
                                         const RunControl& control) = nullptr;
   // The algorithm to take where the system answers words alone; empty: this one asks no decision
@@ -30,5 +31,14 @@ std::span<const LearnerEntry> learners();
 
 // The algorithm of this name; throws UsageError that lists the known ones.
 const LearnerEntry& find_learner(std::string_view name);
+
+// A learner of the algorithm; it starts from `old_model`, a model of an earlier version of the
+// system, if that is not null and the algorithm can.
+std::unique_ptr<Learner> make_learner(const LearnerEntry& algorithm, OutputOracle& oracle,
+                                      const Mealy* old_model, const RunControl& control = {});
+// If it cannot: words to test the first hypothesis with, which show whatever states of `old_model`
+// are still there in a system with these inputs. Else none.
+std::vector<Word> first_words(const LearnerEntry& algorithm, const Mealy* old_model,
+                              const Alphabet& inputs, const RunControl& control = {});
 
 }  // namespace maide

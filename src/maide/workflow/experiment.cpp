@@ -17,7 +17,6 @@
 #include "maide/learn/confirming_teacher.hpp"
 #include "maide/learn/counting_oracle.hpp"
 #include "maide/learn/learners.hpp"
-#include "maide/learn/old_model.hpp"
 #include "maide/learn/rpni.hpp"
 #include "maide/learn/sul_oracle.hpp"
 #include "maide/workflow/confirm_model.hpp"
@@ -115,24 +114,18 @@ class Run {
     return std::make_unique<ChainOracle>(std::move(links));
   }
 
-  // A learner that cannot start from an old model still profits from counterexamples that it shows.
+  const Mealy* old_model() const { return old_model_ ? &*old_model_ : nullptr; }
+
   void use_what_is_known() {
     known_words_ = options_.known_words;
-    if (algorithm_.make_from != nullptr) {
-      old_model_ = options_.old_model;
-      if (!old_model_ && options_.traces != nullptr && !options_.traces->inputs.empty()) {
-        old_model_ = learn_passively(*options_.traces, control_).machine;
-      }
-    } else if (options_.old_model) {
-      const OldModel old_model(*options_.old_model, cache_->inputs(), control_);
-      const std::vector<Word> words = old_model.test_words();
-      known_words_.insert(known_words_.end(), words.begin(), words.end());
+    old_model_ = options_.old_model;
+    const bool has_log = options_.traces != nullptr && !options_.traces->inputs.empty();
+    if (!old_model_ && has_log && algorithm_.make_from != nullptr) {
+      old_model_ = learn_passively(*options_.traces, control_).machine;
     }
-  }
-
-  std::unique_ptr<Learner> make_learner() {
-    return old_model_ ? algorithm_.make_from(*cache_, *old_model_, control_)
-                      : algorithm_.make(*cache_);
+    const std::vector<Word> words =
+        first_words(algorithm_, old_model(), cache_->inputs(), control_);
+    known_words_.insert(known_words_.end(), words.begin(), words.end());
   }
 
   // False if it must be done again on a corrected cache.
@@ -140,7 +133,7 @@ class Run {
     const auto tests = make_tests();
     ConfirmingTeacher confirming(*tests, *cache_);
     PhasedTeacher teacher(options_.confirm ? confirming : *tests, counter_);
-    const auto learner = make_learner();
+    const auto learner = make_learner(algorithm_, *cache_, old_model(), control_);
     counter_.set_phase(LearnPhase::learning);
     bool is_over = true;
     try {
@@ -189,7 +182,7 @@ class Run {
   std::optional<CacheFile> file_;
   std::optional<Cache> cache_;
   std::vector<Word> known_words_;            // each hypothesis is tested with these first
-  std::optional<Mealy> old_model_;           // if the algorithm can start from one
+  std::optional<Mealy> old_model_;           // given, or what the log alone gives
   const LoggedTraces* traces_ = nullptr;     // of the present run
   LearnPhase phase_ = LearnPhase::learning;  // before a vote
   QueryCounts patient_counts_;

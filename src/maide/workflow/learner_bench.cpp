@@ -14,6 +14,8 @@
 #include "maide/automata/compare.hpp"
 #include "maide/automata/minimize.hpp"
 #include "maide/base/error.hpp"
+#include "maide/conformance/chain_oracle.hpp"
+#include "maide/conformance/known_words.hpp"
 #include "maide/conformance/test_chain.hpp"
 #include "maide/learn/cache.hpp"
 #include "maide/learn/counting_oracle.hpp"
@@ -78,26 +80,24 @@ class Asked : public CountingOracle {
 // One learner on one machine.
 class Measurement {
  public:
-  Measurement(const Mealy& machine, const LearnerEntry& algorithm, const TestChain& method,
-              const BenchOptions& options)
-      : machine_(machine),
-        system_(machine),
+  Measurement(const BenchModel& model, const LearnerEntry& algorithm, const TestChain& method,
+              const BenchOptions& options, const RunControl& control)
+      : machine_(model.machine),
+        system_(machine_),
         sent_(system_),
         paced_(sent_, pace(options)),
         cache_(paced_),
         asked_(options.use_cache ? static_cast<OutputOracle&>(cache_) : paced_, sent_),
-        tests_(method.make({asked_, options.use_cache ? &cache_ : nullptr, &machine},
-                           options.testing)),
+        tests_(make_tests(model, algorithm, method, options, control)),
         teacher_(*tests_, sent_),
-        learner_(algorithm.make(asked_)) {}
+        learner_(make_learner(algorithm, asked_, old_version(model), control)) {}
 
   void run(BenchRun& result, const RunControl& control) {
-    const double start = thread_cpu_seconds();
     try {
       run_learner(*learner_, teacher_, control, [&result](const Mealy&, std::uint64_t round) {
         result.equivalence_queries = round;
       });
-      result.cpu_seconds = thread_cpu_seconds() - start;
+      result.cpu_seconds = thread_cpu_seconds() - start_;
       result.outcome = is_right() ? BenchOutcome::right : BenchOutcome::wrong;
     } catch (const Error& error) {
       result.error = error.what();
@@ -105,7 +105,7 @@ class Measurement {
       result.error = "out of memory";
     }
     if (result.outcome == BenchOutcome::unfinished) {
-      result.cpu_seconds = thread_cpu_seconds() - start;
+      result.cpu_seconds = thread_cpu_seconds() - start_;
     }
     result.states = learner_->hypothesis().size();
     result.asked = asked_.statistics();
@@ -115,6 +115,23 @@ class Measurement {
   }
 
  private:
+  static const Mealy* old_version(const BenchModel& model) {
+    return model.old_version ? &*model.old_version : nullptr;
+  }
+  std::unique_ptr<EquivalenceOracle> make_tests(const BenchModel& model,
+                                                const LearnerEntry& algorithm,
+                                                const TestChain& method,
+                                                const BenchOptions& options,
+                                                const RunControl& control) {
+    auto tests =
+        method.make({asked_, options.use_cache ? &cache_ : nullptr, &machine_}, options.testing);
+    auto words = first_words(algorithm, old_version(model), machine_.inputs(), control);
+    if (words.empty()) return tests;
+    std::vector<std::unique_ptr<EquivalenceOracle>> links;
+    links.push_back(std::make_unique<KnownWords>(asked_, std::move(words)));
+    links.push_back(std::move(tests));
+    return std::make_unique<ChainOracle>(std::move(links));
+  }
   static PaceOptions pace(const BenchOptions& options) {
     PaceOptions pace;
     if (options.max_experiments != 0) pace.max_queries = options.max_experiments;
@@ -125,6 +142,7 @@ class Measurement {
            !find_difference(learner_->hypothesis(), machine_);
   }
 
+  const double start_ = thread_cpu_seconds();
   const Mealy& machine_;
   MealyOracle system_;
   CountingOracle sent_;
@@ -149,7 +167,7 @@ class Bench {
         algorithms_(bench_learners(options)) {
     // What cannot work is found before threads are started.
     if (!models.empty()) {
-      Measurement(models.front().machine, *algorithms_.front(), method_, options);
+      Measurement({"", models.front().machine}, *algorithms_.front(), method_, options, control);
     }
     runs_.resize(models.size() * algorithms_.size());
   }
@@ -199,7 +217,7 @@ class Bench {
     limited.stop = control_.stop;
     if (options_.seconds) limited.deadline = deadline_in(*options_.seconds);
     try {
-      Measurement(models_[run.model].machine, algorithm, method_, options_).run(run, limited);
+      Measurement(models_[run.model], algorithm, method_, options_, limited).run(run, limited);
     } catch (const Error& error) {  // a learner or a method that cannot begin on this machine
       run.outcome = BenchOutcome::unfinished;
       run.error = error.what();
@@ -267,6 +285,27 @@ BenchFolder read_bench_folder(const fs::path& folder) {
     }
   }
   return result;
+}
+
+void add_old_versions(BenchFolder& folder, const fs::path& old_versions) {
+  BenchFolder old = read_bench_folder(old_versions);
+  folder.unreadable.insert(folder.unreadable.end(), old.unreadable.begin(), old.unreadable.end());
+  bool is_any = false;
+  for (BenchModel& model : folder.models) {
+    const auto version = std::find_if(old.models.begin(), old.models.end(),
+                                      [&](const auto& other) { return other.name == model.name; });
+    if (version == old.models.end()) continue;
+    is_any = true;
+    if (shares_inputs(version->machine, model.machine.inputs())) {
+      model.old_version = std::move(version->machine);
+    } else {
+      folder.unreadable.push_back("the earlier version of " + model.name +
+                                  " has none of its inputs (" + old_versions.string() + ")");
+    }
+  }
+  if (!is_any) {
+    throw UsageError("no model has the name of one to be learned (" + old_versions.string() + ")");
+  }
 }
 
 std::vector<const LearnerEntry*> bench_learners(const BenchOptions& options) {

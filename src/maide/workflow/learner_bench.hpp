@@ -27,6 +27,8 @@ namespace maide {
 struct BenchModel {
   std::string name;  // the file's; without its extension where that tells it from the others
   Mealy machine;     // minimal
+  // A model of an earlier version, which learners start from.
+  std::optional<Mealy> old_version = std::nullopt;
 };
 
 struct BenchFolder {
@@ -38,6 +40,11 @@ struct BenchFolder {
 // machine (eager); one without inputs counts as unreadable. Throws UsageError if there is no such
 // folder, it cannot be read, or no model file is in it.
 BenchFolder read_bench_folder(const std::filesystem::path& folder);
+
+// Gives each model the one of the same name in another such folder, if it is there. One that cannot
+// be started from, for it shares no input, counts as unreadable. Throws UsageError as above, and if
+// no name is in both.
+void add_old_versions(BenchFolder& folder, const std::filesystem::path& old_versions);
 
 struct BenchOptions {
   std::vector<std::string> algorithms;  // names of learners(), each counts once; empty: all
