@@ -210,6 +210,20 @@ TEST_F(CacheCommand, OptionsOfAnotherVerbAreRefused) {
                "--output is an option of 'maide cache merge', not of 'maide cache check'");
 }
 
+// What is there is shown while somebody else has the cache open, and a run goes on undisturbed.
+TEST_F(CacheCommand, ShowNeedsNoLock) {
+  const std::string cache = path("a.cache");
+  const std::uint64_t words = learn(cache);
+  const auto holder = std::make_unique<CacheFile>(cache);
+  const SubprocessResult result = run_maide({"cache", "show", cache, "--json"});
+  EXPECT_EQ(result.exit_status, 0) << result.err;
+  EXPECT_THAT(result.err, HasSubstr("another process uses this cache; what it held just now is "
+                                    "read (" +
+                                    cache + ")"));
+  EXPECT_EQ(json_of(result).at("caches").at(0).at("words"), words);
+  EXPECT_TRUE(fs::exists(cache + "-wal")) << "the holder's log was taken away";
+}
+
 // Somebody else has the cache open; the run waits for them, and then asks only what they did not.
 TEST_F(CacheCommand, ARunWaitsForAnotherOneToCloseTheCache) {
   const std::string cache = path("a.cache");

@@ -1,7 +1,7 @@
 // The cache on disk: a SQLite database of the words that were run and their answers, written as the
 // run goes, so that a killed run resumes where it was. It belongs to one system: what the caller
 // gives as fingerprint (options, versions, translation) and the inputs must be the same when it is
-// opened again. One process at a time may have it open; others can wait for it.
+// opened again. One process at a time may write it; others can wait for it, or look at it.
 //
 // Transactions end with each batch; in WAL mode a kill loses at most the words of the batch in
 // flight. All errors are UsageErrors of one line that name the file.
@@ -11,25 +11,17 @@
 #include <filesystem>
 #include <functional>
 #include <map>
+#include <optional>
 #include <string>
 
 #include "maide/automata/alphabet.hpp"
-#include "maide/base/error.hpp"
 #include "maide/base/run_control.hpp"
-
-struct sqlite3;
-struct sqlite3_stmt;
+#include "maide/learn/cache_database.hpp"
 
 namespace maide {
 
 // What identifies a system: names and values, say {"depth", "3"}.
 using Fingerprint = std::map<std::string, std::string>;
-
-// Another process has the cache open.
-class CacheInUse : public UsageError {
- public:
-  using UsageError::UsageError;
-};
 
 class CacheFile {
  public:
@@ -39,8 +31,9 @@ class CacheFile {
   // CacheInUse.
   CacheFile(const std::filesystem::path& path, const Alphabet& inputs,
             const Fingerprint& fingerprint, const RunControl* wait = nullptr);
-  // Opens a cache that is there, of whatever system. One that cannot be written is only read; then
-  // add() and remove_contradicting() throw UsageError. Throws as above.
+  // Opens a cache that is there, of whatever system. One that cannot be written, or that another
+  // process has open, is only read, as it is now; then add() and remove_contradicting() throw
+  // UsageError. Throws as above.
   explicit CacheFile(const std::filesystem::path& path);
   ~CacheFile();
   CacheFile(const CacheFile&) = delete;
@@ -68,28 +61,16 @@ class CacheFile {
   void commit();
 
  private:
-  class Statement;
-
-  void execute(const char* sql);
   void begin();
-  void open_to_write(bool create);
-  void open_to_read();
-  void expect_ours();
-  bool is_new();
   void initialise(const Alphabet& inputs, const Fingerprint& fingerprint);
   void read_system();
   void expect_system(const Alphabet& inputs, const Fingerprint& fingerprint) const;
-  void prepare();
-  std::string pragma(const char* name);
-  [[noreturn]] void fail(const char* doing) const;
-  void close() noexcept;
 
   std::filesystem::path path_;
-  sqlite3* database_ = nullptr;
-  sqlite3_stmt* insert_word_ = nullptr;
+  std::optional<CacheDatabase> database_;  // always there behind the constructor
+  std::optional<CacheDatabase::Statement> insert_word_;
   Alphabet inputs_, outputs_;
   Fingerprint fingerprint_;
-  bool is_read_only_ = false;
   bool in_transaction_ = false;
 };
 
