@@ -57,6 +57,9 @@ class Mealy {
   std::span<const Cell> row(StateId from) const {
     return std::span(cells_).subspan(index(from, 0), inputs_.size());
   }
+  // A number for the row as it is now: wherever it is the same, in this machine later or in a copy
+  // of it, the row is the same. Setting a transition makes a new one.
+  std::uint64_t revision(StateId state) const { return revisions_[state]; }
   // Every state has a transition for every input. O(size x inputs).
   bool is_complete() const;
 
@@ -78,6 +81,7 @@ class Mealy {
   std::size_t size_ = 0;
   StateId initial_ = 0;
   std::vector<Cell> cells_;
+  std::vector<std::uint64_t> revisions_;  // by state; 0: no transition was ever set
 };
 
 }  // namespace maide

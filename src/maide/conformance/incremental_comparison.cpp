@@ -100,10 +100,8 @@ void IncrementalComparison::read_outputs(const Alphabet& outputs) {
 void IncrementalComparison::compare_anew(const Mealy& hypothesis) {
   const std::size_t spots = entry_.size();
   cells_.clear();
-  for (StateId state = 0; state < hypothesis.size(); ++state) {
-    const auto row = hypothesis.row(state);
-    cells_.insert(cells_.end(), row.begin(), row.end());
-  }
+  revisions_.clear();
+  add_rows(hypothesis);
   first_.assign(hypothesis.size(), none);
   after_.assign(spots, none);
   before_.assign(spots, none);
@@ -122,21 +120,33 @@ void IncrementalComparison::compare_anew(const Mealy& hypothesis) {
 
 void IncrementalComparison::update(const Mealy& hypothesis) {
   const std::size_t before = cells_.size() / inputs_;
-  for (StateId state = static_cast<StateId>(before); state < hypothesis.size(); ++state) {
-    const auto row = hypothesis.row(state);
-    cells_.insert(cells_.end(), row.begin(), row.end());
+  if (hypothesis.initial() != twin_[0]) return compare_anew(hypothesis);
+  add_rows(hypothesis);
+  for (auto state = static_cast<StateId>(before); state < hypothesis.size(); ++state) {
     first_.push_back(none);
     united_.push_back(state);
   }
-  if (hypothesis.initial() != twin_[0]) return compare_anew(hypothesis);
-  for (StateId state = 0; state < before; ++state) change_row(state, hypothesis.row(state));
+  for (StateId state = 0; state < before; ++state) {
+    if (hypothesis.revision(state) == revisions_[state]) continue;  // nearly always
+    revisions_[state] = hypothesis.revision(state);
+    change_row(state, hypothesis.row(state));
+  }
   move_twins();
+}
+
+// The rows of the states that are new.
+void IncrementalComparison::add_rows(const Mealy& hypothesis) {
+  for (auto state = static_cast<StateId>(revisions_.size()); state < hypothesis.size(); ++state) {
+    const auto row = hypothesis.row(state);
+    cells_.insert(cells_.end(), row.begin(), row.end());
+    revisions_.push_back(hypothesis.revision(state));
+  }
 }
 
 void IncrementalComparison::change_row(StateId state, std::span<const Mealy::Cell> row) {
   Mealy::Cell* const old_row = &cells_[state * inputs_];
   static_assert(std::has_unique_object_representations_v<Mealy::Cell>);
-  if (std::memcmp(row.data(), old_row, row.size_bytes()) == 0) return;  // nearly always
+  if (std::memcmp(row.data(), old_row, row.size_bytes()) == 0) return;
   bool outputs_changed = false;
   for (std::size_t input = 0; input < inputs_; ++input) {
     if (row[input] == old_row[input]) continue;

@@ -29,8 +29,8 @@ class IncrementalComparison {
   // The shortest word, of these the least in the order of the hypothesis' inputs, on which
   // `hypothesis`, which must be complete, and the reference differ; nothing if they are equivalent.
   // Throws UsageError if the inputs differ. O(k (n + m)) for k inputs and n, m states; where states
-  // keep their numbers from one hypothesis to the next, O(k m / 8) bytes are looked at for what
-  // changed, and the rest is as much as what changed concerns.
+  // keep their numbers from one hypothesis to the next, 8 n + k m / 8 bytes are looked at for what
+  // changed (Mealy::revision), and the rest is as much as what changed concerns.
   std::optional<Word> find_difference(const Mealy& hypothesis);
 
  private:
@@ -69,6 +69,7 @@ class IncrementalComparison {
   void read_outputs(const Alphabet& outputs);
   void compare_anew(const Mealy& hypothesis);
   void update(const Mealy& hypothesis);
+  void add_rows(const Mealy& hypothesis);
   void change_row(StateId state, std::span<const Mealy::Cell> row);
   void move_twins();
   void set_twin(Spot spot, StateId twin);
@@ -103,7 +104,8 @@ class IncrementalComparison {
   std::vector<Edge> incoming_edges_;   // edges that are not in the tree
   // The hypothesis as it was last.
   std::vector<Mealy::Cell> cells_;
-  std::vector<Symbol> output_map_;  // hypothesis' symbols -> reference's
+  std::vector<std::uint64_t> revisions_;  // by state
+  std::vector<Symbol> output_map_;        // hypothesis' symbols -> reference's
   // Their relation.
   std::vector<StateId> twin_;                 // by spot
   std::vector<Spot> first_, after_, before_;  // lists of spots by twin; the first by state

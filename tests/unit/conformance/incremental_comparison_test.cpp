@@ -20,7 +20,7 @@ TEST(IncrementalComparison, GivesTheWordOfTheComparisonOfWholeMachines) {
     const std::size_t inputs = random.between(1, 4), outputs = random.between(1, 3);
     const Mealy reference = random_mealy(
         {.states = random.between(1, 12), .inputs = inputs, .outputs = outputs}, random);
-    Mealy hypothesis = reference;
+    Mealy hypothesis = reference, earlier = reference;
     IncrementalComparison comparison(reference);
     for (int step = 0; step < 40; ++step) {
       const auto expected = find_distinguishing_word(hypothesis, reference);
@@ -44,6 +44,7 @@ TEST(IncrementalComparison, GivesTheWordOfTheComparisonOfWholeMachines) {
         hypothesis.set_transition(state, input, output, target);
       }
       if (random.chance(0.3)) hypothesis = reference;
+      if (random.chance(0.1)) std::swap(hypothesis, earlier);
       if (random.chance(0.1)) {
         hypothesis.set_initial(static_cast<StateId>(random.below(hypothesis.size())));
       }
