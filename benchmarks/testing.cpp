@@ -10,11 +10,11 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <ctime>
 #include <filesystem>
 #include <string>
 #include <vector>
 
+#include "cpu_seconds.hpp"
 #include "maide/automata/compare.hpp"
 #include "maide/base/error.hpp"
 #include "maide/conformance/machine_runner.hpp"
@@ -23,8 +23,9 @@
 #include "maide/learn/counting_oracle.hpp"
 #include "maide/learn/learners.hpp"
 #include "maide/learn/mealy_oracle.hpp"
+#include "test_speed.hpp"
 
-namespace maide {
+namespace maide::bench {
 namespace {
 
 struct Arguments {
@@ -36,23 +37,16 @@ struct Arguments {
   std::string algorithm = "rs";
 };
 
-double cpu_seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
-
 void measure_speed(const std::string& name, const Mealy& model, const Arguments& arguments) {
   for (const IdentifierMethod& method :
        {w_identifiers, wp_identifiers, hsi_identifiers, hads_identifiers}) {
-    const double start = cpu_seconds();
-    const StateIdentifiers identifiers = method.compute(model, Random(arguments.seed));
-    RandomIdentifierSuite suite(model, identifiers, {.mean = arguments.infix_mean},
-                                Random(arguments.seed));
-    MachineRunner runner(model);
-    const double ready = cpu_seconds();
-    runner.run(suite, model, static_cast<std::uint64_t>(arguments.symbols));
-    const double seconds = cpu_seconds() - ready;
+    const TestSpeed speed =
+        measure_tests(model, method, {.mean = arguments.infix_mean},
+                      static_cast<std::uint64_t>(arguments.symbols), arguments.seed);
     fmt::print("{:<28} {:>5} x {:<3} {:<15} {:>10.3f} {:>14} {:>10.1f} {:>14.3g}\n", name,
-               model.size(), model.inputs().size(), method.title, ready - start, runner.symbols(),
-               static_cast<double>(runner.symbols()) / static_cast<double>(runner.tests()),
-               static_cast<double>(runner.symbols()) / seconds);
+               model.size(), model.inputs().size(), method.title, speed.seconds_to_prepare,
+               speed.inputs, static_cast<double>(speed.inputs) / static_cast<double>(speed.tests),
+               speed.inputs_a_second());
     std::fflush(stdout);
   }
 }
@@ -133,11 +127,11 @@ int run_all(const Arguments& arguments) {
 }
 
 }  // namespace
-}  // namespace maide
+}  // namespace maide::bench
 
 int main(int argc, char** argv) {
   CLI::App app("Speed of conformance tests on machines in memory");
-  maide::Arguments arguments;
+  maide::bench::Arguments arguments;
   app.add_option("MODEL", arguments.models, "Mealy machines, as .dot files")->required();
   app.add_option("--symbols", arguments.symbols, "Inputs to play");
   app.add_flag("--learn", arguments.learn, "Learn the models");
@@ -146,7 +140,7 @@ int main(int argc, char** argv) {
   app.add_option("--infix-mean", arguments.infix_mean, "As of maide learn");
   CLI11_PARSE(app, argc, argv);
   try {
-    return maide::run_all(arguments);
+    return maide::bench::run_all(arguments);
   } catch (const maide::Error& error) {
     fmt::print(stderr, "bench_testing: {}\n", error.what());
     return static_cast<int>(error.status());
