@@ -1,7 +1,7 @@
 #include "maide/conformance/identifier_suite.hpp"
 
+#include <algorithm>
 #include <limits>
-#include <unordered_set>
 #include <utility>
 
 #include "maide/conformance/separating_words.hpp"
@@ -26,17 +26,7 @@ struct Reaching {
   std::uint64_t words = 0, length = 0;
 };
 
-std::vector<Reaching> count_reaching(const Mealy& machine, const std::vector<Word>& words) {
-  std::vector<Reaching> reaching(machine.size());
-  for (const Word& word : words) {
-    Reaching& there = reaching[machine.run(word)];
-    ++there.words;
-    there.length += word.size();
-  }
-  return reaching;
-}
-
-// The same for words that go on with one more input.
+// Of words that go on with one more input.
 std::vector<Reaching> extend(const Mealy& machine, const std::vector<Reaching>& reaching) {
   std::vector<Reaching> further(machine.size());
   for (StateId state = 0; state < machine.size(); ++state) {
@@ -58,19 +48,27 @@ IdentifierSuite::IdentifierSuite(const Mealy& hypothesis, StateIdentifiers ident
       identifiers_(std::move(identifiers)),
       extra_states_(extra_states),
       cover_(compute_state_cover(hypothesis)) {
-  const std::unordered_set<Word, WordHash> states(cover_.begin(), cover_.end());
-  for (const Word& access : cover_) {
-    for (Symbol input = 0; input < hypothesis.inputs().size(); ++input) {
-      Word word = access;
-      word.push_back(input);
-      if (!states.contains(word)) transitions_.push_back(std::move(word));
-    }
-  }
-  volume_ = compute_volume(extra_states);
+  for (const Word& access : cover_) reached_.push_back(hypothesis.run(access));
+  compute_transitions();
+  compute_volumes();
   select_suffixes();
 }
 
-IdentifierSuite::Volume IdentifierSuite::compute_volume(std::size_t extra_states) const {
+// P has one word for each state: with one more input it is in P if that is the next state's.
+void IdentifierSuite::compute_transitions() {
+  std::vector<const Word*> access_of(hypothesis_.size());
+  for (std::size_t i = 0; i < cover_.size(); ++i) access_of[reached_[i]] = &cover_[i];
+  for (std::uint32_t i = 0; i < cover_.size(); ++i) {
+    for (Symbol input = 0; input < hypothesis_.inputs().size(); ++input) {
+      const Word& next = *access_of[hypothesis_.target(reached_[i], input)];
+      const bool is_access = next.size() == cover_[i].size() + 1 && next.back() == input &&
+                             std::equal(cover_[i].begin(), cover_[i].end(), next.begin());
+      if (!is_access) transitions_.push_back({i, input});
+    }
+  }
+}
+
+void IdentifierSuite::compute_volumes() {
   // Beyond so many levels, which only a machine with a single input can have, nobody counts.
   constexpr std::size_t most_levels = 1'000'000;
   Volume volume;
@@ -85,27 +83,43 @@ IdentifierSuite::Volume IdentifierSuite::compute_volume(std::size_t extra_states
   };
   const auto own = [&](StateId state) { return identifiers_.of(state); };
   const auto rest = [&](StateId state) { return identifiers_.rest_of(state); };
-  std::vector<Reaching> reaching = count_reaching(hypothesis_, cover_);
+  std::vector<Reaching> reaching(hypothesis_.size());
+  for (std::size_t i = 0; i < cover_.size(); ++i) reaching[reached_[i]] = {1, cover_[i].size()};
   add_tests(reaching, own);
   if (transitions_.empty()) {
     add_tests(reaching, rest);
-    return volume;
+    volumes_ = {volume};
+    return;
   }
-  for (std::size_t level = 1;; ++level) {
+  for (std::size_t level = 1; level - 1 <= extra_states_; ++level) {
     add_tests(reaching, rest);
-    reaching =
-        level == 1 ? count_reaching(hypothesis_, transitions_) : extend(hypothesis_, reaching);
+    if (level == 1) {
+      reaching.assign(hypothesis_.size(), {});
+      for (const auto& [access, input] : transitions_) {
+        Reaching& there = reaching[hypothesis_.target(reached_[access], input)];
+        ++there.words;
+        there.length += cover_[access].size() + 1;
+      }
+    } else {
+      reaching = extend(hypothesis_, reaching);
+    }
     add_tests(reaching, own);
-    if (volume.tests == saturated || level > most_levels) return {saturated, saturated};
-    if (level > extra_states) return volume;
+    const bool is_countable = volume.tests != saturated && level <= most_levels;
+    volumes_.push_back(is_countable ? volume : Volume{saturated, saturated});
+    if (!is_countable) return;
   }
 }
 
 bool IdentifierSuite::next(Word& word) {
   if (at_end_) return false;
-  const Word& base = bases()[base_];
+  if (level_ == 0) {
+    word.assign(cover_[base_].begin(), cover_[base_].end());
+  } else {
+    const auto& [access, input] = transitions_[base_];
+    word.assign(cover_[access].begin(), cover_[access].end());
+    word.push_back(input);
+  }
   const Word& suffix = suffixes_[suffix_];
-  word.assign(base.begin(), base.end());
   word.insert(word.end(), infix_.begin(), infix_.end());
   word.insert(word.end(), suffix.begin(), suffix.end());
   if (++suffix_ < suffixes_.size()) return true;
@@ -123,7 +137,7 @@ bool IdentifierSuite::advance_access() {
     if (carry) infix_[i - 1] = 0;
   }
   if (carry) {
-    carry = ++base_ == bases().size();
+    carry = ++base_ == base_count();
     if (carry) base_ = 0;
   }
   if (carry && !start_level()) return false;
@@ -149,7 +163,13 @@ bool IdentifierSuite::start_level() {
 }
 
 void IdentifierSuite::select_suffixes() {
-  const StateId state = hypothesis_.run(hypothesis_.run(bases()[base_]), infix_);
+  StateId state;
+  if (level_ == 0) {
+    state = reached_[base_];
+  } else {
+    const auto& [access, input] = transitions_[base_];
+    state = hypothesis_.run(hypothesis_.target(reached_[access], input), infix_);
+  }
   suffixes_ = pass_ == Pass::rest ? identifiers_.rest_of(state) : identifiers_.of(state);
   suffix_ = 0;
 }

@@ -14,6 +14,7 @@
 // cache.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -30,14 +31,15 @@ class IdentifierSuite : public TestSuite {
   IdentifierSuite(const Mealy& hypothesis, StateIdentifiers identifiers, std::size_t extra_states);
 
   bool next(Word& word) override;
-  std::optional<std::uint64_t> size() const override { return volume_.tests; }
-  std::optional<std::uint64_t> symbols() const override { return volume_.symbols; }
+  std::optional<std::uint64_t> size() const override { return volumes_.back().tests; }
+  std::optional<std::uint64_t> symbols() const override { return volumes_.back().symbols; }
 
   // Extra states for which the tests made so far are complete; nothing if not even for none. O(1).
   std::optional<std::size_t> complete_for() const { return complete_for_; }
-  // Tests that are complete for so many extra states: the first of this suite. O(n k extra_states).
+  // Tests that are complete for so many extra states, or for all of this suite: the first of it.
+  // O(1).
   std::uint64_t size_up_to(std::size_t extra_states) const {
-    return compute_volume(extra_states).tests;
+    return volumes_[std::min(extra_states, volumes_.size() - 1)].tests;
   }
 
  private:
@@ -47,18 +49,26 @@ class IdentifierSuite : public TestSuite {
   // The words of a level are followed by the identifiers; by the rest when the next level begins.
   enum class Pass : std::uint8_t { identifiers, rest };
 
-  Volume compute_volume(std::size_t extra_states) const;
+  // A word of P, and an input behind it.
+  struct Transition {
+    std::uint32_t access;
+    Symbol input;
+  };
+
+  void compute_transitions();
+  void compute_volumes();
   bool start_level();
   bool advance_access();
   void select_suffixes();
-  const std::vector<Word>& bases() const { return level_ == 0 ? cover_ : transitions_; }
+  std::size_t base_count() const { return level_ == 0 ? cover_.size() : transitions_.size(); }
 
   const Mealy& hypothesis_;
   StateIdentifiers identifiers_;
   std::size_t extra_states_;
-  std::vector<Word> cover_;        // P
-  std::vector<Word> transitions_;  // P.I \ P
-  Volume volume_;
+  std::vector<Word> cover_;              // P
+  std::vector<StateId> reached_;         // by each word of P
+  std::vector<Transition> transitions_;  // P.I \ P
+  std::vector<Volume> volumes_;          // up to each number of extra states, or to saturation
   // The test that comes next: a base, an infix, a suffix. Level 0 is P, level i is
   // (P.I \ P).I^(i-1).
   std::size_t level_ = 0, base_ = 0;

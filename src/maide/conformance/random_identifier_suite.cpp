@@ -29,6 +29,12 @@ bool RandomIdentifierSuite::next(Word& word) {
   return true;
 }
 
+std::string describe_passed(std::uint64_t tests, const IdentifierMethod& method,
+                            const InfixLaw& law) {
+  return fmt::format("not refuted by {} random tests of {} with infixes of {:g} inputs on average",
+                     tests, method.title, static_cast<double>(law.min) + law.mean);
+}
+
 RandomMethod::RandomMethod(OutputOracle& oracle, const IdentifierMethod& method,
                            RandomMethodOptions options)
     : oracle_(oracle), method_(method), options_(options), random_(options.seed) {
@@ -44,13 +50,10 @@ std::optional<Word> RandomMethod::find_counterexample(const Mealy& hypothesis,
   guarantee_ = "not tested to the end";
   std::optional<Word> counterexample = runner.run(suite, hypothesis, control);
   if (counterexample) {
-    add_counterexample(*counterexample);
+    counterexamples_.push_back(*counterexample);
     guarantee_ = fmt::format("refuted by a random test of {}", method_.title);
   } else {
-    guarantee_ =
-        fmt::format("not refuted by {} random tests of {} with infixes of {:g} inputs on average",
-                    runner.last_tests(), method_.title,
-                    static_cast<double>(options_.infix.min) + options_.infix.mean);
+    guarantee_ = describe_passed(runner.last_tests(), method_, options_.infix);
   }
   return counterexample;
 }

@@ -41,6 +41,10 @@ class RandomIdentifierSuite : public TestSuite {
   std::vector<StateId> reached_;  // by each word of the cover
 };
 
+// In words, that the system passed so many of these tests.
+std::string describe_passed(std::uint64_t tests, const IdentifierMethod& method,
+                            const InfixLaw& law);
+
 struct RandomMethodOptions {
   InfixLaw infix = {};
   std::uint64_t max_tests = 10000;  // in one equivalence query
@@ -58,11 +62,6 @@ class RandomMethod : public EquivalenceOracle {
   std::optional<Word> find_counterexample(const Mealy& hypothesis,
                                           const RunControl& control = {}) override;
   std::string guarantee() const override { return guarantee_; }
-
-  // For methods that run these tests beside others: as many of the next query, and a counterexample
-  // that another test found.
-  void set_max_tests(std::uint64_t max_tests) { options_.max_tests = max_tests; }
-  void add_counterexample(const Word& word) { counterexamples_.push_back(word); }
 
  private:
   OutputOracle& oracle_;

@@ -7,8 +7,12 @@
 // some 20 states and 5 inputs, and their results are theorems for three extra states. For larger
 // machines one more extra state costs too much, and random tests find the same states sooner: there
 // the suite is complete for as many as half of the budget pays for, and the rest goes to random
-// tests, of several laws (infix_sampler.hpp). They come after the suite for no extra state, which
-// tests each transition once, and before the deeper ones.
+// tests, of several laws (infix_sampler.hpp).
+//
+// As many random tests as there are transitions come first, because most hypotheses on the way are
+// refuted by a few of them; then the two take turns. So a hypothesis that only the suite can refute
+// does not wait for all random tests, and one that only they can, not for the suite; and the suite,
+// which begins anew with each hypothesis, costs next to nothing before the last one.
 //
 // `guarantee()` says how far it came.
 //
@@ -20,10 +24,12 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
+#include "maide/base/random.hpp"
 #include "maide/conformance/identifier_suite.hpp"
-#include "maide/conformance/random_identifier_suite.hpp"
 #include "maide/conformance/random_walk.hpp"
+#include "maide/conformance/test_runner.hpp"
 #include "maide/learn/equivalence_oracle.hpp"
 
 namespace maide {
@@ -46,15 +52,16 @@ class StandardMethod : public EquivalenceOracle {
   std::string guarantee() const override { return guarantee_; }
 
  private:
-  // How the budget is spent: tests of the suite, random tests, and more of the suite.
-  struct Plan {
-    std::uint64_t suite_before, random, suite_after;
+  // How many tests of each kind a hypothesis must pass.
+  struct Budget {
+    std::uint64_t complete, random;
   };
-  Plan make_plan(const IdentifierSuite& suite, const Mealy& hypothesis) const;
+  Budget make_budget(const IdentifierSuite& suite, const Mealy& hypothesis) const;
 
   OutputOracle& oracle_;
   StandardMethodOptions options_;
-  RandomMethod random_tests_;
+  Random random_;
+  std::vector<Word> counterexamples_;  // of all tests so far, for random ones to replay
   RandomWalk random_walk_;
   std::string guarantee_ = "not tested";
 };

@@ -76,9 +76,10 @@ Oracle make_perfect(const TestMethodContext& context, const TestMethodOptions&) 
 constexpr std::string_view random_options = "infix-min infix-mean infix-inputs max-tests seed";
 
 constexpr std::array table{
-    TestMethodEntry{"standard",
-                    "hybrid ADS as deep as a budget of 1000 + 50 n k tests goes, and random-hads",
-                    "extra-states max-tests seed", make_standard},
+    TestMethodEntry{
+        "standard",
+        "hads as deep as a budget of 1000 + 50 n k tests goes, in turn with random-hads",
+        "extra-states max-tests seed", make_standard},
     TestMethodEntry{"w", "W-method (Chow, Vasilevskii), complete for extra-states",
                     "extra-states max-tests", make_complete<w_identifiers>},
     TestMethodEntry{"wp", "the same by fewer tests: each state's own part of the set (Fujiwara)",

@@ -13,6 +13,7 @@
 #include "maide/conformance/separating_words.hpp"
 #include "maide/conformance/standard_method.hpp"
 #include "maide/formats/model_file.hpp"
+#include "maide/learn/counting_oracle.hpp"
 #include "maide/learn/mealy_oracle.hpp"
 #include "maide/sul/ia_translator.hpp"
 #include "small_machines.hpp"
@@ -308,9 +309,36 @@ TEST(StandardMethod, SharesItsBudget) {
                 " random tests of hybrid ADS with infixes of 9 inputs on average");
   StandardMethod little(oracle, {.max_tests = 5});
   EXPECT_EQ(little.find_counterexample(machine), std::nullopt);
-  EXPECT_NE(little.guarantee().find("not refuted by 5 tests of hybrid ADS, cut off before"),
+  EXPECT_NE(little.guarantee().find("not refuted by 2 tests of hybrid ADS, cut off before"),
             std::string::npos);
-  EXPECT_NE(little.guarantee().find("not refuted by 0 random tests"), std::string::npos);
+  EXPECT_NE(little.guarantee().find("not refuted by 3 random tests"), std::string::npos);
+}
+
+// Most hypotheses are refuted by the random tests that come first; what those hardly find is found
+// by the suite before all random tests are done.
+TEST(StandardMethod, BeginsWithRandomTestsAndThenTakesTurns) {
+  const Mealy machine = lock(100, 30);
+  const std::uint64_t head_start = machine.size() * 30;
+  const std::uint64_t complete = make_suite(machine, hads_identifiers, 0).size_up_to(0);
+  const auto count_tests = [&](StateId from, Symbol input) {
+    Mealy system = machine;
+    const Mealy::Cell cell = machine.row(from)[input];
+    system.set_transition(from, input, 1 - cell.output, cell.target);
+    MealyOracle oracle(system);
+    CountingOracle counter(oracle);
+    StandardMethod method(counter, {.batch_size = 1});
+    EXPECT_TRUE(method.find_counterexample(machine));
+    EXPECT_EQ(method.guarantee(), "refuted by a test");
+    return counter.statistics().total().queries;
+  };
+  EXPECT_LT(count_tests(0, 3), 10U);
+  std::uint64_t later = 0;
+  for (StateId state = 0; state < 100; state += 5) {
+    const std::uint64_t tests = count_tests(state, 0);
+    EXPECT_LE(tests, head_start + 2 * complete);
+    later += tests > head_start ? 1 : 0;
+  }
+  EXPECT_GT(later, 0U);
 }
 
 }  // namespace

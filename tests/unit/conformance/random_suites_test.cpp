@@ -14,6 +14,7 @@
 #include "maide/conformance/random_walk.hpp"
 #include "maide/conformance/random_words.hpp"
 #include "maide/conformance/separating_words.hpp"
+#include "maide/conformance/test_runner.hpp"
 #include "maide/learn/mealy_oracle.hpp"
 
 namespace maide {
@@ -272,19 +273,21 @@ TEST(RandomMethod, FindsCountersAndModesByTheLawsForThem) {
 }
 
 // A counterexample, by whichever test, makes the next one of its kind easy to find.
-TEST(RandomMethod, ReplaysCounterexamples) {
+TEST(RandomIdentifierSuite, ReplaysCounterexamples) {
   const Mealy hypothesis = ring(12, 1);
   Mealy modes = ring(12, 2);
   modes.set_transition(0, 19, 0, 12);
   MealyOracle oracle(modes);
-  const RandomMethodOptions options{
-      .infix = {.mean = 12, .inputs = InfixInputs::replayed}, .max_tests = 5'000, .seed = 1};
-  RandomMethod method(oracle, hads_identifiers, options);
-  EXPECT_FALSE(method.find_counterexample(hypothesis));
-  Word around{19};
-  for (Symbol place = 0; place < 12; ++place) around.push_back((place * 7 + 3) % 20);
-  method.add_counterexample(around);
-  EXPECT_TRUE(method.find_counterexample(hypothesis));
+  const auto finds = [&](std::span<const Word> counterexamples) {
+    RandomIdentifierSuite suite(hypothesis, compute_adaptive_words(hypothesis, Random(1)),
+                                {.mean = 12, .inputs = InfixInputs::replayed}, Random(1),
+                                counterexamples);
+    return TestRunner(oracle, {.max_tests = 5'000}).run(suite, hypothesis, {}).has_value();
+  };
+  EXPECT_FALSE(finds({}));
+  std::vector<Word> around{{19}};
+  for (Symbol place = 0; place < 12; ++place) around[0].push_back((place * 7 + 3) % 20);
+  EXPECT_TRUE(finds(around));
 }
 
 TEST(RandomMethods, EachQueryDrawsAnewAndTheSameSeedIsTheSameRun) {
