@@ -128,9 +128,10 @@ MealyAnswer IaTranslator::to_mealy_answer(SulAnswer raw, const SulQuery& query) 
   answer.attempts = raw.attempts;
   answer.reset_duration = raw.reset_duration;
   answer.reset_wait = raw.reset_wait;
+  answer.outputs.reserve(raw.steps.size());
+  std::string joined;
   for (const SulStep& step : raw.steps) {
-    const std::string output = mealy_output(step, translation_);
-    answer.outputs.push_back(outputs_.intern(output));
+    answer.outputs.push_back(outputs_.intern(mealy_output(step, translation_, joined)));
     answer.system_duration += step.duration;
     answer.settling += step.settling;
   }

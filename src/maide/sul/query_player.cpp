@@ -39,9 +39,7 @@ class Player {
     }
     const SteppedSystem::Outcome outcome = system_.take(input, step);
     if (step.status != StepStatus::taken) return outcome;  // a simulated refusal
-    std::stable_sort(
-        step.events.begin(), step.events.end(),
-        [](const Event& left, const Event& right) { return left.actor < right.actor; });
+    if (step.events.size() > 1) std::ranges::stable_sort(step.events, {}, &Event::actor);
     for (LearningPurpose::Monitor& monitor : monitors_) monitor.on_input(name);
     if (translation_ == Translation::av) {
       due_.assign(step.events.begin(), step.events.end());
@@ -88,6 +86,10 @@ SulAnswer play(SteppedSystem& system, const SulQuery& query, const SulInfo& info
   SulAnswer answer;
   Player player(system, info, purposes, query.translation);
   QueryCursor cursor(query);
+  if (const Word* word = std::get_if<Word>(&query.inputs)) {
+    answer.inputs.reserve(word->size());
+    answer.steps.reserve(word->size());
+  }
   while (const std::optional<Symbol> input = cursor.input()) {
     answer.inputs.push_back(*input);
     SulStep& step = answer.steps.emplace_back();

@@ -12,16 +12,23 @@ std::string_view to_string(Translation translation) {
 }
 
 std::string mealy_output(const SulStep& step, Translation translation) {
+  std::string joined;
+  return std::string(mealy_output(step, translation, joined));
+}
+
+std::string_view mealy_output(const SulStep& step, Translation translation, std::string& joined) {
   switch (step.status) {
     case StepStatus::refused: return "refused";
     case StepStatus::unexplored: return "unexplored";
     case StepStatus::absorbed: return "absorbed";
-    case StepStatus::delta: return step.events.empty() ? "delta" : step.events.front().output;
+    case StepStatus::delta:
+      return step.events.empty() ? "delta" : std::string_view(step.events.front().output);
     case StepStatus::taken: break;
   }
   if (translation == Translation::av) return "+";
   if (step.events.empty()) return "quiet";
-  std::string joined;
+  if (step.events.size() == 1) return step.events.front().output;
+  joined.clear();
   for (const Event& event : step.events) {
     if (!joined.empty()) joined += ',';
     joined += event.output;

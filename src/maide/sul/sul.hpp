@@ -11,6 +11,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "maide/automata/mealy.hpp"
@@ -71,6 +72,8 @@ struct SulAnswer {
 // The answer of a Mealy machine to a step: the outputs joined by ',' ("quiet" if none), "+" for an
 // input under av, the output or "delta" for Delta, "refused", "unexplored" or "absorbed".
 std::string mealy_output(const SulStep& step, Translation translation);
+// The same without a copy of a single output; several are joined in `joined`.
+std::string_view mealy_output(const SulStep& step, Translation translation, std::string& joined);
 
 // Names that a system's own outputs must not have, because answers use them.
 bool is_reserved_output(std::string_view name);
