@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <deque>
 #include <limits>
-#include <map>
 #include <optional>
+#include <queue>
+#include <span>
 #include <utility>
 
 namespace maide {
@@ -13,21 +13,34 @@ namespace {
 
 class Planner {
  public:
-  explicit Planner(const ObservationTree& tree) : tree_(tree), counts_(tree.input_count()) {}
+  explicit Planner(const ObservationTree& tree) : tree_(tree), first_answer_(tree.input_count()) {}
 
-  // Appends the sequence for these suspects; false if no two of them are apart.
-  bool append(const std::vector<Suspect>& suspects, DecisionTree& result) {
-    if (suspects.size() < 2) return false;
-    const std::optional<Symbol> input = choose_input(suspects);
-    if (!input) return false;
-    const std::size_t place = result.nodes.size();
-    result.nodes.push_back({*input, {}});
-    for (const Group& group : group_by_output(suspects, *input)) {
-      const auto below = static_cast<std::uint32_t>(result.nodes.size());
-      if (!append(group.suspects, result)) continue;
-      result.nodes[place].branches.emplace_back(group.output, below);
+  // Parts that are likely to be met come first, until there are `most_inputs`.
+  DecisionTree plan(std::vector<Suspect> suspects, std::size_t most_inputs) {
+    DecisionTree result;
+    std::priority_queue<Part> parts;
+    const auto add = [&](std::size_t place, Group group) {
+      if (group.suspects.size() < 2) return;
+      double weight = 0;
+      for (const Suspect& suspect : group.suspects) weight += suspect.weight;
+      parts.push({weight, parts_made_++, place, std::move(group)});
+    };
+    add(0, {0, std::move(suspects)});
+    while (!parts.empty() && result.nodes.size() < most_inputs) {
+      const Part part = parts.top();
+      parts.pop();
+      const std::optional<Symbol> input = choose_input(part.group.suspects);
+      if (!input) continue;
+      const std::size_t place = result.nodes.size();
+      result.nodes.push_back({*input, {}});
+      if (place > 0) {
+        result.nodes[part.place].branches.emplace_back(part.group.output,
+                                                       static_cast<std::uint32_t>(place));
+      }
+      for (Group& group : group_by_output(part.group.suspects, *input))
+        add(place, std::move(group));
     }
-    return true;
+    return result;
   }
 
  private:
@@ -36,90 +49,142 @@ class Planner {
     Symbol output;
     std::vector<Suspect> suspects;
   };
+  // What is to be asked after an output at a place in the result.
+  struct Part {
+    double weight;
+    std::size_t number;
+    std::size_t place;
+    Group group;
+    bool operator<(const Part& other) const {
+      return std::pair(weight, other.number) < std::pair(other.weight, number);
+    }
+  };
+
+  // An input that is known from a suspect.
+  struct Answer {
+    Symbol input, output;
+    std::uint32_t suspect;
+  };
 
   // Of the inputs that tell some apart at once the one of least estimated cost, one that is known
   // from all suspects if there is any: the others may need another query. If none tells some apart,
   // the first of a shortest word that does.
   std::optional<Symbol> choose_input(const std::vector<Suspect>& suspects) {
-    const std::vector<Symbol> inputs = shared_inputs(suspects);
-    for (const bool known_from_all : {true, false}) {
-      std::optional<Symbol> best;
-      double least = std::numeric_limits<double>::infinity();
-      for (const Symbol input : inputs) {
-        if ((counts_[input] == suspects.size()) != known_from_all) continue;
-        const double cost = estimate(suspects, input);
-        if (cost >= least) continue;
-        least = cost;
-        best = input;
-      }
-      if (best) return best;
+    if (suspects.size() == 2) {
+      const std::optional<Symbol> input = tell_apart(suspects[0].node, suspects[1].node);
+      return input ? input : first_of_witness(suspects);
     }
+    collect_answers(suspects);
+    std::optional<Symbol> best;
+    bool is_best_known_from_all = false;
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t begin = 0, end = 0; begin < answers_.size(); begin = end) {
+      const Symbol input = answers_[begin].input;
+      end = first_answer_[input];
+      const bool is_known_from_all = end - begin == suspects.size();
+      if (is_best_known_from_all && !is_known_from_all) continue;
+      const double cost = estimate(suspects, std::span(answers_).subspan(begin, end - begin));
+      if (cost == std::numeric_limits<double>::infinity()) continue;
+      if (cost >= least && is_known_from_all == is_best_known_from_all) continue;
+      least = cost;
+      best = input;
+      is_best_known_from_all = is_known_from_all;
+    }
+    if (best) return best;
     return first_of_witness(suspects);
   }
 
-  // Inputs known from at least two suspects, ascending.
-  std::vector<Symbol> shared_inputs(const std::vector<Suspect>& suspects) {
-    std::vector<Symbol> inputs;
-    std::fill(counts_.begin(), counts_.end(), 0U);
-    for (const Suspect& suspect : suspects) {
-      tree_.for_each_child(suspect.node, [&](ObservationTree::Node child) {
-        if (++counts_[tree_.input(child)] == 2) inputs.push_back(tree_.input(child));
-      });
-    }
-    std::sort(inputs.begin(), inputs.end());
-    return inputs;
+  // The least input that two nodes answer differently.
+  std::optional<Symbol> tell_apart(ObservationTree::Node left, ObservationTree::Node right) const {
+    std::optional<Symbol> least;
+    tree_.for_each_child(left, [&](ObservationTree::Node below) {
+      const Symbol input = tree_.input(below);
+      if (least && *least < input) return;
+      const ObservationTree::Node other = tree_.child(right, input);
+      if (other != ObservationTree::none && tree_.output(below) != tree_.output(other))
+        least = input;
+    });
+    return least;
   }
 
-  // Weight x symbols until one suspect is left; infinite if the input tells no two apart at once.
-  double estimate(const std::vector<Suspect>& suspects, Symbol input) {
+  // Into answers_, by input, ascending; those to one input end at first_answer_[input].
+  void collect_answers(const std::vector<Suspect>& suspects) {
+    unsorted_.clear();
+    std::fill(first_answer_.begin(), first_answer_.end(), 0U);
+    for (std::uint32_t i = 0; i < suspects.size(); ++i) {
+      tree_.for_each_child(suspects[i].node, [&](ObservationTree::Node child) {
+        unsorted_.push_back({tree_.input(child), tree_.output(child), i});
+        ++first_answer_[tree_.input(child)];
+      });
+    }
+    std::size_t sum = 0;
+    for (std::size_t& first : first_answer_) sum += std::exchange(first, sum);
+    answers_.resize(unsorted_.size());
+    for (const Answer& answer : unsorted_) answers_[first_answer_[answer.input]++] = answer;
+  }
+
+  // Weight x symbols until one suspect is left, but for what is the same for all inputs; infinite
+  // if the input tells no two apart at once.
+  double estimate(const std::vector<Suspect>& suspects, std::span<const Answer> answers) {
     outputs_.clear();
-    double weight = 0;
-    for (const Suspect& suspect : suspects) {
-      weight += suspect.weight;
-      const auto child = tree_.child(suspect.node, input);
-      if (child == ObservationTree::none) continue;
-      const Symbol output = tree_.output(child);
-      auto found = std::find_if(outputs_.begin(), outputs_.end(),
-                                [&](const Count& count) { return count.output == output; });
-      if (found == outputs_.end()) found = outputs_.insert(found, {output, 0, 0});
-      ++found->suspects;
-      found->weight += suspect.weight;
+    for (const Answer& answer : answers) {
+      if (place_of_output_.size() <= answer.output) place_of_output_.resize(answer.output + 1);
+      std::uint32_t& place = place_of_output_[answer.output];
+      if (place >= outputs_.size() || outputs_[place].output != answer.output) {
+        place = static_cast<std::uint32_t>(outputs_.size());
+        outputs_.push_back({answer.output, 0, 0});
+      }
+      ++outputs_[place].suspects;
+      outputs_[place].weight += suspects[answer.suspect].weight;
     }
     if (outputs_.size() < 2) return std::numeric_limits<double>::infinity();
-    double cost = weight;
+    double cost = 0;
     for (const Count& count : outputs_) {
       if (count.suspects > 1) {
-        cost += count.weight * (1 + std::log2(static_cast<double>(count.suspects))) / 2;
+        cost += count.weight * symbols_left(count.suspects);
       }
     }
     return cost;
   }
 
+  // Estimated for so many suspects.
+  double symbols_left(std::size_t suspects) {
+    while (symbols_left_.size() <= suspects) {
+      const auto count = static_cast<double>(std::max<std::size_t>(symbols_left_.size(), 1));
+      symbols_left_.push_back((1 + std::log2(count)) / 2);
+    }
+    return symbols_left_[suspects];
+  }
+
   // The first input of a shortest word that tells two suspects apart. All are walked together, so
   // it costs the trees below them and not the square of their number.
-  std::optional<Symbol> first_of_witness(const std::vector<Suspect>& suspects) const {
+  std::optional<Symbol> first_of_witness(const std::vector<Suspect>& suspects) {
     struct Place {
       Symbol first;
-      std::vector<ObservationTree::Node> nodes;  // to which one word leads, with the same outputs
+      std::size_t begin, end;  // of nodes, to which one word leads, with the same outputs
     };
-    std::vector<ObservationTree::Node> roots;
-    for (const Suspect& suspect : suspects) roots.push_back(suspect.node);
-    std::deque<Place> queue{{0, std::move(roots)}};
-    std::map<Symbol, std::vector<ObservationTree::Node>> children;
-    for (bool is_root = true; !queue.empty(); is_root = false, queue.pop_front()) {
+    std::vector<ObservationTree::Node> nodes;
+    for (const Suspect& suspect : suspects) nodes.push_back(suspect.node);
+    std::vector<Place> queue{{0, 0, nodes.size()}};
+    std::vector<std::pair<Symbol, ObservationTree::Node>> children;
+    for (std::size_t next = 0; next < queue.size(); ++next) {
+      const Place place = queue[next];
       children.clear();
-      for (const ObservationTree::Node node : queue.front().nodes) {
-        tree_.for_each_child(node, [&](ObservationTree::Node child) {
-          children[tree_.input(child)].push_back(child);
+      for (std::size_t i = place.begin; i < place.end; ++i) {
+        tree_.for_each_child(nodes[i], [&](ObservationTree::Node child) {
+          children.emplace_back(tree_.input(child), child);
         });
       }
-      for (auto& [input, nodes] : children) {
-        const Symbol first = is_root ? input : queue.front().first;
-        const auto answers_otherwise = [&, output = tree_.output(nodes.front())](auto node) {
-          return tree_.output(node) != output;
-        };
-        if (std::any_of(nodes.begin(), nodes.end(), answers_otherwise)) return first;
-        if (nodes.size() > 1) queue.push_back({first, std::move(nodes)});
+      std::sort(children.begin(), children.end());
+      for (std::size_t begin = 0, end = 0; begin < children.size(); begin = end) {
+        const auto [input, node] = children[begin];
+        const Symbol first = next == 0 ? input : place.first;
+        for (end = begin + 1; end < children.size() && children[end].first == input; ++end) {
+          if (tree_.output(children[end].second) != tree_.output(node)) return first;
+        }
+        if (end - begin < 2) continue;
+        queue.push_back({first, nodes.size(), nodes.size() + end - begin});
+        for (std::size_t i = begin; i < end; ++i) nodes.push_back(children[i].second);
       }
     }
     return std::nullopt;
@@ -146,16 +211,19 @@ class Planner {
   };
 
   const ObservationTree& tree_;
-  std::vector<unsigned> counts_;  // by input
+  std::size_t parts_made_ = 0;
+  std::vector<Answer> unsorted_, answers_;
+  std::vector<std::size_t> first_answer_;  // by input: where its answers begin, then end
   std::vector<Count> outputs_;
+  std::vector<double> symbols_left_;            // by number of suspects
+  std::vector<std::uint32_t> place_of_output_;  // in outputs_, if it is there
 };
 
 }  // namespace
 
-DecisionTree find_adaptive_sequence(const ObservationTree& tree, std::vector<Suspect> suspects) {
-  DecisionTree result;
-  Planner(tree).append(suspects, result);
-  return result;
+DecisionTree find_adaptive_sequence(const ObservationTree& tree, std::vector<Suspect> suspects,
+                                    std::size_t most_inputs) {
+  return Planner(tree).plan(std::move(suspects), most_inputs);
 }
 
 }  // namespace maide

@@ -5,7 +5,9 @@
 
 namespace maide {
 
-Apartness::Apartness(std::size_t inputs) : tree_(inputs) { add_state(ObservationTree::root, {}); }
+Apartness::Apartness(std::size_t inputs) : tree_(inputs) {
+  add_state(ObservationTree::root, {}, 0);
+}
 
 Word Apartness::word_to(Transition transition) const {
   Word word = access_[source(transition)];
@@ -14,102 +16,121 @@ Word Apartness::word_to(Transition transition) const {
 }
 
 // Puts a node into the basis that is apart from all of it.
-void Apartness::add_state(Node node, Word access) {
-  const auto state = static_cast<StateId>(basis_.size());
+void Apartness::add_state(Node node, Word access, Transition entry) {
   tree_.make_table(node);
   basis_.push_back(node);
   access_.push_back(std::move(access));
-  watchers_.emplace_back();
+  entry_.push_back(entry);
   const std::size_t first = basis_target_.size();
-  for (Transition transition = 0; transition < first; ++transition) {
-    if (basis_target_[transition] != Mealy::no_state) continue;
-    const Node target = target_node(transition);
-    if (target == ObservationTree::none || tree_.are_apart(target, node)) continue;
-    candidates_[transition].push_back(state);
-    watchers_[state].push_back(transition);
-  }
   basis_target_.resize(first + input_count(), Mealy::no_state);
-  candidates_.resize(first + input_count());
+  waiting_.emplace_back();
+  unasked_.push_back(0);
   for (std::size_t i = first; i < basis_target_.size(); ++i) {
-    find_candidates(static_cast<Transition>(i));
+    const auto transition = static_cast<Transition>(i);
+    if (target_node(transition) == ObservationTree::none) {
+      ++unasked_.back();
+    } else {
+      find_class(transition);
+    }
+  }
+  const auto state = static_cast<StateId>(basis_.size() - 1);
+  if (unasked_.back() > 0) {
+    incomplete_.push_back(state);
+  } else {
+    classes_.add_state(state, node, tree_);
   }
 }
 
-// Of a transition to a new frontier node, or to none.
-void Apartness::find_candidates(Transition transition) {
-  const Node target = target_node(transition);
-  if (target == ObservationTree::none) return;
-  for (StateId state = 0; state < basis_.size(); ++state) {
-    if (tree_.are_apart(target, basis_[state])) continue;
-    candidates_[transition].push_back(state);
-    watchers_[state].push_back(transition);
+// Of a transition from a new state: the words below are those asked from its node, in this order.
+void Apartness::find_class(Transition transition) {
+  struct Place {
+    Node node;
+    Word inputs, outputs;
+  };
+  std::vector<Place> open{{target_node(transition), {}, {}}}, ends;
+  while (!open.empty()) {
+    const Place place = std::move(open.back());
+    open.pop_back();
+    bool is_end = true;
+    tree_.for_each_child(place.node, [&](Node child) {
+      is_end = false;
+      open.push_back({child, place.inputs, place.outputs});
+      open.back().inputs.push_back(tree_.input(child));
+      open.back().outputs.push_back(tree_.output(child));
+    });
+    if (is_end) ends.push_back(place);
   }
-  if (candidates_[transition].empty()) isolated_.push_back(transition);
-}
-
-bool Apartness::are_apart_by(Node node, std::span<const Symbol> inputs,
-                             std::span<const Symbol> outputs) const {
-  for (std::size_t i = 0; i < inputs.size(); ++i) {
-    node = tree_.child(node, inputs[i]);
-    if (node == ObservationTree::none) return false;
-    if (tree_.output(node) != outputs[i]) return true;
-  }
-  return false;
-}
-
-void Apartness::remove_candidate(Transition transition, StateId state) {
-  std::erase(candidates_[transition], state);
-  if (candidates_[transition].empty()) isolated_.push_back(transition);
+  std::ranges::sort(ends, {}, &Place::node);
+  for (const Place& end : ends) classes_.move(transition, end.inputs, end.outputs, tree_);
 }
 
 ObservationTree::Inserted Apartness::insert(const Word& inputs, const Word& outputs) {
   const ObservationTree::Inserted result = tree_.insert(inputs, outputs);
   if (result.conflict || result.known == inputs.size()) return result;
-  const auto inputs_from = [&](std::size_t i) { return std::span(inputs).subspan(i); };
-  const auto outputs_from = [&](std::size_t i) { return std::span(outputs).subspan(i); };
+  const std::span<const Symbol> all_inputs(inputs), all_outputs(outputs);
   StateId state = 0;
   for (std::size_t i = 0; i < inputs.size(); ++i) {
-    // Frontier nodes that this basis state is a candidate of.
-    std::vector<Transition>& watchers = watchers_[state];
-    std::erase_if(watchers, [&](Transition transition) {
-      const auto& candidates = candidates_[transition];
-      if (!std::binary_search(candidates.begin(), candidates.end(), state)) return true;
-      if (!are_apart_by(target_node(transition), inputs_from(i), outputs_from(i))) return false;
-      remove_candidate(transition, state);
-      return true;
-    });
+    if (unasked_[state] == 0) {
+      const std::size_t known = result.known < i ? 0 : result.known - i;
+      classes_.refute(state, all_inputs.subspan(i), all_outputs.subspan(i), known);
+    } else {
+      look_at_waiting(state);
+    }
     const auto transition = static_cast<Transition>(state * input_count() + inputs[i]);
-    if (basis_target_[transition] != Mealy::no_state) {
-      state = basis_target_[transition];
+    const StateId target = basis_target_[transition];
+    if (target != Mealy::no_state) {
+      state = target;
       continue;
     }
-    if (i >= result.known) {
-      find_candidates(transition);
-    } else {
-      const std::vector<StateId> candidates = candidates_[transition];
-      for (const StateId candidate : candidates) {
-        if (are_apart_by(basis_[candidate], inputs_from(i + 1), outputs_from(i + 1))) {
-          remove_candidate(transition, candidate);
-        }
-      }
+    classes_.move(transition, all_inputs.subspan(i + 1), all_outputs.subspan(i + 1), tree_);
+    if (i >= result.known && --unasked_[state] == 0) {
+      std::erase(incomplete_, state);
+      classes_.add_state(state, basis_[state], tree_);
+      look_at_waiting(state);
     }
     break;
   }
   return result;
 }
 
-StateId Apartness::promote_isolated() {
-  const auto first = static_cast<StateId>(basis_.size());
+// More is known of the state since: they may have to wait no longer.
+void Apartness::look_at_waiting(StateId state) {
+  for (const Transition transition : std::exchange(waiting_[state], {})) {
+    if (is_new(transition)) isolated_.push_back(transition);
+  }
+}
+
+// The node is apart from all candidates; but from an incomplete state it may not be.
+bool Apartness::must_wait(Transition transition) {
+  const Node node = target_node(transition);
+  const auto found = std::ranges::find_if(
+      incomplete_, [&](StateId state) { return !tree_.are_apart(node, basis_[state]); });
+  if (found == incomplete_.end()) return false;
+  waiting_[*found].push_back(transition);
+  return true;
+}
+
+bool Apartness::has_isolated() {
+  for (const Transition transition : classes_.take_isolated()) isolated_.push_back(transition);
+  std::erase_if(isolated_, [&](Transition transition) {
+    return !is_new(transition) || must_wait(transition);
+  });
+  return !isolated_.empty();
+}
+
+void Apartness::promote_isolated() {
+  if (!has_isolated()) return;
   std::vector<Transition> isolated = std::exchange(isolated_, {});
   std::stable_sort(isolated.begin(), isolated.end(), [&](Transition left, Transition right) {
     return access_[source(left)].size() < access_[source(right)].size();
   });
   for (const Transition transition : isolated) {
-    if (!candidates_[transition].empty()) continue;  // one of the new states has become one
+    // One of the new states may have become a candidate.
+    if (!is_new(transition) || must_wait(transition)) continue;
     basis_target_[transition] = static_cast<StateId>(basis_.size());
-    add_state(target_node(transition), word_to(transition));
+    classes_.remove(transition);
+    add_state(target_node(transition), word_to(transition), transition);
   }
-  return first;
 }
 
 }  // namespace maide

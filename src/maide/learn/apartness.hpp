@@ -4,8 +4,12 @@
 // states that it is not apart from: with none it is a new state, with one it is identified.
 //
 // Candidates are kept up to date instead of computed: a new word passes some basis states and then
-// one frontier node, and only pairs with one of these can have become apart, by that very word. So
-// each pair walks a suffix of the word, and no subtrees are compared. O(length x pairs concerned).
+// one frontier node, and only pairs with one of these can have become apart, by that very word.
+// They are kept by what is known of a frontier node, not by node (frontier_classes.hpp).
+//
+// Of a state from which not all inputs were asked yet little is known, so it would be a candidate
+// almost everywhere. It becomes one when they were; until then it only keeps nodes that it is not
+// apart from, but all candidates are, from being new states: these wait for it.
 #pragma once
 
 #include <cstdint>
@@ -13,6 +17,7 @@
 #include <vector>
 
 #include "maide/automata/mealy.hpp"
+#include "maide/learn/frontier_classes.hpp"
 #include "maide/learn/observation_tree.hpp"
 
 namespace maide {
@@ -33,6 +38,8 @@ class Apartness {
   Node node(StateId state) const { return basis_[state]; }
   const Word& access(StateId state) const { return access_[state]; }
   Word word_to(Transition transition) const;
+  // The transition that a state, not the initial one, was found by.
+  Transition entry(StateId state) const { return entry_[state]; }
   StateId source(Transition transition) const {
     return static_cast<StateId>(transition / input_count());
   }
@@ -46,41 +53,52 @@ class Apartness {
   }
   // The basis state that a transition leads to if its node is in the basis, else no_state.
   StateId basis_target(Transition transition) const { return basis_target_[transition]; }
-  // Basis states that the transition's node, which is in the frontier, is not apart from;
-  // ascending.
+  // Basis states, from which all inputs were asked, that the transition's node, which is in the
+  // frontier, is not apart from; ascending.
   const std::vector<StateId>& candidates(Transition transition) const {
-    return candidates_[transition];
+    static const std::vector<StateId> nothing;
+    const FrontierClasses::Class at = classes_.class_of(transition);
+    return at == FrontierClasses::none ? nothing : classes_.candidates(at);
   }
   // The state that a transition leads to as far as it is known, else no_state.
   StateId target(Transition transition) const {
     if (basis_target_[transition] != Mealy::no_state) return basis_target_[transition];
-    return candidates_[transition].size() == 1 ? candidates_[transition].front() : Mealy::no_state;
+    const std::vector<StateId>& possible = candidates(transition);
+    return possible.size() == 1 ? possible.front() : Mealy::no_state;
   }
+  // The frontier by what is known of its nodes. Members are transitions.
+  FrontierClasses& classes() { return classes_; }
+  const FrontierClasses& classes() const { return classes_; }
 
   // Adds a word. See ObservationTree::insert.
   ObservationTree::Inserted insert(const Word& inputs, const Word& outputs);
 
-  // Frontier nodes that became apart from all of the basis, the first first.
-  const std::vector<Transition>& isolated() const { return isolated_; }
-  // Makes all isolated nodes that are apart from each other, too, states of the basis. Returns the
-  // first of the new states.
-  StateId promote_isolated();
+  // Some frontier node is apart from all of the basis.
+  bool has_isolated();
+  // Makes all of these that are apart from each other, too, states of the basis.
+  void promote_isolated();
 
  private:
-  void add_state(Node node, Word access);
-  void find_candidates(Transition transition);
-  bool are_apart_by(Node node, std::span<const Symbol> inputs,
-                    std::span<const Symbol> outputs) const;
-  void remove_candidate(Transition transition, StateId state);
+  void add_state(Node node, Word access, Transition entry);
+  void find_class(Transition transition);
+  void look_at_waiting(StateId state);
+  bool must_wait(Transition transition);
+  bool is_new(Transition transition) const {
+    return basis_target_[transition] == Mealy::no_state && candidates(transition).empty();
+  }
 
   ObservationTree tree_;
   std::vector<Node> basis_;
   std::vector<Word> access_;
-  std::vector<StateId> basis_target_;              // by transition
-  std::vector<std::vector<StateId>> candidates_;   // by transition
-  std::vector<std::vector<Transition>> watchers_;  // by state: transitions it is a candidate of,
-                                                   // and some that it was
-  std::vector<Transition> isolated_;
+  std::vector<Transition> entry_;
+  std::vector<StateId> basis_target_;  // by transition
+  FrontierClasses classes_;
+  std::vector<std::size_t> unasked_;  // by state: inputs
+  std::vector<StateId> incomplete_;   // states that lack inputs, ascending
+  // By state: frontier nodes that are apart from all candidates, but not from this incomplete
+  // state; and some that are no more.
+  std::vector<std::vector<Transition>> waiting_;
+  std::vector<Transition> isolated_;  // and some that are not
 };
 
 }  // namespace maide

@@ -21,17 +21,6 @@ std::size_t checked_input_count(const OutputOracle& oracle) {
   return oracle.inputs().size();
 }
 
-// Planning takes time by the suspects. Of very many the likely ones are enough: ASML's m190, of 456
-// states, takes as many queries as with all.
-void keep_likeliest(std::vector<Suspect>& suspects) {
-  constexpr std::size_t most_suspects = 64;
-  if (suspects.size() <= most_suspects) return;
-  std::stable_sort(suspects.begin(), suspects.end(), [](const Suspect& left, const Suspect& right) {
-    return left.weight > right.weight;
-  });
-  suspects.resize(most_suspects);
-}
-
 }  // namespace
 
 LSharp::LSharp(OutputOracle& oracle, Separation separation)
@@ -64,7 +53,7 @@ Symbol LSharp::last_output(const Word& word, const RunControl& control) {
 
 void LSharp::complete(const RunControl& control) {
   while (true) {
-    if (!apartness_.isolated().empty()) {
+    if (apartness_.has_isolated()) {
       apartness_.promote_isolated();
       Progress progress;
       progress.phase = "learning";
@@ -74,19 +63,22 @@ void LSharp::complete(const RunControl& control) {
       continue;
     }
     if (rebuild(control) || extend(control) || separate(control) || doubt(control)) continue;
-    make_hypothesis();
-    const std::optional<Word> conflict = find_conflict();
+    hypothesis_.update(apartness_, oracle_.inputs(), oracle_.outputs());
+    const std::optional<Word> conflict = hypothesis_.find_conflict(apartness_);
     if (!conflict) return;
     analyse(*conflict, control);
   }
 }
 
-// The prior, counted again once the answers since then may matter.
+// The prior, counted again once the answers since then may matter; then plans are made anew, too.
+// Shared ones rarely: what was asked in the same way everywhere tells most apart.
 const TargetPrior& LSharp::prior() {
-  const std::size_t transitions = apartness_.size() * apartness_.input_count();
   if (!prior_ || output_queries_ >= prior_expires_) {
     prior_.emplace(apartness_);
-    prior_expires_ = output_queries_ + transitions / 64 + 1;
+    common_plan_.reset();
+    plans_.clear();
+    const std::uint64_t transitions = apartness_.transition_count();
+    prior_expires_ = output_queries_ + (is_large() ? 10 * transitions : transitions / 24) + 1;
   }
   return *prior_;
 }
@@ -113,17 +105,28 @@ bool LSharp::extend(const RunControl& control) {
 
 // Asks what tells candidates apart where there are most; false if nothing is left to tell.
 bool LSharp::separate(const RunControl& control) {
-  std::vector<Transition> open;
-  for (Transition transition = 0; transition < apartness_.transition_count(); ++transition) {
-    if (apartness_.candidates(transition).size() > 1) open.push_back(transition);
+  struct Open {
+    std::size_t candidates;
+    Transition transition;
+  };
+  std::vector<Open> open;
+  for (const FrontierClasses::Class at : apartness_.classes().update_open()) {
+    const std::size_t candidates = apartness_.classes().candidates(at).size();
+    apartness_.classes().for_each_member(at, [&](Transition transition) {
+      open.push_back({candidates, transition});
+    });
   }
   if (open.empty()) return false;
-  std::stable_sort(open.begin(), open.end(), [&](Transition left, Transition right) {
-    return apartness_.candidates(left).size() > apartness_.candidates(right).size();
+  const std::size_t count = std::min(open.size(), std::max(batch_size, open.size() / 16));
+  const auto chosen = open.begin() + static_cast<std::ptrdiff_t>(count);
+  std::partial_sort(open.begin(), chosen, open.end(), [](const Open& left, const Open& right) {
+    return std::pair(right.candidates, left.transition) <
+           std::pair(left.candidates, right.transition);
   });
-  open.resize(std::min(open.size(), std::max(batch_size, open.size() / 16)));
   std::vector<Query> batch;
-  for (const Transition transition : open) batch.push_back(separation(transition));
+  for (auto next = open.begin(); next != chosen; ++next) {
+    batch.push_back(separation(next->transition));
+  }
   ask(batch, control);
   return true;
 }
@@ -133,10 +136,16 @@ Query LSharp::extension(Transition transition) {
   if (separation_ == Separation::separating_words || apartness_.size() == 1) {
     return apartness_.word_to(transition);
   }
-  std::vector<StateId> all(apartness_.size());
-  std::iota(all.begin(), all.end(), StateId{0});
   DecisionTree query = path_to(transition);
   const std::size_t last = query.nodes.size() - 1;
+  if (is_large()) {
+    Word outputs(oracle_.outputs().size());
+    std::iota(outputs.begin(), outputs.end(), Symbol{0});
+    graft(query, last, outputs, common_plan());
+    return query;
+  }
+  std::vector<StateId> all(apartness_.size());
+  std::iota(all.begin(), all.end(), StateId{0});
   const Symbol input = apartness_.input(transition);
   std::optional<DecisionTree> unseen;  // for outputs that the input has not had yet
   for (Symbol output = 0; output < oracle_.outputs().size(); ++output) {
@@ -163,7 +172,8 @@ Query LSharp::separation(Transition transition) {
   }
   const Symbol output = tree.output(apartness_.target_node(transition));
   DecisionTree query = path_to(transition);
-  graft(query, query.nodes.size() - 1, output, identify(transition, output, candidates));
+  graft(query, query.nodes.size() - 1, output,
+        is_large() ? shared_plan(candidates) : identify(transition, output, candidates));
   return query;
 }
 
@@ -177,8 +187,34 @@ DecisionTree LSharp::identify(Transition transition, Symbol output,
   for (const StateId state : candidates) {
     suspects.push_back({apartness_.node(state), weights[state]});
   }
-  keep_likeliest(suspects);
-  return find_adaptive_sequence(apartness_.tree(), suspects);
+  return find_adaptive_sequence(apartness_.tree(), std::move(suspects));
+}
+
+// Of all states. Those that were found since are left out.
+const DecisionTree& LSharp::common_plan() {
+  const TargetPrior& likely = prior();
+  if (common_plan_) return *common_plan_;
+  std::vector<Suspect> suspects;
+  for (StateId state = 0; state < apartness_.size(); ++state) {
+    suspects.push_back({apartness_.node(state), likely.weight(state)});
+  }
+  common_plan_ = find_adaptive_sequence(apartness_.tree(), std::move(suspects), largest_plan);
+  return *common_plan_;
+}
+
+// Of these candidates: what it tells apart stays apart, wherever they are candidates.
+const DecisionTree& LSharp::shared_plan(const std::vector<StateId>& candidates) {
+  const TargetPrior& likely = prior();
+  if (plans_.size() >= most_plans) plans_.clear();
+  const auto [found, is_new] = plans_.try_emplace(candidates);
+  if (is_new) {
+    std::vector<Suspect> suspects;
+    for (const StateId state : candidates) {
+      suspects.push_back({apartness_.node(state), likely.weight(state)});
+    }
+    found->second = find_adaptive_sequence(apartness_.tree(), std::move(suspects), largest_plan);
+  }
+  return found->second;
 }
 
 // The access word and the input; nothing follows the last output yet.
@@ -195,64 +231,6 @@ DecisionTree LSharp::path_to(Transition transition) const {
   return path;
 }
 
-// Every transition has a target. States are numbered breadth first.
-void LSharp::make_hypothesis() {
-  const std::size_t inputs = apartness_.input_count();
-  hypothesis_ = Mealy(oracle_.inputs(), oracle_.outputs(), apartness_.size());
-  basis_state_.assign(1, 0);
-  std::vector<StateId> number(apartness_.size(), Mealy::no_state);
-  number[0] = 0;
-  for (StateId state = 0; state < basis_state_.size(); ++state) {
-    for (Symbol input = 0; input < inputs; ++input) {
-      const auto transition = static_cast<Transition>(basis_state_[state] * inputs + input);
-      const StateId target = apartness_.target(transition);
-      if (number[target] == Mealy::no_state) {
-        number[target] = static_cast<StateId>(basis_state_.size());
-        basis_state_.push_back(target);
-      }
-      const Symbol output = apartness_.tree().output(apartness_.target_node(transition));
-      hypothesis_.set_transition(state, input, output, number[target]);
-    }
-  }
-}
-
-// A shortest word in the tree whose last output is not the hypothesis'. O(tree).
-std::optional<Word> LSharp::find_conflict() const {
-  const ObservationTree& tree = apartness_.tree();
-  struct Place {
-    Node node;
-    StateId state;
-    std::size_t parent;  // place in the queue of the node above
-  };
-  std::vector<Place> queue{{ObservationTree::root, hypothesis_.initial(), 0}};
-  for (std::size_t next = 0; next < queue.size(); ++next) {
-    const StateId state = queue[next].state;
-    Node wrong = ObservationTree::none;
-    tree.for_each_child(queue[next].node, [&](Node child) {
-      const Symbol input = tree.input(child);
-      if (hypothesis_.output(state, input) != tree.output(child)) wrong = child;
-      queue.push_back({child, hypothesis_.target(state, input), next});
-    });
-    if (wrong == ObservationTree::none) continue;
-    Word word{tree.input(wrong)};
-    for (; next != 0; next = queue[next].parent) word.push_back(tree.input(queue[next].node));
-    return Word(word.rbegin(), word.rend());
-  }
-  return std::nullopt;
-}
-
-// The states of the basis that the hypothesis takes for those along the word, the last not
-// included.
-std::vector<StateId> LSharp::states_along(const Word& word) const {
-  std::vector<StateId> states;
-  StateId state = hypothesis_.initial();
-  for (const Symbol input : word) {
-    states.push_back(basis_state_[state]);
-    state = hypothesis_.target(state, input);
-  }
-  return states;
-}
-
 // `word` is in the tree and the hypothesis is wrong about its last output. Ends when the transition
 // from the basis to the frontier that some such word takes has lost its candidate.
 //
@@ -262,7 +240,7 @@ std::vector<StateId> LSharp::states_along(const Word& word) const {
 void LSharp::analyse(Word word, const RunControl& control) {
   const Symbol truth = last_output(word, control);
   while (true) {
-    const std::vector<StateId> states = states_along(word);
+    const std::vector<StateId> states = states_along(hypothesis(), word);
     std::size_t low = 0;
     Transition transition = 0;
     StateId state = 0;
@@ -303,7 +281,7 @@ void LSharp::refine(const Word& counterexample, const RunControl& control) {
     node = apartness_.tree().child(node, input);
     outputs.push_back(apartness_.tree().output(node));
   }
-  const std::size_t length = first_mismatch(hypothesis_, counterexample, outputs);
+  const std::size_t length = first_mismatch(hypothesis(), counterexample, outputs);
   if (length == 0) {
     throw std::invalid_argument("the hypothesis agrees with the system on this word");
   }

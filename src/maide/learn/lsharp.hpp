@@ -15,6 +15,10 @@
 // `lsharp-sepseq` extends by the input alone and separates by a shortest word. Both ask in small
 // batches.
 //
+// What is likely is counted for each transition by itself as long as the basis is small: that asks
+// least. From a larger one, transitions with the same candidates share a plan, and those not asked
+// yet another one, for what is likely anywhere: else planning takes by far the most time.
+//
 // Adaptive learning (Kruger, Junges & Rot, "State Matching and Multiple References in Adaptive
 // Active Automata Learning", FM 2024): with a model of an earlier version each state of the basis
 // is matched with one of the old model (state_matching.hpp), which says what to ask:
@@ -35,9 +39,11 @@
 
 #include <cstdint>
 #include <optional>
+#include <unordered_map>
 #include <vector>
 
 #include "maide/learn/apartness.hpp"
+#include "maide/learn/frontier_hypothesis.hpp"
 #include "maide/learn/learner.hpp"
 #include "maide/learn/output_oracle.hpp"
 #include "maide/learn/state_matching.hpp"
@@ -58,7 +64,7 @@ class LSharp : public Learner {
 
   void start(const RunControl& control = {}) override { complete(control); }
   void refine(const Word& counterexample, const RunControl& control = {}) override;
-  const Mealy& hypothesis() const override { return hypothesis_; }
+  const Mealy& hypothesis() const override { return hypothesis_.machine(); }
   std::uint64_t output_queries() const override { return output_queries_; }
   // What was found out: basis, frontier and observation tree.
   const Apartness& knowledge() const { return apartness_; }
@@ -71,6 +77,12 @@ class LSharp : public Learner {
   // answers to the others, which costs some.
   static constexpr std::size_t batch_size = 4;
 
+  // States up to which every transition has a plan of its own.
+  static constexpr std::size_t most_planned_apart = 64;
+  // Inputs of a plan that is shared: every query carries it.
+  static constexpr std::size_t largest_plan = 256;
+  static constexpr std::size_t most_plans = 1 << 14;  // kept
+
   void complete(const RunControl& control);
   bool extend(const RunControl& control);
   bool separate(const RunControl& control);
@@ -78,6 +90,9 @@ class LSharp : public Learner {
   Query separation(Transition transition);
   DecisionTree identify(Transition transition, Symbol output,
                         const std::vector<StateId>& candidates);
+  const DecisionTree& common_plan();
+  const DecisionTree& shared_plan(const std::vector<StateId>& candidates);
+  bool is_large() const { return apartness_.size() > most_planned_apart; }
   DecisionTree path_to(Transition transition) const;
   const TargetPrior& prior();
 
@@ -89,20 +104,18 @@ class LSharp : public Learner {
   void ask(const std::vector<Query>& batch, const RunControl& control);
   Symbol last_output(const Word& word, const RunControl& control);
 
-  void make_hypothesis();
-  std::optional<Word> find_conflict() const;
   void analyse(Word counterexample, const RunControl& control);
-  std::vector<StateId> states_along(const Word& word) const;
 
   OutputOracle& oracle_;
   Separation separation_;
   Apartness apartness_;
-  Mealy hypothesis_;
-  std::vector<StateId> basis_state_;  // of each state of the hypothesis
-  std::vector<StateId> unasked_;      // states that may lack inputs, the newest last
-  StateId extended_ = 0;              // states from here on were not put there yet
+  FrontierHypothesis hypothesis_;
+  std::vector<StateId> unasked_;  // states that may lack inputs, the newest last
+  StateId extended_ = 0;          // states from here on were not put there yet
   std::optional<TargetPrior> prior_;
   std::uint64_t prior_expires_ = 0;  // at this number of output queries
+  std::optional<DecisionTree> common_plan_;
+  std::unordered_map<std::vector<StateId>, DecisionTree, WordHash> plans_;  // by candidates
   std::uint64_t output_queries_ = 0;
 
   std::optional<StateMatching> matching_;  // if there is an old model

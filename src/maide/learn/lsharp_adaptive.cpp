@@ -65,7 +65,7 @@ bool LSharp::doubt(const RunControl& control) {
     if (is_new(there) && !is_prefix(there, here)) batch.emplace_back(there);
     if (batch.empty()) continue;
     ask(batch, control);
-    doubts_left_ += apartness_.isolated().empty() ? -1 : 1;
+    doubts_left_ += apartness_.has_isolated() ? 1 : -1;
     return true;
   }
   return false;

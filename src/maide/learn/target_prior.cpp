@@ -3,18 +3,6 @@
 #include <algorithm>
 
 namespace maide {
-namespace {
-
-// How much a known transition tells about another: much if it has the same input and output, little
-// if only one of them is the same. Set once, by the sum over the models of bench_learn.
-constexpr double same_both = 5;
-constexpr double same_output = 0.5;
-constexpr double same_input = 1.5;
-constexpr double same_nothing = 0.15;
-constexpr double loop = 2;  // times as much if it leads back
-
-}  // namespace
-
 TargetPrior::TargetPrior(const Apartness& apartness)
     : states_(apartness.size()), by_input_(apartness.input_count()), visits_(states_) {
   for (Apartness::Transition transition = 0; transition < states_ * by_input_.size();
@@ -39,8 +27,9 @@ bool TargetPrior::has_seen(Symbol input, Symbol output) const {
 
 std::vector<double> TargetPrior::weights(std::size_t states, StateId source, Symbol input,
                                          Symbol output) const {
-  std::vector<double> result(states, 1);
-  for (StateId state = 0; state < states_; ++state) result[state] += same_nothing * visits_[state];
+  std::vector<double> result;
+  result.reserve(states);
+  for (StateId state = 0; state < states; ++state) result.push_back(weight(state));
   if (const auto found = by_output_.find(output); found != by_output_.end()) {
     const Counts& counts = found->second;
     for (StateId state = 0; state < states_; ++state) {

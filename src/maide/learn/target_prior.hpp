@@ -23,8 +23,20 @@ class TargetPrior {
   // O(states).
   std::vector<double> weights(std::size_t states, StateId source, Symbol input,
                               Symbol output) const;
+  // The same for a transition of which nothing is known. O(1).
+  double weight(StateId state) const {
+    return 1 + (state < states_ ? same_nothing * visits_[state] : 0);
+  }
 
  private:
+  // How much a known transition tells about another: much if it has the same input and output,
+  // little if only one of them is the same. Set once, by the sum over the models of bench_learn.
+  static constexpr double same_both = 5;
+  static constexpr double same_output = 0.5;
+  static constexpr double same_input = 1.5;
+  static constexpr double same_nothing = 0.15;
+  static constexpr double loop = 2;  // times as much if it leads back
+
   struct Seen {
     Symbol output;
     StateId target;

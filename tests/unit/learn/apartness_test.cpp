@@ -70,19 +70,33 @@ TEST(ObservationTree, AWitnessIsAShortestWordThatTellsApart) {
   EXPECT_TRUE(tree.find_witness(ObservationTree::root, right).empty());
 }
 
+bool is_complete(const Apartness& apartness, StateId state) {
+  for (std::size_t input = 0; input < apartness.input_count(); ++input) {
+    const auto at = static_cast<Apartness::Transition>(state * apartness.input_count() + input);
+    if (apartness.target_node(at) == ObservationTree::none) return false;
+  }
+  return true;
+}
+
 // Every candidate that is there may be the state, every one that is not was refuted.
-void expect_up_to_date(const Apartness& apartness) {
+void expect_up_to_date(Apartness& apartness) {
   const ObservationTree& tree = apartness.tree();
+  bool is_new = false;
   for (Apartness::Transition at = 0; at < apartness.transition_count(); ++at) {
     const auto node = apartness.target_node(at);
     std::vector<StateId> expected;
+    bool may_be_old = false;
     const bool is_frontier =
         node != ObservationTree::none && apartness.basis_target(at) == Mealy::no_state;
     for (StateId state = 0; is_frontier && state < apartness.size(); ++state) {
-      if (!tree.are_apart(node, apartness.node(state))) expected.push_back(state);
+      if (tree.are_apart(node, apartness.node(state))) continue;
+      may_be_old = true;
+      if (is_complete(apartness, state)) expected.push_back(state);
     }
     ASSERT_EQ(apartness.candidates(at), expected);
+    is_new = is_new || (is_frontier && !may_be_old);
   }
+  ASSERT_EQ(apartness.has_isolated(), is_new);
   for (StateId left = 0; left < apartness.size(); ++left) {
     for (StateId right = 0; right < left; ++right) {
       ASSERT_TRUE(tree.are_apart(apartness.node(left), apartness.node(right)));
@@ -100,7 +114,7 @@ TEST(Apartness, KeptUpToDateIsWhatComparingSubtreesFinds) {
       apartness.insert(word, machine.output_word(word));
       expect_up_to_date(apartness);
       if (HasFatalFailure()) FAIL() << "round " << round << ", word " << i;
-      while (!apartness.isolated().empty()) {
+      while (apartness.has_isolated()) {
         apartness.promote_isolated();
         expect_up_to_date(apartness);
         if (HasFatalFailure()) FAIL() << "round " << round << ", word " << i;
@@ -119,7 +133,7 @@ TEST(AdaptiveSequence, EveryPathTellsSuspectsApart) {
     for (int i = 0; i < 100; ++i) {
       const Word word = random_word(6, 3, random);
       apartness.insert(word, machine.output_word(word));
-      while (!apartness.isolated().empty()) apartness.promote_isolated();
+      while (apartness.has_isolated()) apartness.promote_isolated();
     }
     std::vector<Suspect> suspects;
     for (StateId state = 0; state < apartness.size(); ++state) {
