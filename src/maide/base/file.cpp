@@ -2,6 +2,7 @@
 #include "maide/base/file.hpp"
 
 #include <fcntl.h>
+#include <poll.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -83,14 +84,19 @@ struct TemporaryFile {
 
 }  // namespace
 
-std::string read_file(const fs::path& path) {
-  Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
+std::string read_file(const fs::path& path, const RunControl& control) {
+  // To open a pipe that nobody writes to yet would block else.
+  Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
   if (file.get() < 0) fail("read", errno, path);
+  constexpr int most_milliseconds = 100;  // until it is seen that a call is to stop
   std::string content;
   std::array<char, 65536> buffer{};
   for (;;) {
+    control.check("reading the file");
+    pollfd data{file.get(), POLLIN, 0};
+    if (::poll(&data, 1, most_milliseconds) <= 0) continue;  // nothing yet, or a signal
     const ssize_t count = ::read(file.get(), buffer.data(), buffer.size());
-    if (count < 0 && errno == EINTR) continue;
+    if (count < 0 && (errno == EINTR || errno == EAGAIN)) continue;
     if (count < 0) fail("read", errno, path);
     if (count == 0) return content;
     content.append(buffer.data(), static_cast<std::size_t>(count));

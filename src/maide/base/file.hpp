@@ -7,11 +7,13 @@
 #include <string>
 #include <string_view>
 
+#include "maide/base/run_control.hpp"
+
 namespace maide {
 
 // The file's bytes. Throws UsageError "cannot read the file: reason (path)"; a directory is no
-// file.
-std::string read_file(const std::filesystem::path& path);
+// file. A pipe is waited for, its other end too, until `control` says stop (throws Interrupted).
+std::string read_file(const std::filesystem::path& path, const RunControl& control = {});
 
 // Puts `content` at `path`, all of it or none: a temporary file beside it, synced, then renamed. A
 // symbolic link stays and its target is replaced; a device or pipe is written to directly. Throws

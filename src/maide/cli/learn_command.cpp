@@ -223,7 +223,7 @@ ExitStatus learn(const LearnArguments& arguments, Context& context) {
   ExperimentOptions options = experiment_options(arguments, reference ? &*reference : nullptr);
   TraceLog traces;
   if (!arguments.from_traces.empty()) {
-    traces = read_traces(arguments.from_traces);
+    traces = read_traces(arguments.from_traces, control);
     options.traces = &traces;
   }
   if (!arguments.start_from.empty()) {

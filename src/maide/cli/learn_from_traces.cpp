@@ -16,7 +16,7 @@ namespace maide::cli {
 ExitStatus learn_from_traces(const std::string& log, const std::string& output,
                              const RunControl& control, Context& context) {
   if (!output.empty()) check_can_write(output);
-  const TraceLog traces = read_traces(log);
+  const TraceLog traces = read_traces(log, control);
   PassiveModel learned = learn_passively(traces, control);
   Mealy& machine = learned.machine;
   machine.origin["algorithm"] = "rpni";

@@ -25,7 +25,7 @@ std::string located(const std::string& what, const TraceLog& log) {
   return log.file.empty() ? what : what + " (" + log.file + ")";
 }
 
-TraceLog read_trace_log(std::string_view text, const std::string& file) {
+TraceLog read_trace_log(std::string_view text, const std::string& file, const RunControl& control) {
   TraceLog log;
   log.file = file;
   int number = 0;
@@ -33,7 +33,7 @@ TraceLog read_trace_log(std::string_view text, const std::string& file) {
     const std::size_t end = std::min(text.find('\n'), text.size());
     const std::string_view line = text.substr(0, end);
     text.remove_prefix(std::min(end + 1, text.size()));
-    ++number;
+    if (++number % 256 == 0) control.check("reading the log");
     if (line.find_first_not_of(" \t\r") == std::string_view::npos) continue;
     const Json json = parse_line(line, file, number);
     const auto is_name = [](const Json& name) {

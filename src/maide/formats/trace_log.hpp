@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "maide/automata/alphabet.hpp"
+#include "maide/base/run_control.hpp"
 
 namespace maide {
 
@@ -27,8 +28,9 @@ struct TraceLog {
 // `what` with the log's file, if it has one, as errors name it.
 std::string located(const std::string& what, const TraceLog& log);
 
-// Throws ParseError (file:line:column).
-TraceLog read_trace_log(std::string_view text, const std::string& file);
+// Throws ParseError (file:line:column), Interrupted.
+TraceLog read_trace_log(std::string_view text, const std::string& file,
+                        const RunControl& control = {});
 
 void write_trace_log(std::ostream& out, const TraceLog& log);
 

@@ -16,14 +16,16 @@ class Merger {
  public:
   Merger(const TraceLog& log, const RunControl& control) : log_(log), control_(control) {
     add_node();
-    for (std::size_t trace = 0; trace < log.traces.size(); ++trace) insert(trace);
+    for (std::size_t trace = 0; trace < log.traces.size(); ++trace) {
+      if (trace % 256 == 0) control.check("reading the log");
+      insert(trace);
+    }
     is_red_.resize(first_.size());
     promote(0);
   }
 
   PassiveModel run() {
     while (!blue_.empty()) {
-      control_.check("merging states");
       merge_or_promote();
       Progress progress;
       progress.phase = "merging states";
@@ -180,6 +182,7 @@ class Merger {
     std::optional<std::size_t> most;
     Node best = 0;
     for (const Node red : red_) {
+      control_.check("merging states");
       const auto found = evidence(blue, red);
       if (!found || (most && *found <= *most)) continue;
       most = found;

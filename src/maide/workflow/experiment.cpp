@@ -74,13 +74,17 @@ class Run {
       counter_.set_phase(begins ? LearnPhase::confirmation : phase_);
     });
     control_.progress = &progress_;
-    use_what_is_known();
     result_.algorithm = algorithm_.name;
     result_.test_method = method_.text();
   }
 
   ExperimentResult run() {
-    while (!learn_once()) ++result_.restarts;
+    try {
+      use_what_is_known();
+      while (!learn_once()) ++result_.restarts;
+    } catch (const Interrupted&) {  // before a learner could begin
+      result_.error = std::current_exception();
+    }
     result_.contradictions = cache_->contradictions();
     result_.model.origin["algorithm"] = result_.algorithm;
     result_.model.origin["tests"] = result_.guarantee;
@@ -116,6 +120,7 @@ class Run {
 
   const Mealy* old_model() const { return old_model_ ? &*old_model_ : nullptr; }
 
+  // A large log or old model takes its time.
   void use_what_is_known() {
     known_words_ = options_.known_words;
     old_model_ = options_.old_model;

@@ -14,10 +14,11 @@
 namespace maide {
 namespace {
 
-TraceLog read_cache(const std::filesystem::path& path) {
+TraceLog read_cache(const std::filesystem::path& path, const RunControl& control) {
   CacheFile file(path);
   TraceLog log{file.inputs(), file.outputs(), {}, path.string()};
   file.for_each([&](const Word& inputs, const Word& outputs) {
+    if (log.traces.size() % 4096 == 0) control.check("reading the cache");
     // A word that did not complete has fewer outputs.
     log.traces.push_back({head(inputs, outputs.size()), outputs});
   });
@@ -36,9 +37,9 @@ bool is_sqlite(const std::filesystem::path& path) {
 
 }  // namespace
 
-TraceLog read_traces(const std::filesystem::path& path) {
-  if (is_sqlite(path)) return read_cache(path);
-  return read_trace_log(read_file(path), path.string());
+TraceLog read_traces(const std::filesystem::path& path, const RunControl& control) {
+  if (is_sqlite(path)) return read_cache(path, control);
+  return read_trace_log(read_file(path, control), path.string(), control);
 }
 
 }  // namespace maide

@@ -4,11 +4,12 @@
 
 #include <filesystem>
 
+#include "maide/base/run_control.hpp"
 #include "maide/formats/trace_log.hpp"
 
 namespace maide {
 
-// Throws UsageError if the file cannot be read, ParseError for its text.
-TraceLog read_traces(const std::filesystem::path& path);
+// Throws UsageError if the file cannot be read, ParseError for its text, Interrupted.
+TraceLog read_traces(const std::filesystem::path& path, const RunControl& control = {});
 
 }  // namespace maide

@@ -59,6 +59,28 @@ Mealy example_machine(std::uint64_t seed) {
   return random_mealy({.states = 30, .inputs = 3, .outputs = 3}, random);
 }
 
+// What a log or an old model gives is part of the run, and of its time.
+TEST(Experiment, IsInterruptedWhileItUsesWhatIsKnown) {
+  const Mealy machine = example_machine(2);
+  const TraceLog log{machine.inputs(), machine.outputs(), {{{0}, machine.output_word(Word{0})}}};
+  RunControl control;
+  control.deadline = std::chrono::steady_clock::now();
+  for (const bool from_log : {true, false}) {
+    for (const char* algorithm : {"lsharp", "rs"}) {
+      MealyOracle system(machine);
+      ExperimentOptions options;
+      options.algorithm = algorithm;
+      if (from_log) options.traces = &log;
+      if (!from_log) options.old_model = machine;
+      const ExperimentResult result = run_experiment(system, options, control);
+      EXPECT_EQ(result.model.size(), 0U);
+      EXPECT_EQ(result.experiments, 0U);
+      ASSERT_FALSE(result.is_complete());
+      EXPECT_THROW(std::rethrow_exception(result.error), Interrupted);
+    }
+  }
+}
+
 TEST(Experiment, PerfectOracleSendsNothing) {
   const Mealy reference = example_machine(1);
   MealyOracle system(reference);
