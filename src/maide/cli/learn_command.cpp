@@ -57,6 +57,8 @@ struct LearnArguments {
   std::optional<std::size_t> infix_min;
   std::optional<double> infix_mean;
   std::string infix_inputs;
+  std::string prefix_states;
+  std::string suffix_words;
   std::uint64_t max_experiments = 0;
   std::optional<double> time_limit;
   std::uint64_t seed = 1;
@@ -87,6 +89,12 @@ ExperimentOptions experiment_options(const LearnArguments& arguments, const Meal
   options.testing.infix_mean = arguments.infix_mean;
   if (!arguments.infix_inputs.empty()) {
     options.testing.infix_inputs = find_infix_inputs(arguments.infix_inputs);
+  }
+  if (!arguments.prefix_states.empty()) {
+    options.testing.prefix_states = find_prefix_states(arguments.prefix_states);
+  }
+  if (!arguments.suffix_words.empty()) {
+    options.testing.suffix_words = find_suffix_words(arguments.suffix_words);
   }
   options.testing.seed = arguments.seed;
   options.reference = reference;
@@ -280,6 +288,14 @@ void add_limits(CLI::App& app, LearnArguments& arguments) {
                  "replayed (pieces of the counterexamples so far), mixed (for each test another "
                  "one of these; the default), uniform (likewise)")
       ->check(CLI::IsMember({"mixed", "off-sinks", "off-loops", "few", "replayed", "uniform"}));
+  app.add_option("--prefix-states", arguments.prefix_states,
+                 "Where a test begins: uniform (in each state alike; the default), deep (in the "
+                 "farther of two), transitions (behind each transition alike) (likewise)")
+      ->check(CLI::IsMember({"uniform", "deep", "transitions"}));
+  app.add_option("--suffix-words", arguments.suffix_words,
+                 "How a test ends: own (by a word that identifies the state reached; the "
+                 "default), any (by one of a random state), none (at once) (likewise)")
+      ->check(CLI::IsMember({"own", "any", "none"}));
   app.add_option("--max-tests", arguments.max_tests,
                  "Most tests of one equivalence query, of each of its methods")
       ->check(check_count);

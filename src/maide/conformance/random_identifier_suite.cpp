@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <utility>
 
 #include "maide/conformance/separating_words.hpp"
@@ -10,23 +11,42 @@ namespace maide {
 
 RandomIdentifierSuite::RandomIdentifierSuite(const Mealy& hypothesis, StateIdentifiers identifiers,
                                              InfixLaw law, Random random,
-                                             std::span<const Word> counterexamples)
-    : identifiers_(std::move(identifiers)),
+                                             std::span<const Word> counterexamples, TestEnds ends)
+    : hypothesis_(hypothesis),
+      identifiers_(std::move(identifiers)),
       infixes_(hypothesis, law, counterexamples),
       random_(random),
+      ends_(ends),
       cover_(compute_state_cover(hypothesis)) {
   for (const Word& access : cover_) reached_.push_back(hypothesis.run(access));
 }
 
 bool RandomIdentifierSuite::next(Word& word) {
-  const std::size_t start = random_.below(cover_.size());
-  word.assign(cover_[start].begin(), cover_[start].end());
-  StateId state = reached_[start];
+  StateId state = draw_prefix(word);
   infixes_.draw(state, word, random_);
+  append_suffix(state, word);
+  return true;
+}
+
+// The state where the word leads.
+StateId RandomIdentifierSuite::draw_prefix(Word& word) {
+  std::size_t start = random_.below(cover_.size());
+  if (ends_.prefix == PrefixStates::deep) {
+    start = std::max<std::size_t>(start, random_.below(cover_.size()));
+  }
+  word.assign(cover_[start].begin(), cover_[start].end());
+  const std::size_t inputs = hypothesis_.inputs().size();
+  if (ends_.prefix != PrefixStates::transitions || inputs == 0) return reached_[start];
+  word.push_back(static_cast<Symbol>(random_.below(inputs)));
+  return hypothesis_.target(reached_[start], word.back());
+}
+
+void RandomIdentifierSuite::append_suffix(StateId state, Word& word) {
+  if (ends_.suffix == SuffixWords::none) return;
+  if (ends_.suffix == SuffixWords::any) state = reached_[random_.below(reached_.size())];
   const auto suffixes = identifiers_.of(state);
   const Word& suffix = suffixes[suffixes.size() == 1 ? 0 : random_.below(suffixes.size())];
   word.insert(word.end(), suffix.begin(), suffix.end());
-  return true;
 }
 
 std::string describe_passed(std::uint64_t tests, const IdentifierMethod& method,
@@ -45,7 +65,7 @@ std::optional<Word> RandomMethod::find_counterexample(const Mealy& hypothesis,
                                                       const RunControl& control) {
   StateIdentifiers identifiers = method_.compute(hypothesis, random_.split());
   RandomIdentifierSuite suite(hypothesis, std::move(identifiers), options_.infix, random_.split(),
-                              counterexamples_);
+                              counterexamples_, options_.ends);
   TestRunner runner(oracle_, {options_.max_tests, options_.batch_size});
   guarantee_ = "not tested to the end";
   std::optional<Word> counterexample = runner.run(suite, hypothesis, control);

@@ -1,8 +1,9 @@
 // Random tests out of the parts of the complete suites (identifier_suite.hpp): the word that
 // reaches a random state, random inputs, and at the end one of the words that identify the state
-// where the hypothesis then is (Smeenk, Moerman, Vaandrager & Jansen, ICFEM 2015, for hybrid ADS).
-// A complete suite grows with the power of the extra states; this reaches any depth early and is
-// never done. Every test has positive probability, so every difference is found in the end.
+// where the hypothesis then is, unless other ends are wished for (test_ends.hpp) (Smeenk, Moerman,
+// Vaandrager & Jansen, ICFEM 2015, for hybrid ADS). A complete suite grows with the power of the
+// extra states; this reaches any depth early and is never done. Every test has positive
+// probability, so every difference is found in the end.
 #pragma once
 
 #include <cstdint>
@@ -16,6 +17,7 @@
 #include "maide/conformance/complete_method.hpp"
 #include "maide/conformance/infix_sampler.hpp"
 #include "maide/conformance/state_identifiers.hpp"
+#include "maide/conformance/test_ends.hpp"
 #include "maide/conformance/test_runner.hpp"
 #include "maide/conformance/test_suite.hpp"
 #include "maide/learn/equivalence_oracle.hpp"
@@ -28,16 +30,22 @@ class RandomIdentifierSuite : public TestSuite {
   // to replay; the identifiers must be the hypothesis' own. Throws UsageError if the law's numbers
   // are negative or above a million.
   RandomIdentifierSuite(const Mealy& hypothesis, StateIdentifiers identifiers, InfixLaw law,
-                        Random random, std::span<const Word> counterexamples = {});
+                        Random random, std::span<const Word> counterexamples = {},
+                        TestEnds ends = {});
 
   bool next(Word& word) override;
   std::optional<std::uint64_t> size() const override { return std::nullopt; }
 
  private:
+  StateId draw_prefix(Word& word);
+  void append_suffix(StateId state, Word& word);
+
+  const Mealy& hypothesis_;
   StateIdentifiers identifiers_;
   InfixSampler infixes_;
   Random random_;
-  std::vector<Word> cover_;
+  TestEnds ends_;
+  std::vector<Word> cover_;       // by length
   std::vector<StateId> reached_;  // by each word of the cover
 };
 
@@ -47,6 +55,7 @@ std::string describe_passed(std::uint64_t tests, const IdentifierMethod& method,
 
 struct RandomMethodOptions {
   InfixLaw infix = {};
+  TestEnds ends = {};
   std::uint64_t max_tests = 10000;  // in one equivalence query
   std::uint64_t seed = 0;
   std::size_t batch_size = TestRunnerOptions{}.batch_size;

@@ -69,6 +69,8 @@ void TestChain::apply(const Setting& setting, TestMethodOptions& options) {
   if (key == "infix-min") parse_into(options.infix_min, key, value);
   if (key == "infix-mean") parse_into(options.infix_mean, key, value);
   if (key == "infix-inputs") options.infix_inputs = find_infix_inputs(value);
+  if (key == "prefix-states") options.prefix_states = find_prefix_states(value);
+  if (key == "suffix-words") options.suffix_words = find_suffix_words(value);
   if (key == "seed") {
     std::optional<std::uint64_t> seed;
     parse_into(seed, key, value);

@@ -46,6 +46,8 @@ Oracle make_random(const TestMethodContext& context, const TestMethodOptions& op
   set(method.infix.min, options.infix_min);
   set(method.infix.mean, options.infix_mean);
   set(method.infix.inputs, options.infix_inputs);
+  set(method.ends.prefix, options.prefix_states);
+  set(method.ends.suffix, options.suffix_words);
   set(method.max_tests, options.max_tests);
   return std::make_unique<RandomMethod>(context.oracle, identifiers, method);
 }
@@ -73,7 +75,8 @@ Oracle make_perfect(const TestMethodContext& context, const TestMethodOptions&) 
   return std::make_unique<PerfectOracle>(*context.reference);
 }
 
-constexpr std::string_view random_options = "infix-min infix-mean infix-inputs max-tests seed";
+constexpr std::string_view random_options =
+    "prefix-states infix-min infix-mean infix-inputs suffix-words max-tests seed";
 
 constexpr std::array table{
     TestMethodEntry{

@@ -27,6 +27,8 @@ struct TestMethodOptions {
   std::optional<std::size_t> infix_min;       // random-w, random-wp, random-hsi, random-hads
   std::optional<double> infix_mean;           // likewise
   std::optional<InfixInputs> infix_inputs;    // likewise
+  std::optional<PrefixStates> prefix_states;  // likewise
+  std::optional<SuffixWords> suffix_words;    // likewise
   std::uint64_t seed = 0;
   std::size_t batch_size = TestRunnerOptions{}.batch_size;
 };

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <set>
 #include <string>
 
@@ -91,6 +92,58 @@ TEST(RandomIdentifierSuite, TestsAreMadeOfTheirThreeParts) {
   expected = expected / static_cast<double>(cover.size()) + 2 + 3;
   EXPECT_GT(symbols / 5000, expected);
   EXPECT_LT(symbols / 5000, expected + 10);
+}
+
+// Tests without an infix show their ends.
+TEST(RandomIdentifierSuite, BeginsAndEndsByItsLaws) {
+  // A chain of ten states; only its last input tells the last state.
+  Mealy chain({"on", "back", "look"}, {"0", "end"}, 10);
+  for (StateId state = 0; state < 10; ++state) {
+    chain.set_transition(state, 0, 0, std::min<StateId>(state + 1, 9));
+    chain.set_transition(state, 1, 0, 0);
+    chain.set_transition(state, 2, state == 9 ? 1 : 0, state);
+  }
+  const StateIdentifiers identifiers = compute_adaptive_words(chain, Random(1));
+  constexpr int tests = 20'000;
+  const auto draw = [&](TestEnds ends) {
+    RandomIdentifierSuite suite(chain, identifiers, {.min = 0, .mean = 0}, Random(1), {}, ends);
+    std::map<Word, int> words;
+    Word word;
+    for (int i = 0; i < tests; ++i) {
+      EXPECT_TRUE(suite.next(word));
+      ++words[word];
+    }
+    return words;
+  };
+  auto prefixes = draw({PrefixStates::uniform, SuffixWords::none});
+  EXPECT_EQ(prefixes.size(), 10U);
+  for (const auto& [word, count] : prefixes) EXPECT_NEAR(count, tests / 10, 300);
+  prefixes = draw({PrefixStates::deep, SuffixWords::none});
+  EXPECT_EQ(prefixes.size(), 10U);
+  for (const auto& [word, count] : prefixes) {  // of two, the farther one: 2 i + 1 of 100 pairs
+    EXPECT_NEAR(count, tests * (2 * static_cast<int>(word.size()) + 1) / 100, 300);
+  }
+  prefixes = draw({PrefixStates::transitions, SuffixWords::none});
+  EXPECT_EQ(prefixes.size(), 30U);
+  for (const auto& [word, count] : prefixes) EXPECT_NEAR(count, tests / 30, 200);
+
+  const auto count_foreign = [&](SuffixWords suffix) {
+    int foreign = 0;
+    for (const auto& [word, count] : draw({PrefixStates::uniform, suffix})) {
+      bool is_own = false;
+      for (const Word& access : compute_state_cover(chain)) {
+        for (const Word& own : identifiers.of(chain.run(access))) {
+          Word whole = access;
+          whole.insert(whole.end(), own.begin(), own.end());
+          is_own = is_own || whole == word;
+        }
+      }
+      foreign += is_own ? 0 : count;
+    }
+    return foreign;
+  };
+  EXPECT_EQ(count_foreign(SuffixWords::own), 0);
+  EXPECT_GT(count_foreign(SuffixWords::any), tests / 10);
 }
 
 // The frequencies of the first inputs are the weights.

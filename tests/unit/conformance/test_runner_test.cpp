@@ -208,5 +208,27 @@ TEST(TestMethods, OptionsReachTheMethods) {
   }
 }
 
+TEST(TestMethods, TheEndsOfRandomTestsReachThem) {
+  const Mealy system = fading(3);
+  MealyOracle oracle(system);
+  const auto count_symbols = [&](PrefixStates prefix, SuffixWords suffix) {
+    TestMethodOptions options;
+    options.max_tests = 300;
+    options.infix_min = 0;
+    options.infix_mean = 0;
+    options.prefix_states = prefix;
+    options.suffix_words = suffix;
+    CountingOracle counter(oracle);
+    const auto teacher = find_test_method("random-hads").make({counter, nullptr, nullptr}, options);
+    EXPECT_EQ(teacher->find_counterexample(system), std::nullopt);
+    return counter.statistics().total().symbols;
+  };
+  const std::uint64_t least = count_symbols(PrefixStates::uniform, SuffixWords::none);
+  EXPECT_NEAR(static_cast<double>(count_symbols(PrefixStates::transitions, SuffixWords::none)),
+              static_cast<double>(least) + 300, 60);
+  EXPECT_GT(count_symbols(PrefixStates::deep, SuffixWords::none), least);
+  EXPECT_GT(count_symbols(PrefixStates::uniform, SuffixWords::own), least + 300);
+}
+
 }  // namespace
 }  // namespace maide
