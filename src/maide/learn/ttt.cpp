@@ -87,8 +87,11 @@ bool Ttt::split_where_a_claim_fails(const RunControl& control) {
       if (hypothesis().output(now, suffix[i]) != answer[i]) {
         const Word cut = head(suffix, i + 1);
         if (split_for_a_time(states, cut, answer[i], control)) return true;
-        throw NondeterminismError(to_string(suffix, oracle_.inputs()),
-                                  to_string(answer, oracle_.outputs()), "something else");
+        const Word word = joined(states_.access(state), suffix);
+        throw NondeterminismError(
+            to_string(word, oracle_.inputs()),
+            to_string(joined(states_.access_outputs(state), answer), oracle_.outputs()),
+            to_string(hypothesis().output_word(word), oracle_.outputs()));
       }
       states.push_back(hypothesis().target(now, suffix[i]));
     }

@@ -85,7 +85,7 @@ bool TttLambda::promote_along(Mistake mistake, const RunControl& control) {
   }
   states_.promote(from);
   add_block_of_newest_state();
-  witnesses_.push_back({static_cast<StateId>(states_.size() - 1), tail(word, high)});
+  witnesses_.push_back({static_cast<StateId>(states_.size() - 1), tail(word, high), last_output});
   return true;
 }
 
@@ -94,17 +94,18 @@ bool TttLambda::promote_along(Mistake mistake, const RunControl& control) {
 void TttLambda::follow_witness(const RunControl& control) {
   const DiscriminationTree& tree = states_.tree();
   while (!tree.is_temporary(tree.parent(tree.leaf(witnesses_.back().state)))) witnesses_.pop_back();
-  const auto [newest, suffix] = witnesses_.back();
+  const auto [newest, suffix, last_output] = witnesses_.back();
   const StateId oldest = tree.representative(tree.parent(tree.leaf(newest)));
   for (const StateId state : {newest, oldest}) {
     auto mistake = find_mistake_after(state, suffix, control);
     if (mistake && promote_along(std::move(*mistake), control)) return;
   }
-  throw NondeterminismError(
-      to_string(joined(states_.access(newest), suffix), oracle_.inputs()),
-      to_string(hypothesis().output_word(joined(states_.access(oldest), suffix)),
-                oracle_.outputs()),
-      "something else");
+  const Word word = joined(states_.access(newest), suffix);
+  const Word now = hypothesis().output_word(word);
+  Word before = now;
+  before.back() = last_output;
+  throw NondeterminismError(to_string(word, oracle_.inputs()), to_string(before, oracle_.outputs()),
+                            to_string(now, oracle_.outputs()));
 }
 
 }  // namespace maide

@@ -52,6 +52,7 @@ class TttLambda : public BlockLearner {
   struct Witness {
     StateId state;
     Word suffix;
+    Symbol last_output;  // the system's, after the state and the suffix
   };
   std::vector<Witness> witnesses_;  // the newest last; of states that are in blocks, and others
 };
