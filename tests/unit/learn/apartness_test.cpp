@@ -6,8 +6,11 @@
 
 #include <set>
 
+#include "maide/automata/compare.hpp"
 #include "maide/automata/random_automata.hpp"
 #include "maide/learn/adaptive_sequence.hpp"
+#include "maide/learn/lsharp.hpp"
+#include "maide/learn/mealy_oracle.hpp"
 #include "maide/learn/output_oracle.hpp"
 
 namespace maide {
@@ -123,6 +126,60 @@ TEST(Apartness, KeptUpToDateIsWhatComparingSubtreesFinds) {
     EXPECT_GT(apartness.size(), 2U);
     EXPECT_LE(apartness.size(), 12U);
   }
+}
+
+// Answers from `node` on are those that the hypothesis gives from `state` on.
+void expect_agreement(const ObservationTree& tree, ObservationTree::Node node,
+                      const Mealy& hypothesis, StateId state) {
+  tree.for_each_child(node, [&](ObservationTree::Node child) {
+    const Symbol input = tree.input(child);
+    EXPECT_EQ(hypothesis.output(state, input), tree.output(child));
+    expect_agreement(tree, child, hypothesis, hypothesis.target(state, input));
+  });
+}
+
+// Conflicts are looked for where something has changed; none must be left anywhere. More states
+// than those up to which each transition has a plan of its own.
+TEST(LSharpHypothesis, AgreesWithAllThatWasAsked) {
+  Random random(4);
+  std::size_t hypotheses = 0;
+  for (const std::size_t states : {5, 20, 60, 150}) {
+    const Mealy machine = random_mealy({.states = states, .inputs = 3, .outputs = 2}, random);
+    for (const Separation separation : {Separation::adaptive, Separation::separating_words}) {
+      MealyOracle oracle(machine);
+      LSharp learner(oracle, separation);
+      learner.start();
+      while (true) {
+        ++hypotheses;
+        expect_agreement(learner.knowledge().tree(), ObservationTree::root, learner.hypothesis(),
+                         learner.hypothesis().initial());
+        const auto word = find_distinguishing_word(learner.hypothesis(), machine);
+        if (!word) break;
+        learner.refine(*word);
+      }
+    }
+  }
+  EXPECT_GT(hypotheses, 30U);
+}
+
+TEST(AdaptiveSequence, KeepsToTheNumberOfInputs) {
+  Random random(5);
+  const Mealy machine = random_mealy({.states = 40, .inputs = 3, .outputs = 2}, random);
+  MealyOracle oracle(machine);
+  LSharp learner(oracle);
+  learner.start();
+  while (const auto word = find_distinguishing_word(learner.hypothesis(), machine)) {
+    learner.refine(*word);
+  }
+  const Apartness& apartness = learner.knowledge();
+  std::vector<Suspect> suspects;
+  for (StateId state = 0; state < apartness.size(); ++state) {
+    suspects.push_back({apartness.node(state), 1});
+  }
+  const std::size_t all = find_adaptive_sequence(apartness.tree(), suspects).nodes.size();
+  ASSERT_GT(all, 5U);
+  EXPECT_EQ(find_adaptive_sequence(apartness.tree(), suspects, 5).nodes.size(), 5U);
+  EXPECT_EQ(find_adaptive_sequence(apartness.tree(), suspects, all).nodes.size(), all);
 }
 
 TEST(AdaptiveSequence, EveryPathTellsSuspectsApart) {
