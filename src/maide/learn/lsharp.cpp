@@ -21,6 +21,16 @@ std::size_t checked_input_count(const OutputOracle& oracle) {
   return oracle.inputs().size();
 }
 
+// Planning takes time by the suspects. Of very many the likely ones are enough.
+void keep_likeliest(std::vector<Suspect>& suspects) {
+  constexpr std::size_t most_suspects = 64;
+  if (suspects.size() <= most_suspects) return;
+  std::stable_sort(suspects.begin(), suspects.end(), [](const Suspect& left, const Suspect& right) {
+    return left.weight > right.weight;
+  });
+  suspects.resize(most_suspects);
+}
+
 }  // namespace
 
 LSharp::LSharp(OutputOracle& oracle, Separation separation)
@@ -212,6 +222,7 @@ const DecisionTree& LSharp::shared_plan(const std::vector<StateId>& candidates) 
     for (const StateId state : candidates) {
       suspects.push_back({apartness_.node(state), likely.weight(state)});
     }
+    keep_likeliest(suspects);
     found->second = find_adaptive_sequence(apartness_.tree(), std::move(suspects), largest_plan);
   }
   return found->second;
