@@ -258,7 +258,9 @@ void LSharp::analyse(Word word, const RunControl& control) {
     do {
       transition = static_cast<Transition>(state * apartness_.input_count() + word[low++]);
       state = apartness_.basis_target(transition);
-    } while (state != Mealy::no_state);
+    } while (state != Mealy::no_state && low < word.size());
+    // States were found since the hypothesis was made, by a run that was interrupted.
+    if (low == word.size()) return;
     const auto is_settled = [&] {
       const std::vector<StateId>& candidates = apartness_.candidates(transition);
       return candidates.size() != 1 || candidates.front() != states[low];
