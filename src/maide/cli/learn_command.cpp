@@ -59,6 +59,8 @@ struct LearnArguments {
   std::string infix_inputs;
   std::string prefix_states;
   std::string suffix_words;
+  std::optional<std::size_t> ways;
+  std::optional<std::size_t> walk_length;
   std::uint64_t max_experiments = 0;
   std::optional<double> time_limit;
   std::uint64_t seed = 1;
@@ -96,6 +98,8 @@ ExperimentOptions experiment_options(const LearnArguments& arguments, const Meal
   if (!arguments.suffix_words.empty()) {
     options.testing.suffix_words = find_suffix_words(arguments.suffix_words);
   }
+  options.testing.ways = arguments.ways;
+  options.testing.walk_length = arguments.walk_length;
   options.testing.seed = arguments.seed;
   options.reference = reference;
   options.cache_file = arguments.cache;
@@ -296,6 +300,13 @@ void add_limits(CLI::App& app, LearnArguments& arguments) {
                  "How a test ends: own (by a word that identifies the state reached; the "
                  "default), any (by one of a random state), none (at once) (likewise)")
       ->check(CLI::IsMember({"own", "any", "none"}));
+  app.add_option("--ways", arguments.ways,
+                 "How many states or transitions a test passes, in each order (--eq " +
+                     methods_with("ways") + "; default: 1, 2)")
+      ->check(check_count);
+  app.add_option("--walk-length", arguments.walk_length,
+                 "How many random inputs follow (likewise; default: 10)")
+      ->check(check_count);
   app.add_option("--max-tests", arguments.max_tests,
                  "Most tests of one equivalence query, of each of its methods")
       ->check(check_count);

@@ -1,25 +1,13 @@
 #include "maide/conformance/identifier_suite.hpp"
 
 #include <algorithm>
-#include <limits>
 #include <utility>
 
+#include "maide/base/saturating.hpp"
 #include "maide/conformance/separating_words.hpp"
 
 namespace maide {
 namespace {
-
-constexpr std::uint64_t saturated = std::numeric_limits<std::uint64_t>::max();
-
-std::uint64_t multiply(std::uint64_t left, std::uint64_t right) {
-  std::uint64_t result = 0;
-  return __builtin_mul_overflow(left, right, &result) ? saturated : result;
-}
-
-std::uint64_t add(std::uint64_t left, std::uint64_t right) {
-  std::uint64_t result = 0;
-  return __builtin_add_overflow(left, right, &result) ? saturated : result;
-}
 
 // Words that reach a state: how many, and their lengths together.
 struct Reaching {
@@ -33,8 +21,9 @@ std::vector<Reaching> extend(const Mealy& machine, const std::vector<Reaching>& 
     if (reaching[state].words == 0) continue;
     for (Symbol input = 0; input < machine.inputs().size(); ++input) {
       Reaching& there = further[machine.target(state, input)];
-      there.words = add(there.words, reaching[state].words);
-      there.length = add(there.length, add(reaching[state].length, reaching[state].words));
+      there.words = saturating_sum(there.words, reaching[state].words);
+      there.length = saturating_sum(there.length,
+                                    saturating_sum(reaching[state].length, reaching[state].words));
     }
   }
   return further;
@@ -75,9 +64,10 @@ void IdentifierSuite::compute_volumes() {
   const auto add_tests = [&](const std::vector<Reaching>& reaching, auto suffixes_of) {
     for (StateId state = 0; state < hypothesis_.size(); ++state) {
       for (const Word& suffix : suffixes_of(state)) {
-        volume.tests = add(volume.tests, reaching[state].words);
-        const std::uint64_t ends = multiply(reaching[state].words, suffix.size());
-        volume.symbols = add(volume.symbols, add(reaching[state].length, ends));
+        volume.tests = saturating_sum(volume.tests, reaching[state].words);
+        const std::uint64_t ends = saturating_product(reaching[state].words, suffix.size());
+        volume.symbols =
+            saturating_sum(volume.symbols, saturating_sum(reaching[state].length, ends));
       }
     }
   };

@@ -8,6 +8,7 @@
 #include "maide/base/join.hpp"
 #include "maide/base/named_table.hpp"
 #include "maide/conformance/complete_method.hpp"
+#include "maide/conformance/coverage_suite.hpp"
 #include "maide/conformance/perfect_oracle.hpp"
 #include "maide/conformance/random_walk.hpp"
 #include "maide/conformance/random_words.hpp"
@@ -68,6 +69,16 @@ Oracle make_random_walk(const TestMethodContext& context, const TestMethodOption
   return std::make_unique<RandomWalk>(context.oracle, method);
 }
 
+template <Covered covered>
+Oracle make_coverage(const TestMethodContext& context, const TestMethodOptions& options) {
+  CoverageOptions method{.covered = covered, .ways = covered == Covered::states ? 1U : 2U};
+  TestRunnerOptions runner{.batch_size = options.batch_size};
+  set(method.ways, options.ways);
+  set(method.walk_length, options.walk_length);
+  set(runner.max_tests, options.max_tests);
+  return std::make_unique<CoverageMethod>(context.oracle, method, runner, options.seed);
+}
+
 Oracle make_perfect(const TestMethodContext& context, const TestMethodOptions&) {
   if (context.reference == nullptr) {
     throw UsageError("the perfect oracle needs a simulated system (sim:FILE.dot)");
@@ -77,6 +88,8 @@ Oracle make_perfect(const TestMethodContext& context, const TestMethodOptions&) 
 
 constexpr std::string_view random_options =
     "prefix-states infix-min infix-mean infix-inputs suffix-words max-tests seed";
+
+constexpr std::string_view coverage_options = "ways walk-length max-tests seed";
 
 constexpr std::array table{
     TestMethodEntry{
@@ -102,6 +115,10 @@ constexpr std::array table{
     TestMethodEntry{"transition-cover",
                     "each path of extra-states + 1 transitions from each state; identifies nothing",
                     "extra-states max-tests", make_complete<no_identifiers>},
+    TestMethodEntry{"state-cover", "each state, or each so many in each order (ways), and a walk",
+                    coverage_options, make_coverage<Covered::states>},
+    TestMethodEntry{"k-way", "each 2 transitions, or so many (ways), in each order, and a walk",
+                    coverage_options, make_coverage<Covered::transitions>},
     TestMethodEntry{"random-words", "independent random words",
                     "max-tests min-length max-length seed", make_random_words},
     TestMethodEntry{"random-walk", "random inputs with random resets",

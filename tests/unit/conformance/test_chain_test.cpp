@@ -64,7 +64,8 @@ TEST(TestChain, RefusesWhatItCannotRead) {
        {"magic", ",", "w,", "w:", "w:extra-states", "w:extra-states=", "w:extra-states=-1",
         "w:infix-min=1", "cache:seed=1", "perfect:max-tests=1", "random-hads:infix-mean=x",
         "random-hads:infix-inputs=often", "random-w:prefix-states=near", "hads:suffix-words=none",
-        "random-w:suffix-words=all", "w:extra-states=1:=2", "random-walk:seed=1.5"}) {
+        "random-w:suffix-words=all", "w:extra-states=1:=2", "k-way:ways=x", "k-way:extra-states=1",
+        "random-walk:seed=1.5"}) {
     EXPECT_THROW(TestChain chain(text), UsageError) << text;
   }
 }

@@ -190,6 +190,8 @@ TEST(TestMethods, OptionsReachTheMethods) {
   options.extra_states = 1;
   options.infix_min = 3;
   options.infix_mean = 0;
+  options.ways = 2;
+  options.walk_length = 5;
   for (const TestMethodEntry& method : test_methods()) {
     if (method.name == "perfect") continue;
     CountingOracle counter(oracle);
@@ -201,6 +203,9 @@ TEST(TestMethods, OptionsReachTheMethods) {
       EXPECT_EQ(counts.symbols, 28U);
     } else if (method.name == "random-walk") {
       EXPECT_LE(counts.symbols, 28U);
+    } else if (method.name == "state-cover" || method.name == "k-way") {
+      EXPECT_GE(counts.symbols, 7 * 5U);
+      EXPECT_LE(counts.symbols, 7 * (4 + 4 + 5U));
     } else if (method.name.starts_with("random-")) {
       EXPECT_GE(counts.symbols, 7 * 3U);
       EXPECT_LE(counts.symbols, 7 * (3 + 3 + 4U));
