@@ -283,6 +283,17 @@ TEST(Learn, OverwritesNoFileThatItUses) {
   EXPECT_FALSE(std::filesystem::exists(file));
 }
 
+TEST(Learn, SaysHowMuchOfASuiteIsAsked) {
+  for (const bool is_cut : {false, true}) {
+    const SubprocessResult result =
+        run_maide(learn({"sim:" + (models / "strict-3.dot").string(), "--eq", "w", "-v",
+                         "--max-tests", is_cut ? "3" : "1000000"}));
+    EXPECT_THAT(result.err, HasSubstr("a suite of "));
+    EXPECT_EQ(result.err.find("; the first 3 are asked") != std::string::npos, is_cut)
+        << result.err;
+  }
+}
+
 TEST(Learn, DfasAndMooreMachinesStayWhatTheyAre) {
   const TempDir folder("learn-test");
   const std::string system = (folder.path() / "system.dot").string();

@@ -62,8 +62,10 @@ std::optional<Word> TestRunner::run(TestSuite& suite, const Mealy& hypothesis,
   progress.states = hypothesis.size();
   progress.total = std::min(suite.size().value_or(options_.max_tests), options_.max_tests);
   if (suite.size() && suite.symbols()) {
-    log_detail(fmt::format("a suite of {} tests, {} inputs, for {} states", *suite.size(),
-                           *suite.symbols(), hypothesis.size()));
+    const bool is_cut = progress.total < *suite.size();
+    log_detail(fmt::format("a suite of {} tests, {} inputs, for {} states{}", *suite.size(),
+                           *suite.symbols(), hypothesis.size(),
+                           is_cut ? fmt::format("; the first {} are asked", progress.total) : ""));
   }
   std::vector<Query> batch;
   Word word;
