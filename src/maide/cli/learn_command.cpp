@@ -60,6 +60,7 @@ struct LearnArguments {
   std::string prefix_states;
   std::string suffix_words;
   std::optional<std::size_t> ways;
+  std::optional<std::size_t> walks;
   std::optional<std::size_t> walk_length;
   std::uint64_t max_experiments = 0;
   std::optional<double> time_limit;
@@ -99,6 +100,7 @@ ExperimentOptions experiment_options(const LearnArguments& arguments, const Meal
     options.testing.suffix_words = find_suffix_words(arguments.suffix_words);
   }
   options.testing.ways = arguments.ways;
+  options.testing.walks = arguments.walks;
   options.testing.walk_length = arguments.walk_length;
   options.testing.seed = arguments.seed;
   options.reference = reference;
@@ -304,8 +306,11 @@ void add_limits(CLI::App& app, LearnArguments& arguments) {
                  "How many states or transitions a test passes, in each order (--eq " +
                      methods_with("ways") + "; default: 1, 2)")
       ->check(check_count);
+  app.add_option("--walks", arguments.walks,
+                 "How many tests pass the same states or transitions (likewise; default: 10, 1)")
+      ->check(check_count);
   app.add_option("--walk-length", arguments.walk_length,
-                 "How many random inputs follow (likewise; default: 10)")
+                 "How many random inputs follow in each (likewise; default: 10)")
       ->check(check_count);
   app.add_option("--max-tests", arguments.max_tests,
                  "Most tests of one equivalence query, of each of its methods")

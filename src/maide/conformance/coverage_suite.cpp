@@ -21,6 +21,7 @@ void check(const CoverageOptions& options) {
     throw UsageError(fmt::format("a test that passes {} states or transitions cannot be: 1 to {}",
                                  options.ways, CoverageOptions::most_ways));
   }
+  if (options.walks == 0) throw UsageError("no walk behind a state makes no test");
   if (options.walk_length > CoverageOptions::longest_walk) {
     throw UsageError(
         fmt::format("a walk of more than {} inputs is too long", CoverageOptions::longest_walk));
@@ -40,6 +41,7 @@ CoverageSuite::CoverageSuite(const Mealy& hypothesis, CoverageOptions options, R
   targets_ = options.covered == Covered::states
                  ? hypothesis.size()
                  : std::uint64_t{hypothesis.size()} * hypothesis.inputs().size();
+  size_ = options.walks;
   for (std::size_t way = 0; way < options.ways; ++way) size_ = saturating_product(size_, targets_);
   number_ = random_.below(size_);
   do {
@@ -52,7 +54,7 @@ bool CoverageSuite::next(Word& word) {
   ++made_;
   word.clear();
   StateId state = hypothesis_.initial();
-  std::uint64_t rest = number_;
+  std::uint64_t rest = number_ / options_.walks;
   number_ = add_modulo(number_, step_, size_);
   const std::size_t inputs = hypothesis_.inputs().size();
   for (std::size_t way = 0; way < options_.ways; ++way) {

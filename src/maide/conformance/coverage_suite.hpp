@@ -1,13 +1,14 @@
 // Tests that pass states or transitions of the hypothesis in every order: for each k of them, in
-// each order, a word that goes from one to the next by shortest paths, then some random inputs,
-// whose outputs show where it really is. With k = 1 a cover; k-way otherwise: differences that
+// each order, words that go from one to the next by shortest paths, then some random inputs, whose
+// outputs show where they really are. With k = 1 a cover; k-way otherwise: differences that
 // need several things to happen one after the other, however far they lie apart. (AALpy's
 // KWayStateCoverage and KWayTransitionCoverage: Muskardin, Aichernig, Pill, Pferscher & Tappler,
 // "AALpy: an active automata learning library", Innovations Syst. Softw. Eng. 2022.)
 //
-// There are m^k tests for m states or transitions. They come in an order that is random enough for
-// a suite that is cut off to pass all parts of the hypothesis, and takes no memory: the i-th test
-// is the one with number a i + b modulo m^k, for a that has no factor in common with m^k.
+// There are w m^k tests for m states or transitions and w walks. They come in an order that is
+// random enough for a suite that is cut off to pass all parts of the hypothesis, and takes no
+// memory: the i-th test is the one with number a i + b modulo w m^k, for a that has no factor in
+// common with that.
 #pragma once
 
 #include <cstdint>
@@ -28,9 +29,11 @@ enum class Covered : std::uint8_t { states, transitions };
 struct CoverageOptions {
   Covered covered = Covered::states;
   std::size_t ways = 1;          // how many a test passes; 1 to most_ways
-  std::size_t walk_length = 10;  // random inputs behind them; at most longest_walk
+  std::size_t walks = 1;         // tests that pass the same; at least 1
+  std::size_t walk_length = 10;  // random inputs of each behind that; at most longest_walk
 
   static constexpr std::size_t most_ways = 100, longest_walk = 1'000'000;
+  static constexpr std::size_t walks_of_state_cover = 10;
 };
 
 class CoverageSuite : public TestSuite {
@@ -55,7 +58,7 @@ class CoverageSuite : public TestSuite {
   CoverageOptions options_;
   Random random_;
   std::uint64_t targets_ = 0;  // m
-  std::uint64_t size_ = 1;     // m^k, saturated
+  std::uint64_t size_ = 1;     // w m^k, saturated
   std::uint64_t step_ = 1, number_ = 0;
   std::uint64_t made_ = 0;
   std::vector<Tree> trees_;  // by state; empty: not made

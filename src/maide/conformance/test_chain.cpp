@@ -72,6 +72,7 @@ void TestChain::apply(const Setting& setting, TestMethodOptions& options) {
   if (key == "prefix-states") options.prefix_states = find_prefix_states(value);
   if (key == "suffix-words") options.suffix_words = find_suffix_words(value);
   if (key == "ways") parse_into(options.ways, key, value);
+  if (key == "walks") parse_into(options.walks, key, value);
   if (key == "walk-length") parse_into(options.walk_length, key, value);
   if (key == "seed") {
     std::optional<std::uint64_t> seed;

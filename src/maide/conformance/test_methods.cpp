@@ -74,6 +74,8 @@ Oracle make_coverage(const TestMethodContext& context, const TestMethodOptions& 
   CoverageOptions method{.covered = covered, .ways = covered == Covered::states ? 1U : 2U};
   TestRunnerOptions runner{.batch_size = options.batch_size};
   set(method.ways, options.ways);
+  if (covered == Covered::states) method.walks = CoverageOptions::walks_of_state_cover;
+  set(method.walks, options.walks);
   set(method.walk_length, options.walk_length);
   set(runner.max_tests, options.max_tests);
   return std::make_unique<CoverageMethod>(context.oracle, method, runner, options.seed);
@@ -89,7 +91,7 @@ Oracle make_perfect(const TestMethodContext& context, const TestMethodOptions&) 
 constexpr std::string_view random_options =
     "prefix-states infix-min infix-mean infix-inputs suffix-words max-tests seed";
 
-constexpr std::string_view coverage_options = "ways walk-length max-tests seed";
+constexpr std::string_view coverage_options = "ways walks walk-length max-tests seed";
 
 constexpr std::array table{
     TestMethodEntry{
@@ -115,7 +117,7 @@ constexpr std::array table{
     TestMethodEntry{"transition-cover",
                     "each path of extra-states + 1 transitions from each state; identifies nothing",
                     "extra-states max-tests", make_complete<no_identifiers>},
-    TestMethodEntry{"state-cover", "each state, or each so many in each order (ways), and a walk",
+    TestMethodEntry{"state-cover", "each state, or each so many in each order (ways), and walks",
                     coverage_options, make_coverage<Covered::states>},
     TestMethodEntry{"k-way", "each 2 transitions, or so many (ways), in each order, and a walk",
                     coverage_options, make_coverage<Covered::transitions>},

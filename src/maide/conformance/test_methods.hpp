@@ -30,6 +30,7 @@ struct TestMethodOptions {
   std::optional<PrefixStates> prefix_states;  // likewise
   std::optional<SuffixWords> suffix_words;    // likewise
   std::optional<std::size_t> ways;            // state-cover, k-way
+  std::optional<std::size_t> walks;           // likewise
   std::optional<std::size_t> walk_length;     // likewise
   std::uint64_t seed = 0;
   std::size_t batch_size = TestRunnerOptions{}.batch_size;

@@ -63,6 +63,15 @@ TEST(CoverageSuite, PassesEachPairInEachOrder) {
   }
 }
 
+TEST(CoverageSuite, WalksGoOnFromTheSameStates) {
+  const Mealy machine = ring(4);
+  CoverageSuite suite(machine, {.walks = 3, .walk_length = 2}, Random(1));
+  EXPECT_EQ(suite.size(), 12U);
+  std::multiset<std::size_t> lengths;
+  for (Word word; suite.next(word);) lengths.insert(word.size());
+  EXPECT_EQ(lengths, (std::multiset<std::size_t>{2, 2, 2, 3, 3, 3, 4, 4, 4, 5, 5, 5}));
+}
+
 TEST(CoverageSuite, ASmallPartOfItPassesMostStates) {
   const Mealy machine = ring(50);
   CoverageSuite suite(machine, {.ways = 2, .walk_length = 0}, Random(3));
@@ -129,8 +138,9 @@ TEST(CoverageMethod, FindsWhatTakesThreeTransitionsAndSaysWhatItDid) {
 TEST(CoverageMethod, RefusesWhatCannotBe) {
   const Mealy machine = ring(2);
   MealyOracle oracle(machine);
-  for (const CoverageOptions& options : {CoverageOptions{.ways = 0}, CoverageOptions{.ways = 101},
-                                         CoverageOptions{.walk_length = 1'000'001}}) {
+  for (const CoverageOptions& options :
+       {CoverageOptions{.ways = 0}, CoverageOptions{.walks = 0}, CoverageOptions{.ways = 101},
+        CoverageOptions{.walk_length = 1'000'001}}) {
     EXPECT_THROW(CoverageMethod(oracle, options, {}, 1), UsageError);
   }
 }
