@@ -119,7 +119,7 @@ void Adt::place_waiting(const RunControl& control) {
 }
 
 // From the root down; what was restructured is left alone below.
-void Adt::prepare(const RunControl& control) {
+void Adt::restructure(const RunControl& control) {
   const DiscriminationTree& tree = states_.tree();
   std::vector<Node> queue{DiscriminationTree::root};
   for (std::size_t next = 0; next < queue.size(); ++next) {

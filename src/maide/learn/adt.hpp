@@ -11,17 +11,18 @@
 //     the transitions to the leaf wait, for they would be asked twice;
 //   by the shortest word that is known to do so, a new experiment after a reset.
 //
-// Before each counterexample the tree is restructured by distinguishing sequences that the
-// hypothesis has now: for the states below a node after the experiment above, which goes on; or for
-// these states alone, instead of the experiments there, if the resets that this spares outweigh
-// asking all transitions to them again. The system is asked what it answers from each state; where
-// the hypothesis is wrong, that is a counterexample which needs no equivalence query, and states
-// that answer alike stay told apart by the old experiments.
+// Once a counterexample has added a state, the tree is restructured by distinguishing sequences
+// that the hypothesis has now: for the states below a node after the experiment above, which goes
+// on; or for these states alone, instead of the experiments there, if the resets that this spares
+// outweigh asking all transitions to them again. The system is asked what it answers from each
+// state; where the hypothesis is wrong, that is a counterexample which needs no equivalence query,
+// and states that answer alike stay told apart by the old experiments.
 //
 // Invariant: between two equivalence queries each transition was asked all experiments above the
-// leaf it is at. So a counterexample adds a state, unless restructuring, which comes first, has
-// moved the transition that it shows. For n states and k inputs some k n^2 output queries, as with
-// other discrimination trees: restructuring adds some and spares others.
+// leaf it is at. So a counterexample adds a state; restructuring comes later, for it could move the
+// transition that the counterexample shows, and nothing would be left to split. For n states and k
+// inputs at most n equivalence queries, and some k n^2 output queries, as with other discrimination
+// trees: restructuring adds some and spares others.
 #pragma once
 
 #include <vector>
@@ -51,7 +52,7 @@ class Adt : private AdtKnowledge, public TreeLearner {
   bool split(const Word& counterexample, std::span<const Symbol> outputs,
              const RunControl& control) override;
   void complete(const RunControl& control) override;
-  void prepare(const RunControl& control) override;
+  void restructure(const RunControl& control) override;
 
   bool split_by_known_word(StateId state, TreeHypothesis::Transition from, const Word& before);
   void place_waiting(const RunControl& control);

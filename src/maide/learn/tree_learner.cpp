@@ -20,7 +20,9 @@ void TreeLearner::refine(const Word& counterexample, const RunControl& control) 
     throw std::invalid_argument("the hypothesis agrees with the system on this word");
   }
   complete(control);  // what an interruption left
-  prepare(control);
+  if (!split_at_mismatch(counterexample, outputs, control)) return;
+  complete(control);
+  restructure(control);
   while (split_at_mismatch(counterexample, outputs, control)) complete(control);
 }
 

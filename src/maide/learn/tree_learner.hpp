@@ -21,8 +21,8 @@ class TreeLearner : public Learner {
   // Keeps a reference to `oracle`. Throws UsageError if it has no inputs.
   explicit TreeLearner(OutputOracle& oracle) : oracle_(oracle), states_(oracle) {}
 
-  // Called before a counterexample is handled; may make the hypothesis agree with it.
-  virtual void prepare(const RunControl& /*control*/) {}
+  // Called once for each counterexample, when it has split the tree: it may still be one.
+  virtual void restructure(const RunControl& /*control*/) {}
 
   // Splits the tree. `counterexample` is cut at its first mismatch; `outputs` is what the system
   // answers to it, or more. Returns false if there was nothing to split: then the system answers
