@@ -58,7 +58,8 @@ bool CoverageSuite::next(Word& word) {
   number_ = add_modulo(number_, step_, size_);
   const std::size_t inputs = hypothesis_.inputs().size();
   for (std::size_t way = 0; way < options_.ways; ++way) {
-    const std::uint64_t target = rest % targets_;
+    // Numbers that cannot be counted are drawn.
+    const std::uint64_t target = size_ == saturated ? random_.below(targets_) : rest % targets_;
     rest /= targets_;
     const bool is_state = options_.covered == Covered::states;
     const auto goal = static_cast<StateId>(is_state ? target : target / inputs);
@@ -128,8 +129,10 @@ std::optional<Word> CoverageMethod::find_counterexample(const Mealy& hypothesis,
   } else if (runner_.last_tests() == *suite.size()) {
     guarantee_ = fmt::format("not refuted by {} tests that pass {}", *suite.size(), passed);
   } else {
+    const std::string all =
+        *suite.size() == saturated ? "more than 2^64" : std::to_string(*suite.size());
     guarantee_ = fmt::format("not refuted by {} of {} tests that pass {}", runner_.last_tests(),
-                             *suite.size(), passed);
+                             all, passed);
   }
   return counterexample;
 }

@@ -8,7 +8,7 @@
 // There are w m^k tests for m states or transitions and w walks. They come in an order that is
 // random enough for a suite that is cut off to pass all parts of the hypothesis, and takes no
 // memory: the i-th test is the one with number a i + b modulo w m^k, for a that has no factor in
-// common with that.
+// common with that. Where there are more than 2^64, tests are drawn.
 #pragma once
 
 #include <cstdint>

@@ -39,10 +39,9 @@ std::optional<Word> IncrementalComparison::find_difference(const Mealy& hypothes
       return find_distinguishing_word(hypothesis, reference_);  // which names the input
     }
     read_reference(hypothesis.inputs());
-    output_map_.clear();
   }
-  read_outputs(hypothesis.outputs());
-  if (is_first || hypothesis.size() < known_states) {
+  const bool is_renumbered = !read_outputs(hypothesis.outputs());
+  if (is_first || is_renumbered || hypothesis.size() < known_states) {
     compare_anew(hypothesis);
   } else {
     update(hypothesis);
@@ -89,12 +88,19 @@ void IncrementalComparison::read_reference(const Alphabet& inputs) {
   }
 }
 
-// Symbols keep their numbers; new ones may come.
-void IncrementalComparison::read_outputs(const Alphabet& outputs) {
+// False if an output has another number than before; new ones may come.
+bool IncrementalComparison::read_outputs(const Alphabet& outputs) {
+  const std::vector<std::string>& names = outputs.names();
+  const bool is_same = names.size() >= output_names_.size() &&
+                       std::equal(output_names_.begin(), output_names_.end(), names.begin());
+  if (!is_same) output_map_.clear();
+  output_names_.resize(output_map_.size());
   for (std::size_t i = output_map_.size(); i < outputs.size(); ++i) {
     const std::string& name = outputs.name(static_cast<Symbol>(i));
+    output_names_.push_back(name);
     output_map_.push_back(reference_.outputs().find(name).value_or(unknown));
   }
+  return is_same;
 }
 
 void IncrementalComparison::compare_anew(const Mealy& hypothesis) {

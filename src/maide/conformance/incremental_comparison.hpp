@@ -15,6 +15,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "maide/automata/mealy.hpp"
@@ -66,7 +67,7 @@ class IncrementalComparison {
   static constexpr std::size_t from_tree = ~std::size_t{0};
 
   void read_reference(const Alphabet& inputs);
-  void read_outputs(const Alphabet& outputs);
+  bool read_outputs(const Alphabet& outputs);
   void compare_anew(const Mealy& hypothesis);
   void update(const Mealy& hypothesis);
   void add_rows(const Mealy& hypothesis);
@@ -104,8 +105,9 @@ class IncrementalComparison {
   std::vector<Edge> incoming_edges_;   // edges that are not in the tree
   // The hypothesis as it was last.
   std::vector<Mealy::Cell> cells_;
-  std::vector<std::uint64_t> revisions_;  // by state
-  std::vector<Symbol> output_map_;        // hypothesis' symbols -> reference's
+  std::vector<std::uint64_t> revisions_;   // by state
+  std::vector<std::string> output_names_;  // the hypothesis'
+  std::vector<Symbol> output_map_;         // hypothesis' symbols -> reference's
   // Their relation.
   std::vector<StateId> twin_;                 // by spot
   std::vector<Spot> first_, after_, before_;  // lists of spots by twin; the first by state

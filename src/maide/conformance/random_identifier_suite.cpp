@@ -50,9 +50,13 @@ void RandomIdentifierSuite::append_suffix(StateId state, Word& word) {
 }
 
 std::string describe_passed(std::uint64_t tests, const IdentifierMethod& method,
-                            const InfixLaw& law) {
-  return fmt::format("not refuted by {} random tests of {} with infixes of {:g} inputs on average",
-                     tests, method.title, static_cast<double>(law.min) + law.mean);
+                            const InfixLaw& law, const TestEnds& ends) {
+  const char* end = "";
+  if (ends.suffix == SuffixWords::any) end = ", which end by words for any states";
+  if (ends.suffix == SuffixWords::none) end = ", which identify nothing at their ends";
+  return fmt::format(
+      "not refuted by {} random tests of {} with infixes of {:g} inputs on average{}", tests,
+      method.title, static_cast<double>(law.min) + law.mean, end);
 }
 
 RandomMethod::RandomMethod(OutputOracle& oracle, const IdentifierMethod& method,
@@ -73,7 +77,7 @@ std::optional<Word> RandomMethod::find_counterexample(const Mealy& hypothesis,
     counterexamples_.push_back(*counterexample);
     guarantee_ = fmt::format("refuted by a random test of {}", method_.title);
   } else {
-    guarantee_ = describe_passed(runner.last_tests(), method_, options_.infix);
+    guarantee_ = describe_passed(runner.last_tests(), method_, options_.infix, options_.ends);
   }
   return counterexample;
 }

@@ -51,7 +51,7 @@ class RandomIdentifierSuite : public TestSuite {
 
 // In words, that the system passed so many of these tests.
 std::string describe_passed(std::uint64_t tests, const IdentifierMethod& method,
-                            const InfixLaw& law);
+                            const InfixLaw& law, const TestEnds& ends = {});
 
 struct RandomMethodOptions {
   InfixLaw infix = {};

@@ -62,6 +62,7 @@ std::optional<Word> StandardMethod::find_counterexample(const Mealy& hypothesis,
       describe_passed(tests.made_of_first(), hads_identifiers, law);
   if (hypothesis.inputs().find(delta_input).has_value()) {
     counterexample = random_walk_.find_counterexample(hypothesis, control);
+    if (counterexample) counterexamples_.push_back(*counterexample);
     guarantee_ += "; " + random_walk_.guarantee();
   }
   return counterexample;

@@ -15,7 +15,8 @@ class Planner {
  public:
   explicit Planner(const ObservationTree& tree) : tree_(tree), first_answer_(tree.input_count()) {}
 
-  // Parts that are likely to be met come first, until there are `most_inputs`.
+  // Parts that are likely to be met come first, until there are `most_inputs`; but those before the
+  // first that tells some apart are always there.
   DecisionTree plan(std::vector<Suspect> suspects, std::size_t most_inputs) {
     DecisionTree result;
     std::priority_queue<Part> parts;
@@ -26,7 +27,8 @@ class Planner {
       parts.push({weight, parts_made_++, place, std::move(group)});
     };
     add(0, {0, std::move(suspects)});
-    while (!parts.empty() && result.nodes.size() < most_inputs) {
+    bool has_split = false;
+    while (!parts.empty() && (!has_split || result.nodes.size() < most_inputs)) {
       const Part part = parts.top();
       parts.pop();
       const std::optional<Symbol> input = choose_input(part.group.suspects);
@@ -37,8 +39,9 @@ class Planner {
         result.nodes[part.place].branches.emplace_back(part.group.output,
                                                        static_cast<std::uint32_t>(place));
       }
-      for (Group& group : group_by_output(part.group.suspects, *input))
-        add(place, std::move(group));
+      std::vector<Group> groups = group_by_output(part.group.suspects, *input);
+      has_split = has_split || groups.size() > 1;
+      for (Group& group : groups) add(place, std::move(group));
     }
     return result;
   }

@@ -24,7 +24,9 @@ struct Suspect {
 
 // The decision tree for `suspects`; without nodes if no two of them are apart. Every path through
 // it tells at least two suspects apart, if its last output is a known one. It has no more than
-// `most_inputs` inputs, those that are likely to be asked. O(inputs x suspects x length).
+// `most_inputs` inputs, those that are likely to be asked, unless it takes more to tell any apart.
+// O(inputs x suspects x length), and the trees below the suspects for each input that tells none
+// apart.
 DecisionTree find_adaptive_sequence(const ObservationTree& tree, std::vector<Suspect> suspects,
                                     std::size_t most_inputs = ~std::size_t{0});
 

@@ -45,23 +45,26 @@ void Apartness::add_state(Node node, Word access, Transition entry) {
 void Apartness::find_class(Transition transition) {
   struct Place {
     Node node;
-    Word inputs, outputs;
+    std::size_t above;  // in `places`
   };
-  std::vector<Place> open{{target_node(transition), {}, {}}}, ends;
-  while (!open.empty()) {
-    const Place place = std::move(open.back());
-    open.pop_back();
-    bool is_end = true;
-    tree_.for_each_child(place.node, [&](Node child) {
-      is_end = false;
-      open.push_back({child, place.inputs, place.outputs});
-      open.back().inputs.push_back(tree_.input(child));
-      open.back().outputs.push_back(tree_.output(child));
-    });
-    if (is_end) ends.push_back(place);
+  std::vector<Place> places{{target_node(transition), 0}};
+  std::vector<std::size_t> ends;
+  for (std::size_t place = 0; place < places.size(); ++place) {
+    const std::size_t known = places.size();
+    tree_.for_each_child(places[place].node, [&](Node child) { places.push_back({child, place}); });
+    if (places.size() == known) ends.push_back(place);
   }
-  std::ranges::sort(ends, {}, &Place::node);
-  for (const Place& end : ends) classes_.move(transition, end.inputs, end.outputs, tree_);
+  std::ranges::sort(ends, {}, [&](std::size_t end) { return places[end].node; });
+  for (const std::size_t end : ends) {
+    Word inputs, outputs;
+    for (std::size_t place = end; place != 0; place = places[place].above) {
+      inputs.push_back(tree_.input(places[place].node));
+      outputs.push_back(tree_.output(places[place].node));
+    }
+    std::ranges::reverse(inputs);
+    std::ranges::reverse(outputs);
+    classes_.move(transition, inputs, outputs, tree_);
+  }
 }
 
 ObservationTree::Inserted Apartness::insert(const Word& inputs, const Word& outputs) {

@@ -79,12 +79,16 @@ void copy_file(const std::string& from, const std::string& to) {
       failure.value());
 }
 
-// The database and, if there is one, its log.
+// The database and, if there is one, its log; that may go away meanwhile, if the writer ends.
 void copy_with_log(const std::string& from, const std::string& to) {
   std::error_code ignored;
   copy_file(from, to);
   fs::remove(log_of(to), ignored);
-  if (has_log(from)) copy_file(log_of(from), log_of(to));
+  try {
+    if (has_log(from)) copy_file(log_of(from), log_of(to));
+  } catch (const Error&) {
+    if (has_log(from)) throw;
+  }
 }
 
 }  // namespace

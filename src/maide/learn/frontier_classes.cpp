@@ -68,6 +68,7 @@ void FrontierClasses::move(Member member, std::span<const Symbol> inputs,
   }
   const Class from = class_[member];
   Class at = from == none ? root : from;
+  last_nodes_of_ = none;
   for (std::size_t i = is_last_word(at, inputs) ? records_[at].place + 1 : 0; i < inputs.size();
        ++i) {
     at = find_or_add(at, static_cast<std::uint32_t>(i), inputs[i], outputs[i], tree);
@@ -139,19 +140,27 @@ FrontierClasses::Class FrontierClasses::find_or_add(Class parent, std::uint32_t 
   return at;
 }
 
+// Of a chain of new classes the nodes are found step by step.
 void FrontierClasses::find_candidates(Class at, const ObservationTree& tree) {
   const Record& record = records_[at];
-  Word before = last_word(at);
-  before.pop_back();
+  const std::vector<StateId>& above = records_[record.parent].candidates;
+  if (record.place == 0 || last_nodes_of_ != record.parent) {
+    Word before = last_word(at);
+    before.pop_back();
+    last_nodes_.clear();
+    for (const StateId state : above) last_nodes_.push_back(tree.find(states_[state], before));
+  }
   std::vector<StateId> candidates;
-  for (const StateId state : records_[record.parent].candidates) {
-    ObservationTree::Node node = tree.find(states_[state], before);
+  for (std::size_t i = 0; i < above.size(); ++i) {
+    ObservationTree::Node node = last_nodes_[i];
     if (node != ObservationTree::none) node = tree.child(node, record.input);
     if (node != ObservationTree::none && tree.output(node) != record.output) continue;
-    candidates.push_back(state);
-    watch(state, at);
+    last_nodes_[candidates.size()] = node;
+    candidates.push_back(above[i]);
+    watch(above[i], at);
   }
   records_[at].candidates = std::move(candidates);
+  last_nodes_of_ = at;
 }
 
 // Forgets the classes that were given up before the list has to grow.
@@ -183,22 +192,33 @@ void FrontierClasses::add_state(StateId state, ObservationTree::Node node,
     watchers_.resize(states_.size());
   }
   states_[state] = node;
-  add_candidate(root, state, node, tree);
+  add_candidate(state, tree);
 }
 
-// The state fits the class; `node` is where its last word leads from there, or none.
-void FrontierClasses::add_candidate(Class at, StateId state, ObservationTree::Node node,
-                                    const ObservationTree& tree) {
-  std::vector<StateId>& candidates = records_[at].candidates;
-  candidates.insert(std::ranges::lower_bound(candidates, state), state);
-  if (at != root) watch(state, at);
-  if (has_members(at)) note_change(at);
-  for (Class child = records_[at].first_child; child != none; child = records_[child].next) {
-    const Record& record = records_[child];
-    ObservationTree::Node below = record.place == 0 ? states_[state] : node;
-    if (below != ObservationTree::none) below = tree.child(below, record.input);
-    if (below != ObservationTree::none && tree.output(below) != record.output) continue;
-    add_candidate(child, state, below, tree);
+// To the root, and to those classes below that it fits. No recursion: classes are as deep as words
+// are long.
+void FrontierClasses::add_candidate(StateId state, const ObservationTree& tree) {
+  struct Place {
+    Class at;
+    ObservationTree::Node node;  // where its last word leads from the state, or none
+  };
+  std::vector<Place> open{{root, states_[state]}};
+  while (!open.empty()) {
+    const auto [at, node] = open.back();
+    open.pop_back();
+    std::vector<StateId>& candidates = records_[at].candidates;
+    candidates.insert(std::ranges::lower_bound(candidates, state), state);
+    if (at != root) watch(state, at);
+    if (has_members(at)) note_change(at);
+    const std::size_t first = open.size();
+    for (Class child = records_[at].first_child; child != none; child = records_[child].next) {
+      const Record& record = records_[child];
+      ObservationTree::Node below = record.place == 0 ? states_[state] : node;
+      if (below != ObservationTree::none) below = tree.child(below, record.input);
+      if (below != ObservationTree::none && tree.output(below) != record.output) continue;
+      open.push_back({child, below});
+    }
+    std::reverse(open.begin() + static_cast<std::ptrdiff_t>(first), open.end());
   }
 }
 
@@ -232,15 +252,24 @@ void FrontierClasses::refute(StateId state, std::span<const Symbol> inputs,
 }
 
 // From a class and all below it.
-void FrontierClasses::remove_candidate(Class at, StateId state) {
-  std::vector<StateId>& candidates = records_[at].candidates;
-  const auto found = std::ranges::lower_bound(candidates, state);
-  if (found == candidates.end() || *found != state) return;
-  candidates.erase(found);
-  if (has_members(at)) note_change(at);
-  if (candidates.empty()) for_each_member(at, [&](Member member) { isolated_.push_back(member); });
-  for (Class child = records_[at].first_child; child != none; child = records_[child].next) {
-    remove_candidate(child, state);
+void FrontierClasses::remove_candidate(Class from, StateId state) {
+  std::vector<Class> open{from};
+  while (!open.empty()) {
+    const Class at = open.back();
+    open.pop_back();
+    std::vector<StateId>& candidates = records_[at].candidates;
+    const auto found = std::ranges::lower_bound(candidates, state);
+    if (found == candidates.end() || *found != state) continue;
+    candidates.erase(found);
+    if (has_members(at)) note_change(at);
+    if (candidates.empty()) {
+      for_each_member(at, [&](Member member) { isolated_.push_back(member); });
+    }
+    const std::size_t first = open.size();
+    for (Class child = records_[at].first_child; child != none; child = records_[child].next) {
+      open.push_back(child);
+    }
+    std::reverse(open.begin() + static_cast<std::ptrdiff_t>(first), open.end());
   }
 }
 

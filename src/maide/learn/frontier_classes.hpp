@@ -111,9 +111,8 @@ class FrontierClasses {
   void find_candidates(Class at, const ObservationTree& tree);
   void watch(StateId state, Class at);
   bool is_present(const Watcher& watcher, StateId state, std::size_t place) const;
-  void add_candidate(Class at, StateId state, ObservationTree::Node node,
-                     const ObservationTree& tree);
-  void remove_candidate(Class at, StateId state);
+  void add_candidate(StateId state, const ObservationTree& tree);
+  void remove_candidate(Class from, StateId state);
   void give_up_unused(Class at);
   void note_change(Class at);
   bool has_candidate(Class at, StateId state) const;
@@ -130,6 +129,9 @@ class FrontierClasses {
   std::vector<Member> next_, before_;                        // by member: lists of each class
   std::vector<Member> isolated_;
   std::vector<Class> open_;
+  // While a member moves: where the last word of a new class leads from its candidates, in order.
+  std::vector<ObservationTree::Node> last_nodes_;
+  Class last_nodes_of_ = none;
   Changes changes_;
 };
 

@@ -63,6 +63,7 @@ Symbol LSharp::last_output(const Word& word, const RunControl& control) {
 
 void LSharp::complete(const RunControl& control) {
   while (true) {
+    control.check("learning");
     if (apartness_.has_isolated()) {
       apartness_.promote_isolated();
       Progress progress;
@@ -127,7 +128,8 @@ bool LSharp::separate(const RunControl& control) {
     });
   }
   if (open.empty()) return false;
-  const std::size_t count = std::min(open.size(), std::max(batch_size, open.size() / 16));
+  const std::size_t count =
+      std::min(open.size(), std::clamp(open.size() / 16, batch_size, largest_batch));
   const auto chosen = open.begin() + static_cast<std::ptrdiff_t>(count);
   std::partial_sort(open.begin(), chosen, open.end(), [](const Open& left, const Open& right) {
     return std::pair(right.candidates, left.transition) <
@@ -250,6 +252,7 @@ DecisionTree LSharp::path_to(Transition transition) const {
 // not: at the end the output is that of a transition, which the hypothesis has right.
 void LSharp::analyse(Word word, const RunControl& control) {
   const Symbol truth = last_output(word, control);
+  std::size_t behind = 1;  // `high` from the end: the rest of the word is the same in all rounds
   while (true) {
     const std::vector<StateId> states = states_along(hypothesis(), word);
     std::size_t low = 0;
@@ -271,7 +274,7 @@ void LSharp::analyse(Word word, const RunControl& control) {
                        word.end());
       return shortened;
     };
-    std::size_t high = word.size() - 1;
+    std::size_t high = std::max(low, word.size() - behind);
     Word shorter;
     while (shorter.empty()) {
       if (is_settled()) return;
@@ -280,6 +283,7 @@ void LSharp::analyse(Word word, const RunControl& control) {
         shorter = from(middle);
       } else {
         high = middle;
+        behind = word.size() - high;
       }
     }
     word = std::move(shorter);

@@ -76,10 +76,12 @@ class LSharp : public Learner {
   // Queries asked at once. More would help more systems at a time; each is chosen without the
   // answers to the others, which costs some.
   static constexpr std::size_t batch_size = 4;
+  // Where very many are open, a part of them at once: plans do not get better by each answer.
+  static constexpr std::size_t largest_batch = 1024;
 
   // States up to which every transition has a plan of its own.
   static constexpr std::size_t most_planned_apart = 64;
-  // Inputs of a plan that is shared: every query carries it.
+  // Inputs of a plan that is shared, if they tell some apart: every query carries it.
   static constexpr std::size_t largest_plan = 256;
   static constexpr std::size_t most_plans = 1 << 14;  // kept
 

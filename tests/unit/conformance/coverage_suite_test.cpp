@@ -135,6 +135,20 @@ TEST(CoverageMethod, FindsWhatTakesThreeTransitionsAndSaysWhatItDid) {
                                         "in each order")));
 }
 
+TEST(CoverageSuite, DrawsWhatCannotBeCounted) {
+  const Mealy machine = ring(10);
+  CoverageSuite suite(machine, {.ways = 30, .walk_length = 0}, Random(1));
+  Word word;
+  std::size_t inputs = 0;
+  for (int i = 0; i < 100 && suite.next(word); ++i) inputs += word.size();
+  EXPECT_NEAR(static_cast<double>(inputs), 100 * 30 * 4.5, 1000);  // on average 4.5 to the next
+  MealyOracle oracle(machine);
+  CoverageMethod method(oracle, {.ways = 30, .walk_length = 0}, {.max_tests = 5}, 1);
+  EXPECT_EQ(method.find_counterexample(machine), std::nullopt);
+  EXPECT_EQ(method.guarantee(),
+            "not refuted by 5 of more than 2^64 tests that pass each 30 states in each order");
+}
+
 TEST(CoverageMethod, RefusesWhatCannotBe) {
   const Mealy machine = ring(2);
   MealyOracle oracle(machine);

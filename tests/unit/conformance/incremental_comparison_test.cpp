@@ -78,6 +78,20 @@ TEST(IncrementalComparison, FollowsEveryLearner) {
   }
 }
 
+// As those of another learner are, which saw outputs in another order.
+TEST(IncrementalComparison, OutputsMayBeNumberedOtherwise) {
+  Mealy reference({"a"}, {"x", "y"}, 2);
+  reference.set_transition(0, 0, 0, 1);
+  reference.set_transition(1, 0, 1, 0);
+  Mealy same({"a"}, {"y", "x"}, 2);
+  same.set_transition(0, 0, 1, 1);
+  same.set_transition(1, 0, 0, 0);
+  IncrementalComparison comparison(reference);
+  EXPECT_EQ(comparison.find_difference(reference), std::nullopt);
+  EXPECT_EQ(comparison.find_difference(same), std::nullopt);
+  EXPECT_EQ(comparison.find_difference(reference), std::nullopt);
+}
+
 TEST(IncrementalComparison, MatchesInputsAndOutputsByName) {
   Mealy reference({"a", "b"}, {"0", "1"}, 1);
   reference.set_transition(0, 0, 0, 0);

@@ -226,6 +226,8 @@ TEST(TestMethods, TheEndsOfRandomTestsReachThem) {
     CountingOracle counter(oracle);
     const auto teacher = find_test_method("random-hads").make({counter, nullptr, nullptr}, options);
     EXPECT_EQ(teacher->find_counterexample(system), std::nullopt);
+    EXPECT_EQ(teacher->guarantee().find("at their ends") != std::string::npos,
+              suffix == SuffixWords::none);
     return counter.statistics().total().symbols;
   };
   const std::uint64_t least = count_symbols(PrefixStates::uniform, SuffixWords::none);

@@ -162,6 +162,38 @@ TEST(LSharpHypothesis, AgreesWithAllThatWasAsked) {
   EXPECT_GT(hypotheses, 30U);
 }
 
+// Its states are told apart by words that are longer than plans which are shared.
+TEST(LSharpHypothesis, OfALongCounter) {
+  constexpr std::size_t size = 340;
+  Mealy counter({"tick"}, {"nothing", "full"}, size);
+  for (StateId state = 0; state < size; ++state) {
+    counter.set_transition(state, 0, state + 1 == size ? 1 : 0,
+                           static_cast<StateId>((state + 1) % size));
+  }
+  for (const Separation separation : {Separation::adaptive, Separation::separating_words}) {
+    MealyOracle oracle(counter);
+    LSharp learner(oracle, separation);
+    learner.start();
+    while (const auto word = find_distinguishing_word(learner.hypothesis(), counter)) {
+      learner.refine(*word);
+    }
+    EXPECT_EQ(learner.hypothesis().size(), size);
+  }
+}
+
+// What is known from a node is as deep as words are long; no recursion goes there.
+TEST(LSharpHypothesis, RefinedByAVeryLongWord) {
+  Random random(6);
+  const Mealy machine = random_mealy({.states = 30, .inputs = 2, .outputs = 2}, random);
+  MealyOracle oracle(machine);
+  LSharp learner(oracle);
+  learner.start();
+  const Word word = random_word(100'000, 2, random);
+  ASSERT_NE(learner.hypothesis().output_word(word), machine.output_word(word));
+  learner.refine(word);
+  EXPECT_EQ(learner.hypothesis().output_word(word), machine.output_word(word));
+}
+
 TEST(AdaptiveSequence, KeepsToTheNumberOfInputs) {
   Random random(5);
   const Mealy machine = random_mealy({.states = 40, .inputs = 3, .outputs = 2}, random);
