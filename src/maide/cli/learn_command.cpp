@@ -391,7 +391,8 @@ RunFunction set_up_learn(CLI::App& app) {
       "with it the log shows counterexamples, and the system is asked about each");
   app.add_option("--start-from", arguments->start_from,
                  "A model of an earlier version of the system (DOT or Aldebaran): what still holds "
-                 "of it saves queries; the result is the system's in any case");
+                 "of it saves queries with lsharp, and equivalence queries with all; the result "
+                 "is the system's in any case");
   app.add_option("--token-file", arguments->token_file,
                  "A file with the token of a listening wrapper (or set MAIDE_TOKEN)");
   add_limits(app, *arguments);

@@ -125,14 +125,14 @@ std::optional<Word> CoverageMethod::find_counterexample(const Mealy& hypothesis,
                                  ? fmt::format("each {}", covered)
                                  : fmt::format("each {} {}s in each order", options_.ways, covered);
   if (counterexample) {
-    guarantee_ = fmt::format("refuted by a test of those that pass {}", passed);
+    guarantee_ = fmt::format("refuted by a test of those for {}", passed);
   } else if (runner_.last_tests() == *suite.size()) {
-    guarantee_ = fmt::format("not refuted by {} tests that pass {}", *suite.size(), passed);
+    guarantee_ = fmt::format("not refuted by {} tests for {}", *suite.size(), passed);
   } else {
     const std::string all =
         *suite.size() == saturated ? "more than 2^64" : std::to_string(*suite.size());
-    guarantee_ = fmt::format("not refuted by {} of {} tests that pass {}", runner_.last_tests(),
-                             all, passed);
+    guarantee_ =
+        fmt::format("not refuted by {} of {} tests for {}", runner_.last_tests(), all, passed);
   }
   return counterexample;
 }

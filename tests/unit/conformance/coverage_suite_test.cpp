@@ -126,12 +126,12 @@ TEST(CoverageMethod, FindsWhatTakesThreeTransitionsAndSaysWhatItDid) {
     return std::pair(is_found, method.guarantee());
   };
   EXPECT_EQ(test({.covered = Covered::transitions, .ways = 1, .walk_length = 0}),
-            std::pair(false, std::string("not refuted by 12 tests that pass each transition")));
+            std::pair(false, std::string("not refuted by 12 tests for each transition")));
   EXPECT_EQ(test({.ways = 2, .walk_length = 0}, {.max_tests = 7}),
-            std::pair(false, std::string("not refuted by 7 of 36 tests that pass each 2 states "
+            std::pair(false, std::string("not refuted by 7 of 36 tests for each 2 states "
                                          "in each order")));
   EXPECT_EQ(test({.covered = Covered::transitions, .ways = 3, .walk_length = 0}),
-            std::pair(true, std::string("refuted by a test of those that pass each 3 transitions "
+            std::pair(true, std::string("refuted by a test of those for each 3 transitions "
                                         "in each order")));
 }
 
@@ -146,7 +146,7 @@ TEST(CoverageSuite, DrawsWhatCannotBeCounted) {
   CoverageMethod method(oracle, {.ways = 30, .walk_length = 0}, {.max_tests = 5}, 1);
   EXPECT_EQ(method.find_counterexample(machine), std::nullopt);
   EXPECT_EQ(method.guarantee(),
-            "not refuted by 5 of more than 2^64 tests that pass each 30 states in each order");
+            "not refuted by 5 of more than 2^64 tests for each 30 states in each order");
 }
 
 TEST(CoverageMethod, RefusesWhatCannotBe) {
