@@ -18,6 +18,10 @@ class ChainOracle : public EquivalenceOracle {
                                           const RunControl& control = {}) override;
   // Those of all links, joined by "; ".
   std::string guarantee() const override;
+  // In each dimension the most that a link reached.
+  Strength strength() const override;
+  // That of the link that misses most.
+  TestCost cost_of_missing() const override;
 
  private:
   std::vector<std::unique_ptr<EquivalenceOracle>> links_;

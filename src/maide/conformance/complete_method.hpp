@@ -53,12 +53,14 @@ class CompleteMethod : public EquivalenceOracle {
   std::optional<Word> find_counterexample(const Mealy& hypothesis,
                                           const RunControl& control = {}) override;
   std::string guarantee() const override { return guarantee_; }
+  Strength strength() const override { return strength_; }
 
  private:
   TestRunner runner_;
   IdentifierMethod method_;
   CompleteMethodOptions options_;
   std::string guarantee_ = "not tested";
+  Strength strength_;
 };
 
 // Vasilevskii, "Failure diagnosis of automata", 1973; Chow, "Testing software design modeled by

@@ -16,6 +16,7 @@ class PerfectOracle : public EquivalenceOracle {
   std::optional<Word> find_counterexample(const Mealy& hypothesis,
                                           const RunControl& control = {}) override;
   std::string guarantee() const override;
+  Strength strength() const override { return {.exact = true}; }
 
  private:
   IncrementalComparison comparison_;

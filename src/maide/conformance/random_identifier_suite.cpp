@@ -72,11 +72,13 @@ std::optional<Word> RandomMethod::find_counterexample(const Mealy& hypothesis,
                               counterexamples_, options_.ends);
   TestRunner runner(oracle_, {options_.max_tests, options_.batch_size});
   guarantee_ = "not tested to the end";
+  strength_ = {};
   std::optional<Word> counterexample = runner.run(suite, hypothesis, control);
   if (counterexample) {
     counterexamples_.push_back(*counterexample);
     guarantee_ = fmt::format("refuted by a random test of {}", method_.title);
   } else {
+    strength_.random = runner.last_tests();
     guarantee_ = describe_passed(runner.last_tests(), method_, options_.infix, options_.ends);
   }
   return counterexample;

@@ -71,6 +71,7 @@ class RandomMethod : public EquivalenceOracle {
   std::optional<Word> find_counterexample(const Mealy& hypothesis,
                                           const RunControl& control = {}) override;
   std::string guarantee() const override { return guarantee_; }
+  Strength strength() const override { return strength_; }
 
  private:
   OutputOracle& oracle_;
@@ -79,6 +80,7 @@ class RandomMethod : public EquivalenceOracle {
   Random random_;
   std::vector<Word> counterexamples_;
   std::string guarantee_ = "not tested";
+  Strength strength_;
 };
 
 }  // namespace maide

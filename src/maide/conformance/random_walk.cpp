@@ -32,11 +32,13 @@ std::optional<Word> RandomWalk::find_counterexample(const Mealy& hypothesis,
   RandomWalkSuite suite(hypothesis.inputs().size(), options_.restart_probability,
                         options_.max_length, options_.max_steps, random_.split());
   guarantee_ = "not tested to the end";
+  strength_ = {};
   std::optional<Word> counterexample = runner_.run(suite, hypothesis, control);
   guarantee_ = counterexample
                    ? "refuted by a random walk"
                    : fmt::format("not refuted by a random walk of at most {} steps, {} restarts",
                                  options_.max_steps, runner_.last_tests());
+  if (!counterexample) strength_.random = runner_.last_tests();
   return counterexample;
 }
 

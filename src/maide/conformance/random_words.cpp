@@ -37,10 +37,12 @@ std::optional<Word> RandomWords::find_counterexample(const Mealy& hypothesis,
   RandomWordSuite suite(hypothesis.inputs().size(), options_.min_length, max_length,
                         random_.split());
   guarantee_ = "not tested to the end";
+  strength_ = {};
   std::optional<Word> counterexample = runner_.run(suite, hypothesis, control);
   guarantee_ = counterexample ? "refuted by a random word"
                               : fmt::format("not refuted by {} random words of length {} to {}",
                                             runner_.last_tests(), options_.min_length, max_length);
+  if (!counterexample) strength_.random = runner_.last_tests();
   return counterexample;
 }
 

@@ -39,12 +39,14 @@ class RandomWords : public EquivalenceOracle {
   std::optional<Word> find_counterexample(const Mealy& hypothesis,
                                           const RunControl& control = {}) override;
   std::string guarantee() const override { return guarantee_; }
+  Strength strength() const override { return strength_; }
 
  private:
   TestRunner runner_;
   RandomWordsOptions options_;
   Random random_;
   std::string guarantee_ = "not tested";
+  Strength strength_;
 };
 
 }  // namespace maide

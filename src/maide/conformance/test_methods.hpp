@@ -8,6 +8,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "maide/conformance/random_identifier_suite.hpp"
 #include "maide/conformance/test_runner.hpp"
@@ -32,6 +33,9 @@ struct TestMethodOptions {
   std::optional<std::size_t> ways;            // state-cover, k-way
   std::optional<std::size_t> walks;           // likewise
   std::optional<std::size_t> walk_length;     // likewise
+  std::string strength;            // of standard: what to reach instead, as parse_demand reads it
+  std::vector<std::size_t> sizes;  // of standard: the numbers that the system's options name
+  TestCost budget;                 // of standard: most words and symbols; 0: its own
   std::uint64_t seed = 0;
   std::size_t batch_size = TestRunnerOptions{}.batch_size;
 };

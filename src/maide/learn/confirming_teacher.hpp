@@ -23,6 +23,8 @@ class ConfirmingTeacher : public EquivalenceOracle {
     return counterexample;
   }
   std::string guarantee() const override { return teacher_.guarantee(); }
+  Strength strength() const override { return teacher_.strength(); }
+  TestCost cost_of_missing() const override { return teacher_.cost_of_missing(); }
 
  private:
   EquivalenceOracle& teacher_;

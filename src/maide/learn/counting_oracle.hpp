@@ -41,6 +41,8 @@ class PhasedTeacher : public EquivalenceOracle {
   std::optional<Word> find_counterexample(const Mealy& hypothesis,
                                           const RunControl& control = {}) override;
   std::string guarantee() const override { return teacher_.guarantee(); }
+  Strength strength() const override { return teacher_.strength(); }
+  TestCost cost_of_missing() const override { return teacher_.cost_of_missing(); }
 
  private:
   EquivalenceOracle& teacher_;

@@ -3,13 +3,20 @@
 // establish.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 
 #include "maide/automata/mealy.hpp"
+#include "maide/automata/strength.hpp"
 #include "maide/base/run_control.hpp"
 
 namespace maide {
+
+// Words and the inputs in them, saturating.
+struct TestCost {
+  std::uint64_t words = 0, symbols = 0;
+};
 
 class EquivalenceOracle {
  public:
@@ -24,6 +31,12 @@ class EquivalenceOracle {
   // In words, what "nothing found" means: "not refuted by 412 tests of the W-method; no machine
   // with at most 2 more states behaves differently". For reports.
   virtual std::string guarantee() const = 0;
+
+  // The same in numbers, as far as the last run came; nothing by default.
+  virtual Strength strength() const { return {}; }
+  // What the tests that are missing to the strength that was demanded would cost; nothing where
+  // none is missing, or where the method does not know. For messages.
+  virtual TestCost cost_of_missing() const { return {}; }
 };
 
 }  // namespace maide

@@ -1,0 +1,98 @@
+#include "maide/automata/strength.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "maide/base/error.hpp"
+#include "maide/base/parse_number.hpp"
+
+namespace maide {
+namespace {
+
+constexpr std::uint64_t random_floor = 2000, random_per_transition = 20;
+
+// Calls `take(dimension, number)`, which says whether there is such a dimension, for each part.
+template <typename Take>
+void read_dimensions(std::string_view text, Take&& take) {
+  while (true) {
+    const std::size_t comma = text.find(',');
+    const std::string_view part = text.substr(0, comma);
+    const std::size_t equals = part.find('=');
+    const auto number =
+        equals == part.npos ? std::nullopt : parse_number<std::uint64_t>(part.substr(equals + 1));
+    if (!number || !take(part.substr(0, equals), *number)) {
+      throw UsageError(fmt::format(
+          "'{}' is no strength: extra-states, chained, pumped or random, '=' and a number", part));
+    }
+    if (comma == text.npos) return;
+    text.remove_prefix(comma + 1);
+  }
+}
+
+// The dimensions that strength and demand have alike; false for another one.
+template <typename Dimensions>
+bool set_dimension(Dimensions& dimensions, std::string_view name, std::uint64_t number) {
+  if (name == "chained") {
+    dimensions.chained = number;
+  } else if (name == "pumped") {
+    dimensions.pumped = number;
+  } else if (name == "random") {
+    dimensions.random = number;
+  } else {
+    return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+StrengthDemand default_demand(std::size_t states, std::size_t inputs, std::size_t largest_size) {
+  return {.pumped = largest_size == 0 ? default_pumped : 2 * largest_size,
+          .random = random_floor + random_per_transition * states * inputs};
+}
+
+std::string describe_shortfall(const Strength& strength, const StrengthDemand& demand) {
+  if (strength.exact) return "";
+  std::string text;
+  const auto add = [&](std::string_view dimension, std::uint64_t wanted) {
+    text += fmt::format("{}{}={}", text.empty() ? "" : ",", dimension, wanted);
+  };
+  // Nothing is less than 0.
+  if (strength.extra_states < demand.extra_states) add("extra-states", demand.extra_states);
+  if (strength.chained < demand.chained) add("chained", demand.chained);
+  if (strength.pumped < demand.pumped) add("pumped", demand.pumped);
+  const bool is_deep = strength.extra_states >= extra_states_without_random;
+  if (strength.random < demand.random && !is_deep) add("random", demand.random);
+  return text;
+}
+
+std::string to_string(const Strength& strength) {
+  if (strength.exact) return "exact";
+  return fmt::format(
+      "{}chained={},pumped={},random={}",
+      strength.extra_states ? fmt::format("extra-states={},", *strength.extra_states) : "",
+      strength.chained, strength.pumped, strength.random);
+}
+
+Strength parse_strength(std::string_view text) {
+  if (text == "exact") return {.exact = true};
+  Strength strength;
+  read_dimensions(text, [&](std::string_view dimension, std::uint64_t number) {
+    if (dimension != "extra-states") return set_dimension(strength, dimension, number);
+    strength.extra_states = number;
+    return true;
+  });
+  return strength;
+}
+
+StrengthDemand parse_demand(std::string_view text, StrengthDemand standard) {
+  read_dimensions(text, [&](std::string_view dimension, std::uint64_t number) {
+    if (dimension != "extra-states") return set_dimension(standard, dimension, number);
+    standard.extra_states = number;
+    return true;
+  });
+  return standard;
+}
+
+}  // namespace maide
