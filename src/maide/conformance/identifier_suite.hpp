@@ -41,6 +41,10 @@ class IdentifierSuite : public TestSuite {
   std::uint64_t size_up_to(std::size_t extra_states) const {
     return volumes_[std::min(extra_states, volumes_.size() - 1)].tests;
   }
+  // The inputs of these tests. O(1).
+  std::uint64_t symbols_up_to(std::size_t extra_states) const {
+    return volumes_[std::min(extra_states, volumes_.size() - 1)].symbols;
+  }
 
  private:
   struct Volume {

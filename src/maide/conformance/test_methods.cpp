@@ -29,6 +29,9 @@ Oracle make_standard(const TestMethodContext& context, const TestMethodOptions& 
   StandardMethodOptions method{.seed = options.seed, .batch_size = options.batch_size};
   set(method.extra_states, options.extra_states);
   method.max_tests = options.max_tests;
+  method.strength = options.strength;
+  method.sizes = options.sizes;
+  if (options.budget.words != 0) method.budget = options.budget;
   return std::make_unique<StandardMethod>(context.oracle, method);
 }
 
@@ -94,10 +97,10 @@ constexpr std::string_view random_options =
 constexpr std::string_view coverage_options = "ways walks walk-length max-tests seed";
 
 constexpr std::array table{
-    TestMethodEntry{
-        "standard",
-        "hads as deep as a budget of 1000 + 50 n k tests goes, in turn with random-hads",
-        "extra-states max-tests seed", make_standard},
+    TestMethodEntry{"standard",
+                    "hads for one extra state or more, random-hads, and chains and repetitions of "
+                    "looping inputs",
+                    "extra-states max-tests seed", make_standard},
     TestMethodEntry{"w", "W-method (Chow, Vasilevskii), complete for extra-states",
                     "extra-states max-tests", make_complete<w_identifiers>},
     TestMethodEntry{"wp", "the same by fewer tests: each state's own part of the set (Fujiwara)",

@@ -11,6 +11,9 @@
 namespace maide {
 namespace {
 
+// A batch of more inputs is not filled up: of long tests fewer are wasted.
+constexpr std::uint64_t batch_symbols = 8192;
+
 constexpr Symbol unknown_output = ~Symbol{0};
 
 // The hypothesis' outputs in the oracle's numbering, matched by name; the oracle's grow.
@@ -55,6 +58,7 @@ std::optional<Word> TestRunner::run(TestSuite& suite, const Mealy& hypothesis,
     throw UsageError("the model has other inputs than the system");
   }
   last_tests_ = 0;
+  last_symbols_ = 0;
   last_was_complete_ = false;
   OutputMap outputs(hypothesis.outputs(), oracle_.outputs());
   Progress progress;
@@ -69,11 +73,14 @@ std::optional<Word> TestRunner::run(TestSuite& suite, const Mealy& hypothesis,
   }
   std::vector<Query> batch;
   Word word;
-  while (last_tests_ < options_.max_tests) {
+  while (last_tests_ < options_.max_tests && last_symbols_ < options_.max_symbols) {
     control.check("the equivalence test");
     batch.clear();
-    while (batch.size() < options_.batch_size && last_tests_ + batch.size() < options_.max_tests &&
-           suite.next(word)) {
+    std::uint64_t symbols = 0;
+    while (batch.size() < options_.batch_size && symbols < batch_symbols &&
+           last_tests_ + batch.size() < options_.max_tests &&
+           last_symbols_ + symbols < options_.max_symbols && suite.next(word)) {
+      symbols += word.size();
       batch.emplace_back(word);
     }
     if (batch.empty()) {
@@ -85,8 +92,9 @@ std::optional<Word> TestRunner::run(TestSuite& suite, const Mealy& hypothesis,
     for (std::size_t i = 0; i < batch.size(); ++i) {
       const Word& test = std::get<Word>(batch[i]);
       ++last_tests_;
+      last_symbols_ += test.size();
       if (const std::size_t length = find_difference(hypothesis, test, answers[i], outputs)) {
-        return head(test, length);
+        return options_.whole_words ? test : head(test, length);
       }
     }
     progress.done = last_tests_;

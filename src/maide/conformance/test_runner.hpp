@@ -18,6 +18,9 @@ namespace maide {
 struct TestRunnerOptions {
   std::uint64_t max_tests = std::numeric_limits<std::uint64_t>::max();  // in one suite
   std::size_t batch_size = 64;  // tests in flight; those behind a counterexample are wasted
+  std::uint64_t max_symbols =
+      std::numeric_limits<std::uint64_t>::max();  // ends at the test that reaches it
+  bool whole_words = false;  // what follows the first difference in a test is given back, too
 };
 
 class TestRunner {
@@ -26,7 +29,8 @@ class TestRunner {
   TestRunner(OutputOracle& oracle, TestRunnerOptions options)
       : oracle_(oracle), options_(options) {}
 
-  // The first test on which they differ, cut at the first output that does; nothing if all pass.
+  // The first test on which they differ, cut at the first output that does unless whole words are
+  // wanted; nothing if all pass.
   // Throws UsageError if the hypothesis has other inputs than the system, Interrupted, and what the
   // oracle throws. One output query a test.
   std::optional<Word> run(TestSuite& suite, const Mealy& hypothesis, const RunControl& control);
@@ -34,13 +38,15 @@ class TestRunner {
   std::uint64_t max_tests() const { return options_.max_tests; }
   // Tests of the last run, up to and with the counterexample.
   std::uint64_t last_tests() const { return last_tests_; }
-  // The last run came to the end of its suite (not to max_tests, nor to a counterexample).
+  // Their inputs.
+  std::uint64_t last_symbols() const { return last_symbols_; }
+  // The last run came to the end of its suite (not to a limit, nor to a counterexample).
   bool last_was_complete() const { return last_was_complete_; }
 
  private:
   OutputOracle& oracle_;
   TestRunnerOptions options_;
-  std::uint64_t last_tests_ = 0;
+  std::uint64_t last_tests_ = 0, last_symbols_ = 0;
   bool last_was_complete_ = false;
 };
 
