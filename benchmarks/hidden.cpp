@@ -1,8 +1,9 @@
 // How often the default tests find all of a machine that hides something, and whether they say so
 // where they do not.
 //
-//   bench_hidden [--classes NAME,...] [--machines N] [--states N] [--inputs N] [--seeds N]
-//                [--seed S] [--eq NAME] [--limit SECONDS] [--quiet] [MODEL ...]
+//   bench_hidden [--classes NAME,...] [--machines N] [--first N] [--states N] [--inputs N] [--seeds
+//   N]
+//                [--seed S] [--eq NAME] [--limit SECONDS] [--write FOLDER] [--quiet] [MODEL ...]
 //
 // N machines of each class (automata/hiding_automata.hpp), of up to so many states and inputs; or
 // the MODELs, Mealy machines as .dot files, instead. Each is learned with L#, the method and each
@@ -14,7 +15,10 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cmath>
 #include <ctime>
+#include <filesystem>
+#include <fstream>
 #include <map>
 #include <string>
 #include <vector>
@@ -25,6 +29,7 @@
 #include "maide/base/error.hpp"
 #include "maide/conformance/test_chain.hpp"
 #include "maide/conformance/test_methods.hpp"
+#include "maide/formats/dot.hpp"
 #include "maide/formats/model_file.hpp"
 #include "maide/learn/cache.hpp"
 #include "maide/learn/counting_oracle.hpp"
@@ -37,9 +42,9 @@ namespace {
 struct Arguments {
   std::vector<std::string> classes;
   std::vector<std::string> models;
-  std::size_t machines = 10, states = 300, inputs = 100;
+  std::size_t machines = 10, first = 0, states = 300, inputs = 100;
   std::uint64_t seed = 1, seeds = 1;
-  std::string method;
+  std::string method, folder;
   double limit = 60;
   bool is_quiet = false;
 };
@@ -51,6 +56,20 @@ struct Counts {
 
 double cpu_seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
+// Stops a run that has taken too much processor time.
+class CpuLimit : public ProgressObserver {
+ public:
+  explicit CpuLimit(double seconds) : end_(cpu_seconds() + seconds) {}
+  void on_progress(const Progress&) override {
+    if (cpu_seconds() > end_) stop_.request_stop();
+  }
+  std::stop_token token() const { return stop_.get_token(); }
+
+ private:
+  double end_;
+  std::stop_source stop_;
+};
+
 void learn_once(const std::string& name, const Mealy& machine, std::uint64_t seed,
                 const Arguments& arguments, Counts& counts) {
   MealyOracle system(machine);
@@ -61,9 +80,10 @@ void learn_once(const std::string& name, const Mealy& machine, std::uint64_t see
   const auto tests = TestChain(arguments.method).make({cache, &cache, &machine}, options);
   const auto learner = find_learner("lsharp").make(cache);
   const double start = cpu_seconds();
+  CpuLimit limit(arguments.limit);
   RunControl control;
-  control.deadline = std::chrono::steady_clock::now() +
-                     std::chrono::microseconds(static_cast<std::int64_t>(arguments.limit * 1e6));
+  control.stop = limit.token();
+  control.progress = &limit;
   std::uint64_t equivalence_queries = 0;
   bool is_finished = true;
   try {
@@ -100,6 +120,12 @@ void learn_once(const std::string& name, const Mealy& machine, std::uint64_t see
   std::fflush(stdout);
 }
 
+// From 4 on; its logarithm is uniform, as small machines are more frequent than large ones.
+std::size_t draw_size(std::size_t most, Random& random) {
+  const double size = 4 * std::pow(static_cast<double>(most) / 4, random.unit());
+  return std::clamp(static_cast<std::size_t>(std::lround(size)), std::size_t{4}, most);
+}
+
 int run_all(const Arguments& arguments) {
   std::map<std::string, Counts> table;
   for (const std::string& path : arguments.models) {
@@ -114,9 +140,16 @@ int run_all(const Arguments& arguments) {
     Random random = Random(arguments.seed + 1000 * static_cast<std::uint64_t>(find_hiding(name)));
     for (std::size_t i = 0; i < arguments.machines; ++i) {
       Random own = random.split();
-      const std::size_t states = 4 + own.below(arguments.states - 3);
-      const std::size_t inputs = 4 + own.below(arguments.inputs - 3);
+      const std::size_t states = draw_size(arguments.states, own);
+      const std::size_t inputs = draw_size(arguments.inputs, own);
+      if (i < arguments.first) continue;
       const Mealy machine = hiding_mealy(find_hiding(name), states, inputs, own);
+      if (!arguments.folder.empty()) {
+        std::ofstream file(std::filesystem::path(arguments.folder) /
+                           fmt::format("{}-{}.dot", name, i));
+        write_dot(file, machine);
+        if (!file.flush()) throw UsageError(fmt::format("cannot write to {}", arguments.folder));
+      }
       for (std::uint64_t seed = 0; seed < arguments.seeds; ++seed) {
         learn_once(fmt::format("{} {}", name, i), machine, arguments.seed + seed, arguments,
                    table[name]);
@@ -144,12 +177,15 @@ int main(int argc, char** argv) {
   app.add_option("--classes", arguments.classes, "How the machines hide something")->delimiter(',');
   app.add_option("MODEL", arguments.models, "Machines to learn instead");
   app.add_option("--machines", arguments.machines, "Machines of each class");
+  app.add_option("--first", arguments.first, "The first of them that is learned");
   app.add_option("--states", arguments.states, "Most states")->check(CLI::Range(4, 100000));
   app.add_option("--inputs", arguments.inputs, "Most inputs")->check(CLI::Range(4, 1000));
   app.add_option("--seed", arguments.seed, "Of machines and tests");
   app.add_option("--seeds", arguments.seeds, "Runs a machine");
   app.add_option("--eq", arguments.method, "The equivalence method");
-  app.add_option("--limit", arguments.limit, "Most seconds of a run");
+  app.add_option("--write", arguments.folder, "A folder for the machines, as DOT")
+      ->check(CLI::ExistingDirectory);
+  app.add_option("--limit", arguments.limit, "Most seconds of processor time of a run");
   app.add_flag("--quiet", arguments.is_quiet, "Only silent runs, and the table");
   CLI11_PARSE(app, argc, argv);
   try {

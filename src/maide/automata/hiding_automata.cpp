@@ -40,6 +40,14 @@ class Builder {
   Symbol any_input() { return static_cast<Symbol>(random_.below(machine_.inputs().size())); }
   StateId any_state() { return static_cast<StateId>(random_.below(machine_.size())); }
   Symbol any_output() { return static_cast<Symbol>(random_.below(machine_.outputs().size())); }
+  // One that does nothing in a state; there must be two.
+  Symbol any_idle_input(StateId state) {
+    Symbol input = any_input();
+    while (machine_.target(state, input) != state || machine_.output(state, input) != ok) {
+      input = any_input();
+    }
+    return input;
+  }
   Symbol other_input(Symbol input) {
     Symbol other = any_input();
     while (other == input) other = any_input();
@@ -125,8 +133,9 @@ Mealy make_locks(Builder builder, std::size_t states, std::size_t length) {
 
 // From a state on: a count, which other inputs leave or not, and what shows at its end.
 StateId add_counter(Builder& builder, StateId from, std::size_t repeats, Random& random) {
-  const Symbol counted = builder.any_input();
-  const Symbol shows = builder.other_input(counted);
+  const Symbol counted = builder.any_idle_input(from);
+  Symbol shows = builder.any_idle_input(from);
+  while (shows == counted) shows = builder.any_idle_input(from);
   const bool resets = random.chance(0.5), stays = random.chance(0.5);
   std::vector<StateId> row{from};
   for (std::size_t i = 0; i < repeats; ++i) {

@@ -12,10 +12,7 @@
 namespace maide {
 namespace {
 
-// Words of this many inputs and what loops, so that what ends a word costs little beside it.
-constexpr std::size_t piece_length = 96;
-
-std::size_t length_of_piece(std::size_t letters) { return piece_length + 3 * letters; }
+constexpr std::size_t sample_length = 400;  // of a walk or a tour of pumps, at least
 
 std::uint64_t power(std::uint64_t base, std::size_t exponent) {
   std::uint64_t result = 1;
@@ -114,8 +111,14 @@ Word draw_chain(std::span<const Symbol> letters, std::size_t order, Random rando
 }
 
 ChainSuite::ChainSuite(const LoopingInputs& loops, std::span<const LoopingInputs::Start> starts,
-                       std::size_t order, Random random, std::uint64_t max_pieces)
-    : loops_(loops), starts_(starts), order_(order), random_(random), max_pieces_(max_pieces) {
+                       std::size_t order, std::size_t piece_length, Random random,
+                       std::uint64_t max_pieces)
+    : loops_(loops),
+      starts_(starts),
+      order_(order),
+      piece_length_(piece_length),
+      random_(random),
+      max_pieces_(max_pieces) {
   for (const auto& [access, state] : starts_) {
     const std::uint64_t all = count_pieces(state);
     const std::uint64_t pieces = std::min(all, max_pieces_);
@@ -124,7 +127,7 @@ ChainSuite::ChainSuite(const LoopingInputs& loops, std::span<const LoopingInputs
     size_ = saturating_sum(size_, pieces);
     const std::uint64_t inside =
         std::min(saturating_sum(power(letters, order_), (order_ - 1) * pieces),
-                 saturating_product(pieces, length_of_piece(letters) + order_ - 1));
+                 saturating_product(pieces, piece_length_ + order_ - 1));
     symbols_ =
         saturating_sum(symbols_, saturating_sum(saturating_product(pieces, access.size() + letters),
                                                 letters == 0 ? 0 : inside));
@@ -135,7 +138,7 @@ std::uint64_t ChainSuite::count_pieces(StateId state) const {
   const std::size_t letters = loops_.of(state).size();
   if (letters == 0) return 0;
   const std::uint64_t words = power(letters, order_);
-  return words / length_of_piece(letters) + (words % length_of_piece(letters) != 0 ? 1 : 0);
+  return words / piece_length_ + (words % piece_length_ != 0 ? 1 : 0);
 }
 
 bool ChainSuite::next(Word& word) {
@@ -148,9 +151,8 @@ bool ChainSuite::next(Word& word) {
   const auto& [access, state] = starts_[start_];
   const std::span<const Symbol> letters = loops_.of(state);
   if (piece_ == 0) chain_ = draw_chain(letters, order_, random_.split());
-  const std::size_t length = length_of_piece(letters.size());
-  const std::size_t begin = piece_ * length;
-  const std::size_t end = std::min(begin + length + order_ - 1, chain_.size());
+  const std::size_t begin = piece_ * piece_length_;
+  const std::size_t end = std::min(begin + piece_length_ + order_ - 1, chain_.size());
   word = access;
   word.insert(word.end(), chain_.begin() + static_cast<std::ptrdiff_t>(begin),
               chain_.begin() + static_cast<std::ptrdiff_t>(end));
@@ -199,7 +201,7 @@ bool PumpSuite::make(Place& place, Word* word, std::uint64_t& symbols) const {
   const Place begin = place;
   const Symbol loop = loops_.of(state)[place.loop];
   const std::size_t times = counts_[place.count];
-  const std::size_t longest = std::max<std::size_t>(8 * times, piece_length);
+  const std::size_t longest = std::max<std::size_t>(8 * times, sample_length);
   std::size_t length = access.size();
   if (word != nullptr) *word = access;
   while (true) {
@@ -305,6 +307,7 @@ LoopSampler::LoopSampler(const LoopingInputs& loops, std::size_t most_repeats, R
   }
   random_.shuffle(starts_);
   ladders_.resize(starts_.size());
+  steps_.resize(starts_.size());
 }
 
 LoopSampler::Letters LoopSampler::draw_letters(std::span<const Symbol> loops) {
@@ -314,40 +317,55 @@ LoopSampler::Letters LoopSampler::draw_letters(std::span<const Symbol> loops) {
   return letters;
 }
 
-// Every pair of letters once before one comes again.
-LoopSampler::Letters LoopSampler::next_ladder(std::size_t start, std::span<const Symbol> loops) {
+// Every pair of letters once with short ladders, which cost least for what they may find, before
+// one comes again with a long one.
+LoopSampler::Ladder LoopSampler::next_ladder(std::size_t start, std::span<const Symbol> loops) {
   constexpr std::uint64_t stride = 7919;  // a prime, so that all pairs are passed
-  const std::size_t inputs = loops_.hypothesis().inputs().size();
-  const std::uint64_t pair = (start + stride * ladders_[start]++) % (loops.size() * inputs);
-  const Symbol first = loops[pair % loops.size()];
-  return {first, first, static_cast<Symbol>(pair / loops.size())};
+  const std::uint64_t pairs = loops.size() * loops_.hypothesis().inputs().size();
+  const std::uint64_t number = ladders_[start]++;
+  const std::uint64_t pair = (start + stride * number) % pairs;
+  const std::size_t middle = std::min(short_ladder, most_repeats_);
+  const bool is_long = number / pairs % 2 == 1;
+  return {loops[pair % loops.size()], static_cast<Symbol>(pair / loops.size()),
+          is_long ? std::min(middle + 1, most_repeats_) : 1, is_long ? most_repeats_ : middle};
 }
 
 // Kinds take turns; so do states, by rounds.
 bool LoopSampler::next(Word& word) {
   if (starts_.empty()) return false;
-  enum class Kind : std::uint8_t { ladder, pump, small_triangle, triangle, cycle, walk };
-  constexpr std::array kinds{Kind::ladder,         Kind::ladder, Kind::small_triangle,
-                             Kind::ladder,         Kind::pump,   Kind::triangle,
-                             Kind::small_triangle, Kind::cycle,  Kind::walk};
+  enum class Kind : std::uint8_t { ladder, steps, pump, small_triangle, triangle, cycle, walk };
+  constexpr std::array kinds{Kind::ladder,   Kind::steps,  Kind::ladder, Kind::small_triangle,
+                             Kind::ladder,   Kind::pump,   Kind::ladder, Kind::cycle,
+                             Kind::triangle, Kind::ladder, Kind::walk};
   const std::size_t start = turn_ % starts_.size();
   const auto& [access, state] = loops_.states()[starts_[start]];
   const Kind kind = kinds[(turn_ / starts_.size() + turn_) % kinds.size()];
   const std::span<const Symbol> loops = loops_.of(state);
-  const Letters letters = kind == Kind::ladder ? next_ladder(start, loops) : draw_letters(loops);
-  const bool stays = loops_.hypothesis().target(state, letters.follower) == state;
+  const Letters letters = draw_letters(loops);
   ++turn_;
   word = access;
   switch (kind) {
-    case Kind::ladder:  // a, aa, aaa, ..., each with b behind it
-      if (stays) {
+    case Kind::steps:  // a, then every looping input, so often; for each a once
+      if (steps_[start] < loops.size()) {
+        const Symbol step = loops[steps_[start]++];
         for (std::size_t times = 1; times <= most_repeats_; ++times) {
-          append(word, letters.first, times);
-          word.push_back(letters.follower);
+          word.push_back(step);
+          for (const Symbol other : loops) {
+            if (other != step) word.push_back(other);
+          }
         }
         break;
       }
-      [[fallthrough]];  // where b leaves, only one of them fits
+      [[fallthrough]];
+    case Kind::ladder: {  // a, aa, aaa, ..., each with b behind it, as long as b stays
+      const Ladder ladder = next_ladder(start, loops);
+      for (std::size_t times = ladder.shortest; times <= ladder.longest; ++times) {
+        append(word, ladder.rung, times);
+        word.push_back(ladder.follower);
+        if (loops_.hypothesis().target(state, ladder.follower) != state) return true;
+      }
+      break;
+    }
     case Kind::pump:
       append(word, letters.first, 1 + random_.below(most_repeats_));
       word.push_back(letters.follower);
@@ -371,7 +389,7 @@ bool LoopSampler::next(Word& word) {
       }
       break;
     case Kind::walk:
-      for (std::size_t i = 0; i < piece_length; ++i)
+      for (std::size_t i = 0; i < sample_length; ++i)
         word.push_back(loops[random_.below(loops.size())]);
       break;
   }

@@ -71,10 +71,14 @@ Word draw_chain(std::span<const Symbol> letters, std::size_t order, Random rando
 
 class ChainSuite : public TestSuite {
  public:
-  // Behind each start all words of `order` inputs that loop there; of each start at most
-  // `max_pieces` words. Keeps references.
+  static constexpr std::size_t short_piece = 400, long_piece = 4000;
+
+  // Behind each start all words of `order` inputs that loop there, cut into pieces of so many
+  // inputs; of each start at most `max_pieces` words. Long pieces find what takes several steps to
+  // show, short ones what does not last. Keeps references.
   ChainSuite(const LoopingInputs& loops, std::span<const LoopingInputs::Start> starts,
-             std::size_t order, Random random, std::uint64_t max_pieces = ~std::uint64_t{0});
+             std::size_t order, std::size_t piece_length, Random random,
+             std::uint64_t max_pieces = ~std::uint64_t{0});
 
   bool next(Word& word) override;
   std::optional<std::uint64_t> size() const override { return size_; }
@@ -87,7 +91,7 @@ class ChainSuite : public TestSuite {
 
   const LoopingInputs& loops_;
   std::span<const LoopingInputs::Start> starts_;
-  std::size_t order_;
+  std::size_t order_, piece_length_;
   Random random_;
   std::uint64_t max_pieces_;
   std::uint64_t size_ = 0, symbols_ = 0;
@@ -160,13 +164,18 @@ class LoopSampler : public TestSuite {
     Symbol first, second, follower;
   };
   Letters draw_letters(std::span<const Symbol> loops);
-  Letters next_ladder(std::size_t start, std::span<const Symbol> loops);
+  struct Ladder {
+    Symbol rung, follower;
+    std::size_t shortest, longest;
+  };
+  static constexpr std::size_t short_ladder = 24;
+  Ladder next_ladder(std::size_t start, std::span<const Symbol> loops);
 
   const LoopingInputs& loops_;
   std::size_t most_repeats_;
   Random random_;
-  std::vector<std::size_t> starts_;     // those where inputs loop
-  std::vector<std::uint64_t> ladders_;  // of each start, those made
+  std::vector<std::size_t> starts_;             // those where inputs loop
+  std::vector<std::uint64_t> ladders_, steps_;  // of each start, those made
   std::size_t turn_ = 0;
   std::uint64_t enough_ = 0;
 };

@@ -28,6 +28,8 @@ constexpr std::uint64_t growth_symbols = 2000;
 // Samples cost at most this share of what the suites before them cost, unless the hypothesis is
 // tiny; chains behind other ways likewise.
 constexpr std::uint64_t share_of_samples = 24, share_of_ways = 12;
+// Chains are drawn again as long as all of a state are of so many inputs on average.
+constexpr std::uint64_t cheap_chain = 1000;
 // Counterexamples of at most so many inputs beyond an access word are not shortened.
 constexpr std::size_t short_enough = 8;
 // A circuit of more inputs is not drawn: it would take hundreds of megabytes.
@@ -157,21 +159,31 @@ class StandardMethod::Query {
     return std::nullopt;
   }
 
-  // All words of as many looping inputs as the budget pays for; of one more, some.
+  ChainSuite make_chains(std::size_t order) {
+    return {loops_, loops_.states(), order, ChainSuite::long_piece, method_.random_.split()};
+  }
+
+  // All words of as many looping inputs as the budget pays for, twice at least; of one more,
+  // some.
   std::optional<Word> run_chains() {
     const TestCost limit = part_of_rest(2);
     std::size_t order = 0;
-    while (order < demand_.chained &&
-           fits(ChainSuite(loops_, loops_.states(), order + 1, Random(0)), limit)) {
+    while (order < demand_.chained && fits(make_chains(order + 1), limit)) {
       ++order;
     }
     if (order > 0) {
-      ChainSuite suite(loops_, loops_.states(), order, method_.random_.split());
+      ChainSuite suite = make_chains(order);
       if (auto word = ask(suite, left_)) return word;
       if (was_complete_) strength_.chained = order;
+      const std::uint64_t average = *suite.symbols() / hypothesis_.size() + 1;
+      for (std::uint64_t i = 0; i < std::clamp<std::uint64_t>(cheap_chain / average, 1, 4); ++i) {
+        ChainSuite again(loops_, loops_.states(), order, ChainSuite::short_piece,
+                         method_.random_.split());
+        if (auto word = ask(again, part_of_rest(4))) return word;
+      }
     }
     if (order < demand_.chained) {
-      const ChainSuite whole(loops_, loops_.states(), demand_.chained, Random(0));
+      const ChainSuite whole = make_chains(demand_.chained);
       miss(*whole.size(), *whole.symbols());
       if (auto word = run_some_chains(order + 1, limit)) return word;
     }
@@ -185,12 +197,12 @@ class StandardMethod::Query {
       circuit = saturating_product(circuit, hypothesis_.inputs().size());
     }
     if (circuit > longest_circuit) return std::nullopt;
-    const ChainSuite one(loops_, loops_.states(), order, Random(0), 1);
+    const ChainSuite one(loops_, loops_.states(), order, ChainSuite::short_piece, Random(0), 1);
     const std::uint64_t pieces =
         std::min(limit.symbols / std::max<std::uint64_t>(*one.symbols(), 1),
                  limit.words / std::max<std::uint64_t>(*one.size(), 1));
-    ChainSuite suite(loops_, loops_.states(), order, method_.random_.split(),
-                     std::max<std::uint64_t>(pieces, 1));
+    ChainSuite suite(loops_, loops_.states(), order, ChainSuite::short_piece,
+                     method_.random_.split(), std::max<std::uint64_t>(pieces, 1));
     return ask(suite, limit);
   }
 
@@ -225,11 +237,12 @@ class StandardMethod::Query {
   std::optional<Word> run_samples() {
     const std::uint64_t before = spent();
     ChainSuite ways(loops_, loops_.ways(), std::max<std::size_t>(strength_.chained, 1),
-                    method_.random_.split());
+                    ChainSuite::short_piece, method_.random_.split());
     if (auto word = ask(ways, {left_.words, before / share_of_ways})) return word;
     LoopSampler sampler(loops_, demand_.pumped, method_.random_.split());
-    const std::size_t halvings =
-        std::min<std::size_t>(2 * std::max<std::size_t>(hypothesis_.size(), 3) - 4, 63);
+    // A hypothesis of very few states is the likeliest to miss something.
+    const std::size_t states = hypothesis_.size();
+    const std::size_t halvings = std::min<std::size_t>(states <= 3 ? states : 2 * states, 63);
     const std::uint64_t symbols =
         std::max(before / share_of_samples,
                  std::min(2 * sampler.enough(), options_.budget.symbols >> halvings));

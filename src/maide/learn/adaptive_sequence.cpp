@@ -13,25 +13,27 @@ namespace {
 
 class Planner {
  public:
-  explicit Planner(const ObservationTree& tree) : tree_(tree), first_answer_(tree.input_count()) {}
+  Planner(const ObservationTree& tree, std::deque<Word>* witnesses)
+      : tree_(tree), witnesses_(witnesses), first_answer_(tree.input_count()) {}
 
   // Parts that are likely to be met come first, until there are `most_inputs`; but those before the
   // first that tells some apart are always there.
   DecisionTree plan(std::vector<Suspect> suspects, std::size_t most_inputs) {
     DecisionTree result;
     std::priority_queue<Part> parts;
-    const auto add = [&](std::size_t place, Group group) {
+    const auto add = [&](std::size_t place, Group group, Word witness) {
       if (group.suspects.size() < 2) return;
       double weight = 0;
       for (const Suspect& suspect : group.suspects) weight += suspect.weight;
-      parts.push({weight, parts_made_++, place, std::move(group)});
+      parts.push({weight, parts_made_++, place, std::move(group), std::move(witness)});
     };
-    add(0, {0, std::move(suspects)});
+    add(0, {0, std::move(suspects)}, {});
     bool has_split = false;
     while (!parts.empty() && (!has_split || result.nodes.size() < most_inputs)) {
-      const Part part = parts.top();
+      Part part = parts.top();
       parts.pop();
-      const std::optional<Symbol> input = choose_input(part.group.suspects);
+      must_split_ = !has_split;
+      const std::optional<Symbol> input = choose_input(part.group.suspects, part.witness);
       if (!input) continue;
       const std::size_t place = result.nodes.size();
       result.nodes.push_back({*input, {}});
@@ -41,12 +43,22 @@ class Planner {
       }
       std::vector<Group> groups = group_by_output(part.group.suspects, *input);
       has_split = has_split || groups.size() > 1;
-      for (Group& group : groups) add(place, std::move(group));
+      // What is left of a word that tells some of all apart still does, as long as all are there.
+      Word rest;
+      if (groups.size() == 1 && !part.witness.empty() && part.witness.front() == *input) {
+        rest.assign(part.witness.begin() + 1, part.witness.end());
+      }
+      for (Group& group : groups) add(place, std::move(group), rest);
     }
     return result;
   }
 
  private:
+  // Nodes of the tree that are walked for a word before others are tried. Where inputs are counted,
+  // long words are known of every state, and few tell some apart.
+  static constexpr std::size_t most_witness_nodes = 4096;
+  static constexpr std::size_t most_witnesses = 64;
+
   // Suspects that gave the same output, as the nodes they came to.
   struct Group {
     Symbol output;
@@ -58,6 +70,7 @@ class Planner {
     std::size_t number;
     std::size_t place;
     Group group;
+    Word witness;  // tells some of the group apart; empty: none was looked for
     bool operator<(const Part& other) const {
       return std::pair(weight, other.number) < std::pair(other.weight, number);
     }
@@ -71,11 +84,16 @@ class Planner {
 
   // Of the inputs that tell some apart at once the one of least estimated cost, one that is known
   // from all suspects if there is any: the others may need another query. If none tells some apart,
-  // the first of a shortest word that does.
-  std::optional<Symbol> choose_input(const std::vector<Suspect>& suspects) {
+  // the first of a shortest word that does, which `witness` then is.
+  std::optional<Symbol> choose_input(const std::vector<Suspect>& suspects, Word& witness) {
+    const auto first_of_witness = [&]() -> std::optional<Symbol> {
+      if (witness.empty()) witness = choose_witness(suspects);
+      if (witness.empty()) return std::nullopt;
+      return witness.front();
+    };
     if (suspects.size() == 2) {
       const std::optional<Symbol> input = tell_apart(suspects[0].node, suspects[1].node);
-      return input ? input : first_of_witness(suspects);
+      return input ? input : first_of_witness();
     }
     collect_answers(suspects);
     std::optional<Symbol> best;
@@ -94,7 +112,7 @@ class Planner {
       is_best_known_from_all = is_known_from_all;
     }
     if (best) return best;
-    return first_of_witness(suspects);
+    return first_of_witness();
   }
 
   // The least input that two nodes answer differently.
@@ -159,19 +177,64 @@ class Planner {
     return symbols_left_[suspects];
   }
 
-  // The first input of a shortest word that tells two suspects apart. All are walked together, so
-  // it costs the trees below them and not the square of their number.
-  std::optional<Symbol> first_of_witness(const std::vector<Suspect>& suspects) {
+  // A word that tells two suspects apart, a shortest one unless that lies deep; empty if there is
+  // none. Once some are told apart, what lies deep is left to another query.
+  Word choose_witness(const std::vector<Suspect>& suspects) {
+    std::size_t nodes = most_witness_nodes;
+    Word witness = find_witness(suspects, nodes);
+    const bool is_walked = nodes > 0;
+    if (!witness.empty() || is_walked || !must_split_) return witness;
+    if (witnesses_ != nullptr) {
+      for (const Word& known : *witnesses_) {
+        if (tells_apart(known, suspects)) return known;
+      }
+    }
+    nodes = std::numeric_limits<std::size_t>::max();
+    witness = find_witness(suspects, nodes);
+    if (witnesses_ != nullptr && !witness.empty()) {
+      witnesses_->push_front(witness);
+      if (witnesses_->size() > most_witnesses) witnesses_->pop_back();
+    }
+    return witness;
+  }
+
+  bool tells_apart(const Word& word, const std::vector<Suspect>& suspects) {
+    std::vector<ObservationTree::Node> nodes;
+    for (const Suspect& suspect : suspects) nodes.push_back(suspect.node);
+    for (const Symbol input : word) {
+      std::size_t kept = 0;
+      for (const ObservationTree::Node node : nodes) {
+        const ObservationTree::Node child = tree_.child(node, input);
+        if (child == ObservationTree::none) continue;
+        if (kept > 0 && tree_.output(nodes[0]) != tree_.output(child)) return true;
+        nodes[kept++] = child;
+      }
+      if (kept < 2) return false;
+      nodes.resize(kept);
+    }
+    return false;
+  }
+
+  // A shortest word. All are walked together, so it costs the trees below them and not the square
+  // of their number. Empty if none is found among the next `nodes_left` nodes, which it counts; 0:
+  // there were more.
+  Word find_witness(const std::vector<Suspect>& suspects, std::size_t& nodes_left) {
     struct Place {
-      Symbol first;
+      std::size_t parent;
+      Symbol input;            // from the parent's nodes
       std::size_t begin, end;  // of nodes, to which one word leads, with the same outputs
     };
     std::vector<ObservationTree::Node> nodes;
     for (const Suspect& suspect : suspects) nodes.push_back(suspect.node);
-    std::vector<Place> queue{{0, 0, nodes.size()}};
+    std::vector<Place> queue{{0, 0, 0, nodes.size()}};
     std::vector<std::pair<Symbol, ObservationTree::Node>> children;
     for (std::size_t next = 0; next < queue.size(); ++next) {
       const Place place = queue[next];
+      if (place.end - place.begin >= nodes_left) {
+        nodes_left = 0;
+        return {};
+      }
+      nodes_left -= place.end - place.begin;
       children.clear();
       for (std::size_t i = place.begin; i < place.end; ++i) {
         tree_.for_each_child(nodes[i], [&](ObservationTree::Node child) {
@@ -181,16 +244,21 @@ class Planner {
       std::sort(children.begin(), children.end());
       for (std::size_t begin = 0, end = 0; begin < children.size(); begin = end) {
         const auto [input, node] = children[begin];
-        const Symbol first = next == 0 ? input : place.first;
         for (end = begin + 1; end < children.size() && children[end].first == input; ++end) {
-          if (tree_.output(children[end].second) != tree_.output(node)) return first;
+          if (tree_.output(children[end].second) == tree_.output(node)) continue;
+          Word witness{input};
+          for (std::size_t at = next; at != 0; at = queue[at].parent) {
+            witness.push_back(queue[at].input);
+          }
+          std::reverse(witness.begin(), witness.end());
+          return witness;
         }
         if (end - begin < 2) continue;
-        queue.push_back({first, nodes.size(), nodes.size() + end - begin});
+        queue.push_back({next, input, nodes.size(), nodes.size() + end - begin});
         for (std::size_t i = begin; i < end; ++i) nodes.push_back(children[i].second);
       }
     }
-    return std::nullopt;
+    return {};
   }
 
   std::vector<Group> group_by_output(const std::vector<Suspect>& suspects, Symbol input) const {
@@ -214,7 +282,9 @@ class Planner {
   };
 
   const ObservationTree& tree_;
+  std::deque<Word>* witnesses_;  // may be null
   std::size_t parts_made_ = 0;
+  bool must_split_ = true;
   std::vector<Answer> unsorted_, answers_;
   std::vector<std::size_t> first_answer_;  // by input: where its answers begin, then end
   std::vector<Count> outputs_;
@@ -225,8 +295,8 @@ class Planner {
 }  // namespace
 
 DecisionTree find_adaptive_sequence(const ObservationTree& tree, std::vector<Suspect> suspects,
-                                    std::size_t most_inputs) {
-  return Planner(tree).plan(std::move(suspects), most_inputs);
+                                    std::size_t most_inputs, std::deque<Word>* witnesses) {
+  return Planner(tree, witnesses).plan(std::move(suspects), most_inputs);
 }
 
 }  // namespace maide

@@ -9,6 +9,7 @@
 // to recognise.
 #pragma once
 
+#include <deque>
 #include <vector>
 
 #include "maide/learn/observation_tree.hpp"
@@ -27,7 +28,11 @@ struct Suspect {
 // `most_inputs` inputs, those that are likely to be asked, unless it takes more to tell any apart.
 // O(inputs x suspects x length), and the trees below the suspects for each input that tells none
 // apart.
+//
+// `witnesses` are words that told some apart before: they are tried where a shortest such word lies
+// deep, and those that are found there are added. It may be null.
 DecisionTree find_adaptive_sequence(const ObservationTree& tree, std::vector<Suspect> suspects,
-                                    std::size_t most_inputs = ~std::size_t{0});
+                                    std::size_t most_inputs = ~std::size_t{0},
+                                    std::deque<Word>* witnesses = nullptr);
 
 }  // namespace maide

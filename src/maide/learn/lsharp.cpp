@@ -199,7 +199,8 @@ DecisionTree LSharp::identify(Transition transition, Symbol output,
   for (const StateId state : candidates) {
     suspects.push_back({apartness_.node(state), weights[state]});
   }
-  return find_adaptive_sequence(apartness_.tree(), std::move(suspects));
+  return find_adaptive_sequence(apartness_.tree(), std::move(suspects), ~std::size_t{0},
+                                &witnesses_);
 }
 
 // Of all states. Those that were found since are left out.
@@ -210,7 +211,8 @@ const DecisionTree& LSharp::common_plan() {
   for (StateId state = 0; state < apartness_.size(); ++state) {
     suspects.push_back({apartness_.node(state), likely.weight(state)});
   }
-  common_plan_ = find_adaptive_sequence(apartness_.tree(), std::move(suspects), largest_plan);
+  common_plan_ =
+      find_adaptive_sequence(apartness_.tree(), std::move(suspects), largest_plan, &witnesses_);
   return *common_plan_;
 }
 
@@ -225,7 +227,8 @@ const DecisionTree& LSharp::shared_plan(const std::vector<StateId>& candidates) 
       suspects.push_back({apartness_.node(state), likely.weight(state)});
     }
     keep_likeliest(suspects);
-    found->second = find_adaptive_sequence(apartness_.tree(), std::move(suspects), largest_plan);
+    found->second =
+        find_adaptive_sequence(apartness_.tree(), std::move(suspects), largest_plan, &witnesses_);
   }
   return found->second;
 }

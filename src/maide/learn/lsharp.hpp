@@ -38,6 +38,7 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <optional>
 #include <unordered_map>
 #include <vector>
@@ -118,6 +119,7 @@ class LSharp : public Learner {
   std::uint64_t prior_expires_ = 0;  // at this number of output queries
   std::optional<DecisionTree> common_plan_;
   std::unordered_map<std::vector<StateId>, DecisionTree, WordHash> plans_;  // by candidates
+  std::deque<Word> witnesses_;  // long ones that told states apart
   std::uint64_t output_queries_ = 0;
 
   std::optional<StateMatching> matching_;  // if there is an old model
