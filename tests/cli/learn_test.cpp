@@ -94,7 +94,7 @@ TEST(Learn, JsonHasWhatTheDesignNames) {
        {"algorithm", "translation", "states", "transitions", "mealy_states", "output_queries",
         "equivalence_queries", "experiments", "symbols", "resets", "seconds", "seconds_in_system",
         "seconds_in_calls", "seconds_in_quiescence", "seconds_in_reset",
-        "seconds_waiting_for_reset", "seconds_in_learner", "model"}) {
+        "seconds_waiting_for_reset", "seconds_in_learner", "strength", "model"}) {
     EXPECT_TRUE(json.contains(key)) << key;
   }
   EXPECT_EQ(json.at("translation"), "eager");

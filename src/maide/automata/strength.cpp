@@ -10,6 +10,7 @@
 namespace maide {
 namespace {
 
+constexpr std::string_view weak_mark = "weak: ";
 constexpr std::uint64_t random_floor = 2000, random_per_transition = 20;
 
 // Calls `take(dimension, number)`, which says whether there is such a dimension, for each part.
@@ -84,6 +85,21 @@ Strength parse_strength(std::string_view text) {
     return true;
   });
   return strength;
+}
+
+std::string to_string(const StatedStrength& stated) {
+  return fmt::format("{}{}", stated.is_weak ? weak_mark : "", to_string(stated.strength));
+}
+
+StatedStrength parse_stated_strength(std::string_view text) {
+  const bool is_weak = text.starts_with(weak_mark);
+  return {parse_strength(is_weak ? text.substr(weak_mark.size()) : text), is_weak};
+}
+
+std::optional<StatedStrength> find_strength(const Origin& origin) {
+  const auto text = origin.find(std::string(strength_key));
+  if (text == origin.end()) return std::nullopt;
+  return parse_stated_strength(text->second);
 }
 
 StrengthDemand parse_demand(std::string_view text, StrengthDemand standard) {

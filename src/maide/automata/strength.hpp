@@ -55,6 +55,19 @@ std::string describe_shortfall(const Strength& strength, const StrengthDemand& d
 std::string to_string(const Strength& strength);
 Strength parse_strength(std::string_view text);
 
+// What a model's origin says of it under this key: to_string(strength), behind "weak: " if it fell
+// short of what is demanded of a model of its system, which a reader cannot work out: the file does
+// not hold the sizes.
+inline constexpr std::string_view strength_key = "strength";
+struct StatedStrength {
+  Strength strength;
+  bool is_weak = false;
+};
+std::string to_string(const StatedStrength& stated);
+StatedStrength parse_stated_strength(std::string_view text);  // throws as parse_strength
+// Nothing where the origin does not say: the strength is unknown.
+std::optional<StatedStrength> find_strength(const Origin& origin);
+
 // "extra-states=2,pumped=64": the dimensions that `text` names, in place of those of `standard`.
 // Throws likewise.
 StrengthDemand parse_demand(std::string_view text, StrengthDemand standard);

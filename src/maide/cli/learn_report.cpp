@@ -8,6 +8,7 @@
 #include "maide/base/join.hpp"
 #include "maide/cli/contradiction_report.hpp"
 #include "maide/cli/learn_statistics.hpp"
+#include "maide/cli/strength_report.hpp"
 
 namespace maide::cli {
 namespace {
@@ -65,6 +66,7 @@ Json learned_as_json(const LearnedModel& learned, std::size_t jobs, const std::s
             {"contradictions", contradictions_as_json(run.contradictions)},
             {"restarts", run.restarts},
             {"model", path.empty() ? Json() : Json(path)}};
+  add_strength(json, learned);
   add_statistics(json, run);
   json["ends"] = Json::array();
   for (const SystemEnd& end : learned.ends) {
@@ -120,6 +122,7 @@ std::string describe_learned(const LearnedModel& learned, const SystemSpec& spec
   text += describe_contradictions(run.contradictions, vote);
   text += describe_contradictions(run.log_contradictions);
   text += fmt::format("  result               {}\n", run.guarantee);
+  text += describe_strength(learned);
   if (learned.model) {
     if (const auto* automaton = std::get_if<InterfaceAutomaton>(&*learned.model)) {
       text += remarks(*automaton);
@@ -142,9 +145,10 @@ std::string describe_learned(const LearnedModel& learned, const SystemSpec& spec
 }
 
 std::string describe_briefly(const LearnedModel& learned, const std::string& path) {
-  return fmt::format("{}: {} states, {} transitions{}\n", path, learned.states(),
-                     learned.transitions(),
-                     learned.experiment.is_complete() ? "" : " (not finished)");
+  const ExperimentResult& run = learned.experiment;
+  return fmt::format("{}: {} states, {} transitions{}{}\n", path, learned.states(),
+                     learned.transitions(), run.is_complete() ? "" : " (not finished)",
+                     run.is_weak() ? " (weak)" : "");
 }
 
 }  // namespace maide::cli

@@ -4,6 +4,7 @@
 #include <array>
 
 #include "maide/automata/moore.hpp"
+#include "maide/automata/strength.hpp"
 #include "maide/formats/actors_text.hpp"
 #include "maide/formats/dot.hpp"
 #include "maide/formats/dot_syntax.hpp"
@@ -88,6 +89,9 @@ class DotReader {
             placed(attribute, [](const std::string& text) { return actors_from_text(text); });
       } else if (attribute.key == "type" && (value == "mealy" || value == "interface automaton")) {
         graph_.type = value;
+      } else if (attribute.key == strength_key) {
+        placed(attribute, [](const std::string& text) { return parse_stated_strength(text); });
+        graph_.origin.emplace(attribute.key, value);
       } else if (std::find(drawing_attributes.begin(), drawing_attributes.end(), attribute.key) ==
                  drawing_attributes.end()) {
         graph_.origin.emplace(unescape_dot_label(attribute.key), value);

@@ -3,13 +3,19 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
+#include <limits>
 #include <memory>
 #include <optional>
+#include <string_view>
 #include <utility>
 
 #include "maide/automata/minimize.hpp"
 #include "maide/base/log.hpp"
+#include "maide/base/parse_number.hpp"
+#include "maide/base/saturating.hpp"
+#include "maide/base/version.hpp"
 #include "maide/conformance/chain_oracle.hpp"
 #include "maide/conformance/known_words.hpp"
 #include "maide/conformance/test_chain.hpp"
@@ -29,6 +35,27 @@ namespace {
 // Inputs that the confirmation with longer waits may cost: a bounded share of the run.
 std::uint64_t confirmation_budget(const Statistics& statistics) {
   return std::clamp<std::uint64_t>(statistics.total().symbols / 400, 20, 500);
+}
+
+std::vector<std::string_view> split(std::string_view text, std::string_view separators) {
+  std::vector<std::string_view> words;
+  while (!text.empty()) {
+    const std::size_t end = std::min(text.find_first_of(separators), text.size());
+    if (end > 0) words.push_back(text.substr(0, end));
+    text.remove_prefix(std::min(end + 1, text.size()));
+  }
+  return words;
+}
+
+// "depth", "queue_size", "max-samples": not "step-limit", "max-blocking-time".
+bool names_length(std::string_view key) {
+  constexpr std::array lengths{"bound",  "buffer",   "capacity", "depth",  "history",
+                               "hwm",    "inflight", "length",   "queue",  "queued",
+                               "rcvhwm", "samples",  "size",     "sndhwm", "window"};
+  const std::vector<std::string_view> words = split(key, "-_");
+  return std::any_of(words.begin(), words.end(), [&](std::string_view word) {
+    return std::find(lengths.begin(), lengths.end(), word) != lengths.end();
+  });
 }
 
 const LearnerEntry& choose_algorithm(const std::string& name) {
@@ -64,6 +91,7 @@ class Run {
         counter_(system),
         progress_(control.progress, counter_),
         paced_(counter_, pace()) {
+    if (!options.testing.strength.empty()) parse_demand(options.testing.strength, {});
     if (!options.cache_file.empty()) {
       file_.emplace(options.cache_file, system.inputs(), options.fingerprint, &control);
       if (options.on_cached_word) tell_cached_words(*file_, options);
@@ -89,6 +117,8 @@ class Run {
     result_.model.origin["algorithm"] = result_.algorithm;
     result_.model.origin["tests"] = result_.guarantee;
     result_.model.origin["seed"] = std::to_string(options_.testing.seed);
+    result_.model.origin["maide"] = version();
+    judge_strength();
     Statistics statistics = counter_.statistics();
     statistics.at(LearnPhase::confirmation) += patient_counts_;
     fill_counts(result_, statistics, start_);
@@ -135,6 +165,7 @@ class Run {
 
   // False if it must be done again on a corrected cache.
   bool learn_once() {
+    tested_ = {};
     const auto tests = make_tests();
     ConfirmingTeacher confirming(*tests, *cache_);
     PhasedTeacher teacher(options_.confirm ? confirming : *tests, counter_);
@@ -151,6 +182,8 @@ class Run {
         }
       });
       result_.guarantee = teacher.guarantee();
+      tested_.strength = teacher.strength();
+      tested_.cost_of_missing = teacher.cost_of_missing();
       confirm(learner->hypothesis());
     } catch (const CacheCorrected&) {
       is_over = false;
@@ -163,6 +196,22 @@ class Run {
     // A run that ends before its first hypothesis leaves the one before.
     if (learner->hypothesis().size() > 0) result_.model = breadth_first(learner->hypothesis());
     return is_over;
+  }
+
+  // A query that did not come to its end says nothing of the model: `tested_` holds no such one.
+  void judge_strength() {
+    const TestMethodOptions& testing = options_.testing;
+    const auto largest = std::max_element(testing.sizes.begin(), testing.sizes.end());
+    tested_.standard = default_demand(result_.model.size(), result_.model.inputs().size(),
+                                      largest == testing.sizes.end() ? 0 : *largest);
+    tested_.demand = testing.strength.empty() ? tested_.standard
+                                              : parse_demand(testing.strength, tested_.standard);
+    tested_.budget = testing.budget;
+    tested_.is_weak = !describe_shortfall(tested_.strength, tested_.standard).empty();
+    if (tested_.shortfall().empty()) tested_.cost_of_missing = {};
+    result_.model.origin[std::string(strength_key)] =
+        to_string(StatedStrength{tested_.strength, tested_.is_weak});
+    result_.strength = tested_;
   }
 
   // A kept cache that answered everything was confirmed by the run that filled it.
@@ -190,6 +239,7 @@ class Run {
   std::optional<Mealy> old_model_;           // given, or what the log alone gives
   const LoggedTraces* traces_ = nullptr;     // of the present run
   LearnPhase phase_ = LearnPhase::learning;  // before a vote
+  TestedStrength tested_;  // of the present run's model, as far as a query came to its end
   QueryCounts patient_counts_;
   ExperimentResult result_;
 };
@@ -208,9 +258,37 @@ ExperimentResult run_experiment(IaTranslator& translator, const ExperimentOption
   completed.on_cached_word = [&](const Word& inputs, const std::vector<std::string>& outputs) {
     translator.remember(inputs, outputs);
   };
+  if (completed.testing.sizes.empty()) completed.testing.sizes = find_sizes(translator.info());
+  if (completed.testing.budget.words == 0) {
+    completed.testing.budget = test_budget(options.reference != nullptr);
+  }
   if (!translator.info().speaks_trees) completed.algorithm = choose_by_words(options.algorithm);
   SulOracle system(translator);
   return run_experiment(system, completed, control);
+}
+
+std::vector<std::size_t> find_sizes(const SulInfo& info) {
+  std::vector<std::size_t> sizes;
+  std::size_t most = std::numeric_limits<std::size_t>::max();
+  if (const auto size = info.options.find("size"); size != info.options.end()) {
+    const std::size_t number = parse_number<std::size_t>(size->second).value_or(0);
+    if (number > 0) most = number;
+  }
+  const auto add = [&](std::string_view text) {
+    const auto number = parse_number<std::size_t>(text);
+    if (number && *number > 0 && *number <= most) sizes.push_back(*number);
+  };
+  for (const auto& [key, value] : info.options) {
+    if (names_length(key)) add(value);
+  }
+  for (const std::string_view word : split(info.bound, " ,")) add(word);  // "at most 6 messages"
+  return sizes;
+}
+
+TestCost test_budget(bool is_in_memory, std::uint64_t effort) {
+  const TestCost once =
+      is_in_memory ? TestCost{1'000'000, 30'000'000} : TestCost{20'000, 1'000'000};
+  return {saturating_product(once.words, effort), saturating_product(once.symbols, effort)};
 }
 
 Fingerprint identify(const IaTranslator& translator) {

@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "maide/automata/mealy.hpp"
+#include "maide/automata/strength.hpp"
 #include "maide/base/run_control.hpp"
 #include "maide/conformance/logged_traces.hpp"
 #include "maide/conformance/test_methods.hpp"
@@ -53,15 +54,31 @@ struct ExperimentOptions {
   HypothesisObserver on_hypothesis;  // called with each hypothesis before it is tested
 };
 
+// What the tests of a run established, and whether that is enough.
+struct TestedStrength {
+  // Of the model, by the last equivalence query; none if it did not come to its end.
+  Strength strength;
+  StrengthDemand standard;   // what a model of this size must reach not to be weak
+  StrengthDemand demand;     // the same, with what TestMethodOptions::strength names
+  TestCost cost_of_missing;  // to what was demanded; nothing where it is reached or not known
+  TestCost budget;           // what the tests could cost; 0: up to the method
+  bool is_weak = false;      // falls short of `standard`
+
+  // "pumped=64": where it falls short of `demand`; empty: nowhere.
+  std::string shortfall() const { return describe_shortfall(strength, demand); }
+};
+
 struct ExperimentResult {
   // The last hypothesis; without states if the run ended before the first. `origin` says how it was
-  // made: "algorithm", "tests" (the guarantee), "seed".
+  // made: "algorithm", "tests" (the guarantee), "seed", "maide" (the version), "strength".
   Mealy model;
   // Why the run ended before its end: Interrupted, WrapperError, NondeterminismError, ...; null:
   // the teacher found no counterexample to the model.
   std::exception_ptr error;
   std::string algorithm, test_method;  // as used
   std::string guarantee;               // what the last equivalence query establishes, in words
+  // The same in numbers; nothing for nondeterministic models, whose tests have no such numbers.
+  std::optional<TestedStrength> strength;
 
   std::vector<Contradiction> contradictions;  // words that were answered in several ways
   std::uint64_t restarts = 0;                 // of the learner, after a correction
@@ -85,6 +102,7 @@ struct ExperimentResult {
   std::vector<HypothesisCost> hypotheses;
 
   bool is_complete() const { return error == nullptr; }
+  bool is_weak() const { return strength && strength->is_weak; }
 };
 
 // Learns the system behind `system`. Throws UsageError before anything is run: an unknown name, a
@@ -93,9 +111,20 @@ struct ExperimentResult {
 ExperimentResult run_experiment(OutputOracle& system, const ExperimentOptions& options,
                                 const RunControl& control = {});
 
-// The same through a translator; what identify() says is added to the fingerprint.
+// The same through a translator. What identify() says is added to the fingerprint; sizes and budget
+// that `options.testing` leaves out are find_sizes() and test_budget(), in memory if there is a
+// reference.
 ExperimentResult run_experiment(IaTranslator& translator, const ExperimentOptions& options,
                                 const RunControl& control = {});
+
+// The numbers that a system's options, and its bound, name as lengths of queues: depth, size,
+// queue_size, sndhwm, ... Queues longer than `size`, where it is set, are not filled while learning
+// and do not count.
+std::vector<std::size_t> find_sizes(const SulInfo& info);
+
+// What the tests of a hypothesis may cost: less on a real system than in memory; `effort` times
+// that, saturating.
+TestCost test_budget(bool is_in_memory, std::uint64_t effort = 1);
 
 // The system behind a translator: name, translation, options, versions, bound.
 Fingerprint identify(const IaTranslator& translator);

@@ -9,6 +9,7 @@
 #include "maide/base/named_table.hpp"
 #include "maide/learn/learners.hpp"
 #include "maide/learn/sul_oracle.hpp"
+#include "maide/sul/ia_translation.hpp"
 #include "maide/workflow/nondeterministic_run.hpp"
 
 namespace maide {
@@ -70,6 +71,24 @@ Model to_model(const NondeterministicMealy& machine, const IaTranslator& transla
   }
 }
 
+// A refused input, and one that is not offered, was not tried there.
+std::vector<std::string> find_inputs_without_effect(const Mealy& machine, Translation translation) {
+  std::vector<std::string> names;
+  for (Symbol input = 0; input < machine.inputs().size(); ++input) {
+    const std::string& name = machine.inputs().name(input);
+    if (translation == Translation::av && name == delta_input) continue;
+    bool is_tried = false, has_effect = false;
+    for (StateId state = 0; state < machine.size(); ++state) {
+      const std::string& output = machine.outputs().name(machine.output(state, input));
+      is_tried =
+          is_tried || (output != "refused" && output != "unexplored" && output != "absorbed");
+      has_effect = has_effect || machine.target(state, input) != state;
+    }
+    if (is_tried && !has_effect) names.push_back(name);
+  }
+  return names;
+}
+
 LearnedModel learn_nondeterministic(IaTranslator& translator, LearnedModel learned,
                                     const ExperimentOptions& options, const RunControl& control) {
   if (translator.translation() != Translation::eager) {
@@ -112,6 +131,7 @@ LearnedModel learn_model(Sul& sul, Translation translation, const ExperimentOpti
   machine.origin.emplace("sul", sul.info().name);
   if (!learned.experiment.is_complete()) machine.origin["incomplete"] = "the run ended early";
   learned.mealy_states = machine.size();
+  learned.inputs_without_effect = find_inputs_without_effect(machine, translation);
   learned.model = to_model(machine, translator, learned.experiment.error);
   if (auto* automaton = std::get_if<InterfaceAutomaton>(&*learned.model)) {
     learned.ends = find_system_ends(*automaton, translator);

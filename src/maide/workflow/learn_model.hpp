@@ -25,7 +25,9 @@ struct LearnedModel {
   bool is_plain = false;         // the system is a plain Mealy machine: no translation
   std::size_t mealy_states = 0;  // of the minimal machine of the translation
   std::vector<SystemEnd> ends;   // crashes and hangs of `model`, an interface automaton
-  SulIncidents incidents;        // of the system's processes in this run, which were put right
+  // Inputs that were tried and change no state of the deterministic machine, in their order.
+  std::vector<std::string> inputs_without_effect;
+  SulIncidents incidents;  // of the system's processes in this run, which were put right
   ExperimentResult experiment;
 
   std::size_t states() const;       // of `model`; 0 without one

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "maide/base/error.hpp"
+#include "maide/base/version.hpp"
 #include "maide/conformance/nondeterministic_tests.hpp"
 #include "maide/learn/counting_oracle.hpp"
 #include "maide/learn/nstar.hpp"
@@ -76,6 +77,7 @@ NondeterministicResult run_nondeterministic_experiment(OutputOracle& system,
   result.model.origin["algorithm"] = run.algorithm;
   result.model.origin["tests"] = run.guarantee;
   result.model.origin["seed"] = std::to_string(options.testing.seed);
+  result.model.origin["maide"] = version();
   const Statistics& statistics = counter.statistics();
   run.output_queries =
       statistics.at(LearnPhase::learning).queries + statistics.at(LearnPhase::refinement).queries;

@@ -19,6 +19,21 @@ TEST(Strength, TextAndBack) {
   EXPECT_EQ(parse_strength("pumped=5"), Strength{.pumped = 5});
 }
 
+TEST(Strength, AFileSaysWhetherItIsWeak) {
+  for (const bool is_weak : {false, true}) {
+    const StatedStrength stated{{.chained = 3, .random = 7}, is_weak};
+    const auto read = find_strength({{"seed", "1"}, {"strength", to_string(stated)}});
+    ASSERT_TRUE(read);
+    EXPECT_EQ(read->strength, stated.strength);
+    EXPECT_EQ(read->is_weak, is_weak);
+  }
+  EXPECT_EQ(to_string(StatedStrength{{.exact = true}, false}), "exact");
+  EXPECT_EQ(to_string(StatedStrength{{}, true}), "weak: chained=0,pumped=0,random=0");
+  EXPECT_FALSE(find_strength({{"seed", "1"}}));
+  EXPECT_THROW(find_strength({{"strength", "weak"}}), UsageError);
+  EXPECT_THROW(parse_stated_strength("weak: "), UsageError);
+}
+
 TEST(Strength, WhatIsNoneIsNamed) {
   for (const char* text :
        {"", "strong", "pumped", "pumped=", "pumped=-1", "pumped=1,", "depth=3"}) {

@@ -87,6 +87,28 @@ TEST(Dot, RandomInterfaceAutomataRoundTrip) {
   }
 }
 
+TEST(Dot, StrengthRoundTripsOrIsAnErrorWithItsPlace) {
+  for (const char* strength : {"exact", "weak: chained=0,pumped=0,random=0",
+                               "extra-states=1,chained=3,pumped=64,random=4000"}) {
+    Mealy machine({"a"}, {"x"}, 1);
+    machine.set_transition(0, 0, 0, 0);
+    machine.origin = {{"maide", "1.2.3"}, {"strength", strength}};
+    expect_same(machine, mealy_of(dot_of(machine)));
+    InterfaceAutomaton automaton({"a"}, {"x"}, 1);
+    automaton.origin = machine.origin;
+    EXPECT_EQ(automaton, ia_of(dot_of(automaton)));
+  }
+  try {
+    read_dot("digraph g {\n  strength=\"weak: strong\";\n __start0 -> a; a -> a [label=\"?x\"]; }",
+             "m.dot");
+    FAIL();
+  } catch (const ParseError& error) {
+    EXPECT_EQ(error.position().line, 2);
+    EXPECT_NE(std::string(error.what()).find("'strong' is no strength"), std::string::npos)
+        << error.what();
+  }
+}
+
 TEST(Dot, StrangeNamesRoundTrip) {
   const Alphabet names{std::span<const std::string>(strange_names)};
   Mealy machine(names, names, 1);

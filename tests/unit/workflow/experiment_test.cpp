@@ -96,6 +96,75 @@ TEST(Experiment, PerfectOracleSendsNothing) {
   EXPECT_THROW(run_experiment(system, options), UsageError);
 }
 
+TEST(Experiment, SaysHowStrongItsModelIs) {
+  const Mealy reference = example_machine(1);
+  MealyOracle system(reference);
+  ExperimentOptions options;
+  options.test_method = "hads:extra-states=1";
+  options.testing.sizes = {4, 10, 7};
+  const ExperimentResult result = run_experiment(system, options);
+  ASSERT_TRUE(result.strength);
+  EXPECT_EQ(result.strength->strength, Strength{.extra_states = 1});
+  EXPECT_TRUE(result.is_weak());
+  EXPECT_EQ(result.strength->demand.pumped, 20U);
+  const std::string random = std::to_string(2000 + 20 * 30 * 3);
+  EXPECT_EQ(result.strength->shortfall(), "chained=3,pumped=20,random=" + random);
+  EXPECT_EQ(result.model.origin.at("strength"), "weak: extra-states=1,chained=0,pumped=0,random=0");
+
+  // What is demanded does not change what is weak.
+  options.testing.strength = "chained=0,pumped=0,random=0";
+  const ExperimentResult demanded = run_experiment(system, options);
+  EXPECT_EQ(demanded.strength->shortfall(), "");
+  EXPECT_TRUE(demanded.is_weak());
+  options.testing.strength = "strong";
+  EXPECT_THROW(run_experiment(system, options), UsageError);
+
+  options.testing.strength = "";
+  options.test_method = "perfect";
+  options.reference = &reference;
+  const ExperimentResult exact = run_experiment(system, options);
+  EXPECT_FALSE(exact.is_weak());
+  EXPECT_EQ(exact.model.origin.at("strength"), "exact");
+}
+
+// Its last finished query was about another hypothesis.
+TEST(Experiment, ARunThatEndsEarlyHasNoStrength) {
+  const Mealy reference = example_machine(2);
+  MealyOracle whole(reference);
+  const std::uint64_t experiments = run_experiment(whole, {}).experiments;
+  for (const std::uint64_t limit : {std::uint64_t{200}, experiments - 1}) {
+    MealyOracle system(reference);
+    ExperimentOptions options;
+    options.max_experiments = limit;
+    const ExperimentResult result = run_experiment(system, options);
+    ASSERT_FALSE(result.is_complete());
+    EXPECT_EQ(result.strength->strength, Strength());
+    EXPECT_TRUE(result.is_weak());
+    EXPECT_EQ(result.model.origin.at("strength"), "weak: chained=0,pumped=0,random=0");
+  }
+}
+
+TEST(Experiment, SizesAreTheLengthsAmongTheOptions) {
+  const auto sizes = [](std::map<std::string, std::string> options, const std::string& bound = "") {
+    SulInfo info;
+    info.options = std::move(options);
+    info.bound = bound;
+    return find_sizes(info);
+  };
+  using Sizes = std::vector<std::size_t>;
+  EXPECT_EQ(sizes({{"depth", "10"}, {"max-blocking-time", "5"}, {"port", "7400"}}), Sizes{10});
+  EXPECT_EQ(sizes({{"queue_size", "4"}, {"sub_queue_size", "same"}, {"step-limit", "99"}}),
+            Sizes{4});
+  EXPECT_EQ(sizes({{"max-samples", "0"}, {"history", "keep_last"}}), Sizes{});
+  EXPECT_EQ(sizes({{"rcvhwm", "1000"}, {"sndhwm", "2"}, {"size", "3"}}), (Sizes{3, 2}))
+      << "no more than three messages are in flight";
+  EXPECT_EQ(sizes({{"rcvhwm", "1000"}, {"size", "0"}}), Sizes{1000});
+  EXPECT_EQ(sizes({}, "at most 1 interrupt of the reader, at most 6 messages in flight"),
+            (Sizes{1, 6}));
+  EXPECT_EQ(test_budget(false, 3).words, 3 * test_budget(false).words);
+  EXPECT_GT(test_budget(true).symbols, test_budget(false).symbols);
+}
+
 TEST(Experiment, UnknownNamesAreUsageErrors) {
   const Mealy reference = example_machine(1);
   MealyOracle system(reference);
