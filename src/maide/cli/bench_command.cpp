@@ -47,7 +47,9 @@ ExitStatus bench(const BenchArguments& arguments, Context& context) {
   options.seconds = arguments.seconds;
   options.use_cache = !arguments.no_cache;
   bench_learners(options);  // wrong names are found before models are read
-  TestChain{options.test_method};
+  const TestChain tests(options.test_method);
+  if (options.testing.max_tests) tests.require("max-tests");
+  if (options.testing.extra_states) tests.require("extra-states");
   BenchFolder folder = read_bench_folder(arguments.folder);
   if (!arguments.start_from.empty()) add_old_versions(folder, arguments.start_from);
   for (const std::string& message : folder.unreadable) context.complain(message);

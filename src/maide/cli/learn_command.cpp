@@ -23,7 +23,8 @@
 #include "maide/cli/learn_from_traces.hpp"
 #include "maide/cli/learn_report.hpp"
 #include "maide/cli/learn_statistics.hpp"
-#include "maide/conformance/test_methods.hpp"
+#include "maide/cli/strength_report.hpp"
+#include "maide/cli/test_arguments.hpp"
 #include "maide/formats/dot.hpp"
 #include "maide/formats/model_file.hpp"
 #include "maide/learn/learners.hpp"
@@ -44,7 +45,6 @@ struct LearnArguments {
   std::vector<std::string> key_values;
   std::string output;
   std::string algorithm{learners().front().name};
-  std::string test_method{test_methods().front().name};
   std::string translation;
   std::string cache;
   std::string plot;
@@ -52,16 +52,7 @@ struct LearnArguments {
   std::string start_from;
   std::string from_traces;
   std::string token_file;
-  std::optional<std::size_t> extra_states;
-  std::optional<std::uint64_t> max_tests;
-  std::optional<std::size_t> infix_min;
-  std::optional<double> infix_mean;
-  std::string infix_inputs;
-  std::string prefix_states;
-  std::string suffix_words;
-  std::optional<std::size_t> ways;
-  std::optional<std::size_t> walks;
-  std::optional<std::size_t> walk_length;
+  TestArguments tests;
   std::uint64_t max_experiments = 0;
   std::optional<double> time_limit;
   std::uint64_t seed = 1;
@@ -85,23 +76,8 @@ bool is_to_be_confirmed(const LearnArguments& arguments, const OpenedSystem& sys
 ExperimentOptions experiment_options(const LearnArguments& arguments, const Mealy* reference) {
   ExperimentOptions options;
   options.algorithm = arguments.algorithm;
-  options.test_method = arguments.test_method;
-  options.testing.extra_states = arguments.extra_states;
-  options.testing.max_tests = arguments.max_tests;
-  options.testing.infix_min = arguments.infix_min;
-  options.testing.infix_mean = arguments.infix_mean;
-  if (!arguments.infix_inputs.empty()) {
-    options.testing.infix_inputs = find_infix_inputs(arguments.infix_inputs);
-  }
-  if (!arguments.prefix_states.empty()) {
-    options.testing.prefix_states = find_prefix_states(arguments.prefix_states);
-  }
-  if (!arguments.suffix_words.empty()) {
-    options.testing.suffix_words = find_suffix_words(arguments.suffix_words);
-  }
-  options.testing.ways = arguments.ways;
-  options.testing.walks = arguments.walks;
-  options.testing.walk_length = arguments.walk_length;
+  options.test_method = arguments.tests.method;
+  options.testing = arguments.tests.read();
   options.testing.seed = arguments.seed;
   options.reference = reference;
   options.cache_file = arguments.cache;
@@ -123,10 +99,28 @@ ExitStatus rescue(const LearnedModel& learned, std::size_t jobs, const std::stri
   return failure.status();
 }
 
+// What was asked for, as typed, and how many systems were asked at once.
+struct Request {
+  const SystemSpec& spec;
+  const CLI::App& app;
+  std::size_t jobs;
+};
+
+// The first line for a weak model; empty for any other.
+std::string first_line(const LearnedModel& learned, const LearnArguments& arguments,
+                       const CLI::App& app, const std::string& written) {
+  const ExperimentResult& run = learned.experiment;
+  if (!run.is_weak() || !learned.model) return "";
+  const std::string command =
+      describe_next_command(app, run, {arguments.tests.effort.value_or(1), written});
+  return describe_weakness(run) + (command.empty() ? "" : ". Go on: " + command) + "\n";
+}
+
 // Writes the model where it belongs: to the file, or, for people who gave none, to standard output
 // with the summary on standard error.
 ExitStatus give_result(const LearnedModel& learned, const LearnArguments& arguments,
-                       const SystemSpec& spec, std::size_t jobs, Context& context) {
+                       const Request& request, Context& context) {
+  const auto& [spec, app, jobs] = request;
   const std::string& path = arguments.output;
   std::string dot;
   if (learned.model) {
@@ -142,10 +136,14 @@ ExitStatus give_result(const LearnedModel& learned, const LearnArguments& argume
   }
   std::string summary = context.quiet()
                             ? describe_briefly(learned, written)
-                            : describe_learned(learned, spec, arguments.vote, jobs, written);
+                            : first_line(learned, arguments, app, written) +
+                                  describe_learned(learned, spec, arguments.vote, jobs, written);
   if (context.verbose()) summary += describe_statistics(learned.experiment);
   if (written.empty()) {
     if (!context.json() && !context.quiet()) fmt::print(stderr, "{}", printable(summary));
+    if (context.quiet() && !context.json() && learned.experiment.is_weak()) {
+      context.complain("the model is weak");
+    }
     context.print_data(dot);
   } else {
     context.print(summary);
@@ -210,13 +208,31 @@ void check_distinct(const LearnArguments& arguments) {
   }
 }
 
-ExitStatus learn(const LearnArguments& arguments, Context& context) {
+// The error that ended the run, or a strength that was demanded and not reached.
+ExitStatus judge(const ExperimentResult& run, const LearnArguments& arguments, Context& context) {
+  if (!run.is_complete()) {
+    try {
+      std::rethrow_exception(run.error);
+    } catch (const Error& error) {
+      context.complain(error.what());
+      return error.status();
+    }
+  }
+  if (arguments.tests.strength.empty() || !run.strength) return ExitStatus::ok;
+  const std::string missing = describe_missing(*run.strength);
+  if (missing.empty()) return ExitStatus::ok;
+  context.complain("the tests did not reach what --strength demands: " + missing);
+  return ExitStatus::inconclusive;
+}
+
+ExitStatus learn(const LearnArguments& arguments, const CLI::App& app, Context& context) {
   check_distinct(arguments);
   if (arguments.sul.empty() && !arguments.from_traces.empty()) {
     RunControl control = context.control();
     if (arguments.time_limit) control.deadline = deadline_in(*arguments.time_limit);
     return learn_from_traces(arguments.from_traces, arguments.output, control, context);
   }
+  arguments.tests.check(arguments.algorithm);
   const SystemSpec spec = parse_system_spec(arguments.sul, arguments.key_values);
   SystemAccess access;
   access.token_file = arguments.token_file;
@@ -244,6 +260,8 @@ ExitStatus learn(const LearnArguments& arguments, Context& context) {
     options.old_model =
         read_old_machine(arguments.start_from, translation, input_alphabet(system.sul->info()));
   }
+  const std::uint64_t effort = arguments.tests.effort.value_or(1);
+  options.testing.budget = test_budget(system.reference.has_value(), effort);
   if (!arguments.purpose.empty()) options.fingerprint["purpose"] = read_file(arguments.purpose);
   options.confirm = is_to_be_confirmed(arguments, system);
   if (options.confirm) {
@@ -252,69 +270,15 @@ ExitStatus learn(const LearnArguments& arguments, Context& context) {
   LearnedModel learned = learn_model(*system.sul, translation, options, control);
   if (reference) keep_kind(learned, *reference);
   keep_origin(learned, spec, system.sul->info());
-  const ExitStatus given = give_result(learned, arguments, spec, system.jobs, context);
+  const ExitStatus given = give_result(learned, arguments, {spec, app, system.jobs}, context);
   if (!arguments.plot.empty()) {
     write_file_atomically(arguments.plot, draw_hypotheses(learned.experiment, spec.text));
   }
-  if (learned.experiment.is_complete()) return given;
-  try {
-    std::rethrow_exception(learned.experiment.error);
-  } catch (const Error& error) {
-    context.complain(error.what());
-    return error.status();
-  }
-}
-
-// "lmplus (Shahbaz's L*M+), rs (...)", for help texts.
-template <typename Entries>
-std::string describe(const Entries& entries) {
-  std::string text;
-  for (const auto& entry : entries) {
-    text += fmt::format("{}{}: {}", text.empty() ? "" : "; ", entry.name, entry.description);
-  }
-  return text;
+  const ExitStatus status = judge(learned.experiment, arguments, context);
+  return status == ExitStatus::ok ? given : status;
 }
 
 void add_limits(CLI::App& app, LearnArguments& arguments) {
-  app.add_option("--extra-states", arguments.extra_states,
-                 "How many states more than the hypothesis the system may have for the tests to "
-                 "find it (--eq " +
-                     methods_with("extra-states") + ")")
-      ->check(check_count);
-  app.add_option("--infix-min", arguments.infix_min,
-                 "Fewest random inputs in the middle of a test (--eq random-w, random-wp, "
-                 "random-hsi, random-hads)")
-      ->check(check_count);
-  app.add_option("--infix-mean", arguments.infix_mean,
-                 "How many more there are on average (likewise)")
-      ->check(CLI::Range(0.0, 1e6));
-  app.add_option("--infix-inputs", arguments.infix_inputs,
-                 "How they are drawn: off-sinks (seldom those that lead where most transitions "
-                 "lead), off-loops (seldom those that change nothing), few (four inputs at most), "
-                 "replayed (pieces of the counterexamples so far), mixed (for each test another "
-                 "one of these; the default), uniform (likewise)")
-      ->check(CLI::IsMember({"mixed", "off-sinks", "off-loops", "few", "replayed", "uniform"}));
-  app.add_option("--prefix-states", arguments.prefix_states,
-                 "Where a test begins: uniform (in each state alike; the default), deep (in the "
-                 "farther of two), transitions (behind each transition alike) (likewise)")
-      ->check(CLI::IsMember({"uniform", "deep", "transitions"}));
-  app.add_option("--suffix-words", arguments.suffix_words,
-                 "How a test ends: own (by a word that identifies the state reached; the "
-                 "default), any (by one of a random state), none (at once) (likewise)")
-      ->check(CLI::IsMember({"own", "any", "none"}));
-  app.add_option("--ways", arguments.ways,
-                 "How many states or transitions a test passes, in each order (--eq " +
-                     methods_with("ways") + "; default: 1, 2)")
-      ->check(check_count);
-  app.add_option("--walks", arguments.walks,
-                 "How many tests pass the same states or transitions (likewise; default: 10, 1)")
-      ->check(check_count);
-  app.add_option("--walk-length", arguments.walk_length,
-                 "How many random inputs follow in each (likewise; default: 10)")
-      ->check(check_count);
-  app.add_option("--max-tests", arguments.max_tests,
-                 "Most tests of one equivalence query, of each of its methods")
-      ->check(check_count);
   app.add_option("--max-experiments", arguments.max_experiments,
                  "Most words run on the system in all; 0: no limit")
       ->check(check_count);
@@ -366,12 +330,10 @@ RunFunction set_up_learn(CLI::App& app) {
       ->default_str("");
   app.add_option("-o,--output", arguments->output,
                  "Where the model goes, as DOT; without it, to standard output");
-  app.add_option("--algorithm", arguments->algorithm,
-                 fmt::format("{}; {}: {}", describe(learners()), nstar_name, nstar_description));
-  app.add_option("--eq", arguments->test_method,
-                 describe(test_methods()) +
-                     ". Several with commas between are asked in turn, each with options of its "
-                     "own: w:extra-states=1,random-hads:max-tests=5000");
+  app.add_option(
+      "--algorithm", arguments->algorithm,
+      fmt::format("{}; {}: {}", describe_entries(learners()), nstar_name, nstar_description));
+  add_test_options(app, arguments->tests);
   app.add_option("--translation", arguments->translation,
                  "Which Mealy machine stands for the interface automaton: eager (an input and all "
                  "its outputs are one step; the default) or av (Aarts & Vaandrager)")
@@ -403,7 +365,7 @@ RunFunction set_up_learn(CLI::App& app) {
                "List the options of the system, with defaults and allowed values, and exit");
   return [arguments, sul, &app](Context& context) {
     if (sul->count() == 0) check_without_system(app, *arguments);
-    return learn(*arguments, context);
+    return learn(*arguments, app, context);
   };
 }
 

@@ -26,7 +26,8 @@ namespace {
 
 constexpr std::string_view exit_statuses =
     "Exit status: 0 it holds, they agree, done; 1 violated, they differ; 2 unusable arguments or\n"
-    "input; 3 inconclusive (a bound, a limit, Ctrl-C); 4 the system under learning failed.\n";
+    "input; 3 inconclusive (a bound, a limit, a weak model, Ctrl-C); 4 the system under learning\n"
+    "failed.\n";
 
 // What `maide` alone prints.
 std::string overview() {

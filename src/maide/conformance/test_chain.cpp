@@ -81,6 +81,27 @@ void TestChain::apply(const Setting& setting, TestMethodOptions& options) {
   }
 }
 
+bool TestChain::has(std::string_view method) const {
+  return std::any_of(links_.begin(), links_.end(), [&](const Link& link) {
+    return link.method != nullptr && link.method->name == method;
+  });
+}
+
+void TestChain::require(std::string_view option) const {
+  std::string theirs;
+  for (const Link& link : links_) {
+    const std::string_view known = link.method != nullptr ? link.method->options : "";
+    const std::vector<std::string_view> keys = split(known, ' ');
+    if (std::find(keys.begin(), keys.end(), option) != keys.end()) return;
+    theirs += theirs.empty() ? "" : "; ";
+    theirs += link.method != nullptr ? link.method->name : cache_link;
+    theirs += " has: ";
+    theirs += known.empty() ? "none" : known;
+  }
+  throw UsageError("no equivalence method of '" + text_ + "' has the option '" +
+                   std::string(option) + "'; " + theirs);
+}
+
 std::unique_ptr<EquivalenceOracle> TestChain::make(const TestMethodContext& context,
                                                    const TestMethodOptions& options) const {
   std::vector<std::unique_ptr<EquivalenceOracle>> oracles;

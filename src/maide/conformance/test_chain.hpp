@@ -26,6 +26,10 @@ class TestChain {
 
   const std::string& text() const { return text_; }
 
+  bool has(std::string_view method) const;
+  // Throws UsageError, with the methods and what they look at, if none of them looks at the option.
+  void require(std::string_view option) const;
+
   // The oracle; options of a link go before those given here. Keeps references to the context's
   // parts. Throws UsageError where a method cannot work on it.
   std::unique_ptr<EquivalenceOracle> make(const TestMethodContext& context,

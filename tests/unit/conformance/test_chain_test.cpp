@@ -70,6 +70,19 @@ TEST(TestChain, RefusesWhatItCannotRead) {
   }
 }
 
+TEST(TestChain, RequiresThatSomeMethodLooksAtAnOption) {
+  const TestChain chain("cache,w:extra-states=1,random-w");
+  for (const char* option : {"extra-states", "infix-mean", "max-tests"}) {
+    EXPECT_NO_THROW(chain.require(option)) << option;
+  }
+  for (const char* option : {"ways", "infix", "mean"}) {
+    EXPECT_THROW(chain.require(option), UsageError) << option;
+  }
+  EXPECT_TRUE(chain.has("w"));
+  EXPECT_FALSE(chain.has("hads"));
+  EXPECT_FALSE(chain.has("cache"));
+}
+
 TEST(TransitionCover, TakesEveryPathOnceAndClaimsNothing) {
   const Mealy machine = example();
   const std::uint64_t paths = machine.size() * 3 + 1;  // each transition, and the empty word

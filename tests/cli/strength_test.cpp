@@ -1,0 +1,179 @@
+// How strong a model is, as a person meets it: weak models are called so first, a strength that was
+// demanded is reached or costs the exit status.
+#include "maide/automata/strength.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "maide/base/file.hpp"
+#include "maide/base/shell_words.hpp"
+#include "maide/base/temp_dir.hpp"
+#include "maide/base/version.hpp"
+#include "maide/formats/model_file.hpp"
+#include "run_maide.hpp"
+
+namespace maide::test {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+using testing::StartsWith;
+
+const std::string strict_3 = std::string("sim:") + MAIDE_SOURCE_DIR + "/tests/models/strict-3.dot";
+
+class StrengthOfLearning : public testing::Test {
+ protected:
+  // hads alone pumps nothing, so its models are weak.
+  SubprocessResult learn(const std::vector<std::string>& more,
+                         const std::string& method = "hads:extra-states=2") const {
+    std::vector<std::string> arguments{"learn", strict_3, "--eq", method};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run_maide(arguments);
+  }
+  std::string path(const std::string& name) const { return (folder_.path() / name).string(); }
+
+  const TempDir folder_{"strength-test"};
+};
+
+TEST_F(StrengthOfLearning, AWeakModelIsCalledSoFirst) {
+  const std::string model = path("model.dot");
+  const SubprocessResult to_file = learn({"-o", model});
+  EXPECT_EQ(to_file.exit_status, 0) << to_file.err;
+  const std::string first = to_file.out.substr(0, to_file.out.find('\n'));
+  EXPECT_THAT(first, StartsWith("WEAK: parts of the system may be missing from this model."));
+  EXPECT_THAT(first, HasSubstr("all rows of 3 inputs that change nothing there one by one "
+                               "(reached: 0)"));
+  EXPECT_THAT(first, HasSubstr("such an input 64 times in a row (reached: 0)"));
+  EXPECT_THAT(first, Not(HasSubstr("states more"))) << "two were reached";
+  EXPECT_THAT(to_file.out, HasSubstr("  strength             weak: extra-states=2,chained=0,"));
+
+  const SubprocessResult to_stdout = learn({});
+  EXPECT_THAT(to_stdout.err, StartsWith("WEAK: "));
+  EXPECT_THAT(to_stdout.out, StartsWith("digraph "));
+  EXPECT_THAT(learn({"-q", "-o", model}).out, HasSubstr("transitions (weak)\n"));
+  const SubprocessResult quiet = learn({"-q"});
+  EXPECT_THAT(quiet.out, StartsWith("digraph "));
+  EXPECT_EQ(quiet.err, "maide: the model is weak\n");
+}
+
+TEST_F(StrengthOfLearning, TheCommandThatGoesOnCanBeTyped) {
+  const std::string model = path("model.dot");
+  const std::string out = learn({"-o", model, "--seed", "7"}).out;
+  const std::string first = out.substr(0, out.find('\n'));
+  const std::size_t command = first.find("Go on: maide learn ");
+  ASSERT_NE(command, first.npos) << first;
+  const std::vector<std::string> words = split_shell_words(first.substr(command + 7));
+  EXPECT_EQ(words, (std::vector<std::string>{"maide", "learn", strict_3, "--output", model,
+                                             "--seed", "7", "--start-from", model}));
+  const SubprocessResult next = run_maide({words.begin() + 1, words.end()});
+  EXPECT_EQ(next.exit_status, 0) << next.err;
+}
+
+TEST_F(StrengthOfLearning, AnExactModelIsNotWeak) {
+  const SubprocessResult result = learn({"-o", path("model.dot")}, "perfect");
+  EXPECT_THAT(result.out, StartsWith(strict_3));
+  EXPECT_THAT(result.out, HasSubstr("  strength             exact\n"));
+  const Json json = json_of(learn({"--json"}, "perfect"));
+  EXPECT_EQ(json.at("strength").at("weak"), false);
+  EXPECT_EQ(json.at("strength").at("exact"), true);
+  EXPECT_TRUE(json.at("strength").at("extra_states").is_null());
+}
+
+TEST_F(StrengthOfLearning, IsInJsonAndInTheModelFile) {
+  const std::string model = path("model.dot");
+  const Json json = json_of(learn({"--json", "-o", model}));
+  EXPECT_EQ(
+      json.at("strength"),
+      Json({{"weak", true}, {"extra_states", 2}, {"chained", 0}, {"pumped", 0}, {"random", 0}}));
+  EXPECT_EQ(json.at("strength_demanded").at("extra_states"), 1);
+  EXPECT_EQ(json.at("strength_demanded").at("chained"), 3);
+  EXPECT_EQ(json.at("strength_demanded").at("pumped"), 64);
+  EXPECT_THAT(json.at("strength_missing").get<std::string>(), StartsWith("chained=3,pumped=64,"));
+  const Origin origin = read_interface_automaton(model).origin;
+  EXPECT_EQ(origin.at("strength"), "weak: extra-states=2,chained=0,pumped=0,random=0");
+  EXPECT_EQ(origin.at("maide"), version());
+}
+
+TEST_F(StrengthOfLearning, WhatIsDemandedIsReachedOrTheStatusSaysSo) {
+  EXPECT_EQ(learn({"--strength", "extra-states=2,chained=0,pumped=0,random=0", "-q"}).exit_status,
+            0);
+  const SubprocessResult missed =
+      learn({"--strength", "extra-states=3,chained=0,pumped=0,random=0", "-o", path("m.dot")});
+  EXPECT_EQ(missed.exit_status, 3);
+  EXPECT_EQ(
+      missed.err,
+      "maide: the tests did not reach what --strength demands: extra-states=3 (reached: 2)\n");
+  EXPECT_TRUE(std::filesystem::exists(path("m.dot")));
+}
+
+TEST_F(StrengthOfLearning, ADemandThatIsNoneIsFoundBeforeTheSystemIsStarted) {
+  const std::string trace = path("started");
+  const std::string system = "exec:sh -c 'touch " + trace + "'";
+  for (const char* demand : {"strong", "extra-states=x", "depth=3", "pumped=1,"}) {
+    expect_error(run_maide({"learn", system, "--strength", demand}), 2, "is no strength");
+  }
+  for (const char* effort : {"0", "1001", "x"}) {
+    expect_error(run_maide({"learn", system, "--effort", effort}), 2, "--effort");
+  }
+  EXPECT_FALSE(std::filesystem::exists(trace));
+}
+
+TEST_F(StrengthOfLearning, OptionsThatNoMethodLooksAtAreRefused) {
+  expect_error(learn({"--infix-mean", "3"}, "w"), 2,
+               "no equivalence method of 'w' has the option 'infix-mean'; w has: extra-states "
+               "max-tests");
+  expect_error(learn({"--max-tests", "3"}, "perfect"), 2, "perfect has: none");
+  expect_error(learn({"--walk-length", "3"}, "w,random-w"), 2, "; random-w has: ");
+  expect_error(learn({"--effort", "2"}, "w"), 2, "--effort is for the equivalence method");
+  expect_error(run_maide({"learn", strict_3, "--algorithm", "nstar", "--ways", "2"}), 2,
+               "the tests of nstar have no option 'ways'");
+  EXPECT_EQ(learn({"--infix-mean", "3", "--max-tests", "9", "-q"}, "w,random-w").exit_status, 0);
+  const TempDir folder("strength-test");
+  std::filesystem::copy_file(strict_3.substr(4), folder.path() / "model.dot");
+  expect_error(run_maide({"bench", folder.path().string(), "--max-tests", "3"}), 2,
+               "no equivalence method of 'perfect' has the option 'max-tests'");
+}
+
+TEST_F(StrengthOfLearning, OfARunThatEndedEarlyIsNone) {
+  const SubprocessResult result = learn({"--max-experiments", "20", "-o", path("model.dot")});
+  EXPECT_EQ(result.exit_status, 3);
+  EXPECT_THAT(result.out, StartsWith("WEAK: this model was not tested to the end"));
+  EXPECT_THAT(result.out, Not(HasSubstr("Go on: maide learn " + strict_3 +
+                                        " --eq hads "
+                                        "--max-experiments")));
+  const Json json = json_of(learn({"--max-experiments", "20", "--json"}));
+  EXPECT_EQ(json.at("strength").at("weak"), true);
+  EXPECT_TRUE(json.at("strength").at("extra_states").is_null());
+  EXPECT_THAT(json.at("dot").get<std::string>(),
+              HasSubstr("strength=\"weak: chained=0,pumped=0,random=0\""));
+}
+
+TEST_F(StrengthOfLearning, InputsThatNeverHadAnEffectAreNamed) {
+  std::string machine =
+      "digraph g { __start0 -> a; a -> b [label=\"go / x\"]; b -> a [label=\"go "
+      "/ y\"];\n";
+  for (int i = 1; i <= 12; ++i) {
+    for (const char state : {'a', 'b'}) {
+      machine += std::string(1, state) + " -> " + state + " [label=\"in" + std::to_string(i) +
+                 " / " + state + "\"];\n";
+    }
+  }
+  write_file_atomically(path("machine.dot"), machine + "}");
+  const std::vector<std::string> arguments{
+      "learn", "sim:" + path("machine.dot"), "--eq", "perfect", "-o", path("model.dot")};
+  EXPECT_THAT(run_maide(arguments).out,
+              HasSubstr("12 of 13 inputs never had an effect: in1, in2, in3, in4, in5, in6, in7, "
+                        "in8, in9, in10 and 2 more\n"));
+  const Json json = json_of(learn({"--json"}, "perfect"));
+  EXPECT_TRUE(json.at("inputs_without_effect").empty());
+  std::vector<std::string> with_json = arguments;
+  with_json.emplace_back("--json");
+  EXPECT_EQ(json_of(run_maide(with_json)).at("inputs_without_effect").size(), 12U);
+}
+
+}  // namespace
+}  // namespace maide::test
