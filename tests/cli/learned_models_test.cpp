@@ -101,7 +101,7 @@ class StartingFromAnOldModel : public testing::Test {
                           "models:\n  via:\n    learn: sim:model.dot\n"
                           "    learning: {eq: random-words, max-tests: 0" +
                               start_from + more +
-                              "}\n"
+                              "}\n    when_weak: accept\n"
                               "programs:\n  planner: |\n    repeat 3 { via.write; }\n"
                               "  controller: |\n    repeat 3 { via.read -> message; }\n");
     return run_maide({"check", file, "--property", "deadlock"});

@@ -1,5 +1,5 @@
 // How strong a model is, as a person meets it: weak models are called so first, a strength that was
-// demanded is reached or costs the exit status.
+// demanded is reached or costs the exit status, verdicts say what they lean on.
 #include "maide/automata/strength.hpp"
 
 #include <gmock/gmock.h>
@@ -173,6 +173,75 @@ TEST_F(StrengthOfLearning, InputsThatNeverHadAnEffectAreNamed) {
   std::vector<std::string> with_json = arguments;
   with_json.emplace_back("--json");
   EXPECT_EQ(json_of(run_maide(with_json)).at("inputs_without_effect").size(), 12U);
+}
+
+// Two programs over a queue of which the file says how strong it is.
+class StrengthOfVerdicts : public testing::Test {
+ protected:
+  SubprocessResult check(const std::string& strength, const std::string& more = "",
+                         const std::string& programs = "  p: via.write;\n") const {
+    std::string model = read_file(strict_3.substr(4));
+    if (!strength.empty()) {
+      model.insert(model.find("inputs="), "strength=\"" + strength + "\";\n  ");
+    }
+    write_file_atomically(folder_.path() / "model.dot", model);
+    const std::filesystem::path file = folder_.path() / "system.yaml";
+    write_file_atomically(file, "models:\n  via: {file: model.dot" + more +
+                                    "}\n  other: {file: model.dot}\nprograms:\n" + programs);
+    return run_maide({"check", file.string(), "--property", "deadlock", "--json"});
+  }
+  const TempDir folder_{"strength-test"};
+};
+
+const std::string weak = "weak: extra-states=1,chained=0,pumped=0,random=5";
+
+TEST_F(StrengthOfVerdicts, HoldsOverAWeakModelIsInconclusive) {
+  const SubprocessResult result = check(weak);
+  EXPECT_EQ(result.exit_status, 3);
+  const Json report = json_of(result);
+  EXPECT_EQ(report.at("verdict"), "inconclusive");
+  const std::string reason = report.at("properties").at(0).at("reason");
+  EXPECT_THAT(reason, StartsWith("it leans on a weak model (via), whose tests"));
+  EXPECT_THAT(reason,
+              HasSubstr("`maide learn SUL --start-from model.dot -o model.dot --effort 10`"));
+  EXPECT_THAT(reason, HasSubstr("`when_weak: accept`"));
+  EXPECT_THAT(report.at("assumptions").dump(),
+              HasSubstr("via is weak: its tests reached extra-states=1,chained=0"));
+}
+
+TEST_F(StrengthOfVerdicts, AcceptedWeaknessLeavesTheVerdict) {
+  const SubprocessResult result = check(weak, ", when_weak: accept");
+  EXPECT_EQ(result.exit_status, 0) << result.err;
+  EXPECT_THAT(json_of(result).at("assumptions").dump(),
+              HasSubstr("via is weak and accepted (when_weak: accept)"));
+  EXPECT_EQ(check(weak, ", when_weak: inconclusive").exit_status, 3);
+  const SubprocessResult wrong = check(weak, ", when_weak: never");
+  EXPECT_EQ(wrong.exit_status, 2);
+  EXPECT_THAT(wrong.err, HasSubstr("'when_weak' is one of inconclusive, accept, not 'never'"));
+}
+
+TEST_F(StrengthOfVerdicts, UnknownStrengthIsSaidAndChangesNothing) {
+  const SubprocessResult unknown = check("");
+  EXPECT_EQ(unknown.exit_status, 0);
+  EXPECT_THAT(json_of(unknown).at("assumptions").dump(), HasSubstr("via: strength unknown"));
+  const SubprocessResult strong = check("extra-states=1,chained=3,pumped=64,random=4000");
+  EXPECT_EQ(strong.exit_status, 0);
+  EXPECT_THAT(json_of(strong).at("assumptions").dump(), Not(HasSubstr("strength")));
+}
+
+TEST_F(StrengthOfVerdicts, ViolatedStaysViolated) {
+  EXPECT_EQ(check(weak, "",
+                  "  p: repeat 4 { via.write; }\n  q: via.read -> message; other.read;\n"
+                  "    other.read -> message;\n")
+                .exit_status,
+            1);
+}
+
+TEST_F(StrengthOfVerdicts, AMalformedStrengthIsOneErrorWithItsPlace) {
+  const SubprocessResult result = check("weak: very");
+  EXPECT_EQ(result.exit_status, 2);
+  EXPECT_THAT(result.err, HasSubstr("attribute 'strength': 'very' is no strength"));
+  EXPECT_THAT(result.err, HasSubstr("model.dot:4:12"));
 }
 
 }  // namespace

@@ -10,8 +10,10 @@
 #include <utility>
 #include <vector>
 
+#include "maide/automata/strength.hpp"
 #include "maide/base/error.hpp"
 #include "maide/base/join.hpp"
+#include "maide/base/shell_words.hpp"
 #include "maide/check/fewest_switches.hpp"
 
 namespace maide {
@@ -69,6 +71,50 @@ std::optional<std::string> find_hidden_return(const System& system, const std::v
         fmt::join(observed, ","), input_name(system, use), return_name(input));
   }
   return std::nullopt;
+}
+
+// Models that some program meets, in the order of the system.
+std::vector<const ModelInstance*> find_used_models(const System& system) {
+  std::set<std::uint32_t> used;
+  for (const Program& program : system.programs) {
+    for (const ProgramEdge& edge : program.edges) {
+      if (edge.kind != ProgramEdge::Kind::choice) used.insert(edge.model);
+    }
+  }
+  std::vector<const ModelInstance*> models;
+  for (const std::uint32_t index : used) models.push_back(&system.models[index]);
+  return models;
+}
+
+bool is_weak(const ModelInstance& model) {
+  const auto stated = find_strength(model.automaton.origin);
+  return stated && stated->is_weak;
+}
+
+// What to do for a model that is stronger.
+std::string describe_strengthening(const ModelInstance& model) {
+  if (model.is_learned) return "write `learning: {effort: 10}`, or more, at the model";
+  const auto sul = model.automaton.origin.find("sul");
+  const std::string file = quote_shell_word(model.origin);
+  return fmt::format("run `maide learn {} --start-from {} -o {} --effort 10`, or more",
+                     sul == model.automaton.origin.end() ? "SUL" : sul->second, file, file);
+}
+
+// Why a "holds" is none, as far as that is because of weak models.
+std::optional<std::string> find_weakness(const System& system) {
+  std::vector<std::string> names;
+  const ModelInstance* first = nullptr;
+  for (const ModelInstance* model : find_used_models(system)) {
+    if (!is_weak(*model) || model->when_weak == WhenWeak::accept) continue;
+    if (first == nullptr) first = model;
+    names.push_back(model->name);
+  }
+  if (first == nullptr) return std::nullopt;
+  return fmt::format(
+      "it leans on {} ({}), whose tests may have missed a part of the system: {}, or write "
+      "`when_weak: accept` there",
+      names.size() == 1 ? "a weak model" : "weak models", join(names),
+      describe_strengthening(*first));
 }
 
 // Inputs that a model has in states where an output is due: the meaning of systems leaves them out.
@@ -140,15 +186,17 @@ class Checker {
     if (!cut_ && result.stays_within_learned) cut_ = CutResult{Verdict::holds, "", std::nullopt};
     if (!cut_) cut_ = engine_.find_cut(system_, options_);
     const std::optional<std::string> hidden = find_hidden_return(system_, uses_);
+    std::vector<std::string> reasons;
+    if (const auto weakness = find_weakness(system_)) reasons.push_back(*weakness);
     if (cut_->verdict == Verdict::violated) {
-      result.reason = describe_cut(*cut_->trace);
+      reasons.push_back(describe_cut(*cut_->trace));
     } else if (cut_->verdict == Verdict::inconclusive) {
-      result.reason = "whether a run goes beyond what was learned: " + cut_->reason;
+      reasons.push_back("whether a run goes beyond what was learned: " + cut_->reason);
     } else if (hidden) {
-      result.reason = *hidden;
-    } else {
-      return;
+      reasons.push_back(*hidden);
     }
+    if (reasons.empty()) return;
+    result.reason = join(reasons, "; ");
     result.verdict = Verdict::inconclusive;
   }
 
@@ -192,6 +240,7 @@ class Checker {
       }
     }
     state_hypotheses();
+    state_strengths();
     std::vector<std::string> reduced;
     for (const PropertyResult& result : report_.properties) {
       if (result.reduction != Reduction::none) reduced.push_back(result.name);
@@ -226,6 +275,24 @@ class Checker {
           fmt::format("{} {}: {}", join(models, ", "),
                       models.size() == 1 ? "is a hypothesis" : "are hypotheses", tests));
     }
+  }
+
+  // Of the models that are weak, or of which nobody knows whether they are.
+  void state_strengths() {
+    std::vector<std::string> unknown;
+    for (const ModelInstance* model : find_used_models(system_)) {
+      const auto stated = find_strength(model->automaton.origin);
+      if (!stated) unknown.push_back(model->name);
+      if (!stated || !stated->is_weak) continue;
+      report_.assumptions.push_back(fmt::format(
+          "{} is weak{}: its tests reached {}", model->name,
+          model->when_weak == WhenWeak::accept ? " and accepted (when_weak: accept)" : "",
+          to_string(stated->strength)));
+    }
+    if (unknown.empty()) return;
+    report_.assumptions.push_back(join(unknown, ", ") +
+                                  ": strength unknown, for the model does not say how it was "
+                                  "tested");
   }
 
   const System& system_;

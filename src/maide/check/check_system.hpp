@@ -1,6 +1,6 @@
 // Checks a system: runs an engine on each property and says what the verdicts rest on. An engine's
-// "holds" is weakened here where it leans on what was not learned: on an input beyond the bound, or
-// on one whose call really blocks while its return is not in the model.
+// "holds" is weakened here where it leans on what was not learned: on an input beyond the bound, on
+// one whose call really blocks while its return is not in the model, or on a weak model.
 #pragma once
 
 #include <string>

@@ -28,11 +28,19 @@ enum class WhenUnexplored : std::uint8_t {
   drop,  // the input is taken and nothing changes
 };
 
+// What becomes of a "holds" that rests on a weak model (automata/strength.hpp).
+enum class WhenWeak : std::uint8_t {
+  inconclusive,  // the verdict is inconclusive
+  accept,        // it stands
+};
+
 struct ModelInstance {
   std::string name;
   InterfaceAutomaton automaton;
   WhenUnexplored when_unexplored = WhenUnexplored::stop;
-  std::string origin;  // the file, or what it was learned from; for messages
+  WhenWeak when_weak = WhenWeak::inconclusive;
+  std::string origin;       // the file, or what it was learned from; for messages
+  bool is_learned = false;  // `origin` is a system: learned for this check, or an earlier one
   SourcePosition position;
 };
 

@@ -146,13 +146,17 @@ class SystemReader {
     bool has_file = false;
     for (const auto& [name, node] :
          entries(value, "model '" + model.name + "'",
-                 {"file", "learn", "with", "learning", "when_unexplored"})) {
+                 {"file", "learn", "with", "learning", "when_unexplored", "when_weak"})) {
       const std::string& word = name.Scalar();
       if (word == "when_unexplored") {
         model.when_unexplored = one_of<WhenUnexplored>(node, "'when_unexplored'",
                                                        {{"stop", WhenUnexplored::stop},
                                                         {"wait", WhenUnexplored::wait},
                                                         {"drop", WhenUnexplored::drop}});
+      } else if (word == "when_weak") {
+        model.when_weak = one_of<WhenWeak>(
+            node, "'when_weak'",
+            {{"inconclusive", WhenWeak::inconclusive}, {"accept", WhenWeak::accept}});
       } else if (word == "with" || word == "learning") {
         auto& options = word == "with" ? request.with : request.learning;
         for (const auto& [option, setting] : entries(node, "'" + word + "'", {})) {
@@ -177,6 +181,7 @@ class SystemReader {
       request.file = std::filesystem::path(system_.file).parent_path() / model.origin;
     } else {
       model.origin = request.learn;
+      model.is_learned = true;
     }
     model.automaton = source_(request);
     if (model.automaton.size() == 0) fail("model '" + model.name + "' has no state", key);

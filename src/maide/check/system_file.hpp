@@ -1,7 +1,7 @@
 // The system file: model instances, programs and properties in one YAML file.
 //
 //   models:
-//     via:  {file: strict-6.dot, when_unexplored: wait}
+//     via:  {file: strict-6.dot, when_unexplored: wait, when_weak: accept}
 //     sync: {learn: cyclonedds, with: {history: keep_last, depth: 1}}
 //   programs:
 //     planner: |

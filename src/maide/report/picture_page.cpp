@@ -6,6 +6,7 @@
 #include <ostream>
 #include <string_view>
 
+#include "maide/automata/strength.hpp"
 #include "maide/report/markup.hpp"
 #include "maide/report/picture.hpp"
 
@@ -213,6 +214,13 @@ const char* describe(WhenUnexplored when) {
   return "";
 }
 
+std::string describe_strength(const ModelInstance& model) {
+  const auto stated = find_strength(model.automaton.origin);
+  if (!stated) return "strength unknown";
+  if (!stated->is_weak) return "not weak";
+  return model.when_weak == WhenWeak::accept ? "weak (when_weak: accept)" : "weak";
+}
+
 }  // namespace
 
 void write_model_page(std::ostream& out, const Model& model, const std::string& title,
@@ -233,9 +241,10 @@ void write_system_page(std::ostream& out, const System& system, const std::strin
   for (const Program& program : system.programs) write_program(out, system, program, paint);
   for (const ModelInstance& model : system.models) {
     const Model automaton = model.automaton;
-    out << fmt::format("<h2>model {}</h2>\n<p>{}; {}; when_unexplored: {}</p>\n",
+    out << fmt::format("<h2>model {}</h2>\n<p>{}; {}; when_unexplored: {}; {}</p>\n",
                        escape_markup(model.name), escape_markup(model.origin),
-                       describe_size(automaton), describe(model.when_unexplored));
+                       describe_size(automaton), describe(model.when_unexplored),
+                       describe_strength(model));
     write_model(out, automaton, paint);
   }
   out << "<h2>the system file</h2>\n";

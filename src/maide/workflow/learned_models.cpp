@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "maide/automata/compare.hpp"
+#include "maide/automata/strength.hpp"
 #include "maide/base/error.hpp"
 #include "maide/base/file.hpp"
 #include "maide/base/hash.hpp"
@@ -49,7 +50,9 @@ std::uint64_t read_count(const std::string& name, const std::string& text) {
 
 // What `learning:` says of a system; files are relative to `folder`.
 ExperimentOptions read_learning(const ModelRequest& request, const std::filesystem::path& folder,
-                                const SulInfo& system) {
+                                const OpenedSystem& opened) {
+  const SulInfo& system = opened.sul->info();
+  std::uint64_t effort = 1;
   ExperimentOptions options;
   for (const auto& [name, value] : request.learning) {
     if (name == "algorithm") {
@@ -62,15 +65,22 @@ ExperimentOptions read_learning(const ModelRequest& request, const std::filesyst
       options.testing.max_tests = read_count(name, value);
     } else if (name == "seed") {
       options.testing.seed = read_count(name, value);
+    } else if (name == "effort") {
+      effort = read_count(name, value);
+      if (effort < 1 || effort > 1000) {
+        throw UsageError("'effort' of 'learning' is a number from 1 to 1000, not " + value);
+      }
     } else if (name == start_from_key) {
       options.old_model =
           read_old_machine(folder / value, Translation::eager, input_alphabet(system));
     } else {
       throw UsageError("'learning' has no key '" + name +
-                       "'; it may have: algorithm, eq, extra-states, max-tests, seed, start-from, "
+                       "'; it may have: algorithm, effort, eq, extra-states, max-tests, seed, "
+                       "start-from, "
                        "as in `maide learn`");
     }
   }
+  options.testing.budget = test_budget(opened.reference.has_value(), effort);
   return options;
 }
 
@@ -160,6 +170,11 @@ std::optional<InterfaceAutomaton> read_kept(const std::filesystem::path& file) {
   return read_interface_automaton(file);
 }
 
+bool is_weak(const InterfaceAutomaton& automaton) {
+  const auto stated = find_strength(automaton.origin);
+  return stated && stated->is_weak;
+}
+
 // Whether a model was learned from this very system: name, options, versions, bound.
 bool is_model_of(const InterfaceAutomaton& automaton, const SulInfo& system) {
   const Origin now = describe_origin(system);
@@ -219,7 +234,7 @@ ModelSource make_learning_source(LearnedModelsOptions options) {
     try {
       const Opened opened = open(request, options);
       const SulInfo& system = opened.system.sul->info();
-      ExperimentOptions experiment = read_learning(request, options.folder, system);
+      ExperimentOptions experiment = read_learning(request, options.folder, opened.system);
       const auto before = read_kept(kept);
       if (before && is_model_of(*before, system)) {
         note(fmt::format("{}: learned before ({})", request.instance, kept.string()));
@@ -250,12 +265,14 @@ Refinement refine_learned_model(const ModelRequest& request, const RefinementGoa
     if (!before || !is_model_of(*before, system)) {
       throw UsageError("the model to refine is not there any more");
     }
-    ExperimentOptions experiment = read_learning(request, options.folder, system);
+    ExperimentOptions experiment = read_learning(request, options.folder, opened.system);
     experiment.old_model = machine_of(*before, experiment, system);
     if (goal.tests_again) {
       experiment.test_method.clear();
+      const TestCost budget = experiment.testing.budget;
       experiment.testing = {};
       experiment.testing.seed = goal.seed;
+      experiment.testing.budget = budget;
     }
     Words counterexamples = read_counterexamples(*before, kept.string());
     if (!goal.counterexample.empty()) counterexamples.push_back(goal.counterexample);
@@ -263,7 +280,7 @@ Refinement refine_learned_model(const ModelRequest& request, const RefinementGoa
         learn(request, opened, std::move(experiment), counterexamples, kept, options.control);
     keep(kept, after);
     return {before->size(), after.size(), !compare(*before, after, options.control).same(),
-            after.origin.at("tests")};
+            is_weak(*before) && !is_weak(after), after.origin.at("tests")};
   } catch (const Error& error) {
     throw with_place(error, request);
   }

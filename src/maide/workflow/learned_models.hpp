@@ -47,6 +47,7 @@ struct RefinementGoal {
 struct Refinement {
   std::size_t states_before = 0, states_after = 0;  // of the interface automata
   bool is_new = false;                              // the model is another now
+  bool is_stronger = false;                         // it was weak, and is not weak any more
   std::string tests;                                // what it is not refuted by now
 };
 

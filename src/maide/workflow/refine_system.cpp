@@ -110,9 +110,12 @@ class Refiner {
     return false;
   }
 
-  // Tests every learned model that a program uses. True if one is another now.
+  // Tests every learned model that a program uses. True if one is another now, or weak no more:
+  // then the system is to be checked again.
   bool test_models() {
+    if (is_tested_) return false;
     std::set<std::filesystem::path> seen;  // instances that share a model
+    bool is_stronger = false;
     for (const auto& [name, request] : requests_) {
       if (request.learn.empty()) {
         untested_.insert(name);
@@ -129,13 +132,17 @@ class Refiner {
         return true;
       }
       tests_[name] = refinement.tests;
+      is_stronger = is_stronger || refinement.is_stronger;
     }
-    return false;
+    // The models are the same, but a verdict that leaned on a weak one may stand now.
+    is_tested_ = is_stronger;
+    return is_stronger;
   }
 
   void add_round(RefinementRound round) {
     tests_.clear();
     untested_.clear();
+    is_tested_ = false;
     result_.rounds.push_back(std::move(round));
     if (options_.on_round) options_.on_round(result_.rounds.back());
   }
@@ -170,6 +177,7 @@ class Refiner {
   std::vector<std::string> confirmed_;             // properties whose violation is real
   std::map<std::string, std::string> tests_;       // of the models, after the verdict
   std::set<std::string> untested_;
+  bool is_tested_ = false;  // all models, since the last one changed
   // Models that `learning:` tests too little: what its tests do not find would be forgotten again.
   std::set<std::filesystem::path> retested_;
   RefinedCheck result_;

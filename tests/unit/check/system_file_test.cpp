@@ -19,7 +19,7 @@ std::string error(const std::string& text) {
 TEST(SystemFile, ReadsEverything) {
   const System system = parse_system(
       "models:\n"
-      "  via: {file: strict-2.dot, when_unexplored: drop}\n"
+      "  via: {file: strict-2.dot, when_unexplored: drop, when_weak: accept}\n"
       "  sync: {file: buffered.dot}\n"
       "programs:\n"
       "  p: |\n"
@@ -33,6 +33,8 @@ TEST(SystemFile, ReadsEverything) {
   ASSERT_EQ(system.models.size(), 2u);
   EXPECT_EQ(system.models[0].when_unexplored, WhenUnexplored::drop);
   EXPECT_EQ(system.models[1].when_unexplored, WhenUnexplored::stop);
+  EXPECT_EQ(system.models[0].when_weak, WhenWeak::accept);
+  EXPECT_EQ(system.models[1].when_weak, WhenWeak::inconclusive);
   ASSERT_EQ(system.programs.size(), 2u);
   EXPECT_EQ(system.programs[0].edges[0].line, 6);
   EXPECT_EQ(system.programs[0].edges[0].column, 9);

@@ -87,7 +87,7 @@ TEST_F(BlackBoxChecking, AnAlarmThatTheSystemDoesNotFollowRefinesTheModel) {
 
 TEST_F(BlackBoxChecking, ADeadlockThatTheModelHidesIsFoundByTests) {
   const auto file = write_system(tired, "  p: loop { via.write; via.read -> message; }\n",
-                                 ", learning: {eq: w, extra-states: 1}");
+                                 ", when_weak: accept, learning: {eq: w, extra-states: 1}");
   NativeEngine engine;
   CheckRequest request;
   request.properties = {"deadlock"};
