@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -13,12 +14,14 @@
 #include "maide/base/shell_words.hpp"
 #include "maide/base/temp_dir.hpp"
 #include "maide/base/version.hpp"
+#include "maide/cli/strength_report.hpp"
 #include "maide/formats/model_file.hpp"
 #include "run_maide.hpp"
 
 namespace maide::test {
 namespace {
 
+using testing::EndsWith;
 using testing::HasSubstr;
 using testing::Not;
 using testing::StartsWith;
@@ -173,6 +176,63 @@ TEST_F(StrengthOfLearning, InputsThatNeverHadAnEffectAreNamed) {
   std::vector<std::string> with_json = arguments;
   with_json.emplace_back("--json");
   EXPECT_EQ(json_of(run_maide(with_json)).at("inputs_without_effect").size(), 12U);
+}
+
+// A run whose default tests ended with nothing pumped, for want of a budget.
+ExperimentResult starved_run(const TestCost& cost, std::uint64_t effort) {
+  ExperimentResult run;
+  run.strength = TestedStrength{.strength = {.extra_states = 3, .chained = 3, .random = 5000},
+                                .standard = {},
+                                .demand = {},
+                                .cost_of_missing = cost,
+                                .budget = test_budget(false, effort),
+                                .is_weak = true};
+  run.seconds = 10;
+  run.resets = 1000;
+  run.symbols = 10'000;
+  run.seconds_in_reset_wait = 3;
+  run.seconds_in_system = 1;
+  return run;
+}
+
+TEST(StrengthReport, SaysWhatIsMissingWouldCost) {
+  // 7.5 s of the ten for a thousand resets, 2.5 s for ten thousand symbols.
+  EXPECT_EQ(cli::describe_weakness(starved_run({4000, 120'000}, 1)),
+            "WEAK: parts of the system may be missing from this model. Not tried: in every state, "
+            "such an input 64 times in a row (reached: 0). That would cost some 4000 words, 120000 "
+            "symbols, 60 s at the speed of this run");
+  ExperimentResult cached = starved_run({4000, 120'000}, 1);
+  cached.resets = cached.symbols = 0;
+  EXPECT_THAT(cli::describe_weakness(cached), EndsWith("4000 words, 120000 symbols"));
+  EXPECT_THAT(cli::describe_weakness(starved_run({}, 1)), EndsWith("(reached: 0)"));
+  ExperimentResult strong = starved_run({4000, 120'000}, 1);
+  strong.strength->is_weak = false;
+  EXPECT_EQ(cli::describe_weakness(strong), "");
+}
+
+TEST(StrengthReport, TheNextEffortPaysForWhatIsMissing) {
+  CLI::App app;
+  std::string sul, cache;
+  std::vector<std::string> settings;
+  std::uint64_t effort = 1;
+  bool json = false;
+  app.add_option("SUL", sul);
+  app.add_option("KEY=VALUE", settings);
+  app.add_option("--cache", cache);
+  app.add_option("--effort", effort);
+  app.add_flag("--json", json);
+  app.parse("maide port kind=strict size=9 --json --cache 'my answers' --effort 2", true);
+  const auto next = [&](const TestCost& cost, std::uint64_t now, const std::string& model = "") {
+    return cli::describe_next_command(app, starved_run(cost, now), {now, model});
+  };
+  const std::string line = "maide learn port kind=strict size=9 --cache 'my answers' --json";
+  EXPECT_EQ(next({30'000, 5}, 1), line + " --effort 3");
+  EXPECT_EQ(next({5, 4'500'000}, 2, "m.dot"), line + " --start-from m.dot --effort 7");
+  EXPECT_EQ(next({5, 5}, 100), line + " --effort 200");
+  EXPECT_EQ(next({}, 7), line + " --effort 70") << "the cost is not known";
+  EXPECT_EQ(next({}, 400), line + " --effort 1000");
+  EXPECT_EQ(next({}, 1000), "") << "there is no more";
+  EXPECT_EQ(next({30'000'000, 5}, 1), "");
 }
 
 // Two programs over a queue of which the file says how strong it is.

@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "maide/automata/strength.hpp"
 #include "maide/base/error.hpp"
 #include "maide/base/file.hpp"
 #include "maide/base/temp_dir.hpp"
@@ -100,6 +101,26 @@ TEST_F(BlackBoxChecking, ADeadlockThatTheModelHidesIsFoundByTests) {
   EXPECT_THAT(checked.report.assumptions,
               Contains("the real system followed the counterexample to deadlock"));
   EXPECT_THAT(checked.report.properties.front().trace->steps, SizeIs(8));
+}
+
+// The model is right, but the W-method alone leaves it weak; the default tests follow the verdict.
+TEST_F(BlackBoxChecking, AVerdictLeansOnTheTestsAfterIt) {
+  const auto file =
+      write_system(strict_3_, burst_of_three_, ", learning: {eq: w, extra-states: 3}");
+  NativeEngine engine;
+  CheckRequest request;
+  request.properties = {"deadlock"};
+  const auto read = [&] {
+    return read_system(file, make_learning_source({folder_.path(), {}, {}, 0}));
+  };
+  const CheckReport before = check_system(read(), engine, request);
+  EXPECT_EQ(before.verdict, Verdict::inconclusive);
+  EXPECT_THAT(before.properties.front().reason, HasSubstr("write `learning: {effort: 10}`"));
+
+  const RefinedCheck checked = run(file);
+  EXPECT_THAT(checked.rounds, IsEmpty());
+  const bool is_weak = find_strength(read().models[0].automaton.origin)->is_weak;
+  EXPECT_EQ(checked.report.verdict, is_weak ? Verdict::inconclusive : Verdict::holds);
 }
 
 TEST_F(BlackBoxChecking, StopsAfterSoManyRefinements) {
