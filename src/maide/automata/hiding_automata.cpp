@@ -15,8 +15,8 @@
 namespace maide {
 namespace {
 
-constexpr std::array<std::string_view, 8> names{"pairs", "triples", "counters", "login",
-                                                "sinks", "modes",   "layers",   "nothing"};
+constexpr std::array<std::string_view, 8> class_names{"pairs", "triples", "counters", "login",
+                                                      "sinks", "modes",   "layers",   "nothing"};
 constexpr std::size_t most_repeats = 60;  // of an input that is counted
 
 // A machine in the making: an input that is not set does nothing.
@@ -223,15 +223,15 @@ Mealy make_layers(Builder builder, std::size_t states) {
 
 }  // namespace
 
-std::span<const std::string_view> hiding_names() { return names; }
+std::span<const std::string_view> hiding_names() { return class_names; }
 
 Hiding find_hiding(std::string_view name) {
-  const auto found = std::find(names.begin(), names.end(), name);
-  if (found == names.end()) {
+  const auto found = std::find(class_names.begin(), class_names.end(), name);
+  if (found == class_names.end()) {
     throw UsageError(
-        fmt::format("nothing hides like '{}'; known are {}", name, fmt::join(names, ", ")));
+        fmt::format("nothing hides like '{}'; known are {}", name, fmt::join(class_names, ", ")));
   }
-  return static_cast<Hiding>(found - names.begin());
+  return static_cast<Hiding>(found - class_names.begin());
 }
 
 Mealy hiding_mealy(Hiding hiding, std::size_t states, std::size_t inputs, Random& random) {

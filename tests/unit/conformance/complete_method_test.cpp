@@ -11,7 +11,6 @@
 #include "maide/automata/random_automata.hpp"
 #include "maide/conformance/identifier_suite.hpp"
 #include "maide/conformance/separating_words.hpp"
-#include "maide/conformance/standard_method.hpp"
 #include "maide/formats/model_file.hpp"
 #include "maide/learn/counting_oracle.hpp"
 #include "maide/learn/mealy_oracle.hpp"
@@ -255,90 +254,6 @@ TEST(CompleteMethod, SaysWhatItEstablishes) {
   EXPECT_NE(less.guarantee().find("not refuted by 2 tests"), std::string::npos);
   EXPECT_NE(less.guarantee().find("cut off before"), std::string::npos) << less.guarantee();
   EXPECT_LT(some, all);
-}
-
-// The budget's promise, for the paper's queues: three extra states, and two in translation av.
-TEST(StandardMethod, CoversTheQueuesOfThePaper) {
-  for (const auto& entry : std::filesystem::directory_iterator(MAIDE_SOURCE_DIR "/tests/models")) {
-    if (entry.path().extension() != ".dot") continue;
-    const InterfaceAutomaton automaton = read_interface_automaton(entry.path());
-    for (const Translation translation : {Translation::eager, Translation::av}) {
-      const Mealy machine = to_mealy(automaton, translation);
-      MealyOracle oracle(machine);
-      StandardMethod method(oracle);
-      EXPECT_EQ(method.find_counterexample(machine), std::nullopt);
-      const std::string guarantee = method.guarantee();
-      const bool three = guarantee.find("at most 3 more") != std::string::npos;
-      const bool two = guarantee.find("at most 2 more") != std::string::npos;
-      EXPECT_TRUE(three || (translation == Translation::av && two)) << entry.path() << guarantee;
-      EXPECT_NE(guarantee.find("200 random tests"), std::string::npos) << guarantee;
-    }
-  }
-}
-
-// A lock: the right inputs in order; everything else leads to its end.
-Mealy lock(std::size_t length, std::size_t inputs) {
-  std::vector<std::string> names;
-  for (std::size_t i = 0; i < inputs; ++i) names.push_back("i" + std::to_string(i));
-  Mealy machine(Alphabet(names), {"no", "yes"}, length + 1);
-  const auto end = static_cast<StateId>(length);
-  for (StateId state = 0; state <= end; ++state) {
-    for (Symbol input = 0; input < inputs; ++input) {
-      const bool is_right = state < length && input == (state * 7 + 3) % inputs;
-      machine.set_transition(state, input, is_right ? 1 : 0, is_right ? state + 1 : end);
-    }
-  }
-  return machine;
-}
-
-// Larger machines get what is complete within half of the budget, and random tests for the rest.
-TEST(StandardMethod, SharesItsBudget) {
-  const Mealy machine = lock(12, 4);
-  MealyOracle oracle(machine);
-  StandardMethod method(oracle);
-  EXPECT_EQ(method.find_counterexample(machine), std::nullopt);
-  IdentifierSuite suite = make_suite(machine, hads_identifiers, 3);
-  const std::uint64_t budget = 1000 + 50 * machine.size() * 4, complete = suite.size_up_to(1);
-  ASSERT_LE(complete, budget / 2);
-  ASSERT_GT(suite.size_up_to(2), budget / 2);
-  EXPECT_EQ(method.guarantee(),
-            "not refuted by " + std::to_string(complete) +
-                " tests of hybrid ADS: no machine with at most 1 more state (14 in all) behaves "
-                "differently; not refuted by " +
-                std::to_string(budget - complete) +
-                " random tests of hybrid ADS with infixes of 9 inputs on average");
-  StandardMethod little(oracle, {.max_tests = 5});
-  EXPECT_EQ(little.find_counterexample(machine), std::nullopt);
-  EXPECT_NE(little.guarantee().find("not refuted by 2 tests of hybrid ADS, cut off before"),
-            std::string::npos);
-  EXPECT_NE(little.guarantee().find("not refuted by 3 random tests"), std::string::npos);
-}
-
-// Most hypotheses are refuted by the random tests that come first; what those hardly find is found
-// by the suite before all random tests are done.
-TEST(StandardMethod, BeginsWithRandomTestsAndThenTakesTurns) {
-  const Mealy machine = lock(100, 30);
-  const std::uint64_t head_start = machine.size() * 30;
-  const std::uint64_t complete = make_suite(machine, hads_identifiers, 0).size_up_to(0);
-  const auto count_tests = [&](StateId from, Symbol input) {
-    Mealy system = machine;
-    const Mealy::Cell cell = machine.row(from)[input];
-    system.set_transition(from, input, 1 - cell.output, cell.target);
-    MealyOracle oracle(system);
-    CountingOracle counter(oracle);
-    StandardMethod method(counter, {.batch_size = 1});
-    EXPECT_TRUE(method.find_counterexample(machine));
-    EXPECT_EQ(method.guarantee(), "refuted by a test");
-    return counter.statistics().total().queries;
-  };
-  EXPECT_LT(count_tests(0, 3), 10U);
-  std::uint64_t later = 0;
-  for (StateId state = 0; state < 100; state += 5) {
-    const std::uint64_t tests = count_tests(state, 0);
-    EXPECT_LE(tests, head_start + 2 * complete);
-    later += tests > head_start ? 1 : 0;
-  }
-  EXPECT_GT(later, 0U);
 }
 
 }  // namespace

@@ -1,0 +1,211 @@
+// Tests of loops: that chains and pumps hold what they say, by looking at every word.
+#include "maide/conformance/loop_suites.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+#include <set>
+#include <tuple>
+
+#include "maide/automata/hiding_automata.hpp"
+#include "maide/automata/random_automata.hpp"
+#include "maide/conformance/complete_method.hpp"
+
+namespace maide {
+namespace {
+
+std::vector<Word> list(TestSuite& suite, std::size_t limit = 1'000'000) {
+  std::vector<Word> words;
+  Word word;
+  while (words.size() < limit && suite.next(word)) words.push_back(word);
+  return words;
+}
+
+struct Loops {
+  explicit Loops(const Mealy& machine)
+      : identifiers(hads_identifiers.compute(machine, Random(0))), inputs(machine, identifiers) {}
+  StateIdentifiers identifiers;
+  LoopingInputs inputs;
+};
+
+TEST(Chain, HoldsEveryWordOnce) {
+  for (std::size_t letters = 1; letters <= 5; ++letters) {
+    for (std::size_t order = 1; order <= 4; ++order) {
+      Word alphabet;
+      for (std::size_t i = 0; i < letters; ++i) alphabet.push_back(static_cast<Symbol>(10 + 3 * i));
+      const Word chain = draw_chain(alphabet, order, Random(letters));
+      std::set<Word> words;
+      ASSERT_GE(chain.size(), order);
+      for (std::size_t i = 0; i + order <= chain.size(); ++i) {
+        const auto begin = chain.begin() + static_cast<std::ptrdiff_t>(i);
+        EXPECT_TRUE(words.emplace(begin, begin + static_cast<std::ptrdiff_t>(order)).second);
+      }
+      std::size_t all = 1;
+      for (std::size_t i = 0; i < order; ++i) all *= letters;
+      EXPECT_EQ(words.size(), all) << letters << " letters, order " << order;
+    }
+  }
+  EXPECT_TRUE(draw_chain({}, 3, Random(1)).empty());
+}
+
+TEST(Chain, DiffersFromDrawToDraw) {
+  const Word letters{0, 1, 2, 3};
+  EXPECT_NE(draw_chain(letters, 3, Random(1)), draw_chain(letters, 3, Random(2)));
+  EXPECT_EQ(draw_chain(letters, 3, Random(1)), draw_chain(letters, 3, Random(1)));
+}
+
+// In every state every word of three looping inputs is a part of what is played there, with the
+// hypothesis in that state; short pieces and long ones.
+TEST(ChainSuite, PlaysEveryWordOfLoopsInEveryState) {
+  Random random(5);
+  for (const Hiding hiding : {Hiding::pairs, Hiding::modes, Hiding::sinks}) {
+    const Mealy machine = hiding_mealy(hiding, 12, 6, random);
+    const Loops loops(machine);
+    for (const std::size_t piece : {std::size_t{7}, ChainSuite::long_piece}) {
+      ChainSuite suite(loops.inputs, loops.inputs.states(), 3, piece, Random(1));
+      EXPECT_TRUE(suite.is_whole());
+      const std::vector<Word> words = list(suite);
+      EXPECT_EQ(words.size(), suite.size());
+      std::map<StateId, std::set<Word>> played;
+      std::uint64_t symbols = 0;
+      for (const Word& word : words) {
+        symbols += word.size();
+        StateId state = machine.initial();
+        std::size_t in_row = 0;  // inputs before this one that looped
+        for (std::size_t i = 0; i < word.size(); ++i) {
+          const StateId next = machine.target(state, word[i]);
+          in_row = next == state ? in_row + 1 : 0;
+          state = next;
+          if (in_row >= 3) {
+            const auto end = word.begin() + static_cast<std::ptrdiff_t>(i + 1);
+            played[state].emplace(end - 3, end);
+          }
+        }
+      }
+      for (StateId state = 0; state < machine.size(); ++state) {
+        const std::size_t letters = loops.inputs.of(state).size();
+        EXPECT_GE(played[state].size(), letters * letters * letters) << "state " << state;
+      }
+      // Without the words that identify.
+      EXPECT_LE(*suite.symbols(), symbols);
+    }
+    ChainSuite some(loops.inputs, loops.inputs.states(), 3, 7, Random(1), 1);
+    EXPECT_FALSE(some.is_whole());
+    EXPECT_LE(list(some).size(), machine.size());
+  }
+}
+
+TEST(PumpSuite, RepeatsEveryLoopBeforeEveryOtherInputInEveryState) {
+  Random random(6);
+  for (const Hiding hiding : {Hiding::pairs, Hiding::modes, Hiding::nothing}) {
+    const Mealy machine = hiding_mealy(hiding, 10, 5, random);
+    const Loops loops(machine);
+    const std::vector<std::size_t> counts{3, 9};
+    PumpSuite suite(loops.inputs, counts);
+    const std::vector<Word> words = list(suite);
+    EXPECT_EQ(words.size(), suite.size());
+    // State, loop, times, follower.
+    std::set<std::tuple<StateId, Symbol, std::size_t, Symbol>> played;
+    for (const Word& word : words) {
+      StateId state = machine.initial();
+      std::size_t times = 0;
+      for (std::size_t i = 0; i < word.size(); ++i) {
+        if (i > 0 && times > 0 && word[i] != word[i - 1]) {
+          for (std::size_t fewer = 1; fewer <= times; ++fewer) {
+            played.emplace(state, word[i - 1], fewer, word[i]);
+          }
+        }
+        const StateId next = machine.target(state, word[i]);
+        const bool goes_on = i > 0 && word[i] == word[i - 1] && times > 0;
+        times = next != state ? 0 : goes_on ? times + 1 : 1;
+        state = next;
+      }
+    }
+    for (StateId state = 0; state < machine.size(); ++state) {
+      for (const Symbol loop : loops.inputs.of(state)) {
+        for (Symbol follower = 0; follower < machine.inputs().size(); ++follower) {
+          for (const std::size_t count : counts) {
+            if (follower == loop) continue;
+            EXPECT_TRUE(played.contains({state, loop, count, follower}))
+                << "state " << state << ", " << loop << " " << count << " times, " << follower;
+          }
+        }
+      }
+    }
+  }
+}
+
+TEST(LoopingInputs, AreNotThoseThatWereRefusedOrNotTried) {
+  Mealy machine({"a", "b", "c", "d"}, {"ok", "refused", "unexplored"}, 2);
+  for (StateId state = 0; state < 2; ++state) {
+    machine.set_transition(state, 0, 0, state);
+    machine.set_transition(state, 1, 1, state);
+    machine.set_transition(state, 2, 2, state);
+    machine.set_transition(state, 3, state == 0 ? 0 : 1, 1);
+  }
+  const Loops loops(machine);
+  EXPECT_TRUE(std::ranges::equal(loops.inputs.of(0), Word{0}));
+  EXPECT_TRUE(std::ranges::equal(loops.inputs.of(1), Word{0}));
+}
+
+TEST(LoopingInputs, WaysAreTransitionsThatNoAccessWordTakes) {
+  Random random(7);
+  const Mealy machine = random_mealy({.states = 20, .inputs = 4, .outputs = 3}, random);
+  const Loops loops(machine);
+  std::set<Word> access;
+  for (const auto& [word, state] : loops.inputs.states()) {
+    EXPECT_EQ(machine.run(word), state);
+    access.insert(word);
+  }
+  std::set<std::pair<StateId, Symbol>> kinds;
+  for (const auto& [word, state] : loops.inputs.ways()) {
+    EXPECT_EQ(machine.run(word), state);
+    EXPECT_FALSE(access.contains(word));
+    EXPECT_TRUE(access.contains(Word(word.begin(), word.end() - 1)));
+    EXPECT_TRUE(kinds.emplace(state, machine.output_word(word).back()).second);
+  }
+  EXPECT_FALSE(kinds.empty());
+}
+
+TEST(GrowthSuite, GoesOnWhereARowIsSeen) {
+  // 0 -a-> 1 -a-> 2 -a-> 3, b takes back, c does nothing.
+  Mealy machine({"a", "b", "c"}, {"ok"}, 4);
+  for (StateId state = 0; state < 4; ++state) {
+    machine.set_transition(state, 0, 0, std::min<StateId>(state + 1, 3));
+    machine.set_transition(state, 1, 0, state == 0 ? 0 : state - 1);
+    machine.set_transition(state, 2, 0, state);
+  }
+  const Loops loops(machine);
+  GrowthSuite suite(loops.inputs, {}, 1000);
+  const std::vector<Word> words = list(suite);
+  Word up(8, 0), back = up, once = up;
+  back.insert(back.end(), 9, 1);
+  once.push_back(2);
+  EXPECT_NE(std::find(words.begin(), words.end(), back), words.end());
+  EXPECT_NE(std::find(words.begin(), words.end(), once), words.end());
+  GrowthSuite none(loops.inputs, {}, 5);
+  EXPECT_TRUE(list(none).empty());
+}
+
+TEST(LoopSampler, IsTheSameForTheSameSeedAndEndsWithoutLoops) {
+  Random random(8);
+  const Mealy machine = hiding_mealy(Hiding::pairs, 10, 5, random);
+  const Loops loops(machine);
+  LoopSampler sampler(loops.inputs, 20, Random(1)), same(loops.inputs, 20, Random(1)),
+      other(loops.inputs, 20, Random(2));
+  const std::vector<Word> words = list(sampler, 300);
+  EXPECT_EQ(words, list(same, 300));
+  EXPECT_NE(words, list(other, 300));
+  EXPECT_GT(sampler.enough(), 0U);
+
+  Mealy turning({"a"}, {"x", "y"}, 2);
+  turning.set_transition(0, 0, 0, 1);
+  turning.set_transition(1, 0, 1, 0);
+  const Loops none(turning);
+  LoopSampler nothing(none.inputs, 20, Random(1));
+  EXPECT_TRUE(list(nothing, 10).empty());
+}
+
+}  // namespace
+}  // namespace maide
