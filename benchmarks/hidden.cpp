@@ -6,7 +6,7 @@
 //                [--seed S] [--eq NAME] [--limit SECONDS] [--write FOLDER] [--quiet] [MODEL ...]
 //
 // N machines of each class (automata/hiding_automata.hpp), of up to so many states and inputs; or
-// the MODELs, Mealy machines as .dot files, instead. Each is learned with L#, the method and each
+// the MODELs instead. Each is learned with L#, the method and each
 // seed, in memory. A line a run: states found of all, whether the model is right, weak, or wrong
 // and not called weak (SILENT), what was missing, words and symbols that reached the machine, and
 // processor time. A run that takes longer than the limit is interrupted, and counted as such: it
@@ -35,6 +35,7 @@
 #include "maide/learn/counting_oracle.hpp"
 #include "maide/learn/learners.hpp"
 #include "maide/learn/mealy_oracle.hpp"
+#include "maide/sul/ia_translation.hpp"
 
 namespace maide {
 namespace {
@@ -126,10 +127,19 @@ std::size_t draw_size(std::size_t most, Random& random) {
   return std::clamp(static_cast<std::size_t>(std::lround(size)), std::size_t{4}, most);
 }
 
+// An interface automaton is learned as its eager translation.
+Mealy read_machine(const std::string& path) {
+  const Model model = read_model(path);
+  if (const auto* automaton = std::get_if<InterfaceAutomaton>(&model)) {
+    return to_mealy(*automaton, Translation::eager);
+  }
+  return read_mealy(path);
+}
+
 int run_all(const Arguments& arguments) {
   std::map<std::string, Counts> table;
   for (const std::string& path : arguments.models) {
-    const Mealy machine = read_mealy(path);
+    const Mealy machine = read_machine(path);
     const std::string name = std::filesystem::path(path).stem().string();
     for (std::uint64_t seed = 0; seed < arguments.seeds; ++seed) {
       learn_once(name, machine, arguments.seed + seed, arguments, table["models"]);

@@ -185,14 +185,16 @@ TEST_F(CacheCommand, CheckShowsEachChangedAnswerOnceShortestFirst) {
     file.remove_contradicting({11, 11}, {no, lie});
     file.commit();
   }
-  const SubprocessResult text = run_maide({"cache", "check", cache, "--system", system});
+  const SubprocessResult text =
+      run_maide({"cache", "check", cache, "--system", system, "--words", "1000"});
   EXPECT_EQ(text.exit_status, 1) << text.out << text.err;
   EXPECT_THAT(text.out, HasSubstr("13 answered otherwise\n  \"a\" is answered \"lie\" and \"no\", "
                                   "in 2 words\n  \"b\" is"));
   EXPECT_THAT(text.out, HasSubstr("\"j\" is answered \"lie\" and \"no\"\n  and 2 more"));
-  const Json found = json_of(run_maide({"cache", "check", cache, "--system", system, "--json"}))
-                         .at("caches")
-                         .at(0);
+  const Json found =
+      json_of(run_maide({"cache", "check", cache, "--system", system, "--words", "1000", "--json"}))
+          .at("caches")
+          .at(0);
   EXPECT_EQ(found.at("different"), 13);
   ASSERT_EQ(found.at("answered_otherwise").size(), 12U);
   EXPECT_EQ(found.at("answered_otherwise").back(),
