@@ -35,6 +35,7 @@ class ListeningWrapper {
     address_ = line->substr(line->rfind(' ') + 1);
   }
   const std::string& address() const { return address_; }
+  pid_t process() const { return process_->id(); }
 
   // It goes away, and so do the processes that serve its clients.
   void kill() { process_->kill(); }

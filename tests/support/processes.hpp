@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <optional>
 #include <sstream>
 #include <string>
@@ -83,6 +84,11 @@ inline std::vector<pid_t> own_children() {
     for (pid_t child = 0; file >> child;) children.push_back(child);
   }
   return children;
+}
+
+inline std::size_t count_descriptors(pid_t process) {
+  const std::filesystem::directory_iterator all("/proc/" + std::to_string(process) + "/fd");
+  return static_cast<std::size_t>(std::distance(begin(all), end(all)));
 }
 
 // Marks every process that is started from now on, by whomever; so that those that are left behind

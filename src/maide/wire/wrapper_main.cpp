@@ -1,7 +1,8 @@
 // run_wrapper: the main function of a wrapper's executable. Over pipes it serves the one client
-// that started it. Listening, it forks for each client, so that every client has a fresh process of
-// the middleware, several at once do not disturb one another, and one that crashes or hangs its
-// system leaves the others and the listener alone.
+// that started it. Listening, it forks for each client that has named its token and sent its
+// options (reception.hpp), so that every client has a fresh process of the middleware, several at
+// once do not disturb one another, and one that crashes or hangs its system leaves the others and
+// the listener alone.
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/prctl.h>
@@ -11,15 +12,17 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <chrono>
 #include <csignal>
 #include <cstdio>
 #include <optional>
 #include <string>
-#include <vector>
+#include <utility>
 
 #include "maide/base/descriptor.hpp"
 #include "maide/base/error.hpp"
 #include "maide/base/printable.hpp"
+#include "maide/wire/reception.hpp"
 #include "maide/wire/self_test.hpp"
 #include "maide/wire/system_wrapper.hpp"
 #include "maide/wire/tcp.hpp"
@@ -29,7 +32,7 @@
 namespace maide {
 namespace {
 
-// Clients at the same time; more wait until one has gone.
+// Clients that are served at the same time; more wait, their options said, until one has gone.
 constexpr std::size_t most_clients = 64;
 
 struct Arguments {
@@ -91,18 +94,18 @@ void serve_pipes(SystemWrapper& wrapper) {
 }
 
 // In the process of one client.
-void serve_client(SystemWrapper& wrapper, const Descriptor& client,
-                  const std::optional<std::string>& token, pid_t listener) {
+void serve_client(SystemWrapper& wrapper, AcceptedClient client, pid_t listener) {
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (::getppid() != listener) return;
-  tcp::set_up(client.get());
-  WrapperServer(wrapper, client.get(), client.get(), token).serve();
+  const int socket = client.socket.get();
+  tcp::set_up(socket);
+  WrapperServer(wrapper, socket, socket, std::move(client.received)).serve();
 }
 
-// Clears away the processes of clients that have gone; waits for one if there are too many.
+// Clears away the processes of clients that have gone.
 void reap(std::size_t& clients) {
   while (clients > 0) {
-    const pid_t ended = ::waitpid(-1, nullptr, clients >= most_clients ? 0 : WNOHANG);
+    const pid_t ended = ::waitpid(-1, nullptr, WNOHANG);
     if (ended < 0 && errno == EINTR) continue;
     if (ended <= 0) return;
     --clients;
@@ -119,20 +122,22 @@ int listen_for_clients(SystemWrapper& wrapper, const Arguments& arguments) {
   fmt::print("listening on {}\n", listener.name);
   std::fflush(stdout);
   const pid_t self = ::getpid();
+  Reception reception(listener.socket.get(), wrapper.description(), token);
+  constexpr std::chrono::milliseconds piece{50};  // between looks for a place that is free again
   for (std::size_t clients = 0;;) {
-    Descriptor client(::accept4(listener.socket.get(), nullptr, nullptr, SOCK_CLOEXEC));
-    const int error = errno;
+    reception.wait(clients >= most_clients ? std::optional(piece) : std::nullopt);
     reap(clients);
-    if (!client.is_open()) {
-      if (error == EINTR || error == ECONNABORTED) continue;
-      throw UsageError("cannot accept clients any more on " + listener.name);
+    while (clients < most_clients) {
+      std::optional<AcceptedClient> client = reception.take_ready();
+      if (!client) break;
+      const pid_t child = ::fork();
+      if (child > 0) ++clients;
+      if (child != 0) continue;
+      listener.socket.reset();
+      reception.clear();
+      serve_client(wrapper, std::move(*client), self);
+      return 0;
     }
-    const pid_t child = ::fork();
-    if (child > 0) ++clients;
-    if (child != 0) continue;
-    listener.socket.reset();
-    serve_client(wrapper, client, token, self);
-    return 0;
   }
 }
 

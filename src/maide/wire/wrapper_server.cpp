@@ -19,8 +19,6 @@ namespace {
 
 // Lines that wait to be played; a client that sends more of them is not read until some are done.
 constexpr std::size_t most_waiting = 4096;
-// A client that listens on a wrapper with a token has this long to name it.
-constexpr int token_limit_ms = 10'000;
 
 // The reader's own look at a line: cancellation overtakes the lines that wait, and a client that
 // said bye waits for its answers even if it then closes its end.
@@ -37,31 +35,26 @@ bool is_a(const std::string& line) {
 
 }  // namespace
 
-bool equal_in_constant_time(std::string_view left, std::string_view right) {
-  std::size_t difference = left.size() ^ right.size();
-  for (std::size_t i = 0; i < left.size(); ++i) {
-    const char other = right.empty() ? '\0' : right[i % right.size()];
-    difference |= static_cast<std::size_t>(static_cast<unsigned char>(left[i] ^ other));
-  }
-  return difference == 0;
+protocol::Hello hello_of(const WrapperDescription& description, bool needs_token) {
+  protocol::Hello hello;
+  hello.name = description.name;
+  hello.versions = description.versions;
+  hello.speaks_trees = hello.speaks_purposes = hello.speaks_av = true;
+  hello.announces_steps = true;
+  hello.needs_token = needs_token;
+  hello.options = full_option_table(description);
+  return hello;
 }
 
 WrapperServer::WrapperServer(SystemWrapper& wrapper, int in, int out,
-                             std::optional<std::string> token)
+                             std::optional<std::string> received)
     : in_(in),
       out_(out),
-      token_(std::move(token)),
       watchdog_([this](const std::string& work) { leave(work + " did not end in time"); }),
       session_(wrapper, &watchdog_) {
-  protocol::Hello hello;
-  hello.name = session_.info().name;
-  hello.versions = session_.info().versions;
-  hello.speaks_trees = hello.speaks_purposes = hello.speaks_av = true;
-  hello.announces_steps = true;
-  hello.needs_token = token_.has_value();
-  hello.options = session_.option_table();
-  send(protocol::encode(hello));
-  reader_ = std::thread([this] { read_lines(); });
+  if (!received) send(protocol::encode(hello_of(wrapper.description(), false)));
+  reader_ = std::thread(
+      [this, first = std::move(received).value_or("")]() mutable { read_lines(std::move(first)); });
 }
 
 WrapperServer::~WrapperServer() {
@@ -92,22 +85,15 @@ void WrapperServer::end_reading(std::string problem) {
   changed_.notify_all();
 }
 
-void WrapperServer::read_lines() {
+void WrapperServer::read_lines(std::string bytes) {
   const SdkThread own;
   constexpr int piece_ms = 100;  // a server that stops is not kept waiting for its client
   LineSplitter splitter;
-  std::string bytes;
   bool said_bye = false;
   try {
     while (true) {
-      {
-        const std::scoped_lock lock(mutex_);
-        if (stopping_) return;
-      }
-      pollfd waiting{in_, POLLIN, 0};
-      if (::poll(&waiting, 1, piece_ms) <= 0) continue;
-      if (read_some(in_, bytes) != ReadResult::some) break;
       splitter.append(bytes);
+      bytes.clear();
       while (auto line = splitter.take_line()) {
         said_bye = is_a<protocol::Bye>(*line);
         if (is_a<protocol::Cancel>(*line)) {
@@ -116,6 +102,13 @@ void WrapperServer::read_lines() {
           push(std::move(*line));
         }
       }
+      {
+        const std::scoped_lock lock(mutex_);
+        if (stopping_) return;
+      }
+      pollfd waiting{in_, POLLIN, 0};
+      if (::poll(&waiting, 1, piece_ms) <= 0) continue;
+      if (read_some(in_, bytes) != ReadResult::some) break;
     }
     if (!said_bye) cancel();
     end_reading("");
@@ -153,27 +146,7 @@ void WrapperServer::leave(const std::string& reason) {
   ::_exit(static_cast<int>(ExitStatus::system_failed));
 }
 
-bool WrapperServer::check_token() {
-  std::unique_lock lock(mutex_);
-  const bool came = changed_.wait_for(lock, std::chrono::milliseconds(token_limit_ms),
-                                      [this] { return ended_ || !lines_.empty(); });
-  lock.unlock();
-  std::string given;
-  if (const auto line = came ? pop() : std::nullopt) {
-    try {
-      const auto message = protocol::decode_to_wrapper(line->text, session_.info());
-      if (const auto* token = std::get_if<protocol::Token>(&message)) given = token->token;
-    } catch (const protocol::ProtocolError&) {
-    }
-  }
-  if (equal_in_constant_time(*token_, given)) return true;
-  send_error(protocol::ErrorCode::token,
-             given.empty() ? "a token is needed" : "the token is wrong");
-  return false;
-}
-
 void WrapperServer::serve() {
-  if (token_ && !check_token()) return;
   serve_lines();
   end_instance();
 }
@@ -199,7 +172,7 @@ void WrapperServer::serve_lines() {
 WrapperServer::Next WrapperServer::handle(const Line& line) {
   protocol::ToWrapper message = protocol::decode_to_wrapper(line.text, session_.info());
   if (std::holds_alternative<protocol::Bye>(message)) return Next::stop;
-  if (std::holds_alternative<protocol::Token>(message)) return Next::go_on;  // not asked for
+  if (std::holds_alternative<protocol::Token>(message)) return Next::go_on;  // see Reception
   if (const auto* options = std::get_if<protocol::Configure>(&message)) {
     return configure(*options);
   }

@@ -11,7 +11,6 @@
 #include <mutex>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <thread>
 
 #include "maide/wire/protocol.hpp"
@@ -23,8 +22,8 @@ namespace maide {
 class WrapperServer {
  public:
   // Speaks over two descriptors, which may be the same (a socket), and which stay the caller's.
-  // With a token, a client must name it before anything else.
-  WrapperServer(SystemWrapper& wrapper, int in, int out, std::optional<std::string> token = {});
+  // `received`: hello has been said, and this has been read (see Reception).
+  WrapperServer(SystemWrapper& wrapper, int in, int out, std::optional<std::string> received = {});
   ~WrapperServer();
   WrapperServer(const WrapperServer&) = delete;
   WrapperServer& operator=(const WrapperServer&) = delete;
@@ -41,12 +40,12 @@ class WrapperServer {
   };
   enum class Next : std::uint8_t { go_on, stop };
 
-  void read_lines();
+  // `bytes` were read before.
+  void read_lines(std::string bytes);
   void push(std::string line);
   void cancel();
   void end_reading(std::string problem);
   std::optional<Line> pop();
-  bool check_token();
   Next handle(const Line& line);
   void serve_lines();
   Next configure(const protocol::Configure& message);
@@ -61,7 +60,6 @@ class WrapperServer {
   static constexpr std::uint64_t no_query = ~std::uint64_t{0};
 
   int in_, out_;
-  std::optional<std::string> token_;
   std::mutex output_mutex_;
   Watchdog watchdog_;
   WrapperSession session_;
@@ -78,7 +76,7 @@ class WrapperServer {
   std::thread reader_;
 };
 
-// Equal, in a time that depends on the lengths only.
-bool equal_in_constant_time(std::string_view left, std::string_view right);
+// What a wrapper says of itself first.
+protocol::Hello hello_of(const WrapperDescription& description, bool needs_token);
 
 }  // namespace maide

@@ -12,10 +12,11 @@
 #include "maide/base/error.hpp"
 #include "maide/base/temp_dir.hpp"
 #include "maide/wire/line_io.hpp"
+#include "maide/wire/reception.hpp"
 #include "maide/wire/tcp.hpp"
 #include "maide/wire/wrapper_proxy.hpp"
-#include "maide/wire/wrapper_server.hpp"
 #include "port_model.hpp"
+#include "processes.hpp"
 
 namespace maide {
 namespace {
@@ -92,6 +93,121 @@ TEST(TcpWrapper, ClientsThatVanishOrTalkNonsenseDoNoHarm) {
     EXPECT_EQ(write_some(client.get(), text), static_cast<std::ptrdiff_t>(text.size()));
   }
   EXPECT_EQ(ask(*connect_tcp(wrapper.address(), "")), "quiet message ");
+}
+
+// More of them than clients that are served at once, and than connections that may wait.
+TEST(TcpWrapper, SilentConnectionsKeepNobodyOut) {
+  const test::ListeningWrapper wrapper;
+  const tcp::Address address = tcp::parse_address(wrapper.address());
+  const auto never = [] { return false; };
+  std::vector<Descriptor> silent;
+  for (int i = 0; i < 300; ++i) silent.push_back(tcp::connect(address, long_enough, never));
+  ProxySettings settings;
+  settings.hello_limit = settings.configure_limit = std::chrono::seconds(20);
+  WrapperProxy client(WrapperEndpoint::tcp(wrapper.address()), {}, settings);
+  EXPECT_EQ(ask(client), "quiet message ");
+  EXPECT_EQ(test::children_of(wrapper.process()).size(), 1U);  // none for those who say nothing
+  EXPECT_LE(test::count_descriptors(wrapper.process()), 256U + 20U);
+}
+
+// What a client hears, up to the end of the connection.
+std::string hear(int socket) {
+  std::string text, bytes;
+  while (true) {
+    pollfd waiting{socket, POLLIN, 0};
+    ::poll(&waiting, 1, 100);
+    const ReadResult result = read_some(socket, bytes);
+    if (result == ReadResult::ended) return text;
+    if (result == ReadResult::some) text += bytes;
+  }
+}
+
+class ReceptionTest : public testing::Test {
+ protected:
+  Descriptor connect() {
+    return tcp::connect(tcp::parse_address(listener_.name), long_enough, [] { return false; });
+  }
+  static void say(const Descriptor& client, const std::string& line) {
+    ASSERT_TRUE(write_all(client.get(), line + "\n"));
+  }
+  std::optional<AcceptedClient> wait_for_client(Reception& reception) {
+    for (int round = 0; round < 50; ++round) {
+      if (auto client = reception.take_ready()) return client;
+      reception.wait(std::chrono::milliseconds(20));
+    }
+    return std::nullopt;
+  }
+
+  const std::string configure_ = R"({"type":"configure","options":{}})";
+  tcp::Listener listener_ = tcp::listen({"127.0.0.1", "0"});
+  WrapperDescription description_{"lamp", "a lamp", {}, {}};
+};
+
+TEST_F(ReceptionTest, OnlyThoseWhoSendTheirOptionsAreReady) {
+  Reception reception(listener_.socket.get(), description_, std::nullopt);
+  const Descriptor silent = connect();
+  const Descriptor half = connect();
+  ASSERT_TRUE(write_all(half.get(), configure_.substr(0, 10)));
+  const Descriptor leaving = connect();
+  say(leaving, R"({"type":"bye"})");
+  const Descriptor wrong = connect();
+  say(wrong, R"({"type":"run","id":1,"word":[]})");
+  const Descriptor good = connect();
+  say(good, R"({"type":"token","token":"not asked for"})");
+  say(good, configure_);
+  const auto client = wait_for_client(reception);
+  ASSERT_TRUE(client);
+  EXPECT_NE(client->received.find("configure"), std::string::npos);
+  EXPECT_FALSE(wait_for_client(reception));
+  EXPECT_EQ(reception.size(), 2U);  // the silent one and the half one
+  EXPECT_NE(hear(wrong.get()).find("the first line must be of type 'configure'"),
+            std::string::npos);
+}
+
+TEST_F(ReceptionTest, WhoeverIsLateIsDropped) {
+  ReceptionSettings settings;
+  settings.limit = std::chrono::milliseconds(200);
+  Reception reception(listener_.socket.get(), description_, "sesame", settings);
+  const Descriptor silent = connect();
+  const Descriptor known = connect();
+  say(known, R"({"type":"token","token":"sesame"})");
+  const auto start = std::chrono::steady_clock::now();
+  do {
+    reception.wait(std::nullopt);  // its own deadlines end it
+  } while (reception.size() > 0);
+  EXPECT_GE(std::chrono::steady_clock::now() - start, std::chrono::milliseconds(150));
+  EXPECT_NE(hear(silent.get()).find("no token within 0.2 s"), std::string::npos);
+  EXPECT_NE(hear(known.get()).find("no options within 0.2 s"), std::string::npos);
+}
+
+TEST_F(ReceptionTest, ANewcomerTakesThePlaceOfTheMostSilent) {
+  ReceptionSettings settings;
+  settings.most_waiting = 3;
+  Reception reception(listener_.socket.get(), description_, std::nullopt, settings);
+  const Descriptor ready = connect();
+  say(ready, configure_);
+  while (reception.size() < 1) reception.wait(long_enough);
+  std::vector<Descriptor> silent;
+  for (int i = 0; i < 5; ++i) {
+    silent.push_back(connect());
+    reception.wait(long_enough);
+  }
+  EXPECT_EQ(reception.size(), 3U);
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_NE(hear(silent[static_cast<std::size_t>(i)].get()).find("too many"), std::string::npos);
+  }
+  EXPECT_TRUE(wait_for_client(reception));  // whoever has spoken keeps its place
+}
+
+TEST_F(ReceptionTest, OptionsWithoutEndAreRefused) {
+  Reception reception(listener_.socket.get(), description_, std::nullopt);
+  const Descriptor endless = connect();
+  std::thread writer([&] { write_all(endless.get(), std::string(200'000, 'x')); });
+  do {
+    reception.wait(long_enough);
+  } while (reception.size() > 0);
+  writer.join();
+  EXPECT_FALSE(reception.take_ready());
 }
 
 TEST(TcpWrapper, NobodyThere) {
