@@ -77,8 +77,11 @@ INSTANTIATE_TEST_SUITE_P(
         Fault{"info_first", "the wrapper's first line is not a hello"},
         Fault{"endless_line", "a line is longer than 4194304 bytes"},
         Fault{"dies_at_start",
-              "no hello: the wrapper exited with status 3: cannot find the middleware's daemon"},
-        Fault{"cut_hello", "no hello: the wrapper exited with status 0 in the middle of a line"},
+              "no hello: the wrapper exited with status 3: cannot find the middleware's daemon; it "
+              "was started 4 times"},
+        Fault{"cut_hello",
+              "no hello: the wrapper exited with status 0 in the middle of a line; it was started "
+              "4 times"},
         Fault{"no_answer_to_options", "no answer to the options within 5 s"},
         Fault{"rejects_options", "usage: option color: no such color"},
         Fault{"cannot_configure", "no licence for the lamp"},
@@ -146,6 +149,27 @@ INSTANTIATE_TEST_SUITE_P(Survived, WrapperFault,
 TEST(WireFaults, AWrapperThatDiesOnceIsAskedAgain) {
   const TempDir folder;
   EXPECT_EQ(outcome("dies_once", (folder.path() / "died").string()), "6 answers, 1 repeated");
+}
+
+// Three times, and no more.
+TEST(WireFaults, AWrapperThatDiesAsItStartsIsStartedAgain) {
+  const TempDir folder;
+  const std::string file = (folder.path() / "deaths").string();
+  for (const int deaths : {1, 3}) {
+    std::ofstream(file) << std::string(static_cast<std::size_t>(deaths), '.');
+    WrapperProxy sul(fake("dies_at_starts", file), {});
+    EXPECT_EQ(sul.incidents().count, static_cast<std::uint64_t>(deaths));
+    EXPECT_EQ(sul.incidents().first.at(0).reason,
+              "no hello: the wrapper was killed by signal 9 (Killed)");
+    std::size_t answered = 0;
+    sul.run(words(2, 2), [&](std::size_t, const SulAnswer&) { ++answered; }, {});
+    EXPECT_EQ(answered, 2U);
+  }
+  std::ofstream(file) << "....";
+  EXPECT_EQ(outcome("dies_at_starts", file),
+            "no hello: the wrapper was killed by signal 9 (Killed); it was started 4 times");
+  std::ofstream(file) << "...";
+  EXPECT_EQ(ask_hello(fake("dies_at_starts", file)).name, "lamp");
 }
 
 TEST(WireFaults, AProgramThatIsNotThere) {

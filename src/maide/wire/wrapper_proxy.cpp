@@ -69,6 +69,26 @@ std::unique_ptr<WrapperConnection> open_connection(const WrapperEndpoint& endpoi
   return connection;
 }
 
+// Calls `start` until no wrapper dies in it: one that dies while it starts may have been killed,
+// and is started again, so often. `died` hears of each death that was survived.
+constexpr int most_restarts = 3;
+
+template <typename Start, typename Died>
+void start_patiently(const WrapperEndpoint& endpoint, Start&& start, Died&& died) {
+  for (int restarts = 0;; ++restarts) {
+    try {
+      start();
+      return;
+    } catch (const ConnectionLost& lost) {
+      if (restarts == most_restarts) {
+        throw WrapperError(fmt::format("{}; it was started {} times", lost.what(), restarts + 1),
+                           endpoint.name());
+      }
+      died(lost.what());
+    }
+  }
+}
+
 // The most steps that it can take; for a tree an upper bound.
 std::size_t depth_of(const SulQuery& query) {
   if (const Word* word = std::get_if<Word>(&query.inputs)) return word->size();
@@ -106,11 +126,12 @@ protocol::FromWrapper WrapperProxy::await_reply(const RunControl& control, const
 }
 
 void WrapperProxy::connect(const RunControl& control) {
-  try {
-    connect_or_lose(control);
-  } catch (const ConnectionLost& lost) {
-    fail(lost.what());
-  }
+  start_patiently(
+      endpoint_, [&] { connect_or_lose(control); },
+      [&](const char* reason) {
+        connection_.reset();
+        incidents_.add({reason, "", ""});
+      });
 }
 
 void WrapperProxy::connect_or_lose(const RunControl& control) {
@@ -141,18 +162,9 @@ void WrapperProxy::drop_connection() {
 }
 
 void WrapperProxy::reconnect(const RunControl& control) {
-  constexpr int most_starts = 3;  // one that dies at its start may have been killed, too
   const SulInfo before = info_;
   connection_.reset();
-  for (int start = 1; start < most_starts && !connection_; ++start) {
-    try {
-      connect_or_lose(control);
-    } catch (const ConnectionLost& lost) {
-      connection_.reset();
-      incidents_.add({lost.what(), "", ""});
-    }
-  }
-  if (!connection_) connect(control);
+  connect(control);
   // Words that it answered and words that it will answer must be about the same system.
   const auto signature = [](const SulInfo& info) {
     std::string text = info.name + info.bound;
@@ -415,11 +427,9 @@ std::string WrapperProxy::describe(const SulQuery& query) const {
 protocol::Hello ask_hello(const WrapperEndpoint& endpoint, const ProxySettings& settings,
                           const RunControl& control) {
   protocol::Hello hello;
-  try {
-    static_cast<void>(open_connection(endpoint, settings, control, hello));
-  } catch (const ConnectionLost& lost) {
-    throw WrapperError(lost.what(), endpoint.name());
-  }
+  start_patiently(
+      endpoint, [&] { static_cast<void>(open_connection(endpoint, settings, control, hello)); },
+      [](const char*) {});
   return hello;
 }
 

@@ -32,8 +32,9 @@ struct ProxySettings {
 
 class WrapperProxy : public Sul {
  public:
-  // Starts or connects to the wrapper and sets its options. Throws WrapperError, UsageError (the
-  // options, in the wrapper's words), Interrupted.
+  // Starts or connects to the wrapper and sets its options; one that dies meanwhile is started
+  // again, three times at most. Throws WrapperError, UsageError (the options, in the wrapper's
+  // words), Interrupted.
   WrapperProxy(WrapperEndpoint endpoint, std::map<std::string, std::string> options,
                ProxySettings settings = {}, const RunControl& control = {});
   // Ends the wrapper. Nothing of it is left behind.
