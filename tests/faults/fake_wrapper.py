@@ -129,6 +129,14 @@ def input_of_nobody():
     serve(None, info={**INFO, "inputs": [{"name": "press", "actor": "ghost"}]})
 
 
+def declares_quiet():
+    serve(None, info={**INFO, "outputs": ["on", "quiet"]})
+
+
+def declares_delta():
+    serve(None, info={**INFO, "inputs": ["press", "Delta"]})
+
+
 def inputs_of_a_wrong_type():
     serve(None, info={**INFO, "inputs": {"press": 1}})
 

@@ -87,6 +87,8 @@ INSTANTIATE_TEST_SUITE_P(
         Fault{"cannot_configure", "no licence for the lamp"},
         Fault{"no_inputs", "the system has no inputs"},
         Fault{"input_of_nobody", "unknown actor 'ghost'"},
+        Fault{"declares_quiet", "output 'quiet' has a name with a meaning of its own"},
+        Fault{"declares_delta", "input 'Delta' has a name with a meaning of its own"},
         Fault{"inputs_of_a_wrong_type", "'inputs' is not a list"}),
     [](const auto& fault) { return fault.param.name; });
 

@@ -87,6 +87,7 @@ Info decode_info(const Json& json) {
     const bool is_known = std::any_of(info.inputs.begin(), info.inputs.end(),
                                       [&](const SulInput& input) { return input.name == name; });
     if (is_known) throw ProtocolError(fmt::format("input '{}' comes twice", excerpt(name)));
+    if (name == delta) refuse_reserved(name, "input");
     info.inputs.push_back(
         {name, actor, row.is_string() ? std::vector<std::string>() : texts_member(row, "returns")});
   }
@@ -94,7 +95,7 @@ Info decode_info(const Json& json) {
   for (const Json& row : list_member(json, "outputs")) {
     const auto [name, actor] = decode_named(row, info, "output");
     check_output_name(name);
-    if (is_end_output(name)) refuse_reserved(name, "output");
+    if (is_reserved_output(name) || is_end_output(name)) refuse_reserved(name, "output");
     info.outputs.push_back({name, actor});
   }
   info.options = map_member(json, "options");

@@ -209,9 +209,9 @@ void WrapperSession::select_events(const SystemSetup& setup) {
                                                 ? names_of(options_, "observe", setup.usual_events)
                                                 : std::vector<std::string>();
   for (const SystemSetup::Event& event : setup.events) {
-    if (is_end_output(event.name)) {
+    if (is_end_output(event.name) || is_reserved_output(event.name)) {
       throw std::logic_error(fmt::format(
-          "the wrapper declares event '{}', which stands for the end of a system", event.name));
+          "the wrapper declares event '{}', a name with a meaning of its own", event.name));
     }
     const bool is_observed = !options_.has("observe") || std::find(observed.begin(), observed.end(),
                                                                    event.name) != observed.end();
