@@ -1,7 +1,8 @@
 // The translation of formulas held against their direct semantics, on random formulas and random
 // ultimately periodic runs: the automaton of f accepts exactly the runs on which f holds, and of
-// the automata of f and of not-f exactly one accepts each run. All of it after the automaton went
-// through the Hanoi Omega-Automata format.
+// the automata of f and of not-f exactly one accepts each run. A prefix after which the automaton
+// of not-f accepts whatever comes is bad in the direct semantics, too, and no run on which f holds
+// has a bad prefix. All of it after the automaton went through the Hanoi Omega-Automata format.
 #include "maide/check/ltl_automaton.hpp"
 
 #include <gtest/gtest.h>
@@ -32,7 +33,7 @@ class RandomFormulas : public testing::TestWithParam<int> {};
 
 TEST_P(RandomFormulas, AreTranslatedRight) {
   Random random(static_cast<std::uint64_t>(7000 + GetParam()));
-  int held = 0, failed = 0;
+  int held = 0, failed = 0, bad_prefixes = 0;
   for (int round = 0; round < 400; ++round) {
     const Formula formula = random_formula(random, 1 + static_cast<int>(random.below(4)));
     const LtlAutomaton automaton = read_back(translate(formula));
@@ -51,16 +52,26 @@ TEST_P(RandomFormulas, AreTranslatedRight) {
         }
         return result;
       };
-      const bool holds = holds_on_lasso(
-          formula, length, loop,
-          [&](const Atom& atom, std::size_t at) { return (truth[at] >> atom.symbol & 1) != 0; });
+      const auto value = [&](const Atom& atom, std::size_t at) {
+        return (truth[at] >> atom.symbol & 1) != 0;
+      };
+      const bool holds = holds_on_lasso(formula, length, loop, value);
       ++(holds ? held : failed);
       ASSERT_EQ(accepts(automaton, valuations(automaton), loop), holds);
       ASSERT_EQ(accepts(complement, valuations(complement), loop), !holds);
+      const std::size_t cut = random.below(length);
+      const bool may_hold = holds_on_lasso(formula, length, loop, value, cut);
+      ASSERT_TRUE(may_hold || !holds);
+      std::vector<std::uint64_t> prefix = valuations(complement);
+      prefix.resize(cut);
+      if (!accepts_whatever_comes(complement, prefix)) continue;
+      ++bad_prefixes;
+      ASSERT_FALSE(may_hold) << to_string(formula, test::FormulaAtoms().scope());
     }
   }
   EXPECT_GT(held, 500);
   EXPECT_GT(failed, 500);
+  EXPECT_GT(bad_prefixes, 100);
 }
 INSTANTIATE_TEST_SUITE_P(Seeds, RandomFormulas, testing::Range(0, 10));
 

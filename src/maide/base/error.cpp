@@ -61,4 +61,8 @@ NondeterminismError::NondeterminismError(std::string word, std::string first_ans
       first_(std::move(first_answer)),
       second_(std::move(second_answer)) {}
 
+std::string describe_internal_error(std::string_view what) {
+  return "internal error" + (what.empty() ? "" : ": " + std::string(what)) + " (please report it)";
+}
+
 }  // namespace maide

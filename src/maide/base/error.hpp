@@ -19,6 +19,7 @@ enum class ExitStatus : int {
   usage = 2,          // unusable arguments or input
   inconclusive = 3,   // a bound, a limit, an interruption, a system that stays nondeterministic
   system_failed = 4,  // the system under learning failed: not found, died, nonsense
+  internal = 5,       // an error of Maide's own
 };
 
 // Base of all errors that Maide throws on purpose.
@@ -90,5 +91,8 @@ class Interrupted : public Error {
  public:
   explicit Interrupted(const std::string& message) : Error(ExitStatus::inconclusive, message) {}
 };
+
+// The line about an exception that nobody meant to throw (exit status 5). `what` may be empty.
+std::string describe_internal_error(std::string_view what);
 
 }  // namespace maide

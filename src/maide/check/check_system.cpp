@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <exception>
+#include <new>
 #include <optional>
 #include <set>
 #include <string>
@@ -145,10 +147,7 @@ class Checker {
   CheckReport run() {
     for (const Property& property : properties_) {
       options_.control.report({"checking", 0, 0, 0, report_.properties.size(), properties_.size()});
-      PropertyResult result = engine_.check(system_, property, options_);
-      if (result.verdict == Verdict::holds) weaken(result);
-      if (result.trace) result.trace = with_fewest_switches(system_, property, *result.trace);
-      report_.properties.push_back(std::move(result));
+      report_.properties.push_back(check(property));
     }
     for (const Verdict verdict : {Verdict::inconclusive, Verdict::violated}) {
       for (const PropertyResult& result : report_.properties) {
@@ -160,6 +159,27 @@ class Checker {
   }
 
  private:
+  // An error of Maide's own leaves this property undecided, unless its violation was found before,
+  // and the others' verdicts alone.
+  PropertyResult check(const Property& property) {
+    PropertyResult result;
+    try {
+      result = engine_.check(system_, property, options_);
+      if (result.verdict == Verdict::holds) weaken(result);
+      if (result.trace) result.trace = with_fewest_switches(system_, property, *result.trace);
+    } catch (const Error&) {
+      throw;
+    } catch (const std::bad_alloc&) {
+      throw;
+    } catch (const std::exception& error) {
+      if (result.verdict == Verdict::holds) result.verdict = Verdict::inconclusive;
+      result.name = property.name;
+      result.reason = describe_internal_error(error.what());
+      result.is_internal_error = true;
+    }
+    return result;
+  }
+
   void select(const std::vector<std::string>& names) {
     std::set<std::string> seen;
     for (const std::string& name : names) {
@@ -346,6 +366,15 @@ std::string describe_edge(const System& system, const ProgramEdge& edge) {
       return model.name + "!" + model.automaton.outputs().name(edge.symbol);
     default: return model.name + " quiet";
   }
+}
+
+ExitStatus exit_status_of(const CheckReport& report) {
+  if (report.verdict == Verdict::violated) return ExitStatus::violated;
+  if (std::any_of(report.properties.begin(), report.properties.end(),
+                  [](const PropertyResult& result) { return result.is_internal_error; })) {
+    return ExitStatus::internal;
+  }
+  return report.verdict == Verdict::holds ? ExitStatus::ok : ExitStatus::inconclusive;
 }
 
 CheckReport check_system(const System& system, Engine& engine, const CheckRequest& request) {

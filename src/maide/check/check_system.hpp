@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "maide/base/error.hpp"
 #include "maide/check/engine.hpp"
 
 namespace maide {
@@ -23,8 +24,12 @@ struct CheckReport {
 
 // Throws UsageError, before anything is run, for a property that is not there or that the engine
 // cannot check; only `stuck` is left out silently - but for an assumption - unless it is asked for
-// by name. An interruption makes what is left inconclusive.
+// by name. An interruption makes what is left inconclusive, and so does an error of Maide's own
+// with the one property that it struck.
 CheckReport check_system(const System& system, Engine& engine, const CheckRequest& request = {});
+
+// Of the command that made the report: a violation comes before an error of Maide's own.
+ExitStatus exit_status_of(const CheckReport& report);
 
 // The property of that name, the built-in ones included; throws UsageError for others.
 Property find_property(const System& system, const std::string& name);

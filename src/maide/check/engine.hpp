@@ -19,7 +19,7 @@ std::string to_string(Verdict verdict);
 struct PropertyResult {
   std::string name;
   Verdict verdict = Verdict::inconclusive;
-  std::string reason;                     // of an inconclusive verdict, one line; else empty
+  std::string reason;                     // of an inconclusive verdict, one line; else mostly empty
   std::uint64_t states = 0;               // stored; with a formula, of its product with the system
   std::uint64_t transitions = 0;          // seen, or taken in a search for cycles
   double seconds = 0;                     // of the search, wall clock
@@ -27,6 +27,7 @@ struct PropertyResult {
   Reduction reduction = Reduction::none;  // what was used
   std::optional<Trace> trace;             // of a violation
   bool stays_within_learned = false;      // all runs were seen, and none goes beyond
+  bool is_internal_error = false;         // an error of Maide's own, which `reason` names
 
   // Of the memory at its peak; 0 without states.
   double bytes_per_state() const {

@@ -148,9 +148,7 @@ class LassoEvaluator {
         result = solve(loop_, true, result, evaluate(formula->right));
         break;
       }
-      default:  // constants; nothing else is left in the normal form
-        for (std::size_t at = cut_; at < length_; ++at) result[at] = true;
-        break;
+      default: break;  // constants, which a cut does not change: `F false` is a bad prefix
     }
     return result;
   }

@@ -84,8 +84,9 @@ std::vector<Atom> atoms_of(const Formula& formula);
 // Whether the formula holds at the start of the run with positions 0, 1, ..., length-1, and from
 // then on loop, ..., length-1 again and again (loop < length). `value` says which atoms are true
 // where. A run that was cut holds weakly (Eisner et al., "Reasoning with temporal logic on
-// truncated paths", CAV 2003): from position `cut` on every literal is taken to hold, so that only
-// a bad prefix makes the formula false. O(formula x length).
+// truncated paths", CAV 2003): from position `cut` on every atom and every negated atom is taken to
+// hold, so that only a bad prefix makes the formula false; `false` stays false. O(formula x
+// length).
 inline constexpr std::size_t never_cut = ~std::size_t{0};
 bool holds_on_lasso(const Formula& formula, std::size_t length, std::size_t loop,
                     const std::function<bool(const Atom&, std::size_t position)>& value,

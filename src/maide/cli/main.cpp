@@ -25,14 +25,13 @@ void hold_standard_streams() {
 [[noreturn]] void end_after_uncaught_exception() {
   try {
     if (std::current_exception()) std::rethrow_exception(std::current_exception());
-    maide::cli::write_error_line("internal error (please report it)");
+    maide::cli::write_error_line(maide::describe_internal_error(""));
   } catch (const std::exception& error) {
-    maide::cli::write_error_line(std::string("internal error: ") + error.what() +
-                                 " (please report it)");
+    maide::cli::write_error_line(maide::describe_internal_error(error.what()));
   } catch (...) {
-    maide::cli::write_error_line("internal error (please report it)");
+    maide::cli::write_error_line(maide::describe_internal_error(""));
   }
-  ::_exit(static_cast<int>(maide::ExitStatus::inconclusive));
+  ::_exit(static_cast<int>(maide::ExitStatus::internal));
 }
 
 }  // namespace

@@ -27,7 +27,7 @@ namespace {
 constexpr std::string_view exit_statuses =
     "Exit status: 0 it holds, they agree, done; 1 violated, they differ; 2 unusable arguments or\n"
     "input; 3 inconclusive (a bound, a limit, a weak model, Ctrl-C); 4 the system under learning\n"
-    "failed.\n";
+    "failed; 5 an error of Maide's own.\n";
 
 // What `maide` alone prints.
 std::string overview() {
@@ -188,10 +188,9 @@ int run_command_line(int argc, const char* const* argv) noexcept {
   } catch (const std::bad_alloc&) {
     return report("out of memory", ExitStatus::inconclusive, json);
   } catch (const std::exception& error) {
-    return report(std::string("internal error: ") + error.what() + " (please report it)",
-                  ExitStatus::inconclusive, json);
+    return report(describe_internal_error(error.what()), ExitStatus::internal, json);
   } catch (...) {
-    return report("internal error (please report it)", ExitStatus::inconclusive, json);
+    return report(describe_internal_error(""), ExitStatus::internal, json);
   }
 }
 

@@ -196,6 +196,7 @@ Json report_to_json(const System& system, const CheckReport& report) {
                {"bytes_per_state", result.bytes_per_state()},
                {"reduction", to_string(result.reduction)}};
     if (!result.reason.empty()) entry["reason"] = result.reason;
+    if (result.is_internal_error) entry["internal_error"] = true;
     if (result.trace) {
       entry["explanation"] = explain(system, find_property(system, result.name), *result.trace);
     }

@@ -172,6 +172,9 @@ TEST_F(FormulaTest, CutRunsFailOnBadPrefixesOnly) {
   EXPECT_FALSE(holds_when_cut("G p@a", 2));
   EXPECT_FALSE(holds_when_cut("p@a -> p@b", 1));
   EXPECT_TRUE(holds_when_cut("p@a -> (true U p@b)", 1));
+  EXPECT_FALSE(holds_when_cut("G (p@a -> F false)", 1));
+  EXPECT_TRUE(holds_when_cut("G (p@b -> F false)", 2));
+  EXPECT_TRUE(holds_when_cut("G true", 0));
 }
 
 TEST_F(FormulaTest, WhereAnAutomatonWaits) {
