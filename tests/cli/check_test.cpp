@@ -90,6 +90,32 @@ TEST_F(CheckCommand, TraceFile) {
   EXPECT_EQ(report["properties"][0]["loop_start"], file["loop_start"]);
 }
 
+TEST_F(CheckCommand, ATraceThatCannotBeWrittenLeavesTheVerdict) {
+  const SubprocessResult result = run_maide(
+      {"check", system("  p: sync.read -> message;\n"), "--trace", "/dev/full", "--json"});
+  EXPECT_EQ(result.exit_status, 1);
+  EXPECT_EQ(json_of(result).at("verdict"), "violated");
+  EXPECT_THAT(result.err,
+              HasSubstr("maide: cannot write the file: No space left on device (/dev/full)\n"));
+  EXPECT_EQ(run_maide({"check", system("  p: sync.write;\n"), "--trace", "/dev/full"}).exit_status,
+            0);
+}
+
+TEST_F(CheckCommand, AFormulaWithAConstantIsNoInternalError) {
+  const std::string programs = "  p: |\n    loop { sync.write; }\n";
+  for (const char* engine : {"native", "spin"}) {
+    const SubprocessResult result =
+        run_maide({"check", system(programs, "  never: \"G (sync.write -> F false)\"\n"),
+                   "--engine", engine});
+    EXPECT_EQ(result.exit_status, 1) << engine << result.err;
+    EXPECT_THAT(result.out, HasSubstr("whatever comes now, the property is violated"));
+    EXPECT_EQ(run_maide({"check", system(programs, "  well: \"G (sync.write -> F true)\"\n"),
+                         "--engine", engine})
+                  .exit_status,
+              0);
+  }
+}
+
 TEST_F(CheckCommand, JsonOfAPropertyThatHolds) {
   const SubprocessResult result =
       run_maide({"check", system("  p: via.write;\n", "  done: F p@end\n"), "--json"});

@@ -144,6 +144,17 @@ void write_report_file(const std::string& path, const System& system, const Chec
   log_note("no property is violated, so there is no chart to write to " + path);
 }
 
+// A trace beside the verdict: if it cannot be written, that is one line, and the verdict stands.
+void write_trace_beside(const std::string& path, const System& system, const CheckReport& report) {
+  try {
+    write_trace_file(path, system, report);
+  } catch (const Interrupted&) {
+    throw;
+  } catch (const Error& error) {
+    write_error_line(error.what());
+  }
+}
+
 LearnedModelsOptions learning_options(const CheckArguments& arguments, const RunControl& control) {
   return {std::filesystem::path(arguments.system).parent_path(),
           [](const std::string& line) { log_note(line); }, control, arguments.jobs};
@@ -208,16 +219,11 @@ ExitStatus run_check(const CheckArguments& arguments, Context& context) {
     json["suggestions"] = suggestions.changes;
   }
   context.set_result(json);
-  if (!arguments.trace.empty()) write_trace_file(arguments.trace, system, report);
+  if (!arguments.trace.empty()) write_trace_beside(arguments.trace, system, report);
   if (!arguments.report.empty()) {
     write_report_file(arguments.report, system, report, request.options.control);
   }
-  switch (report.verdict) {
-    case Verdict::holds: return ExitStatus::ok;
-    case Verdict::violated: return ExitStatus::violated;
-    case Verdict::inconclusive: break;
-  }
-  return ExitStatus::inconclusive;
+  return exit_status_of(report);
 }
 
 }  // namespace
