@@ -249,6 +249,29 @@ TEST(Learn, AModelOfTheSameVersionSavesHypotheses) {
   EXPECT_EQ(hypotheses[true], 1U);
 }
 
+TEST(Learn, AFolderOfModelsSaysWhichOneItIs) {
+  const auto learned = [&](const std::string& size) {
+    const TempDir folder("learn-test");
+    for (const char* known : {"strict-2", "strict-3", "strict-4", "buffered"}) {
+      const std::string name = std::string(known) + ".dot";
+      fs::copy_file(models / name, folder.path() / name);
+    }
+    return json_of(run_maide(learn({"port", "kind=strict", "size=" + size, "--start-from",
+                                    folder.path().string(), "--json"})));
+  };
+  const Json three = learned("3"), five = learned("5");
+  EXPECT_EQ(three.at("identified").at("model"), "strict-3.dot");
+  EXPECT_EQ(three.at("identified").at("known"), 4);
+  EXPECT_LE(three.at("identified").at("words"), 3);
+  EXPECT_EQ(three.at("equivalence_queries"), 1);
+  EXPECT_EQ(five.at("identified").at("model"), nullptr);
+  EXPECT_EQ(five.at("complete"), true);
+  const SubprocessResult text = run_maide(
+      learn({"port", "kind=strict", "size=2", "--start-from", models.string(), "-o", "/dev/null"}));
+  EXPECT_NE(text.out.find("identified           strict-2.dot, one of "), std::string::npos)
+      << text.out << text.err;
+}
+
 TEST(Learn, RefusesOldModelsThatItCannotUse) {
   expect_error(run_maide(learn({"port", "--start-from", "/no/such/model.dot"})), 2,
                "/no/such/model.dot");

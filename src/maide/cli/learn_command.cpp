@@ -4,11 +4,13 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
+#include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <sstream>
 #include <string>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -16,6 +18,7 @@
 #include "maide/base/error.hpp"
 #include "maide/base/file.hpp"
 #include "maide/base/join.hpp"
+#include "maide/base/log.hpp"
 #include "maide/base/printable.hpp"
 #include "maide/cli/argument_check.hpp"
 #include "maide/cli/command.hpp"
@@ -30,6 +33,7 @@
 #include "maide/learn/learners.hpp"
 #include "maide/sul/learning_purpose.hpp"
 #include "maide/wire/protocol_names.hpp"
+#include "maide/workflow/known_models.hpp"
 #include "maide/workflow/learn_model.hpp"
 #include "maide/workflow/nondeterministic_run.hpp"
 #include "maide/workflow/open_system.hpp"
@@ -256,7 +260,15 @@ ExitStatus learn(const LearnArguments& arguments, const CLI::App& app, Context& 
     traces = read_traces(arguments.from_traces, control);
     options.traces = &traces;
   }
-  if (!arguments.start_from.empty()) {
+  std::error_code unreadable;  // read_old_machine() says what is wrong
+  if (std::filesystem::is_directory(arguments.start_from, unreadable)) {
+    options.known_models = read_known_models(
+        arguments.start_from, translation, input_alphabet(system.sul->info()),
+        [](const std::string& line) { log_note(line); }, control);
+    if (options.known_models.empty()) {
+      log_note("no model of such a system is there: it is learned (" + arguments.start_from + ")");
+    }
+  } else if (!arguments.start_from.empty()) {
     options.old_model =
         read_old_machine(arguments.start_from, translation, input_alphabet(system.sul->info()));
   }
@@ -354,7 +366,8 @@ RunFunction set_up_learn(CLI::App& app) {
   app.add_option("--start-from", arguments->start_from,
                  "A model of an earlier version of the system (DOT or Aldebaran): what still holds "
                  "of it saves queries with lsharp, and equivalence queries with all; the result "
-                 "is the system's in any case");
+                 "is the system's in any case. A folder: few words tell which of its models the "
+                 "system has, or that it has none; then that is tested, or the system learned");
   app.add_option("--token-file", arguments->token_file,
                  "A file with the token of a listening wrapper (or set MAIDE_TOKEN)");
   add_limits(app, *arguments);

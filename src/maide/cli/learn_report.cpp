@@ -36,6 +36,18 @@ std::string remarks(const InterfaceAutomaton& automaton) {
   return text;
 }
 
+std::string describe_identification(const Identification& found, bool is_complete) {
+  const std::string known =
+      fmt::format("{} known model{}", found.known, found.known == 1 ? "" : "s");
+  const std::string words =
+      fmt::format("{} word{} told them apart", found.words, found.words == 1 ? "" : "s");
+  if (!is_complete) return fmt::format("  identified           not yet ({}; {})\n", known, words);
+  if (found.name.empty()) {
+    return fmt::format("  identified           as none of {} ({})\n", known, words);
+  }
+  return fmt::format("  identified           {}, one of {} ({})\n", found.name, known, words);
+}
+
 }  // namespace
 
 Json learned_as_json(const LearnedModel& learned, std::size_t jobs, const std::string& path) {
@@ -74,6 +86,13 @@ Json learned_as_json(const LearnedModel& learned, std::size_t jobs, const std::s
                             {"word", end.word},
                             {"states", end.states},
                             {"reason", end.reason.empty() ? Json() : Json(end.reason)}});
+  }
+  json["identified"] = Json();
+  if (run.identified) {
+    const Identification& found = *run.identified;
+    json["identified"] = {{"model", found.name.empty() ? Json() : Json(found.name)},
+                          {"known", found.known},
+                          {"words", found.words}};
   }
   json["replacements"] = {{"count", learned.incidents.count}, {"first", Json::array()}};
   for (const SulIncidents::Death& death : learned.incidents.first) {
@@ -123,6 +142,7 @@ std::string describe_learned(const LearnedModel& learned, const SystemSpec& spec
   text += describe_contradictions(run.log_contradictions);
   text += fmt::format("  result               {}\n", run.guarantee);
   text += describe_strength(learned);
+  if (run.identified) text += describe_identification(*run.identified, run.is_complete());
   if (learned.model) {
     if (const auto* automaton = std::get_if<InterfaceAutomaton>(&*learned.model)) {
       text += remarks(*automaton);

@@ -25,7 +25,7 @@ class TestChain {
   explicit TestChain(std::string_view text);
 
   const std::string& text() const { return text_; }
-
+  // Whether the method of this name is one of the row's.
   bool has(std::string_view method) const;
   // Throws UsageError, with the methods and what they look at, if none of them looks at the option.
   void require(std::string_view option) const;

@@ -29,8 +29,9 @@ std::unique_ptr<Learner> make_lsharp_by_words(OutputOracle& oracle) {
 
 template <Separation separation>
 std::unique_ptr<Learner> make_lsharp_from(OutputOracle& oracle, const Mealy& old_model,
-                                          const RunControl& control) {
-  return std::make_unique<LSharp>(oracle, old_model, separation, control);
+                                          const RunControl& control,
+                                          std::span<const Word> first_words) {
+  return std::make_unique<LSharp>(oracle, old_model, separation, control, first_words);
 }
 
 constexpr std::array table{
@@ -67,9 +68,10 @@ const LearnerEntry& find_learner(std::string_view name) {
 }
 
 std::unique_ptr<Learner> make_learner(const LearnerEntry& algorithm, OutputOracle& oracle,
-                                      const Mealy* old_model, const RunControl& control) {
+                                      const Mealy* old_model, const RunControl& control,
+                                      std::span<const Word> first_words) {
   return old_model != nullptr && algorithm.make_from != nullptr
-             ? algorithm.make_from(oracle, *old_model, control)
+             ? algorithm.make_from(oracle, *old_model, control, first_words)
              : algorithm.make(oracle);
 }
 

@@ -36,6 +36,11 @@ void keep_likeliest(std::vector<Suspect>& suspects) {
 LSharp::LSharp(OutputOracle& oracle, Separation separation)
     : oracle_(oracle), separation_(separation), apartness_(checked_input_count(oracle)) {}
 
+void LSharp::start(const RunControl& control) {
+  verify(control);
+  complete(control);
+}
+
 void LSharp::ask(const std::vector<Query>& batch, const RunControl& control) {
   control.check("learning");
   const std::vector<MealyAnswer> answers = oracle_.ask(batch, control);

@@ -28,9 +28,11 @@
 //   doubt     a frontier node whose candidate is not what the old model says is asked, as the
 //             candidate is, the word that tells the two old states apart
 //
-// and states where the old model sees them are likely. Rebuilding replaces queries that L# asks
-// anyhow; doubts that find nothing are given up after some, so that a model that fits nowhere costs
-// no more than a few queries.
+// and states where the old model sees them are likely. Words that show all of its states and
+// transitions, such as the tests that will follow, may be asked before all else: if the model is
+// right, that is the whole observation tree, and the first hypothesis is the machine. Rebuilding
+// replaces queries that L# asks anyhow; doubts that find nothing are given up after some, so that a
+// model that fits nowhere costs no more than a few queries.
 //
 // Invariant: the basis is pairwise apart and prefix-closed, so it has at most n states; every
 // separating query removes a candidate, every counterexample adds a state. For n states, k inputs
@@ -40,6 +42,7 @@
 #include <cstdint>
 #include <deque>
 #include <optional>
+#include <span>
 #include <unordered_map>
 #include <vector>
 
@@ -59,11 +62,13 @@ class LSharp : public Learner {
  public:
   // Keeps a reference to `oracle`. Throws UsageError if it has no inputs.
   explicit LSharp(OutputOracle& oracle, Separation separation = Separation::adaptive);
-  // The same, starting from a model of an earlier version; its inputs go by name.
+  // The same, starting from a model of an earlier version; its inputs go by name. `first_words` are
+  // asked before anything else, for as long as the old model is right about them. It must have all
+  // of their inputs, and none may be a prefix of another.
   LSharp(OutputOracle& oracle, const Mealy& old_model, Separation separation,
-         const RunControl& control);
+         const RunControl& control, std::span<const Word> first_words = {});
 
-  void start(const RunControl& control = {}) override { complete(control); }
+  void start(const RunControl& control = {}) override;
   void refine(const Word& counterexample, const RunControl& control = {}) override;
   const Mealy& hypothesis() const override { return hypothesis_.machine(); }
   std::uint64_t output_queries() const override { return output_queries_; }
@@ -100,6 +105,8 @@ class LSharp : public Learner {
   const TargetPrior& prior();
 
   // With an old model: lsharp_adaptive.cpp.
+  void verify(const RunControl& control);
+  bool is_old_output(const Word& word) const;
   bool rebuild(const RunControl& control);
   bool doubt(const RunControl& control);
   void weigh_expected(Transition transition, Symbol output, std::vector<double>& weights) const;
@@ -123,6 +130,7 @@ class LSharp : public Learner {
   std::uint64_t output_queries_ = 0;
 
   std::optional<StateMatching> matching_;  // if there is an old model
+  std::vector<Word> first_words_;          // those that verify() has yet to ask, the next one last
   std::size_t rebuilt_ = 0;                // states of the basis when rebuild() had nothing to do
   std::int64_t doubts_left_ = 8;           // as many more may find nothing
 };

@@ -1,7 +1,10 @@
-// L# with a model of an earlier version: the rules `rebuild` and `doubt`; see lsharp.hpp.
+// L# with a model of an earlier version: the words that come first, and the rules `rebuild` and
+// `doubt`; see lsharp.hpp.
+#include <algorithm>
 #include <numeric>
 #include <set>
 #include <utility>
+#include <variant>
 
 #include "maide/automata/words.hpp"
 #include "maide/learn/lsharp.hpp"
@@ -9,9 +12,47 @@
 namespace maide {
 
 LSharp::LSharp(OutputOracle& oracle, const Mealy& old_model, Separation separation,
-               const RunControl& control)
+               const RunControl& control, std::span<const Word> first_words)
     : LSharp(oracle, separation) {
   matching_.emplace(OldModel(old_model, oracle.inputs(), control));
+  first_words_.assign(first_words.rbegin(), first_words.rend());
+}
+
+// Few at once as long as little speaks for the old model.
+void LSharp::verify(const RunControl& control) {
+  constexpr std::size_t most_at_once = 64;
+  const ObservationTree& tree = apartness_.tree();
+  for (std::size_t at_once = 1; !first_words_.empty();
+       at_once = std::min(2 * at_once, most_at_once)) {
+    std::vector<Query> batch;
+    while (!first_words_.empty() && batch.size() < at_once) {
+      const Word word = std::move(first_words_.back());
+      first_words_.pop_back();
+      if (tree.find(ObservationTree::root, word) == ObservationTree::none) batch.emplace_back(word);
+    }
+    if (batch.empty()) return;
+    ask(batch, control);
+    if (!std::all_of(batch.begin(), batch.end(),
+                     [&](const Query& query) { return is_old_output(std::get<Word>(query)); })) {
+      first_words_.clear();
+    }
+  }
+}
+
+// Of a word in the tree: whether all its outputs are those of the old model.
+bool LSharp::is_old_output(const Word& word) const {
+  const OldModel& old = matching_->old_model();
+  StateId state = old.initial();
+  Node node = ObservationTree::root;
+  for (const Symbol input : word) {
+    node = apartness_.tree().child(node, input);
+    if (oracle_.outputs().name(apartness_.tree().output(node)) !=
+        old.outputs().name(old.output(state, input))) {
+      return false;
+    }
+    state = old.target(state, input);
+  }
+  return true;
 }
 
 // Asks for old states that no state of the basis is matched with, where the old model expects them;

@@ -13,9 +13,7 @@
 #include "maide/learn/mealy_oracle.hpp"
 
 namespace maide {
-namespace {
 
-// The machine over those of its inputs that `inputs` has, in that order.
 Mealy restrict_inputs(const Mealy& machine, const Alphabet& inputs) {
   std::vector<std::string> common;
   for (const std::string& name : inputs.names()) {
@@ -31,8 +29,6 @@ Mealy restrict_inputs(const Mealy& machine, const Alphabet& inputs) {
   }
   return result;
 }
-
-}  // namespace
 
 OldModel::OldModel(const Mealy& machine, const Alphabet& inputs, const RunControl& control)
     : machine_(restrict_inputs(machine, inputs)), to_old_(inputs.size(), unknown) {

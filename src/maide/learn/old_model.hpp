@@ -20,6 +20,9 @@ namespace maide {
 
 class Apartness;
 
+// The machine over those of its inputs that `inputs` has, in that order. O(n k).
+Mealy restrict_inputs(const Mealy& machine, const Alphabet& inputs);
+
 class OldModel {
  public:
   // Of a complete machine, for a system with these inputs. Inputs go by name. O(learning it);

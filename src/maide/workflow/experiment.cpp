@@ -11,6 +11,7 @@
 #include <string_view>
 #include <utility>
 
+#include "maide/automata/compare.hpp"
 #include "maide/automata/minimize.hpp"
 #include "maide/base/log.hpp"
 #include "maide/base/parse_number.hpp"
@@ -113,6 +114,7 @@ class Run {
     } catch (const Interrupted&) {  // before a learner could begin
       result_.error = std::current_exception();
     }
+    name_system();
     result_.contradictions = cache_->contradictions();
     result_.model.origin["algorithm"] = result_.algorithm;
     result_.model.origin["tests"] = result_.guarantee;
@@ -158,18 +160,56 @@ class Run {
     if (!old_model_ && has_log && algorithm_.make_from != nullptr) {
       old_model_ = learn_passively(*options_.traces, control_).machine;
     }
+    if (old_model_) prepare_old_model();
+  }
+
+  void prepare_old_model() {
+    known_words_ = options_.known_words;
     const std::vector<Word> words =
         first_words(algorithm_, old_model(), cache_->inputs(), control_);
     known_words_.insert(known_words_.end(), words.begin(), words.end());
+    // Where the tests are no such words, L# needs fewer of its own.
+    if (!options_.old_model && !is_identified_) return;
+    if (!method_.has("standard") && !method_.has("hads")) return;
+    verifying_words_ = verifying_words(*old_model_, cache_->inputs(), options_.testing.seed);
+    const auto most = options_.testing.max_tests;
+    if (most && verifying_words_.size() > *most) verifying_words_.clear();
+  }
+
+  // Of several known models the one that the system seems to have is the old model.
+  void identify_system() {
+    if (options_.known_models.empty() || options_.old_model) return;
+    counter_.set_phase(LearnPhase::learning);
+    const SingledOut single = single_out(options_.known_models, *cache_, control_);
+    suspect_ = &options_.known_models[single.model];
+    result_.identified = {"", options_.known_models.size(), single.words};
+    old_model_ = suspect_->machine;
+    is_identified_ = single.is_possible;
+    prepare_old_model();
+  }
+
+  // A model that was suspected, and passed all tests.
+  void name_system() {
+    if (suspect_ == nullptr || result_.error) return;
+    const bool is_it = !find_distinguishing_word(suspect_->machine, result_.model);
+    result_.identified->name = is_it ? suspect_->name : "";
   }
 
   // False if it must be done again on a corrected cache.
   bool learn_once() {
     tested_ = {};
+    try {
+      identify_system();
+    } catch (const CacheCorrected&) {
+      return false;
+    } catch (...) {
+      result_.error = std::current_exception();
+      return true;
+    }
     const auto tests = make_tests();
     ConfirmingTeacher confirming(*tests, *cache_);
     PhasedTeacher teacher(options_.confirm ? confirming : *tests, counter_);
-    const auto learner = make_learner(algorithm_, *cache_, old_model(), control_);
+    const auto learner = make_learner(algorithm_, *cache_, old_model(), control_, verifying_words_);
     counter_.set_phase(LearnPhase::learning);
     bool is_over = true;
     try {
@@ -237,6 +277,9 @@ class Run {
   std::optional<Cache> cache_;
   std::vector<Word> known_words_;            // each hypothesis is tested with these first
   std::optional<Mealy> old_model_;           // given, or what the log alone gives
+  std::vector<Word> verifying_words_;        // of the old model
+  const KnownModel* suspect_ = nullptr;      // of several
+  bool is_identified_ = false;               // nothing has contradicted it so far
   const LoggedTraces* traces_ = nullptr;     // of the present run
   LearnPhase phase_ = LearnPhase::learning;  // before a vote
   TestedStrength tested_;  // of the present run's model, as far as a query came to its end

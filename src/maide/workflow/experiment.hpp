@@ -29,6 +29,7 @@
 #include "maide/learn/statistics.hpp"
 #include "maide/learn/vote.hpp"
 #include "maide/sul/ia_translator.hpp"
+#include "maide/workflow/known_models.hpp"
 #include "maide/workflow/patient_system.hpp"
 
 namespace maide {
@@ -43,6 +44,9 @@ struct ExperimentOptions {
   std::uint64_t max_experiments = 0;  // words run on the system; 0: no limit
   VoteOptions vote;                   // how contradictions are decided
   std::optional<Mealy> old_model;     // of an earlier version of the system; need not be right
+  // If there is none: models of which the system may have one. The one that it seems to have is the
+  // old model.
+  std::vector<KnownModel> known_models;
   // Of the system, asked about where a hypothesis differs; an algorithm that can start from an old
   // model starts from what the log alone gives, if there is no better one.
   const TraceLog* traces = nullptr;
@@ -68,6 +72,13 @@ struct TestedStrength {
   std::string shortfall() const { return describe_shortfall(strength, demand); }
 };
 
+// What became of ExperimentOptions::known_models.
+struct Identification {
+  std::string name;         // of the model that the system was shown to have; empty: it is none
+  std::size_t known = 0;    // models
+  std::uint64_t words = 0;  // that told them apart
+};
+
 struct ExperimentResult {
   // The last hypothesis; without states if the run ended before the first. `origin` says how it was
   // made: "algorithm", "tests" (the guarantee), "seed", "maide" (the version), "strength".
@@ -84,6 +95,7 @@ struct ExperimentResult {
   std::uint64_t restarts = 0;                 // of the learner, after a correction
   // Words that ExperimentOptions::traces has wrong.
   std::vector<LogContradiction> log_contradictions;
+  std::optional<Identification> identified;  // if models were known
 
   std::uint64_t output_queries = 0;       // asked by the learning algorithm, cached or not
   std::uint64_t equivalence_queries = 0;  // the last one, which found nothing, included

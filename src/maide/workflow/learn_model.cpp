@@ -95,7 +95,9 @@ LearnedModel learn_nondeterministic(IaTranslator& translator, LearnedModel learn
     throw UsageError("nstar learns the eager translation");
   }
   if (options.traces != nullptr) throw UsageError("nstar cannot start from traces");
-  if (options.old_model) throw UsageError("nstar cannot start from an old model");
+  if (options.old_model || !options.known_models.empty()) {
+    throw UsageError("nstar cannot start from an old model");
+  }
   SulOracle system(translator);
   NondeterministicResult result = run_nondeterministic_experiment(system, options, control);
   learned.experiment = std::move(result.experiment);

@@ -1,0 +1,53 @@
+// Models that a system may have: which of several it is, and the words that show whether it has the
+// one that is suspected. Identify or learn: where many systems have few different models, telling
+// them apart takes a few words, and verifying a model no more than its closing tests.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "maide/automata/mealy.hpp"
+#include "maide/base/run_control.hpp"
+#include "maide/learn/output_oracle.hpp"
+#include "maide/sul/query.hpp"
+#include "maide/sul/sul.hpp"
+
+namespace maide {
+
+struct KnownModel {
+  std::string name;
+  Mealy machine;  // over the system's inputs, minimal, in breadth-first order
+};
+
+// The deterministic models in the folder's files that have all of these inputs, by name; of those
+// that behave alike the first. `note` hears a line about each file that is left out. Throws
+// UsageError if the folder cannot be read, Interrupted.
+std::vector<KnownModel> read_known_models(const std::filesystem::path& folder,
+                                          Translation translation, const Alphabet& inputs,
+                                          const std::function<void(const std::string&)>& note,
+                                          const RunControl& control = {});
+
+// The one model that `oracle` has not contradicted.
+struct SingledOut {
+  std::size_t model = 0;    // of those given; of none if all were contradicted: the last that was
+  bool is_possible = true;  // it was not contradicted
+  std::uint64_t words = 0;  // asked
+};
+
+// Plays an adaptive distinguishing experiment of the models, word by word: each word leaves, at
+// worst, as few of them as any shortest word that tells two apart. There must be a model, and no
+// two that behave alike. Each word rules out one at least.
+SingledOut single_out(const std::vector<KnownModel>& models, OutputOracle& oracle,
+                      const RunControl& control = {});
+
+// The tests that hybrid ADS begins with, which no other machine of as many states passes, by length
+// of what they reach; but for those that others begin with. `old_model` needs all of `inputs`; none
+// if it lacks one. For LSharp's first words: the tests that follow ask them again, from the cache.
+std::vector<Word> verifying_words(const Mealy& old_model, const Alphabet& inputs,
+                                  std::uint64_t seed);
+
+}  // namespace maide
