@@ -272,6 +272,20 @@ TEST(Learn, AFolderOfModelsSaysWhichOneItIs) {
       << text.out << text.err;
 }
 
+TEST(Learn, ConfirmsOnceWhatItsCacheAnswers) {
+  const TempDir folder("learn-test");
+  const auto run = [&](const std::string& confirm) {
+    return json_of(
+        run_maide(learn({"port", "kind=strict", "size=2", "--cache",
+                         (folder.path() / "answers").string(), "--confirm", confirm, "--json"})));
+  };
+  EXPECT_EQ(run("no").at("confirmation_experiments"), 0);
+  const Json second = run("yes");
+  EXPECT_GT(second.at("confirmation_experiments"), 0);
+  EXPECT_EQ(second.at("experiments"), second.at("confirmation_experiments"));
+  EXPECT_EQ(run("yes").at("experiments"), 0);
+}
+
 TEST(Learn, RefusesOldModelsThatItCannotUse) {
   expect_error(run_maide(learn({"port", "--start-from", "/no/such/model.dot"})), 2,
                "/no/such/model.dot");

@@ -9,6 +9,7 @@
 
 #include "maide/base/join.hpp"
 #include "maide/base/log.hpp"
+#include "maide/base/parse_number.hpp"
 
 namespace maide {
 namespace {
@@ -208,6 +209,26 @@ void CacheFile::remove_contradicting(const Word& inputs, const Word& answer) {
   remove.bind_blob(1, encode(inputs));
   remove.bind_blob(2, encode(answer));
   remove.step("write");
+}
+
+// The table is made when it is needed first: caches without it are of the same format.
+std::optional<std::uint64_t> CacheFile::find_confirmed(const std::string& name) {
+  Statement find_table(*database_, "SELECT name FROM sqlite_master WHERE name = 'confirmed'");
+  if (!find_table.step("read")) return std::nullopt;
+  Statement find_row(*database_, "SELECT words FROM confirmed WHERE name = ?");
+  find_row.bind(1, name);
+  if (!find_row.step("read")) return std::nullopt;
+  return parse_number<std::uint64_t>(find_row.column(0));
+}
+
+void CacheFile::add_confirmed(const std::string& name, std::uint64_t words) {
+  begin();
+  database_->execute(
+      "CREATE TABLE IF NOT EXISTS confirmed(name TEXT PRIMARY KEY, words TEXT NOT NULL)");
+  Statement insert(*database_, "INSERT OR REPLACE INTO confirmed VALUES (?, ?)");
+  insert.bind(1, name);
+  insert.bind(2, std::to_string(words));
+  insert.step("write");
 }
 
 void CacheFile::commit() {

@@ -57,6 +57,10 @@ class CacheFile {
   // Removes every word that begins with `inputs` and was not answered with `answer` there. Safe
   // after the next commit(). O(words in the file).
   void remove_contradicting(const Word& inputs, const Word& answer);
+  // What was confirmed of the system beside the words, under a name that the caller chooses: in how
+  // many words; nothing if it was not. What is added is safe after the next commit().
+  std::optional<std::uint64_t> find_confirmed(const std::string& name);
+  void add_confirmed(const std::string& name, std::uint64_t words);
   // Ends the transaction that the first add() began; nothing to do is fine.
   void commit();
 

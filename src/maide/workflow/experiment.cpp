@@ -13,6 +13,7 @@
 
 #include "maide/automata/compare.hpp"
 #include "maide/automata/minimize.hpp"
+#include "maide/base/hash.hpp"
 #include "maide/base/log.hpp"
 #include "maide/base/parse_number.hpp"
 #include "maide/base/saturating.hpp"
@@ -33,9 +34,23 @@
 namespace maide {
 namespace {
 
-// Inputs that the confirmation with longer waits may cost: a bounded share of the run.
-std::uint64_t confirmation_budget(const Statistics& statistics) {
-  return std::clamp<std::uint64_t>(statistics.total().symbols / 400, 20, 500);
+// Inputs that the confirmation with longer waits may cost: a bounded share of the inputs that the
+// run took, from the system and from a kept cache.
+std::uint64_t confirmation_budget(std::uint64_t symbols) {
+  return std::clamp<std::uint64_t>(symbols / 400, 20, 500);
+}
+
+// Under which a cache keeps that the model was confirmed so.
+std::string confirmation_name(const Mealy& model, const std::string& waits) {
+  const Mealy machine = breadth_first(model);
+  std::uint64_t hash = hash_start;
+  for (StateId state = 0; state < machine.size(); ++state) {
+    for (Symbol input = 0; input < machine.inputs().size(); ++input) {
+      hash = hash_step(hash, machine.target(state, input));
+      hash = hash_step(hash, hash_text(machine.outputs().name(machine.output(state, input))));
+    }
+  }
+  return fmt::format("a model of {} states, {:016x}, {}", machine.size(), hash, waits);
 }
 
 std::vector<std::string_view> split(std::string_view text, std::string_view separators) {
@@ -73,12 +88,16 @@ std::string choose_by_words(const std::string& name) {
   return std::string(wanted.by_words);
 }
 
-void tell_cached_words(CacheFile& file, const ExperimentOptions& options) {
+// Returns how many inputs there are.
+std::uint64_t tell_cached_words(CacheFile& file, const ExperimentOptions& options) {
+  std::uint64_t symbols = 0;
   file.for_each([&](const Word& inputs, const Word& outputs) {
+    symbols += inputs.size();
     std::vector<std::string> names;
     for (const Symbol output : outputs) names.push_back(file.outputs().name(output));
     options.on_cached_word(inputs, names);
   });
+  return symbols;
 }
 
 // One run: learner and teacher, again and again until no answer that they have seen is corrected.
@@ -95,7 +114,7 @@ class Run {
     if (!options.testing.strength.empty()) parse_demand(options.testing.strength, {});
     if (!options.cache_file.empty()) {
       file_.emplace(options.cache_file, system.inputs(), options.fingerprint, &control);
-      if (options.on_cached_word) tell_cached_words(*file_, options);
+      if (options.on_cached_word) kept_symbols_ = tell_cached_words(*file_, options);
     }
     cache_.emplace(file_ ? Cache(paced_, *file_) : Cache(paced_));
     cache_->hold_votes(options.vote, [this](bool begins) {
@@ -254,13 +273,25 @@ class Run {
     result_.strength = tested_;
   }
 
-  // A kept cache that answered everything was confirmed by the run that filled it.
+  // Unless a run with the same cache has confirmed the model before.
   void confirm(const Mealy& model) {
-    if (!options_.patient || counter_.statistics().total().queries == 0) return;
+    if (!options_.patient) return;
+    const std::string name = confirmation_name(model, options_.patient->waits);
+    if (const auto before = file_ ? file_->find_confirmed(name) : std::nullopt) {
+      result_.guarantee +=
+          fmt::format("; {} words confirmed with longer waits ({}) by a run before", *before,
+                      options_.patient->waits);
+      return;
+    }
+    const std::uint64_t symbols = counter_.statistics().total().symbols + kept_symbols_;
     const ConfirmationSettings settings{options_.vote, options_.testing.seed,
-                                        confirmation_budget(counter_.statistics())};
+                                        confirmation_budget(symbols)};
     const std::uint64_t words =
         confirm_model(model, *options_.patient, *cache_, settings, patient_counts_, control_);
+    if (file_) {
+      file_->add_confirmed(name, words);
+      file_->commit();
+    }
     result_.guarantee +=
         fmt::format("; {} words confirmed with longer waits ({})", words, options_.patient->waits);
   }
@@ -284,6 +315,7 @@ class Run {
   LearnPhase phase_ = LearnPhase::learning;  // before a vote
   TestedStrength tested_;  // of the present run's model, as far as a query came to its end
   QueryCounts patient_counts_;
+  std::uint64_t kept_symbols_ = 0;  // in the cache when the run began
   ExperimentResult result_;
 };
 

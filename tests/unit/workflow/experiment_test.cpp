@@ -9,6 +9,7 @@
 #include <atomic>
 #include <csignal>
 #include <filesystem>
+#include <memory>
 
 #include "maide/automata/compare.hpp"
 #include "maide/automata/random_automata.hpp"
@@ -407,6 +408,59 @@ TEST(Experiment, ProgressCountsWhatReachedTheSystem) {
   const ExperimentResult result = run_experiment(system, {}, control);
   EXPECT_EQ(observer.words, result.experiments);
   EXPECT_GT(observer.reports, 10);
+}
+
+// A cache answers all of a run whose model nobody has confirmed: that is done now, and once.
+TEST(Confirmation, IsKeptWithTheCache) {
+  const Mealy reference = example_machine(8);
+  MealyOracle system(reference);
+  const TempDir folder;
+  ExperimentOptions options;
+  options.cache_file = folder.path() / "cache";
+  const ExperimentResult unconfirmed = run_experiment(system, options);
+  EXPECT_EQ(unconfirmed.statistics.at(LearnPhase::confirmation).queries, 0U);
+
+  int opened = 0;
+  PatientSystem patient{[&] {
+                          ++opened;
+                          return std::make_unique<MealyOracle>(reference);
+                        },
+                        "floor=10"};
+  options.patient = patient;
+  const ExperimentResult confirmed = run_experiment(system, options);
+  EXPECT_EQ(opened, 1);
+  EXPECT_GT(confirmed.experiments, 0U);
+  EXPECT_EQ(confirmed.experiments, confirmed.statistics.at(LearnPhase::confirmation).queries);
+  const ExperimentResult again = run_experiment(system, options);
+  EXPECT_EQ(opened, 1);
+  EXPECT_EQ(again.experiments, 0U);
+  EXPECT_NE(again.guarantee.find("confirmed with longer waits (floor=10) by a run before"),
+            std::string::npos)
+      << again.guarantee;
+  options.patient->waits = "floor=20";
+  run_experiment(system, options);
+  EXPECT_EQ(opened, 2);
+}
+
+// What does not agree with longer waits is no more confirmed by a second look.
+TEST(Confirmation, ThatFailedIsNotKept) {
+  const Mealy reference = example_machine(8);
+  Mealy slower = reference;
+  for (StateId state = 0; state < slower.size(); ++state) {
+    slower.set_transition(state, 0, (reference.output(state, 0) + 1) % 3,
+                          reference.target(state, 0));
+  }
+  MealyOracle system(reference);
+  const TempDir folder;
+  ExperimentOptions options;
+  options.cache_file = folder.path() / "cache";
+  options.patient =
+      PatientSystem{[&] { return std::make_unique<MealyOracle>(slower); }, "floor=10"};
+  for (int run = 0; run < 2; ++run) {
+    const ExperimentResult result = run_experiment(system, options);
+    ASSERT_FALSE(result.is_complete());
+    EXPECT_THROW(std::rethrow_exception(result.error), Error);
+  }
 }
 
 }  // namespace
