@@ -23,8 +23,8 @@ class EquivalenceOracle {
   virtual ~EquivalenceOracle() = default;
 
   // A word on which `hypothesis` and the system differ, cut at the first output that differs unless
-  // what follows shows more; nothing if the oracle finds none. The first in the order of its tests, whatever the
-  // parallelism.
+  // what follows shows more; nothing if the oracle finds none. The first in the order of its tests,
+  // whatever the parallelism.
   virtual std::optional<Word> find_counterexample(const Mealy& hypothesis,
                                                   const RunControl& control = {}) = 0;
 
