@@ -29,8 +29,13 @@ install(TARGETS maide EXPORT maideTargets ${install_sets_maide}
   FILE_SET umbrella DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 install(TARGETS maide_program)
 install(FILES ${PROJECT_SOURCE_DIR}/README.md ${PROJECT_SOURCE_DIR}/LICENSE
-              ${PROJECT_SOURCE_DIR}/CHANGELOG.md
+              ${PROJECT_SOURCE_DIR}/CHANGELOG.md ${PROJECT_SOURCE_DIR}/CITATION.cff
+              ${PROJECT_SOURCE_DIR}/SECURITY.md
         DESTINATION ${CMAKE_INSTALL_DOCDIR})
+# The pages link to one another, and to the examples, as in the source tree.
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/docs ${PROJECT_SOURCE_DIR}/examples
+        DESTINATION ${CMAKE_INSTALL_DOCDIR}
+        PATTERN maide-models EXCLUDE PATTERN __pycache__ EXCLUDE)
 install(EXPORT maideWrapperTargets NAMESPACE maide:: DESTINATION ${config_dir})
 install(EXPORT maideTargets NAMESPACE maide:: DESTINATION ${config_dir})
 configure_package_config_file(maideConfig.cmake.in ${PROJECT_BINARY_DIR}/maideConfig.cmake

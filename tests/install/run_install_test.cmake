@@ -19,6 +19,13 @@ if(NOT output STREQUAL "maide ${version}\n")
   message(FATAL_ERROR "the installed program says: ${output}")
 endif()
 
+# The pages that the program names, and the examples, come along.
+foreach(file docs/README.md docs/middleware/yarp.md examples/case-study-1/strict-6.yaml)
+  if(NOT EXISTS "${work_dir}/prefix/share/doc/maide/${file}")
+    message(FATAL_ERROR "${file} is not installed")
+  endif()
+endforeach()
+
 # Every wrapper that was built is installed, and the program finds it there.
 file(GLOB built RELATIVE ${build_dir}/bin ${build_dir}/bin/maide-wrap-*)
 execute_process(COMMAND "${work_dir}/prefix/bin/maide" doctor --json OUTPUT_VARIABLE report)
