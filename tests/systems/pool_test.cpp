@@ -58,7 +58,7 @@ TEST(Jobs, AHostThatGoesAwayLeavesItsWordsToTheOthers) {
     if (round == 2) first.kill();
   };
   const LearnedModel learned = learn(system, options);
-  EXPECT_GT(rounds, 2U);
+  EXPECT_GE(rounds, 2U);  // the tests of the last round went to the other one
   EXPECT_EQ(to_text(learned), to_text(learn(open(port, 1))));
   second.kill();
   EXPECT_THROW(learn(system), WrapperError);
