@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "maide/base/error.hpp"
 #include "maide/base/parse_number.hpp"
@@ -12,6 +13,10 @@ namespace {
 
 constexpr std::string_view weak_mark = "weak: ";
 constexpr std::uint64_t random_floor = 2000, random_per_transition = 20;
+
+// More is a slip of the pen; nobody could pay for it.
+constexpr std::pair<std::string_view, std::uint64_t> most_demanded[]{
+    {"extra-states", 1000}, {"chained", 32}, {"pumped", 1'000'000}, {"random", 1'000'000'000'000}};
 
 // Calls `take(dimension, number)`, which says whether there is such a dimension, for each part.
 template <typename Take>
@@ -104,6 +109,11 @@ std::optional<StatedStrength> find_strength(const Origin& origin) {
 
 StrengthDemand parse_demand(std::string_view text, StrengthDemand standard) {
   read_dimensions(text, [&](std::string_view dimension, std::uint64_t number) {
+    for (const auto& [limited, most] : most_demanded) {
+      if (dimension == limited && number > most) {
+        throw UsageError(fmt::format("{}={} is too much: at most {}", dimension, number, most));
+      }
+    }
     if (dimension != "extra-states") return set_dimension(standard, dimension, number);
     standard.extra_states = number;
     return true;

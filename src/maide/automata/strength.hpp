@@ -69,7 +69,7 @@ StatedStrength parse_stated_strength(std::string_view text);  // throws as parse
 std::optional<StatedStrength> find_strength(const Origin& origin);
 
 // "extra-states=2,pumped=64": the dimensions that `text` names, in place of those of `standard`.
-// Throws likewise.
+// Throws likewise, and where more is demanded than anybody could pay for.
 StrengthDemand parse_demand(std::string_view text, StrengthDemand standard);
 
 }  // namespace maide

@@ -14,6 +14,8 @@ namespace {
 
 constexpr std::size_t sample_length = 400;  // of a walk or a tour of pumps, at least
 
+constexpr std::size_t highest_ladder = 128;
+
 std::uint64_t power(std::uint64_t base, std::size_t exponent) {
   std::uint64_t result = 1;
   for (std::size_t i = 0; i < exponent; ++i) result = saturating_product(result, base);
@@ -201,7 +203,7 @@ bool PumpSuite::make(Place& place, Word* word, std::uint64_t& symbols) const {
   const Place begin = place;
   const Symbol loop = loops_.of(state)[place.loop];
   const std::size_t times = counts_[place.count];
-  const std::size_t longest = std::max<std::size_t>(8 * times, sample_length);
+  const std::size_t longest = std::min(std::max(8 * times, sample_length), longest_test / 2);
   std::size_t length = access.size();
   if (word != nullptr) *word = access;
   while (true) {
@@ -243,7 +245,7 @@ bool GrowthSuite::next(Word& word) {
 void GrowthSuite::add(const Word& access, Symbol input, std::size_t times, Symbol follower,
                       std::size_t follower_times) {
   const std::size_t length = access.size() + times + follower_times;
-  if (length > symbols_left_) return;
+  if (length > symbols_left_ || length > longest_test) return;
   symbols_left_ -= length;
   Word& word = words_.emplace_back(access);
   append(word, input, times);
@@ -296,7 +298,9 @@ void GrowthSuite::guess_rows(const LoopingInputs& loops) {
 }
 
 LoopSampler::LoopSampler(const LoopingInputs& loops, std::size_t most_repeats, Random random)
-    : loops_(loops), most_repeats_(std::max<std::size_t>(most_repeats, 2)), random_(random) {
+    : loops_(loops),
+      most_repeats_(std::clamp<std::size_t>(most_repeats, 2, highest_ladder)),
+      random_(random) {
   const std::size_t inputs = loops.hypothesis().inputs().size();
   for (std::size_t i = 0; i < loops.states().size(); ++i) {
     const std::size_t letters = loops.of(loops.states()[i].state).size();

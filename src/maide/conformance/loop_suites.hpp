@@ -29,6 +29,9 @@
 
 namespace maide {
 
+// No suite here makes a word of more inputs: wrappers read lines of some megabytes at most.
+inline constexpr std::size_t longest_test = 100'000;
+
 // A hypothesis as the suites here see it.
 class LoopingInputs {
  public:
@@ -103,7 +106,8 @@ class ChainSuite : public TestSuite {
 
 class PumpSuite : public TestSuite {
  public:
-  // `counts`: how often inputs are repeated; ascending. Keeps a reference.
+  // `counts`: how often inputs are repeated; ascending, each at most a quarter of the longest test.
+  // Keeps a reference.
   PumpSuite(const LoopingInputs& loops, std::vector<std::size_t> counts);
 
   bool next(Word& word) override;
@@ -150,7 +154,8 @@ class GrowthSuite : public TestSuite {
 
 class LoopSampler : public TestSuite {
  public:
-  // Endless, unless no input loops. Keeps a reference.
+  // Endless, unless no input loops. Inputs are repeated as often as is said, but at most 128 times:
+  // a ladder grows with the square. Keeps a reference.
   LoopSampler(const LoopingInputs& loops, std::size_t most_repeats, Random random);
 
   bool next(Word& word) override;

@@ -63,9 +63,7 @@ class StandardMethod::Query {
   std::optional<Word> run() {
     if (auto word = grow()) return word;
     std::optional<Word> word = run_base();
-    if (!word) word = run_chains();
-    if (!word) word = run_pumps();
-    if (!word) word = run_samples();
+    if (!word) word = run_loops();
     if (!word) return std::nullopt;
     const std::uint64_t most_queries = 64 + 2 * word->size();
     return shorten_counterexample(method_.oracle_, hypothesis_, *std::move(word), most_queries,
@@ -159,6 +157,21 @@ class StandardMethod::Query {
     return std::nullopt;
   }
 
+  // Where no input loops, what is demanded of those that do is met.
+  std::optional<Word> run_loops() {
+    const auto loops_in = [&](const auto& start) { return !loops_.of(start.state).empty(); };
+    if (std::none_of(loops_.states().begin(), loops_.states().end(), loops_in)) {
+      strength_.chained = demand_.chained;
+      strength_.pumped = demand_.pumped;
+      guarantee_ += "; in no state an input loops";
+      return std::nullopt;
+    }
+    std::optional<Word> word = run_chains();
+    if (!word) word = run_pumps();
+    if (!word) word = run_samples();
+    return word;
+  }
+
   ChainSuite make_chains(std::size_t order) {
     return {loops_, loops_.states(), order, ChainSuite::long_piece, method_.random_.split()};
   }
@@ -209,17 +222,18 @@ class StandardMethod::Query {
   // As often as is demanded, or half of it, or a quarter, ..., as the budget pays for; where it
   // pays for all, also once less and once more than the sizes that are named, and as often.
   std::optional<Word> run_pumps() {
-    std::vector<std::size_t> counts{demand_.pumped};
+    const std::size_t most = longest_test / 4;
+    std::vector<std::size_t> counts{std::min(demand_.pumped, most)};
     for (const std::size_t size : options_.sizes) {
       for (const std::size_t count : {size - 1, size, size + 1, 2 * size}) {
-        if (count > 0 && count < demand_.pumped) counts.push_back(count);
+        if (count > 0 && count < counts.front()) counts.push_back(count);
       }
     }
     std::sort(counts.begin(), counts.end());
     counts.erase(std::unique(counts.begin(), counts.end()), counts.end());
     const auto is_paid = [&] { return fits(PumpSuite(loops_, counts), left_); };
     if (!is_paid()) {
-      counts = {demand_.pumped};
+      counts = {std::min(demand_.pumped, most)};
       if (!is_paid()) {
         const PumpSuite whole(loops_, counts);
         miss(*whole.size(), *whole.symbols());

@@ -41,6 +41,10 @@ TEST(Strength, WhatIsNoneIsNamed) {
     EXPECT_THROW(parse_demand(text, {}), UsageError) << text;
   }
   EXPECT_THROW(parse_demand("exact", {}), UsageError);
+  for (const char* text : {"pumped=18446744073709551615", "chained=33", "extra-states=1001",
+                           "random=18446744073709551615"}) {
+    EXPECT_THROW(parse_demand(text, {}), UsageError) << text;
+  }
 }
 
 TEST(Strength, DemandGrowsWithTheMachineAndTheSizesOfTheSystem) {

@@ -11,6 +11,7 @@
 #include "maide/base/error.hpp"
 #include "maide/conformance/complete_method.hpp"
 #include "maide/conformance/identifier_suite.hpp"
+#include "maide/conformance/loop_suites.hpp"
 #include "maide/formats/model_file.hpp"
 #include "maide/learn/cache.hpp"
 #include "maide/learn/counting_oracle.hpp"
@@ -126,6 +127,23 @@ TEST(StandardMethod, PumpsTwiceTheLargestSize) {
   StandardMethod method(oracle, {.sizes = {10, 80}});
   EXPECT_EQ(method.find_counterexample(machine), std::nullopt);
   EXPECT_EQ(method.strength().pumped, 160U);
+}
+
+// However much is demanded, no word is longer than a wrapper can read, and the budget ends it.
+TEST(StandardMethod, StaysWithinItsBudgetWhateverIsDemanded) {
+  const Mealy machine = lock(3, 3);
+  MealyOracle oracle(machine);
+  CountingOracle counter(oracle);
+  const TestCost budget{100'000, 1'000'000};
+  StandardMethod method(counter, {.budget = budget,
+                                  .strength = "pumped=1000000,chained=32",
+                                  .sizes = {7, 400'000, 1'000'000'000}});
+  EXPECT_EQ(method.find_counterexample(machine), std::nullopt);
+  EXPECT_LE(counter.statistics().total().symbols, budget.symbols + longest_test);
+  EXPECT_LT(method.strength().pumped, 1'000'000U);
+  EXPECT_GT(method.strength().pumped, 64U);
+  EXPECT_LT(method.strength().chained, 32U);
+  EXPECT_GT(method.cost_of_missing().symbols, budget.symbols);
 }
 
 // A strength is that of the last query.
