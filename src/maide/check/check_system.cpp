@@ -95,7 +95,8 @@ bool is_weak(const ModelInstance& model) {
 
 // What to do for a model that is stronger.
 std::string describe_strengthening(const ModelInstance& model) {
-  if (model.is_learned) return "write `learning: {effort: 10}`, or more, at the model";
+  if (model.is_learned)
+    return "write `learning: {effort: 10}`, or more, at the model, without `eq` and `max-tests`";
   const auto sul = model.automaton.origin.find("sul");
   const std::string file = quote_shell_word(model.origin);
   return fmt::format("run `maide learn {} --start-from {} -o {} --effort 10`, or more",
