@@ -16,16 +16,12 @@
 #include "maide/learn/mealy_oracle.hpp"
 #include "maide/sul/ia_translator.hpp"
 #include "small_machines.hpp"
+#include "suite_words.hpp"
 
 namespace maide {
 namespace {
 
-std::vector<Word> list(TestSuite& suite, std::size_t limit = 1'000'000) {
-  std::vector<Word> words;
-  Word word;
-  while (words.size() < limit && suite.next(word)) words.push_back(word);
-  return words;
-}
+using test::list;
 
 constexpr IdentifierMethod methods[] = {w_identifiers, wp_identifiers, hsi_identifiers,
                                         hads_identifiers};

@@ -11,16 +11,12 @@
 #include "maide/automata/hiding_automata.hpp"
 #include "maide/automata/random_automata.hpp"
 #include "maide/conformance/complete_method.hpp"
+#include "suite_words.hpp"
 
 namespace maide {
 namespace {
 
-std::vector<Word> list(TestSuite& suite, std::size_t limit = 1'000'000) {
-  std::vector<Word> words;
-  Word word;
-  while (words.size() < limit && suite.next(word)) words.push_back(word);
-  return words;
-}
+using test::list;
 
 struct Loops {
   explicit Loops(const Mealy& machine)
