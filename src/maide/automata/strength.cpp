@@ -121,4 +121,12 @@ StrengthDemand parse_demand(std::string_view text, StrengthDemand standard) {
   return standard;
 }
 
+StrengthDemand demand_of(const Mealy& model, std::span<const std::size_t> sizes,
+                         std::string_view text) {
+  const auto largest = std::max_element(sizes.begin(), sizes.end());
+  const StrengthDemand standard =
+      default_demand(model.size(), model.inputs().size(), largest == sizes.end() ? 0 : *largest);
+  return text.empty() ? standard : parse_demand(text, standard);
+}
+
 }  // namespace maide

@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -71,5 +72,10 @@ std::optional<StatedStrength> find_strength(const Origin& origin);
 // "extra-states=2,pumped=64": the dimensions that `text` names, in place of those of `standard`.
 // Throws likewise, and where more is demanded than anybody could pay for.
 StrengthDemand parse_demand(std::string_view text, StrengthDemand standard);
+
+// What `model` must reach: default_demand() for the largest of the sizes that its system's options
+// name, and in place of it what `text` names; empty: nothing. Throws as parse_demand(). O(sizes).
+StrengthDemand demand_of(const Mealy& model, std::span<const std::size_t> sizes,
+                         std::string_view text = {});
 
 }  // namespace maide

@@ -51,13 +51,9 @@ class StandardMethod::Query {
         control_(control),
         identifiers_(hads_identifiers.compute(hypothesis, Random(options_.seed))),
         loops_(hypothesis, identifiers_),
-        left_(options_.budget) {
+        left_(options_.budget),
+        demand_(demand_of(hypothesis, options_.sizes, options_.strength)) {
     if (options_.max_tests) left_.words = std::min(left_.words, *options_.max_tests);
-    const std::size_t largest =
-        options_.sizes.empty() ? 0
-                               : *std::max_element(options_.sizes.begin(), options_.sizes.end());
-    demand_ = default_demand(hypothesis.size(), hypothesis.inputs().size(), largest);
-    if (!options_.strength.empty()) demand_ = parse_demand(options_.strength, demand_);
   }
 
   std::optional<Word> run() {

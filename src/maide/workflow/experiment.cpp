@@ -260,11 +260,8 @@ class Run {
   // A query that did not come to its end says nothing of the model: `tested_` holds no such one.
   void judge_strength() {
     const TestMethodOptions& testing = options_.testing;
-    const auto largest = std::max_element(testing.sizes.begin(), testing.sizes.end());
-    tested_.standard = default_demand(result_.model.size(), result_.model.inputs().size(),
-                                      largest == testing.sizes.end() ? 0 : *largest);
-    tested_.demand = testing.strength.empty() ? tested_.standard
-                                              : parse_demand(testing.strength, tested_.standard);
+    tested_.standard = demand_of(result_.model, testing.sizes);
+    tested_.demand = demand_of(result_.model, testing.sizes, testing.strength);
     tested_.budget = testing.budget;
     tested_.is_weak = !describe_shortfall(tested_.strength, tested_.standard).empty();
     if (tested_.shortfall().empty()) tested_.cost_of_missing = {};
