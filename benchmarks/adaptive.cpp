@@ -23,15 +23,15 @@
 #include "maide/automata/minimize.hpp"
 #include "maide/automata/random_automata.hpp"
 #include "maide/base/error.hpp"
-#include "maide/base/parse_number.hpp"
-#include "maide/conformance/chain_oracle.hpp"
-#include "maide/conformance/known_words.hpp"
-#include "maide/conformance/perfect_oracle.hpp"
+#include "maide/base/numbers.hpp"
+#include "maide/conformance/method/known_words.hpp"
+#include "maide/conformance/method/perfect_oracle.hpp"
+#include "maide/conformance/method/test_chain.hpp"
 #include "maide/formats/model_file.hpp"
-#include "maide/learn/cache.hpp"
-#include "maide/learn/counting_oracle.hpp"
-#include "maide/learn/learners.hpp"
-#include "maide/learn/mealy_oracle.hpp"
+#include "maide/learn/cache/cache.hpp"
+#include "maide/learn/learner.hpp"
+#include "maide/learn/oracle/mealy_oracle.hpp"
+#include "maide/learn/oracle/observing_oracle.hpp"
 
 namespace maide {
 namespace {
@@ -209,7 +209,7 @@ int run_all(std::span<char*> arguments) {
   const std::vector<Model> models = read_folder(arguments[1]);
   std::vector<const LearnerEntry*> algorithms;
   for (const char* name : {"lsharp", "lsharp-sepseq", "op", "rs"}) {
-    algorithms.push_back(&find_learner(name));
+    algorithms.push_back(&find_deterministic_learner(name));
   }
   fmt::print("{:<48}", "symbols + resets (equivalence queries), from");
   for (const auto& [name, cost] :

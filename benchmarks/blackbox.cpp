@@ -19,13 +19,13 @@
 
 #include "maide/automata/compare.hpp"
 #include "maide/base/error.hpp"
-#include "maide/conformance/test_chain.hpp"
-#include "maide/conformance/test_methods.hpp"
+#include "maide/conformance/method/test_chain.hpp"
+#include "maide/conformance/method/test_methods.hpp"
 #include "maide/formats/model_file.hpp"
-#include "maide/learn/cache.hpp"
-#include "maide/learn/counting_oracle.hpp"
-#include "maide/learn/learners.hpp"
-#include "maide/learn/mealy_oracle.hpp"
+#include "maide/learn/cache/cache.hpp"
+#include "maide/learn/learner.hpp"
+#include "maide/learn/oracle/mealy_oracle.hpp"
+#include "maide/learn/oracle/observing_oracle.hpp"
 
 namespace maide {
 namespace {
@@ -80,7 +80,7 @@ Run learn_once(const Mealy& model, const Arguments& arguments, std::uint64_t see
   options.seed = seed;
   const auto method = TestChain(arguments.method).make({tests, &cache, &model}, options);
   LastCounterexample teacher(*method, tests);
-  const auto learner = find_learner(arguments.algorithm).make(cache);
+  const auto learner = find_deterministic_learner(arguments.algorithm).make(cache);
   const LearnResult result = run_learner(*learner, teacher);
   return {teacher.symbols, tests.statistics().total().symbols, result.model.size(),
           !find_difference(result.model, model)};

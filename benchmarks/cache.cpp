@@ -6,7 +6,7 @@
 // that the cache answers: an edge of its tree that is walked. Words have at least --length inputs,
 // so that a query's fixed costs are shared by as many hits as in learning; both numbers are
 // printed.
-#include "maide/learn/cache.hpp"
+#include "maide/learn/cache/cache.hpp"
 
 #include <fmt/core.h>
 
@@ -16,9 +16,9 @@
 #include "cache_cost.hpp"
 #include "cpu_seconds.hpp"
 #include "maide/base/error.hpp"
-#include "maide/base/temp_dir.hpp"
-#include "maide/learn/cache_file.hpp"
-#include "maide/learn/mealy_oracle.hpp"
+#include "maide/base/file.hpp"
+#include "maide/learn/cache/cache_file.hpp"
+#include "maide/learn/oracle/mealy_oracle.hpp"
 
 namespace maide::bench {
 namespace {

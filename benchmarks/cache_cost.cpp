@@ -5,8 +5,8 @@
 
 #include "cpu_seconds.hpp"
 #include "maide/automata/random_automata.hpp"
-#include "maide/learn/cache.hpp"
-#include "maide/learn/mealy_oracle.hpp"
+#include "maide/learn/cache/cache.hpp"
+#include "maide/learn/oracle/mealy_oracle.hpp"
 
 namespace maide::bench {
 namespace {

@@ -9,7 +9,7 @@
 
 #include "maide/automata/mealy.hpp"
 #include "maide/base/random.hpp"
-#include "maide/learn/output_oracle.hpp"
+#include "maide/learn/oracle/output_oracle.hpp"
 
 namespace maide::bench {
 

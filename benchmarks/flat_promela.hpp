@@ -6,7 +6,7 @@
 
 #include <string>
 
-#include "maide/check/system.hpp"
+#include "maide/check/language/system.hpp"
 
 namespace maide::bench {
 

@@ -5,7 +5,7 @@
 //   N]
 //                [--seed S] [--eq NAME] [--limit SECONDS] [--write FOLDER] [--quiet] [MODEL ...]
 //
-// N machines of each class (automata/hiding_automata.hpp), of up to so many states and inputs; or
+// N machines of each class (automata/random_automata.hpp), of up to so many states and inputs; or
 // the MODELs instead. Each is learned with L#, the method and each
 // seed, in memory. A line a run: states found of all, whether the model is right, weak, or wrong
 // and not called weak (SILENT), what was missing, words and symbols that reached the machine, and
@@ -24,17 +24,16 @@
 #include <vector>
 
 #include "maide/automata/compare.hpp"
-#include "maide/automata/hiding_automata.hpp"
+#include "maide/automata/random_automata.hpp"
 #include "maide/automata/strength.hpp"
 #include "maide/base/error.hpp"
-#include "maide/conformance/test_chain.hpp"
-#include "maide/conformance/test_methods.hpp"
-#include "maide/formats/dot.hpp"
+#include "maide/conformance/method/test_chain.hpp"
+#include "maide/conformance/method/test_methods.hpp"
 #include "maide/formats/model_file.hpp"
-#include "maide/learn/cache.hpp"
-#include "maide/learn/counting_oracle.hpp"
-#include "maide/learn/learners.hpp"
-#include "maide/learn/mealy_oracle.hpp"
+#include "maide/learn/cache/cache.hpp"
+#include "maide/learn/learner.hpp"
+#include "maide/learn/oracle/mealy_oracle.hpp"
+#include "maide/learn/oracle/observing_oracle.hpp"
 #include "maide/sul/ia_translation.hpp"
 
 namespace maide {
@@ -79,7 +78,7 @@ void learn_once(const std::string& name, const Mealy& machine, std::uint64_t see
   TestMethodOptions options;
   options.seed = seed;
   const auto tests = TestChain(arguments.method).make({cache, &cache, &machine}, options);
-  const auto learner = find_learner("lsharp").make(cache);
+  const auto learner = find_deterministic_learner("lsharp").make(cache);
   const double start = cpu_seconds();
   CpuLimit limit(arguments.limit);
   RunControl control;

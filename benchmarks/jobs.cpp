@@ -15,7 +15,7 @@
 #include "maide/base/error.hpp"
 #include "maide/base/random.hpp"
 #include "maide/workflow/open_system.hpp"
-#include "maide/workflow/paced_oracle.hpp"
+#include "maide/workflow/pacing.hpp"
 
 namespace maide {
 namespace {

@@ -23,7 +23,7 @@
 #include "learner_cost.hpp"
 #include "maide/base/error.hpp"
 #include "maide/base/file.hpp"
-#include "maide/base/parse_number.hpp"
+#include "maide/base/numbers.hpp"
 #include "maide/report/line_plot.hpp"
 #include "model_folder.hpp"
 
@@ -115,9 +115,10 @@ int run_all(std::span<char*> arguments) {
         "usage: bench_learn FOLDER|--random STATES,...|--growth PREFIX STATES,... [ALGORITHM ...]");
   }
   std::vector<const LearnerEntry*> algorithms;
-  for (std::size_t i = own; i < words.size(); ++i) algorithms.push_back(&find_learner(words[i]));
+  for (std::size_t i = own; i < words.size(); ++i)
+    algorithms.push_back(&find_deterministic_learner(words[i]));
   if (algorithms.empty()) {
-    for (const LearnerEntry& entry : learners()) algorithms.push_back(&entry);
+    for (const LearnerEntry& entry : deterministic_learners()) algorithms.push_back(&entry);
   }
   if (first == "--growth") return run_growth(words[1], parse_sizes(words[2]), algorithms) ? 0 : 1;
   std::vector<Model> models;

@@ -13,9 +13,9 @@
 #include "maide/automata/minimize.hpp"
 #include "maide/automata/random_automata.hpp"
 #include "maide/base/error.hpp"
-#include "maide/conformance/perfect_oracle.hpp"
-#include "maide/learn/cache.hpp"
-#include "maide/learn/mealy_oracle.hpp"
+#include "maide/conformance/method/perfect_oracle.hpp"
+#include "maide/learn/cache/cache.hpp"
+#include "maide/learn/oracle/mealy_oracle.hpp"
 
 namespace maide::bench {
 

@@ -4,8 +4,8 @@
 #include <cstdint>
 
 #include "maide/automata/mealy.hpp"
-#include "maide/learn/counting_oracle.hpp"
-#include "maide/learn/learners.hpp"
+#include "maide/learn/learner.hpp"
+#include "maide/learn/oracle/observing_oracle.hpp"
 
 namespace maide::bench {
 

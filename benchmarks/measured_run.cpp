@@ -11,7 +11,6 @@
 
 #include "maide/base/error.hpp"
 #include "maide/base/file.hpp"
-#include "maide/base/temp_dir.hpp"
 
 namespace maide::bench {
 namespace {

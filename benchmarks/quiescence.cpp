@@ -3,7 +3,7 @@
 // with random computing in between; a verdict is wrong if the token was still going round.
 //
 //   bench_quiescence [TRIALS] [BUSY_PROCESSES]
-#include "maide/wire/quiescence.hpp"
+#include "maide/wire/observe/quiescence.hpp"
 
 #include <fmt/format.h>
 
@@ -14,8 +14,8 @@
 #include <vector>
 
 #include "busy_machine.hpp"
-#include "maide/wire/socket_scan.hpp"
-#include "maide/wire/thread_scan.hpp"
+#include "maide/wire/observe/socket_scan.hpp"
+#include "maide/wire/observe/thread_scan.hpp"
 #include "thread_chain.hpp"
 
 namespace {

@@ -20,14 +20,14 @@
 #include "cache_cost.hpp"
 #include "learner_cost.hpp"
 #include "maide/base/error.hpp"
-#include "maide/base/temp_dir.hpp"
-#include "maide/conformance/test_chain.hpp"
-#include "maide/conformance/test_methods.hpp"
+#include "maide/base/file.hpp"
+#include "maide/conformance/method/test_chain.hpp"
+#include "maide/conformance/method/test_methods.hpp"
 #include "maide/formats/model_file.hpp"
-#include "maide/learn/cache.hpp"
-#include "maide/learn/cache_file.hpp"
-#include "maide/learn/mealy_oracle.hpp"
-#include "maide/learn/oracle_decorator.hpp"
+#include "maide/learn/cache/cache.hpp"
+#include "maide/learn/cache/cache_file.hpp"
+#include "maide/learn/oracle/mealy_oracle.hpp"
+#include "maide/learn/oracle/output_oracle.hpp"
 #include "model_folder.hpp"
 #include "test_speed.hpp"
 
@@ -85,7 +85,7 @@ Mealy learn_black_box(Watch& system, std::uint64_t seed, CacheFile* file = nullp
   TestMethodOptions options;
   options.seed = seed;
   const auto method = TestChain("standard").make({*cache, &*cache, nullptr}, options);
-  const auto learner = find_learner("lsharp").make(*cache);
+  const auto learner = find_deterministic_learner("lsharp").make(*cache);
   return run_learner(*learner, *method).model;
 }
 
@@ -107,12 +107,14 @@ class Targets {
 
  private:
   LearnerCost learn(const char* algorithm, const Mealy& model, bool use_cache = false) {
-    LearnerCost best = measure_learner_apart(find_learner(algorithm), model, use_cache);
+    LearnerCost best =
+        measure_learner_apart(find_deterministic_learner(algorithm), model, use_cache);
     all_right_ = all_right_ && best.is_right;
     for (int round = 1; round < 3 && best.cpu_seconds < 1; ++round) {
       best.cpu_seconds =
           std::min(best.cpu_seconds,
-                   measure_learner_apart(find_learner(algorithm), model, use_cache).cpu_seconds);
+                   measure_learner_apart(find_deterministic_learner(algorithm), model, use_cache)
+                       .cpu_seconds);
     }
     return best;
   }

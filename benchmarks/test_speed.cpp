@@ -1,7 +1,7 @@
 #include "test_speed.hpp"
 
 #include "cpu_seconds.hpp"
-#include "maide/conformance/machine_runner.hpp"
+#include "maide/conformance/method/test_runner.hpp"
 
 namespace maide::bench {
 

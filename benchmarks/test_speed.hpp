@@ -4,7 +4,7 @@
 #include <cstdint>
 
 #include "maide/automata/mealy.hpp"
-#include "maide/conformance/random_identifier_suite.hpp"
+#include "maide/conformance/suite/random_identifier_suite.hpp"
 
 namespace maide::bench {
 

@@ -17,12 +17,12 @@
 #include "cpu_seconds.hpp"
 #include "maide/automata/compare.hpp"
 #include "maide/base/error.hpp"
-#include "maide/conformance/machine_runner.hpp"
-#include "maide/conformance/random_identifier_suite.hpp"
+#include "maide/conformance/method/test_runner.hpp"
+#include "maide/conformance/suite/random_identifier_suite.hpp"
 #include "maide/formats/model_file.hpp"
-#include "maide/learn/counting_oracle.hpp"
-#include "maide/learn/learners.hpp"
-#include "maide/learn/mealy_oracle.hpp"
+#include "maide/learn/learner.hpp"
+#include "maide/learn/oracle/mealy_oracle.hpp"
+#include "maide/learn/oracle/observing_oracle.hpp"
 #include "test_speed.hpp"
 
 namespace maide::bench {
@@ -97,7 +97,7 @@ bool learn(const std::string& name, const Mealy& model, const Arguments& argumen
   MealyOracle system(model);
   CountingOracle counter(system);
   Teacher teacher(model, arguments);
-  const auto learner = find_learner(arguments.algorithm).make(counter);
+  const auto learner = find_deterministic_learner(arguments.algorithm).make(counter);
   const LearnResult result = run_learner(*learner, teacher);
   const bool is_complete = !find_difference(result.model, model);
   fmt::print(

@@ -12,10 +12,10 @@
 #include <vector>
 
 #include "maide/base/random.hpp"
-#include "maide/wire/child_process.hpp"
-#include "maide/wire/line_io.hpp"
-#include "maide/wire/local_sul.hpp"
-#include "maide/wire/wrapper_proxy.hpp"
+#include "maide/wire/client/child_process.hpp"
+#include "maide/wire/client/wrapper_proxy.hpp"
+#include "maide/wire/protocol/line_io.hpp"
+#include "maide/wire/wrapper/wrapper_session.hpp"
 #include "port_wrapper.hpp"
 
 namespace {

@@ -13,7 +13,7 @@
 #include <string>
 #include <system_error>
 
-#include "maide/wire/system_wrapper.hpp"
+#include "maide/wire/wrapper/system_wrapper.hpp"
 
 namespace {
 

@@ -1,32 +1,18 @@
-# What `cmake --install` puts where, and the umbrella header <maide/maide.hpp>, which includes every
-# public header. find_package(maide) gives maide::maide and maide::wrapper; with COMPONENTS wrapper
+# What `cmake --install` puts where. find_package(maide) gives maide::maide and maide::wrapper; with COMPONENTS wrapper
 # it gives maide::wrapper alone and asks for fewer packages.
 include(CMakePackageConfigHelpers)
 
-set(umbrella
-  "// All of Maide. Programs that care for their compile time include single headers instead.\n"
-  "#pragma once\n\n")
 foreach(target maide_wrapper maide)
   get_target_property(sets ${target} HEADER_SETS)
   set(install_sets_${target})
   foreach(set ${sets})
-    get_target_property(headers ${target} HEADER_SET_${set})
-    foreach(header ${headers})
-      cmake_path(RELATIVE_PATH header BASE_DIRECTORY ${PROJECT_SOURCE_DIR}/src)
-      string(APPEND umbrella "#include \"${header}\"\n")
-    endforeach()
     list(APPEND install_sets_${target} FILE_SET ${set} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
   endforeach()
 endforeach()
-list(JOIN umbrella "" umbrella)
-file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/include/maide/maide.hpp CONTENT "${umbrella}" @ONLY)
-target_sources(maide PUBLIC FILE_SET umbrella TYPE HEADERS
-  BASE_DIRS ${PROJECT_BINARY_DIR}/include FILES ${PROJECT_BINARY_DIR}/include/maide/maide.hpp)
 
 set(config_dir ${CMAKE_INSTALL_LIBDIR}/cmake/maide)
 install(TARGETS maide_wrapper EXPORT maideWrapperTargets ${install_sets_maide_wrapper})
-install(TARGETS maide EXPORT maideTargets ${install_sets_maide}
-  FILE_SET umbrella DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
+install(TARGETS maide EXPORT maideTargets ${install_sets_maide})
 install(TARGETS maide_program)
 install(FILES ${PROJECT_SOURCE_DIR}/README.md ${PROJECT_SOURCE_DIR}/LICENSE
               ${PROJECT_SOURCE_DIR}/CHANGELOG.md ${PROJECT_SOURCE_DIR}/CITATION.cff
@@ -45,3 +31,8 @@ write_basic_package_version_file(${PROJECT_BINARY_DIR}/maideConfigVersion.cmake
   COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/maideConfig.cmake ${PROJECT_BINARY_DIR}/maideConfigVersion.cmake
   DESTINATION ${config_dir})
+
+# For builds without CMake: `pkg-config --cflags --libs maide`.
+file(RELATIVE_PATH pc_to_prefix /prefix/${CMAKE_INSTALL_LIBDIR}/pkgconfig /prefix)
+configure_file(maide.pc.in ${PROJECT_BINARY_DIR}/maide.pc @ONLY)
+install(FILES ${PROJECT_BINARY_DIR}/maide.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)

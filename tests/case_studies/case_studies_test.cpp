@@ -6,13 +6,11 @@
 #include <algorithm>
 
 #include "maide/base/file.hpp"
-#include "maide/base/temp_dir.hpp"
-#include "maide/check/check_system.hpp"
-#include "maide/check/native_engine.hpp"
-#include "maide/check/pan_output.hpp"
-#include "maide/check/promela_system.hpp"
-#include "maide/check/spin_engine.hpp"
-#include "maide/check/system_file.hpp"
+#include "maide/check/explore/check_system.hpp"
+#include "maide/check/explore/engine.hpp"
+#include "maide/check/export/promela_system.hpp"
+#include "maide/check/language/system_file.hpp"
+#include "maide/check/spin/spin_engine.hpp"
 #include "run_maide.hpp"
 
 namespace maide::test {

@@ -12,8 +12,7 @@
 #include <vector>
 
 #include "maide/base/file.hpp"
-#include "maide/base/temp_dir.hpp"
-#include "maide/learn/cache_file.hpp"
+#include "maide/learn/cache/cache_file.hpp"
 #include "run_maide.hpp"
 
 namespace maide::test {

@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include "maide/base/file.hpp"
-#include "maide/base/temp_dir.hpp"
 #include "run_maide.hpp"
 
 namespace maide::test {
@@ -99,6 +98,10 @@ TEST_F(CheckCommand, ATraceThatCannotBeWrittenLeavesTheVerdict) {
               HasSubstr("maide: cannot write the file: No space left on device (/dev/full)\n"));
   EXPECT_EQ(run_maide({"check", system("  p: sync.write;\n"), "--trace", "/dev/full"}).exit_status,
             0);
+  const SubprocessResult report = run_maide(
+      {"check", system("  p: sync.read -> message;\n"), "--report", "/no-such-folder/r.html"});
+  EXPECT_EQ(report.exit_status, 1);
+  EXPECT_THAT(report.err, HasSubstr("/no-such-folder/r.html"));
 }
 
 TEST_F(CheckCommand, AFormulaWithAConstantIsNoInternalError) {
@@ -282,6 +285,23 @@ TEST_F(CheckCommand, AProgramCanWaitForACrash) {
   const SubprocessResult unaware = check("lamp.hit; lamp.press;");
   EXPECT_EQ(unaware.exit_status, 1);
   EXPECT_THAT(unaware.out, HasSubstr("lamp has crash due, which no program takes"));
+}
+
+// What Maide has started does not outlive it. The program says its number, then sleeps; a zombie is
+// as dead as one that was taken away.
+TEST_F(CheckCommand, ProgramsDieWithMaideEvenIfItIsKilled) {
+  const std::string spin = file("spin",
+                                "#!/bin/sh\n"
+                                "echo $$ > '" +
+                                    (folder_.path() / "pid").string() + "'\nexec sleep 1000\n");
+  std::filesystem::permissions(spin, std::filesystem::perms::owner_all);
+  const SubprocessResult result = run_with_maide(
+      "cd '" + folder_.path().string() + "'; PATH=\"$PWD:$PATH\" \"$maide\" check '" +
+      system(waiting) +
+      "' --engine spin >/dev/null 2>&1 &\n"
+      "while [ ! -s pid ]; do sleep 0.02; done; kill -9 $!; wait $! 2>/dev/null\n"
+      "while grep -qs '^State:.[^Z]' /proc/$(cat pid)/status; do sleep 0.02; done; echo gone");
+  EXPECT_EQ(result.out, "gone\n") << result.err;
 }
 
 }  // namespace

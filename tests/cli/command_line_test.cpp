@@ -2,8 +2,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
 #include <string>
 
+#include "maide/base/json.hpp"
 #include "maide/base/version.hpp"
 #include "maide/cli/command.hpp"
 #include "run_maide.hpp"
@@ -106,6 +108,16 @@ TEST(CommandLine, WorksWithoutInputAndErrorStream) {
 TEST(CommandLine, DoesNotDependOnTheLocale) {
   EXPECT_EQ(run_with_maide("LC_ALL=de_DE.UTF-8 LANG=de_DE.UTF-8 \"$maide\" help doctor").out,
             run_maide({"doctor", "--help"}).out);
+}
+
+// Programs that read --json see whether they know its members.
+TEST(CommandLine, EveryJsonResultNamesItsSchema) {
+  for (const std::vector<std::string>& arguments :
+       {std::vector<std::string>{"doctor", "--json"},
+        {"compare", "--json", "no-such-model.dot", "b"}}) {
+    const SubprocessResult result = run_maide(arguments);
+    EXPECT_EQ(parse_json(result.out, "result").at("schema"), 1) << result.out;
+  }
 }
 
 }  // namespace

@@ -9,7 +9,6 @@
 
 #include "maide/automata/compare.hpp"
 #include "maide/base/file.hpp"
-#include "maide/base/temp_dir.hpp"
 #include "maide/formats/model_file.hpp"
 #include "maide/formats/trace_log.hpp"
 #include "maide/sul/ia_translation.hpp"

@@ -6,7 +6,6 @@
 #include <string>
 
 #include "maide/base/file.hpp"
-#include "maide/base/temp_dir.hpp"
 #include "run_maide.hpp"
 
 namespace maide::test {

@@ -8,8 +8,7 @@
 
 #include "maide/automata/compare.hpp"
 #include "maide/base/file.hpp"
-#include "maide/base/shell_words.hpp"
-#include "maide/base/temp_dir.hpp"
+#include "maide/base/text.hpp"
 #include "maide/formats/model_file.hpp"
 #include "run_maide.hpp"
 
@@ -270,6 +269,8 @@ TEST(Learn, AFolderOfModelsSaysWhichOneItIs) {
       learn({"port", "kind=strict", "size=2", "--start-from", models.string(), "-o", "/dev/null"}));
   EXPECT_NE(text.out.find("identified           strict-2.dot, one of "), std::string::npos)
       << text.out << text.err;
+  expect_error(run_maide(learn({"port", "--start-from", "no-such-folder"})), 2,
+               "there is no such file or folder (--start-from no-such-folder)");
 }
 
 TEST(Learn, ConfirmsOnceWhatItsCacheAnswers) {

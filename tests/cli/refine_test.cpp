@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include "maide/base/file.hpp"
-#include "maide/base/temp_dir.hpp"
 #include "run_maide.hpp"
 
 namespace maide::test {

@@ -5,14 +5,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <string>
 #include <vector>
 
 #include "maide/base/file.hpp"
-#include "maide/base/shell_words.hpp"
-#include "maide/base/temp_dir.hpp"
+#include "maide/base/text.hpp"
 #include "maide/base/version.hpp"
 #include "maide/cli/strength_report.hpp"
 #include "maide/formats/model_file.hpp"
@@ -131,7 +129,8 @@ TEST_F(StrengthOfLearning, OptionsThatNoMethodLooksAtAreRefused) {
                "max-tests");
   expect_error(learn({"--max-tests", "3"}, "perfect"), 2, "perfect has: none");
   expect_error(learn({"--walk-length", "3"}, "w,random-w"), 2, "; random-w has: ");
-  expect_error(learn({"--effort", "2"}, "w"), 2, "--effort is for the equivalence method");
+  expect_error(learn({"--effort", "2"}, "w"), 2,
+               "no equivalence method of 'w' has the option 'effort'");
   expect_error(run_maide({"learn", strict_3, "--algorithm", "nstar", "--ways", "2"}), 2,
                "the tests of nstar have no option 'ways'");
   EXPECT_EQ(learn({"--infix-mean", "3", "--max-tests", "9", "-q"}, "w,random-w").exit_status, 0);
@@ -185,7 +184,7 @@ ExperimentResult starved_run(const TestCost& cost, std::uint64_t effort) {
                                 .standard = {},
                                 .demand = {},
                                 .cost_of_missing = cost,
-                                .budget = test_budget(false, effort),
+                                .budget = {20'000 * effort, 1'000'000 * effort},
                                 .is_weak = true};
   run.seconds = 10;
   run.resets = 1000;
@@ -211,19 +210,20 @@ TEST(StrengthReport, SaysWhatIsMissingWouldCost) {
 }
 
 TEST(StrengthReport, TheNextEffortPaysForWhatIsMissing) {
-  CLI::App app;
+  cli::CommandLine typed("maide learn", "");
   std::string sul, cache;
   std::vector<std::string> settings;
   std::uint64_t effort = 1;
   bool json = false;
-  app.add_option("SUL", sul);
-  app.add_option("KEY=VALUE", settings);
-  app.add_option("--cache", cache);
-  app.add_option("--effort", effort);
-  app.add_flag("--json", json);
-  app.parse("maide port kind=strict size=9 --json --cache 'my answers' --effort 2", true);
+  typed.add("SUL", sul, "");
+  typed.add("KEY=VALUE", settings, "");
+  typed.add("--cache", cache, "");
+  typed.add("--effort", effort, "");
+  typed.add_flag("--json", json, "");
+  typed.parse({"port", "kind=strict", "size=9", "--json", "--cache", "my answers", "--effort", "2"},
+              "");
   const auto next = [&](const TestCost& cost, std::uint64_t now, const std::string& model = "") {
-    return cli::describe_next_command(app, starved_run(cost, now), {now, model});
+    return cli::describe_next_command(typed, starved_run(cost, now), {now, model});
   };
   const std::string line = "maide learn port kind=strict size=9 --cache 'my answers' --json";
   EXPECT_EQ(next({30'000, 5}, 1), line + " --effort 3");

@@ -6,8 +6,7 @@
 
 #include "maide/automata/random_automata.hpp"
 #include "maide/base/file.hpp"
-#include "maide/base/temp_dir.hpp"
-#include "maide/formats/dot.hpp"
+#include "maide/formats/model_file.hpp"
 #include "run_maide.hpp"
 
 namespace maide::test {

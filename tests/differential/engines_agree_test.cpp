@@ -7,12 +7,12 @@
 #include <string>
 
 #include "check_systems.hpp"
-#include "maide/base/temp_dir.hpp"
-#include "maide/check/check_system.hpp"
-#include "maide/check/native_engine.hpp"
-#include "maide/check/spin_engine.hpp"
-#include "maide/check/system_file.hpp"
-#include "maide/workflow/wrapper_search.hpp"
+#include "maide/base/file.hpp"
+#include "maide/check/explore/check_system.hpp"
+#include "maide/check/explore/engine.hpp"
+#include "maide/check/language/system_file.hpp"
+#include "maide/check/spin/spin_engine.hpp"
+#include "maide/workflow/open_system.hpp"
 #include "random_system.hpp"
 
 namespace maide {

@@ -9,7 +9,7 @@
 #include <optional>
 #include <vector>
 
-#include "maide/check/system.hpp"
+#include "maide/check/language/system.hpp"
 
 namespace maide::test {
 

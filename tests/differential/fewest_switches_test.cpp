@@ -1,7 +1,5 @@
 // Counterexamples of random systems with their steps put into another order: they stay
 // counterexamples, and no order of the same steps has fewer switches.
-#include "maide/check/fewest_switches.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -9,7 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "maide/check/native_engine.hpp"
+#include "maide/check/explore/engine.hpp"
+#include "maide/check/trace/trace.hpp"
 #include "random_system.hpp"
 
 namespace maide {

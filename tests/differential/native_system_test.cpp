@@ -7,8 +7,9 @@
 #include <vector>
 
 #include "explicit_checker.hpp"
-#include "maide/check/native_engine.hpp"
-#include "maide/check/promela_system.hpp"
+#include "maide/check/explore/engine.hpp"
+#include "maide/check/explore/packed_system.hpp"
+#include "maide/check/export/promela_system.hpp"
 #include "random_system.hpp"
 
 namespace maide {
@@ -29,6 +30,16 @@ Formula parse(const std::string& text, const System& system) {
 }
 
 std::string show(const System& system) { return write_promela(system).text; }
+
+TEST(PackedSystem, UndoesEveryStepByItsCode) {
+  Random random(1);
+  for (int i = 0; i < 200; ++i) {
+    const System system = test::random_system(random);
+    for (const std::size_t monitor_states : {1, 5}) {
+      ASSERT_NO_THROW(PackedSystem(system, 0, monitor_states).check_invariants()) << show(system);
+    }
+  }
+}
 
 class NativeOnRandomSystems : public testing::TestWithParam<int> {};
 

@@ -9,9 +9,8 @@
 #include "maide/automata/random_automata.hpp"
 #include "maide/base/file.hpp"
 #include "maide/base/subprocess.hpp"
-#include "maide/base/temp_dir.hpp"
+#include "maide/formats/exporters.hpp"
 #include "maide/formats/model_file.hpp"
-#include "maide/formats/promela.hpp"
 
 namespace maide {
 namespace {

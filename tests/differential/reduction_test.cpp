@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "explicit_checker.hpp"
-#include "maide/check/native_engine.hpp"
-#include "maide/check/promela_system.hpp"
+#include "maide/check/explore/engine.hpp"
+#include "maide/check/export/promela_system.hpp"
 #include "random_system.hpp"
 
 namespace maide {

@@ -8,8 +8,7 @@
 #include <sstream>
 
 #include "maide/base/subprocess.hpp"
-#include "maide/check/hoa.hpp"
-#include "maide/check/ltl_automaton.hpp"
+#include "maide/check/ltl/ltl_automaton.hpp"
 #include "random_formula.hpp"
 
 namespace maide {

@@ -13,10 +13,8 @@
 #include "maide/base/error.hpp"
 #include "maide/base/file.hpp"
 #include "maide/base/subprocess.hpp"
-#include "maide/base/temp_dir.hpp"
-#include "maide/check/aut_system.hpp"
-#include "maide/check/system_exporters.hpp"
-#include "maide/workflow/wrapper_search.hpp"
+#include "maide/check/export/system_exporters.hpp"
+#include "maide/workflow/open_system.hpp"
 #include "random_system.hpp"
 
 namespace maide {

@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "maide/base/error.hpp"
-#include "maide/wire/wrapper_proxy.hpp"
+#include "maide/wire/client/wrapper_proxy.hpp"
 
 namespace maide {
 namespace {

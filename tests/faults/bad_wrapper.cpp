@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "maide/wire/system_wrapper.hpp"
+#include "maide/wire/wrapper/system_wrapper.hpp"
 
 namespace {
 

@@ -7,8 +7,8 @@
 
 #include "fragile_systems.hpp"
 #include "maide/automata/compare.hpp"
-#include "maide/base/temp_dir.hpp"
-#include "maide/learn/learners.hpp"
+#include "maide/base/file.hpp"
+#include "maide/learn/learner.hpp"
 #include "processes.hpp"
 
 namespace maide {

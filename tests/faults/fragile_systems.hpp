@@ -6,7 +6,7 @@
 #include <string>
 
 #include "maide/automata/interface_automaton.hpp"
-#include "maide/wire/wrapper_proxy.hpp"
+#include "maide/wire/client/wrapper_proxy.hpp"
 #include "maide/workflow/learn_model.hpp"
 
 namespace maide::test {

@@ -13,8 +13,8 @@
 #include <string>
 #include <vector>
 
-#include "maide/wire/service_process.hpp"
-#include "maide/wire/system_wrapper.hpp"
+#include "maide/wire/client/child_process.hpp"
+#include "maide/wire/wrapper/system_wrapper.hpp"
 
 namespace {
 

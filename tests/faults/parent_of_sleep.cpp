@@ -4,7 +4,7 @@
 
 #include <cstdio>
 
-#include "maide/wire/child_process.hpp"
+#include "maide/wire/client/child_process.hpp"
 
 int main() {
   const maide::ChildProcess child({"sleep", "1000"});

@@ -8,10 +8,10 @@
 #include <thread>
 
 #include "maide/base/error.hpp"
-#include "maide/base/temp_dir.hpp"
-#include "maide/wire/child_process.hpp"
-#include "maide/wire/line_io.hpp"
-#include "maide/wire/wrapper_proxy.hpp"
+#include "maide/base/file.hpp"
+#include "maide/wire/client/child_process.hpp"
+#include "maide/wire/client/wrapper_proxy.hpp"
+#include "maide/wire/protocol/line_io.hpp"
 #include "processes.hpp"
 
 namespace maide {

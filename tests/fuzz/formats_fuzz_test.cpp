@@ -8,8 +8,7 @@
 
 #include "maide/automata/random_automata.hpp"
 #include "maide/base/file.hpp"
-#include "maide/formats/aut.hpp"
-#include "maide/formats/dot.hpp"
+#include "maide/formats/model_file.hpp"
 
 namespace maide {
 namespace {

@@ -5,7 +5,7 @@
 #include <array>
 #include <sstream>
 
-#include "maide/check/hoa.hpp"
+#include "maide/check/ltl/ltl_automaton.hpp"
 #include "random_formula.hpp"
 
 namespace maide {

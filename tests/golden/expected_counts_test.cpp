@@ -15,15 +15,15 @@
 #include "maide/automata/strength.hpp"
 #include "maide/base/file.hpp"
 #include "maide/base/json.hpp"
-#include "maide/check/check_system.hpp"
-#include "maide/check/native_engine.hpp"
-#include "maide/check/system_file.hpp"
-#include "maide/conformance/test_chain.hpp"
+#include "maide/check/explore/check_system.hpp"
+#include "maide/check/explore/engine.hpp"
+#include "maide/check/language/system_file.hpp"
+#include "maide/conformance/method/test_chain.hpp"
 #include "maide/formats/model_file.hpp"
-#include "maide/learn/cache.hpp"
-#include "maide/learn/counting_oracle.hpp"
-#include "maide/learn/learners.hpp"
-#include "maide/learn/mealy_oracle.hpp"
+#include "maide/learn/cache/cache.hpp"
+#include "maide/learn/learner.hpp"
+#include "maide/learn/oracle/mealy_oracle.hpp"
+#include "maide/learn/oracle/observing_oracle.hpp"
 #include "maide/sul/ia_translation.hpp"
 
 namespace maide {
@@ -47,7 +47,7 @@ Json learn_counts(const Mealy& machine, std::string_view algorithm, std::string_
   CountingOracle counter(system);
   Cache cache(counter);
   const auto teacher = TestChain(tests).make({cache, &cache, &machine}, TestMethodOptions());
-  const auto learner = find_learner(algorithm).make(cache);
+  const auto learner = find_deterministic_learner(algorithm).make(cache);
   const LearnResult result = run_learner(*learner, *teacher);
   EXPECT_EQ(find_difference(result.model, machine), std::nullopt);
   const QueryCounts counts = counter.statistics().total();
@@ -68,7 +68,7 @@ Json count_learning() {
       Json& of = counts[name + ", " + std::string(to_string(translation))];
       of["standard"] = learn_counts(machine, "lsharp", "standard");
       if (translation == Translation::av) continue;
-      for (const LearnerEntry& learner : learners()) {
+      for (const LearnerEntry& learner : deterministic_learners()) {
         of["perfect"][std::string(learner.name)] = learn_counts(machine, learner.name, "perfect");
       }
     }

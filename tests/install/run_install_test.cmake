@@ -42,3 +42,17 @@ run(${CMAKE_COMMAND} -S ${consumer_dir} -B "${work_dir}/consumer" -G ${generator
 run(${CMAKE_COMMAND} --build "${work_dir}/consumer")
 run("${work_dir}/consumer/use_maide")
 run("${work_dir}/consumer/use_wrapper")
+
+# The same without CMake.
+find_program(pkg_config pkg-config REQUIRED)
+file(GLOB_RECURSE pc "${work_dir}/prefix/maide.pc")
+cmake_path(GET pc PARENT_PATH pc_folder)
+set(ENV{PKG_CONFIG_PATH} "${pc_folder}")
+run(${pkg_config} --modversion maide)
+if(NOT output STREQUAL "${version}\n")
+  message(FATAL_ERROR "maide.pc says: ${output}")
+endif()
+run(${pkg_config} --cflags --libs maide)
+separate_arguments(flags UNIX_COMMAND "${output}")
+run(${compiler} -std=c++20 "${consumer_dir}/use_maide.cpp" ${flags} -o "${work_dir}/by_hand")
+run("${work_dir}/by_hand")

@@ -10,15 +10,15 @@
 #include "maide/automata/compare.hpp"
 #include "maide/automata/minimize.hpp"
 #include "maide/automata/random_automata.hpp"
-#include "maide/conformance/chain_oracle.hpp"
-#include "maide/conformance/known_words.hpp"
-#include "maide/conformance/perfect_oracle.hpp"
+#include "maide/conformance/method/known_words.hpp"
+#include "maide/conformance/method/perfect_oracle.hpp"
+#include "maide/conformance/method/test_chain.hpp"
 #include "maide/formats/model_file.hpp"
-#include "maide/learn/cache.hpp"
-#include "maide/learn/counting_oracle.hpp"
-#include "maide/learn/learners.hpp"
-#include "maide/learn/mealy_oracle.hpp"
-#include "maide/learn/old_model.hpp"
+#include "maide/learn/cache/cache.hpp"
+#include "maide/learn/learner.hpp"
+#include "maide/learn/lsharp/old_model.hpp"
+#include "maide/learn/oracle/mealy_oracle.hpp"
+#include "maide/learn/oracle/observing_oracle.hpp"
 #include "maide/sul/ia_translation.hpp"
 #include "small_machines.hpp"
 
@@ -52,13 +52,13 @@ Cost learn_from(const LearnerEntry& algorithm, const Mealy& reference, const Mea
 
 std::vector<std::string> learner_names() {
   std::vector<std::string> names;
-  for (const LearnerEntry& entry : learners()) names.emplace_back(entry.name);
+  for (const LearnerEntry& entry : deterministic_learners()) names.emplace_back(entry.name);
   return names;
 }
 
 class AdaptiveLaws : public testing::TestWithParam<std::string> {
  protected:
-  const LearnerEntry& algorithm() const { return find_learner(GetParam()); }
+  const LearnerEntry& algorithm() const { return find_deterministic_learner(GetParam()); }
 };
 INSTANTIATE_TEST_SUITE_P(All, AdaptiveLaws, testing::ValuesIn(learner_names()),
                          [](const auto& entry) {
@@ -128,7 +128,7 @@ std::vector<Mealy> example_machines() {
 }
 
 TEST_P(LSharpAdaptive, NeedsOneEquivalenceQueryIfNothingChanged) {
-  const LearnerEntry& algorithm = find_learner(GetParam());
+  const LearnerEntry& algorithm = find_deterministic_learner(GetParam());
   std::uint64_t with = 0, without = 0;
   for (const Mealy& machine : example_machines()) {
     const Cost cost = learn_from(algorithm, machine, &machine);
@@ -140,7 +140,7 @@ TEST_P(LSharpAdaptive, NeedsOneEquivalenceQueryIfNothingChanged) {
 }
 
 TEST_P(LSharpAdaptive, SavesQueriesIfLittleChanged) {
-  const LearnerEntry& algorithm = find_learner(GetParam());
+  const LearnerEntry& algorithm = find_deterministic_learner(GetParam());
   Random random(5);
   Cost with, without;
   for (const Mealy& machine : example_machines()) {
@@ -161,7 +161,7 @@ TEST_P(LSharpAdaptive, SavesQueriesIfLittleChanged) {
 // What the old model adds to the bound of L# is what its doubts ask: two words each, and of those
 // that find no state eight more than of those that do.
 TEST_P(LSharpAdaptive, AWrongOldModelCostsFewQueries) {
-  const LearnerEntry& algorithm = find_learner(GetParam());
+  const LearnerEntry& algorithm = find_deterministic_learner(GetParam());
   Random random(6);
   for (int i = 0; i < 30; ++i) {
     const Mealy reference = random_mealy({.states = 25, .inputs = 3, .outputs = 2}, random);

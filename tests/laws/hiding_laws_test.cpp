@@ -5,13 +5,13 @@
 #include <string>
 
 #include "maide/automata/compare.hpp"
-#include "maide/automata/hiding_automata.hpp"
 #include "maide/automata/minimize.hpp"
+#include "maide/automata/random_automata.hpp"
 #include "maide/base/error.hpp"
-#include "maide/conformance/test_chain.hpp"
-#include "maide/learn/cache.hpp"
-#include "maide/learn/learners.hpp"
-#include "maide/learn/mealy_oracle.hpp"
+#include "maide/conformance/method/test_chain.hpp"
+#include "maide/learn/cache/cache.hpp"
+#include "maide/learn/learner.hpp"
+#include "maide/learn/oracle/mealy_oracle.hpp"
 
 namespace maide {
 namespace {
@@ -47,7 +47,7 @@ TEST_P(HidingLaws, NoModelIsSilentlyWrong) {
     MealyOracle oracle(machine);
     Cache cache(oracle);
     const auto tests = TestChain("").make({cache, &cache, nullptr}, TestMethodOptions());
-    const auto learner = find_learner("lsharp").make(cache);
+    const auto learner = find_deterministic_learner("lsharp").make(cache);
     const Mealy model = run_learner(*learner, *tests).model;
     const std::string shortfall = describe_shortfall(
         tests->strength(), default_demand(model.size(), model.inputs().size(), 0));

@@ -1,5 +1,6 @@
 // Laws that every learner obeys, over all small machines and over random ones: it reaches the
-// minimal machine, within the query bounds of its paper, the same with a cache and without.
+// minimal machine, within the query bounds of its paper, the same with a cache and without, and its
+// invariants hold before every equivalence query.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -10,13 +11,13 @@
 #include "maide/automata/minimize.hpp"
 #include "maide/automata/random_automata.hpp"
 #include "maide/base/error.hpp"
-#include "maide/conformance/perfect_oracle.hpp"
-#include "maide/conformance/test_chain.hpp"
-#include "maide/conformance/test_methods.hpp"
-#include "maide/learn/cache.hpp"
-#include "maide/learn/counting_oracle.hpp"
-#include "maide/learn/learners.hpp"
-#include "maide/learn/mealy_oracle.hpp"
+#include "maide/conformance/method/perfect_oracle.hpp"
+#include "maide/conformance/method/test_chain.hpp"
+#include "maide/conformance/method/test_methods.hpp"
+#include "maide/learn/cache/cache.hpp"
+#include "maide/learn/learner.hpp"
+#include "maide/learn/oracle/mealy_oracle.hpp"
+#include "maide/learn/oracle/observing_oracle.hpp"
 #include "small_machines.hpp"
 
 namespace maide {
@@ -89,7 +90,8 @@ Learned learn_with(const LearnerEntry& algorithm, OutputOracle& oracle,
                    EquivalenceOracle& teacher) {
   MeasuringTeacher measured(teacher);
   const auto learner = algorithm.make(oracle);
-  LearnResult result = run_learner(*learner, measured);
+  LearnResult result = run_learner(
+      *learner, measured, {}, [&](const Mealy&, std::uint64_t) { learner->check_invariants(); });
   return {std::move(result.model), result.equivalence_queries, learner->output_queries(),
           measured.longest};
 }
@@ -120,7 +122,7 @@ void expect_law(const LearnerEntry& algorithm, const Mealy& reference) {
 
 std::vector<std::string> learner_names() {
   std::vector<std::string> names;
-  for (const LearnerEntry& entry : learners()) names.emplace_back(entry.name);
+  for (const LearnerEntry& entry : deterministic_learners()) names.emplace_back(entry.name);
   return names;
 }
 
@@ -132,7 +134,7 @@ std::string as_test_name(std::string name) {
 
 class LearnerLaws : public testing::TestWithParam<std::string> {
  protected:
-  const LearnerEntry& algorithm() const { return find_learner(GetParam()); }
+  const LearnerEntry& algorithm() const { return find_deterministic_learner(GetParam()); }
 };
 
 INSTANTIATE_TEST_SUITE_P(All, LearnerLaws, testing::ValuesIn(learner_names()),
@@ -182,7 +184,7 @@ TEST_P(RandomMachineLaws, LearnsEach) {
     const RandomMealyOptions options{.states = random.between(1, 50),
                                      .inputs = random.between(1, 6),
                                      .outputs = random.between(1, 4)};
-    expect_law(find_learner(algorithm), random_mealy(options, random));
+    expect_law(find_deterministic_learner(algorithm), random_mealy(options, random));
     if (HasFatalFailure()) FAIL() << "machine " << i << " of seed " << machines.seed;
   }
 }
@@ -256,6 +258,7 @@ TEST_P(LearnerLaws, LongCounterexamplesAreHandledUntilTheHypothesisAgrees) {
       for (Symbol& input : word) input = static_cast<Symbol>(random.below(2));
       if (learner->hypothesis().output_word(word) == reference.output_word(word)) continue;
       learner->refine(word);
+      learner->check_invariants();
       EXPECT_EQ(learner->hypothesis().output_word(word), reference.output_word(word));
     }
   }

@@ -3,13 +3,12 @@
 // the automata of f and of not-f exactly one accepts each run. A prefix after which the automaton
 // of not-f accepts whatever comes is bad in the direct semantics, too, and no run on which f holds
 // has a bad prefix. All of it after the automaton went through the Hanoi Omega-Automata format.
-#include "maide/check/ltl_automaton.hpp"
+#include "maide/check/ltl/ltl_automaton.hpp"
 
 #include <gtest/gtest.h>
 
 #include <sstream>
 
-#include "maide/check/hoa.hpp"
 #include "random_formula.hpp"
 
 namespace maide {

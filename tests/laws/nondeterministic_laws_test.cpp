@@ -101,7 +101,7 @@ TEST(NondeterministicLaws, DeterministicSystemsAreLearnedAsByAnyOtherLearner) {
     if (reference.size() > 12) continue;
     SimulatedSul sul(reference, "sim");
     ExperimentOptions options;
-    options.algorithm = nstar_name;
+    options.algorithm = "nstar";
     const LearnedModel model = learn_model(sul, Translation::eager, options);
     ASSERT_TRUE(model.experiment.is_complete()) << entry.path();
     ASSERT_TRUE(std::holds_alternative<InterfaceAutomaton>(*model.model));
@@ -129,7 +129,7 @@ TEST(NondeterministicLaws, ALossyBufferIsNoMealyMachineAndIsLearnedAsWhatItIs) {
   EXPECT_THROW(std::rethrow_exception(rejected.experiment.error), NondeterminismError);
 
   ExperimentOptions options;
-  options.algorithm = nstar_name;
+  options.algorithm = "nstar";
   const LearnedModel learned = learn_model(sul, Translation::eager, options);
   ASSERT_TRUE(learned.experiment.is_complete());
   const auto& automaton = std::get<InterfaceAutomaton>(*learned.model);

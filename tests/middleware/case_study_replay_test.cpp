@@ -11,13 +11,12 @@
 #include <vector>
 
 #include "maide/base/file.hpp"
-#include "maide/base/temp_dir.hpp"
-#include "maide/check/check_system.hpp"
-#include "maide/check/native_engine.hpp"
+#include "maide/check/explore/check_system.hpp"
+#include "maide/check/explore/engine.hpp"
 #include "maide/workflow/learned_models.hpp"
-#include "maide/workflow/random_run.hpp"
+#include "maide/workflow/open_system.hpp"
+#include "maide/workflow/real_system.hpp"
 #include "maide/workflow/replay.hpp"
-#include "maide/workflow/wrapper_search.hpp"
 
 namespace maide {
 namespace {

@@ -11,8 +11,8 @@
 
 #include "cyclonedds_cases.hpp"
 #include "cyclonedds_wrapper.hpp"
-#include "maide/wire/local_sul.hpp"
-#include "maide/wire/self_test.hpp"
+#include "maide/wire/wrapper/system_wrapper.hpp"
+#include "maide/wire/wrapper/wrapper_session.hpp"
 #include "wrapper_checks.hpp"
 
 namespace maide {

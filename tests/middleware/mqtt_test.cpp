@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "maide/wire/local_sul.hpp"
-#include "maide/wire/self_test.hpp"
+#include "maide/wire/wrapper/system_wrapper.hpp"
+#include "maide/wire/wrapper/wrapper_session.hpp"
 #include "mqtt_cases.hpp"
 #include "mqtt_wrapper.hpp"
 #include "packets.hpp"

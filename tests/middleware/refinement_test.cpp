@@ -7,10 +7,9 @@
 #include <string>
 
 #include "maide/base/file.hpp"
-#include "maide/base/temp_dir.hpp"
-#include "maide/check/native_engine.hpp"
+#include "maide/check/explore/engine.hpp"
+#include "maide/workflow/open_system.hpp"
 #include "maide/workflow/refine_system.hpp"
-#include "maide/workflow/wrapper_search.hpp"
 
 namespace maide {
 namespace {

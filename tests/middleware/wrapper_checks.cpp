@@ -9,10 +9,9 @@
 #include "busy_machine.hpp"
 #include "maide/automata/compare.hpp"
 #include "maide/base/error.hpp"
-#include "maide/formats/dot.hpp"
 #include "maide/formats/model_file.hpp"
-#include "maide/wire/local_sul.hpp"
-#include "maide/wire/wrapper_proxy.hpp"
+#include "maide/wire/client/wrapper_proxy.hpp"
+#include "maide/wire/wrapper/wrapper_session.hpp"
 #include "maide/workflow/experiment.hpp"
 
 namespace maide::test {

@@ -13,7 +13,7 @@
 #include "maide/automata/interface_automaton.hpp"
 #include "maide/automata/mealy.hpp"
 #include "maide/sul/sul.hpp"
-#include "maide/wire/system_wrapper.hpp"
+#include "maide/wire/wrapper/system_wrapper.hpp"
 
 namespace maide::test {
 

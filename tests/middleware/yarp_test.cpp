@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "maide/wire/wrapper_proxy.hpp"
+#include "maide/wire/client/wrapper_proxy.hpp"
 #include "wrapper_checks.hpp"
 
 namespace maide {

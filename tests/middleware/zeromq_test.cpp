@@ -6,8 +6,8 @@
 #include <string>
 
 #include "maide/automata/mealy.hpp"
-#include "maide/wire/local_sul.hpp"
-#include "maide/wire/self_test.hpp"
+#include "maide/wire/wrapper/system_wrapper.hpp"
+#include "maide/wire/wrapper/wrapper_session.hpp"
 #include "wrapper_checks.hpp"
 #include "zeromq_cases.hpp"
 #include "zeromq_wrapper.hpp"

@@ -12,8 +12,8 @@ from pathlib import Path
 
 # What each layer of src/maide may include. A wrapper's process carries no learner, so sul and wire
 # do without formats; check knows nothing of learning.
-LAYERS = ["base", "automata", "formats", "sul", "wire", "learn", "conformance", "check", "extract",
-          "workflow", "report", "cli"]
+LAYERS = ["base", "automata", "formats", "sul", "wire", "learn", "conformance", "check", "workflow",
+          "report", "cli"]
 WRAPPER_LAYERS = ["base", "automata", "sul", "wire"]
 
 
@@ -88,15 +88,39 @@ def check_layering(sources):
 
 
 def check_listed(sources):
-    """Every source is in the list of its folder's CMakeLists.txt, so that it is built."""
+    """Every source is in the list of its layer's CMakeLists.txt, so that it is built."""
     for path in sources.files:
         if path.parts[:2] != ("src", "maide") or path.suffix not in (".cpp", ".hpp"):
             continue
         if layer_of(path) == "cli" and path.suffix == ".hpp":
             continue  # not installed, so not listed
-        listing = path.parent / "CMakeLists.txt"
-        if not re.search(rf"(?<![\w.]){re.escape(path.name)}(?![\w.])", sources.text(listing)):
+        layer = Path(*path.parts[: 3 if layer_of(path) else 2])
+        listing = layer / "CMakeLists.txt"
+        name = str(path.relative_to(layer))
+        if not re.search(rf"(?<![\w./]){re.escape(name)}(?![\w.])", sources.text(listing)):
             yield path, 1, f"is not listed in {listing}"
+
+
+def check_public(sources):
+    """A header that is installed includes the standard library and installed headers alone."""
+    face = ["maide.hpp", "learn.hpp", "check.hpp", "wrapper.hpp"]
+    public = {Path("src/maide") / name for name in face}
+    for path in sources.files:
+        if path.name == "CMakeLists.txt" and path.parts[:2] == ("src", "maide"):
+            listing = re.search(r"maide_layer\(\w+\s+HEADERS([^A-Z]*)", sources.text(path))
+            names = listing.group(1).split() if listing else []
+            public |= {path.parent / name for name in names}
+    for path in sorted(public):
+        for number, line in enumerate(sources.text(path).splitlines(), 1):
+            match = INCLUDE.match(line)
+            if not match:
+                continue
+            included = match.group(1)
+            if included.startswith("maide/"):
+                if Path("src") / included not in public:
+                    yield path, number, f"is public and includes {included}, which is internal"
+            elif "/" in included and not included.startswith(("sys/", "netinet/")):
+                yield path, number, f"is public and includes another library's {included}"
 
 
 def check_openings(sources):
@@ -114,8 +138,7 @@ def check_openings(sources):
         if path.suffix == ".cpp" and header in sources.files and first in own_includes:
             continue
         if path.parts[:2] == ("tests", "unit"):
-            tested = path.stem.removesuffix("_test") + ".hpp"
-            if first == f'#include "maide/{path.parts[2]}/{tested}"':
+            if first.startswith(f'#include "maide/{path.parts[2]}/'):
                 continue
         yield path, 1, "does not open with a comment that says what it is"
 

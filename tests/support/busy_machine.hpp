@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "maide/wire/child_process.hpp"
+#include "maide/wire/client/child_process.hpp"
 
 namespace maide::test {
 

@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "maide/wire/child_process.hpp"
-#include "maide/wire/line_io.hpp"
+#include "maide/wire/client/child_process.hpp"
+#include "maide/wire/protocol/line_io.hpp"
 
 namespace maide::test {
 

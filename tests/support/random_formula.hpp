@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "maide/base/random.hpp"
-#include "maide/check/formula.hpp"
+#include "maide/check/ltl/formula.hpp"
 
 namespace maide::test {
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "maide/check/trace.hpp"
+#include "maide/check/trace/trace.hpp"
 
 namespace maide::test {
 

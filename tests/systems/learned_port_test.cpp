@@ -8,7 +8,7 @@
 
 #include "maide/automata/compare.hpp"
 #include "maide/formats/model_file.hpp"
-#include "maide/wire/wrapper_proxy.hpp"
+#include "maide/wire/client/wrapper_proxy.hpp"
 #include "maide/workflow/experiment.hpp"
 
 namespace maide {

@@ -1,7 +1,7 @@
 // The wrapper of docs/writing-a-wrapper.md: real queues of the kernel, learned like any middleware.
 #include <gtest/gtest.h>
 
-#include "maide/wire/wrapper_proxy.hpp"
+#include "maide/wire/client/wrapper_proxy.hpp"
 #include "maide/workflow/learn_model.hpp"
 
 namespace maide {

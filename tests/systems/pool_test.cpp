@@ -5,7 +5,7 @@
 
 #include "listening_wrapper.hpp"
 #include "maide/base/error.hpp"
-#include "maide/formats/dot.hpp"
+#include "maide/formats/model_file.hpp"
 #include "maide/workflow/learn_model.hpp"
 #include "maide/workflow/open_system.hpp"
 

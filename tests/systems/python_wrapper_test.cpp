@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "maide/base/error.hpp"
-#include "maide/wire/wrapper_proxy.hpp"
+#include "maide/wire/client/wrapper_proxy.hpp"
 #include "maide/workflow/experiment.hpp"
 
 namespace maide {

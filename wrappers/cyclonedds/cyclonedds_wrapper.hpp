@@ -20,7 +20,7 @@
 #include "dds/policies.hpp"
 #include "domains.hpp"
 #include "endpoints.hpp"
-#include "maide/wire/system_wrapper.hpp"
+#include "maide/wire/wrapper/system_wrapper.hpp"
 
 namespace maide::cyclonedds {
 

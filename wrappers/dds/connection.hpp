@@ -14,7 +14,7 @@
 #include <optional>
 #include <string_view>
 
-#include "maide/wire/system_wrapper.hpp"
+#include "maide/wire/wrapper/system_wrapper.hpp"
 
 namespace maide::dds {
 

@@ -9,14 +9,18 @@ namespace maide::dds {
 std::vector<OptionSpec> Policies::options() {
   return {
       OptionSpec::choice("history", "keep_last", {"keep_last", "keep_all"},
-                         "QoS of both ends: what is kept for the reader; DDS's default"),
-      OptionSpec::integer("depth", 1, 1, 1000, "samples that keep_last keeps; DDS's default"),
+                         "QoS of both ends: what is kept for the reader; DDS's default")
+          .keeping_more_with("keep_all"),
+      OptionSpec::integer("depth", 1, 1, 1000, "samples that keep_last keeps; DDS's default")
+          .keeping_more_with("+"),
       OptionSpec::choice("reliability", "default", {"default", "reliable", "best_effort"},
                          "QoS of both ends; by DDS's default the writer is reliable, the reader "
-                         "best_effort"),
+                         "best_effort")
+          .keeping_more_with("reliable"),
       OptionSpec::choice("durability", "default", {"default", "volatile", "transient_local"},
                          "QoS of both ends; transient_local: a reader that connects gets what the "
-                         "writer keeps"),
+                         "writer keeps")
+          .keeping_more_with("transient_local"),
       OptionSpec::integer("max-samples", 0, 0, 1000,
                           "resource limit of keep_all, 0 for none; DDS's default"),
       OptionSpec::choice("max-blocking-time", "infinite", {"infinite", "0"},

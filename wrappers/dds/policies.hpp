@@ -8,7 +8,7 @@
 #include <optional>
 #include <vector>
 
-#include "maide/wire/wrapper_options.hpp"
+#include "maide/wire/wrapper/wrapper_options.hpp"
 
 namespace maide::dds {
 

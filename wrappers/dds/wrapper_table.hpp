@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "dds/policies.hpp"
-#include "maide/wire/system_wrapper.hpp"
+#include "maide/wire/wrapper/system_wrapper.hpp"
 
 namespace maide::dds {
 

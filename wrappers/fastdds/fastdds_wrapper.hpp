@@ -14,7 +14,7 @@
 #include <memory>
 
 #include "dds/policies.hpp"
-#include "maide/wire/system_wrapper.hpp"
+#include "maide/wire/wrapper/system_wrapper.hpp"
 #include "participants.hpp"
 #include "protocol_timers.hpp"
 

@@ -12,11 +12,11 @@
 #include <string_view>
 #include <system_error>
 
-#include "maide/base/descriptor.hpp"
 #include "maide/base/error.hpp"
-#include "maide/base/parse_number.hpp"
+#include "maide/base/file.hpp"
+#include "maide/base/numbers.hpp"
 #include "maide/base/subprocess.hpp"
-#include "maide/wire/tcp.hpp"
+#include "maide/wire/protocol/tcp.hpp"
 
 namespace maide::mqtt {
 namespace {
@@ -86,7 +86,8 @@ std::vector<OptionSpec> Broker::options() {
                           "acknowledged; 0: no limit"),
       OptionSpec::integer("max-queued", defaults.max_queued, 0, 1'000'000,
                           "max_queued_messages of mosquitto: kept for a client beyond those; 0: no "
-                          "limit"),
+                          "limit")
+          .keeping_more_with("+"),
   };
 }
 

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "maide/wire/service_process.hpp"
-#include "maide/wire/wrapper_options.hpp"
+#include "maide/wire/client/child_process.hpp"
+#include "maide/wire/wrapper/wrapper_options.hpp"
 
 namespace maide::mqtt {
 

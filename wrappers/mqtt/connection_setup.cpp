@@ -140,10 +140,12 @@ std::vector<OptionSpec> ConnectionOptions::options() {
   return {
       OptionSpec::choice("qos", "0", {"0", "1", "2"},
                          "quality of service of what is published and subscribed to: at most "
-                         "once, at least once, exactly once"),
+                         "once, at least once, exactly once")
+          .keeping_more_with("1"),
       OptionSpec::choice("session", "clean", {"clean", "persistent"},
                          "whether the broker keeps subscriptions and messages for a reader (or a "
-                         "raw client) that is away"),
+                         "raw client) that is away")
+          .keeping_more_with("persistent"),
       OptionSpec::choice("retain", "no", {"no", "yes"},
                          "the broker keeps the last message for those that subscribe later"),
       OptionSpec::choice("will", "no", {"no", "yes"},

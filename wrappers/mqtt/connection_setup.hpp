@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "broker.hpp"
-#include "maide/wire/system_wrapper.hpp"
+#include "maide/wire/wrapper/system_wrapper.hpp"
 
 namespace maide::mqtt {
 

@@ -1,5 +1,5 @@
 // maide-wrap-mqtt: a broker of MQTT and its clients as a system under learning.
-#include "maide/wire/system_wrapper.hpp"
+#include "maide/wire/wrapper/system_wrapper.hpp"
 #include "mqtt_wrapper.hpp"
 
 int main(int argc, char** argv) {

@@ -12,7 +12,7 @@
 #include <system_error>
 #include <utility>
 
-#include "maide/base/descriptor.hpp"
+#include "maide/base/file.hpp"
 
 namespace maide::mqtt {
 namespace {

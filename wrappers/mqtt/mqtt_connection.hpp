@@ -9,8 +9,8 @@
 
 #include "broker.hpp"
 #include "connection_setup.hpp"
-#include "maide/base/descriptor.hpp"
-#include "maide/wire/system_wrapper.hpp"
+#include "maide/base/file.hpp"
+#include "maide/wire/wrapper/system_wrapper.hpp"
 #include "mqtt_client.hpp"
 
 namespace maide::mqtt {

@@ -10,7 +10,7 @@
 
 #include "broker.hpp"
 #include "connection_setup.hpp"
-#include "maide/wire/system_wrapper.hpp"
+#include "maide/wire/wrapper/system_wrapper.hpp"
 #include "raw_clients.hpp"
 
 namespace maide::mqtt {

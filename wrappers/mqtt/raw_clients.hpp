@@ -13,8 +13,8 @@
 #include <thread>
 
 #include "broker.hpp"
-#include "maide/base/descriptor.hpp"
-#include "maide/wire/system_wrapper.hpp"
+#include "maide/base/file.hpp"
+#include "maide/wire/wrapper/system_wrapper.hpp"
 #include "packets.hpp"
 #include "protocol_actions.hpp"
 

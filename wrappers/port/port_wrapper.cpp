@@ -70,7 +70,8 @@ PortWrapper::PortWrapper() {
   description_.versions = {{"port", "1"}};
   description_.options = {
       OptionSpec::choice("kind", "port", {"port", "buffered", "strict"},
-                         "a write waits for its read; keeps the newest message; keeps all"),
+                         "a write waits for its read; keeps the newest message; keeps all")
+          .keeping_more_with("strict"),
       common_options::inputs({"write", "read", "tryread", "interrupt", "resume"}),
       common_options::observe({"message", "written", "null", "failed", "done", "resumed"}),
       common_options::payload(),

@@ -3,7 +3,7 @@
 
 #include <memory>
 
-#include "maide/wire/system_wrapper.hpp"
+#include "maide/wire/wrapper/system_wrapper.hpp"
 
 namespace maide::port {
 

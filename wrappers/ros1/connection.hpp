@@ -12,7 +12,7 @@
 #include <string_view>
 #include <vector>
 
-#include "maide/wire/system_wrapper.hpp"
+#include "maide/wire/wrapper/system_wrapper.hpp"
 #include "node.hpp"
 #include "queues.hpp"
 #include "subscriber_end.hpp"

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "maide/wire/service_process.hpp"
+#include "maide/wire/client/child_process.hpp"
 
 namespace maide::ros1 {
 

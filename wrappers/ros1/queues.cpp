@@ -34,7 +34,8 @@ void check_can_count(const OptionValues& options) {
 std::vector<OptionSpec> Queues::options() {
   return {
       OptionSpec::integer("queue_size", 1, 0, 1000,
-                          "queue_size of the publisher and of the subscriber; 0: no limit"),
+                          "queue_size of the publisher and of the subscriber; 0: no limit")
+          .keeping_more_with("+"),
       own_queue_size("pub_queue_size", "publisher"),
       own_queue_size("sub_queue_size", "subscriber"),
       OptionSpec::choice("latch", "false", {"false", "true"},

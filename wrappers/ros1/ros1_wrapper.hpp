@@ -10,7 +10,7 @@
 #include <memory>
 
 #include "connection.hpp"
-#include "maide/wire/system_wrapper.hpp"
+#include "maide/wire/wrapper/system_wrapper.hpp"
 #include "node.hpp"
 #include "queues.hpp"
 

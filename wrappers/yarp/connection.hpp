@@ -6,7 +6,7 @@
 #include <memory>
 #include <string_view>
 
-#include "maide/wire/system_wrapper.hpp"
+#include "maide/wire/wrapper/system_wrapper.hpp"
 #include "pair_store.hpp"
 
 namespace maide::yarp_ports {

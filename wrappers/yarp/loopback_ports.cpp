@@ -8,7 +8,7 @@
 #include <stdexcept>
 #include <system_error>
 
-#include "maide/base/descriptor.hpp"
+#include "maide/base/file.hpp"
 
 namespace maide::yarp_ports {
 namespace {

@@ -12,8 +12,7 @@
 
 #include "maide/base/error.hpp"
 #include "maide/base/file.hpp"
-#include "maide/base/parse_number.hpp"
-#include "maide/base/temp_dir.hpp"
+#include "maide/base/numbers.hpp"
 
 namespace maide::yarp_ports {
 namespace {

@@ -9,7 +9,7 @@
 #include <optional>
 #include <string>
 
-#include "maide/wire/service_process.hpp"
+#include "maide/wire/client/child_process.hpp"
 
 namespace maide::yarp_ports {
 

@@ -167,7 +167,8 @@ YarpWrapper::YarpWrapper() {
   description_.options = {
       OptionSpec::choice("kind", "port", {"port", "buffered", "strict"},
                          "Port: a write waits for its read; BufferedPort: keeps the newest "
-                         "message; BufferedPort, strict: keeps all"),
+                         "message; BufferedPort, strict: keeps all")
+          .keeping_more_with("strict"),
       OptionSpec::choice("carrier", "tcp", {"tcp", "fast_tcp", "udp", "local"},
                          "YARP's carrier of the connection"),
       OptionSpec::text("server", "none",

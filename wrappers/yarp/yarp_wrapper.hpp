@@ -11,7 +11,7 @@
 
 #include <memory>
 
-#include "maide/wire/system_wrapper.hpp"
+#include "maide/wire/wrapper/system_wrapper.hpp"
 #include "name_server.hpp"
 #include "pair_store.hpp"
 

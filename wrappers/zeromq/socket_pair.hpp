@@ -10,7 +10,7 @@
 #include <string_view>
 #include <zmq.hpp>
 
-#include "maide/wire/system_wrapper.hpp"
+#include "maide/wire/wrapper/system_wrapper.hpp"
 #include "shared_context.hpp"
 #include "socket_settings.hpp"
 

@@ -59,11 +59,14 @@ std::vector<OptionSpec> SocketSettings::options() {
       OptionSpec::choice("transport", "inproc", {"inproc", "tcp"},
                          "between the sockets; tcp: on the loopback device"),
       OptionSpec::integer("sndhwm", 1000, 0, most_messages,
-                          "high-water mark of the writing socket, 0 for none; ZeroMQ's default"),
+                          "high-water mark of the writing socket, 0 for none; ZeroMQ's default")
+          .keeping_more_with("+"),
       OptionSpec::integer("rcvhwm", 1000, 0, most_messages,
-                          "high-water mark of the reading socket, 0 for none; ZeroMQ's default"),
+                          "high-water mark of the reading socket, 0 for none; ZeroMQ's default")
+          .keeping_more_with("+"),
       OptionSpec::choice("conflate", "no", {"no", "yes"},
-                         "the reading socket keeps the last message only"),
+                         "the reading socket keeps the last message only")
+          .keeping_more_with("no"),
       OptionSpec::choice("sndtimeo", "-1", {"-1", "0"},
                          "a write without room waits for ever (ZeroMQ's default), or fails"),
       OptionSpec::choice("send", "polled", {"polled", "plain"},

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "maide/wire/wrapper_options.hpp"
+#include "maide/wire/wrapper/wrapper_options.hpp"
 
 namespace maide::zeromq {
 

@@ -1,8 +1,9 @@
-// Symbols, words and alphabets. A symbol is a number: its place in an alphabet; an alphabet is an
-// ordered list of distinct names. Output alphabets grow as outputs are seen (`intern`); a symbol
-// once given keeps its number.
+// Symbols, words and alphabets, and what is done with words everywhere. A symbol is a number: its
+// place in an alphabet. An alphabet is an ordered list of distinct names. Output alphabets grow as
+// outputs are seen (`intern`). A symbol keeps its number.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -56,5 +57,25 @@ std::string to_string(std::span<const Symbol> word, const Alphabet& alphabet);
 struct WordHash {
   std::size_t operator()(const Word& word) const;
 };
+
+// ---- Words ----
+
+// `word`, then `suffix`.
+Word joined(Word word, const Word& suffix);
+
+// The first `length` symbols.
+Word head(const Word& word, std::size_t length);
+
+// From the symbol number `start` on.
+Word tail(const Word& word, std::size_t start);
+
+// Length of the longest common prefix. O(that length).
+std::size_t count_common(std::span<const Symbol> left, std::span<const Symbol> right);
+
+// Every word is a prefix of itself.
+bool is_prefix(const Word& prefix, const Word& word);
+
+// The words that are no prefixes of others, none twice; sorted. O(n log n) comparisons.
+std::vector<Word> without_prefixes(std::vector<Word> words);
 
 }  // namespace maide

@@ -1,6 +1,7 @@
-// Comparison of two models, with the shortest and alphabet-least word that tells them apart. Mealy
-// machines by Hopcroft & Karp ("A linear algorithm for testing equivalence of finite automata",
-// 1971); interface automata by exploring the pairs of sets of states that the same words reach.
+// Compares two models and finds the shortest word that tells them apart; of several, the least in
+// the order of the alphabet. Mealy machines: Hopcroft & Karp ("A linear algorithm for testing
+// equivalence of finite automata", 1971). Interface automata: the pairs of sets of states that the
+// same words reach are explored.
 #pragma once
 
 #include <cstdint>

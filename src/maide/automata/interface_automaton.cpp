@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "maide/base/invariant.hpp"
+
 namespace maide {
 
 InterfaceAutomaton::InterfaceAutomaton(Alphabet inputs, Alphabet outputs, std::size_t states)
@@ -24,6 +26,8 @@ StateId InterfaceAutomaton::add_state() {
 }
 
 void InterfaceAutomaton::add_transition(StateId from, Action action, StateId to, bool absorbed) {
+  MAIDE_CHECK(from < states_.size() && to < states_.size());
+  MAIDE_CHECK(action.symbol < (action.is_input() ? inputs_ : outputs_).size());
   const Transition transition{action, to, absorbed};
   auto& list = states_[from].transitions;
   const auto place = std::lower_bound(list.begin(), list.end(), transition);
@@ -31,6 +35,7 @@ void InterfaceAutomaton::add_transition(StateId from, Action action, StateId to,
 }
 
 void InterfaceAutomaton::mark_unexplored(StateId state, Symbol input) {
+  MAIDE_CHECK(state < states_.size() && input < inputs_.size());
   auto& list = states_[state].unexplored;
   const auto place = std::lower_bound(list.begin(), list.end(), input);
   if (place == list.end() || *place != input) list.insert(place, input);

@@ -1,9 +1,13 @@
 // Interface automata after de Alfaro & Henzinger (FSE 2001), without hidden actions, as in Aarts &
-// Vaandrager (CONCUR 2010): inputs (written ?a) that the environment gives and outputs (written !a)
-// that the system emits. What is *not* there is threefold, and stays threefold all the way to a
-// verdict: an input that is refused (its actor is busy, or an output is due) has no transition; an
-// input that was never tried (it lies beyond the learning purpose's bound) stands in `unexplored`;
-// an untried input drawn as a self-loop is a transition marked `absorbed`.
+// Vaandrager (CONCUR 2010). The environment gives inputs (written ?a), the system emits outputs
+// (written !a).
+//
+// An input that is not possible has one of three reasons, and these stay apart all the way to a
+// verdict:
+//
+//   refused     no transition: the actor is busy, or an output is due
+//   unexplored  marked: it lies beyond the learning purpose's bound and was never tried
+//   absorbed    a marked self-loop: never tried, but drawn
 #pragma once
 
 #include <compare>

@@ -1,9 +1,11 @@
-// A deterministic, complete Mealy machine: in each state each input gives one output and one next
-// state. Plain value type; transitions lie in one flat table (state-major), so a step is one load.
+// Mealy machines: deterministic and complete, so in each state each input gives one output and one
+// next state. A plain value type. Transitions lie in one flat table (state-major), so a step is one
+// load. Moore machines and DFAs are Mealy machines with a mark (the end of this file).
 #pragma once
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -83,5 +85,33 @@ class Mealy {
   std::vector<Cell> cells_;
   std::vector<std::uint64_t> revisions_;  // by state; 0: no transition was ever set
 };
+
+// ---- Moore machines and DFAs ----
+//
+// A Moore machine is a Mealy machine in which a transition's output is that of the state it leads
+// to. A DFA's outputs are "accept" and "reject". So any learner of Mealy machines learns them. The
+// output of the initial state is lost by that, because no input shows it. It stays in `origin`,
+// with the kind ("type": "moore" or "dfa").
+//
+// A minimal Mealy machine may have one state for two that differ in their own output alone.
+// split_states() makes two of it again, which gives the minimal Moore machine.
+
+inline constexpr const char* accepting_output = "accept";  // of a DFA's states
+inline constexpr const char* rejecting_output = "reject";
+
+// The output of the initial state, where the machine stands for a Moore machine or DFA.
+std::optional<std::string> find_initial_output(const Mealy& machine);
+// Says that the machine stands for one: `type` is "moore" or "dfa".
+void mark_as_moore(Mealy& machine, const std::string& type, const std::string& initial_output);
+
+// The output of each state: that of all transitions into it, and of the initial state the one that
+// the machine is marked with. Nothing if it is not marked, or a state would have two outputs.
+// A state that no transition leads to has the initial one's. O(n k).
+std::optional<std::vector<std::string>> find_state_outputs(const Mealy& machine);
+
+// An equivalent machine, marked alike, whose states have one output each, reachable states only, in
+// breadth-first order; minimal as a Moore machine if `machine` is minimal. `machine` must be marked
+// and complete. O(n k times the outputs of a state).
+Mealy split_states(const Mealy& machine);
 
 }  // namespace maide

@@ -5,6 +5,8 @@
 #include <tuple>
 #include <utility>
 
+#include "maide/base/invariant.hpp"
+
 namespace maide {
 namespace {
 
@@ -38,6 +40,7 @@ class Partition {
   bool mark(std::uint32_t element) {
     const std::uint32_t block = block_of_[element];
     const std::uint32_t boundary = begin_[block] + marked_[block];
+    MAIDE_CHECK(boundary <= end_[block] && elements_[place_[element]] == element);
     if (place_[element] < boundary) return false;
     swap_places(element, elements_[boundary]);
     return marked_[block]++ == 0;
@@ -53,6 +56,7 @@ class Partition {
     end_.push_back(begin_[block] + count);
     marked_.push_back(0);
     begin_[block] += count;
+    MAIDE_CHECK(size(block) > 0 && size(fresh) == count && end_[fresh] == begin_[block]);
     for (const std::uint32_t element : elements(fresh)) block_of_[element] = fresh;
     return fresh;
   }
@@ -77,6 +81,7 @@ class Predecessors {
       }
     }
     for (std::size_t i = 1; i < begin_.size(); ++i) begin_[i] += begin_[i - 1];
+    MAIDE_CHECK(begin_.back() == states_ * inputs);  // every transition has one target
     sources_.resize(begin_.back());
     std::vector<std::uint32_t> next(begin_.begin(), begin_.end() - 1);
     for (StateId state = 0; state < states_; ++state) {
@@ -193,6 +198,7 @@ Mealy quotient(const Mealy& machine, const std::vector<std::uint32_t>& block_of)
                             visit(machine.target(source, input)));
     }
   }
+  MAIDE_CHECK(result.size() == representative.size() && result.is_complete());
   result.origin = machine.origin;
   result.actors = machine.actors;
   return result;
@@ -218,6 +224,7 @@ std::size_t refine_by_signatures(const InterfaceAutomaton& automaton,
     const auto fresh = static_cast<std::uint32_t>(blocks.size());
     next[state] = blocks.emplace(std::move(signature), fresh).first->second;
   }
+  MAIDE_CHECK(blocks.size() <= states.size());
   block_of = std::move(next);
   return blocks.size();
 }

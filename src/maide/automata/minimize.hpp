@@ -1,8 +1,10 @@
-// Minimisation. Mealy machines: Hopcroft's partition refinement ("An n log n algorithm for
-// minimizing states in a finite automaton", 1971), started from the partition by output rows.
-// Interface automata: the coarsest bisimulation that also respects what was never tried (Kanellakis
-// & Smolka, PODC 1983, by signatures); for deterministic automata that is the minimal one. Results
-// keep only reachable states, numbered in breadth-first order from the initial state 0.
+// Minimisation. Results keep only reachable states, numbered in breadth-first order from the
+// initial state 0.
+//
+// Mealy machines: Hopcroft's partition refinement ("An n log n algorithm for minimizing states in a
+// finite automaton", 1971), started from the partition by output rows. Interface automata: the
+// coarsest bisimulation that also respects what was never tried (Kanellakis & Smolka, PODC 1983, by
+// signatures). For a deterministic automaton that is the minimal one.
 #pragma once
 
 #include "maide/automata/interface_automaton.hpp"

@@ -1,8 +1,8 @@
-// An observable nondeterministic Mealy machine (ONFSM; Starke, "Abstract automata", 1972; El-Fakih,
-// Groz, Irfan, Shahbaz, "Learning finite state models of observable nondeterministic systems in a
-// testing context", ICTSS 2010): in each state an input may be answered in several ways, and each
-// of the answers leads to one next state. So a trace - inputs and outputs - leads to one state,
-// where a word of inputs alone may lead to several.
+// Observable nondeterministic Mealy machines: in each state an input may be answered in several
+// ways, and each answer leads to one next state. So a trace, inputs with outputs, leads to one
+// state; a word of inputs alone may lead to several. (ONFSM: Starke, "Abstract automata", 1972;
+// El-Fakih, Groz, Irfan, Shahbaz, "Learning finite state models of observable nondeterministic
+// systems in a testing context", ICTSS 2010.)
 #pragma once
 
 #include <compare>

@@ -6,7 +6,8 @@
 #include <utility>
 
 #include "maide/base/error.hpp"
-#include "maide/base/parse_number.hpp"
+#include "maide/base/numbers.hpp"
+#include "maide/base/text.hpp"
 
 namespace maide {
 namespace {
@@ -21,9 +22,7 @@ constexpr std::pair<std::string_view, std::uint64_t> most_demanded[]{
 // Calls `take(dimension, number)`, which says whether there is such a dimension, for each part.
 template <typename Take>
 void read_dimensions(std::string_view text, Take&& take) {
-  while (true) {
-    const std::size_t comma = text.find(',');
-    const std::string_view part = text.substr(0, comma);
+  for (const std::string_view part : split(text, ',')) {
     const std::size_t equals = part.find('=');
     const auto number =
         equals == part.npos ? std::nullopt : parse_number<std::uint64_t>(part.substr(equals + 1));
@@ -31,8 +30,6 @@ void read_dimensions(std::string_view text, Take&& take) {
       throw UsageError(fmt::format(
           "'{}' is no strength: extra-states, chained, pumped or random, '=' and a number", part));
     }
-    if (comma == text.npos) return;
-    text.remove_prefix(comma + 1);
   }
 }
 

@@ -1,7 +1,7 @@
-// What tests establish about a learned model, in the dimensions in which they were made. Only
-// `extra_states` is a theorem (M. P. Vasilevskii 1973; T. S. Chow 1978); the others say what was
-// covered. A model that falls short of `StrengthDemand` in one of them is weak: something that
-// hides behind a few rare inputs, or behind a count, may be missing from it.
+// What tests establish about a learned model, in four numbers. Only `extra_states` is a theorem (M.
+// P. Vasilevskii 1973; T. S. Chow 1978); the others say what was covered. A model that falls short
+// of its `StrengthDemand` in one of them is weak: something that hides behind a few rare inputs, or
+// behind a count, may be missing from it.
 #pragma once
 
 #include <cstdint>

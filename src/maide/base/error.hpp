@@ -1,6 +1,6 @@
-// Errors of Maide. Every error carries the exit status with which the command line ends
-// (docs: `maide --help`), so that a library's failure and a command's exit status cannot drift
-// apart. One line each: "what is wrong (where)".
+// The errors of Maide. Every error carries the exit status with which the command line ends, so a
+// library's failure and a command's exit status cannot drift apart. Every message is one line:
+// "what is wrong (where)".
 #pragma once
 
 #include <cstdint>

@@ -9,16 +9,15 @@
 #include <array>
 #include <atomic>
 #include <cerrno>
+#include <cstdlib>
 #include <cstring>
+#include <string>
 #include <system_error>
+#include <utility>
 
-#include "maide/base/chunked_stream.hpp"
-#include "maide/base/descriptor.hpp"
 #include "maide/base/error.hpp"
-#include "maide/base/write_failure.hpp"
 
 namespace maide {
-
 namespace {
 
 namespace fs = std::filesystem;
@@ -156,6 +155,82 @@ bool is_same_file(const fs::path& left, const fs::path& right) {
   if (fs::equivalent(left, right, error)) return true;
   const fs::path a = fs::weakly_canonical(left, error), b = fs::weakly_canonical(right, error);
   return !a.empty() && a == b;
+}
+
+Descriptor::Descriptor(Descriptor&& other) noexcept : value_(std::exchange(other.value_, -1)) {}
+
+Descriptor& Descriptor::operator=(Descriptor&& other) noexcept {
+  if (this != &other) {
+    reset();
+    value_ = std::exchange(other.value_, -1);
+  }
+  return *this;
+}
+
+void Descriptor::reset() {
+  if (value_ >= 0) ::close(value_);
+  value_ = -1;
+}
+
+int Descriptor::close() {
+  const int value = std::exchange(value_, -1);
+  return value < 0 || ::close(value) == 0 ? 0 : errno;
+}
+
+Pipe::Pipe() {
+  std::array<int, 2> ends{};
+  if (::pipe2(ends.data(), O_CLOEXEC) != 0) {
+    throw std::system_error(errno, std::generic_category(), "cannot make a pipe");
+  }
+  read_end = Descriptor(ends[0]);
+  write_end = Descriptor(ends[1]);
+}
+
+// mkdtemp makes name and folder in one step, so that nobody can slip in between.
+TempDir::TempDir(std::string_view prefix) {
+  std::error_code error;
+  std::filesystem::path parent = std::filesystem::temp_directory_path(error);
+  if (error) parent = "/tmp";
+  std::string name = (parent / prefix).string() + "XXXXXX";
+  if (::mkdtemp(name.data()) == nullptr) {
+    const int reason = errno;
+    throw_write_failure("cannot make a temporary folder: " +
+                            std::generic_category().message(reason) + " (" + parent.string() + ")",
+                        reason);
+  }
+  path_ = name;
+}
+
+TempDir::~TempDir() {
+  std::error_code ignored;
+  std::filesystem::remove_all(path_, ignored);
+}
+
+namespace {
+constexpr std::size_t piece_size = 65536;
+}
+
+ChunkedStream::ChunkedStream(Sink sink) : buffer_(std::move(sink)), stream_(&buffer_) {
+  stream_.exceptions(std::ios::badbit);  // else the standard library swallows what the sink throws
+}
+
+ChunkedStream::Buffer::Buffer(Sink sink) : sink_(std::move(sink)), bytes_(piece_size) {
+  setp(bytes_.data(), bytes_.data() + bytes_.size());
+}
+
+void ChunkedStream::Buffer::hand_on() {
+  const std::string_view piece(pbase(), static_cast<std::size_t>(pptr() - pbase()));
+  setp(bytes_.data(), bytes_.data() + bytes_.size());
+  if (!piece.empty()) sink_(piece);
+}
+
+std::streambuf::int_type ChunkedStream::Buffer::overflow(int_type letter) {
+  hand_on();
+  if (!traits_type::eq_int_type(letter, traits_type::eof())) {
+    *pptr() = traits_type::to_char_type(letter);
+    pbump(1);
+  }
+  return traits_type::not_eof(letter);
 }
 
 }  // namespace maide

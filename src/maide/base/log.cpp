@@ -3,15 +3,20 @@
 
 #include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
+#include <sys/ioctl.h>
+#include <unistd.h>
 
+#include <cctype>
+#include <cstdio>
+#include <cstdlib>
 #include <memory>
 #include <mutex>
+#include <string>
+#include <string_view>
 
-#include "maide/base/printable.hpp"
-#include "maide/base/progress_line.hpp"
+#include "maide/base/text.hpp"
 
 namespace maide {
-
 namespace {
 
 std::shared_ptr<spdlog::logger> make_logger(const std::string& program, LogLevel level) {
@@ -54,5 +59,86 @@ void set_up_log(const std::string& program, LogLevel level) {
 void log_warning(std::string_view message) { log(spdlog::level::warn, "warning: ", message); }
 void log_note(std::string_view message) { log(spdlog::level::info, "", message); }
 void log_detail(std::string_view message) { log(spdlog::level::debug, "", message); }
+
+// One lock guards what is on the terminal; the line is cut at the terminal's width, because a line
+// that wraps cannot be rewritten in place.
+
+namespace {
+
+std::mutex terminal_mutex;   // guards what follows
+bool line_is_shown = false;  // a progress line stands on the terminal
+
+bool stderr_is_terminal() {
+  const char* terminal = std::getenv("TERM");
+  return ::isatty(STDERR_FILENO) == 1 &&
+         (terminal == nullptr || std::string_view(terminal) != "dumb");
+}
+
+}  // namespace
+
+ProgressLine::ProgressLine(bool enabled) : enabled_(enabled && stderr_is_terminal()) {}
+
+ProgressLine::~ProgressLine() { clear_progress_line(); }
+
+void ProgressLine::on_progress(const Progress& progress) {
+  if (!enabled_) return;
+  const std::lock_guard lock(terminal_mutex);
+  const auto now = std::chrono::steady_clock::now();
+  if (now - last_drawn_ < std::chrono::milliseconds(100)) return;
+  last_drawn_ = now;
+  std::string text = to_string(progress);
+  const std::size_t width = terminal_width(STDERR_FILENO).value_or(80);
+  if (text.size() >= width) text.resize(width - 1);
+  std::fprintf(stderr, "\r%s\033[K", text.c_str());
+  std::fflush(stderr);
+  line_is_shown = true;
+}
+
+void clear_progress_line() {
+  const std::lock_guard lock(terminal_mutex);
+  if (!line_is_shown) return;
+  std::fputs("\r\033[K", stderr);
+  std::fflush(stderr);
+  line_is_shown = false;
+}
+
+std::string to_string(const Progress& progress) {
+  std::string text(progress.phase);
+  const char* separator = ": ";
+  const auto add = [&](std::uint64_t count, std::string_view what) {
+    if (count == 0) return;
+    text += separator + std::to_string(count) + std::string(what);
+    separator = ", ";
+  };
+  add(progress.states, progress.states == 1 ? " state" : " states");
+  add(progress.words, progress.words == 1 ? " word" : " words");
+  add(progress.symbols, progress.symbols == 1 ? " symbol" : " symbols");
+  if (progress.total > 0) {
+    text += separator + std::to_string(progress.done) + " of " + std::to_string(progress.total);
+  } else {
+    add(progress.done, " done");
+  }
+  return text;
+}
+
+std::optional<std::size_t> terminal_width(int descriptor) {
+  constexpr std::size_t narrowest = 20;  // less is no answer
+  winsize size{};
+  if (::ioctl(descriptor, TIOCGWINSZ, &size) != 0 || size.ws_col < narrowest) return std::nullopt;
+  return size.ws_col;
+}
+
+bool is_utf8_locale() {
+  for (const char* name : {"LC_ALL", "LC_CTYPE", "LANG"}) {
+    const char* value = std::getenv(name);
+    if (value == nullptr || *value == '\0') continue;
+    std::string locale;
+    for (const char* c = value; *c != '\0'; ++c) {
+      if (*c != '-') locale += static_cast<char>(std::tolower(static_cast<unsigned char>(*c)));
+    }
+    return locale.find("utf8") != std::string::npos;
+  }
+  return false;
+}
 
 }  // namespace maide

@@ -1,10 +1,12 @@
-// What every long call takes: a stop token (Ctrl-C), a deadline, and an observer of its progress.
-// A long call tests `should_stop()` at least a few times a second and then ends by throwing
-// Interrupted, or by returning a partial result where its contract says so.
+// What every long call takes: a stop token, a deadline, and an observer of its progress. A long
+// call tests `should_stop()` at least a few times a second. Then it ends by throwing Interrupted,
+// or by returning a partial result where its contract says so. `Interrupt` makes a stop token of
+// Ctrl-C.
 #pragma once
 
 #include <chrono>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <stop_token>
 #include <string_view>
@@ -21,14 +23,14 @@ struct Progress {
   std::uint64_t total = 0;    // units of this phase in all
 };
 
-// Receives progress from the thread that works; must return at once.
+// Hears of progress, on the thread that works. It must return at once.
 class ProgressObserver {
  public:
   virtual ~ProgressObserver() = default;
   virtual void on_progress(const Progress& progress) = 0;
 };
 
-// So many seconds from now.
+// The time that many seconds from now.
 inline std::chrono::steady_clock::time_point deadline_in(double seconds) {
   return std::chrono::steady_clock::now() +
          std::chrono::duration_cast<std::chrono::steady_clock::duration>(
@@ -48,6 +50,26 @@ struct RunControl {
   void report(const Progress& state) const {
     if (progress != nullptr) progress->on_progress(state);
   }
+};
+
+// Ctrl-C and `kill` as a stop token. The first SIGINT or SIGTERM asks for a clean stop; another one
+// ends the process at once (exit status 3), unless it comes within a quarter of a second:
+// timeout(1) signals the process and then its group, which is one request and not two.
+class Interrupt {
+ public:
+  // Installs the signal handlers. At most one in a process at a time (std::logic_error).
+  Interrupt();
+  // Puts the earlier handlers back.
+  ~Interrupt();
+  Interrupt(const Interrupt&) = delete;
+  Interrupt& operator=(const Interrupt&) = delete;
+
+  // Stops when the signal comes.
+  std::stop_token token() const;
+
+ private:
+  class State;
+  std::unique_ptr<State> state_;
 };
 
 }  // namespace maide

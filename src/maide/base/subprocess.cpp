@@ -1,25 +1,34 @@
-// posix_spawn rather than fork: the parent has threads. The program's input is a file in memory, so
-// nothing has to be fed; one poll loop collects both its outputs and looks every 50 ms at the stop
-// token and the time limit.
+// Between fork and exec only calls that are safe there: Maide has threads. posix_spawn cannot ask
+// for a signal at the parent's death, so it is fork. That signal comes when the *thread* dies that
+// forked, so all children are forked by one thread that lives as long as the process.
+//
+// The input of run_program() is a file in memory, so nothing has to be fed; one poll loop collects
+// both outputs and looks every 50 ms at the stop token and the time limit.
 #include "maide/base/subprocess.hpp"
 
 #include <fcntl.h>
+#include <linux/close_range.h>
 #include <poll.h>
-#include <spawn.h>
 #include <sys/mman.h>
+#include <sys/prctl.h>
+#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <condition_variable>
 #include <csignal>
+#include <functional>
+#include <mutex>
 #include <string_view>
 #include <system_error>
+#include <thread>
 #include <utility>
 
-#include "maide/base/descriptor.hpp"
 #include "maide/base/error.hpp"
+#include "maide/base/file.hpp"
 
 namespace maide {
 
@@ -41,21 +50,79 @@ void open_input(Descriptor& file, std::string_view content) {
   }
 }
 
-// The attributes of posix_spawn, freed with their owner.
-struct SpawnSettings {
-  posix_spawn_file_actions_t actions{};
-  posix_spawnattr_t attributes{};
-  SpawnSettings() {
-    ::posix_spawn_file_actions_init(&actions);
-    ::posix_spawnattr_init(&attributes);
+// The thread that forks. Never ends: it is the parent that children do not outlive.
+class Spawner {
+ public:
+  static Spawner& instance() {
+    static auto* spawner = new Spawner;
+    return *spawner;
   }
-  ~SpawnSettings() {
-    ::posix_spawn_file_actions_destroy(&actions);
-    ::posix_spawnattr_destroy(&attributes);
+  pid_t run(const std::function<pid_t()>& fork) {
+    const std::scoped_lock one_at_a_time(callers_);
+    std::unique_lock lock(mutex_);
+    job_ = &fork;
+    changed_.notify_all();
+    changed_.wait(lock, [this] { return job_ == nullptr; });
+    return result_;
   }
-  SpawnSettings(const SpawnSettings&) = delete;
-  SpawnSettings& operator=(const SpawnSettings&) = delete;
+
+ private:
+  Spawner() {
+    std::thread([this] { serve(); }).detach();
+  }
+  void serve() {
+    std::unique_lock lock(mutex_);
+    while (true) {
+      changed_.wait(lock, [this] { return job_ != nullptr; });
+      result_ = (*job_)();
+      job_ = nullptr;
+      changed_.notify_all();
+    }
+  }
+
+  std::mutex callers_, mutex_;
+  std::condition_variable changed_;
+  const std::function<pid_t()>* job_ = nullptr;
+  pid_t result_ = -1;
 };
+
+// In the child: everything from fork to exec. Reports why it failed through `report`.
+[[noreturn]] void become(char* const* argv, char* const* environment, const char* folder,
+                         const std::array<int, 3>& standard, int report, pid_t parent) {
+  ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+  if (::getppid() == parent) {
+    ::setpgid(0, 0);
+    sigset_t none;
+    ::sigemptyset(&none);
+    for (const int signal : {SIGINT, SIGTERM, SIGPIPE, SIGCHLD, SIGHUP}) {
+      ::signal(signal, SIG_DFL);
+    }
+    ::sigprocmask(SIG_SETMASK, &none, nullptr);
+    // First out of the way of one another, then into place.
+    std::array<int, 3> moved{};
+    for (std::size_t i = 0; i < 3; ++i) moved[i] = ::fcntl(standard[i], F_DUPFD_CLOEXEC, 3);
+    for (int i = 0; i < 3; ++i) ::dup2(moved[static_cast<std::size_t>(i)], i);
+    // Whatever a library opened without asking for it.
+    ::syscall(SYS_close_range, 3U, ~0U, CLOSE_RANGE_CLOEXEC);
+    if (*folder == '\0' || ::chdir(folder) == 0) ::execvpe(argv[0], argv, environment);
+    const int error = errno;
+    static_cast<void>(!::write(report, &error, sizeof error));
+  }
+  ::_exit(127);
+}
+
+// This process's variables, those of `changes` set: NAME=value.
+std::vector<std::string> merge_environment(const std::map<std::string, std::string>& changes) {
+  std::vector<std::string> settings;
+  for (char** variable = environ; *variable != nullptr; ++variable) {
+    const std::string_view setting = *variable;
+    if (!changes.contains(std::string(setting.substr(0, setting.find('='))))) {
+      settings.emplace_back(setting);
+    }
+  }
+  for (const auto& [name, value] : changes) settings.push_back(name + "=" + value);
+  return settings;
+}
 
 class Subprocess {
  public:
@@ -63,30 +130,11 @@ class Subprocess {
       : options_(options) {
     Descriptor input;
     open_input(input, options.input);
-    SpawnSettings settings;
-    ::posix_spawn_file_actions_adddup2(&settings.actions, input.get(), STDIN_FILENO);
-    ::posix_spawn_file_actions_adddup2(&settings.actions, out_.write_end.get(), STDOUT_FILENO);
-    ::posix_spawn_file_actions_adddup2(&settings.actions, err_.write_end.get(), STDERR_FILENO);
-    if (!options.folder.empty()) {
-      ::posix_spawn_file_actions_addchdir_np(&settings.actions, options.folder.c_str());
-    }
-    sigset_t defaults;
-    ::sigemptyset(&defaults);
-    for (const int signal : {SIGINT, SIGTERM, SIGPIPE}) ::sigaddset(&defaults, signal);
-    ::posix_spawnattr_setsigdefault(&settings.attributes, &defaults);
-    ::posix_spawnattr_setpgroup(&settings.attributes, 0);
-    ::posix_spawnattr_setflags(&settings.attributes, POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGDEF);
-
-    std::vector<char*> argv;
-    argv.reserve(command.size() + 1);
-    for (const std::string& word : command) argv.push_back(const_cast<char*>(word.c_str()));
-    argv.push_back(nullptr);
-    const int error = ::posix_spawnp(&pid_, argv[0], &settings.actions, &settings.attributes,
-                                     argv.data(), environ);
-    if (error != 0) {
-      pid_ = -1;
-      throw UsageError("cannot run '" + command.front() +
-                       "': " + std::generic_category().message(error));
+    try {
+      pid_ = start_program(
+          {command, {input.get(), out_.write_end.get(), err_.write_end.get()}, options.folder, {}});
+    } catch (const std::system_error& error) {
+      throw UsageError("cannot run '" + command.front() + "': " + error.code().message());
     }
     out_.write_end.reset();
     err_.write_end.reset();
@@ -172,6 +220,37 @@ class Subprocess {
 };
 
 }  // namespace
+
+pid_t start_program(const ProgramStart& start) {
+  std::vector<char*> words;
+  for (const std::string& word : start.command) words.push_back(const_cast<char*>(word.c_str()));
+  words.push_back(nullptr);
+  std::vector<std::string> settings = merge_environment(start.environment);
+  std::vector<char*> variables;
+  for (std::string& setting : settings) variables.push_back(setting.data());
+  variables.push_back(nullptr);
+  Pipe report;
+  const pid_t self = ::getpid();
+  const pid_t id = Spawner::instance().run([&] {
+    const pid_t child = ::fork();
+    if (child == 0) {
+      become(words.data(), variables.data(), start.folder.c_str(), start.standard,
+             report.write_end.get(), self);
+    }
+    return child < 0 ? -errno : child;
+  });
+  if (id < 0) throw std::system_error(-id, std::generic_category());
+  report.write_end.reset();
+  int error = 0;
+  ssize_t count = 0;
+  do {
+    count = ::read(report.read_end.get(), &error, sizeof error);
+  } while (count < 0 && errno == EINTR);
+  if (count <= 0) return id;
+  while (::waitpid(id, nullptr, 0) < 0 && errno == EINTR) {
+  }
+  throw std::system_error(error, std::generic_category());
+}
 
 SubprocessResult run_program(const std::vector<std::string>& command,
                              const SubprocessOptions& options, const RunControl& control) {

@@ -1,11 +1,15 @@
-// Runs another program to its end and keeps what it prints: spin, cc, dot. No shell is involved.
-// The program gets a process group of its own, so that Ctrl-C reaches Maide alone, which then ends
-// the program and everything that it started.
+// Other programs: spin, cc, dot, wrappers. No shell is involved. A program gets a process group of
+// its own, so that Ctrl-C reaches Maide alone, which then ends the program and everything that it
+// started; and it dies with Maide, however Maide ends.
 #pragma once
 
+#include <sys/types.h>
+
+#include <array>
 #include <chrono>
 #include <cstddef>
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -13,6 +17,17 @@
 #include "maide/base/run_control.hpp"
 
 namespace maide {
+
+struct ProgramStart {
+  const std::vector<std::string>& command;         // see run_program()
+  std::array<int, 3> standard;                     // its standard input, output and error
+  std::filesystem::path folder;                    // to run in; empty: the current one
+  std::map<std::string, std::string> environment;  // set beside this process's variables
+};
+
+// Starts the program and returns its number, which is that of its group. Throws std::system_error
+// if it cannot be started; then nothing is left of it.
+pid_t start_program(const ProgramStart& start);
 
 struct SubprocessOptions {
   std::filesystem::path folder;                         // to run in; empty: the current one
@@ -28,6 +43,7 @@ struct SubprocessResult {
   bool succeeded() const { return exit_status == 0 && !timed_out; }
 };
 
+// Runs it to its end and keeps what it prints.
 // `command` is the program (found on PATH unless it has a '/') and its arguments. Throws UsageError
 // if it cannot be started, Interrupted if `control` says stop; the program is dead then.
 SubprocessResult run_program(const std::vector<std::string>& command,

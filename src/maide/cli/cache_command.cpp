@@ -1,7 +1,6 @@
 // `maide cache show|merge|check FILE...`: the files of `maide learn --cache`.
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <filesystem>
 #include <memory>
@@ -13,10 +12,10 @@
 #include <vector>
 
 #include "maide/base/error.hpp"
-#include "maide/base/join.hpp"
-#include "maide/base/parse_number.hpp"
+#include "maide/base/numbers.hpp"
+#include "maide/base/text.hpp"
 #include "maide/cli/command.hpp"
-#include "maide/learn/cache_survey.hpp"
+#include "maide/learn/cache/cache_survey.hpp"
 #include "maide/workflow/recheck_cache.hpp"
 
 namespace maide::cli {
@@ -30,16 +29,16 @@ struct CacheArguments {
   RecheckOptions recheck;
   struct VerbOption {
     std::string_view verb;  // that looks at it
-    const CLI::Option* option;
+    Argument option;
   };
   std::vector<VerbOption> options;
 };
 
 void refuse_options_of_other_verbs(const CacheArguments& arguments) {
   for (const auto& [verb, option] : arguments.options) {
-    if (option->count() == 0 || verb == arguments.what) continue;
+    if (!option.is_given() || verb == arguments.what) continue;
     throw UsageError(fmt::format("{} is an option of 'maide cache {}', not of 'maide cache {}'",
-                                 option->get_name(), verb, arguments.what));
+                                 option.name(), verb, arguments.what));
   }
 }
 
@@ -47,8 +46,8 @@ void refuse_options_of_other_verbs(const CacheArguments& arguments) {
 void refuse_options_without_system(const CacheArguments& arguments) {
   if (arguments.what != "check" || !arguments.system.empty()) return;
   for (const auto& [verb, option] : arguments.options) {
-    if (verb != "check" || option->count() == 0) continue;
-    throw UsageError(option->get_name() + " needs a system that is asked again: --system SYSTEM");
+    if (verb != "check" || !option.is_given()) continue;
+    throw UsageError(option.name() + " needs a system that is asked again: --system SYSTEM");
   }
 }
 
@@ -219,36 +218,35 @@ ExitStatus check(const CacheArguments& arguments, Context& context) {
 
 }  // namespace
 
-RunFunction set_up_cache(CLI::App& app) {
+RunFunction set_up_cache(CommandLine& line) {
   auto arguments = std::make_shared<CacheArguments>();
-  app.add_option("WHAT", arguments->what,
-                 "show: what is in them; merge: several of the same system as one; check: whether "
-                 "they are sound, and whether the system still answers so")
-      ->required()
-      ->check([](const std::string& what) {
+  line.add("WHAT", arguments->what,
+           "show: what is in them; merge: several of the same system as one; check: whether "
+           "they are sound, and whether the system still answers so")
+      .required()
+      .check([](const std::string& what) {
         if (what == "show" || what == "merge" || what == "check") return std::string();
         return "'" + what + "' is none of show, merge, check";
       });
-  app.add_option("FILE", arguments->files, "Files that maide learn --cache has written")
-      ->required();
-  const auto only = [&](std::string_view verb, const CLI::Option* option) {
+  line.add("FILE", arguments->files, "Files that maide learn --cache has written").required();
+  const auto only = [&](std::string_view verb, const Argument& option) {
     arguments->options.push_back({verb, option});
   };
-  only("merge", app.add_option("-o,--output", arguments->output, "merge: the new file"));
-  only("check", app.add_option("--system", arguments->system,
-                               "check: ask this system again, written as in maide learn: "
-                               "'port kind=strict'"));
-  only("check", app.add_option("--words", arguments->recheck.words,
-                               "check: how many words are asked again, from 1")
-                    ->check([](const std::string& text) {
+  only("merge", line.add("-o,--output", arguments->output, "merge: the new file"));
+  only("check", line.add("--system", arguments->system,
+                         "check: ask this system again, written as in maide learn: "
+                         "'port kind=strict'"));
+  only("check", line.add("--words", arguments->recheck.words,
+                         "check: how many words are asked again, from 1")
+                    .check([](const std::string& text) {
                       if (parse_number<std::uint64_t>(text).value_or(0) >= 1) return std::string();
                       return "'" + text + "' is not a whole number from 1";
                     }));
-  only("check", app.add_option("--token-file", arguments->recheck.access.token_file,
-                               "check: a file with the token of a listening wrapper (or set "
-                               "MAIDE_TOKEN)"));
-  only("check", add_jobs_option(app, arguments->recheck.access.jobs));
-  only("check", add_seed_option(app, arguments->recheck.seed));
+  only("check", line.add("--token-file", arguments->recheck.access.token_file,
+                         "check: a file with the token of a listening wrapper (or set "
+                         "MAIDE_TOKEN)"));
+  only("check", add_jobs_option(line, arguments->recheck.access.jobs));
+  only("check", add_seed_option(line, arguments->recheck.seed));
   return [arguments](Context& context) {
     refuse_options_of_other_verbs(*arguments);
     refuse_options_without_system(*arguments);

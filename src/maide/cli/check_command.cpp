@@ -3,25 +3,23 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "maide/base/file.hpp"
 #include "maide/base/log.hpp"
-#include "maide/base/terminal.hpp"
-#include "maide/check/check_system.hpp"
-#include "maide/check/system_file.hpp"
-#include "maide/check/trace_file.hpp"
-#include "maide/cli/argument_check.hpp"
+#include "maide/check/explore/check_system.hpp"
+#include "maide/check/language/system_file.hpp"
+#include "maide/check/trace/trace_file.hpp"
 #include "maide/cli/command.hpp"
-#include "maide/formats/dot.hpp"
+#include "maide/cli/command_line.hpp"
+#include "maide/formats/model_file.hpp"
 #include "maide/report/explanation.hpp"
-#include "maide/report/graphviz.hpp"
 #include "maide/report/html_report.hpp"
+#include "maide/report/picture.hpp"
 #include "maide/report/sequence_chart.hpp"
-#include "maide/report/terminal_text.hpp"
+#include "maide/report/sequence_chart_text.hpp"
 #include "maide/report/trace_chart.hpp"
 #include "maide/report/trace_text.hpp"
 #include "maide/workflow/learned_models.hpp"
@@ -144,10 +142,12 @@ void write_report_file(const std::string& path, const System& system, const Chec
   log_note("no property is violated, so there is no chart to write to " + path);
 }
 
-// A trace beside the verdict: if it cannot be written, that is one line, and the verdict stands.
-void write_trace_beside(const std::string& path, const System& system, const CheckReport& report) {
+// A file beside the verdict: if it cannot be written, that is one line, and the verdict stands.
+template <typename Write>
+void write_beside(const std::string& path, Write&& write) {
+  if (path.empty()) return;
   try {
-    write_trace_file(path, system, report);
+    write();
   } catch (const Interrupted&) {
     throw;
   } catch (const Error& error) {
@@ -219,67 +219,61 @@ ExitStatus run_check(const CheckArguments& arguments, Context& context) {
     json["suggestions"] = suggestions.changes;
   }
   context.set_result(json);
-  if (!arguments.trace.empty()) write_trace_beside(arguments.trace, system, report);
-  if (!arguments.report.empty()) {
+  write_beside(arguments.trace, [&] { write_trace_file(arguments.trace, system, report); });
+  write_beside(arguments.report, [&] {
     write_report_file(arguments.report, system, report, request.options.control);
-  }
+  });
   return exit_status_of(report);
 }
 
 }  // namespace
 
-RunFunction set_up_check(CLI::App& app) {
+RunFunction set_up_check(CommandLine& line) {
   auto arguments = std::make_shared<CheckArguments>();
-  app.add_option("SYSTEM", arguments->system, "A system file (YAML): models, programs, properties")
-      ->required();
-  app.add_option(
-         "--engine", arguments->engine,
-         "What decides: native (Maide's own), or spin, the reference, which has no `stuck`, "
-         "no X and no strong fairness, and needs spin and a C compiler")
-      ->capture_default_str();
-  app.add_option("--reduction", arguments->reduction,
-                 "What the engine native leaves out, where the property allows it: none; order "
-                 "(of steps that do not disturb one another, other orders); full (also states with "
-                 "a single step)")
-      ->capture_default_str()
-      ->type_name("NAME");
-  app.add_option("--property", arguments->properties,
-                 "Check this property alone; may be given several times (default: deadlock, "
-                 "stuck and all properties of the file)")
-      ->default_str("")
-      ->allow_extra_args(false);
-  app.add_option("--trace", arguments->trace,
-                 "Write the first counterexample to this file, as JSON");
-  app.add_option("--trace-format", arguments->trace_format,
-                 "How a counterexample is shown: chart, a message sequence chart (where it fits "
-                 "the terminal), or steps, a line each")
-      ->check(CLI::IsMember({"chart", "steps"}))
-      ->capture_default_str()
-      ->type_name("FORMAT");
-  app.add_option(
-      "--report", arguments->report,
-      "Write a page with verdicts, charts and pictures of the models (FILE.html), or the "
-      "chart of the first counterexample alone (FILE.svg)");
-  app.add_flag("--suggest", arguments->suggest,
-               "After a violation, look for the smallest change that removes it: other models and "
-               "settings (learned where possible), other numbers of repetitions; each is checked");
-  app.add_option("--memory", arguments->memory_mib,
-                 "Most memory of a search, in MiB (default: three quarters of the machine's)")
-      ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1} << 30))
-      ->default_str("")
-      ->type_name("MIB");
-  app.add_option("--time", arguments->seconds,
-                 "Most time in all, in seconds; what is not decided by then is inconclusive "
-                 "(default: as long as it takes)")
-      ->check(check_seconds)
-      ->default_str("");
-  add_jobs_option(app, arguments->jobs);
-  app.add_flag("--refine", arguments->refine,
-               "Believe no verdict before the real system: replay counterexamples on it, test "
-               "models again where there is none, learn from what differs (models with `learn:`)");
-  app.add_option("--refinements", arguments->refinements,
-                 "Most refinements of --refine; then the verdict is inconclusive")
-      ->check(CLI::Range(1, 1'000'000));
+  line.add("SYSTEM", arguments->system, "A system file (YAML): models, programs, properties")
+      .required();
+  line.add("--engine", arguments->engine,
+           "What decides: native (Maide's own), or spin, the reference, which has no `stuck`, "
+           "no X and no strong fairness, and needs spin and a C compiler");
+  line.add("--reduction", arguments->reduction,
+           "What the engine native leaves out, where the property allows it: none; order "
+           "(of steps that do not disturb one another, other orders); full (also states with "
+           "a single step)")
+      .value_name("NAME");
+  line.add("--property", arguments->properties,
+           "Check this property alone; may be given several times (default: deadlock, "
+           "stuck and all properties of the file)")
+      .no_default()
+      .one_each();
+  line.add("--trace", arguments->trace, "Write the first counterexample to this file, as JSON");
+  line.add("--trace-format", arguments->trace_format,
+           "How a counterexample is shown: chart, a message sequence chart (where it fits "
+           "the terminal), or steps, a line each")
+      .one_of({"chart", "steps"})
+      .value_name("FORMAT");
+  line.add("--report", arguments->report,
+           "Write a page with verdicts, charts and pictures of the models (FILE.html), or the "
+           "chart of the first counterexample alone (FILE.svg)");
+  line.add_flag("--suggest", arguments->suggest,
+                "After a violation, look for the smallest change that removes it: other models and "
+                "settings (learned where possible), other numbers of repetitions; each is checked");
+  line.add("--memory", arguments->memory_mib,
+           "Most memory of a search, in MiB (default: three quarters of the machine's)")
+      .between(1, std::uint64_t{1} << 30)
+      .no_default()
+      .value_name("MIB");
+  line.add("--time", arguments->seconds,
+           "Most time in all, in seconds; what is not decided by then is inconclusive "
+           "(default: as long as it takes)")
+      .check(check_seconds)
+      .no_default();
+  add_jobs_option(line, arguments->jobs);
+  line.add_flag("--refine", arguments->refine,
+                "Believe no verdict before the real system: replay counterexamples on it, test "
+                "models again where there is none, learn from what differs (models with `learn:`)");
+  line.add("--refinements", arguments->refinements,
+           "Most refinements of --refine; then the verdict is inconclusive")
+      .between(1, 1'000'000);
   return [arguments](Context& context) { return run_check(*arguments, context); };
 }
 

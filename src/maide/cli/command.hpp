@@ -1,4 +1,4 @@
-// The frame of the command line. A command is a row of the table in command_table.cpp and a
+// The frame of the command line. A command is a row of the table in command.cpp and a
 // function that declares its options; everything that commands share (help, --json, -v, -q, errors,
 // exit statuses, Ctrl-C) is done once, in run_command_line.cpp.
 //
@@ -6,10 +6,10 @@
 //
 //   struct CompareArguments { std::string a, b; };
 //
-//   RunFunction set_up_compare(CLI::App& app) {
+//   RunFunction set_up_compare(CommandLine& line) {
 //     auto arguments = std::make_shared<CompareArguments>();
-//     app.add_option("A", arguments->a, "A model file")->required();
-//     app.add_option("B", arguments->b, "Another model file")->required();
+//     line.add("A", arguments->a, "A model file").required();
+//     line.add("B", arguments->b, "Another model file").required();
 //     return [arguments](Context& context) { return compare(*arguments, context); };
 //   }
 //
@@ -20,16 +20,78 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <span>
+#include <stop_token>
+#include <string>
 #include <string_view>
 
 #include "maide/base/error.hpp"
-#include "maide/cli/context.hpp"
+#include "maide/base/json.hpp"
+#include "maide/base/log.hpp"
+#include "maide/base/run_control.hpp"
+#include "maide/cli/command_line.hpp"
 
-namespace CLI {
-class App;
-class Option;
-}  // namespace CLI
+// What a command works with: the options that every command has, the stop token and progress line
+// for long work, and the two ways to give a result - text for people, or one JSON object.
+
+namespace maide::cli {
+
+// In every result of --json: which members there are, and what they mean. A new member does not
+// change it.
+inline constexpr int json_schema = 1;
+
+// Options of every command.
+struct CommonOptions {
+  bool json = false;     // --json
+  bool quiet = false;    // -q
+  bool verbose = false;  // -v
+};
+
+class Context {
+ public:
+  Context(const CommonOptions& options, std::stop_token stop);
+
+  bool json() const noexcept { return options_.json; }
+  bool quiet() const noexcept { return options_.quiet; }
+  bool verbose() const noexcept { return options_.verbose; }
+
+  // For long calls: Ctrl-C, the progress line, no deadline. Valid as long as the context is.
+  RunControl control();
+
+  // Result text for people, on standard output at once; nothing under --json. Throws UsageError if
+  // standard output cannot be written to, Error (inconclusive) if the disk is full.
+  void print(std::string_view text);
+  // The same for a text that programs read (a model): as it is, but on a terminal.
+  void print_data(std::string_view text);
+
+  // The result for programs, printed when the command ends, and only under --json. Once a command.
+  void set_result(const Json& object);
+
+  // An error or a remark that ends nothing by itself: one line "maide: message" on standard error.
+  void complain(std::string_view message);
+
+  // Prints what set_result left and makes sure that all output has arrived.
+  void finish();
+
+ private:
+  CommonOptions options_;
+  std::stop_token stop_;
+  ProgressLine progress_;
+  std::optional<std::string> result_;  // the JSON line
+};
+
+// Writes to standard output and flushes it. Throws as Context::print.
+void write_to_stdout(std::string_view text);
+
+// The same; control characters of the text do not reach a terminal.
+void write_data(std::string_view text);
+
+// One error line "maide: message" on standard error; a progress line gives way to it and line
+// breaks in the message become spaces.
+void write_error_line(std::string_view message);
+
+}  // namespace maide::cli
 
 namespace maide::cli {
 
@@ -41,28 +103,28 @@ struct Command {
   std::string_view summary;   // one line, for the overview and the command's own help
   std::string_view examples;  // command lines, one a line, for the end of the help
   // Declares options and arguments; each must have a help text.
-  RunFunction (*set_up)(CLI::App& app);
+  RunFunction (*set_up)(CommandLine& line);
 };
 
 // Every command of this version, in the order of the overview.
 std::span<const Command> command_table();
 
 // One function for each row of the table, in a file of its own.
-RunFunction set_up_bench(CLI::App& app);
-RunFunction set_up_cache(CLI::App& app);
-RunFunction set_up_compare(CLI::App& app);
-RunFunction set_up_doctor(CLI::App& app);
-RunFunction set_up_check(CLI::App& app);
-RunFunction set_up_export(CLI::App& app);
-RunFunction set_up_learn(CLI::App& app);
-RunFunction set_up_replay(CLI::App& app);
-RunFunction set_up_reproduce(CLI::App& app);
-RunFunction set_up_view(CLI::App& app);
+RunFunction set_up_bench(CommandLine& line);
+RunFunction set_up_cache(CommandLine& line);
+RunFunction set_up_compare(CommandLine& line);
+RunFunction set_up_doctor(CommandLine& line);
+RunFunction set_up_check(CommandLine& line);
+RunFunction set_up_export(CommandLine& line);
+RunFunction set_up_learn(CommandLine& line);
+RunFunction set_up_replay(CommandLine& line);
+RunFunction set_up_reproduce(CommandLine& line);
+RunFunction set_up_view(CommandLine& line);
 
 // The options that several commands have, so that they read the same everywhere.
-CLI::Option* add_seed_option(CLI::App& app, std::uint64_t& seed);
+Argument add_seed_option(CommandLine& line, std::uint64_t& seed);
 // 0: not given, the default of each system.
-CLI::Option* add_jobs_option(CLI::App& app, std::size_t& jobs);
+Argument add_jobs_option(CommandLine& line, std::size_t& jobs);
 
 // Parses the command line and runs the command; never throws. Returns the exit status.
 int run_command_line(int argc, const char* const* argv) noexcept;

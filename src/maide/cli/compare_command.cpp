@@ -4,12 +4,11 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <CLI/CLI.hpp>
 #include <memory>
 #include <nlohmann/json.hpp>
 
 #include "maide/automata/compare.hpp"
-#include "maide/automata/moore.hpp"
+#include "maide/automata/mealy.hpp"
 #include "maide/cli/command.hpp"
 #include "maide/formats/model_file.hpp"
 #include "maide/sul/ia_translation.hpp"
@@ -251,10 +250,10 @@ ExitStatus run_compare(const CompareArguments& arguments, Context& context) {
 
 }  // namespace
 
-RunFunction set_up_compare(CLI::App& app) {
+RunFunction set_up_compare(CommandLine& line) {
   auto arguments = std::make_shared<CompareArguments>();
-  app.add_option("A", arguments->a, "A model file (.dot, .gv or .aut)")->required();
-  app.add_option("B", arguments->b, "Another model file")->required();
+  line.add("A", arguments->a, "A model file (.dot, .gv or .aut)").required();
+  line.add("B", arguments->b, "Another model file").required();
   return [arguments](Context& context) { return run_compare(*arguments, context); };
 }
 

@@ -3,10 +3,10 @@
 // programs against it - needs a wrapper; the programs are extras.
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
 #include <nlohmann/json.hpp>
+#include <own_wrappers.hpp>  // made by the build
 #include <string>
 #include <vector>
 
@@ -14,7 +14,7 @@
 #include "maide/base/subprocess.hpp"
 #include "maide/base/version.hpp"
 #include "maide/cli/command.hpp"
-#include "maide/workflow/wrapper_search.hpp"
+#include "maide/workflow/open_system.hpp"
 
 namespace maide::cli {
 
@@ -38,28 +38,9 @@ const std::vector<Tool>& tools() {
 }
 
 struct Middleware {
-  std::string name;
-  std::string description;
-  std::string package;  // what to install before building the wrapper; "" for none
-  // Instead, for what is not in Debian: all that there is to do.
-  std::string advice{};
+  std::string name, title;
+  std::string install;  // what there is to do where its wrapper is not built
 };
-
-// The wrappers of this version; others that are found are listed as well.
-const std::vector<Middleware>& middlewares() {
-  static const std::vector<Middleware> table{
-      {"port", "the built-in reference port", ""},
-      {"cyclonedds", "Eclipse Cyclone DDS", "cyclonedds-dev cyclonedds-tools"},
-      {"fastdds", "eProsima Fast DDS", "libfastrtps-dev"},
-      {"zeromq", "ZeroMQ", "libzmq3-dev cppzmq-dev"},
-      {"yarp", "YARP", "",
-       "not in Debian: build YARP 3.9 from source (docs/middleware/yarp.md), then configure maide "
-       "with -DYARP_DIR=<its build folder> and build it again"},
-      {"ros1", "ROS 1", "libroscpp-dev libstd-msgs-dev python3-rosmaster"},
-      {"mqtt", "MQTT (mosquitto)", "mosquitto libmosquitto-dev"},
-  };
-  return table;
-}
 
 enum class State : std::uint8_t { usable, missing, broken };
 
@@ -116,13 +97,10 @@ Finding examine(const Tool& tool, const RunControl& control) {
 // The wrapper tries itself: `--self-test` exits 0 and says in one line what it found, or says what
 // is wrong.
 Finding examine(const Middleware& middleware, const RunControl& control) {
-  Finding finding{"wrapper", middleware.name, middleware.description};
+  Finding finding{"wrapper", middleware.name, middleware.title};
   const auto path = find_wrapper(middleware.name);
   if (!path) {
-    finding.advice = !middleware.advice.empty()   ? middleware.advice
-                     : middleware.package.empty() ? "build it with maide; it needs nothing"
-                                                  : "apt-get install " + middleware.package +
-                                                        ", then configure and build maide again";
+    finding.advice = middleware.install + "; then configure and build maide again";
     return finding;
   }
   finding.path = path->string();
@@ -147,7 +125,10 @@ std::vector<Finding> examine_all(const RunControl& control) {
     control.check("the examination");
     findings.push_back(examine(tool, control));
   }
-  std::vector<Middleware> all = middlewares();
+  std::vector<Middleware> all;
+  for (const auto& [name, title, install] : own_wrappers) {
+    all.push_back({std::string(name), std::string(title), std::string(install)});
+  }
   for (const std::string& name : list_wrappers()) {
     const bool known = std::any_of(all.begin(), all.end(),
                                    [&](const Middleware& entry) { return entry.name == name; });
@@ -208,6 +189,6 @@ ExitStatus run_doctor(Context& context) {
 
 }  // namespace
 
-RunFunction set_up_doctor(CLI::App&) { return run_doctor; }
+RunFunction set_up_doctor(CommandLine&) { return run_doctor; }
 
 }  // namespace maide::cli

@@ -3,20 +3,17 @@
 // written as it comes.
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <functional>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "maide/base/chunked_stream.hpp"
 #include "maide/base/file.hpp"
 #include "maide/base/log.hpp"
-#include "maide/check/check_system.hpp"
-#include "maide/check/hoa.hpp"
-#include "maide/check/ltl_automaton.hpp"
-#include "maide/check/system_exporters.hpp"
-#include "maide/check/system_file.hpp"
+#include "maide/check/explore/check_system.hpp"
+#include "maide/check/export/system_exporters.hpp"
+#include "maide/check/language/system_file.hpp"
+#include "maide/check/ltl/ltl_automaton.hpp"
 #include "maide/cli/command.hpp"
 #include "maide/formats/exporters.hpp"
 #include "maide/formats/model_file.hpp"
@@ -166,7 +163,7 @@ ExitStatus run_export(const ExportArguments& arguments, Context& context) {
 
 }  // namespace
 
-RunFunction set_up_export(CLI::App& app) {
+RunFunction set_up_export(CommandLine& line) {
   auto arguments = std::make_shared<ExportArguments>();
   const auto list = [](const auto& exporters) {
     std::string text;
@@ -175,30 +172,28 @@ RunFunction set_up_export(CLI::App& app) {
     }
     return text;
   };
-  app.add_option("SOURCE", arguments->source,
-                 "A model file (.dot, .gv or .aut), or a system file (.yaml)")
-      ->required();
-  app.add_option("--to", arguments->format,
-                 "The format. Of a model: " + list(exporters()) +
-                     ". Of a system: " + list(system_exporters()) +
-                     ". Of a system's property: hoa (its automaton, for Spot and other tools of "
-                     "temporal logic)")
-      ->required();
-  app.add_option("--property", arguments->property,
-                 "With --to hoa: write the automaton of the runs on which this property holds");
-  app.add_flag("--negated", arguments->negated,
-               "With --to hoa: of the runs on which it does not hold, as `never:` takes it");
-  app.add_option("-o,--output", arguments->output,
-                 "The file to write; standard output if not given");
-  app.add_flag("--lossy", arguments->lossy,
-               "Write a model to aut though that cannot carry what was never tried");
-  app.add_option(
-         "--memory", arguments->memory_mib,
-         "Most memory for a system's state graph (--to aut), in MiB (default: three quarters "
-         "of the machine's)")
-      ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1} << 30))
-      ->default_str("")
-      ->type_name("MIB");
+  line.add("SOURCE", arguments->source,
+           "A model file (.dot, .gv or .aut), or a system file (.yaml)")
+      .required();
+  line.add("--to", arguments->format,
+           "The format. Of a model: " + list(exporters()) +
+               ". Of a system: " + list(system_exporters()) +
+               ". Of a system's property: hoa (its automaton, for Spot and other tools of "
+               "temporal logic)")
+      .required();
+  line.add("--property", arguments->property,
+           "With --to hoa: write the automaton of the runs on which this property holds");
+  line.add_flag("--negated", arguments->negated,
+                "With --to hoa: of the runs on which it does not hold, as `never:` takes it");
+  line.add("-o,--output", arguments->output, "The file to write; standard output if not given");
+  line.add_flag("--lossy", arguments->lossy,
+                "Write a model to aut though that cannot carry what was never tried");
+  line.add("--memory", arguments->memory_mib,
+           "Most memory for a system's state graph (--to aut), in MiB (default: three quarters "
+           "of the machine's)")
+      .between(1, std::uint64_t{1} << 30)
+      .no_default()
+      .value_name("MIB");
   return [arguments](Context& context) { return run_export(*arguments, context); };
 }
 

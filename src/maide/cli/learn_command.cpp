@@ -1,47 +1,90 @@
 // `maide learn`: learns a model of a running system and writes it as DOT.
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <own_wrappers.hpp>  // made by the build
 #include <sstream>
 #include <string>
 #include <system_error>
 #include <utility>
 #include <vector>
 
-#include "maide/automata/moore.hpp"
+#include "maide/automata/mealy.hpp"
 #include "maide/base/error.hpp"
 #include "maide/base/file.hpp"
-#include "maide/base/join.hpp"
 #include "maide/base/log.hpp"
-#include "maide/base/printable.hpp"
-#include "maide/cli/argument_check.hpp"
+#include "maide/base/run_control.hpp"
+#include "maide/base/text.hpp"
 #include "maide/cli/command.hpp"
-#include "maide/cli/contradiction_report.hpp"
-#include "maide/cli/learn_from_traces.hpp"
+#include "maide/cli/command_line.hpp"
 #include "maide/cli/learn_report.hpp"
-#include "maide/cli/learn_statistics.hpp"
 #include "maide/cli/strength_report.hpp"
 #include "maide/cli/test_arguments.hpp"
-#include "maide/formats/dot.hpp"
 #include "maide/formats/model_file.hpp"
-#include "maide/learn/learners.hpp"
+#include "maide/learn/learner.hpp"
+#include "maide/learn/passive/rpni.hpp"
 #include "maide/sul/learning_purpose.hpp"
-#include "maide/wire/protocol_names.hpp"
+#include "maide/wire/protocol/json_members.hpp"
 #include "maide/workflow/known_models.hpp"
 #include "maide/workflow/learn_model.hpp"
 #include "maide/workflow/nondeterministic_run.hpp"
 #include "maide/workflow/open_system.hpp"
-#include "maide/workflow/patient_system.hpp"
+#include "maide/workflow/pacing.hpp"
 #include "maide/workflow/read_machine.hpp"
-#include "maide/workflow/read_traces.hpp"
 
 namespace maide::cli {
+
+// `maide learn --from-traces LOG` without a system: a model from the log alone.
+
+// `output`: the model's file; empty: standard output.
+ExitStatus learn_from_traces(const std::string& log, const std::string& output,
+                             const RunControl& control, Context& context);
+
+ExitStatus learn_from_traces(const std::string& log, const std::string& output,
+                             const RunControl& control, Context& context) {
+  if (!output.empty()) check_can_write(output);
+  const TraceLog traces = read_traces(log, control);
+  PassiveModel learned = learn_passively(traces, control);
+  Mealy& machine = learned.machine;
+  machine.origin["algorithm"] = "rpni";
+  machine.origin["passive"] =
+      fmt::format("learned from {} traces alone: no system was asked", traces.traces.size());
+  std::ostringstream dot;
+  write_dot(dot, machine);
+
+  std::string summary = fmt::format(
+      "{}: {} traces\n"
+      "  Mealy machine        {} states, {} inputs (passive: RPNI)\n"
+      "  never seen           {} transitions, drawn as loops that answer 'unexplored'\n"
+      "  result               agrees with every trace; what it says beyond them is a guess\n",
+      log, traces.traces.size(), machine.size(), machine.inputs().size(),
+      learned.unseen_transitions);
+  Json result{{"algorithm", "rpni"},
+              {"passive", true},
+              {"traces", traces.traces.size()},
+              {"states", machine.size()},
+              {"transitions", machine.size() * machine.inputs().size()},
+              {"unseen_transitions", learned.unseen_transitions},
+              {"model", output.empty() ? Json() : Json(output)}};
+  if (output.empty()) {
+    if (!context.json() && !context.quiet()) fmt::print(stderr, "{}", printable(summary));
+    context.print_data(dot.str());
+    result["dot"] = dot.str();
+  } else {
+    write_file_atomically(output, dot.str());
+    if (context.quiet()) summary = fmt::format("{}: {} states (passive)\n", output, machine.size());
+    context.print(context.quiet() ? summary
+                                  : summary + fmt::format("  model                {}\n", output));
+  }
+  context.set_result(result);
+  return ExitStatus::ok;
+}
+
 namespace {
 
 struct LearnArguments {
@@ -106,17 +149,17 @@ ExitStatus rescue(const LearnedModel& learned, std::size_t jobs, const std::stri
 // What was asked for, as typed, and how many systems were asked at once.
 struct Request {
   const SystemSpec& spec;
-  const CLI::App& app;
+  const CommandLine& line;
   std::size_t jobs;
 };
 
 // The first line for a weak model; empty for any other.
 std::string first_line(const LearnedModel& learned, const LearnArguments& arguments,
-                       const CLI::App& app, const std::string& written) {
+                       const CommandLine& line, const std::string& written) {
   const ExperimentResult& run = learned.experiment;
   if (!run.is_weak() || !learned.model) return "";
   const std::string command =
-      describe_next_command(app, run, {arguments.tests.effort.value_or(1), written});
+      describe_next_command(line, run, {arguments.tests.read().effort, written});
   return describe_weakness(run) + (command.empty() ? "" : ". Go on: " + command) + "\n";
 }
 
@@ -124,7 +167,7 @@ std::string first_line(const LearnedModel& learned, const LearnArguments& argume
 // with the summary on standard error.
 ExitStatus give_result(const LearnedModel& learned, const LearnArguments& arguments,
                        const Request& request, Context& context) {
-  const auto& [spec, app, jobs] = request;
+  const auto& [spec, line, jobs] = request;
   const std::string& path = arguments.output;
   std::string dot;
   if (learned.model) {
@@ -140,7 +183,7 @@ ExitStatus give_result(const LearnedModel& learned, const LearnArguments& argume
   }
   std::string summary = context.quiet()
                             ? describe_briefly(learned, written)
-                            : first_line(learned, arguments, app, written) +
+                            : first_line(learned, arguments, line, written) +
                                   describe_learned(learned, spec, arguments.vote, jobs, written);
   if (context.verbose()) summary += describe_statistics(learned.experiment);
   if (written.empty()) {
@@ -222,14 +265,14 @@ ExitStatus judge(const ExperimentResult& run, const LearnArguments& arguments, C
       return error.status();
     }
   }
-  if (arguments.tests.strength.empty() || !run.strength) return ExitStatus::ok;
+  if (arguments.tests.read().strength.empty() || !run.strength) return ExitStatus::ok;
   const std::string missing = describe_missing(*run.strength);
   if (missing.empty()) return ExitStatus::ok;
   context.complain("the tests did not reach what --strength demands: " + missing);
   return ExitStatus::inconclusive;
 }
 
-ExitStatus learn(const LearnArguments& arguments, const CLI::App& app, Context& context) {
+ExitStatus learn(const LearnArguments& arguments, const CommandLine& line, Context& context) {
   check_distinct(arguments);
   if (arguments.sul.empty() && !arguments.from_traces.empty()) {
     RunControl control = context.control();
@@ -264,25 +307,28 @@ ExitStatus learn(const LearnArguments& arguments, const CLI::App& app, Context& 
   if (std::filesystem::is_directory(arguments.start_from, unreadable)) {
     options.known_models = read_known_models(
         arguments.start_from, translation, input_alphabet(system.sul->info()),
-        [](const std::string& line) { log_note(line); }, control);
+        [](const std::string& note) { log_note(note); }, control);
     if (options.known_models.empty()) {
       log_note("no model of such a system is there: it is learned (" + arguments.start_from + ")");
     }
   } else if (!arguments.start_from.empty()) {
+    if (!std::filesystem::exists(arguments.start_from, unreadable)) {
+      throw UsageError("there is no such file or folder (--start-from " + arguments.start_from +
+                       ")");
+    }
     options.old_model =
         read_old_machine(arguments.start_from, translation, input_alphabet(system.sul->info()));
   }
-  const std::uint64_t effort = arguments.tests.effort.value_or(1);
-  options.testing.budget = test_budget(system.reference.has_value(), effort);
+  options.testing.budget = test_budget(system.reference.has_value());
   if (!arguments.purpose.empty()) options.fingerprint["purpose"] = read_file(arguments.purpose);
   options.confirm = is_to_be_confirmed(arguments, system);
   if (options.confirm) {
-    options.patient = make_patient_system(spec, access, *system.sul, arguments.purpose, control);
+    options.slower = make_slower_system(spec, access, *system.sul, arguments.purpose, control);
   }
   LearnedModel learned = learn_model(*system.sul, translation, options, control);
   if (reference) keep_kind(learned, *reference);
   keep_origin(learned, spec, system.sul->info());
-  const ExitStatus given = give_result(learned, arguments, {spec, app, system.jobs}, context);
+  const ExitStatus given = give_result(learned, arguments, {spec, line, system.jobs}, context);
   if (!arguments.plot.empty()) {
     write_file_atomically(arguments.plot, draw_hypotheses(learned.experiment, spec.text));
   }
@@ -290,95 +336,97 @@ ExitStatus learn(const LearnArguments& arguments, const CLI::App& app, Context& 
   return status == ExitStatus::ok ? given : status;
 }
 
-void add_limits(CLI::App& app, LearnArguments& arguments) {
-  app.add_option("--max-experiments", arguments.max_experiments,
-                 "Most words run on the system in all; 0: no limit")
-      ->check(check_count);
-  app.add_option("--time", arguments.time_limit, "Most seconds; then the last hypothesis is kept")
-      ->check(check_seconds);
+void add_limits(CommandLine& line, LearnArguments& arguments) {
+  line.add("--max-experiments", arguments.max_experiments,
+           "Most words run on the system in all; 0: no limit");
+  line.add("--time", arguments.time_limit, "Most seconds; then the last hypothesis is kept")
+      .check(check_seconds);
 }
 
-void add_confirmation(CLI::App& app, LearnArguments& arguments) {
-  app.add_option("--confirm", arguments.confirm,
-                 "Whether each counterexample is asked again before it is believed, and the final "
-                 "model with longer waits: yes or no (default: yes, for a simulated model no)")
-      ->check(CLI::IsMember({"yes", "no"}));
-  app.add_option("--confidence", arguments.vote.confidence,
-                 "How sure a majority must be where a word is answered in several ways; wrong with "
-                 "less than 1 minus this as long as noise spoils less than half of the answers")
-      ->check(CLI::Range(0.5, 0.999999));
-  app.add_option("--repeat", arguments.vote.most_attempts,
-                 "Most times that a word is asked again until a majority decides; then the system "
-                 "is nondeterministic (exit status 3)")
-      ->check(CLI::Range(10, 100000));
+void add_confirmation(CommandLine& line, LearnArguments& arguments) {
+  line.add("--confirm", arguments.confirm,
+           "Whether each counterexample is asked again before it is believed, and the final "
+           "model with longer waits: yes or no (default: yes, for a simulated model no)")
+      .one_of({"yes", "no"});
+  line.add("--confidence", arguments.vote.confidence,
+           "How sure a majority must be where a word is answered in several ways; wrong with "
+           "less than 1 minus this as long as noise spoils less than half of the answers")
+      .number_between(0.5, 0.999999);
+  line.add("--repeat", arguments.vote.most_attempts,
+           "Most times that a word is asked again until a majority decides; then the system "
+           "is nondeterministic (exit status 3)")
+      .between(10, 100000);
 }
 
 // A log alone has no use for anything that is about asking.
-void check_without_system(const CLI::App& app, const LearnArguments& arguments) {
+void check_without_system(const CommandLine& line, const LearnArguments& arguments) {
   if (arguments.from_traces.empty()) throw UsageError("SUL is required");
   const std::vector<std::string> useful{"--from-traces", "--output", "--time",
                                         "--json",        "--quiet",  "--verbose"};
-  for (const CLI::Option* option : app.get_options()) {
-    const std::string name = option->get_name();
-    if (option->count() == 0 || std::find(useful.begin(), useful.end(), name) != useful.end()) {
+  for (const Argument& argument : line.all()) {
+    const std::string name = argument.name();
+    if (!argument.is_given() || std::find(useful.begin(), useful.end(), name) != useful.end()) {
       continue;
     }
     throw UsageError(name + " needs a system: --from-traces alone asks none");
   }
 }
 
+std::string own_wrapper_names() {
+  std::vector<std::string> names;
+  for (const OwnWrapper& wrapper : own_wrappers) names.emplace_back(wrapper.name);
+  return join(names);
+}
+
 }  // namespace
 
-RunFunction set_up_learn(CLI::App& app) {
+RunFunction set_up_learn(CommandLine& line) {
   auto arguments = std::make_shared<LearnArguments>();
-  const CLI::Option* const sul =
-      app.add_option("SUL", arguments->sul,
-                     "The system: a wrapper's name (port, yarp, ros1, fastdds, cyclonedds, zeromq, "
-                     "mqtt; 'maide doctor' tells which are here), sim:FILE (a model, simulated), "
-                     "tcp://HOST:PORT,... (one that listens, or several), or exec:PROGRAM ARGS; "
-                     "needed unless there is --from-traces");
-  app.add_option("KEY=VALUE", arguments->key_values,
-                 "Options of the system; --list-options tells which it has")
-      ->default_str("");
-  app.add_option("-o,--output", arguments->output,
-                 "Where the model goes, as DOT; without it, to standard output");
-  app.add_option(
-      "--algorithm", arguments->algorithm,
-      fmt::format("{}; {}: {}", describe_entries(learners()), nstar_name, nstar_description));
-  add_test_options(app, arguments->tests);
-  app.add_option("--translation", arguments->translation,
-                 "Which Mealy machine stands for the interface automaton: eager (an input and all "
-                 "its outputs are one step; the default) or av (Aarts & Vaandrager)")
-      ->check(CLI::IsMember({"eager", "av"}));
-  app.add_option(
-      "--cache", arguments->cache,
-      "Keep every answer of the system in this file; a run that was ended resumes there");
-  app.add_option("--plot", arguments->plot,
-                 "Draw the states of the hypothesis over the symbols given to the system (SVG)");
-  app.add_option("--purpose", arguments->purpose,
-                 "A learning purpose: an interface automaton (DOT) that says which inputs may be "
-                 "offered when; what it does not allow is never tried");
-  app.add_option(
-      "--from-traces", arguments->from_traces,
-      "A log of what the system did, a line of JSON a trace ([[\"input\", \"output\"], ...]), "
-      "or a cache of --cache. Without SUL the model is learned from the log alone (RPNI); "
-      "with it the log shows counterexamples, and the system is asked about each");
-  app.add_option("--start-from", arguments->start_from,
-                 "A model of an earlier version of the system (DOT or Aldebaran): what still holds "
-                 "of it saves queries with lsharp, and equivalence queries with all; the result "
-                 "is the system's in any case. A folder: few words tell which of its models the "
-                 "system has, or that it has none; then that is tested, or the system learned");
-  app.add_option("--token-file", arguments->token_file,
-                 "A file with the token of a listening wrapper (or set MAIDE_TOKEN)");
-  add_limits(app, *arguments);
-  add_jobs_option(app, arguments->jobs);
-  add_confirmation(app, *arguments);
-  add_seed_option(app, arguments->seed);
-  app.add_flag("--list-options", arguments->list_options,
-               "List the options of the system, with defaults and allowed values, and exit");
-  return [arguments, sul, &app](Context& context) {
-    if (sul->count() == 0) check_without_system(app, *arguments);
-    return learn(*arguments, app, context);
+  const Argument sul =
+      line.add("SUL", arguments->sul,
+               "The system: a wrapper's name (" + own_wrapper_names() +
+                   "; "
+                   "'maide doctor' tells which are here), sim:FILE (a model, simulated), "
+                   "tcp://HOST:PORT,... (one that listens, or several), or exec:PROGRAM ARGS; "
+                   "needed unless there is --from-traces");
+  line.add("KEY=VALUE", arguments->key_values,
+           "Options of the system; --list-options tells which it has")
+      .no_default();
+  line.add("-o,--output", arguments->output,
+           "Where the model goes, as DOT; without it, to standard output");
+  line.add("--algorithm", arguments->algorithm, describe_entries(learners()));
+  add_test_options(line, arguments->tests);
+  line.add("--translation", arguments->translation,
+           "Which Mealy machine stands for the interface automaton: eager (an input and all "
+           "its outputs are one step; the default) or av (Aarts & Vaandrager)")
+      .one_of({"eager", "av"});
+  line.add("--cache", arguments->cache,
+           "Keep every answer of the system in this file; a run that was ended resumes there");
+  line.add("--plot", arguments->plot,
+           "Draw the states of the hypothesis over the symbols given to the system (SVG)");
+  line.add("--purpose", arguments->purpose,
+           "A learning purpose: an interface automaton (DOT) that says which inputs may be "
+           "offered when; what it does not allow is never tried");
+  line.add("--from-traces", arguments->from_traces,
+           "A log of what the system did, a line of JSON a trace ([[\"input\", \"output\"], ...]), "
+           "or a cache of --cache. Without SUL the model is learned from the log alone (RPNI); "
+           "with it the log shows counterexamples, and the system is asked about each");
+  line.add("--start-from", arguments->start_from,
+           "A model of an earlier version of the system (DOT or Aldebaran): what still holds "
+           "of it saves queries with lsharp, and equivalence queries with all; the result "
+           "is the system's in any case. A folder: few words tell which of its models the "
+           "system has, or that it has none; then that is tested, or the system learned");
+  line.add("--token-file", arguments->token_file,
+           "A file with the token of a listening wrapper (or set MAIDE_TOKEN)");
+  add_limits(line, *arguments);
+  add_jobs_option(line, arguments->jobs);
+  add_confirmation(line, *arguments);
+  add_seed_option(line, arguments->seed);
+  line.add_flag("--list-options", arguments->list_options,
+                "List the options of the system, with defaults and allowed values, and exit");
+  return [arguments, sul, &line](Context& context) {
+    if (!sul.is_given()) check_without_system(line, *arguments);
+    return learn(*arguments, line, context);
   };
 }
 

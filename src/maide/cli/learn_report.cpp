@@ -2,15 +2,140 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <nlohmann/json.hpp>
 #include <variant>
+#include <vector>
 
-#include "maide/base/join.hpp"
-#include "maide/cli/contradiction_report.hpp"
-#include "maide/cli/learn_statistics.hpp"
+#include "maide/base/text.hpp"
 #include "maide/cli/strength_report.hpp"
+#include "maide/learn/oracle/statistics.hpp"
+#include "maide/report/line_plot.hpp"
 
 namespace maide::cli {
+
+Json contradictions_as_json(const std::vector<Contradiction>& contradictions) {
+  Json list = Json::array();
+  for (const Contradiction& contradiction : contradictions) {
+    Json answers = Json::array();
+    for (const auto& [answer, count] : contradiction.answers) {
+      answers.push_back({{"answer", answer}, {"count", count}});
+    }
+    list.push_back({{"word", contradiction.word}, {"answers", std::move(answers)}});
+  }
+  return list;
+}
+
+std::string describe_contradictions(const std::vector<Contradiction>& contradictions,
+                                    const VoteOptions& vote) {
+  if (contradictions.empty()) return "";
+  constexpr std::size_t shown = 10;
+  std::string text = fmt::format(
+      "  contradictions       {} words were answered in several ways; the majority of each is "
+      "believed\n                       (confidence {})\n",
+      contradictions.size(), vote.confidence);
+  std::vector<Contradiction> sorted = contradictions;
+  const auto minority = [](const Contradiction& contradiction) {
+    std::uint64_t total = 0;
+    for (const auto& entry : contradiction.answers) total += entry.second;
+    return total - contradiction.answers.front().second;
+  };
+  std::stable_sort(sorted.begin(), sorted.end(), [&](const auto& left, const auto& right) {
+    return minority(left) > minority(right);
+  });
+  for (std::size_t i = 0; i < std::min(shown, sorted.size()); ++i) {
+    text += fmt::format("    {}\n", to_string(sorted[i]));
+  }
+  if (sorted.size() > shown) text += fmt::format("    and {} more\n", sorted.size() - shown);
+  return text;
+}
+
+Json contradictions_as_json(const std::vector<LogContradiction>& contradictions) {
+  Json list = Json::array();
+  for (const LogContradiction& wrong : contradictions) {
+    list.push_back({{"word", wrong.word}, {"logged", wrong.logged}, {"answered", wrong.answered}});
+  }
+  return list;
+}
+
+std::string describe_contradictions(const std::vector<LogContradiction>& contradictions) {
+  if (contradictions.empty()) return "";
+  const LogContradiction& first = contradictions.front();
+  return fmt::format(
+      "  the log is wrong     about {} word{}: \"{}\" ends in '{}', there in '{}'{}\n",
+      contradictions.size(), contradictions.size() == 1 ? "" : "s", first.word, first.answered,
+      first.logged,
+      contradictions.size() < LoggedTraces::most_contradictions ? "" : "; it was given up");
+}
+
+namespace {
+
+constexpr std::array phases{LearnPhase::learning, LearnPhase::refinement, LearnPhase::testing,
+                            LearnPhase::confirmation};
+
+// Hypotheses at the beginning and at the end of a long list.
+constexpr std::size_t shown = 10;
+
+Json counts_json(const QueryCounts& counts) {
+  return {{"words", counts.queries}, {"symbols", counts.symbols}, {"resets", counts.resets}};
+}
+
+}  // namespace
+
+std::string describe_statistics(const ExperimentResult& run) {
+  std::string text =
+      fmt::format("  by phase             {:>10} {:>12} {:>10}\n", "words", "symbols", "resets");
+  for (const LearnPhase phase : phases) {
+    const QueryCounts& counts = run.statistics.at(phase);
+    text += fmt::format("    {:<18} {:>10} {:>12} {:>10}\n", to_string(phase), counts.queries,
+                        counts.symbols, counts.resets);
+  }
+  text +=
+      fmt::format("  by hypothesis        {:>10} {:>23} {:>23}\n", "", "to make it", "to test it");
+  text += fmt::format("    {:<18} {:>10} {:>10} {:>12} {:>10} {:>12}\n", "", "states", "words",
+                      "symbols", "words", "symbols");
+  const std::vector<HypothesisShare> shares = divide(run.hypotheses, run.statistics);
+  for (std::size_t i = 0; i < shares.size(); ++i) {
+    if (shares.size() > 2 * shown && i == shown) {
+      text += fmt::format("    ... {} more ...\n", shares.size() - 2 * shown);
+      i = shares.size() - shown;
+    }
+    const HypothesisShare& share = shares[i];
+    text += fmt::format("    {:<18} {:>10} {:>10} {:>12} {:>10} {:>12}\n", i + 1, share.states,
+                        share.to_make.queries, share.to_make.symbols, share.to_test.queries,
+                        share.to_test.symbols);
+  }
+  return text;
+}
+
+void add_statistics(Json& json, const ExperimentResult& run) {
+  for (const LearnPhase phase : phases) {
+    json["phases"][std::string(to_string(phase))] = counts_json(run.statistics.at(phase));
+  }
+  json["hypotheses"] = Json::array();
+  for (const HypothesisShare& share : divide(run.hypotheses, run.statistics)) {
+    json["hypotheses"].push_back({{"states", share.states},
+                                  {"to_make", counts_json(share.to_make)},
+                                  {"to_test", counts_json(share.to_test)}});
+  }
+}
+
+std::string draw_hypotheses(const ExperimentResult& run, const std::string& title) {
+  PlotLine line{run.algorithm + ", " + run.test_method, {}, true};
+  // Nothing may have reached the system, whose answers are all in a cache.
+  const auto add = [&line](std::uint64_t symbols, std::size_t states) {
+    line.points.emplace_back(static_cast<double>(std::max<std::uint64_t>(symbols, 1)),
+                             static_cast<double>(states));
+  };
+  for (const HypothesisCost& hypothesis : run.hypotheses) {
+    add(hypothesis.before.total().symbols, hypothesis.states);
+  }
+  if (!run.hypotheses.empty()) add(run.symbols, run.hypotheses.back().states);
+  return draw_plot({{"states of the hypothesis: " + title, {line}}},
+                   {"symbols given to the system", PlotScale::powers_of_ten, PlotScale::linear});
+}
+
 namespace {
 
 // What an interface automaton's marks mean for whoever uses it, a line each.

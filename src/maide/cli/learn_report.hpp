@@ -3,13 +3,40 @@
 
 #include <cstddef>
 #include <string>
+#include <vector>
 
 #include "maide/base/json.hpp"
-#include "maide/learn/vote.hpp"
+#include "maide/conformance/method/logged_traces.hpp"
+#include "maide/learn/oracle/vote.hpp"
+#include "maide/workflow/experiment.hpp"
 #include "maide/workflow/learn_model.hpp"
-#include "maide/workflow/system_spec.hpp"
+#include "maide/workflow/open_system.hpp"
 
 namespace maide::cli {
+
+// What a learning run says of words that were answered in several ways, or otherwise than a log
+// says.
+Json contradictions_as_json(const std::vector<Contradiction>& contradictions);
+
+// A line each, the least certain first, and how they were decided; "" if there are none.
+std::string describe_contradictions(const std::vector<Contradiction>& contradictions,
+                                    const VoteOptions& vote);
+
+// Words that a log has wrong (--from-traces).
+Json contradictions_as_json(const std::vector<LogContradiction>& contradictions);
+// One line; "" if there are none.
+std::string describe_contradictions(const std::vector<LogContradiction>& contradictions);
+
+// What a learning run cost, by phase and by hypothesis: as a table, as JSON, and as a plot.
+
+// Lines for the summary of a run; of many hypotheses the first and the last.
+std::string describe_statistics(const ExperimentResult& run);
+
+// Adds the members "phases" and "hypotheses".
+void add_statistics(Json& json, const ExperimentResult& run);
+
+// States of the hypothesis over symbols given to the system, as SVG.
+std::string draw_hypotheses(const ExperimentResult& run, const std::string& title);
 
 // `jobs`: systems that were asked at once. `path`: where the model is; "" if in no file.
 Json learned_as_json(const LearnedModel& learned, std::size_t jobs, const std::string& path);

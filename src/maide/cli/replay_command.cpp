@@ -2,7 +2,6 @@
 // `maide replay SYSTEM.yaml --random N`: does it do what the models say, in random runs?
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -10,13 +9,13 @@
 #include <utility>
 
 #include "maide/base/log.hpp"
-#include "maide/check/check_system.hpp"
-#include "maide/check/system_file.hpp"
-#include "maide/check/trace_file.hpp"
-#include "maide/cli/argument_check.hpp"
+#include "maide/check/explore/check_system.hpp"
+#include "maide/check/language/system_file.hpp"
+#include "maide/check/trace/trace_file.hpp"
 #include "maide/cli/command.hpp"
+#include "maide/cli/command_line.hpp"
 #include "maide/workflow/learned_models.hpp"
-#include "maide/workflow/random_run.hpp"
+#include "maide/workflow/real_system.hpp"
 #include "maide/workflow/replay.hpp"
 
 namespace maide::cli {
@@ -271,28 +270,26 @@ ExitStatus run_replay(const ReplayArguments& arguments, Context& context) {
 
 }  // namespace
 
-RunFunction set_up_replay(CLI::App& app) {
+RunFunction set_up_replay(CommandLine& line) {
   auto arguments = std::make_shared<ReplayArguments>();
-  app.add_option("SYSTEM", arguments->system, "A system file (YAML): models, programs, properties")
-      ->required();
-  app.add_option("TRACE", arguments->trace,
-                 "A counterexample of that system, as `maide check SYSTEM --trace FILE` writes it");
-  app.add_option("--rounds", arguments->rounds, "How often the trace is played")
-      ->check(CLI::Range(1, 1'000'000));
-  app.add_option("--loops", arguments->loops, "How often the loop of an endless trace is played")
-      ->check(CLI::Range(1, 1'000'000));
-  app.add_option("--random", arguments->random_runs,
-                 "In place of a trace: play so many random runs of the programs; each step is held "
-                 "against the models")
-      ->default_str("")
-      ->type_name("N")
-      ->check(CLI::Range(1, 1'000'000));
-  app.add_option("--steps", arguments->steps, "Most steps of a random run")
-      ->check(CLI::Range(1, 1'000'000));
-  add_seed_option(app, arguments->seed);
-  app.add_option("--token-file", arguments->token_file,
-                 "A file with the token of a listening wrapper (or set MAIDE_TOKEN)");
-  add_jobs_option(app, arguments->jobs);
+  line.add("SYSTEM", arguments->system, "A system file (YAML): models, programs, properties")
+      .required();
+  line.add("TRACE", arguments->trace,
+           "A counterexample of that system, as `maide check SYSTEM --trace FILE` writes it");
+  line.add("--rounds", arguments->rounds, "How often the trace is played").between(1, 1'000'000);
+  line.add("--loops", arguments->loops, "How often the loop of an endless trace is played")
+      .between(1, 1'000'000);
+  line.add("--random", arguments->random_runs,
+           "In place of a trace: play so many random runs of the programs; each step is held "
+           "against the models")
+      .no_default()
+      .value_name("N")
+      .between(1, 1'000'000);
+  line.add("--steps", arguments->steps, "Most steps of a random run").between(1, 1'000'000);
+  add_seed_option(line, arguments->seed);
+  line.add("--token-file", arguments->token_file,
+           "A file with the token of a listening wrapper (or set MAIDE_TOKEN)");
+  add_jobs_option(line, arguments->jobs);
   return [arguments](Context& context) { return run_replay(*arguments, context); };
 }
 

@@ -1,6 +1,4 @@
-// From argv to exit status. Arguments are looked over before CLI11 parses them, because a misspelt
-// name deserves a suggestion rather than "is required" for what it swallowed.
-#include <CLI/CLI.hpp>
+// From argv to exit status.
 #include <algorithm>
 #include <cstdio>
 #include <exception>
@@ -11,14 +9,12 @@
 #include <string>
 #include <vector>
 
-#include "maide/base/interrupt.hpp"
 #include "maide/base/log.hpp"
-#include "maide/base/printable.hpp"
-#include "maide/base/source_excerpt.hpp"
-#include "maide/base/suggest.hpp"
+#include "maide/base/run_control.hpp"
+#include "maide/base/text.hpp"
 #include "maide/base/version.hpp"
-#include "maide/cli/argument_check.hpp"
 #include "maide/cli/command.hpp"
+#include "maide/cli/command_line.hpp"
 
 namespace maide::cli {
 
@@ -56,28 +52,6 @@ std::string footer(const Command& command) {
   return text + "\n" + std::string(exit_statuses);
 }
 
-// A command with its options declared.
-struct Prepared {
-  std::unique_ptr<CLI::App> app;
-  CommonOptions common;
-  RunFunction run;
-};
-
-std::unique_ptr<Prepared> prepare(const Command& command) {
-  auto prepared = std::make_unique<Prepared>();
-  prepared->app = std::make_unique<CLI::App>(std::string(command.summary),
-                                             "maide " + std::string(command.name));
-  CLI::App& app = *prepared->app;
-  app.option_defaults()->always_capture_default();
-  app.set_help_flag("-h,--help", "Print this help and exit");
-  prepared->run = command.set_up(app);
-  app.add_flag("--json", prepared->common.json, "Print one JSON object instead of text");
-  app.add_flag("-q,--quiet", prepared->common.quiet, "No progress line, no notes, short results");
-  app.add_flag("-v,--verbose", prepared->common.verbose, "Say more about what is done");
-  app.footer(footer(command));
-  return prepared;
-}
-
 const Command& find_command(const std::string& name) {
   // Commands that the design names and later versions will have.
   static const std::vector<std::string> planned{"test"};
@@ -94,27 +68,27 @@ const Command& find_command(const std::string& name) {
                    did_you_mean(name, names) + " (see 'maide --help')");
 }
 
-ExitStatus run(const Command& command, const std::vector<std::string>& arguments) {
-  const std::unique_ptr<Prepared> prepared = prepare(command);
-  const std::string hint = " (see 'maide " + std::string(command.name) + " --help')";
-  check_option_names(*prepared->app, arguments, hint);
-  try {
-    prepared->app->parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));
-  } catch (const CLI::CallForHelp&) {
-    write_to_stdout(prepared->app->help());
+ExitStatus run(const Command& command, const std::vector<std::string>& typed) {
+  const std::string name = "maide " + std::string(command.name);
+  const std::string hint = " (see '" + name + " --help')";
+  CommandLine line(name, std::string(command.summary));
+  const RunFunction run = command.set_up(line);
+  CommonOptions common;
+  line.add_flag("--json", common.json, "Print one JSON object instead of text");
+  line.add_flag("-q,--quiet", common.quiet, "No progress line, no notes, short results");
+  line.add_flag("-v,--verbose", common.verbose, "Say more about what is done");
+  line.set_footer(footer(command));
+  if (!line.parse(typed, hint)) {
+    write_to_stdout(line.help());
     return ExitStatus::ok;
-  } catch (const CLI::ParseError& error) {
-    throw UsageError(readable_message(error) + hint);
   }
-  check_values(*prepared->app, hint);
-  const CommonOptions& common = prepared->common;
   if (common.quiet && common.verbose) throw UsageError("-q and -v exclude each other" + hint);
   set_up_log("maide", common.quiet     ? LogLevel::quiet
                       : common.verbose ? LogLevel::verbose
                                        : LogLevel::normal);
   const Interrupt interrupt;
   Context context(common, interrupt.token());
-  const ExitStatus status = prepared->run(context);
+  const ExitStatus status = run(context);
   context.finish();
   return status;
 }
@@ -148,7 +122,8 @@ int report(const std::string& message, ExitStatus status, bool json,
   std::fputs(printable(excerpt).c_str(), stderr);
   if (json) {
     try {
-      const Json object{{"error", message}, {"status", static_cast<int>(status)}};
+      const Json object{
+          {"schema", json_schema}, {"error", message}, {"status", static_cast<int>(status)}};
       write_data(to_json_line(object) + "\n");
     } catch (const Error&) {  // standard output is what failed; the line above says so
     }
@@ -158,21 +133,19 @@ int report(const std::string& message, ExitStatus status, bool json,
 
 }  // namespace
 
-CLI::Option* add_seed_option(CLI::App& app, std::uint64_t& seed) {
-  return app
-      .add_option("--seed", seed, "Seed of everything random; the same seed gives the same run")
-      ->check(check_count)
-      ->type_name("N");
+Argument add_seed_option(CommandLine& line, std::uint64_t& seed) {
+  return line.add("--seed", seed, "Seed of everything random; the same seed gives the same run")
+      .value_name("N");
 }
 
-CLI::Option* add_jobs_option(CLI::App& app, std::size_t& jobs) {
-  return app
-      .add_option("-j,--jobs", jobs,
-                  "How many systems to ask at once; the result is the same. Default: one for each "
-                  "processor of a wrapper by name, one for each host of tcp://, else 1")
-      ->check(check_jobs)
-      ->default_str("")
-      ->type_name("K");
+Argument add_jobs_option(CommandLine& line, std::size_t& jobs) {
+  return line
+      .add("-j,--jobs", jobs,
+           "How many systems to ask at once; the result is the same. Default: one for each "
+           "processor of a wrapper by name, one for each host of tcp://, else 1")
+      .check(check_jobs)
+      .no_default()
+      .value_name("K");
 }
 
 int run_command_line(int argc, const char* const* argv) noexcept {

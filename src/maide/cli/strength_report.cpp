@@ -2,16 +2,15 @@
 
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
 #include <nlohmann/json.hpp>
 #include <span>
 #include <vector>
 
-#include "maide/base/join.hpp"
-#include "maide/base/saturating.hpp"
-#include "maide/base/shell_words.hpp"
+#include "maide/base/numbers.hpp"
+#include "maide/base/text.hpp"
+#include "maide/conformance/method/test_methods.hpp"
 
 namespace maide::cli {
 namespace {
@@ -85,6 +84,9 @@ std::string describe_seconds(double seconds) {
 std::string describe_cost(const ExperimentResult& run) {
   const TestCost& cost = run.strength->cost_of_missing;
   if (cost.words == 0) return "";
+  if (cost.words == saturated || cost.symbols == saturated) {
+    return ". That would cost more words or symbols than can be counted";
+  }
   const std::optional<double> seconds = estimate_seconds(run, cost);
   return fmt::format(
       ". That would cost some {} words, {} symbols{}", cost.words, cost.symbols,
@@ -107,12 +109,14 @@ bool is_in(std::span<const char* const> names, const std::string& option) {
   return std::find(names.begin(), names.end(), option) != names.end();
 }
 
-// Options that choose the tests, or limit them.
+// Options that choose the tests, or limit them; not those that say how far they are to go.
 bool is_of_tests(const std::string& option) {
-  constexpr std::array names{"--eq",         "--extra-states", "--max-tests",     "--infix-min",
-                             "--infix-mean", "--infix-inputs", "--prefix-states", "--suffix-words",
-                             "--ways",       "--walks",        "--walk-length"};
-  return is_in(names, option);
+  if (option == "--eq") return true;
+  const std::span<const TestOption> all = test_options();
+  return option != "--strength" && option != "--effort" && option != "--seed" &&
+         std::any_of(all.begin(), all.end(), [&option](const TestOption& known) {
+           return option == "--" + std::string(known.key);
+         });
 }
 
 // Options that the next command has in another way, or not: those that made the tests of this run
@@ -193,25 +197,26 @@ std::string describe_weakness(const ExperimentResult& run) {
                      join(untried, "; "), describe_cost(run));
 }
 
-std::string describe_next_command(const CLI::App& app, const ExperimentResult& run,
+std::string describe_next_command(const CommandLine& line, const ExperimentResult& run,
                                   const NextCommand& next) {
   // Where the options asked for other tests, or for fewer, the default ones come first.
   bool is_default = true;
-  for (const CLI::Option* option : app.get_options()) {
-    is_default = is_default && (option->count() == 0 || !is_of_tests(option->get_name()));
+  for (const Argument& argument : line.all()) {
+    is_default = is_default && (!argument.is_given() || !is_of_tests(argument.name()));
   }
   const std::uint64_t effort =
       run.is_complete() && is_default ? needed_effort(run, next.effort) : next.effort;
   if (effort > most_effort) return "";
   std::vector<std::string> words{"maide", "learn"};
   const auto add = [&words](const std::string& word) { words.push_back(quote_shell_word(word)); };
-  for (const CLI::Option* option : app.get_options()) {
-    const std::string name = option->get_name();
-    if (option->count() == 0 || is_replaced(name, run.is_complete())) continue;
-    if (!option->get_positional() && option->get_expected_max() == 0) add(name);
-    if (option->get_expected_max() == 0) continue;
-    for (const std::string& value : option->results()) {
-      if (!option->get_positional()) add(name);
+  for (const Argument& argument : line.all()) {
+    if (!argument.is_given() || is_replaced(argument.name(), run.is_complete())) continue;
+    if (!argument.takes_value()) {
+      add(argument.name());
+      continue;
+    }
+    for (const std::string& value : argument.values()) {
+      if (!argument.is_positional()) add(argument.name());
       add(value);
     }
   }

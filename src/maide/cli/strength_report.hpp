@@ -6,11 +6,8 @@
 #include <string>
 
 #include "maide/base/json.hpp"
+#include "maide/cli/command_line.hpp"
 #include "maide/workflow/learn_model.hpp"
-
-namespace CLI {
-class App;
-}  // namespace CLI
 
 namespace maide::cli {
 
@@ -29,11 +26,11 @@ struct NextCommand {
   std::uint64_t effort = 1;  // of this run
   std::string model;         // the file that it wrote; "" if none
 };
-// The command line that was parsed into `app`, changed so that it goes on from a weak model: it
+// The command line that was parsed, changed so that it goes on from a weak model: it
 // starts from the file, tests by the default method, and, if this run did, with the effort that
 // the missing tests need (ten times as much where their cost is unknown). Empty where no effort is
 // enough.
-std::string describe_next_command(const CLI::App& app, const ExperimentResult& run,
+std::string describe_next_command(const CommandLine& line, const ExperimentResult& run,
                                   const NextCommand& next);
 
 // "extra-states=2 (reached: 1), pumped=64 (reached: 0)": where the model falls short of what was

@@ -1,43 +1,28 @@
-// How hypotheses are tested, as a person types it: `--eq`, the options of its methods, how strong
-// the model is to be, and how much that may cost.
+// How hypotheses are tested, as a person types it: `--algorithm`, `--eq`, and an option for each
+// row of test_options().
 #pragma once
 
-#include <cstdint>
-#include <optional>
+#include <map>
 #include <string>
 
-#include "maide/conformance/test_methods.hpp"
-
-namespace CLI {
-class App;
-}  // namespace CLI
+#include "maide/cli/command_line.hpp"
+#include "maide/conformance/method/test_methods.hpp"
 
 namespace maide::cli {
 
 struct TestArguments {
   std::string method{test_methods().front().name};
-  std::optional<std::size_t> extra_states;
-  std::optional<std::uint64_t> max_tests;
-  std::optional<std::size_t> infix_min;
-  std::optional<double> infix_mean;
-  std::string infix_inputs;
-  std::string prefix_states;
-  std::string suffix_words;
-  std::optional<std::size_t> ways;
-  std::optional<std::size_t> walks;
-  std::optional<std::size_t> walk_length;
-  std::string strength;
-  std::optional<std::uint64_t> effort;
+  std::map<std::string, std::string, std::less<>> values;  // by key; "": not given
 
-  // Throws UsageError for an unknown method, an option that no method of `method` looks at, and a
-  // malformed strength. `algorithm` may be nstar, which has tests of its own.
+  // Throws UsageError for an unknown algorithm or method, and for an option that neither looks at.
   void check(const std::string& algorithm) const;
-  // Without seed, sizes and budget, which depend on the system.
+  // Without sizes and budget, which depend on the system.
   TestMethodOptions read() const;
 };
 
-// Declares all of them. `arguments` must live as long as the app.
-void add_test_options(CLI::App& app, TestArguments& arguments);
+// Declares all of them but the seed, which commands have in common. `arguments` must live as long
+// as the line.
+void add_test_options(CommandLine& line, TestArguments& arguments);
 
 // "lmplus: Shahbaz's L*M+; rs: ...", for help texts.
 template <typename Entries>

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
 #include <cstdlib>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -11,14 +10,13 @@
 
 #include "maide/base/file.hpp"
 #include "maide/base/log.hpp"
-#include "maide/check/system_file.hpp"
+#include "maide/check/language/system_file.hpp"
 #include "maide/cli/command.hpp"
 #include "maide/formats/model_file.hpp"
-#include "maide/report/graphviz.hpp"
 #include "maide/report/picture.hpp"
 #include "maide/report/picture_page.hpp"
 #include "maide/report/sequence_chart.hpp"
-#include "maide/report/trace_file_chart.hpp"
+#include "maide/report/trace_chart.hpp"
 #include "maide/workflow/learned_models.hpp"
 
 namespace maide::cli {
@@ -138,16 +136,16 @@ ExitStatus run_view(const ViewArguments& arguments, Context& context) {
 
 }  // namespace
 
-RunFunction set_up_view(CLI::App& app) {
+RunFunction set_up_view(CommandLine& line) {
   auto arguments = std::make_shared<ViewArguments>();
-  app.add_option("SOURCE", arguments->source,
-                 "A model (.dot, .gv, .aut), a system (.yaml), or a trace of `maide check --trace` "
-                 "(.json)")
-      ->required();
-  app.add_option("-o,--output", arguments->output,
-                 "The page (FILE.html), or one picture (FILE.svg: the model, the system's "
-                 "connections, the trace); not given: a page in a temporary folder, whose path is "
-                 "printed");
+  line.add("SOURCE", arguments->source,
+           "A model (.dot, .gv, .aut), a system (.yaml), or a trace of `maide check --trace` "
+           "(.json)")
+      .required();
+  line.add("-o,--output", arguments->output,
+           "The page (FILE.html), or one picture (FILE.svg: the model, the system's "
+           "connections, the trace); not given: a page in a temporary folder, whose path is "
+           "printed");
   return [arguments](Context& context) { return run_view(*arguments, context); };
 }
 

@@ -1,10 +1,10 @@
-#include "maide/formats/aut.hpp"
-
+// Models in the format .aut: reading and writing.
 #include <charconv>
 #include <ostream>
 
-#include "maide/automata/moore.hpp"
+#include "maide/automata/mealy.hpp"
 #include "maide/base/error.hpp"
+#include "maide/formats/model_file.hpp"
 #include "maide/formats/names.hpp"
 
 namespace maide {

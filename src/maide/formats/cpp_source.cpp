@@ -1,10 +1,10 @@
-#include "maide/formats/cpp_source.hpp"
-
+// Models as C++ headers.
 #include <functional>
 #include <ostream>
 
 #include "maide/base/error.hpp"
-#include "maide/formats/identifiers.hpp"
+#include "maide/formats/exporters.hpp"
+#include "maide/formats/names.hpp"
 
 namespace maide {
 

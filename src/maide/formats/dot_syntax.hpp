@@ -1,14 +1,17 @@
-// The DOT language (Graphviz), as far as models need it: one directed graph with its attributes;
-// comments, quoted names with escapes and +, defaults of nodes and edges, chains, subgraphs
-// (flattened), ports (ignored) and `strict` (ignored) are understood; HTML labels are not.
+// The DOT language (Graphviz), as far as models need it: one directed graph with its attributes.
+// Understood: comments, quoted names with escapes and +, defaults of nodes and edges, chains, and
+// subgraphs (flattened). Ignored: ports and `strict`. Not understood: HTML labels. The texts inside
+// labels and attributes, escapes and lists of actors, are here too.
 #pragma once
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "maide/automata/mealy.hpp"
 #include "maide/base/error.hpp"
 
 namespace maide {
@@ -58,5 +61,11 @@ DotGraph parse_dot(std::string_view text, const std::string& file);
 std::string unescape_dot_label(std::string_view value);
 // A quoted DOT identifier that unescapes to `text`.
 std::string quote_dot_label(std::string_view text);
+
+// Actors in one attribute: "writer: ?write !written; reader: ?read !message". Names that hold white
+// space, ':', ';' or '"' are quoted.
+std::string actors_to_text(std::span<const Actor> actors);
+// Throws UsageError (without a place).
+std::vector<Actor> actors_from_text(std::string_view text);
 
 }  // namespace maide

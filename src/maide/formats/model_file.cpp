@@ -1,8 +1,17 @@
 #include "maide/formats/model_file.hpp"
 
+#include <algorithm>
+#include <array>
+#include <ostream>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "maide/automata/mealy.hpp"
+#include "maide/automata/strength.hpp"
 #include "maide/base/file.hpp"
-#include "maide/formats/aut.hpp"
-#include "maide/formats/dot.hpp"
+#include "maide/formats/dot_syntax.hpp"
+#include "maide/formats/names.hpp"
 
 namespace maide {
 
@@ -31,6 +40,345 @@ InterfaceAutomaton read_interface_automaton(const std::filesystem::path& path) {
   if (auto* automaton = std::get_if<InterfaceAutomaton>(&model)) return std::move(*automaton);
   throw UsageError("a Mealy machine where an interface automaton is needed (" + path.string() +
                    ")");
+}
+
+// DOT as it is read: both labelled forms, with the graph attributes that keep where a model came
+// from. What a foreign file lacks is worked out from its edges.
+
+namespace {
+
+// Attributes that say how to draw the graph: not where the model came from.
+constexpr std::array drawing_attributes = {
+    "_background", "bb",       "bgcolor",  "center",     "charset",     "class",     "clusterrank",
+    "color",       "comment",  "compound", "dpi",        "fillcolor",   "fontcolor", "fontname",
+    "fontsize",    "id",       "label",    "labeljust",  "labelloc",    "landscape", "layout",
+    "lp",          "margin",   "nodesep",  "ordering",   "outputorder", "overlap",   "pad",
+    "page",        "pencolor", "penwidth", "rank",       "rankdir",     "ranksep",   "ratio",
+    "rotate",      "splines",  "style",    "stylesheet", "tooltip",     "URL",       "viewport"};
+
+class DotReader {
+ public:
+  DotReader(std::string_view text, const std::string& file) : dot_(parse_dot(text, file)) {
+    graph_.file = file;
+  }
+
+  Model read() {
+    read_graph_attributes();
+    read_nodes();
+    read_edges();
+    if (!is_moore()) return to_model(graph_);
+    put_outputs_on_edges();
+    Model model = to_model(graph_);
+    auto* machine = std::get_if<Mealy>(&model);
+    if (machine == nullptr) {
+      throw ParseError(std::string("a ") + (is_dfa_ ? "DFA" : "Moore machine") +
+                           " has one transition for each input, and this one has several",
+                       {graph_.file, 1, 1});
+    }
+    mark_as_moore(*machine, is_dfa_ ? "dfa" : "moore", outputs_[graph_.initial]);
+    return model;
+  }
+
+ private:
+  using Attribute = DotGraph::Attribute;
+
+  static LabelledGraph::Place place(DotGraph::Place place) { return {place.line, place.column}; }
+
+  // Runs `parse` on an attribute's text; its complaint gets the attribute's place.
+  template <typename Parse>
+  auto placed(const Attribute& attribute, Parse parse) const {
+    try {
+      return parse(unescape_dot_label(attribute.value));
+    } catch (const UsageError& error) {
+      throw ParseError("attribute " + shown(attribute.key) + ": " + error.what(),
+                       graph_.at(place(attribute.place)));
+    }
+  }
+  std::vector<std::string> names(const Attribute& attribute) const {
+    return placed(attribute, [](const std::string& text) { return split_names(text); });
+  }
+  std::vector<std::string> alphabet(const Attribute& attribute) const {
+    return placed(attribute, [](const std::string& text) {
+      std::vector<std::string> list = split_names(text);
+      [[maybe_unused]] const Alphabet checked{
+          std::span<const std::string>(list)};  // names are distinct
+      return list;
+    });
+  }
+
+  void read_graph_attributes() {
+    for (auto list = dot_.attributes; list != no_dot_attributes; list = dot_.arena[list].older) {
+      const Attribute& attribute = dot_.arena[list];
+      if (dot_.find(dot_.attributes, attribute.key) != &attribute) continue;  // overwritten
+      const std::string value = unescape_dot_label(attribute.value);
+      if (attribute.key == "inputs") {
+        graph_.inputs = alphabet(attribute);
+      } else if (attribute.key == "outputs") {
+        graph_.outputs = alphabet(attribute);
+      } else if (attribute.key == "hidden_returns") {
+        graph_.hidden_returns = names(attribute);
+      } else if (attribute.key == "actors") {
+        graph_.actors =
+            placed(attribute, [](const std::string& text) { return actors_from_text(text); });
+      } else if (attribute.key == "type" && (value == "mealy" || value == "interface automaton")) {
+        graph_.type = value;
+      } else if (attribute.key == strength_key) {
+        placed(attribute, [](const std::string& text) { return parse_stated_strength(text); });
+        graph_.origin.emplace(attribute.key, value);
+      } else if (std::find(drawing_attributes.begin(), drawing_attributes.end(), attribute.key) ==
+                 drawing_attributes.end()) {
+        graph_.origin.emplace(unescape_dot_label(attribute.key), value);
+      }
+    }
+  }
+
+  static bool is_start(const std::string& name) {
+    return name == "__start0" || name == "__start" || name == "__init";
+  }
+
+  void read_nodes() {
+    for (const DotGraph::Node& node : dot_.nodes) {
+      if (is_start(node.name)) {
+        numbers_.push_back(Mealy::no_state);
+        continue;
+      }
+      numbers_.push_back(static_cast<StateId>(graph_.states.size()));
+      LabelledGraph::State state{node.name, place(node.place), {}};
+      if (const Attribute* mark = dot_.find(node.attributes, "unexplored")) {
+        state.unexplored = names(*mark);
+      }
+      graph_.states.push_back(std::move(state));
+    }
+  }
+
+  void read_edges() {
+    const DotGraph::Edge* start = nullptr;
+    for (const DotGraph::Edge& edge : dot_.edges) {
+      const SourcePosition position = graph_.at(place(edge.place));
+      if (numbers_[edge.to] == Mealy::no_state) {
+        throw ParseError("an edge leads to " + shown(dot_.nodes[edge.to].name) +
+                             ", which only marks the initial state",
+                         position);
+      }
+      if (numbers_[edge.from] == Mealy::no_state) {
+        if (start != nullptr && start->to != edge.to) {
+          throw ParseError("a second initial state", position);
+        }
+        start = &edge;
+        graph_.initial = numbers_[edge.to];
+        continue;
+      }
+      const Attribute* label = dot_.find(edge.attributes, "label");
+      if (label == nullptr) throw ParseError("an edge without a label", position);
+      const Attribute* absorbed = dot_.find(edge.attributes, "absorbed");
+      if (absorbed != nullptr && absorbed->value != "true" && absorbed->value != "false") {
+        throw ParseError("absorbed is neither \"true\" nor \"false\"",
+                         graph_.at(place(absorbed->place)));
+      }
+      graph_.edges.push_back({numbers_[edge.from], numbers_[edge.to],
+                              unescape_dot_label(label->value), place(label->place),
+                              absorbed != nullptr && absorbed->value == "true"});
+    }
+  }
+
+  // A DFA has edges with inputs alone and a double circle for each accepting state, a Moore machine
+  // an output in each state's label: "s0 / output", or "s0|output" as others write it.
+  bool is_moore() {
+    const auto type = graph_.origin.find("type");
+    const bool is_said = type != graph_.origin.end() && type->second == "moore";
+    is_dfa_ = type != graph_.origin.end() && type->second == "dfa";
+    if (is_said || is_dfa_) return true;
+    for (const LabelledGraph::Edge& edge : graph_.edges) {
+      if (edge.label.find('/') != std::string::npos) return false;
+      if (edge.label.starts_with('?') || edge.label.starts_with('!')) return false;
+    }
+    bool has_outputs = !graph_.states.empty();
+    for (const DotGraph::Node& node : dot_.nodes) {
+      if (is_start(node.name)) continue;
+      is_dfa_ = is_dfa_ || is_accepting(node);
+      has_outputs = has_outputs && state_output(node).has_value();
+    }
+    return is_dfa_ || has_outputs;
+  }
+
+  bool is_accepting(const DotGraph::Node& node) const {
+    const Attribute* shape = dot_.find(node.attributes, "shape");
+    return shape != nullptr && shape->value == "doublecircle";
+  }
+
+  std::optional<std::string> state_output(const DotGraph::Node& node) const {
+    const Attribute* label = dot_.find(node.attributes, "label");
+    if (label == nullptr) return std::nullopt;
+    const std::string text = unescape_dot_label(label->value);
+    const std::size_t slash = text.find(" / ");
+    const std::size_t place = slash == std::string::npos ? text.find('|') : slash + 2;
+    if (place == std::string::npos || place + 1 >= text.size()) return std::nullopt;
+    std::string_view rest = trim(std::string_view(text).substr(place + 1));
+    std::string name;
+    if (rest.starts_with('"') && take_quoted_name(rest, name)) return name;
+    return std::string(rest);
+  }
+
+  void put_outputs_on_edges() {
+    for (const DotGraph::Node& node : dot_.nodes) {
+      if (is_start(node.name)) continue;
+      if (is_dfa_) {
+        outputs_.emplace_back(is_accepting(node) ? accepting_output : rejecting_output);
+      } else if (auto output = state_output(node)) {
+        outputs_.push_back(*std::move(output));
+      } else {
+        throw ParseError("state " + shown(node.name) + " of a Moore machine has no output",
+                         graph_.at(place(node.place)));
+      }
+    }
+    for (LabelledGraph::Edge& edge : graph_.edges) {
+      edge.label = mealy_label(trim(edge.label), outputs_[edge.to]);
+    }
+    graph_.type = "mealy";
+  }
+
+  DotGraph dot_;
+  bool is_dfa_ = false;
+  std::vector<std::string> outputs_;  // by state, of a Moore machine
+  LabelledGraph graph_;
+  std::vector<StateId> numbers_;  // of each node; no_state for the mark of the initial state
+};
+
+}  // namespace
+
+Model read_dot(std::string_view text, const std::string& file) {
+  return DotReader(text, file).read();
+}
+
+// DOT as it is written: one line a state and an edge, in the order of the model, so that the same
+// model always gives the same bytes.
+
+namespace {
+
+void write_attribute(std::ostream& out, const std::string& key, const std::string& value) {
+  bool plain = !key.empty() && !(key[0] >= '0' && key[0] <= '9') && key != "node" &&
+               key != "edge" && key != "graph" && key != "digraph" && key != "subgraph" &&
+               key != "strict";
+  for (const char letter : key) {
+    plain = plain && ((letter >= 'a' && letter <= 'z') || (letter >= 'A' && letter <= 'Z') ||
+                      (letter >= '0' && letter <= '9') || letter == '_');
+  }
+  out << "  " << (plain ? key : quote_dot_label(key)) << "=" << quote_dot_label(value) << ";\n";
+}
+
+// Everything before the states. `type` is written only where the labels would mislead a reader.
+void write_head(std::ostream& out, const std::string& type, const Alphabet& inputs,
+                const Alphabet& outputs, std::span<const Actor> actors,
+                std::span<const std::string> hidden_returns, const Origin& origin) {
+  out << "digraph g {\n";
+  if (!type.empty()) write_attribute(out, "type", type);
+  write_attribute(out, "inputs", join_names(inputs.names()));
+  write_attribute(out, "outputs", join_names(outputs.names()));
+  if (!actors.empty()) write_attribute(out, "actors", actors_to_text(actors));
+  if (!hidden_returns.empty()) write_attribute(out, "hidden_returns", join_names(hidden_returns));
+  for (const auto& [key, value] : origin) write_attribute(out, key, value);
+  out << "  __start0 [label=\"\" shape=\"none\"];\n";
+}
+
+void write_state(std::ostream& out, StateId state, const std::string& more = {}) {
+  out << "  s" << state << " [shape=\"circle\" label=\"s" << state << "\"" << more << "];\n";
+}
+
+void write_edge(std::ostream& out, StateId from, StateId to, const std::string& label,
+                const char* more = "") {
+  out << "  s" << from << " -> s" << to << " [label=" << quote_dot_label(label) << more << "];\n";
+}
+
+}  // namespace
+
+namespace {
+
+// States have outputs, edges have inputs alone; a DFA's accepting states are double circles.
+void write_moore(std::ostream& out, const Mealy& machine, const std::vector<std::string>& outputs) {
+  const bool is_dfa = machine.origin.at("type") == "dfa";
+  write_head(out, "", machine.inputs(), machine.outputs(), machine.actors, {}, machine.origin);
+  for (StateId state = 0; state < machine.size(); ++state) {
+    const std::string name = "s" + std::to_string(state);
+    const bool is_double = is_dfa && outputs[state] == accepting_output;
+    out << "  " << name << " [shape=\"" << (is_double ? "doublecircle" : "circle")
+        << "\" label=" << quote_dot_label(is_dfa ? name : mealy_label(name, outputs[state]))
+        << "];\n";
+  }
+  out << "  __start0 -> s" << machine.initial() << ";\n";
+  for (StateId state = 0; state < machine.size(); ++state) {
+    for (Symbol input = 0; input < machine.inputs().size(); ++input) {
+      write_edge(out, state, machine.target(state, input), machine.inputs().name(input));
+    }
+  }
+  out << "}\n";
+}
+
+}  // namespace
+
+void write_dot(std::ostream& out, const Mealy& machine) {
+  if (!machine.is_complete()) throw UsageError("an incomplete Mealy machine cannot be written");
+  if (find_initial_output(machine)) {
+    const auto outputs = find_state_outputs(machine);
+    if (outputs) return write_moore(out, machine, *outputs);
+    const Mealy moore = split_states(machine);
+    return write_moore(out, moore, *find_state_outputs(moore));
+  }
+  write_dot(out, NondeterministicMealy(machine));
+}
+
+void write_dot(std::ostream& out, const NondeterministicMealy& machine) {
+  struct LabelledEdge {
+    StateId from, to;
+    std::string label;
+  };
+  std::vector<LabelledEdge> edges;
+  std::vector<std::string_view> labels;
+  edges.reserve(machine.transition_count());
+  for (StateId state = 0; state < machine.size(); ++state) {
+    for (Symbol input = 0; input < machine.inputs().size(); ++input) {
+      for (const auto& choice : machine.choices(state, input)) {
+        edges.push_back(
+            {state, choice.target,
+             mealy_label(machine.inputs().name(input), machine.outputs().name(choice.output))});
+      }
+    }
+  }
+  for (const LabelledEdge& edge : edges) labels.push_back(edge.label);
+  const bool misleads = looks_like_interface_automaton(labels);
+  write_head(out, misleads ? "mealy" : "", machine.inputs(), machine.outputs(), machine.actors, {},
+             machine.origin);
+  for (StateId state = 0; state < machine.size(); ++state) write_state(out, state);
+  out << "  __start0 -> s" << machine.initial() << ";\n";
+  for (const LabelledEdge& edge : edges) write_edge(out, edge.from, edge.to, edge.label);
+  out << "}\n";
+}
+
+void write_dot(std::ostream& out, const InterfaceAutomaton& automaton) {
+  const bool misleads = automaton.transition_count() == 0;
+  write_head(out, misleads ? "interface automaton" : "", automaton.inputs(), automaton.outputs(),
+             automaton.actors, automaton.hidden_returns, automaton.origin);
+  for (StateId state = 0; state < automaton.size(); ++state) {
+    std::vector<std::string> unexplored;
+    for (const Symbol input : automaton.unexplored(state)) {
+      unexplored.push_back(automaton.inputs().name(input));
+    }
+    write_state(out, state,
+                unexplored.empty()
+                    ? ""
+                    : " style=\"dashed\" unexplored=" + quote_dot_label(join_names(unexplored)));
+  }
+  out << "  __start0 -> s" << automaton.initial() << ";\n";
+  for (StateId state = 0; state < automaton.size(); ++state) {
+    for (const auto& transition : automaton.transitions(state)) {
+      write_edge(out, state, transition.target, action_label(automaton, transition.action),
+                 transition.absorbed ? " style=\"dashed\" absorbed=\"true\"" : "");
+    }
+  }
+  out << "}\n";
+}
+
+void write_dot(std::ostream& out, const Model& model) {
+  std::visit([&](const auto& automaton) { write_dot(out, automaton); }, model);
 }
 
 }  // namespace maide

@@ -1,7 +1,11 @@
-// Models in files: the format is seen from the name's extension (.dot, .gv or .aut).
+// Models in files: reading any of them by the extension of its name (.dot, .gv or .aut), and the
+// two formats that are both read and written, DOT and Aldebaran's .aut.
 #pragma once
 
 #include <filesystem>
+#include <iosfwd>
+#include <string>
+#include <string_view>
 
 #include "maide/formats/labelled_graph.hpp"
 
@@ -12,5 +16,47 @@ Model read_model(const std::filesystem::path& path);
 // As above; a model of the other kind is a UsageError that names the file.
 Mealy read_mealy(const std::filesystem::path& path);
 InterfaceAutomaton read_interface_automaton(const std::filesystem::path& path);
+
+// ---- DOT ----
+//
+// A Mealy machine has the form of the Automata Wiki (Neider, Smetsers, Vaandrager, Kuppens,
+// "Benchmarks for automata learning and conformance testing", 2019): `s0 -> s1 [label="input /
+// output"];`. An interface automaton labels inputs ?a and outputs !a. Graph attributes carry the
+// rest: `inputs`, `outputs` (also those never seen), `actors`, `hidden_returns`, and the model's
+// origin under its own keys. The node attribute `unexplored` and the edge attribute `absorbed`
+// carry an interface automaton's marks.
+
+// Reads either kind; which one it is, is seen from the labels (or the graph attribute `type`,
+// written where they would mislead). The initial state is the target of `__start0`, or else the
+// first node mentioned. `file` is for messages. Throws ParseError (file:line:column). A model that
+// write_dot wrote is read as it was, numbers of states and symbols included.
+Model read_dot(std::string_view text, const std::string& file);
+
+// The model's file; `dot` draws it. Byte for byte the same for equal models.
+void write_dot(std::ostream& out, const Mealy& machine);
+void write_dot(std::ostream& out, const NondeterministicMealy& machine);
+void write_dot(std::ostream& out, const InterfaceAutomaton& automaton);
+void write_dot(std::ostream& out, const Model& model);
+
+// ---- Aldebaran ----
+//
+// The format .aut of CADP, mCRL2 and LTSmin: a first line `des (initial, transitions, states)`,
+// then a line `(from, "label", to)` for each transition, with the labels of DOT files. It has no
+// place for alphabets, origin and actors, nor for the marks that tell "refused" from "never tried".
+
+// Throws ParseError (file:line:column); a file may promise at most a million states more than its
+// transitions touch. O(text).
+Model read_aut(std::string_view text, const std::string& file);
+
+enum class MarkLoss : bool { refuse, accept };
+
+// An interface automaton's unexplored inputs, absorbed edges and hidden returns cannot be written,
+// nor the output of a Moore machine before its first input: throws UsageError for a model that has
+// any, unless their loss is accepted. Unexplored inputs then look refused, absorbed edges look
+// tried.
+void write_aut(std::ostream& out, const Model& model, MarkLoss marks = MarkLoss::refuse);
+
+// Which marks a model has, for messages: "unexplored inputs, absorbed edges"; empty for none.
+std::string marks_of(const Model& model);
 
 }  // namespace maide

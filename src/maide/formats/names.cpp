@@ -1,5 +1,7 @@
 #include "maide/formats/names.hpp"
 
+#include <array>
+
 #include "maide/base/error.hpp"
 
 namespace maide {
@@ -92,6 +94,222 @@ std::string shown(std::string_view text) {
     result += "...";
   }
   return result + "'";
+}
+
+// Reserved words are those of the tools as documented, and what they predefine.
+
+namespace {
+
+// The C preprocessor, which spin runs too, replaces the last line's words on some systems.
+constexpr auto promela_words = std::to_array<std::string_view>(
+    {"active",    "assert",  "atomic",  "bit",        "bool",
+     "break",     "byte",    "c_code",  "c_decl",     "c_expr",
+     "c_state",   "c_track", "chan",    "D_proctype", "d_step",
+     "do",        "else",    "empty",   "enabled",    "eval",
+     "false",     "fi",      "for",     "full",       "get_priority",
+     "goto",      "hidden",  "if",      "in",         "init",
+     "inline",    "int",     "len",     "local",      "ltl",
+     "mtype",     "nempty",  "never",   "nfull",      "notrace",
+     "np_",       "od",      "of",      "pc_value",   "pid",
+     "print",     "printf",  "printm",  "priority",   "proctype",
+     "provided",  "return",  "run",     "select",     "set_priority",
+     "short",     "show",    "skip",    "STDIN",      "timeout",
+     "trace",     "true",    "typedef", "unless",     "unsigned",
+     "xr",        "xs",      "always",  "eventually", "until",
+     "weakuntil", "release", "implies", "equivalent", "stronguntil",
+     "X",         "U",       "V",       "W",          "linux",
+     "unix"});
+
+constexpr auto smv_words = std::to_array<std::string_view>(
+    {"MODULE",     "DEFINE",     "MDEFINE",  "CONSTANTS",  "VAR",        "IVAR",
+     "FROZENVAR",  "INIT",       "TRANS",    "INVAR",      "SPEC",       "CTLSPEC",
+     "LTLSPEC",    "PSLSPEC",    "COMPUTE",  "NAME",       "INVARSPEC",  "FAIRNESS",
+     "JUSTICE",    "COMPASSION", "ISA",      "ASSIGN",     "CONSTRAINT", "SIMPWFF",
+     "CTLWFF",     "LTLWFF",     "PSLWFF",   "COMPWFF",    "IN",         "MIN",
+     "MAX",        "MIRROR",     "PRED",     "PREDICATES", "process",    "array",
+     "of",         "boolean",    "integer",  "real",       "word",       "word1",
+     "bool",       "signed",     "unsigned", "extend",     "resize",     "sizeof",
+     "uwconst",    "swconst",    "EX",       "AX",         "EF",         "AF",
+     "EG",         "AG",         "E",        "F",          "O",          "G",
+     "H",          "X",          "Y",        "Z",          "A",          "U",
+     "S",          "V",          "T",        "BU",         "EBF",        "ABF",
+     "EBG",        "ABG",        "case",     "esac",       "mod",        "next",
+     "init",       "union",      "in",       "xor",        "xnor",       "self",
+     "TRUE",       "FALSE",      "count",    "abs",        "max",        "min",
+     "bswtime",    "clock",      "const",    "continuous", "cos",        "exp",
+     "floor",      "FUN",        "ITYPE",    "lin",        "ln",         "noncontinuous",
+     "pi",         "pow",        "sin",      "sqrt",       "tan",        "time",
+     "time_since", "time_until", "toint",    "typeof",     "URGENT",     "LTL2SMV",
+     "main",       "READ",       "WRITE",    "CONST",      "urgent",     "at",
+     "now"});
+
+// Beside the keywords, macros that a standard header or a compiler may define.
+constexpr auto cpp_words = std::to_array<std::string_view>({"alignas",
+                                                            "alignof",
+                                                            "and",
+                                                            "and_eq",
+                                                            "asm",
+                                                            "assert",
+                                                            "auto",
+                                                            "bitand",
+                                                            "bitor",
+                                                            "bool",
+                                                            "break",
+                                                            "case",
+                                                            "catch",
+                                                            "char",
+                                                            "char16_t",
+                                                            "char32_t",
+                                                            "char8_t",
+                                                            "class",
+                                                            "co_await",
+                                                            "co_return",
+                                                            "co_yield",
+                                                            "compl",
+                                                            "concept",
+                                                            "const",
+                                                            "const_cast",
+                                                            "consteval",
+                                                            "constexpr",
+                                                            "constinit",
+                                                            "continue",
+                                                            "decltype",
+                                                            "default",
+                                                            "delete",
+                                                            "do",
+                                                            "double",
+                                                            "dynamic_cast",
+                                                            "else",
+                                                            "enum",
+                                                            "explicit",
+                                                            "export",
+                                                            "extern",
+                                                            "false",
+                                                            "final",
+                                                            "float",
+                                                            "for",
+                                                            "friend",
+                                                            "goto",
+                                                            "if",
+                                                            "import",
+                                                            "inline",
+                                                            "int",
+                                                            "long",
+                                                            "module",
+                                                            "mutable",
+                                                            "namespace",
+                                                            "new",
+                                                            "noexcept",
+                                                            "not",
+                                                            "not_eq",
+                                                            "nullptr",
+                                                            "operator",
+                                                            "or",
+                                                            "or_eq",
+                                                            "override",
+                                                            "private",
+                                                            "protected",
+                                                            "public",
+                                                            "register",
+                                                            "reinterpret_cast",
+                                                            "requires",
+                                                            "return",
+                                                            "short",
+                                                            "signed",
+                                                            "sizeof",
+                                                            "static",
+                                                            "static_assert",
+                                                            "static_cast",
+                                                            "struct",
+                                                            "switch",
+                                                            "template",
+                                                            "this",
+                                                            "thread_local",
+                                                            "throw",
+                                                            "true",
+                                                            "try",
+                                                            "typedef",
+                                                            "typeid",
+                                                            "typename",
+                                                            "union",
+                                                            "unsigned",
+                                                            "using",
+                                                            "virtual",
+                                                            "void",
+                                                            "volatile",
+                                                            "wchar_t",
+                                                            "while",
+                                                            "xor",
+                                                            "xor_eq",
+                                                            "EOF",
+                                                            "NULL",
+                                                            "TRUE",
+                                                            "FALSE",
+                                                            "BUFSIZ",
+                                                            "EXIT_FAILURE",
+                                                            "EXIT_SUCCESS",
+                                                            "INFINITY",
+                                                            "NAN",
+                                                            "RAND_MAX",
+                                                            "errno",
+                                                            "linux",
+                                                            "unix",
+                                                            "stdin",
+                                                            "stdout"});
+
+bool is_letter(char letter) {
+  return (letter >= 'a' && letter <= 'z') || (letter >= 'A' && letter <= 'Z');
+}
+bool is_digit(char letter) { return letter >= '0' && letter <= '9'; }
+
+std::string sanitized(std::string_view name) {
+  std::string text;
+  for (const char letter : name) {
+    if ((static_cast<unsigned char>(letter) & 0xc0) == 0x80) continue;  // inside a UTF-8 character
+    text += is_letter(letter) || is_digit(letter) ? letter : '_';
+  }
+  if (text.empty() || !is_letter(text.front())) text.insert(0, "x");
+  return text;
+}
+
+}  // namespace
+
+Identifiers::Identifiers(std::span<const std::string_view> reserved) {
+  for (const std::string_view word : reserved) taken_.emplace(word);
+}
+
+std::string Identifiers::unique(std::string_view wanted) {
+  const std::string base = sanitized(wanted);
+  std::string name = base;
+  for (int number = 2; !taken_.insert(name).second; ++number) {
+    name = base + "_" + std::to_string(number);
+  }
+  return name;
+}
+
+std::vector<std::string> Identifiers::unique(std::span<const std::string> names,
+                                             std::string_view prefix) {
+  std::vector<std::string> identifiers;
+  identifiers.reserve(names.size());
+  for (const std::string& name : names) identifiers.push_back(unique(std::string(prefix) + name));
+  return identifiers;
+}
+
+std::span<const std::string_view> promela_reserved() { return promela_words; }
+std::span<const std::string_view> smv_reserved() { return smv_words; }
+std::span<const std::string_view> cpp_reserved() { return cpp_words; }
+
+std::string comment_text(std::string_view text) {
+  std::string result;
+  for (const char letter : text) {
+    const auto code = static_cast<unsigned char>(letter);
+    if (letter == '/' && result.ends_with('*')) result += ' ';
+    if (letter == '*' && result.ends_with('/')) result += ' ';
+    if (letter == '-' && result.ends_with('-')) result += ' ';
+    result += code < 0x20 || code == 0x7f ? ' ' : letter;
+  }
+  if (result.ends_with('\\')) result += '.';  // would join the next line to a // comment
+  return result;
 }
 
 }  // namespace maide

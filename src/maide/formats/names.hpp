@@ -1,11 +1,13 @@
-// How names of symbols are written inside attributes and labels: as they are, or, where a name
-// contains what separates names there, in double quotes with \" and \\ inside. Every name
-// round-trips.
+// Names of symbols in files. In attributes and labels a name is written as it is, or, if it
+// contains what separates names there, in double quotes with \" and \\ inside; every name
+// round-trips. For formats that are programs, `Identifiers` makes legal and distinct identifiers of
+// names.
 #pragma once
 
 #include <span>
 #include <string>
 #include <string_view>
+#include <unordered_set>
 #include <vector>
 
 namespace maide {
@@ -28,5 +30,33 @@ std::vector<std::string> split_names(std::string_view text);
 
 // Text from a file for a message: on one line, in single quotes, at most some 60 bytes of it.
 std::string shown(std::string_view text);
+
+// ---- Identifiers ----
+//
+// Legal and unique identifiers out of names of any kind, for the formats that are programs in some
+// language.
+class Identifiers {
+ public:
+  // `reserved`: keywords and other words that must not be given out.
+  explicit Identifiers(std::span<const std::string_view> reserved);
+
+  // `wanted` if it is an identifier ([A-Za-z][A-Za-z0-9_]*) that is neither reserved nor given out
+  // before; else the nearest that is: other characters become '_', and a number is appended. The
+  // same calls give the same identifiers.
+  std::string unique(std::string_view wanted);
+  // One for each name; `prefix` goes before each.
+  std::vector<std::string> unique(std::span<const std::string> names, std::string_view prefix = "");
+
+ private:
+  std::unordered_set<std::string> taken_;
+};
+
+// Words that a program must not use as identifiers, keywords and names that its tools predefine.
+std::span<const std::string_view> promela_reserved();
+std::span<const std::string_view> smv_reserved();
+std::span<const std::string_view> cpp_reserved();
+
+// Text for the inside of a comment: on one line, without what could end the comment.
+std::string comment_text(std::string_view text);
 
 }  // namespace maide

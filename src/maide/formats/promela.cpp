@@ -1,8 +1,8 @@
-#include "maide/formats/promela.hpp"
-
+// Models as Promela.
 #include <ostream>
 
-#include "maide/formats/identifiers.hpp"
+#include "maide/formats/exporters.hpp"
+#include "maide/formats/names.hpp"
 
 namespace maide {
 

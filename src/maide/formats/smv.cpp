@@ -1,9 +1,9 @@
-#include "maide/formats/smv.hpp"
-
+// Models as SMV modules.
 #include <ostream>
 
 #include "maide/base/error.hpp"
-#include "maide/formats/identifiers.hpp"
+#include "maide/formats/exporters.hpp"
+#include "maide/formats/names.hpp"
 
 namespace maide {
 

@@ -1,9 +1,9 @@
-// Logs of what a system did: one trace a line, a JSON array of steps, each an input and the output
-// that it got:
+// Logs of what a system did. A trace is a line, a JSON array of steps, each an input and its
+// output:
 //
 //   [["write", "quiet"], ["read", "message"]]
 //
-// From a reset on: a trace begins in the initial state. Empty lines are skipped.
+// A trace begins in the initial state, after a reset. Empty lines are skipped.
 #pragma once
 
 #include <iosfwd>

@@ -1,13 +1,14 @@
-// What all learners do with a counterexample: cut it where the outputs first differ, and find in it
-// a suffix that tells two states apart which the hypothesis takes for one (Rivest & Schapire,
-// "Inference of finite automata using homing sequences", Information and Computation 103, 1993).
+// The analysis of counterexamples that all learners share: cutting one where the outputs first
+// differ, and finding in it a suffix that tells two states apart which the hypothesis takes for one
+// (Rivest & Schapire, "Inference of finite automata using homing sequences", Information and
+// Computation 103, 1993).
 #pragma once
 
 #include <cstdint>
 #include <span>
 
 #include "maide/automata/mealy.hpp"
-#include "maide/learn/output_oracle.hpp"
+#include "maide/learn/oracle/output_oracle.hpp"
 
 namespace maide {
 

@@ -1,14 +1,24 @@
 // A counterexample in one sentence of plain words: who waits for what, what became of it, and who
-// could still change that. Made from facts alone (check/waiting, check/message_account), for any
-// system: nothing is known here of particular middlewares.
+// could still change that; and where a run breaks a formula. The sentence is made from facts alone
+// (check/explore/waiting.hpp), for any system: nothing is known here of particular middlewares.
 #pragma once
 
 #include <string>
+#include <vector>
 
-#include "maide/check/system.hpp"
-#include "maide/check/trace.hpp"
+#include "maide/check/language/system.hpp"
+#include "maide/check/trace/trace.hpp"
 
 namespace maide {
+
+// Where a run breaks a formula, in words: "planner@sent holds after step 7, but controller@done
+// never holds from then on". The idea: walk down the formula along the reasons for its value, to
+// the first position at which a temporal operator was broken, until something is left that a person
+// sees in the trace.
+
+// A clause without a full stop. `trace` violates `formula`; `states` are replay()'s.
+std::string describe_violation(const System& system, const Formula& formula, const Trace& trace,
+                               const std::vector<GlobalState>& states);
 
 // "controller waits at line 13 for message 2 of 6 from via, which holds none: planner wrote 6, 1
 // was read and 5 were lost, ...". Without a full stop. `trace` is a counterexample for `property`.

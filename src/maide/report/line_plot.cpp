@@ -7,7 +7,7 @@
 #include <cmath>
 #include <vector>
 
-#include "maide/report/markup.hpp"
+#include "maide/report/html_report.hpp"
 
 namespace maide {
 namespace {

@@ -2,15 +2,31 @@
 
 #include <fmt/format.h>
 
+#include <chrono>
 #include <map>
 #include <set>
 #include <tuple>
 #include <vector>
 
-#include "maide/check/check_system.hpp"
+#include "maide/base/subprocess.hpp"
+#include "maide/check/explore/check_system.hpp"
 #include "maide/formats/dot_syntax.hpp"
+#include "maide/workflow/open_system.hpp"
 
 namespace maide {
+
+bool can_draw() { return find_on_path("dot").has_value(); }
+
+std::string draw_svg(const std::string& dot, const RunControl& control) {
+  if (!can_draw()) return "";
+  SubprocessOptions options;
+  options.input = dot;
+  options.time_limit = std::chrono::seconds(20);
+  const SubprocessResult drawn = run_program({"dot", "-Tsvg"}, options, control);
+  const std::size_t begin = drawn.out.find("<svg");
+  return drawn.succeeded() && begin != std::string::npos ? drawn.out.substr(begin) : "";
+}
+
 namespace {
 
 constexpr std::size_t most_lines = 8;  // of a label

@@ -1,17 +1,30 @@
-// Models and programs as graphs for people, in DOT: parallel edges are one with several lines, what
-// was never tried stands beside its state, and every node and edge has a class, by which a page
-// colours it (picture_style()). For reading them back there is formats/dot.
+// Models, programs and connections as graphs for people, in DOT, and Graphviz's `dot`, which draws
+// them. Parallel edges are one edge with several lines. What was never tried stands beside its
+// state. Every node and edge has a class, by which a page colours it (picture_style()). These
+// graphs are not for reading back: formats/model_file.hpp writes models for that.
 #pragma once
 
 #include <cstddef>
 #include <string>
 
-#include "maide/check/system.hpp"
+#include "maide/base/run_control.hpp"
+#include "maide/check/language/system.hpp"
 #include "maide/formats/labelled_graph.hpp"
 
 namespace maide {
 
-// More than this is a table and no picture: nobody sees anything in it, and `dot` takes minutes.
+// ---- Drawing ----
+
+// Whether `dot` is on PATH.
+bool can_draw();
+
+// The picture of a graph in DOT as an <svg> element; "" if `dot` is not there, fails, or takes more
+// than 20 seconds. Throws Interrupted.
+std::string draw_svg(const std::string& dot, const RunControl& control);
+
+// ---- Graphs ----
+//
+// A larger graph is shown as a table: nobody sees anything in the picture, and `dot` takes minutes.
 inline constexpr std::size_t most_drawn_states = 150;
 inline constexpr std::size_t most_drawn_transitions = 600;
 

@@ -7,7 +7,7 @@
 #include <string_view>
 
 #include "maide/automata/strength.hpp"
-#include "maide/report/markup.hpp"
+#include "maide/report/html_report.hpp"
 #include "maide/report/picture.hpp"
 
 namespace maide {

@@ -1,12 +1,12 @@
-// Pages for `maide view`: a model or a system as one HTML file that needs nothing else, in light
-// and dark.
+// Pages of `maide view`: a model, a system or a chart as one HTML file that needs nothing else, in
+// light and dark.
 #pragma once
 
 #include <functional>
 #include <iosfwd>
 #include <string>
 
-#include "maide/check/system.hpp"
+#include "maide/check/language/system.hpp"
 #include "maide/formats/labelled_graph.hpp"
 
 namespace maide {

@@ -8,9 +8,9 @@
 #include <ostream>
 #include <vector>
 
-#include "maide/check/trace_file.hpp"
-#include "maide/report/chart_rows.hpp"
+#include "maide/check/trace/trace_file.hpp"
 #include "maide/report/explanation.hpp"
+#include "maide/report/sequence_chart.hpp"
 #include "maide/report/trace_chart.hpp"
 
 namespace maide {

@@ -1,18 +1,18 @@
-// A counterexample in words: who did what, with the lines of the system file, and how the programs
-// and models stand at its end.
+// Counterexamples as text: who did what, with the lines of the system file, and how the programs
+// and models stand in the end. The report of a check as JSON is here too.
 #pragma once
 
 #include <cstdint>
 #include <iosfwd>
 
 #include "maide/base/json.hpp"
-#include "maide/check/check_system.hpp"
+#include "maide/check/explore/check_system.hpp"
 #include "maide/report/sequence_chart_text.hpp"
 
 namespace maide {
 
-// A message sequence chart, or a line a step with its place and the text that stands there. Both
-// fold repetitions (chart_rows).
+// chart: a message sequence chart. steps: a line a step, with its place and the text that stands
+// there. Both fold repetitions (fold_chart()).
 enum class TraceFormat : std::uint8_t { chart, steps };
 
 // Writes the trace - as steps, too, if the chart does not fit - and who waits for what at its end.

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "maide/sul/query_cursor.hpp"
+#include "maide/sul/query_player.hpp"
 
 namespace maide {
 namespace {

@@ -1,8 +1,10 @@
-// Words that end the system: a crash or a hang that is reproducible is an observation like any
-// other. The step in which it happens has one event, `crash` or `hang`, by the actor of the input:
-// what a dying system still says is a race, so it is not looked at. Behind it there is no system,
-// so nothing is taken any more. All of that is here: what such a step looks like, how the rest of a
-// query is answered, and what is known already and need not cost another process.
+// Words that end the system. A reproducible crash or hang is an observation like any other. The
+// step in which it happens has one event, `crash` or `hang`, by the actor of the input. What a
+// dying system still says is a race, so it is not looked at. Behind that step there is no system,
+// so nothing is taken any more.
+//
+// Here are the look of such a step, the answers to the rest of a query, and the memory of words
+// that are known to be fatal, which need not cost another process.
 #pragma once
 
 #include <array>
@@ -14,7 +16,6 @@
 #include <string_view>
 #include <vector>
 
-#include "maide/sul/query.hpp"
 #include "maide/sul/sul.hpp"
 
 namespace maide {

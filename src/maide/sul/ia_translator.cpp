@@ -5,7 +5,8 @@
 #include <utility>
 
 #include "maide/base/error.hpp"
-#include "maide/base/shell_words.hpp"
+#include "maide/base/invariant.hpp"
+#include "maide/base/text.hpp"
 
 namespace maide {
 namespace {
@@ -115,13 +116,17 @@ void IaTranslator::run_unknown(std::span<const SulQuery> queries,
   sul_.run(
       queries,
       [&](std::size_t index, SulAnswer answer) {
-        answers[places.empty() ? index : places[index]] = std::move(answer);
+        MAIDE_CHECK(index < queries.size());
+        std::optional<SulAnswer>& place = answers[places.empty() ? index : places[index]];
+        MAIDE_CHECK(!place);  // each query is answered once
+        place = std::move(answer);
       },
       control);
 }
 
 MealyAnswer IaTranslator::to_mealy_answer(SulAnswer raw, const SulQuery& query) {
   answer_rest(raw, query, info());
+  MAIDE_CHECK(raw.inputs.size() == raw.steps.size());
   MealyAnswer answer;
   answer.inputs = std::move(raw.inputs);
   answer.end = raw.end;

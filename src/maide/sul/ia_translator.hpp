@@ -1,7 +1,7 @@
-// The IA translator of Aarts & Vaandrager, "Learning I/O automata" (CONCUR 2010): lets any Mealy
-// machine learner learn an interface automaton. Towards the learner it is a system that answers
-// Mealy queries; towards the system it is a client of a Sul. Invariant: outputs are numbered in
-// query order, never in arrival order.
+// The IA translator of Aarts & Vaandrager ("Learning I/O automata", CONCUR 2010). With it any
+// learner of Mealy machines learns an interface automaton. Towards the learner it is a system that
+// answers Mealy queries; towards the system it is a client of a Sul. Invariant: outputs are
+// numbered in query order, never in arrival order.
 #pragma once
 
 #include <functional>
@@ -15,7 +15,6 @@
 #include "maide/automata/nondeterministic_mealy.hpp"
 #include "maide/sul/fatal_words.hpp"
 #include "maide/sul/ia_translation.hpp"
-#include "maide/sul/query.hpp"
 #include "maide/sul/sul.hpp"
 
 namespace maide {

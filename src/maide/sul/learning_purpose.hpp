@@ -1,7 +1,7 @@
-// A learning purpose (Aarts & Vaandrager, CONCUR 2010): an interface automaton that says which
-// inputs may be offered when. It constrains only the inputs of its own alphabet; an input that it
-// does not enable in its present state is beyond its bound and never reaches the system. Outputs
-// that it does not know, or does not enable, leave it where it is.
+// Learning purposes (Aarts & Vaandrager, CONCUR 2010): interface automata that say which inputs may
+// be offered when. A purpose constrains only the inputs of its own alphabet. An input that it does
+// not enable in its present state is beyond its bound and never reaches the system. Outputs that it
+// does not know, or does not enable, leave it where it is.
 #pragma once
 
 #include <cstdint>

@@ -3,12 +3,38 @@
 #include <algorithm>
 #include <deque>
 #include <optional>
+#include <string>
 #include <utility>
+#include <variant>
 
+#include "maide/base/invariant.hpp"
 #include "maide/sul/fatal_words.hpp"
-#include "maide/sul/query_cursor.hpp"
 
 namespace maide {
+
+std::optional<Symbol> QueryCursor::input() const {
+  if (const Word* word = std::get_if<Word>(&query_.inputs)) {
+    return place_ < word->size() ? std::optional((*word)[place_]) : std::nullopt;
+  }
+  const auto& nodes = std::get<BasicDecisionTree<std::string>>(query_.inputs).nodes;
+  return place_ < nodes.size() ? std::optional(nodes[place_].input) : std::nullopt;
+}
+
+void QueryCursor::advance(const SulStep& step) {
+  if (std::holds_alternative<Word>(query_.inputs)) {
+    ++place_;
+    return;
+  }
+  const auto& nodes = std::get<BasicDecisionTree<std::string>>(query_.inputs).nodes;
+  const std::string output = mealy_output(step, query_.translation);
+  MAIDE_CHECK(place_ < nodes.size());
+  std::size_t next = nodes.size();
+  for (const auto& [branch, target] : nodes[place_].branches) {
+    if (branch == output) next = target;
+  }
+  place_ = next;
+}
+
 namespace {
 
 // The state of one word: monitors of the purposes and the av translation's queue.
@@ -54,6 +80,7 @@ class Player {
   void take_due_output(SulStep& step) {
     if (due_.empty()) return;
     observe(due_.front());
+    MAIDE_CHECK(translation_ == Translation::av && step.events.empty());
     step.events.push_back(std::move(due_.front()));
     due_.pop_front();
   }
@@ -98,6 +125,7 @@ SulAnswer play(SteppedSystem& system, const SulQuery& query, const SulInfo& info
     if (on_step) on_step(step);
     cursor.advance(step);
   }
+  MAIDE_CHECK(answer.inputs.size() == answer.steps.size());
   if (is_fatal(answer.end)) mark_fatal_step(answer, info);
   return answer;
 }

@@ -1,10 +1,12 @@
-// Plays one query, step by step, on anything that can take one input at a time. It is the single
-// place that knows what a step means: busy actors refuse, learning purposes bound, the canonical
-// order of outputs, the queue and Delta of the av translation, the branches of a decision tree.
-// Used by wrappers (behind the wire) and by simulated systems alike.
+// Plays one query, step by step, on anything that can take one input at a time. This is the single
+// place that knows what a step means: busy actors refuse, learning purposes bound, outputs have a
+// canonical order, the av translation has a queue and Delta, and decision trees branch. Wrappers
+// (behind the wire) and simulated systems both use it.
 #pragma once
 
+#include <cstddef>
 #include <functional>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -12,6 +14,23 @@
 #include "maide/sul/sul.hpp"
 
 namespace maide {
+
+// A walk through a query along the answers: which input is due next. The one place that knows how a
+// decision tree branches; for a word the answers do not matter.
+class QueryCursor {
+ public:
+  // Keeps a reference to `query`.
+  explicit QueryCursor(const SulQuery& query) : query_(query) {}
+
+  // The input to be given now; nothing at the end of the query.
+  std::optional<Symbol> input() const;
+  // That input was answered by `step`. Not after the end.
+  void advance(const SulStep& step);
+
+ private:
+  const SulQuery& query_;
+  std::size_t place_ = 0;  // in the word, or the tree's node
+};
 
 // One instance of a system, freshly reset, that takes one input at a time.
 class SteppedSystem {

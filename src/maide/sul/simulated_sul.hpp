@@ -1,5 +1,5 @@
-// A model, simulated: the system under learning that needs no middleware. An interface automaton is
-// played with its actors, refusals and marks; a plain Mealy machine answers each input with its
+// A simulated model: the system under learning that needs no middleware. An interface automaton is
+// played with its actors, refusals and marks. A plain Mealy machine answers each input with its
 // output, whole (no translation behind it). Where a model is nondeterministic, chance decides, all
 // ways alike: the same words in the same order are answered alike, but not the same word twice.
 #pragma once

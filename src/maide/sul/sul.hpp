@@ -1,7 +1,7 @@
-// The system under learning as the rest of Maide sees it: something that answers batches of queries
-// with traces of events. Each query starts from a fresh reset. A system refuses an input whose
-// actor is still in a call, and does not try one that lies beyond its learning purposes; both are
-// answers ("refused", "unexplored"), not errors, and the word goes on behind them.
+// The system under learning as the rest of Maide sees it: it answers batches of queries with traces
+// of events. Each query starts from a fresh reset. A system refuses an input whose actor is still
+// in a call, and does not try one that lies beyond its learning purposes. Both are answers
+// ("refused", "unexplored"), not errors, and the word goes on behind them.
 #pragma once
 
 #include <chrono>
@@ -12,16 +12,59 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <variant>
 #include <vector>
 
+#include "maide/automata/alphabet.hpp"
 #include "maide/automata/mealy.hpp"
 #include "maide/base/run_control.hpp"
-#include "maide/sul/query.hpp"
 
 namespace maide {
 
+// ---- Queries ----
+//
+// A system is asked a word or a decision tree (an input, then a subtree for each output), so that
+// adaptive learners and tests do not pay a reset for each branch. Two levels share the shape.
+// `Query` speaks the learner's symbols (inputs and outputs of a Mealy machine). `SulQuery` names
+// the expected outputs by text, as they cross the wire.
+
+// Which Mealy machine stands for an interface automaton (design: "Translations").
+enum class Translation : std::uint8_t {
+  eager,  // one step is an input and all outputs until quiescence
+  av,     // Aarts & Vaandrager (CONCUR 2010): inputs answer "+", the extra input Delta takes one
+          // output, or says "delta"; while outputs are due inputs are refused
+};
+std::string_view to_string(Translation translation);  // "eager", "av"
+
+// A tree of inputs: node 0 is asked first; after an output without a branch of its own the query
+// ends. `Output` is Symbol (learner's side) or std::string (on the wire).
+template <typename Output>
+struct BasicDecisionTree {
+  struct Node {
+    Symbol input = 0;
+    std::vector<std::pair<Output, std::uint32_t>> branches;  // output -> index of the next node
+  };
+  std::vector<Node> nodes;
+};
+
+using DecisionTree = BasicDecisionTree<Symbol>;
+
+// A question in the symbols of a Mealy machine.
+using Query = std::variant<Word, DecisionTree>;
+
+// A question to a system. Inputs are indices into SulInfo::inputs; under Translation::av the index
+// one past the last stands for Delta. Branches are keyed by mealy_output() of the step.
+struct SulQuery {
+  std::variant<Word, BasicDecisionTree<std::string>> inputs;
+  Translation translation = Translation::eager;
+};
+
 class LearningPurpose;
 
+// ---- Answers ----
+//
+// What became of one input.
 enum class StepStatus : std::uint8_t {
   taken,       // the system took the input; `events` are its outputs until quiescence
   refused,     // the actor is busy, or (av) an output is due: nothing was done

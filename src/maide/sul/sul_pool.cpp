@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "maide/base/error.hpp"
+#include "maide/base/invariant.hpp"
 
 namespace maide {
 namespace {
@@ -95,6 +96,7 @@ class SulPool::Batch {
       if (!run_portion(sul, portion, control)) break;
     }
     const std::scoped_lock lock(mutex_);
+    MAIDE_CHECK(running_ > 0);
     --running_;
     changed_.notify_all();
   }
@@ -140,6 +142,7 @@ class SulPool::Batch {
       queue_.pop_front();
     }
     in_flight_ += portion.size();
+    MAIDE_CHECK(in_flight_ + queue_.size() <= queries_.size());
     return portion;
   }
 
@@ -149,6 +152,7 @@ class SulPool::Batch {
     for (const std::size_t index : portion) queries.push_back(queries_[index]);
     std::vector<bool> is_answered(portion.size(), false);
     const auto sink = [&](std::size_t index, SulAnswer answer) {
+      MAIDE_CHECK(index < portion.size() && !is_answered[index]);
       is_answered[index] = true;
       const std::scoped_lock lock(mutex_);
       answered_.push_back({portion[index], std::move(answer)});
@@ -233,6 +237,7 @@ SulIncidents SulPool::incidents() const {
 void SulPool::give_up(const Sul& sul, const std::exception_ptr& error) {
   const auto member = std::find_if(members_.begin(), members_.end(),
                                    [&](const Member& one) { return one.sul.get() == &sul; });
+  MAIDE_CHECK(member != members_.end());
   const std::string name = member->name;
   earlier_incidents_.add(sul.incidents());
   members_.erase(member);
@@ -249,6 +254,7 @@ void SulPool::run(std::span<const SulQuery> batch, const SulAnswerSink& sink,
                   const RunControl& control) {
   std::vector<bool> is_answered(batch.size(), false);
   const SulAnswerSink checked_sink = [&](std::size_t index, SulAnswer answer) {
+    MAIDE_CHECK(!is_answered[index]);  // none is handed on twice, whoever failed
     is_answered[index] = true;
     sink(index, std::move(answer));
   };
@@ -267,6 +273,7 @@ void SulPool::run(std::span<const SulQuery> batch, const SulAnswerSink& sink,
 void SulPool::run_once(std::span<const SulQuery> batch, std::span<const std::size_t> open,
                        const SulAnswerSink& sink, const RunControl& control) {
   const std::size_t workers = std::min(members_.size(), open.size());
+  MAIDE_CHECK(workers > 0);
   Batch shared(batch, open, control, workers);
   {
     std::vector<std::jthread> threads;

@@ -1,7 +1,7 @@
-// Several systems that are the same, asked at once. The queries of a batch lie in one queue; for
-// each system a thread takes small portions of it and runs them. Portions shrink as the queue does
-// (guided self-scheduling: Polychronopoulos & Kuck, IEEE Transactions on Computers 36, 1987), so
-// that nobody is left with a long one at the end.
+// Several equal systems, asked at once. The queries of a batch lie in one queue. For each system a
+// thread takes small portions of the queue and runs them. Portions shrink as the queue does (guided
+// self-scheduling: Polychronopoulos & Kuck, IEEE Transactions on Computers 36, 1987), so that no
+// system is left with a long one at the end.
 //
 // Invariant: which queries are asked does not depend on the number of systems. Only the order in
 // which answers arrive does; whoever numbers outputs does it in the order of the queries.

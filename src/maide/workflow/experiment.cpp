@@ -15,24 +15,48 @@
 #include "maide/automata/minimize.hpp"
 #include "maide/base/hash.hpp"
 #include "maide/base/log.hpp"
-#include "maide/base/parse_number.hpp"
-#include "maide/base/saturating.hpp"
+#include "maide/base/numbers.hpp"
+#include "maide/base/text.hpp"
 #include "maide/base/version.hpp"
-#include "maide/conformance/chain_oracle.hpp"
-#include "maide/conformance/known_words.hpp"
-#include "maide/conformance/test_chain.hpp"
-#include "maide/learn/cache.hpp"
-#include "maide/learn/confirming_teacher.hpp"
-#include "maide/learn/counting_oracle.hpp"
-#include "maide/learn/learners.hpp"
-#include "maide/learn/rpni.hpp"
-#include "maide/learn/sul_oracle.hpp"
-#include "maide/workflow/confirm_model.hpp"
-#include "maide/workflow/paced_oracle.hpp"
-#include "maide/workflow/run_counts.hpp"
+#include "maide/conformance/method/known_words.hpp"
+#include "maide/conformance/method/test_chain.hpp"
+#include "maide/learn/cache/cache.hpp"
+#include "maide/learn/learner.hpp"
+#include "maide/learn/oracle/equivalence_oracle.hpp"
+#include "maide/learn/oracle/observing_oracle.hpp"
+#include "maide/learn/oracle/sul_oracle.hpp"
+#include "maide/learn/passive/rpni.hpp"
+#include "maide/workflow/known_models.hpp"
+#include "maide/workflow/pacing.hpp"
 
 namespace maide {
 namespace {
+
+// Believes no counterexample before the system has shown it twice: the word is asked again, fresh,
+// not from the cache. If the two answers differ the cache holds its votes, and if the first one was
+// wrong, throws CacheCorrected. One query for each counterexample; none for one that a kept cache
+// answers, which the run that asked for it has confirmed.
+class ConfirmingTeacher : public EquivalenceOracle {
+ public:
+  // Keeps both references.
+  ConfirmingTeacher(EquivalenceOracle& teacher, Cache& cache) : teacher_(teacher), cache_(cache) {}
+
+  std::optional<Word> find_counterexample(const Mealy& hypothesis,
+                                          const RunControl& control = {}) override {
+    std::optional<Word> counterexample = teacher_.find_counterexample(hypothesis, control);
+    if (counterexample && !cache_.is_kept(*counterexample)) {
+      cache_.ask_afresh(*counterexample, control);
+    }
+    return counterexample;
+  }
+  std::string guarantee() const override { return teacher_.guarantee(); }
+  Strength strength() const override { return teacher_.strength(); }
+  TestCost cost_of_missing() const override { return teacher_.cost_of_missing(); }
+
+ private:
+  EquivalenceOracle& teacher_;
+  Cache& cache_;
+};
 
 // Inputs that the confirmation with longer waits may cost: a bounded share of the inputs that the
 // run took, from the system and from a kept cache.
@@ -53,29 +77,20 @@ std::string confirmation_name(const Mealy& model, const std::string& waits) {
   return fmt::format("a model of {} states, {:016x}, {}", machine.size(), hash, waits);
 }
 
-std::vector<std::string_view> split(std::string_view text, std::string_view separators) {
-  std::vector<std::string_view> words;
-  while (!text.empty()) {
-    const std::size_t end = std::min(text.find_first_of(separators), text.size());
-    if (end > 0) words.push_back(text.substr(0, end));
-    text.remove_prefix(std::min(end + 1, text.size()));
-  }
-  return words;
-}
-
 // "depth", "queue_size", "max-samples": not "step-limit", "max-blocking-time".
-bool names_length(std::string_view key) {
+bool names_length(std::string key) {
   constexpr std::array lengths{"bound",  "buffer",   "capacity", "depth",  "history",
                                "hwm",    "inflight", "length",   "queue",  "queued",
                                "rcvhwm", "samples",  "size",     "sndhwm", "window"};
-  const std::vector<std::string_view> words = split(key, "-_");
+  std::replace(key.begin(), key.end(), '-', '_');
+  const std::vector<std::string_view> words = split(key, '_');
   return std::any_of(words.begin(), words.end(), [&](std::string_view word) {
     return std::find(lengths.begin(), lengths.end(), word) != lengths.end();
   });
 }
 
 const LearnerEntry& choose_algorithm(const std::string& name) {
-  return name.empty() ? learners().front() : find_learner(name);
+  return find_deterministic_learner(name);
 }
 
 // The algorithm, or the one that stands in for it where a system answers no decision trees.
@@ -110,13 +125,13 @@ class Run {
         method_(options.test_method),
         counter_(system),
         progress_(control.progress, counter_),
-        paced_(counter_, pace()) {
+        portioned_(counter_, pace()) {
     if (!options.testing.strength.empty()) parse_demand(options.testing.strength, {});
     if (!options.cache_file.empty()) {
       file_.emplace(options.cache_file, system.inputs(), options.fingerprint, &control);
       if (options.on_cached_word) kept_symbols_ = tell_cached_words(*file_, options);
     }
-    cache_.emplace(file_ ? Cache(paced_, *file_) : Cache(paced_));
+    cache_.emplace(file_ ? Cache(portioned_, *file_) : Cache(portioned_));
     cache_->hold_votes(options.vote, [this](bool begins) {
       if (begins) phase_ = counter_.phase();
       counter_.set_phase(begins ? LearnPhase::confirmation : phase_);
@@ -141,7 +156,7 @@ class Run {
     result_.model.origin["maide"] = version();
     judge_strength();
     Statistics statistics = counter_.statistics();
-    statistics.at(LearnPhase::confirmation) += patient_counts_;
+    statistics.at(LearnPhase::confirmation) += slower_counts_;
     fill_counts(result_, statistics, start_);
     result_.cache_hits = cache_->hits();
     return std::move(result_);
@@ -262,7 +277,7 @@ class Run {
     const TestMethodOptions& testing = options_.testing;
     tested_.standard = demand_of(result_.model, testing.sizes);
     tested_.demand = demand_of(result_.model, testing.sizes, testing.strength);
-    tested_.budget = testing.budget;
+    tested_.budget = testing.whole_budget();
     tested_.is_weak = !describe_shortfall(tested_.strength, tested_.standard).empty();
     if (tested_.shortfall().empty()) tested_.cost_of_missing = {};
     result_.model.origin[std::string(strength_key)] =
@@ -272,25 +287,25 @@ class Run {
 
   // Unless a run with the same cache has confirmed the model before.
   void confirm(const Mealy& model) {
-    if (!options_.patient) return;
-    const std::string name = confirmation_name(model, options_.patient->waits);
+    if (!options_.slower) return;
+    const std::string name = confirmation_name(model, options_.slower->waits);
     if (const auto before = file_ ? file_->find_confirmed(name) : std::nullopt) {
       result_.guarantee +=
           fmt::format("; {} words confirmed with longer waits ({}) by a run before", *before,
-                      options_.patient->waits);
+                      options_.slower->waits);
       return;
     }
     const std::uint64_t symbols = counter_.statistics().total().symbols + kept_symbols_;
     const ConfirmationSettings settings{options_.vote, options_.testing.seed,
                                         confirmation_budget(symbols)};
     const std::uint64_t words =
-        confirm_model(model, *options_.patient, *cache_, settings, patient_counts_, control_);
+        confirm_model(model, *options_.slower, *cache_, settings, slower_counts_, control_);
     if (file_) {
       file_->add_confirmed(name, words);
       file_->commit();
     }
     result_.guarantee +=
-        fmt::format("; {} words confirmed with longer waits ({})", words, options_.patient->waits);
+        fmt::format("; {} words confirmed with longer waits ({})", words, options_.slower->waits);
   }
 
   const std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
@@ -300,7 +315,7 @@ class Run {
   TestChain method_;
   CountingOracle counter_;
   CountedProgress progress_;
-  PacedOracle paced_;
+  PortioningOracle portioned_;
   std::optional<CacheFile> file_;
   std::optional<Cache> cache_;
   std::vector<Word> known_words_;            // each hypothesis is tested with these first
@@ -311,7 +326,7 @@ class Run {
   const LoggedTraces* traces_ = nullptr;     // of the present run
   LearnPhase phase_ = LearnPhase::learning;  // before a vote
   TestedStrength tested_;  // of the present run's model, as far as a query came to its end
-  QueryCounts patient_counts_;
+  QueryCounts slower_counts_;
   std::uint64_t kept_symbols_ = 0;  // in the cache when the run began
   ExperimentResult result_;
 };
@@ -353,14 +368,27 @@ std::vector<std::size_t> find_sizes(const SulInfo& info) {
   for (const auto& [key, value] : info.options) {
     if (names_length(key)) add(value);
   }
-  for (const std::string_view word : split(info.bound, " ,")) add(word);  // "at most 6 messages"
+  std::string bound = info.bound;
+  std::replace(bound.begin(), bound.end(), ',', ' ');
+  for (const std::string_view word : split(bound, ' ')) add(word);  // "at most 6 messages"
   return sizes;
 }
 
-TestCost test_budget(bool is_in_memory, std::uint64_t effort) {
-  const TestCost once =
-      is_in_memory ? TestCost{1'000'000, 30'000'000} : TestCost{20'000, 1'000'000};
-  return {saturating_product(once.words, effort), saturating_product(once.symbols, effort)};
+TestCost test_budget(bool is_in_memory) {
+  return is_in_memory ? TestCost{1'000'000, 30'000'000} : TestCost{20'000, 1'000'000};
+}
+
+void require_test_option(const std::string& algorithm, const std::string& test_method,
+                         std::string_view option) {
+  const LearnerEntry& learner = find_learner(algorithm);
+  if (learner.test_options.empty()) {
+    if (!find_test_option(option).is_of_run) TestChain(test_method).require(option);
+    return;
+  }
+  const std::vector<std::string_view> own = split(learner.test_options, ' ');
+  if (std::find(own.begin(), own.end(), option) != own.end()) return;
+  throw UsageError(fmt::format("the tests of {} have no option '{}'; they have: {}", learner.name,
+                               option, learner.test_options));
 }
 
 Fingerprint identify(const IaTranslator& translator) {
@@ -371,6 +399,48 @@ Fingerprint identify(const IaTranslator& translator) {
   if (!info.bound.empty()) result["the bound"] = info.bound;
   for (const auto& [what, version] : info.versions) result["the version of " + what] = version;
   return result;
+}
+
+namespace {
+
+double to_seconds(std::chrono::microseconds duration) {
+  return std::chrono::duration<double>(duration).count();
+}
+
+}  // namespace
+
+void CountedProgress::on_progress(const Progress& progress) {
+  last_ = progress;
+  repeat();
+}
+
+void CountedProgress::set_hypothesis(std::size_t states) {
+  last_ = {};
+  last_.states = states;
+}
+
+void CountedProgress::repeat() {
+  if (observer_ == nullptr) return;
+  if (last_.total == 0) last_.phase = to_string(counter_.phase());
+  const QueryCounts counts = counter_.statistics().total();
+  last_.words = counts.queries;
+  last_.symbols = counts.symbols;
+  observer_->on_progress(last_);
+}
+
+void fill_counts(ExperimentResult& result, const Statistics& statistics,
+                 std::chrono::steady_clock::time_point start) {
+  const QueryCounts total = statistics.total();
+  result.experiments = total.queries;
+  result.symbols = total.symbols;
+  result.resets = total.resets;
+  result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  result.seconds_in_system = to_seconds(total.in_system);
+  result.seconds_in_reset = to_seconds(total.in_reset);
+  result.seconds_in_reset_wait = to_seconds(total.in_reset_wait);
+  result.seconds_in_settling = to_seconds(total.in_settling);
+  result.seconds_in_learner = std::max(0.0, result.seconds - to_seconds(total.asking));
+  result.statistics = statistics;
 }
 
 }  // namespace maide

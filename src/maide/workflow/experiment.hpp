@@ -1,15 +1,16 @@
 // A whole learning run, wired up:
 //
-//   learner, teacher -> Cache -> PacedOracle -> CountingOracle -> SulOracle -> the system
+//   learner, teacher -> Cache -> PortioningOracle -> CountingOracle -> SulOracle -> the system
 //
-// Where the system answers a word in two ways, the word is asked again until a majority decides
-// (learn/vote.hpp). If an answer that learner or teacher have seen was wrong, both start again on
-// the corrected cache; that costs no word that is known.
+// A word that the system answers in two ways is asked again until a majority decides
+// (learn/oracle/vote.hpp). If an answer that learner or teacher have seen was wrong, both start
+// again on the corrected cache, which costs no word that is known.
 //
-// It always comes back with what was learned: a run that is interrupted, or whose system fails,
+// A run always comes back with what was learned. One that is interrupted, or whose system fails,
 // returns its last hypothesis and the error that ended it.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <exception>
 #include <filesystem>
@@ -21,16 +22,17 @@
 #include "maide/automata/mealy.hpp"
 #include "maide/automata/strength.hpp"
 #include "maide/base/run_control.hpp"
-#include "maide/conformance/logged_traces.hpp"
-#include "maide/conformance/test_methods.hpp"
-#include "maide/learn/cache_file.hpp"
+#include "maide/conformance/method/logged_traces.hpp"
+#include "maide/conformance/method/test_methods.hpp"
+#include "maide/learn/cache/cache_file.hpp"
 #include "maide/learn/learner.hpp"
-#include "maide/learn/output_oracle.hpp"
-#include "maide/learn/statistics.hpp"
-#include "maide/learn/vote.hpp"
+#include "maide/learn/oracle/observing_oracle.hpp"
+#include "maide/learn/oracle/output_oracle.hpp"
+#include "maide/learn/oracle/statistics.hpp"
+#include "maide/learn/oracle/vote.hpp"
 #include "maide/sul/ia_translator.hpp"
 #include "maide/workflow/known_models.hpp"
-#include "maide/workflow/patient_system.hpp"
+#include "maide/workflow/pacing.hpp"
 
 namespace maide {
 
@@ -50,9 +52,9 @@ struct ExperimentOptions {
   // Of the system, asked about where a hypothesis differs; an algorithm that can start from an old
   // model starts from what the log alone gives, if there is no better one.
   const TraceLog* traces = nullptr;
-  std::vector<Word> known_words;         // each hypothesis is tested with these first
-  bool confirm = false;                  // ask each counterexample again before it is believed
-  std::optional<PatientSystem> patient;  // confirms the final model, where given
+  std::vector<Word> known_words;       // each hypothesis is tested with these first
+  bool confirm = false;                // ask each counterexample again before it is believed
+  std::optional<SlowerSystem> slower;  // confirms the final model, where given
   // Told of each word in the cache file and its answer, before anything is asked.
   std::function<void(const Word& inputs, const std::vector<std::string>& outputs)> on_cached_word;
   HypothesisObserver on_hypothesis;  // called with each hypothesis before it is tested
@@ -134,11 +136,40 @@ ExperimentResult run_experiment(IaTranslator& translator, const ExperimentOption
 // and do not count.
 std::vector<std::size_t> find_sizes(const SulInfo& info);
 
-// What the tests of a hypothesis may cost: less on a real system than in memory; `effort` times
-// that, saturating.
-TestCost test_budget(bool is_in_memory, std::uint64_t effort = 1);
+// What the tests of a hypothesis may cost by default: less on a real system than in memory.
+TestCost test_budget(bool is_in_memory);
+
+// Throws UsageError, with what there is, if neither the algorithm nor a method of `test_method` (as
+// `--algorithm` and `--eq` have them; "": the default) looks at the option of test_options().
+void require_test_option(const std::string& algorithm, const std::string& test_method,
+                         std::string_view option);
 
 // The system behind a translator: name, translation, options, versions, bound.
 Fingerprint identify(const IaTranslator& translator);
+
+// ---- Counts, shared by the learning runs of this layer ----
+
+// Passes on what learner and tests report, with the counts of what has reached the system; and the
+// last report again whenever those have grown.
+class CountedProgress : public ProgressObserver {
+ public:
+  // `observer` may be null. Keeps both.
+  CountedProgress(ProgressObserver* observer, const CountingOracle& counter)
+      : observer_(observer), counter_(counter) {}
+
+  void on_progress(const Progress& progress) override;
+  void set_hypothesis(std::size_t states);
+  void repeat();
+
+ private:
+  ProgressObserver* observer_;
+  const CountingOracle& counter_;
+  Progress last_;
+};
+
+// Fills in the counts and times of a run that began at `start`; but not what the learner counts,
+// nor the cache.
+void fill_counts(ExperimentResult& result, const Statistics& statistics,
+                 std::chrono::steady_clock::time_point start);
 
 }  // namespace maide

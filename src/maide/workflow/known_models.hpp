@@ -1,6 +1,7 @@
-// Models that a system may have: which of several it is, and the words that show whether it has the
-// one that is suspected. Identify or learn: where many systems have few different models, telling
-// them apart takes a few words, and verifying a model no more than its closing tests.
+// Models that a system may have, and the words that tell: which of several models the system has,
+// and whether it has the one that is suspected. Where many systems have few different models,
+// telling them apart takes a few words, and verifying a model no more than its closing tests. The
+// confirmation of a final model is here too.
 #pragma once
 
 #include <cstdint>
@@ -12,12 +13,35 @@
 
 #include "maide/automata/mealy.hpp"
 #include "maide/base/run_control.hpp"
-#include "maide/learn/output_oracle.hpp"
-#include "maide/sul/query.hpp"
+#include "maide/learn/cache/cache.hpp"
+#include "maide/learn/oracle/output_oracle.hpp"
+#include "maide/learn/oracle/statistics.hpp"
 #include "maide/sul/sul.hpp"
+#include "maide/workflow/pacing.hpp"
 
 namespace maide {
 
+// ---- Confirmation ----
+//
+// A model is confirmed by looking again with longer waits. If a wait was too short to see
+// something, or took a pause for the end of a step, that shows as a difference. The system is
+// opened a second time for that.
+struct ConfirmationSettings {
+  VoteOptions vote;
+  std::uint64_t seed = 0;
+  std::uint64_t most_symbols = 20;  // given to the slower system, votes not included
+};
+
+// Plays a sample of words on the slower system, and returns how many agree with the model. One
+// that differs is asked again, fresh, on the system that the model was learned from: if that
+// answers otherwise now, the cache corrects itself (throws CacheCorrected). If it stands by its
+// answer, and the slower system by its own, waits are too short: throws Error (inconclusive) that
+// says so. What the slower system is asked is added to `counts`. Throws what the systems throw.
+std::uint64_t confirm_model(const Mealy& model, const SlowerSystem& slower, Cache& cache,
+                            const ConfirmationSettings& settings, QueryCounts& counts,
+                            const RunControl& control);
+
+// ---- Known models ----
 struct KnownModel {
   std::string name;
   Mealy machine;  // over the system's inputs, minimal, in breadth-first order

@@ -17,14 +17,13 @@
 #include "maide/base/file.hpp"
 #include "maide/base/hash.hpp"
 #include "maide/base/json.hpp"
-#include "maide/base/parse_number.hpp"
-#include "maide/formats/dot.hpp"
+#include "maide/base/numbers.hpp"
 #include "maide/formats/model_file.hpp"
 #include "maide/sul/ia_translation.hpp"
 #include "maide/workflow/learn_model.hpp"
 #include "maide/workflow/nondeterministic_run.hpp"
 #include "maide/workflow/open_system.hpp"
-#include "maide/workflow/patient_system.hpp"
+#include "maide/workflow/pacing.hpp"
 #include "maide/workflow/read_machine.hpp"
 
 namespace maide {
@@ -43,44 +42,45 @@ std::string describe(const ModelRequest& request) {
   return learning.empty() ? text : text + " (learning" + learning + ")";
 }
 
-std::uint64_t read_count(const std::string& name, const std::string& text) {
-  if (const auto value = parse_number<std::uint64_t>(text)) return *value;
-  throw UsageError(fmt::format("'{}' of 'learning' must be a number, not '{}'", name, text));
+bool is_of_tests(const std::string& key) {
+  return key != "algorithm" && key != "eq" && key != start_from_key;
+}
+
+// Throws UsageError for a key that is none, or that neither the algorithm nor the tests look at.
+void check_keys(const ModelRequest& request, const ExperimentOptions& options) {
+  const std::span<const TestOption> known = test_options();
+  for (const auto& [key, value] : request.learning) {
+    if (!is_of_tests(key)) continue;
+    if (std::none_of(known.begin(), known.end(),
+                     [&key](const TestOption& option) { return option.key == key; })) {
+      std::vector<std::string> keys{"algorithm", "eq", std::string(start_from_key)};
+      for (const TestOption& option : known) keys.emplace_back(option.key);
+      throw UsageError(fmt::format("'learning' has no key '{}'; it may have: {}", key, join(keys)));
+    }
+    require_test_option(options.algorithm, options.test_method, key);
+  }
 }
 
 // What `learning:` says of a system; files are relative to `folder`.
 ExperimentOptions read_learning(const ModelRequest& request, const std::filesystem::path& folder,
                                 const OpenedSystem& opened) {
   const SulInfo& system = opened.sul->info();
-  std::uint64_t effort = 1;
   ExperimentOptions options;
   for (const auto& [name, value] : request.learning) {
     if (name == "algorithm") {
       options.algorithm = value;
     } else if (name == "eq") {
       options.test_method = value;
-    } else if (name == "extra-states") {
-      options.testing.extra_states = read_count(name, value);
-    } else if (name == "max-tests") {
-      options.testing.max_tests = read_count(name, value);
-    } else if (name == "seed") {
-      options.testing.seed = read_count(name, value);
-    } else if (name == "effort") {
-      effort = read_count(name, value);
-      if (effort < 1 || effort > 1000) {
-        throw UsageError("'effort' of 'learning' is a number from 1 to 1000, not " + value);
-      }
     } else if (name == start_from_key) {
       options.old_model =
           read_old_machine(folder / value, Translation::eager, input_alphabet(system));
-    } else {
-      throw UsageError("'learning' has no key '" + name +
-                       "'; it may have: algorithm, effort, eq, extra-states, max-tests, seed, "
-                       "start-from, "
-                       "as in `maide learn`");
     }
   }
-  options.testing.budget = test_budget(opened.reference.has_value(), effort);
+  check_keys(request, options);
+  for (const auto& [key, value] : request.learning) {
+    if (is_of_tests(key)) set_test_option(options.testing, key, value);
+  }
+  options.testing.budget = test_budget(opened.reference.has_value());
   return options;
 }
 
@@ -151,7 +151,7 @@ InterfaceAutomaton learn(const ModelRequest& request, const Opened& opened,
   experiment.known_words = to_symbols(counterexamples, input_alphabet(sul.info()));
   experiment.reference = opened.system.reference ? &*opened.system.reference : nullptr;
   experiment.confirm = !opened.system.reference;
-  experiment.patient = make_patient_system(opened.spec, opened.access, sul, {}, control);
+  experiment.slower = make_slower_system(opened.spec, opened.access, sul, {}, control);
   LearnedModel learned = learn_model(sul, Translation::eager, experiment, control);
   if (!learned.experiment.is_complete()) std::rethrow_exception(learned.experiment.error);
   auto* automaton = std::get_if<InterfaceAutomaton>(&*learned.model);
@@ -188,7 +188,7 @@ bool is_model_of(const InterfaceAutomaton& automaton, const SulInfo& system) {
 // cannot be started from is left: nobody asked for it.
 std::optional<Mealy> machine_of(const InterfaceAutomaton& kept, const ExperimentOptions& options,
                                 const SulInfo& system) {
-  if (options.algorithm == nstar_name) return std::nullopt;
+  if (find_learner(options.algorithm).is_nondeterministic()) return std::nullopt;
   try {
     Mealy machine = to_mealy(kept, Translation::eager);
     if (shares_inputs(machine, input_alphabet(system))) return machine;

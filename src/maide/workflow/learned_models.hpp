@@ -1,6 +1,6 @@
 // Models of a system file that are learned when they are needed (`{learn: cyclonedds, with:
-// {...}}`) and kept beside the file, so that the next check starts at once. Beside each model lies
-// the cache of what its system answered: learning that was ended goes on there, and a model that
+// {...}}`). A model is kept beside the file, so that the next check starts at once. Beside it lies
+// the cache of its system's answers. So learning that was ended goes on there, and a model that
 // turns out to be wrong is refined at the cost of what is new.
 #pragma once
 
@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "maide/base/run_control.hpp"
-#include "maide/check/system_file.hpp"
+#include "maide/check/language/system_file.hpp"
 
 namespace maide {
 

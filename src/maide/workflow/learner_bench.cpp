@@ -14,13 +14,12 @@
 #include "maide/automata/compare.hpp"
 #include "maide/automata/minimize.hpp"
 #include "maide/base/error.hpp"
-#include "maide/conformance/chain_oracle.hpp"
-#include "maide/conformance/known_words.hpp"
-#include "maide/conformance/test_chain.hpp"
-#include "maide/learn/cache.hpp"
-#include "maide/learn/counting_oracle.hpp"
-#include "maide/learn/mealy_oracle.hpp"
-#include "maide/workflow/paced_oracle.hpp"
+#include "maide/conformance/method/known_words.hpp"
+#include "maide/conformance/method/test_chain.hpp"
+#include "maide/learn/cache/cache.hpp"
+#include "maide/learn/oracle/mealy_oracle.hpp"
+#include "maide/learn/oracle/observing_oracle.hpp"
+#include "maide/workflow/pacing.hpp"
 #include "maide/workflow/read_machine.hpp"
 
 namespace maide {
@@ -85,9 +84,9 @@ class Measurement {
       : machine_(model.machine),
         system_(machine_),
         sent_(system_),
-        paced_(sent_, pace(options)),
-        cache_(paced_),
-        asked_(options.use_cache ? static_cast<OutputOracle&>(cache_) : paced_, sent_),
+        portioned_(sent_, pace(options)),
+        cache_(portioned_),
+        asked_(options.use_cache ? static_cast<OutputOracle&>(cache_) : portioned_, sent_),
         tests_(make_tests(model, algorithm, method, options, control)),
         teacher_(*tests_, sent_),
         learner_(make_learner(algorithm, asked_, old_version(model), control)) {}
@@ -146,7 +145,7 @@ class Measurement {
   const Mealy& machine_;
   MealyOracle system_;
   CountingOracle sent_;
-  PacedOracle paced_;
+  PortioningOracle portioned_;
   Cache cache_;
   Asked asked_;
   std::unique_ptr<EquivalenceOracle> tests_;
@@ -311,13 +310,13 @@ void add_old_versions(BenchFolder& folder, const fs::path& old_versions) {
 std::vector<const LearnerEntry*> bench_learners(const BenchOptions& options) {
   std::vector<const LearnerEntry*> algorithms;
   for (const std::string& name : options.algorithms) {
-    const LearnerEntry* const entry = &find_learner(name);
+    const LearnerEntry* const entry = &find_deterministic_learner(name);
     if (std::find(algorithms.begin(), algorithms.end(), entry) == algorithms.end()) {
       algorithms.push_back(entry);
     }
   }
   if (!options.algorithms.empty()) return algorithms;
-  for (const LearnerEntry& entry : learners()) algorithms.push_back(&entry);
+  for (const LearnerEntry& entry : deterministic_learners()) algorithms.push_back(&entry);
   return algorithms;
 }
 

@@ -1,11 +1,11 @@
 // Learners x models, measured: what each learner asks, what of it reaches the system through the
 // cache, and the processor time. Models are known machines, so that what was learned can be
-// compared with them; each run is wired as `maide learn` wires it:
+// compared with them. Each run is wired as `maide learn` wires it:
 //
 //   learner, teacher -> CountingOracle (asked) -> Cache -> CountingOracle (sent) -> the machine
 //
-// so that one run gives the figures of both conventions: those without a cache, as papers count,
-// and those with one. The counts depend on model, learner, method and seed alone.
+// So one run gives the figures of both conventions: without a cache, as papers count, and with one.
+// The counts depend on model, learner, method and seed alone.
 #pragma once
 
 #include <cstdint>
@@ -18,9 +18,9 @@
 
 #include "maide/automata/mealy.hpp"
 #include "maide/base/run_control.hpp"
-#include "maide/conformance/test_methods.hpp"
-#include "maide/learn/learners.hpp"
-#include "maide/learn/statistics.hpp"
+#include "maide/conformance/method/test_methods.hpp"
+#include "maide/learn/learner.hpp"
+#include "maide/learn/oracle/statistics.hpp"
 
 namespace maide {
 

@@ -4,12 +4,12 @@
 
 #include "maide/base/error.hpp"
 #include "maide/base/version.hpp"
-#include "maide/conformance/nondeterministic_tests.hpp"
-#include "maide/learn/counting_oracle.hpp"
-#include "maide/learn/nstar.hpp"
-#include "maide/learn/trace_samples.hpp"
-#include "maide/workflow/paced_oracle.hpp"
-#include "maide/workflow/run_counts.hpp"
+#include "maide/conformance/method/nondeterministic_tests.hpp"
+#include "maide/learn/oracle/observing_oracle.hpp"
+#include "maide/learn/passive/trace_samples.hpp"
+#include "maide/learn/table/nstar.hpp"
+#include "maide/workflow/experiment.hpp"
+#include "maide/workflow/pacing.hpp"
 
 namespace maide {
 namespace {
@@ -55,14 +55,13 @@ NondeterministicResult run_nondeterministic_experiment(OutputOracle& system,
   PaceOptions pace;
   if (options.max_experiments != 0) pace.max_queries = options.max_experiments;
   pace.after_portion = [&progress] { progress.repeat(); };
-  PacedOracle paced(counter, pace);
-  TraceSamples samples(paced, {.confidence = options.vote.confidence});
+  PortioningOracle portioned(counter, pace);
+  TraceSamples samples(portioned, {.confidence = options.vote.confidence});
   NStar learner(samples);
 
   NondeterministicResult result;
   ExperimentResult& run = result.experiment;
-  run.algorithm = nstar_name;
-  run.test_method = nstar_name;
+  run.algorithm = run.test_method = "nstar";
   run.guarantee = "not tested";
   RunControl counted = control;
   counted.progress = &progress;

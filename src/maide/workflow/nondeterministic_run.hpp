@@ -1,6 +1,6 @@
 // A whole learning run with `nstar`, for systems that may answer the same word in several ways:
 //
-//   NStar, tests -> TraceSamples -> PacedOracle -> CountingOracle -> SulOracle -> the system
+//   NStar, tests -> TraceSamples -> PortioningOracle -> CountingOracle -> SulOracle -> the system
 //
 // There is no cache: a word that is asked again is a new sample.
 #pragma once
@@ -11,12 +11,6 @@
 #include "maide/workflow/experiment.hpp"
 
 namespace maide {
-
-// As in `--algorithm nstar`, with a line for help.
-inline constexpr std::string_view nstar_name = "nstar";
-inline constexpr std::string_view nstar_description =
-    "for systems that answer the same word in several ways, by sampling (some 44 times as many "
-    "words); the eager translation";
 
 struct NondeterministicResult {
   NondeterministicMealy model;  // minimal; of a run that ended before its first hypothesis, a

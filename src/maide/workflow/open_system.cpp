@@ -1,9 +1,15 @@
 #include "maide/workflow/open_system.hpp"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <exception>
+#include <set>
+#include <string>
+#include <string_view>
+#include <system_error>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -12,16 +18,159 @@
 #include "maide/base/file.hpp"
 #include "maide/base/hash.hpp"
 #include "maide/base/log.hpp"
-#include "maide/base/suggest.hpp"
+#include "maide/base/text.hpp"
 #include "maide/formats/model_file.hpp"
 #include "maide/sul/ia_translation.hpp"
 #include "maide/sul/simulated_sul.hpp"
 #include "maide/sul/sul_pool.hpp"
-#include "maide/wire/token.hpp"
-#include "maide/wire/wrapper_proxy.hpp"
-#include "maide/workflow/wrapper_search.hpp"
+#include "maide/wire/client/wrapper_proxy.hpp"
+#include "maide/wire/protocol/tcp.hpp"
 
 namespace maide {
+namespace {
+
+bool take_prefix(std::string_view& text, std::string_view prefix) {
+  if (!text.starts_with(prefix)) return false;
+  text.remove_prefix(prefix.size());
+  return true;
+}
+
+void parse_target(SystemSpec& spec) {
+  std::string_view rest = spec.text;
+  if (take_prefix(rest, "sim:")) {
+    spec.kind = SystemSpec::Kind::simulated;
+  } else if (take_prefix(rest, "tcp://")) {
+    spec.kind = SystemSpec::Kind::tcp;
+  } else if (take_prefix(rest, "exec:")) {
+    spec.kind = SystemSpec::Kind::program;
+    spec.command = split_shell_words(rest);
+  } else if (rest.find_first_of(":/= \t") != std::string_view::npos) {
+    throw UsageError("unknown system '" + spec.text +
+                     "': give a wrapper's name (port, cyclonedds), sim:FILE, tcp://HOST:PORT or "
+                     "exec:PROGRAM");
+  }
+  spec.target = rest;
+  if (spec.target.empty() || (spec.kind == SystemSpec::Kind::program && spec.command.empty())) {
+    throw UsageError("nothing follows '" + spec.text + "' in the system's name");
+  }
+}
+
+}  // namespace
+
+SystemSpec parse_system_spec(const std::string& sul, std::span<const std::string> key_values) {
+  if (sul.empty()) throw UsageError("the system's name is empty");
+  SystemSpec spec;
+  spec.text = sul;
+  parse_target(spec);
+  for (const std::string& word : key_values) {
+    const std::size_t equals = word.find('=');
+    if (equals == 0 || equals == std::string::npos) {
+      throw UsageError("'" + word + "' is not an option of the system: write KEY=VALUE");
+    }
+    std::string key = word.substr(0, equals);
+    std::replace(key.begin(), key.end(), '_', '-');
+    if (!spec.options.emplace(key, word.substr(equals + 1)).second) {
+      throw UsageError("option '" + key + "' of the system is given twice");
+    }
+  }
+  return spec;
+}
+
+std::string origin_of(const SystemSpec& spec, const std::map<std::string, std::string>& options) {
+  std::string text = quote_shell_word(spec.text);
+  for (const auto& [key, value] : options) text += " " + quote_shell_word(key + "=" + value);
+  return text;
+}
+
+// The folders are computed for each call: PATH may change, and calls are rare.
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::string_view wrapper_prefix = "maide-wrap-";
+
+bool is_program(const fs::path& path) {
+  std::error_code ignored;
+  return fs::is_regular_file(path, ignored) && ::access(path.c_str(), X_OK) == 0;
+}
+
+std::vector<fs::path> path_folders() {
+  std::vector<fs::path> folders;
+  const char* path = std::getenv("PATH");
+  std::string_view rest = path != nullptr ? path : "/usr/local/bin:/usr/bin:/bin";
+  while (!rest.empty()) {
+    const std::size_t colon = std::min(rest.find(':'), rest.size());
+    // An empty element means the current folder; programs are not taken from there unasked.
+    if (colon > 0) folders.emplace_back(rest.substr(0, colon));
+    rest.remove_prefix(std::min(colon + 1, rest.size()));
+  }
+  return folders;
+}
+
+// Beside the program and in libexec; empty if /proc is not there.
+std::vector<fs::path> own_folders() {
+  std::error_code error;
+  const fs::path program = fs::read_symlink("/proc/self/exe", error);
+  if (error) return {};
+  const fs::path folder = program.parent_path();
+  return {folder, folder.parent_path() / "libexec" / "maide"};
+}
+
+std::vector<fs::path> search_folders() {
+  std::vector<fs::path> folders = own_folders();
+  for (fs::path& folder : path_folders()) folders.push_back(std::move(folder));
+  return folders;
+}
+
+std::optional<fs::path> find_program(std::string_view name, const std::vector<fs::path>& folders) {
+  for (const fs::path& folder : folders) {
+    if (fs::path candidate = folder / name; is_program(candidate)) return candidate;
+  }
+  return std::nullopt;
+}
+
+bool is_wrapper_name(std::string_view name) {
+  return !name.empty() && std::all_of(name.begin(), name.end(), [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' ||
+           c == '-';
+  });
+}
+
+}  // namespace
+
+std::optional<fs::path> find_wrapper(std::string_view name) {
+  if (!is_wrapper_name(name)) return std::nullopt;
+  return find_program(std::string(wrapper_prefix) + std::string(name), search_folders());
+}
+
+std::optional<fs::path> find_on_path(std::string_view name) {
+  return find_program(name, path_folders());
+}
+
+std::vector<std::string> list_wrappers() {
+  std::set<std::string> names;
+  for (const fs::path& folder : search_folders()) {
+    std::error_code error;
+    for (auto entry = fs::directory_iterator(folder, error);
+         !error && entry != fs::directory_iterator(); entry.increment(error)) {
+      const std::string file = entry->path().filename().string();
+      if (!file.starts_with(wrapper_prefix) || !is_program(entry->path())) continue;
+      if (std::string name = file.substr(wrapper_prefix.size()); is_wrapper_name(name)) {
+        names.insert(std::move(name));
+      }
+    }
+  }
+  return {names.begin(), names.end()};
+}
+
+std::string describe_wrapper_search() {
+  const std::vector<std::string> names = list_wrappers();
+  std::string places = "beside maide, in ../libexec/maide and on PATH";
+  return names.empty() ? "no wrapper was found " + places
+                       : "found: " + join(names) + "; looked " + places;
+}
+
 namespace {
 
 // A model's text as a short number, so that a cache knows when the file was changed.

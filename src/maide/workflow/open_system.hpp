@@ -1,20 +1,65 @@
-// From what a person types to a system that can be asked: simulates a model, starts wrappers'
-// processes, or connects to ones that listen. Several are asked at once, as a pool.
+// From what a person types to a system that can be asked. A model is simulated, a wrapper's
+// processes are started, or listening wrappers are connected to. Several are asked at once, as a
+// pool.
 #pragma once
 
+#include <filesystem>
+#include <map>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "maide/automata/mealy.hpp"
 #include "maide/base/run_control.hpp"
+#include "maide/base/text.hpp"
 #include "maide/sul/sul.hpp"
-#include "maide/wire/wrapper_options.hpp"
-#include "maide/workflow/system_spec.hpp"
+#include "maide/wire/wrapper/wrapper_options.hpp"
 
 namespace maide {
 
+// ---- What a person types ----
+//
+// A system under learning is typed as `SUL [KEY=VALUE ...]`. SUL is `sim:FILE` (a model,
+// simulated), the name of a wrapper ("port", "cyclonedds"), `tcp://HOST:PORT,...` (wrappers that
+// listen), or `exec:PROGRAM ARGS` (any program that speaks the protocol).
+struct SystemSpec {
+  enum class Kind { simulated, wrapper, tcp, program };
+  Kind kind = Kind::wrapper;
+  std::string text;                            // as typed: "sim:coffee.dot"
+  std::string target;                          // the file, the wrapper's name, "HOST:PORT,..."
+  std::vector<std::string> command;            // of `exec:`: the program and its arguments
+  std::map<std::string, std::string> options;  // KEY=VALUE, keys with '-' for '_'
+};
+
+// Throws UsageError: an unknown scheme, an empty target, a word without '=', a key given twice.
+SystemSpec parse_system_spec(const std::string& sul, std::span<const std::string> key_values);
+
+// The system and its options in one line, as a model keeps them; split_shell_words() undoes it.
+std::string origin_of(const SystemSpec& spec, const std::map<std::string, std::string>& options);
+
+// ---- Where wrappers are found ----
+//
+// The programs `maide-wrap-<middleware>` are looked for beside the running program, then in
+// ../libexec/maide from there, then on PATH.
+
+// The program of the wrapper called `name` ("cyclonedds"), or nothing if it is nowhere. A name that
+// is not made of letters, digits, '_' and '-' is nowhere.
+std::optional<std::filesystem::path> find_wrapper(std::string_view name);
+
+// The program called `name`, as a shell would find it on PATH (`name` has no '/').
+std::optional<std::filesystem::path> find_on_path(std::string_view name);
+
+// The names of all wrappers that can be found, in alphabetical order.
+std::vector<std::string> list_wrappers();
+
+// For error messages: the wrappers that could be found, and where they were looked for.
+std::string describe_wrapper_search();
+
+// ---- Opening ----
+//
 // More systems at once than this are a mistake.
 inline constexpr std::size_t most_jobs = 256;
 

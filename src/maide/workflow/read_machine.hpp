@@ -1,11 +1,14 @@
-// Mealy machines out of model files of either kind, for what works on machines: learners that are
-// measured on known ones, and runs that start from the model of an earlier version.
+// Reads what runs start from: Mealy machines out of model files of either kind, and logs of a
+// system. Learners are measured on such machines, and runs start from the model of an earlier
+// version.
 #pragma once
 
 #include <filesystem>
 
 #include "maide/automata/alphabet.hpp"
 #include "maide/automata/mealy.hpp"
+#include "maide/base/run_control.hpp"
+#include "maide/formats/trace_log.hpp"
 #include "maide/sul/sul.hpp"
 
 namespace maide {
@@ -24,5 +27,10 @@ bool shares_inputs(const Mealy& machine, const Alphabet& inputs);
 
 // The inputs of a system, in their order.
 Alphabet input_alphabet(const SulInfo& system);
+
+// The log of a system in a file: lines of JSON (formats/trace_log.hpp), or the cache of a learning
+// run (learn/cache/cache_file.hpp), which its first bytes tell. Throws UsageError if the file
+// cannot be read, ParseError for its text, Interrupted.
+TraceLog read_traces(const std::filesystem::path& path, const RunControl& control = {});
 
 }  // namespace maide

@@ -2,14 +2,16 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <set>
 #include <utility>
+#include <vector>
 
 #include "maide/base/error.hpp"
 #include "maide/base/log.hpp"
 #include "maide/sul/ia_translator.hpp"
 #include "maide/workflow/open_system.hpp"
-#include "maide/workflow/patient_system.hpp"
+#include "maide/workflow/pacing.hpp"
 
 namespace maide {
 namespace {
@@ -148,6 +150,26 @@ std::vector<std::unique_ptr<RealSystem>> open_real_systems(const System& system,
     real[index] = open(instance, requests.at(instance.name), options);
   }
   return real;
+}
+
+Trace draw_run(const System& system, std::size_t most_steps, Random& random) {
+  Trace trace;
+  GlobalState state = initial_state(system);
+  while (trace.steps.size() < most_steps) {
+    std::vector<Step> steps = enabled_steps(system, state);
+    std::erase_if(steps, [](const Step& step) { return step.is_beyond; });
+    if (steps.empty()) break;
+    std::vector<std::uint32_t> programs;
+    for (const Step& step : steps) {
+      if (programs.empty() || programs.back() != step.program) programs.push_back(step.program);
+    }
+    const std::uint32_t program = programs[random.below(programs.size())];
+    std::erase_if(steps, [&](const Step& step) { return step.program != program; });
+    const Step& step = steps[random.below(steps.size())];
+    trace.steps.push_back(step);
+    state = apply(system, state, step);
+  }
+  return trace;
 }
 
 }  // namespace maide

@@ -1,6 +1,6 @@
-// The real systems behind the models of a system file: what each instance was learned from, opened
-// anew with longer waits than it was learned with, so that what they do confirms or refutes a
-// model and does not depend on how long somebody waited for it.
+// The real systems behind the models of a system file, and random runs to try on them. Each system
+// is opened anew with longer waits than those that its model was learned with. So what it does
+// confirms or refutes the model, and does not depend on how long somebody waited.
 #pragma once
 
 #include <cstddef>
@@ -9,10 +9,12 @@
 #include <string>
 #include <vector>
 
+#include "maide/base/random.hpp"
 #include "maide/base/run_control.hpp"
-#include "maide/check/system_file.hpp"
+#include "maide/check/language/system_file.hpp"
+#include "maide/check/trace/trace.hpp"
 #include "maide/sul/sul.hpp"
-#include "maide/workflow/system_spec.hpp"
+#include "maide/workflow/open_system.hpp"
 
 namespace maide {
 
@@ -48,5 +50,15 @@ struct RealSystemOptions {
 std::vector<std::unique_ptr<RealSystem>> open_real_systems(const System& system,
                                                            const ModelRequests& requests,
                                                            const RealSystemOptions& options);
+
+// ---- Random runs ----
+//
+// Random runs of a composed system, as a robot's programs would run. Chance decides who steps next,
+// so with probability one every program that can go on goes on.
+
+// A run of at most `most_steps` steps; shorter where nothing can happen any more, or where only an
+// input that was never tried could. First the program is drawn, then its step, all alike.
+// O(steps x programs x edges).
+Trace draw_run(const System& system, std::size_t most_steps, Random& random);
 
 }  // namespace maide

@@ -8,10 +8,10 @@
 #include <utility>
 #include <variant>
 
-#include "maide/automata/words.hpp"
+#include "maide/automata/alphabet.hpp"
 #include "maide/base/random.hpp"
-#include "maide/formats/dot.hpp"
-#include "maide/learn/sul_oracle.hpp"
+#include "maide/formats/model_file.hpp"
+#include "maide/learn/oracle/sul_oracle.hpp"
 #include "maide/sul/learning_purpose.hpp"
 #include "maide/workflow/experiment.hpp"
 

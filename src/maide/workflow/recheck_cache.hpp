@@ -1,4 +1,5 @@
-// Asks a system again for a sample of the words in a cache: whether it still answers as it did.
+// Asks a system again for a sample of the words in a cache, to see whether it still answers as it
+// did.
 #pragma once
 
 #include <cstdint>
@@ -6,10 +7,9 @@
 #include <vector>
 
 #include "maide/base/run_control.hpp"
-#include "maide/learn/cache_file.hpp"
-#include "maide/learn/cache_survey.hpp"
+#include "maide/learn/cache/cache_file.hpp"
+#include "maide/learn/cache/cache_survey.hpp"
 #include "maide/workflow/open_system.hpp"
-#include "maide/workflow/system_spec.hpp"
 
 namespace maide {
 

@@ -7,8 +7,8 @@
 #include <set>
 #include <utility>
 
-#include "maide/base/join.hpp"
-#include "maide/check/system_file.hpp"
+#include "maide/base/text.hpp"
+#include "maide/check/language/system_file.hpp"
 #include "maide/workflow/replay.hpp"
 
 namespace maide {

@@ -20,7 +20,7 @@
 #include <string>
 #include <vector>
 
-#include "maide/check/check_system.hpp"
+#include "maide/check/explore/check_system.hpp"
 #include "maide/workflow/learned_models.hpp"
 
 namespace maide {

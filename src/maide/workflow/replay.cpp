@@ -8,8 +8,8 @@
 #include <utility>
 
 #include "maide/base/error.hpp"
-#include "maide/check/check_system.hpp"
-#include "maide/check/trace_file.hpp"
+#include "maide/check/explore/check_system.hpp"
+#include "maide/check/trace/trace_file.hpp"
 #include "maide/sul/ia_translation.hpp"
 
 namespace maide {

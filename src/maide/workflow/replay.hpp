@@ -25,7 +25,7 @@
 #include <vector>
 
 #include "maide/base/run_control.hpp"
-#include "maide/check/trace.hpp"
+#include "maide/check/trace/trace.hpp"
 #include "maide/workflow/real_system.hpp"
 
 namespace maide {

@@ -7,19 +7,94 @@
 #include <map>
 #include <optional>
 #include <set>
+#include <string_view>
 #include <system_error>
 #include <utility>
 #include <variant>
 
 #include "maide/base/error.hpp"
-#include "maide/base/join.hpp"
-#include "maide/base/parse_number.hpp"
-#include "maide/check/native_engine.hpp"
+#include "maide/base/numbers.hpp"
+#include "maide/base/text.hpp"
+#include "maide/check/explore/engine.hpp"
+#include "maide/check/language/system_file.hpp"
 #include "maide/formats/model_file.hpp"
 #include "maide/workflow/open_system.hpp"
-#include "maide/workflow/system_variant.hpp"
 
 namespace maide {
+namespace {
+
+constexpr std::string_view blanks = " \t\r\n";
+
+// The offset of a place in the text; its size if there is none.
+std::size_t offset_of(std::string_view text, int line, int column) {
+  std::size_t at = 0;
+  for (int skipped = 1; skipped < line; ++skipped) {
+    const std::size_t end = text.find('\n', at);
+    if (end == std::string_view::npos) return text.size();
+    at = end + 1;
+  }
+  return std::min(text.size(), at + static_cast<std::size_t>(column - 1));
+}
+
+// Writes the count behind the keyword; false if it is not there.
+bool write_count(std::string& text, const Repeat& repeat) {
+  constexpr std::string_view keyword = "repeat";
+  const std::size_t begin = offset_of(text, repeat.line, repeat.column);
+  if (text.compare(begin, keyword.size(), keyword) != 0) return false;
+  const std::size_t number = text.find_first_not_of(blanks, begin + keyword.size());
+  if (number == std::string::npos) return false;
+  const std::size_t end = text.find_first_not_of("0123456789", number);
+  if (end == number || end == std::string::npos) return false;
+  text.replace(number, end - number, std::to_string(repeat.count));
+  return true;
+}
+
+}  // namespace
+
+std::vector<Repeat> find_repeats(const System& system) {
+  std::vector<Repeat> repeats;
+  for (const Program& program : system.programs) {
+    if (program.position.file != system.file) continue;
+    for (const Program::Round& round : program.rounds) {
+      if (round.count > 0) repeats.push_back({round.line, round.column, round.count});
+    }
+  }
+  const auto place = [](const Repeat& repeat) { return std::pair(repeat.line, repeat.column); };
+  std::sort(repeats.begin(), repeats.end(),
+            [&](const Repeat& a, const Repeat& b) { return place(a) < place(b); });
+  repeats.erase(std::unique(repeats.begin(), repeats.end(),
+                            [&](const Repeat& a, const Repeat& b) { return place(a) == place(b); }),
+                repeats.end());
+  return repeats;
+}
+
+std::optional<System> make_variant(const System& system, const SystemVariant& variant) {
+  const auto source = system.sources.find(system.file);
+  if (source == system.sources.end()) return std::nullopt;
+  std::string text = source->second;
+  // From the end, so that places before stay right.
+  std::vector<Repeat> repeats = variant.repeats;
+  std::sort(repeats.begin(), repeats.end(), [](const Repeat& a, const Repeat& b) {
+    return std::pair(a.line, a.column) > std::pair(b.line, b.column);
+  });
+  for (const Repeat& repeat : repeats) {
+    if (!write_count(text, repeat)) return std::nullopt;
+  }
+  const ModelSource models = [&](const ModelRequest& request) {
+    const auto changed = variant.models.find(request.instance);
+    if (changed != variant.models.end()) return changed->second;
+    const auto model = std::find_if(
+        system.models.begin(), system.models.end(),
+        [&](const ModelInstance& candidate) { return candidate.name == request.instance; });
+    return model->automaton;
+  };
+  try {
+    return parse_system(text, system.file, models);
+  } catch (const Error&) {
+    return std::nullopt;
+  }
+}
+
 namespace {
 
 namespace fs = std::filesystem;
@@ -27,27 +102,7 @@ namespace fs = std::filesystem;
 constexpr std::size_t most_files = 50;   // model files beside those in use
 constexpr std::size_t most_repeats = 8;  // different numbers of repetitions
 constexpr std::uint64_t memory_mib = 1024;
-
-// Settings by which middlewares keep more, or lose less: the value to set, or (empty) a number to
-// raise.
-struct Setting {
-  const char* key;
-  const char* value;
-};
-constexpr Setting settings[] = {
-    {"depth", ""},
-    {"queue_size", ""},
-    {"rcvhwm", ""},
-    {"sndhwm", ""},
-    {"max_queued", ""},
-    {"history", "keep_all"},
-    {"conflate", "no"},
-    {"kind", "strict"},
-    {"reliability", "reliable"},
-    {"durability", "transient_local"},
-    {"qos", "1"},
-    {"session", "persistent"},
-};
+constexpr std::string_view raised = "+";  // OptionSpec::keeps_more
 
 // The settings of a system to be learned.
 using With = std::map<std::string, std::string>;
@@ -206,23 +261,23 @@ class ChangeSearch {
     };
     attempt("another setting of " + instance.name, [&] {
       const SystemSpec spec = parse_system_spec(learned->name, {});
-      const std::vector<OptionSpec> specs = list_system_options(spec, {}, options_.control);
-      for (const Setting& setting : settings) {
-        const auto option = std::find_if(
-            specs.begin(), specs.end(),
-            [&](const OptionSpec& candidate) { return plain(candidate.key) == setting.key; });
-        if (option == specs.end() || options_.control.should_stop()) continue;
-        attempt(fmt::format("another {} of {}", setting.key, instance.name), [&] {
-          setting.value[0] == '\0' ? raise(instance, *learned, specs, *option)
-                                   : set(instance, *learned, specs, *option, setting.value);
+      std::vector<OptionSpec> specs = list_system_options(spec, {}, options_.control);
+      // Numbers first: a larger one changes less than another kind of system.
+      std::stable_partition(specs.begin(), specs.end(),
+                            [](const OptionSpec& option) { return option.keeps_more == raised; });
+      for (const OptionSpec& option : specs) {
+        if (option.keeps_more.empty() || options_.control.should_stop()) continue;
+        attempt(fmt::format("another {} of {}", option.key, instance.name), [&] {
+          option.keeps_more == raised ? raise(instance, *learned, specs, option)
+                                      : set(instance, *learned, specs, option);
         });
       }
     });
   }
 
   void set(const ModelInstance& instance, const Learned& learned,
-           const std::vector<OptionSpec>& specs, const OptionSpec& option,
-           const std::string& value) {
+           const std::vector<OptionSpec>& specs, const OptionSpec& option) {
+    const std::string& value = option.keeps_more;
     if (std::find(option.allowed.begin(), option.allowed.end(), value) == option.allowed.end()) {
       return;
     }

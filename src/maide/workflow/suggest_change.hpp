@@ -1,19 +1,46 @@
-// The smallest changes that remove a violation: another model for one connection, other settings of
-// a middleware, another number of repetitions in the programs. Nothing is guessed: a change is
-// named only after the system with it was checked, by the native engine, and everything holds -
-// with models that are learned for it where that is what changes.
+// Finds the smallest changes that remove a violation: another model for one connection, other
+// settings of a middleware, another number of repetitions in the programs. Nothing is guessed. A
+// change is named only after the native engine has checked the system with it and everything holds.
+// Models for other settings are learned for that.
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <functional>
+#include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "maide/base/run_control.hpp"
-#include "maide/check/check_system.hpp"
-#include "maide/check/system_file.hpp"
+#include "maide/check/explore/check_system.hpp"
+#include "maide/check/language/system.hpp"
+#include "maide/check/language/system_file.hpp"
 
 namespace maide {
+
+// ---- Variants ----
+//
+// A system with something changed: other numbers behind `repeat` in its text, another model behind
+// an instance. The rest stays as it was read; nothing is learned again.
+
+// A `repeat` of a program.
+struct Repeat {
+  int line = 0, column = 0;  // in the system file
+  std::uint32_t count = 0;
+};
+
+// Those of the programs that stand in the system file, in the order of the file.
+std::vector<Repeat> find_repeats(const System& system);
+
+struct SystemVariant {
+  std::vector<Repeat> repeats;                       // with their new counts
+  std::map<std::string, InterfaceAutomaton> models;  // by instance
+};
+
+// Nothing if there is no such system: a model without an input that programs give, a `repeat` that
+// is not where it should be.
+std::optional<System> make_variant(const System& system, const SystemVariant& variant);
 
 struct SuggestOptions {
   ModelSource models;                                 // learns the models of other settings

@@ -1,7 +1,7 @@
 // A program against what a wrapper needs.
 #include <iostream>
-#include <maide/automata/alphabet.hpp>
 #include <maide/base/version.hpp>
+#include <maide/wrapper.hpp>
 
 int main() {
   std::cout << maide::version() << '\n';

@@ -1,8 +1,8 @@
-#include "maide/automata/moore.hpp"
-
+// Moore machines as Mealy machines.
 #include <gtest/gtest.h>
 
 #include "maide/automata/compare.hpp"
+#include "maide/automata/mealy.hpp"
 #include "maide/automata/minimize.hpp"
 #include "maide/automata/random_automata.hpp"
 

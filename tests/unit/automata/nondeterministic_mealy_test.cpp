@@ -8,7 +8,7 @@
 #include "maide/automata/minimize.hpp"
 #include "maide/automata/random_automata.hpp"
 #include "maide/base/error.hpp"
-#include "maide/formats/dot.hpp"
+#include "maide/formats/model_file.hpp"
 
 namespace maide {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "maide/automata/minimize.hpp"
 #include "maide/base/error.hpp"
-#include "maide/formats/dot.hpp"
+#include "maide/formats/model_file.hpp"
 
 namespace maide {
 namespace {

@@ -1,10 +1,10 @@
-#include "maide/automata/words.hpp"
-
+// Words: prefixes, joins and parts.
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <set>
 
+#include "maide/automata/alphabet.hpp"
 #include "maide/base/random.hpp"
 
 namespace maide {

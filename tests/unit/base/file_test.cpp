@@ -10,7 +10,6 @@
 #include <string>
 
 #include "maide/base/error.hpp"
-#include "maide/base/temp_dir.hpp"
 
 namespace maide {
 namespace {

@@ -1,6 +1,4 @@
 // Signals become stop requests; the second one ends the process.
-#include "maide/base/interrupt.hpp"
-
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -11,6 +9,8 @@
 #include <stdexcept>
 #include <stop_token>
 #include <thread>
+
+#include "maide/base/run_control.hpp"
 
 namespace maide {
 namespace {

@@ -1,9 +1,9 @@
 // Rows are found by name; an unknown name is answered with all that there are.
-#include "maide/base/named_table.hpp"
-
 #include <gtest/gtest.h>
 
 #include <array>
+
+#include "maide/base/text.hpp"
 
 namespace maide {
 namespace {

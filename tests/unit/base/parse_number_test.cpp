@@ -1,8 +1,9 @@
-#include "maide/base/parse_number.hpp"
-
+// Numbers in text.
 #include <gtest/gtest.h>
 
 #include <cstdint>
+
+#include "maide/base/numbers.hpp"
 
 namespace maide {
 namespace {

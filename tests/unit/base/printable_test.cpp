@@ -1,9 +1,9 @@
 // What a terminal may be given of a text that others wrote.
-#include "maide/base/printable.hpp"
-
 #include <gtest/gtest.h>
 
 #include <string>
+
+#include "maide/base/text.hpp"
 
 namespace maide {
 namespace {

@@ -1,7 +1,7 @@
 // What a report of progress says, and that nothing is drawn where there is no terminal.
-#include "maide/base/progress_line.hpp"
-
 #include <gtest/gtest.h>
+
+#include "maide/base/log.hpp"
 
 namespace maide {
 namespace {

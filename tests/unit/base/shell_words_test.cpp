@@ -1,8 +1,8 @@
-#include "maide/base/shell_words.hpp"
-
+// Lists of words as a shell has them.
 #include <gtest/gtest.h>
 
 #include "maide/base/error.hpp"
+#include "maide/base/text.hpp"
 
 namespace maide {
 namespace {

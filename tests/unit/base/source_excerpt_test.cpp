@@ -1,9 +1,8 @@
-#include "maide/base/source_excerpt.hpp"
-
+// The line of a file in which something is wrong.
 #include <gtest/gtest.h>
 
 #include "maide/base/file.hpp"
-#include "maide/base/temp_dir.hpp"
+#include "maide/base/text.hpp"
 
 namespace maide {
 namespace {

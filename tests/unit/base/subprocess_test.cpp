@@ -10,7 +10,7 @@
 #include <thread>
 
 #include "maide/base/error.hpp"
-#include "maide/base/temp_dir.hpp"
+#include "maide/base/file.hpp"
 
 namespace maide {
 namespace {

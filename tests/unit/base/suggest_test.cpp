@@ -1,10 +1,10 @@
 // Suggestions are near, and there are none where nothing is near.
-#include "maide/base/suggest.hpp"
-
 #include <gtest/gtest.h>
 
 #include <string>
 #include <vector>
+
+#include "maide/base/text.hpp"
 
 namespace maide {
 namespace {

@@ -1,5 +1,5 @@
 // What check_system makes of an engine's answers; the engine here is one that breaks.
-#include "maide/check/check_system.hpp"
+#include "maide/check/explore/check_system.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <set>
 #include <stdexcept>
 
-#include "maide/check/native_engine.hpp"
+#include "maide/check/explore/engine.hpp"
 #include "systems.hpp"
 
 namespace maide {

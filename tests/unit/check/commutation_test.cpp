@@ -1,4 +1,4 @@
-#include "maide/check/commutation.hpp"
+#include "maide/check/explore/commutation.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,11 +1,11 @@
-#include "maide/check/formula.hpp"
+#include "maide/check/ltl/formula.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
 #include "maide/base/random.hpp"
-#include "maide/check/ltl_automaton.hpp"
+#include "maide/check/ltl/ltl_automaton.hpp"
 #include "systems.hpp"
 
 namespace maide {

@@ -1,15 +1,14 @@
-#include "maide/check/hoa.hpp"
-
+// Automata in the HOA format: reading and writing.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <sstream>
 
 #include "maide/base/file.hpp"
-#include "maide/base/temp_dir.hpp"
-#include "maide/check/check_system.hpp"
-#include "maide/check/native_engine.hpp"
-#include "maide/check/spin_engine.hpp"
+#include "maide/check/explore/check_system.hpp"
+#include "maide/check/explore/engine.hpp"
+#include "maide/check/ltl/ltl_automaton.hpp"
+#include "maide/check/spin/spin_engine.hpp"
 #include "systems.hpp"
 
 namespace maide {

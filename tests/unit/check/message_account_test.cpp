@@ -1,10 +1,10 @@
-#include "maide/check/message_account.hpp"
-
+// What a deadlocked program waits for, counted in messages.
 #include <gtest/gtest.h>
 
 #include <deque>
 
 #include "maide/base/random.hpp"
+#include "maide/check/explore/waiting.hpp"
 #include "systems.hpp"
 
 namespace maide {

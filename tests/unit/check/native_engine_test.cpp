@@ -1,8 +1,8 @@
-#include "maide/check/native_engine.hpp"
-
+// The engine: verdicts, traces and counts.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "maide/check/explore/engine.hpp"
 #include "systems.hpp"
 
 namespace maide {

@@ -1,6 +1,7 @@
-#include "maide/check/pan_output.hpp"
-
+// What SPIN and pan print.
 #include <gtest/gtest.h>
+
+#include "maide/check/spin/spin_engine.hpp"
 
 namespace maide {
 namespace {

@@ -1,4 +1,4 @@
-#include "maide/check/program.hpp"
+#include "maide/check/language/program.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
-#include "maide/check/silent_steps.hpp"
-
+// Steps that no formula sees.
 #include <gtest/gtest.h>
 
+#include "maide/check/explore/reduction.hpp"
 #include "systems.hpp"
 
 namespace maide {

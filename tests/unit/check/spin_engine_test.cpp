@@ -1,4 +1,4 @@
-#include "maide/check/spin_engine.hpp"
+#include "maide/check/spin/spin_engine.hpp"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,6 @@
 #include <filesystem>
 
 #include "maide/base/file.hpp"
-#include "maide/base/temp_dir.hpp"
 #include "systems.hpp"
 
 namespace maide {

@@ -1,9 +1,12 @@
 // The compact table against a plain set: it may forget nothing and invent nothing, at every size.
-#include "maide/check/state_table.hpp"
+#include "maide/check/explore/state_table.hpp"
 
 #include <gtest/gtest.h>
 
+#include <bit>
 #include <map>
+#include <numeric>
+#include <vector>
 
 #include "maide/base/random.hpp"
 
@@ -45,7 +48,9 @@ void compare_with_map(const Shape& shape, std::size_t count, std::uint64_t seed)
     const auto [place, is_new] = expected.emplace(state, payload);
     ASSERT_EQ(insertion.is_new, is_new);
     ASSERT_EQ(insertion.payload, place->second);
+    if (std::has_single_bit(i)) table.check_invariants();
   }
+  table.check_invariants();
   ASSERT_EQ(table.size(), expected.size());
   for (const auto& [state, payload] : expected) {
     std::uint64_t found = 0;
@@ -88,8 +93,31 @@ TEST(StateTable, KeepsStatesThatShareAHomeApart) {
   StateTable<1> table(40, 4);
   for (std::uint64_t i = 0; i < 3'000'000; ++i) ASSERT_TRUE(table.insert({i}, i & 15).is_new);
   for (std::uint64_t i = 0; i < 3'000'000; ++i) ASSERT_FALSE(table.insert({i}, 0).is_new);
+  table.check_invariants();
   EXPECT_EQ(table.size(), 3'000'000U);
   EXPECT_LT(table.bytes(), 3'000'000U * 9);
+}
+
+// More than one home can hold near it, in any order: the table grows until they fit.
+TEST(StateTable, GrowsWhereNeighboursCrowd) {
+  constexpr unsigned bits = 24;
+  const Scrambler scrambler(bits);
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    Random random(seed);
+    std::vector<std::uint64_t> numbers(600);
+    std::iota(numbers.begin(), numbers.end(), random.below(1 << 16));
+    random.shuffle(numbers);
+    StateTable<1> table(bits, 4);
+    for (const std::uint64_t number : numbers) {
+      ASSERT_TRUE(table.insert({scrambler.invert(number)}, number & 15).is_new);
+    }
+    table.check_invariants();
+    for (const std::uint64_t number : numbers) {
+      std::uint64_t payload = 0;
+      ASSERT_TRUE(table.find({scrambler.invert(number)}, payload));
+      ASSERT_EQ(payload, number & 15);
+    }
+  }
 }
 
 }  // namespace

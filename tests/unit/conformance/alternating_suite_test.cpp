@@ -1,11 +1,10 @@
 // Two suites in turn: the order, the limits, and what is counted.
-#include "maide/conformance/alternating_suite.hpp"
-
 #include <gtest/gtest.h>
 
 #include <string>
 
-#include "maide/conformance/random_words.hpp"
+#include "maide/conformance/suite/random_words.hpp"
+#include "maide/conformance/suite/test_suite.hpp"
 
 namespace maide {
 namespace {

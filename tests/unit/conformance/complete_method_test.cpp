@@ -1,4 +1,4 @@
-#include "maide/conformance/complete_method.hpp"
+#include "maide/conformance/method/complete_method.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,11 +9,11 @@
 #include "maide/automata/compare.hpp"
 #include "maide/automata/minimize.hpp"
 #include "maide/automata/random_automata.hpp"
-#include "maide/conformance/identifier_suite.hpp"
-#include "maide/conformance/separating_words.hpp"
+#include "maide/conformance/identify/separating_words.hpp"
+#include "maide/conformance/suite/identifier_suite.hpp"
 #include "maide/formats/model_file.hpp"
-#include "maide/learn/counting_oracle.hpp"
-#include "maide/learn/mealy_oracle.hpp"
+#include "maide/learn/oracle/mealy_oracle.hpp"
+#include "maide/learn/oracle/observing_oracle.hpp"
 #include "maide/sul/ia_translator.hpp"
 #include "small_machines.hpp"
 #include "suite_words.hpp"

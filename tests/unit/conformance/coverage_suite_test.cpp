@@ -1,5 +1,5 @@
 // Tests that pass states and transitions in every order.
-#include "maide/conformance/coverage_suite.hpp"
+#include "maide/conformance/suite/coverage_suite.hpp"
 
 #include <gtest/gtest.h>
 
@@ -12,7 +12,7 @@
 
 #include "maide/automata/random_automata.hpp"
 #include "maide/base/error.hpp"
-#include "maide/learn/mealy_oracle.hpp"
+#include "maide/learn/oracle/mealy_oracle.hpp"
 
 namespace maide {
 namespace {

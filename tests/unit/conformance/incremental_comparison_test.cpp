@@ -1,12 +1,12 @@
-#include "maide/conformance/incremental_comparison.hpp"
-
+// The perfect oracle: a hypothesis and the next one compared.
 #include <gtest/gtest.h>
 
 #include "maide/automata/compare.hpp"
 #include "maide/automata/random_automata.hpp"
 #include "maide/base/error.hpp"
-#include "maide/learn/learners.hpp"
-#include "maide/learn/mealy_oracle.hpp"
+#include "maide/conformance/method/perfect_oracle.hpp"
+#include "maide/learn/learner.hpp"
+#include "maide/learn/oracle/mealy_oracle.hpp"
 
 namespace maide {
 namespace {
@@ -63,7 +63,7 @@ TEST(IncrementalComparison, FollowsEveryLearner) {
       reference.set_transition(static_cast<StateId>(random.below(80)), 0,
                                reference.intern_output("o1"), 0);
     }
-    for (const LearnerEntry& entry : learners()) {
+    for (const LearnerEntry& entry : deterministic_learners()) {
       MealyOracle oracle(reference);
       IncrementalComparison comparison(reference);
       const auto learner = entry.make(oracle);

@@ -1,4 +1,4 @@
-#include "maide/conformance/logged_traces.hpp"
+#include "maide/conformance/method/logged_traces.hpp"
 
 #include <gtest/gtest.h>
 
@@ -6,11 +6,11 @@
 #include "maide/automata/minimize.hpp"
 #include "maide/automata/random_automata.hpp"
 #include "maide/base/error.hpp"
-#include "maide/conformance/chain_oracle.hpp"
-#include "maide/conformance/perfect_oracle.hpp"
-#include "maide/learn/counting_oracle.hpp"
-#include "maide/learn/learners.hpp"
-#include "maide/learn/mealy_oracle.hpp"
+#include "maide/conformance/method/perfect_oracle.hpp"
+#include "maide/conformance/method/test_chain.hpp"
+#include "maide/learn/learner.hpp"
+#include "maide/learn/oracle/mealy_oracle.hpp"
+#include "maide/learn/oracle/observing_oracle.hpp"
 
 namespace maide {
 namespace {
@@ -54,7 +54,7 @@ TEST(LoggedTraces, ALogOfAnotherVersionIsCorrected) {
   for (int i = 0; i < 20; ++i) {
     const Mealy machine = example(random);
     const TraceLog log = log_of(mutate(machine, 1, random), 300, random);
-    for (const LearnerEntry& algorithm : learners()) {
+    for (const LearnerEntry& algorithm : deterministic_learners()) {
       MealyOracle system(machine);
       auto traces = std::make_unique<LoggedTraces>(system, log);
       const LoggedTraces& kept = *traces;

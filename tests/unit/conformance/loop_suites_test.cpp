@@ -1,5 +1,5 @@
 // Tests of loops: that chains and pumps hold what they say, by looking at every word.
-#include "maide/conformance/loop_suites.hpp"
+#include "maide/conformance/suite/loop_suites.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,9 +8,8 @@
 #include <set>
 #include <tuple>
 
-#include "maide/automata/hiding_automata.hpp"
 #include "maide/automata/random_automata.hpp"
-#include "maide/conformance/complete_method.hpp"
+#include "maide/conformance/method/complete_method.hpp"
 #include "suite_words.hpp"
 
 namespace maide {

@@ -10,13 +10,12 @@
 #include "maide/automata/minimize.hpp"
 #include "maide/automata/random_automata.hpp"
 #include "maide/base/error.hpp"
-#include "maide/conformance/infix_sampler.hpp"
-#include "maide/conformance/random_identifier_suite.hpp"
-#include "maide/conformance/random_walk.hpp"
-#include "maide/conformance/random_words.hpp"
-#include "maide/conformance/separating_words.hpp"
-#include "maide/conformance/test_runner.hpp"
-#include "maide/learn/mealy_oracle.hpp"
+#include "maide/conformance/identify/separating_words.hpp"
+#include "maide/conformance/method/test_runner.hpp"
+#include "maide/conformance/suite/infix_sampler.hpp"
+#include "maide/conformance/suite/random_identifier_suite.hpp"
+#include "maide/conformance/suite/random_words.hpp"
+#include "maide/learn/oracle/mealy_oracle.hpp"
 
 namespace maide {
 namespace {

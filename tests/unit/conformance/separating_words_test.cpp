@@ -1,5 +1,5 @@
 // Against brute force: shortest words by breadth-first search over pairs of states.
-#include "maide/conformance/separating_words.hpp"
+#include "maide/conformance/identify/separating_words.hpp"
 
 #include <gtest/gtest.h>
 

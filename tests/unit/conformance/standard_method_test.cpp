@@ -1,5 +1,5 @@
 // The default method: how strong it says it is, what it finds, and what it gives back.
-#include "maide/conformance/standard_method.hpp"
+#include "maide/conformance/method/standard_method.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,16 +7,16 @@
 #include <string>
 
 #include "maide/automata/compare.hpp"
-#include "maide/automata/hiding_automata.hpp"
+#include "maide/automata/random_automata.hpp"
 #include "maide/base/error.hpp"
-#include "maide/conformance/complete_method.hpp"
-#include "maide/conformance/identifier_suite.hpp"
-#include "maide/conformance/loop_suites.hpp"
+#include "maide/conformance/method/complete_method.hpp"
+#include "maide/conformance/suite/identifier_suite.hpp"
+#include "maide/conformance/suite/loop_suites.hpp"
 #include "maide/formats/model_file.hpp"
-#include "maide/learn/cache.hpp"
-#include "maide/learn/counting_oracle.hpp"
-#include "maide/learn/learners.hpp"
-#include "maide/learn/mealy_oracle.hpp"
+#include "maide/learn/cache/cache.hpp"
+#include "maide/learn/learner.hpp"
+#include "maide/learn/oracle/mealy_oracle.hpp"
+#include "maide/learn/oracle/observing_oracle.hpp"
 #include "maide/sul/ia_translation.hpp"
 
 namespace maide {
@@ -178,7 +178,7 @@ TEST(StandardMethod, GuessesThatARowGoesOn) {
     StandardMethodOptions options;
     if (is_named) options.sizes = {60};
     StandardMethod method(cache, options);
-    const auto learner = find_learner("lsharp").make(cache);
+    const auto learner = find_deterministic_learner("lsharp").make(cache);
     const LearnResult result = run_learner(*learner, method);
     EXPECT_EQ(find_difference(result.model, machine), std::nullopt);
     EXPECT_LE(result.equivalence_queries, is_named ? 3U : 12U);

@@ -1,5 +1,5 @@
 // Identifiers tell every state from every other, and the adaptive ones are few.
-#include "maide/conformance/state_identifiers.hpp"
+#include "maide/conformance/identify/state_identifiers.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,8 +7,8 @@
 
 #include "maide/automata/minimize.hpp"
 #include "maide/automata/random_automata.hpp"
-#include "maide/conformance/separating_words.hpp"
-#include "maide/conformance/splitting_tree.hpp"
+#include "maide/conformance/identify/separating_words.hpp"
+#include "maide/conformance/identify/splitting_tree.hpp"
 
 namespace maide {
 namespace {

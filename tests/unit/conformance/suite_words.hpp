@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "maide/conformance/test_suite.hpp"
+#include "maide/conformance/suite/test_suite.hpp"
 
 namespace maide::test {
 

@@ -1,14 +1,14 @@
 // Rows of methods as a user types them.
-#include "maide/conformance/test_chain.hpp"
+#include "maide/conformance/method/test_chain.hpp"
 
 #include <gtest/gtest.h>
 
 #include "maide/automata/minimize.hpp"
 #include "maide/automata/random_automata.hpp"
 #include "maide/base/error.hpp"
-#include "maide/learn/cache.hpp"
-#include "maide/learn/counting_oracle.hpp"
-#include "maide/learn/mealy_oracle.hpp"
+#include "maide/learn/cache/cache.hpp"
+#include "maide/learn/oracle/mealy_oracle.hpp"
+#include "maide/learn/oracle/observing_oracle.hpp"
 
 namespace maide {
 namespace {

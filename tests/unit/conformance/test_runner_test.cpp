@@ -1,16 +1,16 @@
 // The runner stops at the first difference in test order, whatever the batch; and what is built on
 // it: chains, and the table of methods.
-#include "maide/conformance/test_runner.hpp"
+#include "maide/conformance/method/test_runner.hpp"
 
 #include <gtest/gtest.h>
 
+#include "maide/automata/alphabet.hpp"
 #include "maide/automata/random_automata.hpp"
 #include "maide/base/error.hpp"
-#include "maide/conformance/chain_oracle.hpp"
-#include "maide/conformance/machine_runner.hpp"
-#include "maide/conformance/test_methods.hpp"
-#include "maide/learn/counting_oracle.hpp"
-#include "maide/learn/mealy_oracle.hpp"
+#include "maide/conformance/method/test_chain.hpp"
+#include "maide/conformance/method/test_methods.hpp"
+#include "maide/learn/oracle/mealy_oracle.hpp"
+#include "maide/learn/oracle/observing_oracle.hpp"
 
 namespace maide {
 namespace {
@@ -55,6 +55,34 @@ TEST(TestRunner, StopsAtTheFirstDifferenceInTestOrderWhateverTheBatch) {
     EXPECT_EQ(runner.last_tests(), 3U);
     EXPECT_FALSE(runner.last_was_complete());
     EXPECT_LT(counter.statistics().total().queries, 3 + batch);
+  }
+}
+
+// Answers nothing from the n-th input of a word on, as a system that dies there.
+class DyingOracle : public MealyOracle {
+ public:
+  using MealyOracle::ask;
+  DyingOracle(const Mealy& machine, std::size_t inputs) : MealyOracle(machine), inputs_(inputs) {}
+  std::vector<MealyAnswer> ask(std::span<const Query> batch, const RunControl& control,
+                               const PartialSink& sink) override {
+    std::vector<MealyAnswer> answers = MealyOracle::ask(batch, control, sink);
+    for (MealyAnswer& answer : answers) {
+      if (answer.outputs.size() > inputs_) answer.outputs.resize(inputs_);
+    }
+    return answers;
+  }
+
+ private:
+  std::size_t inputs_;
+};
+
+TEST(TestRunner, AnAnswerThatEndsEarlyDiffersWhereItEnds) {
+  const Mealy machine = fading(5);
+  for (std::size_t inputs = 0; inputs < 4; ++inputs) {
+    DyingOracle oracle(machine, inputs);
+    TestRunner runner(oracle, {});
+    ListSuite suite({{0, 1, 0, 1}});
+    EXPECT_EQ(runner.run(suite, machine, {}), head(Word{0, 1, 0, 1}, inputs + 1));
   }
 }
 

@@ -1,13 +1,11 @@
 // Aldebaran files: round trips, what cannot be written, errors and their places.
-#include "maide/formats/aut.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <sstream>
 
 #include "maide/automata/compare.hpp"
-#include "maide/automata/moore.hpp"
+#include "maide/automata/mealy.hpp"
 #include "maide/automata/random_automata.hpp"
 #include "maide/formats/model_file.hpp"
 

@@ -1,6 +1,4 @@
 // DOT: what is written is read back as it was; the language's corners; errors and their places.
-#include "maide/formats/dot.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -8,7 +6,7 @@
 #include <sstream>
 
 #include "maide/automata/compare.hpp"
-#include "maide/automata/moore.hpp"
+#include "maide/automata/mealy.hpp"
 #include "maide/automata/random_automata.hpp"
 #include "maide/formats/model_file.hpp"
 

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "maide/base/error.hpp"
-#include "maide/formats/actors_text.hpp"
+#include "maide/formats/dot_syntax.hpp"
 
 namespace maide {
 namespace {

@@ -1,6 +1,6 @@
 // The observation tree and what L# knows from it: apartness that is kept up to date must be the
 // apartness that comparing subtrees finds.
-#include "maide/learn/apartness.hpp"
+#include "maide/learn/lsharp/apartness.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,10 +8,10 @@
 
 #include "maide/automata/compare.hpp"
 #include "maide/automata/random_automata.hpp"
-#include "maide/learn/adaptive_sequence.hpp"
-#include "maide/learn/lsharp.hpp"
-#include "maide/learn/mealy_oracle.hpp"
-#include "maide/learn/output_oracle.hpp"
+#include "maide/learn/lsharp/adaptive_experiment.hpp"
+#include "maide/learn/lsharp/lsharp.hpp"
+#include "maide/learn/oracle/mealy_oracle.hpp"
+#include "maide/learn/oracle/output_oracle.hpp"
 
 namespace maide {
 namespace {
@@ -204,14 +204,14 @@ TEST(AdaptiveSequence, KeepsToTheNumberOfInputs) {
     learner.refine(*word);
   }
   const Apartness& apartness = learner.knowledge();
-  std::vector<Suspect> suspects;
+  std::vector<WeightedNode> candidates;
   for (StateId state = 0; state < apartness.size(); ++state) {
-    suspects.push_back({apartness.node(state), 1});
+    candidates.push_back({apartness.node(state), 1});
   }
-  const std::size_t all = find_adaptive_sequence(apartness.tree(), suspects).nodes.size();
+  const std::size_t all = find_adaptive_sequence(apartness.tree(), candidates).nodes.size();
   ASSERT_GT(all, 5U);
-  EXPECT_EQ(find_adaptive_sequence(apartness.tree(), suspects, 5).nodes.size(), 5U);
-  EXPECT_EQ(find_adaptive_sequence(apartness.tree(), suspects, all).nodes.size(), all);
+  EXPECT_EQ(find_adaptive_sequence(apartness.tree(), candidates, 5).nodes.size(), 5U);
+  EXPECT_EQ(find_adaptive_sequence(apartness.tree(), candidates, all).nodes.size(), all);
 }
 
 TEST(AdaptiveSequence, EveryPathTellsSuspectsApart) {
@@ -224,12 +224,12 @@ TEST(AdaptiveSequence, EveryPathTellsSuspectsApart) {
       apartness.insert(word, machine.output_word(word));
       while (apartness.has_isolated()) apartness.promote_isolated();
     }
-    std::vector<Suspect> suspects;
+    std::vector<WeightedNode> candidates;
     for (StateId state = 0; state < apartness.size(); ++state) {
-      suspects.push_back({apartness.node(state), random.unit() + 0.1});
+      candidates.push_back({apartness.node(state), random.unit() + 0.1});
     }
-    ASSERT_GE(suspects.size(), 2U);
-    const DecisionTree sequence = find_adaptive_sequence(apartness.tree(), suspects);
+    ASSERT_GE(candidates.size(), 2U);
+    const DecisionTree sequence = find_adaptive_sequence(apartness.tree(), candidates);
     for (StateId state = 0; state < machine.size(); ++state) {
       MealyAnswer answer;
       StateId at = state;
@@ -239,7 +239,7 @@ TEST(AdaptiveSequence, EveryPathTellsSuspectsApart) {
         return output;
       });
       std::size_t refuted = 0;
-      for (const Suspect& suspect : suspects) {
+      for (const WeightedNode& suspect : candidates) {
         auto node = suspect.node;
         for (std::size_t i = 0; i < answer.inputs.size(); ++i) {
           node = apartness.tree().child(node, answer.inputs[i]);

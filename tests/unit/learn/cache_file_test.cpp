@@ -1,4 +1,4 @@
-#include "maide/learn/cache_file.hpp"
+#include "maide/learn/cache/cache_file.hpp"
 
 #include <gtest/gtest.h>
 #include <poll.h>
@@ -15,8 +15,8 @@
 
 #include "maide/automata/random_automata.hpp"
 #include "maide/base/error.hpp"
-#include "maide/base/temp_dir.hpp"
-#include "maide/learn/cache.hpp"
+#include "maide/base/file.hpp"
+#include "maide/learn/cache/cache.hpp"
 #include "oracles.hpp"
 
 namespace maide {

@@ -1,4 +1,4 @@
-#include "maide/learn/cache.hpp"
+#include "maide/learn/cache/cache.hpp"
 
 #include <gtest/gtest.h>
 

@@ -4,8 +4,8 @@
 
 #include <bit>
 
-#include "maide/learn/counting_oracle.hpp"
-#include "maide/learn/mealy_oracle.hpp"
+#include "maide/learn/oracle/mealy_oracle.hpp"
+#include "maide/learn/oracle/observing_oracle.hpp"
 
 namespace maide {
 namespace {

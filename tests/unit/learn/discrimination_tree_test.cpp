@@ -1,4 +1,4 @@
-#include "maide/learn/discrimination_tree.hpp"
+#include "maide/learn/tree/discrimination_tree.hpp"
 
 #include <gtest/gtest.h>
 

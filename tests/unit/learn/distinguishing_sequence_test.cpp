@@ -1,14 +1,13 @@
 // A sequence that is found tells its states apart; where none can be there, none is found.
-#include "maide/learn/distinguishing_sequence.hpp"
-
 #include <gtest/gtest.h>
 
 #include <numeric>
 #include <set>
 
 #include "maide/automata/random_automata.hpp"
-#include "maide/learn/adaptive_experiment.hpp"
-#include "maide/learn/output_oracle.hpp"
+#include "maide/learn/lsharp/adaptive_experiment.hpp"
+#include "maide/learn/oracle/output_oracle.hpp"
+#include "maide/learn/tree/adt.hpp"
 
 namespace maide {
 namespace {

@@ -1,4 +1,4 @@
-#include "maide/learn/mealy_oracle.hpp"
+#include "maide/learn/oracle/mealy_oracle.hpp"
 
 #include <gtest/gtest.h>
 

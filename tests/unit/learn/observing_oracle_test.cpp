@@ -1,10 +1,10 @@
 // What was answered is not asked again, words and decision trees alike.
-#include "maide/learn/observing_oracle.hpp"
+#include "maide/learn/oracle/observing_oracle.hpp"
 
 #include <gtest/gtest.h>
 
 #include "maide/base/error.hpp"
-#include "maide/learn/adaptive_experiment.hpp"
+#include "maide/learn/lsharp/adaptive_experiment.hpp"
 #include "oracles.hpp"
 
 namespace maide {

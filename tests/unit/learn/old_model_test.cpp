@@ -1,4 +1,4 @@
-#include "maide/learn/old_model.hpp"
+#include "maide/learn/lsharp/old_model.hpp"
 
 #include <gtest/gtest.h>
 

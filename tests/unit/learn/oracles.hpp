@@ -4,7 +4,7 @@
 #include <functional>
 #include <vector>
 
-#include "maide/learn/mealy_oracle.hpp"
+#include "maide/learn/oracle/mealy_oracle.hpp"
 
 namespace maide {
 

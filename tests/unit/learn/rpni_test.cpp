@@ -1,4 +1,4 @@
-#include "maide/learn/rpni.hpp"
+#include "maide/learn/passive/rpni.hpp"
 
 #include <gtest/gtest.h>
 

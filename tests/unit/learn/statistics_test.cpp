@@ -1,4 +1,4 @@
-#include "maide/learn/statistics.hpp"
+#include "maide/learn/oracle/statistics.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // A newcomer's machine under the whole stack, and the counts of what reached it.
-#include "maide/learn/sul_oracle.hpp"
+#include "maide/learn/oracle/sul_oracle.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,11 +8,11 @@
 #include <stop_token>
 
 #include "maide/base/error.hpp"
-#include "maide/conformance/complete_method.hpp"
-#include "maide/learn/cache.hpp"
-#include "maide/learn/counting_oracle.hpp"
-#include "maide/learn/learners.hpp"
-#include "maide/learn/rivest_schapire.hpp"
+#include "maide/conformance/method/complete_method.hpp"
+#include "maide/learn/cache/cache.hpp"
+#include "maide/learn/learner.hpp"
+#include "maide/learn/oracle/observing_oracle.hpp"
+#include "maide/learn/table/table_learners.hpp"
 
 namespace maide {
 namespace {
@@ -117,7 +117,7 @@ TEST(SulOracle, StopsWhenAsked) {
 
 TEST(Learners, UnknownNamesListTheKnownOnes) {
   try {
-    find_learner("magic");
+    find_deterministic_learner("magic");
     FAIL() << "found";
   } catch (const UsageError& error) {
     EXPECT_STREQ(error.what(),

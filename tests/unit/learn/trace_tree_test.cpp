@@ -1,4 +1,4 @@
-#include "maide/learn/trace_tree.hpp"
+#include "maide/learn/cache/trace_tree.hpp"
 
 #include <gtest/gtest.h>
 

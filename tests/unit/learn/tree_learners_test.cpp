@@ -7,7 +7,7 @@
 #include "maide/automata/compare.hpp"
 #include "maide/automata/random_automata.hpp"
 #include "maide/base/error.hpp"
-#include "maide/learn/learners.hpp"
+#include "maide/learn/learner.hpp"
 #include "oracles.hpp"
 
 namespace maide {
@@ -27,7 +27,7 @@ Costs learn_from_long_counterexamples(std::string_view algorithm, std::size_t le
     Mealy machine = random_mealy({.states = 40, .inputs = 3, .outputs = 1}, random);
     machine.set_transition(39, 0, machine.intern_output("o1"), machine.target(39, 0));
     RecordingOracle oracle(machine);
-    const auto learner = find_learner(algorithm).make(oracle);
+    const auto learner = find_deterministic_learner(algorithm).make(oracle);
     learner->start();
     for (int round = 0; round < 300; ++round) {
       Word word(length);
@@ -59,7 +59,7 @@ TEST(TreeLearners, AStateKeepsItsNumberFromOneHypothesisToTheNext) {
   for (const std::string_view algorithm : {"op", "kv", "ttt", "tttlambda", "adt"}) {
     const Mealy machine = random_mealy({.states = 60, .inputs = 2, .outputs = 2}, random);
     MealyOracle oracle(machine);
-    const auto learner = find_learner(algorithm).make(oracle);
+    const auto learner = find_deterministic_learner(algorithm).make(oracle);
     learner->start();
     int rounds = 0;
     while (const auto word = find_distinguishing_word(learner->hypothesis(), machine)) {
@@ -85,7 +85,7 @@ TEST(TreeLearners, AdtSparesResets) {
   std::size_t resets[2] = {};
   for (const bool is_adaptive : {false, true}) {
     RecordingOracle oracle(machine);
-    const auto learner = find_learner(is_adaptive ? "adt" : "op").make(oracle);
+    const auto learner = find_deterministic_learner(is_adaptive ? "adt" : "op").make(oracle);
     learner->start();
     while (const auto word = find_distinguishing_word(learner->hypothesis(), machine)) {
       learner->refine(*word);
@@ -110,7 +110,7 @@ TEST(TreeLearners, ASystemThatContradictsItselfIsReportedAsSuch) {
       }
       return answers;
     };
-    const auto learner = find_learner(algorithm).make(oracle);
+    const auto learner = find_deterministic_learner(algorithm).make(oracle);
     learner->start();
     try {
       learner->refine({0, 0});

@@ -1,15 +1,15 @@
 // The rule by which contradictions are decided keeps what it promises, and the cache follows it.
-#include "maide/learn/vote.hpp"
+#include "maide/learn/oracle/vote.hpp"
 
 #include <gtest/gtest.h>
 
 #include <functional>
 
 #include "maide/base/error.hpp"
+#include "maide/base/file.hpp"
 #include "maide/base/random.hpp"
-#include "maide/base/temp_dir.hpp"
-#include "maide/learn/cache.hpp"
-#include "maide/learn/cache_file.hpp"
+#include "maide/learn/cache/cache.hpp"
+#include "maide/learn/cache/cache_file.hpp"
 #include "oracles.hpp"
 
 namespace maide {

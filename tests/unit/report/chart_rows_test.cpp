@@ -1,11 +1,11 @@
-#include "maide/report/chart_rows.hpp"
-
+// The rows of a sequence chart.
 #include <gtest/gtest.h>
 
 #include <string>
 #include <vector>
 
 #include "maide/base/random.hpp"
+#include "maide/report/sequence_chart.hpp"
 
 namespace maide {
 namespace {

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "maide/check/system_file.hpp"
+#include "maide/check/language/system_file.hpp"
 #include "scheduled_run.hpp"
 
 namespace maide {

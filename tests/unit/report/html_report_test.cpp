@@ -5,7 +5,7 @@
 
 #include <sstream>
 
-#include "maide/check/system_file.hpp"
+#include "maide/check/language/system_file.hpp"
 #include "maide/report/trace_chart.hpp"
 
 namespace maide {

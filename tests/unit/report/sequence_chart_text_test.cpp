@@ -4,8 +4,6 @@
 
 #include <sstream>
 
-#include "maide/report/terminal_text.hpp"
-
 namespace maide {
 namespace {
 

@@ -1,6 +1,7 @@
-#include "maide/wire/death_record.hpp"
-
+// How wrappers died.
 #include <gtest/gtest.h>
+
+#include "maide/wire/client/wrapper_connection.hpp"
 
 namespace maide {
 namespace {

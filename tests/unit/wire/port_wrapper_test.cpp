@@ -6,7 +6,7 @@
 
 #include "maide/base/error.hpp"
 #include "maide/base/random.hpp"
-#include "maide/wire/local_sul.hpp"
+#include "maide/wire/wrapper/wrapper_session.hpp"
 #include "port_model.hpp"
 
 namespace maide {

@@ -1,4 +1,4 @@
-#include "maide/wire/protocol.hpp"
+#include "maide/wire/protocol/protocol.hpp"
 
 #include <gtest/gtest.h>
 

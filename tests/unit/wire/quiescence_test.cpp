@@ -1,5 +1,6 @@
-#include "maide/wire/quiescence.hpp"
+#include "maide/wire/observe/quiescence.hpp"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
 #include <netinet/in.h>
 #include <netinet/tcp.h>
@@ -10,13 +11,15 @@
 #include <atomic>
 #include <condition_variable>
 #include <mutex>
+#include <optional>
 #include <thread>
+#include <utility>
 
 #include "busy_machine.hpp"
-#include "maide/base/descriptor.hpp"
-#include "maide/wire/line_io.hpp"
-#include "maide/wire/socket_scan.hpp"
-#include "maide/wire/thread_scan.hpp"
+#include "maide/base/file.hpp"
+#include "maide/wire/observe/socket_scan.hpp"
+#include "maide/wire/observe/thread_scan.hpp"
+#include "maide/wire/protocol/line_io.hpp"
 #include "thread_chain.hpp"
 
 namespace maide {
@@ -193,6 +196,30 @@ TEST(Quiescence, TheSdksOwnThreadsDoNotCount) {
   EXPECT_EQ(quiescence.wait(never, not_aborted), Verdict::quiescent);
 }
 
+// As many threads as before are not the same threads.
+TEST(Quiescence, AThreadThatTakesAnSdkThreadsPlaceIsSeen) {
+  Quiescence quiescence(with_limit(30ms));
+  {
+    const Spinner own(true);
+    EXPECT_EQ(quiescence.wait(never, not_aborted), Verdict::quiescent);
+  }
+  const Spinner other(false);
+  EXPECT_EQ(quiescence.wait(never, not_aborted), Verdict::hang);
+}
+
+TEST(Quiescence, AThreadThatTakesASleepingThreadsPlaceIsSeen) {
+  Quiescence quiescence(with_limit(30ms));
+  {
+    const test::ThreadChain sleeping(1, 1);
+    std::this_thread::sleep_for(10ms);
+    for (int look = 0; look < 30; ++look) {
+      ASSERT_EQ(quiescence.wait(never, not_aborted), Verdict::quiescent);
+    }
+  }
+  const Spinner other(false);
+  EXPECT_EQ(quiescence.wait(never, not_aborted), Verdict::hang);
+}
+
 TEST(Quiescence, TheFloorCoversTimersThatNobodySees) {
   QuiescenceSettings settings = with_limit(60s);
   settings.floor = 500ms;
@@ -270,7 +297,8 @@ TEST(SocketScan, BytesThatArrivedAreNotInFlightWhateverIsAcknowledged) {
   for (int sent = 1; sent <= 100; ++sent) {
     EXPECT_TRUE(write_all(pair.writer.get(), "x"));
     const auto has_arrived = [&](const SocketPicture::Socket& socket) {
-      return socket.descriptor == pair.reader.get() && socket.unread == sent;
+      return socket.descriptor == pair.reader.get() &&
+             socket.arrived == static_cast<std::uint64_t>(sent);
     };
     do {
       scan.take(picture);
@@ -312,6 +340,76 @@ TEST(SocketScan, SeesArrivedBytesAndIgnoresWhatItIsTold) {
   blind.ignore(pair.reader.get());
   blind.take(after);
   EXPECT_EQ(before.sockets.size(), after.sockets.size() + 2);
+}
+
+TEST(SocketScan, LeavesTheSdksDescriptorsOut) {
+  const TcpPair pair;
+  SocketScan scan;
+  SocketPicture all, rest;
+  scan.take(all);
+  {
+    const SdkDescriptor own(pair.writer.get());
+    scan.take(rest);
+    EXPECT_EQ(rest.sockets.size() + 1, all.sockets.size());
+  }
+  scan.take(rest);
+  EXPECT_EQ(rest, all);
+}
+
+TEST(SocketScan, TakeAgainSeesWhatArrives) {
+  const TcpPair stream;
+  int local[2], datagrams[2];
+  ASSERT_EQ(::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, local), 0);
+  ASSERT_EQ(::socketpair(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0, datagrams), 0);
+  const Descriptor ends[] = {Descriptor(local[0]), Descriptor(local[1]), Descriptor(datagrams[0]),
+                             Descriptor(datagrams[1])};
+  SocketScan scan;
+  SocketPicture before, after;
+  for (const int writer : {stream.writer.get(), local[0], datagrams[0]}) {
+    scan.take(before);
+    scan.take_again(after);
+    EXPECT_EQ(before, after);
+    EXPECT_TRUE(write_all(writer, "hello"));
+    scan.take_again(after);
+    EXPECT_FALSE(before == after);
+  }
+}
+
+// One number stands for one kind of thing after the other, as when it is closed and given anew.
+TEST(SocketScan, ANumberThatStandsForSomethingElseIsSeen) {
+  const TcpPair first, second;
+  int local[2];
+  ASSERT_EQ(::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, local), 0);
+  const Descriptor local_end(local[0]), other_local_end(local[1]);
+  const Descriptor file(::open("/dev/null", O_RDONLY | O_CLOEXEC));
+  const Descriptor datagrams(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0));
+  EXPECT_TRUE(write_all(first.writer.get(), "hello"));
+  EXPECT_TRUE(write_all(second.writer.get(), "hi"));
+  EXPECT_TRUE(write_all(local[0], "farewell"));
+  const Descriptor number(::fcntl(file.get(), F_DUPFD_CLOEXEC, 100));
+  // What has arrived there; nothing where it is no socket.
+  const std::pair<int, std::optional<std::uint64_t>> things[] = {{file.get(), std::nullopt},
+                                                                 {first.reader.get(), 5},
+                                                                 {local[1], 8},
+                                                                 {datagrams.get(), 0},
+                                                                 {second.reader.get(), 2}};
+  SocketScan scan;
+  SocketPicture picture;
+  for (const auto& [old, unused] : things) {
+    for (const auto& [next, arrived] : things) {
+      ASSERT_EQ(::dup3(old, number.get(), O_CLOEXEC), number.get());
+      scan.take(picture);
+      ASSERT_EQ(::dup3(next, number.get(), O_CLOEXEC), number.get());
+      scan.take(picture);
+      const auto found =
+          std::find_if(picture.sockets.begin(), picture.sockets.end(),
+                       [&](const auto& socket) { return socket.descriptor == number.get(); });
+      ASSERT_EQ(found != picture.sockets.end(), arrived.has_value());
+      if (arrived) {
+        EXPECT_EQ(found->arrived, *arrived);
+      }
+    }
+  }
 }
 
 }  // namespace

@@ -1,6 +1,4 @@
 // --self-test of a wrapper: one line that says what was found, or one that says what is wrong.
-#include "maide/wire/self_test.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -9,6 +7,7 @@
 #include <string>
 
 #include "maide/base/error.hpp"
+#include "maide/wire/wrapper/system_wrapper.hpp"
 #include "port_wrapper.hpp"
 
 namespace maide {

@@ -1,6 +1,4 @@
 // A system of two processes: the wrapper's, and a service that answers after some work of its own.
-#include "maide/wire/service_process.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <netinet/in.h>
@@ -14,10 +12,11 @@
 #include <vector>
 
 #include "busy_machine.hpp"
-#include "maide/base/descriptor.hpp"
 #include "maide/base/error.hpp"
-#include "maide/wire/local_sul.hpp"
-#include "maide/wire/thread_scan.hpp"
+#include "maide/base/file.hpp"
+#include "maide/wire/client/child_process.hpp"
+#include "maide/wire/observe/thread_scan.hpp"
+#include "maide/wire/wrapper/wrapper_session.hpp"
 
 namespace maide {
 namespace {

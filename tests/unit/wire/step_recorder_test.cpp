@@ -1,4 +1,4 @@
-#include "maide/wire/step_recorder.hpp"
+#include "maide/wire/wrapper/step_recorder.hpp"
 
 #include <gtest/gtest.h>
 

@@ -10,11 +10,11 @@
 
 #include "listening_wrapper.hpp"
 #include "maide/base/error.hpp"
-#include "maide/base/temp_dir.hpp"
-#include "maide/wire/line_io.hpp"
-#include "maide/wire/reception.hpp"
-#include "maide/wire/tcp.hpp"
-#include "maide/wire/wrapper_proxy.hpp"
+#include "maide/base/file.hpp"
+#include "maide/wire/client/wrapper_proxy.hpp"
+#include "maide/wire/protocol/line_io.hpp"
+#include "maide/wire/protocol/tcp.hpp"
+#include "maide/wire/wrapper/reception.hpp"
 #include "port_model.hpp"
 #include "processes.hpp"
 

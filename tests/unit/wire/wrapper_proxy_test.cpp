@@ -1,5 +1,5 @@
 // The real wrapper of the reference port in a process of its own, through the proxy.
-#include "maide/wire/wrapper_proxy.hpp"
+#include "maide/wire/client/wrapper_proxy.hpp"
 
 #include <gtest/gtest.h>
 #include <signal.h>

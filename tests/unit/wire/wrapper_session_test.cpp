@@ -1,5 +1,5 @@
 // A session whose system cannot be shut down says so, and ends without harm.
-#include "maide/wire/wrapper_session.hpp"
+#include "maide/wire/wrapper/wrapper_session.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,7 +7,6 @@
 #include <stdexcept>
 
 #include "maide/base/error.hpp"
-#include "maide/wire/local_sul.hpp"
 
 namespace maide {
 namespace {

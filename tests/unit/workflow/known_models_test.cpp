@@ -9,17 +9,17 @@
 #include <fstream>
 #include <set>
 
+#include "maide/automata/alphabet.hpp"
 #include "maide/automata/compare.hpp"
 #include "maide/automata/minimize.hpp"
 #include "maide/automata/random_automata.hpp"
-#include "maide/automata/words.hpp"
 #include "maide/base/error.hpp"
-#include "maide/base/temp_dir.hpp"
-#include "maide/conformance/test_chain.hpp"
-#include "maide/formats/dot.hpp"
-#include "maide/learn/cache.hpp"
-#include "maide/learn/counting_oracle.hpp"
-#include "maide/learn/mealy_oracle.hpp"
+#include "maide/base/file.hpp"
+#include "maide/conformance/method/test_chain.hpp"
+#include "maide/formats/model_file.hpp"
+#include "maide/learn/cache/cache.hpp"
+#include "maide/learn/oracle/mealy_oracle.hpp"
+#include "maide/learn/oracle/observing_oracle.hpp"
 #include "maide/workflow/experiment.hpp"
 
 namespace maide {

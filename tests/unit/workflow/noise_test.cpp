@@ -4,9 +4,9 @@
 
 #include "maide/automata/compare.hpp"
 #include "maide/base/error.hpp"
-#include "maide/base/temp_dir.hpp"
+#include "maide/base/file.hpp"
 #include "maide/formats/model_file.hpp"
-#include "maide/learn/learners.hpp"
+#include "maide/learn/learner.hpp"
 #include "maide/sul/simulated_sul.hpp"
 #include "maide/workflow/experiment.hpp"
 #include "noisy_sul.hpp"
@@ -72,7 +72,7 @@ TEST(Noise, AKeptCacheIsCorrectedToo) {
 }
 
 TEST(Noise, WithoutItARunCostsWhatItDid) {
-  for (const LearnerEntry& algorithm : learners()) {
+  for (const LearnerEntry& algorithm : deterministic_learners()) {
     ExperimentOptions options;
     options.algorithm = algorithm.name;
     const NoisyRun plain = learn_beside_noise({}, options);

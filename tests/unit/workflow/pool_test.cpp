@@ -5,12 +5,11 @@
 #include <sstream>
 
 #include "maide/automata/random_automata.hpp"
+#include "maide/base/file.hpp"
 #include "maide/base/random.hpp"
-#include "maide/base/temp_dir.hpp"
-#include "maide/conformance/test_methods.hpp"
-#include "maide/formats/dot.hpp"
+#include "maide/conformance/method/test_methods.hpp"
 #include "maide/formats/model_file.hpp"
-#include "maide/learn/learners.hpp"
+#include "maide/learn/learner.hpp"
 #include "maide/sul/simulated_sul.hpp"
 #include "maide/sul/sul_pool.hpp"
 #include "maide/workflow/experiment.hpp"
@@ -67,7 +66,7 @@ Outcome learn(Sul& sul, ExperimentOptions options) {
 
 template <typename Automaton>
 void expect_the_same_run(const Automaton& automaton) {
-  for (const LearnerEntry& learner : learners()) {
+  for (const LearnerEntry& learner : deterministic_learners()) {
     for (const char* method : {"standard", "w", "random-words", "random-walk"}) {
       ExperimentOptions options;
       options.algorithm = learner.name;

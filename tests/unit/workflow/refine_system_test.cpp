@@ -8,8 +8,7 @@
 #include "maide/automata/strength.hpp"
 #include "maide/base/error.hpp"
 #include "maide/base/file.hpp"
-#include "maide/base/temp_dir.hpp"
-#include "maide/check/native_engine.hpp"
+#include "maide/check/explore/engine.hpp"
 #include "maide/formats/model_file.hpp"
 
 namespace maide {
@@ -154,9 +153,12 @@ TEST_F(BlackBoxChecking, KnowsHowAModelIsToBeLearned) {
   };
   EXPECT_THAT(message_of("speed: 3"),
               HasSubstr("'learning' has no key 'speed'; it may have: algorithm"));
-  EXPECT_THAT(message_of("max-tests: many"), HasSubstr("must be a number, not 'many'"));
+  EXPECT_THAT(message_of("max-tests: many"), HasSubstr("max-tests: 'many' is not a whole number"));
   EXPECT_THAT(message_of("eq: best"), HasSubstr("best"));
-  EXPECT_EQ(message_of("eq: perfect, algorithm: lmplus, seed: 3, extra-states: 1"), "");
+  EXPECT_THAT(message_of("eq: w, effort: 2"), HasSubstr("'w' has the option 'effort'"));
+  EXPECT_EQ(
+      message_of("eq: w, algorithm: lmplus, seed: 3, extra-states: 1, strength: extra-states=1"),
+      "");
 }
 
 }  // namespace

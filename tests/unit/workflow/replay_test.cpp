@@ -5,11 +5,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "maide/check/check_system.hpp"
-#include "maide/check/native_engine.hpp"
+#include "maide/check/explore/check_system.hpp"
+#include "maide/check/explore/engine.hpp"
 #include "maide/formats/model_file.hpp"
 #include "maide/sul/simulated_sul.hpp"
-#include "maide/workflow/random_run.hpp"
+#include "maide/workflow/real_system.hpp"
 
 namespace maide {
 namespace {

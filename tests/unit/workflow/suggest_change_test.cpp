@@ -3,8 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "maide/check/native_engine.hpp"
-#include "maide/workflow/system_variant.hpp"
+#include "maide/check/explore/engine.hpp"
 
 namespace maide {
 namespace {

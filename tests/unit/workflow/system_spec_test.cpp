@@ -1,8 +1,8 @@
-#include "maide/workflow/system_spec.hpp"
-
+// Systems as people name them.
 #include <gtest/gtest.h>
 
 #include "maide/base/error.hpp"
+#include "maide/workflow/open_system.hpp"
 
 namespace maide {
 namespace {

@@ -1,0 +1,104 @@
+// Text as people write and read it: lists, text that others wrote, words of a command line,
+// suggestions for misspelt names, tables of named rows, and the line of a file in which something
+// is wrong.
+#pragma once
+
+#include <initializer_list>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "maide/base/error.hpp"
+
+namespace maide {
+
+// The names with the separator between them; "" for none.
+inline std::string join(std::span<const std::string> names, std::string_view separator = ", ") {
+  std::string text;
+  for (const std::string& name : names) {
+    if (&name != &names.front()) text += separator;
+    text += name;
+  }
+  return text;
+}
+
+// The parts between separators; one at least, and "" where two meet.
+std::vector<std::string_view> split(std::string_view text, char separator);
+
+// ---- Text that others wrote ----
+//
+// What a wrapper says, or a name in a file, may hold control characters. A control character can
+// move the cursor, recolour or erase what stands there, even type. So each that is not white space
+// becomes '?' before a terminal gets the text; those of Unicode (U+0080 to U+009F) and bytes that
+// are no UTF-8 do, too. Text for a file or a program is not changed.
+
+// Keeps lines and tabs.
+std::string printable(std::string_view text);
+
+// One line: each line break and tab is a blank.
+std::string one_line(std::string_view text);
+
+// ---- Words of a command line ----
+//
+// Blanks stand between words and quotes around blanks, as in a shell. Nothing is expanded.
+
+// Splits a command line into words: blanks, '...', "...", backslash. Throws UsageError on an
+// unclosed quote.
+std::vector<std::string> split_shell_words(std::string_view line);
+
+// The word as it is written in a line: in quotes, where split_shell_words() would not give it back.
+std::string quote_shell_word(const std::string& word);
+
+// ---- Suggestions ----
+//
+// "Did you mean ...?" names the known name that is nearest to a misspelt one. Distance counts
+// insertions, deletions, substitutions and transpositions of neighbours (F. Damerau, "A technique
+// for computer detection and correction of spelling errors", CACM 1964).
+
+// The number of edits that turn `a` into `b`; O(|a| |b|).
+std::size_t edit_distance(std::string_view a, std::string_view b);
+
+// The nearest of `known` (the first of them in case of a tie), or "" if none is near: more than a
+// third of the name's letters, and more than one, would have to change.
+std::string find_nearest(std::string_view name, std::span<const std::string> known);
+
+// "; did you mean 'depth'?", or "" if nothing is near. To be put behind an error message.
+std::string did_you_mean(std::string_view name, std::span<const std::string> known);
+
+// ---- Tables of named rows ----
+//
+// Algorithms, methods and formats stand in tables whose rows have a member `name`. What a user
+// types finds its row, or an error that lists the others.
+
+// "unknown algorithm 'x'; known are: rs, lmplus".
+inline UsageError unknown_name(std::string_view what, std::string_view name,
+                               std::span<const std::string> known) {
+  return UsageError("unknown " + std::string(what) + " '" + std::string(name) +
+                    "'; known are: " + (known.empty() ? "none" : join(known)));
+}
+
+// The row of this name; throws unknown_name() if there is none. `besides` are names that a user may
+// type, too, for that message. O(rows).
+template <typename Row>
+const Row& find_row(std::span<const Row> table, std::string_view what, std::string_view name,
+                    std::initializer_list<std::string_view> besides = {}) {
+  std::vector<std::string> known;
+  for (const Row& row : table) {
+    if (row.name == name) return row;
+    known.emplace_back(row.name);
+  }
+  known.insert(known.end(), besides.begin(), besides.end());
+  throw unknown_name(what, name, known);
+}
+
+// ---- Places in files ----
+//
+// The line of a file in which something is wrong, with a caret under the place, as compilers show
+// it.
+
+// Two lines, each ended; "" if the place is not known to the column or the file cannot be read.
+// Long lines are cut to what stands around the place, and what cannot be printed is a '?'.
+std::string source_excerpt(const SourcePosition& position);
+
+}  // namespace maide

@@ -1,0 +1,335 @@
+#include "maide/check/explore/engine.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+#include <utility>
+
+#include "maide/base/error.hpp"
+#include "maide/check/explore/explorer.hpp"
+#include "maide/check/explore/fair_cycle.hpp"
+#include "maide/check/explore/monitors.hpp"
+#include "maide/check/spin/spin_engine.hpp"
+
+namespace maide {
+
+std::string to_string(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::holds: return "holds";
+    case Verdict::violated: return "violated";
+    case Verdict::inconclusive: return "inconclusive";
+  }
+  return "";
+}
+
+std::uint64_t memory_limit_mib(const EngineOptions& options) {
+  if (options.memory_mib) return *options.memory_mib;
+  const auto pages = static_cast<std::uint64_t>(::sysconf(_SC_PHYS_PAGES));
+  const auto page = static_cast<std::uint64_t>(::sysconf(_SC_PAGE_SIZE));
+  return std::max<std::uint64_t>(256, pages * page / 4 * 3 >> 20);
+}
+
+std::string why_stopped(const EngineOptions& options) {
+  return options.control.stop.stop_requested() ? "interrupted" : "out of time";
+}
+
+std::unique_ptr<Engine> make_engine(const std::string& name) {
+  if (name == "spin") return std::make_unique<SpinEngine>();
+  if (name == "native") return std::make_unique<NativeEngine>();
+  throw UsageError("there is no engine '" + name + "'; there is: native, spin");
+}
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+SearchLimits limits_of(const EngineOptions& options) {
+  SearchLimits limits;
+  limits.bytes = memory_limit_mib(options) << 20;
+  limits.control = options.control;
+  return limits;
+}
+
+// Goals: see explorer.hpp. `depends_on_step()`: on more than the states that are visited.
+
+// A state in which nothing can happen and some program has not ended.
+struct DeadlockGoal {
+  const PackedSystem& system;
+  static bool depends_on_step() { return false; }
+  template <typename State>
+  bool on_step(const State&, const State&, std::size_t, std::uint32_t, bool) const {
+    return false;
+  }
+  template <std::size_t words>
+  bool on_end(const PackedState<words>& state) const {
+    return !system.has_ended(state);
+  }
+};
+
+// A step that commutes with the one before it is cut in either order, so the shortest run to a cut
+// ends with one that no order leaves out.
+struct CutGoal {
+  static bool depends_on_step() { return false; }
+  template <typename State>
+  bool on_step(const State&, const State&, std::size_t, std::uint32_t, bool is_cut) const {
+    return is_cut;
+  }
+  template <typename State>
+  bool on_end(const State&) const {
+    return false;
+  }
+};
+
+// A position at which the condition does not hold; one at which the run is cut does not count.
+struct InvariantGoal {
+  const PackedSystem& system;
+  Condition condition;
+  bool depends_on_step() const { return condition.has_events(); }
+  template <std::size_t words>
+  bool on_step(const PackedState<words>&, const PackedState<words>& next, std::size_t program,
+               std::uint32_t edge, bool is_cut) const {
+    return !is_cut && !condition.is_true(system, next, program, edge);
+  }
+  template <std::size_t words>
+  bool on_end(const PackedState<words>& state) const {
+    return !condition.is_true(system, state, 0, PackedAtom::no_edge);
+  }
+};
+
+// With chains a state carries more bits: worth it up to this many.
+constexpr unsigned most_chain_bits = 24;
+constexpr unsigned longest_chain = 8;
+
+// The longest chain for which states of the system stay as small as they can be.
+unsigned chain_length(const PackedSystem& system) {
+  const unsigned state_bits = system.state_bits();
+  const unsigned room = state_bits <= 64
+                            ? std::min(most_chain_bits, most_bits_together - state_bits)
+                            : most_chain_bits;
+  unsigned chain = longest_chain;
+  while (chain > 1 && chain_bits(chain, system.code_bits()) > room) --chain;
+  return chain;
+}
+
+// Searches breadth-first for what `make_goal(packed system)` looks for; `rules`: none takes every
+// step.
+template <typename MakeGoal>
+SearchResult explore(const System& plain, const std::optional<ReductionRules>& rules,
+                     Reduction reduction, const SearchLimits& limits, MakeGoal&& make_goal) {
+  PackedSystem system(plain);
+  const unsigned chain = rules && reduction == Reduction::full ? chain_length(system) : 1;
+  if (chain > 1) system = PackedSystem(plain, chain_bits(chain, system.code_bits()));
+  std::optional<StubbornSets> sets;
+  BreadthFirstOptions options;
+  if (rules) {
+    options.sets = &sets.emplace(system, rules->sets);
+    options.puts_nothing_off = rules->puts_nothing_off;
+    options.chain = chain;
+  }
+  auto goal = make_goal(system);
+  std::optional<StepOrder> order;
+  if (!rules && !goal.depends_on_step()) options.order = &order.emplace(system);
+  SearchResult search = with_words(system.words(), [&](auto words) {
+    return BreadthFirstSearch<words.value, decltype(goal)>(system, goal, limits, options).run();
+  });
+  if (rules) search.reduction = chain > 1 ? Reduction::full : Reduction::order;
+  return search;
+}
+
+// A reduced search shows some run, not a shortest one: that is looked for among all runs that are
+// no longer, unless it takes too many states.
+constexpr std::uint64_t shortening_states = std::uint64_t{1} << 22;
+
+template <typename MakeGoal>
+SearchResult explore(const System& plain, std::optional<ReductionRules> rules,
+                     const EngineOptions& options, MakeGoal&& make_goal) {
+  SearchLimits limits = limits_of(options);
+  if (options.reduction == Reduction::none || plain.programs.size() > most_reduced_programs) {
+    rules.reset();
+  }
+  SearchResult search = explore(plain, rules, options.reduction, limits, make_goal);
+  if (!rules || search.end != SearchResult::End::found) return search;
+  limits.depth = search.trace->steps.size();
+  limits.states = std::max(shortening_states, 16 * search.states);
+  SearchResult shorter = explore(plain, std::nullopt, Reduction::none, limits, make_goal);
+  search.bytes = std::max(search.bytes, shorter.bytes);
+  if (shorter.trace && shorter.trace->steps.size() < search.trace->steps.size()) {
+    search.trace = std::move(shorter.trace);
+  }
+  return search;
+}
+
+std::string why_incomplete(const SearchResult& search, const EngineOptions& options) {
+  const std::string reached =
+      fmt::format("after {} states, to depth {}", search.states, search.depth);
+  const std::string found = search.has_violation
+                                ? "it is violated, but no run that shows it was worked out"
+                                : "nothing found so far";
+  if (search.end == SearchResult::End::out_of_memory) {
+    return fmt::format("the search needs more than {} MiB of memory {}: {}",
+                       limits_of(options).bytes >> 20, reached, found);
+  }
+  return fmt::format("{} {}: {}", why_stopped(options), reached, found);
+}
+
+// `G condition`: the condition; null if the formula is no such.
+Formula invariant_of(const Property& property) {
+  if (property.kind != Property::Kind::ltl) return nullptr;
+  const Formula& formula = property.formula;
+  if (formula->op != FormulaNode::Operator::globally) return nullptr;
+  return is_boolean(formula->left) ? formula->left : nullptr;
+}
+
+Formula negation_of(const Formula& formula) {
+  FormulaNode node;
+  node.op = FormulaNode::Operator::negation;
+  node.left = formula;
+  return std::make_shared<const FormulaNode>(std::move(node));
+}
+
+template <typename Monitor>
+SearchResult find_fair_cycle(const PackedSystem& system, const Monitor& monitor,
+                             const Property& property, const EngineOptions& options) {
+  std::optional<ReductionRules> rules;
+  if (options.reduction != Reduction::none) rules = rules_for_cycle(system.system(), property);
+  std::optional<StubbornSets> sets;
+  if (rules) sets.emplace(system, std::move(rules->sets));
+  const SearchLimits limits = limits_of(options);
+  SearchResult search = with_words(system.words(), [&](auto words) {
+    return FairCycleSearch<words.value, Monitor>(system, monitor, limits, sets ? &*sets : nullptr)
+        .run();
+  });
+  if (rules) search.reduction = Reduction::order;
+  return search;
+}
+
+// Programs, and marks, are bits of a word in the search for fair cycles.
+bool is_within_words(const System& system, unsigned marks) {
+  return system.programs.size() <= most_marks && marks <= most_marks;
+}
+
+// Nothing if the system is too large for it.
+std::optional<SearchResult> search_for_cycle(const System& plain, const Property& property,
+                                             const EngineOptions& options) {
+  const auto programs = static_cast<unsigned>(plain.programs.size());
+  if (property.kind == Property::Kind::stuck) {
+    if (!is_within_words(plain, programs)) return std::nullopt;
+    const PackedSystem system(plain, node_number_bits, plain.programs.size() + 1);
+    return find_fair_cycle(system, StuckMonitor(system), property, options);
+  }
+  LtlAutomaton automaton = property.kind == Property::Kind::never
+                               ? *property.never
+                               : translate(negation_of(property.formula));
+  const bool is_weak = property.fairness == Fairness::weak;
+  if (!is_within_words(plain, automaton.mark_count + (is_weak ? programs : 0))) {
+    return std::nullopt;
+  }
+  const PackedSystem system(plain, node_number_bits, automaton.states.size());
+  return find_fair_cycle(system, LtlMonitor(system, std::move(automaton), property.fairness),
+                         property, options);
+}
+
+bool needs_cycle(const Property& property) {
+  if (property.kind == Property::Kind::stuck) return true;
+  if (property.kind == Property::Kind::never) return true;
+  return property.kind == Property::Kind::ltl && !invariant_of(property);
+}
+
+SearchResult search_for(const System& plain, const Property& property,
+                        const EngineOptions& options) {
+  if (property.kind == Property::Kind::deadlock) {
+    return explore(plain, rules_for_deadlock(), options,
+                   [](const PackedSystem& system) { return DeadlockGoal{system}; });
+  }
+  const Condition condition(invariant_of(property), plain);
+  const PackedSystem packed(plain);
+  const bool holds_first = with_words(packed.words(), [&](auto words) {
+    const auto initial = packed.pack<words.value>(initial_state(plain));
+    return condition.is_true(packed, initial, 0, PackedAtom::no_edge);
+  });
+  if (holds_first) {
+    return explore(plain, rules_for_invariant(plain, property), options,
+                   [&](const PackedSystem& system) {
+                     return InvariantGoal{system, condition};
+                   });
+  }
+  SearchResult search;
+  search.end = SearchResult::End::found;
+  search.states = 1;
+  search.trace.emplace();
+  return search;
+}
+
+}  // namespace
+
+std::string NativeEngine::obstacle(const Property& /*property*/) const { return ""; }
+
+PropertyResult NativeEngine::check(const System& system, const Property& property,
+                                   const EngineOptions& options) {
+  const auto start = Clock::now();
+  PropertyResult result;
+  result.name = property.name;
+  SearchResult search;
+  if (needs_cycle(property)) {
+    std::optional<SearchResult> cycle = search_for_cycle(system, property, options);
+    if (!cycle) {
+      result.reason = fmt::format(
+          "the engine native takes at most {} programs, together with the formula's "
+          "eventualities, where fairness matters",
+          most_marks);
+      return result;
+    }
+    search = std::move(*cycle);
+  } else {
+    search = search_for(system, property, options);
+  }
+  result.states = search.states;
+  result.transitions = search.transitions;
+  result.peak_bytes = search.bytes;
+  result.reduction = search.reduction;
+  result.stays_within_learned = !needs_cycle(property) && !search.has_cut &&
+                                search.reduction == Reduction::none &&
+                                search.end == SearchResult::End::complete;
+  result.seconds = std::chrono::duration<double>(Clock::now() - start).count();
+  switch (search.end) {
+    case SearchResult::End::complete: result.verdict = Verdict::holds; break;
+    case SearchResult::End::found: {
+      const std::string flaw = find_flaw(system, property, *search.trace);
+      if (!flaw.empty()) {
+        throw std::logic_error("the counterexample for '" + property.name +
+                               "' does not replay: " + flaw);
+      }
+      result.verdict = Verdict::violated;
+      result.trace = std::move(search.trace);
+      break;
+    }
+    default: result.reason = why_incomplete(search, options); break;
+  }
+  return result;
+}
+
+CutResult NativeEngine::find_cut(const System& system, const EngineOptions& options) {
+  if (!PackedSystem(system).has_cuts()) return {Verdict::holds, "", std::nullopt};
+  SearchResult search =
+      explore(system, rules_for_cut(), options, [](const PackedSystem&) { return CutGoal{}; });
+  CutResult result;
+  switch (search.end) {
+    case SearchResult::End::complete: result.verdict = Verdict::holds; break;
+    case SearchResult::End::found:
+      if (!replay(system, *search.trace).back().is_cut) {
+        throw std::logic_error("the run to the bound does not replay");
+      }
+      result.verdict = Verdict::violated;
+      result.trace = std::move(search.trace);
+      break;
+    default: result.reason = why_incomplete(search, options); break;
+  }
+  return result;
+}
+
+}  // namespace maide

@@ -1,0 +1,88 @@
+// Engines decide properties of systems. There are two: Maide's own, and SPIN (spin_engine.hpp). An
+// engine answers for one property at a time. It knows nothing of what a verdict rests on; that is
+// check_system's part.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "maide/base/run_control.hpp"
+#include "maide/check/explore/reduction.hpp"
+#include "maide/check/trace/trace.hpp"
+
+namespace maide {
+
+enum class Verdict : std::uint8_t { holds, violated, inconclusive };
+std::string to_string(Verdict verdict);
+
+struct PropertyResult {
+  std::string name;
+  Verdict verdict = Verdict::inconclusive;
+  std::string reason;                     // of an inconclusive verdict, one line; else mostly empty
+  std::uint64_t states = 0;               // stored; with a formula, of its product with the system
+  std::uint64_t transitions = 0;          // seen, or taken in a search for cycles
+  double seconds = 0;                     // of the search, wall clock
+  std::uint64_t peak_bytes = 0;           // memory of the search
+  Reduction reduction = Reduction::none;  // what was used
+  std::optional<Trace> trace;             // of a violation
+  bool stays_within_learned = false;      // all runs were seen, and none goes beyond
+  bool is_internal_error = false;         // an error of Maide's own, which `reason` names
+
+  // Of the memory at its peak; 0 without states.
+  double bytes_per_state() const {
+    return states == 0 ? 0 : static_cast<double>(peak_bytes) / static_cast<double>(states);
+  }
+};
+
+// Whether some run leaves what was learned.
+struct CutResult {
+  Verdict verdict = Verdict::inconclusive;  // holds: no run does
+  std::string reason;                       // of an inconclusive verdict
+  std::optional<Trace> trace;               // its last step leaves what was learned
+};
+
+struct EngineOptions {
+  std::optional<std::uint64_t> memory_mib;  // limit of a search; none: most of the machine's
+  // What the native engine may leave out, as far as the property allows.
+  Reduction reduction = Reduction::none;
+  RunControl control;
+};
+
+// The limit of a search in MiB: what the options say, or three quarters of the machine's memory, at
+// least 256.
+std::uint64_t memory_limit_mib(const EngineOptions& options);
+
+// "interrupted" or "out of time": why a search that was told to stop was.
+std::string why_stopped(const EngineOptions& options);
+
+class Engine {
+ public:
+  virtual ~Engine() = default;
+  virtual std::string name() const = 0;
+  // What keeps this engine from checking the property, one line; "" if nothing does.
+  virtual std::string obstacle(const Property& property) const = 0;
+  // Decides the property, which must have no obstacle. Limits and interruptions make the verdict
+  // inconclusive. Throws UsageError if the engine cannot work at all (a missing tool, a full disk).
+  virtual PropertyResult check(const System& system, const Property& property,
+                               const EngineOptions& options) = 0;
+  virtual CutResult find_cut(const System& system, const EngineOptions& options) = 0;
+};
+
+// The engine of that name: `native`, `spin`. Throws UsageError for others.
+std::unique_ptr<Engine> make_engine(const std::string& name);
+
+// Maide's own engine: explicit states, packed (packed_system.hpp, state_table.hpp). Deadlocks, cuts
+// and invariants by breadth-first search, so that what it shows is a shortest run; `stuck` and all
+// other formulas by an on-the-fly search for a fair cycle (fair_cycle.hpp).
+class NativeEngine : public Engine {
+ public:
+  std::string name() const override { return "native"; }
+  std::string obstacle(const Property& property) const override;
+  PropertyResult check(const System& system, const Property& property,
+                       const EngineOptions& options) override;
+  CutResult find_cut(const System& system, const EngineOptions& options) override;
+};
+
+}  // namespace maide

@@ -1,0 +1,211 @@
+// Monitors, which watch a run in the search for a fair cycle (fair_cycle.hpp): the automaton of a
+// formula, and "this program never steps again". They evaluate atoms and conditions on packed
+// states; so do invariants.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <vector>
+
+#include "maide/base/invariant.hpp"
+#include "maide/base/numbers.hpp"
+#include "maide/check/explore/packed_system.hpp"
+#include "maide/check/explore/product_graph.hpp"
+#include "maide/check/ltl/ltl_automaton.hpp"
+
+namespace maide {
+
+// A formula without temporal operators, ready to be evaluated very often: what each atom is depends
+// on one program's control state, or on the edge just taken, and is looked up.
+
+// One atom as a look-up table.
+// An atom of a formula, as a table over packed states and steps.
+class PackedAtom {
+ public:
+  PackedAtom(const Atom& atom, const System& system);
+
+  // No event: the initial state, or one that repeats for ever.
+  static constexpr std::uint32_t no_edge = ~std::uint32_t{0};
+  bool is_event() const { return is_event_; }
+  // `state` was reached by `program` taking `edge`.
+  template <std::size_t words>
+  bool is_true(const PackedSystem& system, const PackedState<words>& state, std::size_t program,
+               std::uint32_t edge) const {
+    if (!is_event_) return values_[0][system.control(state, owner_)];
+    return edge != no_edge && values_[program][edge];
+  }
+
+ private:
+  bool is_event_;
+  std::uint32_t owner_;                    // the program, of a state's atom
+  std::vector<std::vector<bool>> values_;  // [0]: by control state; of an event: by program, edge
+};
+
+// A formula without temporal operators, evaluated on packed states. For `always` and for tests of a
+// single state. O(formula) an evaluation.
+class Condition {
+ public:
+  // `formula` has no temporal operator (std::invalid_argument).
+  Condition(const Formula& formula, const System& system);
+
+  // Whether it depends on the step by which a state was reached.
+  bool has_events() const;
+
+  template <std::size_t words>
+  bool is_true(const PackedSystem& system, const PackedState<words>& state, std::size_t program,
+               std::uint32_t edge) const {
+    return evaluate(nodes_.size() - 1, system, state, program, edge);
+  }
+
+ private:
+  struct Node {
+    FormulaNode::Operator op = FormulaNode::Operator::truth;
+    std::uint32_t left = 0, right = 0;  // nodes; of an atom: `left` is its index
+  };
+  std::uint32_t add(const Formula& formula, const System& system);
+
+  template <std::size_t words>
+  bool evaluate(std::size_t at, const PackedSystem& system, const PackedState<words>& state,
+                std::size_t program, std::uint32_t edge) const {
+    using Operator = FormulaNode::Operator;
+    const Node& node = nodes_[at];
+    MAIDE_CHECK(node.op == Operator::atom ? node.left < atoms_.size()
+                                          : at == 0 || (node.left < at && node.right < at));
+    const auto left = [&] { return evaluate(node.left, system, state, program, edge); };
+    const auto right = [&] { return evaluate(node.right, system, state, program, edge); };
+    switch (node.op) {
+      case Operator::truth: return true;
+      case Operator::falsity: return false;
+      case Operator::atom: return atoms_[node.left].is_true(system, state, program, edge);
+      case Operator::negation: return !left();
+      case Operator::conjunction: return left() && right();
+      case Operator::disjunction: return left() || right();
+      case Operator::implication: return !left() || right();
+      default: return left() == right();  // equivalence
+    }
+  }
+
+  std::vector<Node> nodes_;  // the root is the last
+  std::vector<PackedAtom> atoms_;
+};
+
+// Under weak fairness each program has a mark: it steps, or cannot.
+inline std::uint64_t weakly_fair_marks(std::size_t programs, std::size_t stepping,
+                                       std::uint64_t enabled) {
+  const std::uint64_t all = low_bits(static_cast<unsigned>(programs));
+  return all & (~enabled | (std::uint64_t{1} << stepping));
+}
+
+// Runs that the automaton accepts. Reads the letter of a state when it is entered.
+class LtlMonitor {
+ public:
+  // Keeps a reference to `packed`.
+  LtlMonitor(const PackedSystem& packed, LtlAutomaton automaton, Fairness fairness)
+      : packed_(packed), automaton_(std::move(automaton)), fairness_(fairness) {
+    MAIDE_CHECK(automaton_.atoms.size() <= 64);  // a letter is a word of bits
+    for (const Atom& atom : automaton_.atoms) atoms_.emplace_back(atom, packed.system());
+    is_waiting_ = find_waiting(automaton_);
+  }
+
+  unsigned marks() const {
+    return automaton_.mark_count +
+           (fairness_ == Fairness::weak ? static_cast<unsigned>(packed_.program_count()) : 0);
+  }
+  std::uint32_t universal() const { return automaton_.universal; }
+  bool is_strong() const { return fairness_ == Fairness::strong; }
+  bool is_waiting(std::uint32_t at) const { return is_waiting_[at]; }
+  bool may_wait() const {
+    return std::find(is_waiting_.begin(), is_waiting_.end(), true) != is_waiting_.end();
+  }
+
+  template <typename State, typename Follow>
+  void start(const State& state, Follow&& follow) const {
+    for (const std::uint32_t at : automaton_.initial) {
+      read(valuation(state, 0, PackedAtom::no_edge), at, 0, follow);
+    }
+  }
+  template <typename State, typename Follow>
+  void step(const State& next, std::size_t program, std::uint32_t edge, std::uint64_t enabled,
+            std::uint32_t at, Follow&& follow) const {
+    std::uint64_t fair = 0;
+    if (fairness_ == Fairness::weak) {
+      fair = weakly_fair_marks(packed_.program_count(), program, enabled) << automaton_.mark_count;
+    }
+    read(valuation(next, program, edge), at, fair, follow);
+  }
+  template <typename State, typename Follow>
+  void stay(const State& state, std::uint32_t at, Follow&& follow) const {
+    const std::uint64_t fair =
+        marks() == automaton_.mark_count ? 0 : ~std::uint64_t{0} << automaton_.mark_count;
+    const std::uint64_t all = low_bits(marks());
+    read(valuation(state, 0, PackedAtom::no_edge), at, fair & all, follow);
+  }
+
+ private:
+  template <typename State>
+  std::uint64_t valuation(const State& state, std::size_t program, std::uint32_t edge) const {
+    std::uint64_t valuation = 0;
+    for (std::size_t i = 0; i < atoms_.size(); ++i) {
+      if (atoms_[i].is_true(packed_, state, program, edge)) valuation |= std::uint64_t{1} << i;
+    }
+    return valuation;
+  }
+  template <typename Follow>
+  void read(std::uint64_t valuation, std::uint32_t at, std::uint64_t marks, Follow&& follow) const {
+    MAIDE_CHECK(at < automaton_.states.size());
+    for (const LtlAutomaton::Transition& transition : automaton_.states[at]) {
+      if (transition.letter.allows(valuation)) follow(transition.target, transition.marks | marks);
+    }
+  }
+
+  const PackedSystem& packed_;
+  LtlAutomaton automaton_;
+  Fairness fairness_;
+  std::vector<PackedAtom> atoms_;
+  std::vector<bool> is_waiting_;  // by state
+};
+
+// Weakly fair runs on which some program, that has not ended, never steps again while others run
+// on. State 0 waits; state 1+p has guessed that program p has made its last step.
+class StuckMonitor {
+ public:
+  // Keeps a reference.
+  explicit StuckMonitor(const PackedSystem& packed) : packed_(packed) {}
+
+  std::size_t states() const { return packed_.program_count() + 1; }
+  unsigned marks() const { return static_cast<unsigned>(packed_.program_count()); }
+  std::uint32_t universal() const { return no_monitor_state; }
+  bool is_strong() const { return false; }
+  bool is_waiting(std::uint32_t at) const { return at == 0; }
+  bool may_wait() const { return true; }
+
+  template <typename State, typename Follow>
+  void start(const State& state, Follow&& follow) const {
+    follow(0, 0);
+    guess(state, follow);
+  }
+  template <typename State, typename Follow>
+  void step(const State& next, std::size_t program, std::uint32_t, std::uint64_t enabled,
+            std::uint32_t at, Follow&& follow) const {
+    if (at == 0) {
+      follow(0, 0);
+      guess(next, follow);
+    } else if (program != at - 1) {
+      follow(at, weakly_fair_marks(packed_.program_count(), program, enabled));
+    }
+  }
+  template <typename State, typename Follow>
+  void stay(const State&, std::uint32_t, Follow&&) const {}
+
+ private:
+  template <typename State, typename Follow>
+  void guess(const State& state, Follow&& follow) const {
+    for (std::size_t program = 0; program < packed_.program_count(); ++program) {
+      if (!packed_.has_ended(state, program)) follow(static_cast<std::uint32_t>(program + 1), 0);
+    }
+  }
+
+  const PackedSystem& packed_;
+};
+
+}  // namespace maide

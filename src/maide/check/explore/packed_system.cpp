@@ -1,0 +1,243 @@
+#include "maide/check/explore/packed_system.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <numeric>
+
+#include "maide/base/error.hpp"
+#include "maide/base/invariant.hpp"
+#include "maide/base/numbers.hpp"
+
+namespace maide {
+namespace {
+
+// What a StateTable can do: see there.
+constexpr unsigned first_word = 44, most_payload = 32;
+constexpr unsigned most_code_bits = 31;  // what a table of steps has room for
+
+}  // namespace
+
+PackedSystem::PackedSystem(const System& system, unsigned least_payload_bits,
+                           std::size_t monitor_states)
+    : system_(&system) {
+  for (const ModelInstance& model : system.models) {
+    tables_.emplace_back(model.automaton.inputs().size() + model.automaton.outputs().size() + 1);
+  }
+  for (const Program& program : system.programs) add_program(program);
+  number_codes();
+  lay_out(std::max(code_bits_, least_payload_bits), monitor_states);
+  place_fields();
+}
+
+std::size_t PackedSystem::action_index(const ProgramEdge& edge) const {
+  const InterfaceAutomaton& automaton = system_->models[edge.model].automaton;
+  switch (edge.kind) {
+    case ProgramEdge::Kind::give: return edge.symbol;
+    case ProgramEdge::Kind::take: return automaton.inputs().size() + edge.symbol;
+    default: return automaton.inputs().size() + automaton.outputs().size();  // quiet
+  }
+}
+
+void PackedSystem::add_program(const Program& program) {
+  PackedProgram& packed = programs_.emplace_back();
+  packed.edges_into.resize(program.states.size());
+  packed.edges.resize(program.edges.size());
+  packed.sources.resize(program.edges.size());
+  for (ControlState at = 0; at < program.states.size(); ++at) {
+    const Program::State& state = program.states[at];
+    packed.first_edge.push_back(state.first_edge);
+    for (std::uint32_t i = state.first_edge; i < state.first_edge + state.edge_count; ++i) {
+      const ProgramEdge& edge = program.edges[i];
+      packed.sources[i] = at;
+      packed.edges_into[edge.target].push_back(i);
+      if (edge.kind != ProgramEdge::Kind::choice) add_action(edge);
+    }
+  }
+  packed.first_edge.push_back(static_cast<std::uint32_t>(program.edges.size()));
+}
+
+// The steps of check/system.cpp, for each state of the model.
+void PackedSystem::add_action(const ProgramEdge& edge) {
+  ActionTable& table = tables_[edge.model][action_index(edge)];
+  if (table.first != no_table) return;
+  const ModelInstance& model = system_->models[edge.model];
+  const InterfaceAutomaton& automaton = model.automaton;
+  table.first = static_cast<std::uint32_t>(targets_.size());
+  table.sources.resize(automaton.size());
+  for (StateId at = 0; at < automaton.size(); ++at) {
+    std::vector<Target> steps;
+    for (const ModelStep& met : model_steps(model, at, edge)) {
+      auto& sources = table.sources[met.target];
+      Target step;
+      step.state = met.target;
+      step.is_cut = met.is_beyond && model.when_unexplored == WhenUnexplored::stop ? 1 : 0;
+      has_cuts_ = has_cuts_ || step.is_cut != 0;
+      step.code = static_cast<std::uint32_t>(sources.size()) & 0x7fffffff;
+      sources.push_back({at, met.is_beyond});
+      steps.push_back(step);
+    }
+    Target target;
+    if (steps.size() == 1) target = steps.front();
+    if (steps.size() > 1) {
+      target.state = several;
+      target.code = static_cast<std::uint32_t>(several_.size()) & 0x7fffffff;
+      several_.push_back(std::move(steps));
+    }
+    targets_.push_back(target);
+  }
+}
+
+void PackedSystem::number_codes() {
+  std::size_t most_into = 1, most_sources = 1;
+  for (const PackedProgram& program : programs_) {
+    for (const auto& edges : program.edges_into) most_into = std::max(most_into, edges.size());
+  }
+  for (const auto& tables : tables_) {
+    for (const ActionTable& table : tables) {
+      for (const auto& sources : table.sources) {
+        most_sources = std::max(most_sources, sources.size());
+      }
+    }
+  }
+  program_bits_ = bits_for(programs_.size());
+  into_bits_ = bits_for(most_into);
+  source_bits_ = bits_for(most_sources);
+  code_bits_ = program_bits_ + into_bits_ + source_bits_;
+  const unsigned shift = program_bits_ + into_bits_;
+  for (Target& target : targets_) {
+    if (target.state < several) target.code = (target.code << shift) & 0x7fffffff;
+  }
+  for (auto& steps : several_) {
+    for (Target& target : steps) target.code = (target.code << shift) & 0x7fffffff;
+  }
+}
+
+// First fit, the largest first; in one word if that is enough.
+void PackedSystem::lay_out(unsigned payload_bits, std::size_t monitor_states) {
+  std::vector<std::pair<unsigned, PackedField*>> fields;
+  models_.resize(system_->models.size());
+  for (std::size_t i = 0; i < models_.size(); ++i) {
+    fields.emplace_back(bits_for(system_->models[i].automaton.size()), &models_[i]);
+  }
+  for (std::size_t i = 0; i < programs_.size(); ++i) {
+    fields.emplace_back(bits_for(system_->programs[i].states.size()), &programs_[i].field);
+  }
+  fields.emplace_back(bits_for(monitor_states), &monitor_);
+  for (const auto& [bits, field] : fields) state_bits_ += bits;
+  std::stable_sort(fields.begin(), fields.end(),
+                   [](const auto& left, const auto& right) { return left.first > right.first; });
+  const bool is_one_word = state_bits_ <= 64 && state_bits_ + payload_bits <= most_bits_together;
+  std::vector<unsigned> used{0};
+  for (const auto& [bits, field] : fields) {
+    std::size_t word = 0;
+    const auto fits = [&](std::size_t at) {
+      return used[at] + bits <= (at == 0 && !is_one_word ? first_word : 64);
+    };
+    while (word < used.size() && !fits(word)) ++word;
+    if (word == used.size()) used.push_back(0);
+    field->word = static_cast<std::uint8_t>(word);
+    // A field of no bits may come when a word is full: anywhere will do.
+    field->shift = static_cast<std::uint8_t>(std::min(used[word], 63U));
+    field->mask = low_bits(bits);
+    used[word] += bits;
+  }
+  MAIDE_CHECK(std::ranges::all_of(used, [](unsigned bits) { return bits <= 64; }));
+  words_ = used.size();
+  address_bits_ = used.front();
+  if (words_ > most_words || payload_bits > most_payload || code_bits_ > most_code_bits) {
+    throw UsageError(
+        fmt::format("{}: the system is too large for the engine native: {} bits a state, {} a step",
+                    system_->file, state_bits_, payload_bits));
+  }
+}
+
+// What depends on where the fields are.
+void PackedSystem::place_fields() {
+  for (std::size_t index = 0; index < programs_.size(); ++index) {
+    PackedProgram& packed = programs_[index];
+    for (const auto& edges : packed.edges_into) {
+      for (std::size_t place = 0; place < edges.size(); ++place) {
+        const ProgramEdge& edge = system_->programs[index].edges[edges[place]];
+        PackedEdge& compiled = packed.edges[edges[place]];
+        compiled.code = static_cast<std::uint32_t>(index | (place << program_bits_));
+        MAIDE_CHECK(compiled.code <= low_bits(program_bits_ + into_bits_));
+        compiled.control_change = (std::uint64_t{edge.target} - packed.sources[edges[place]])
+                                  << packed.field.shift;
+        if (edge.kind == ProgramEdge::Kind::choice) continue;
+        compiled.model = models_[edge.model];
+        compiled.table = tables_[edge.model][action_index(edge)].first;
+        MAIDE_CHECK(compiled.table != no_table);
+      }
+    }
+  }
+}
+
+PackedSystem::Origin PackedSystem::undo(const GlobalState& state, std::uint64_t code) const {
+  const auto cut_off = [&code](unsigned bits) {
+    const std::uint64_t value = code & low_bits(bits);
+    code >>= bits;
+    return static_cast<std::size_t>(value);
+  };
+  Origin origin{{}, state};
+  const std::size_t index = cut_off(program_bits_);
+  const std::size_t place = cut_off(into_bits_);
+  const std::size_t source = cut_off(source_bits_);
+  const PackedProgram& program = programs_.at(index);
+  origin.step.program = static_cast<std::uint32_t>(index);
+  origin.step.edge = program.edges_into.at(state.programs[index]).at(place);
+  origin.before.programs[index] = program.sources[origin.step.edge];
+  const ProgramEdge& edge = system_->programs[index].edges[origin.step.edge];
+  if (edge.kind != ProgramEdge::Kind::choice) {
+    const ActionTable& table = tables_[edge.model][action_index(edge)];
+    const Source& from = table.sources.at(state.models[edge.model]).at(source);
+    origin.step.model_target = state.models[edge.model];
+    origin.step.is_beyond = from.is_beyond;
+    origin.before.models[edge.model] = from.state;
+  }
+  MAIDE_CHECK(code == 0 && edge.target == state.programs[index]);
+  return origin;
+}
+
+template <std::size_t words>
+void PackedSystem::check_steps() const {
+  GlobalState state = initial_state(*system_);
+  for (std::size_t index = 0; index < programs_.size(); ++index) {
+    for (std::uint32_t edge = 0; edge < programs_[index].edges.size(); ++edge) {
+      const ProgramEdge& taken = system_->programs[index].edges[edge];
+      const bool is_choice = taken.kind == ProgramEdge::Kind::choice;
+      const std::size_t model_states =
+          is_choice ? 1 : system_->models[taken.model].automaton.size();
+      for (StateId at = 0; at < model_states; ++at) {
+        state.programs[index] = programs_[index].sources[edge];
+        if (!is_choice) state.models[taken.model] = at;
+        const PackedState<words> packed = pack<words>(state);
+        MAIDE_CHECK_ALWAYS(unpack(packed) == state);
+        for_each_step(
+            packed, index,
+            [&](const PackedState<words>& next, std::uint32_t by, bool, std::uint64_t code) {
+              MAIDE_CHECK_ALWAYS(code <= low_bits(code_bits_));
+              const Origin origin = undo(unpack(next), code);
+              MAIDE_CHECK_ALWAYS(origin.before == state && origin.step.edge == by);
+            });
+      }
+    }
+    state = initial_state(*system_);
+  }
+}
+
+void PackedSystem::check_invariants() const {
+  std::vector<std::uint64_t> taken(words_, 0);
+  std::vector<PackedField> fields = models_;
+  for (const PackedProgram& program : programs_) fields.push_back(program.field);
+  fields.push_back(monitor_);
+  for (const PackedField& field : fields) {
+    const std::uint64_t bits = field.mask << field.shift;
+    MAIDE_CHECK_ALWAYS((bits >> field.shift) == field.mask && (taken.at(field.word) & bits) == 0);
+    taken[field.word] |= bits;
+  }
+  MAIDE_CHECK_ALWAYS(taken.front() <= low_bits(address_bits_));
+  with_words(words_, [&](auto words) { check_steps<decltype(words)::value>(); });
+}
+
+}  // namespace maide

@@ -1,0 +1,205 @@
+// A system as tables, for exploring it fast. A global state is a few machine words in which each
+// component has a field. A step changes two fields by one addition each. Everything that depends on
+// the text of programs and models is worked out beforehand, once for each program edge and model
+// state. The meaning is that of check/language/system.hpp; tests hold the two against one another.
+//
+// Each step also has a code of a few bits. The code and the state after the step tell the state
+// before it. Stored with each state, the codes are the search's tree.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "maide/base/invariant.hpp"
+#include "maide/check/explore/state_table.hpp"
+#include "maide/check/language/system.hpp"
+
+namespace maide {
+
+// Where a component's state lies.
+struct PackedField {
+  std::uint8_t word = 0, shift = 0;
+  std::uint64_t mask = 0;  // before the shift
+  template <std::size_t words>
+  std::uint32_t get(const PackedState<words>& state) const {
+    return static_cast<std::uint32_t>((state[word] >> shift) & mask);
+  }
+  template <std::size_t words>
+  void set(PackedState<words>& state, std::uint32_t value) const {
+    state[word] = (state[word] & ~(mask << shift)) | (std::uint64_t{value} << shift);
+  }
+};
+
+class PackedSystem {
+ public:
+  static constexpr std::size_t most_words = 8;
+  // Keeps a reference. Lays states out so that a StateTable can carry max(code_bits(),
+  // least_payload_bits) with each; at most 32. Throws UsageError for a system that needs more than
+  // most_words words. `monitor_states`: a field more, for the state of something that watches.
+  explicit PackedSystem(const System& system, unsigned least_payload_bits = 0,
+                        std::size_t monitor_states = 1);
+
+  const System& system() const { return *system_; }
+  std::size_t words() const { return words_; }
+  unsigned address_bits() const { return address_bits_; }
+  unsigned state_bits() const { return state_bits_; }
+  unsigned code_bits() const { return code_bits_; }
+
+  template <std::size_t words>
+  PackedState<words> pack(const GlobalState& state) const {
+    PackedState<words> packed{};
+    for (std::size_t i = 0; i < programs_.size(); ++i) {
+      MAIDE_CHECK(state.programs[i] <= programs_[i].field.mask);
+      programs_[i].field.set(packed, state.programs[i]);
+    }
+    for (std::size_t i = 0; i < models_.size(); ++i) models_[i].set(packed, state.models[i]);
+    return packed;
+  }
+  template <std::size_t words>
+  GlobalState unpack(const PackedState<words>& packed) const {
+    GlobalState state;
+    for (const PackedField& model : models_) state.models.push_back(model.get(packed));
+    for (const PackedProgram& program : programs_) {
+      state.programs.push_back(program.field.get(packed));
+    }
+    return state;
+  }
+
+  // 0 in a packed state, until it is set.
+  const PackedField& monitor() const { return monitor_; }
+
+  std::size_t program_count() const { return programs_.size(); }
+  template <std::size_t words>
+  ControlState control(const PackedState<words>& state, std::size_t program) const {
+    return programs_[program].field.get(state);
+  }
+  template <std::size_t words>
+  StateId model_state(const PackedState<words>& state, std::size_t model) const {
+    return models_[model].get(state);
+  }
+  template <std::size_t words>
+  bool has_ended(const PackedState<words>& state, std::size_t program) const {
+    const PackedProgram& compiled = programs_[program];
+    const ControlState at = compiled.field.get(state);
+    return compiled.first_edge[at] == compiled.first_edge[at + 1];
+  }
+  template <std::size_t words>
+  bool has_ended(const PackedState<words>& state) const {
+    for (std::size_t program = 0; program < programs_.size(); ++program) {
+      if (!has_ended(state, program)) return false;
+    }
+    return true;
+  }
+
+  // Calls `visit(next, edge, is_cut, code)` for each step that `program` can take: the state
+  // afterwards, the index of its edge, whether the run is cut there, and the step's code.
+  template <std::size_t words, typename Visit>
+  void for_each_step(const PackedState<words>& state, std::size_t program, Visit&& visit) const {
+    const PackedProgram& compiled = programs_[program];
+    const ControlState at = compiled.field.get(state);
+    for (std::uint32_t i = compiled.first_edge[at]; i < compiled.first_edge[at + 1]; ++i) {
+      const PackedEdge& edge = compiled.edges[i];
+      PackedState<words> next = state;
+      next[compiled.field.word] += edge.control_change;
+      if (edge.table == no_table) {
+        visit(next, i, false, edge.code);
+        continue;
+      }
+      const std::uint32_t from = edge.model.get(state);
+      const Target target = targets_[edge.table + from];
+      if (target.state == none) continue;
+      if (target.state != several) {
+        next[edge.model.word] += (std::uint64_t{target.state} - from) << edge.model.shift;
+        visit(next, i, target.is_cut != 0, edge.code | target.code);
+        continue;
+      }
+      for (const Target& one : several_[target.code]) {
+        PackedState<words> branch = next;
+        branch[edge.model.word] += (std::uint64_t{one.state} - from) << edge.model.shift;
+        visit(branch, i, one.is_cut != 0, edge.code | one.code);
+      }
+    }
+  }
+
+  // Whether any step, possible or not, may cut a run.
+  bool has_cuts() const { return has_cuts_; }
+
+  // The step with that code that led to `state`, and the state before it.
+  struct Origin {
+    Step step;
+    GlobalState before;
+  };
+  Origin undo(const GlobalState& state, std::uint64_t code) const;
+
+  // Throws std::logic_error unless fields lie side by side, and every step that an edge can take in
+  // a state of its model is undone by its code. O(edges x states of models).
+  void check_invariants() const;
+
+ private:
+  static constexpr std::uint32_t none = ~std::uint32_t{0};
+  static constexpr std::uint32_t several = none - 1;
+  static constexpr std::uint32_t no_table = none;
+
+  // What an action of a model does in one of its states.
+  struct Target {
+    std::uint32_t state = none;  // or none, or several
+    std::uint32_t is_cut : 1 = 0;
+    std::uint32_t code : 31 = 0;  // of several: the index into several_
+  };
+  struct PackedEdge {
+    PackedField model;
+    std::uint32_t table = no_table;    // of the model's action: index into targets_
+    std::uint32_t code = 0;            // program and place among the edges into the target
+    std::uint64_t control_change = 0;  // shifted
+  };
+  struct PackedProgram {
+    PackedField field;
+    std::vector<std::uint32_t> first_edge;               // by control state, one more than states
+    std::vector<PackedEdge> edges;                       // as in Program::edges
+    std::vector<ControlState> sources;                   // by edge
+    std::vector<std::vector<std::uint32_t>> edges_into;  // by control state
+  };
+  // Where an action may have come from: the inverse of its table.
+  struct Source {
+    StateId state = 0;
+    bool is_beyond = false;
+  };
+  struct ActionTable {
+    std::uint32_t first = no_table;            // in targets_
+    std::vector<std::vector<Source>> sources;  // by target state
+  };
+
+  std::size_t action_index(const ProgramEdge& edge) const;
+  void add_program(const Program& program);
+  void add_action(const ProgramEdge& edge);
+  void number_codes();
+  void lay_out(unsigned payload_bits, std::size_t monitor_states);
+  void place_fields();
+  template <std::size_t words>
+  void check_steps() const;
+
+  const System* system_;
+  std::vector<PackedProgram> programs_;
+  std::vector<PackedField> models_;
+  PackedField monitor_;
+  std::vector<Target> targets_;
+  std::vector<std::vector<Target>> several_;
+  std::vector<std::vector<ActionTable>> tables_;  // by model, then by action_index()
+  std::size_t words_ = 1;
+  unsigned address_bits_ = 0, state_bits_ = 0, code_bits_ = 0;
+  unsigned program_bits_ = 0, into_bits_ = 0, source_bits_ = 0;
+  bool has_cuts_ = false;
+};
+
+// Calls `work(std::integral_constant<std::size_t, n>)` with the least n that is compiled and holds
+// that many words.
+template <typename Work>
+auto with_words(std::size_t words, Work&& work) {
+  if (words <= 1) return work(std::integral_constant<std::size_t, 1>());
+  if (words <= 2) return work(std::integral_constant<std::size_t, 2>());
+  if (words <= 4) return work(std::integral_constant<std::size_t, 4>());
+  return work(std::integral_constant<std::size_t, PackedSystem::most_words>());
+}
+
+}  // namespace maide

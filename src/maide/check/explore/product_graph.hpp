@@ -1,0 +1,208 @@
+// The product of a system and a monitor, as far as a search has seen it: its nodes by number, and
+// what may follow each. A monitor watches a run; it says what may follow in the middle of the
+// search:
+//   std::size_t states() const;            0..states()-1
+//   unsigned marks() const;                at most 64
+//   std::uint32_t universal() const;       a state in which every run is accepted, or no state
+//   bool is_strong() const;                programs that can step again and again on the cycle do
+//   bool is_waiting(state) const;          whatever happens it may stay there; no cycle with every
+//                                          mark passes there, and what it goes to depends on the
+//                                          system's next state alone
+//   bool may_wait() const;                 in any state
+//   void start(state, follow)              calls follow(monitor state, marks) for the initial state
+//   void step(next, program, edge, enabled programs, monitor state, follow)
+//   void stay(state, monitor state, follow)     nothing can happen any more; may follow nothing
+// The marks of what start() follows count for nothing: no cycle passes there. `enabled programs`:
+// those that could step instead, by bit; at most 64 programs.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <new>
+#include <stdexcept>
+#include <vector>
+
+#include "maide/base/invariant.hpp"
+#include "maide/base/numbers.hpp"
+#include "maide/check/explore/packed_system.hpp"
+
+namespace maide {
+
+inline constexpr std::uint32_t no_monitor_state = ~std::uint32_t{0};
+// Marks of a monitor, and programs of a system: bits of a word. Who asks for more is refused.
+inline constexpr unsigned most_marks = 64;
+// Of a product's nodes, in the table.
+inline constexpr unsigned node_number_bits = 32;
+
+template <std::size_t words, typename Monitor>
+class ProductGraph {
+ public:
+  using State = PackedState<words>;
+  using Number = std::uint32_t;
+  static constexpr Number no_node = ~Number{0};  // nor has a node the number before
+
+  struct Edge {
+    State target;
+    std::uint64_t marks = 0;
+    std::uint32_t code = 0;  // of the step
+    std::uint32_t edge = 0;  // of the program
+    std::uint16_t program = 0;
+    bool is_step = false;  // else the run stays where it is
+  };
+  // What programs can do in a node's state of the system, before the monitor is asked.
+  struct Steps {
+    struct One {
+      State next;
+      std::uint32_t edge = 0;
+      std::uint32_t code = 0;
+      std::uint16_t program = 0;
+    };
+    std::vector<One> steps;     // but for those that cut the run
+    std::uint64_t enabled = 0;  // programs, those with a step that cuts the run among them
+  };
+
+  // `system` was made with node_number_bits of payload and the monitor's states.
+  ProductGraph(const PackedSystem& system, const Monitor& monitor)
+      : system_(system), monitor_(monitor), table_(system.address_bits(), node_number_bits) {
+    if (monitor.marks() > most_marks || system.program_count() > most_marks) {
+      throw std::logic_error("too many marks or programs for a search for fair cycles");
+    }
+  }
+
+  const PackedSystem& system() const { return system_; }
+  const Monitor& monitor() const { return monitor_; }
+  std::uint64_t all_marks() const { return low_bits(monitor_.marks()); }
+  std::size_t size() const { return table_.size(); }
+  std::uint32_t monitor_state(const State& node) const { return system_.monitor().get(node); }
+
+  // The node's number; a new node gets the next one. Throws std::bad_alloc.
+  struct Insertion {
+    Number number = 0;
+    bool is_new = false;
+  };
+  Insertion insert(const State& node) {
+    const auto number = static_cast<Number>(size());
+    if (number >= no_node - 1) throw std::bad_alloc();
+    const auto insertion = table_.insert(node, number);
+    MAIDE_CHECK(insertion.is_new ? insertion.payload == number : insertion.payload < number);
+    if (insertion.is_new && lists_nodes_) nodes_.push_back(node);
+    return {static_cast<Number>(insertion.payload), insertion.is_new};
+  }
+  // no_node if it is not known.
+  Number find(const State& node) const { return find(node, address_of(node)); }
+  using Address = typename StateTable<words>::Address;
+  Number find(const State& node, const Address& address) const {
+    std::uint64_t number = 0;
+    return table_.find(node, address, number) ? static_cast<Number>(number) : no_node;
+  }
+  Address address_of(const State& node) const { return table_.address_of(node); }
+  // Ahead of a find() or insert().
+  void prefetch(const Address& address) const { table_.prefetch(address); }
+
+  // The table tells nodes' numbers; the other way round takes a list, which is made when it is
+  // first needed: O(nodes). Before that, node(), enabled_programs() and for_each_edge() by number
+  // are not to be called.
+  void list_nodes() {
+    if (lists_nodes_) return;
+    nodes_.resize(size());
+    table_.for_each([&](const State& node, std::uint64_t number) { nodes_[number] = node; });
+    lists_nodes_ = true;
+  }
+  const State& node(Number number) const {
+    MAIDE_CHECK(lists_nodes_ && number < nodes_.size());
+    return nodes_[number];
+  }
+
+  State plain(const State& node) const {
+    State plain = node;
+    system_.monitor().set(plain, 0);
+    return plain;
+  }
+  void find_steps(const State& node, Steps& found) const {
+    found.steps.clear();
+    found.enabled = 0;
+    const State state = plain(node);
+    for (std::size_t program = 0; program < system_.program_count(); ++program) {
+      system_.for_each_step(
+          state, program,
+          [&](const State& next, std::uint32_t edge, bool is_cut, std::uint64_t code) {
+            found.enabled |= std::uint64_t{1} << program;
+            if (is_cut) return;
+            found.steps.push_back({next, edge, static_cast<std::uint32_t>(code),
+                                   static_cast<std::uint16_t>(program)});
+          });
+    }
+  }
+  std::uint64_t enabled_programs(Number number) const {
+    find_steps(node(number), scratch_);
+    MAIDE_CHECK(scratch_.enabled != 0 || scratch_.steps.empty());
+    return scratch_.enabled;
+  }
+
+  // Calls `visit(edge)` for what may follow the node by steps of `programs`, or by none at all.
+  template <typename Visit>
+  void for_each_edge(const State& node, const Steps& found, std::uint64_t programs,
+                     Visit&& visit) const {
+    const auto is_wanted = [&](const typename Steps::One& step) {
+      return (programs >> step.program & 1) != 0;
+    };
+    for_each_wanted_edge(node, found, is_wanted, visit);
+  }
+  // By the steps for which `is_wanted(step)`, or by none at all.
+  template <typename IsWanted, typename Visit>
+  void for_each_wanted_edge(const State& node, const Steps& found, IsWanted&& is_wanted,
+                            Visit&& visit) const {
+    const std::uint32_t watching = system_.monitor().get(node);
+    for (const auto& step : found.steps) {
+      if (!is_wanted(step)) continue;
+      monitor_.step(step.next, step.program, step.edge, found.enabled, watching,
+                    [&](std::uint32_t state, std::uint64_t marks) {
+                      State target = step.next;
+                      system_.monitor().set(target, state);
+                      visit(Edge{target, marks, step.code, step.edge, step.program, true});
+                    });
+    }
+    if (found.enabled != 0) return;
+    monitor_.stay(plain(node), watching, [&](std::uint32_t state, std::uint64_t marks) {
+      State target = node;
+      system_.monitor().set(target, state);
+      visit(Edge{target, marks, 0, 0, 0, false});
+    });
+  }
+  // Everything that may follow. Not to be nested.
+  template <typename Visit>
+  void for_each_edge(Number number, Visit&& visit) const {
+    find_steps(nodes_[number], scratch_);
+    for_each_edge(nodes_[number], scratch_, ~std::uint64_t{0}, visit);
+  }
+
+  std::vector<State> first_nodes() const {
+    std::vector<State> nodes;
+    const State initial = system_.pack<words>(initial_state(system_.system()));
+    monitor_.start(initial, [&](std::uint32_t state, std::uint64_t) {
+      State node = initial;
+      system_.monitor().set(node, state);
+      nodes.push_back(node);
+    });
+    return nodes;
+  }
+
+  std::uint64_t bytes() const { return table_.peak_bytes() + nodes_.capacity() * sizeof(State); }
+  // What it may take to add `count` nodes, and to list them in the end.
+  std::uint64_t growth_bytes(std::size_t count) const {
+    const std::uint64_t list = !lists_nodes_                               ? size()
+                               : nodes_.size() + count > nodes_.capacity() ? 2 * nodes_.capacity()
+                                                                           : 0;
+    return table_.growth_bytes() + list * sizeof(State);
+  }
+
+ private:
+  const PackedSystem& system_;
+  const Monitor& monitor_;
+  StateTable<words> table_;
+  std::vector<State> nodes_;  // by number, in the order of discovery; once they are listed
+  bool lists_nodes_ = false;
+  mutable Steps scratch_;
+};
+
+}  // namespace maide

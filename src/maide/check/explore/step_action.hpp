@@ -1,0 +1,59 @@
+// The action of a step: what a step does, without where it is done. An exported system shows
+// actions as letters. Two steps that differ in anything but the states before and after have
+// different actions. So a state's steps and the transitions of an export are one to one.
+#pragma once
+
+#include <compare>
+#include <cstdint>
+#include <initializer_list>
+#include <map>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "maide/check/language/system.hpp"
+#include "maide/formats/names.hpp"
+
+namespace maide {
+
+struct StepAction {
+  std::uint32_t program = 0;
+  ProgramEdge::Kind kind = ProgramEdge::Kind::choice;
+  std::uint32_t model = 0;  // unless a choice
+  Symbol symbol = 0;        // the input, the output; of a choice: 0 for `if *`, 1 for `else`
+  bool is_beyond = false;   // an input where it was never tried
+  auto operator<=>(const StepAction&) const = default;
+};
+
+StepAction action_of(const System& system, const Step& step);
+
+// Every action that the programs' texts have, in order; with `is_beyond` where the model has a
+// quiescent state in which that input was never tried, and does not wait there. O(size).
+std::vector<StepAction> step_actions(const System& system);
+
+// The input was never tried, and the run is cut: an export stays where it is.
+bool is_cut(const System& system, const StepAction& action);
+
+// The quiescent states of the model in which the input was never tried.
+std::vector<StateId> states_beyond(const InterfaceAutomaton& automaton, Symbol input);
+
+// "planner via?write", "planner via!message", "planner via quiet", "planner if", "planner else";
+// behind an input that was never tried "beyond" (the run is cut there) or "dropped". Names that are
+// no identifiers are in double quotes.
+std::string to_string(const StepAction& action, const System& system);
+
+// Identifiers of another language for names made of several parts; the same for the same parts.
+class ExportNames {
+ public:
+  explicit ExportNames(std::span<const std::string_view> reserved) : identifiers_(reserved) {}
+  const std::string& of(std::initializer_list<std::string_view> parts);
+  // Of a step's action: "in_via_write", and with `of_program` "planner_in_via_write".
+  const std::string& of(const StepAction& action, const System& system, bool of_program);
+
+ private:
+  std::map<std::vector<std::string>, std::string> known_;
+  Identifiers identifiers_;
+};
+
+}  // namespace maide

@@ -1,0 +1,445 @@
+#include "maide/check/explore/waiting.hpp"
+
+#include <algorithm>
+#include <functional>
+
+namespace maide {
+namespace {
+
+using Kind = ProgramEdge::Kind;
+using Levels = std::vector<std::optional<std::size_t>>;
+
+bool contains_sorted(const std::vector<Symbol>& sorted, Symbol symbol) {
+  return std::binary_search(sorted.begin(), sorted.end(), symbol);
+}
+
+void sort_unique(std::vector<Symbol>& symbols) {
+  std::sort(symbols.begin(), symbols.end());
+  symbols.erase(std::unique(symbols.begin(), symbols.end()), symbols.end());
+}
+
+// Inputs of the actors that have one of the outputs.
+std::vector<Symbol> asking_by_actors(const InterfaceAutomaton& automaton, const Awaited& awaited) {
+  std::vector<Symbol> asking;
+  for (const Actor& actor : automaton.actors) {
+    const bool has_output =
+        std::any_of(awaited.outputs.begin(), awaited.outputs.end(), [&](Symbol output) {
+          const std::string& name = automaton.outputs().name(output);
+          return std::find(actor.outputs.begin(), actor.outputs.end(), name) != actor.outputs.end();
+        });
+    if (!has_output) continue;
+    for (const std::string& input : actor.inputs) {
+      if (const auto symbol = automaton.inputs().find(input)) asking.push_back(*symbol);
+    }
+  }
+  return asking;
+}
+
+// Inputs after which a program takes one of the outputs.
+std::vector<Symbol> asking_by_programs(const System& system, const Awaited& awaited) {
+  std::vector<Symbol> asking;
+  for (const Program& program : system.programs) {
+    for (const ProgramEdge& give : program.edges) {
+      if (give.kind != Kind::give || give.model != awaited.model) continue;
+      for (const ProgramEdge& take : program.edges_of(give.target)) {
+        if (take.kind == Kind::take && take.model == awaited.model &&
+            contains_sorted(awaited.outputs, take.symbol)) {
+          asking.push_back(give.symbol);
+        }
+      }
+    }
+  }
+  return asking;
+}
+
+bool is_asked(const Awaited& awaited, const InterfaceAutomaton::Transition& transition) {
+  if (transition.absorbed) return false;
+  return !transition.action.is_input() || contains_sorted(awaited.asking, transition.action.symbol);
+}
+
+bool is_awaited(const Awaited& awaited, Action action) {
+  return !action.is_input() && contains_sorted(awaited.outputs, action.symbol);
+}
+
+// Inputs that somewhere raise what can be had.
+std::vector<Symbol> find_messages(const InterfaceAutomaton& automaton, const Awaited& awaited,
+                                  const Levels& levels) {
+  std::vector<Symbol> messages;
+  for (StateId state = 0; state < automaton.size(); ++state) {
+    for (const auto& transition : automaton.transitions(state)) {
+      if (!transition.action.is_input() || transition.absorbed) continue;
+      if (contains_sorted(awaited.asking, transition.action.symbol)) continue;
+      if (levels[state] && levels[transition.target] &&
+          *levels[transition.target] > *levels[state]) {
+        messages.push_back(transition.action.symbol);
+      }
+    }
+  }
+  sort_unique(messages);
+  return messages;
+}
+
+// The awaited outputs that come if one asks, in order, up to `most`: of each state the first way.
+std::vector<Symbol> outputs_from(const InterfaceAutomaton& automaton, const Awaited& awaited,
+                                 const Levels& levels, StateId state, std::size_t most) {
+  std::vector<Symbol> outputs;
+  for (std::size_t steps = 0; outputs.size() < most && steps < automaton.size() * 2; ++steps) {
+    const auto transitions = automaton.transitions(state);
+    const auto next = std::find_if(transitions.begin(), transitions.end(), [&](const auto& way) {
+      if (!is_asked(awaited, way) || !levels[way.target]) return false;
+      return *levels[way.target] + (is_awaited(awaited, way.action) ? 1 : 0) == *levels[state] &&
+             way.target != state;
+    });
+    if (next == transitions.end()) break;
+    if (is_awaited(awaited, next->action)) outputs.push_back(next->action.symbol);
+    state = next->target;
+  }
+  return outputs;
+}
+
+// Which message was lost, if the model's messages tell that one is missing before them
+// (payload=gap).
+MessageAccount::Loss::Which which_was_lost(const InterfaceAutomaton& automaton,
+                                           const Awaited& awaited, const Levels& levels,
+                                           StateId before, StateId after) {
+  using Which = MessageAccount::Loss::Which;
+  const auto gap = automaton.outputs().find("gap");
+  if (!gap || !contains_sorted(awaited.outputs, *gap)) return Which::unknown;
+  const std::size_t held = *levels[before];
+  const auto old_outputs = outputs_from(automaton, awaited, levels, before, held);
+  const auto new_outputs = outputs_from(automaton, awaited, levels, after, held);
+  if (held == 0 || old_outputs == new_outputs) return Which::newest;
+  return new_outputs.front() == *gap ? Which::oldest : Which::unknown;
+}
+
+}  // namespace
+
+std::size_t MessageAccount::lost() const {
+  std::size_t count = 0;
+  for (const Loss& loss : losses) count += loss.count;
+  return count;
+}
+
+std::optional<Awaited> find_awaited(const System& system, const Program& program,
+                                    ControlState state) {
+  Awaited awaited;
+  for (const ProgramEdge& edge : program.edges_of(state)) {
+    if (edge.kind != Kind::take) continue;
+    awaited.model = edge.model;
+    awaited.outputs.push_back(edge.symbol);
+  }
+  if (awaited.outputs.empty()) return std::nullopt;
+  sort_unique(awaited.outputs);
+  awaited.asking = asking_by_actors(system.models[awaited.model].automaton, awaited);
+  if (awaited.asking.empty()) awaited.asking = asking_by_programs(system, awaited);
+  sort_unique(awaited.asking);
+  return awaited;
+}
+
+std::vector<std::optional<std::size_t>> count_obtainable(const InterfaceAutomaton& automaton,
+                                                         const Awaited& awaited) {
+  // Least solution from below; more outputs than there are states means a cycle with one.
+  const std::size_t most = automaton.size();
+  std::vector<std::size_t> counts(automaton.size(), 0);
+  std::vector<std::vector<StateId>> sources(automaton.size());
+  std::vector<StateId> open;
+  for (StateId state = 0; state < automaton.size(); ++state) {
+    open.push_back(state);
+    for (const auto& transition : automaton.transitions(state)) {
+      if (is_asked(awaited, transition)) sources[transition.target].push_back(state);
+    }
+  }
+  while (!open.empty()) {
+    const StateId state = open.back();
+    open.pop_back();
+    std::size_t count = counts[state];
+    for (const auto& transition : automaton.transitions(state)) {
+      if (!is_asked(awaited, transition)) continue;
+      const std::size_t more = is_awaited(awaited, transition.action) ? 1 : 0;
+      count = std::max(count, std::min(most + 1, counts[transition.target] + more));
+    }
+    if (count == counts[state]) continue;
+    counts[state] = count;
+    open.insert(open.end(), sources[state].begin(), sources[state].end());
+  }
+  std::vector<std::optional<std::size_t>> result;
+  for (const std::size_t count : counts) {
+    result.push_back(count > most ? std::nullopt : std::optional(count));
+  }
+  return result;
+}
+
+std::optional<MessageAccount> take_account(const System& system, const Trace& trace,
+                                           const std::vector<GlobalState>& states,
+                                           const Awaited& awaited) {
+  const InterfaceAutomaton& automaton = system.models[awaited.model].automaton;
+  const Levels levels = count_obtainable(automaton, awaited);
+  MessageAccount account;
+  account.messages = find_messages(automaton, awaited, levels);
+  if (account.messages.empty()) return std::nullopt;
+  for (std::size_t at = 0; at < trace.steps.size(); ++at) {
+    const Step& step = trace.steps[at];
+    const ProgramEdge& edge = system.programs[step.program].edges[step.edge];
+    if (edge.kind == Kind::choice || edge.model != awaited.model) continue;
+    const StateId before = states[at].models[awaited.model];
+    const StateId after = states[at + 1].models[awaited.model];
+    if (!levels[before] || !levels[after]) return std::nullopt;
+    const std::size_t held = *levels[before], now = *levels[after];
+    const bool is_message =
+        edge.kind == Kind::give && contains_sorted(account.messages, edge.symbol);
+    if (is_message) {
+      ++account.given;
+      account.givers.insert(step.program);
+      if (now > held + 1) return std::nullopt;  // one input, several messages: not countable
+      if (now == held + 1) continue;
+      account.losses.push_back({at, account.given, account.taken, held, held + 1 - now,
+                                which_was_lost(automaton, awaited, levels, before, after)});
+    } else if (edge.kind == Kind::take && now + 1 == held) {
+      ++account.taken;
+      account.takers.insert(step.program);
+    } else if (edge.kind == Kind::give && now < held) {
+      account.losses.push_back({at, account.given, account.taken, held, held - now,
+                                MessageAccount::Loss::Which::unknown});
+    } else if (now != held) {
+      return std::nullopt;
+    }
+  }
+  const std::size_t first = levels[states.front().models[awaited.model]].value_or(0);
+  account.held = levels[states.back().models[awaited.model]].value_or(0);
+  if (first + account.given != account.taken + account.lost() + account.held) return std::nullopt;
+  return account;
+}
+
+namespace {
+
+using Kind = ProgramEdge::Kind;
+using Reason = Waiting::Reason;
+using Helps = std::function<bool(const ProgramEdge&)>;
+
+const ProgramEdge& edge_of(const System& system, const Step& step) {
+  return system.programs[step.program].edges[step.edge];
+}
+
+bool contains(const std::vector<Symbol>& symbols, Symbol symbol) {
+  return std::find(symbols.begin(), symbols.end(), symbol) != symbols.end();
+}
+
+std::vector<Symbol> outputs_due(const InterfaceAutomaton& automaton, StateId state) {
+  std::vector<Symbol> due;
+  for (const auto& transition : automaton.transitions(state)) {
+    if (!transition.action.is_input() && !contains(due, transition.action.symbol)) {
+      due.push_back(transition.action.symbol);
+    }
+  }
+  return due;
+}
+
+// Whether the program can come from `start` to an edge that helps.
+bool can_reach(const Program& program, ControlState start, const Helps& helps) {
+  std::vector<bool> seen(program.states.size());
+  std::vector<ControlState> open{start};
+  seen[start] = true;
+  while (!open.empty()) {
+    const ControlState state = open.back();
+    open.pop_back();
+    for (const ProgramEdge& edge : program.edges_of(state)) {
+      if (helps(edge)) return true;
+      if (seen[edge.target]) continue;
+      seen[edge.target] = true;
+      open.push_back(edge.target);
+    }
+  }
+  return false;
+}
+
+// Inputs of the same actor, the input itself among them; only itself if the actors are not known.
+std::vector<Symbol> same_actor(const InterfaceAutomaton& automaton, Symbol input) {
+  const std::string& name = automaton.inputs().name(input);
+  std::vector<Symbol> symbols{input};
+  for (const Actor& actor : automaton.actors) {
+    if (std::find(actor.inputs.begin(), actor.inputs.end(), name) == actor.inputs.end()) continue;
+    for (const std::string& other : actor.inputs) {
+      if (const auto symbol = automaton.inputs().find(other)) symbols.push_back(*symbol);
+    }
+  }
+  return symbols;
+}
+
+std::vector<Symbol> other_inputs(const InterfaceAutomaton& automaton,
+                                 const std::vector<Symbol>& known) {
+  std::vector<Symbol> others;
+  for (Symbol input = 0; input < automaton.inputs().size(); ++input) {
+    if (!contains(known, input)) others.push_back(input);
+  }
+  return others;
+}
+
+class WaitingFinder {
+ public:
+  WaitingFinder(const System& system, const Trace& trace, const std::vector<GlobalState>& states,
+                std::size_t at, std::uint32_t program)
+      : system_(system), trace_(trace), states_(states), at_(at), state_(states[at]) {
+    waiting_.program = program;
+    const auto edges = own().edges_of(state_.programs[program]);
+    waiting_.awaited.assign(edges.begin(), edges.end());
+    waiting_.model = edges.front().model;
+  }
+
+  Waiting run() {
+    waiting_.due = outputs_due(automaton(), state_.models[waiting_.model]);
+    const ProgramEdge& first = waiting_.awaited.front();
+    if (!waiting_.due.empty()) {
+      explain_due();
+    } else if (first.kind != Kind::give) {
+      explain_silence();
+    } else if (is_beyond_learned(automaton(), state_.models[waiting_.model], first.symbol)) {
+      waiting_.reason = Reason::bound;
+      waiting_.wanted = other_inputs(automaton(), same_actor(automaton(), first.symbol));
+    } else {
+      explain_refusal(first.symbol);
+    }
+    find_helpers();
+    find_number();
+    return std::move(waiting_);
+  }
+
+ private:
+  const Program& own() const { return system_.programs[waiting_.program]; }
+  const InterfaceAutomaton& automaton() const { return system_.models[waiting_.model].automaton; }
+
+  // The last step before `at_` with the model that `is_it` accepts.
+  std::optional<std::size_t> last_step(const std::function<bool(std::size_t)>& is_it) const {
+    for (std::size_t step = at_; step-- > 0;) {
+      const ProgramEdge& edge = edge_of(system_, trace_.steps[step]);
+      if (edge.kind == Kind::choice || edge.model != waiting_.model) continue;
+      if (is_it(step)) return step;
+    }
+    return std::nullopt;
+  }
+
+  void explain_due() {
+    waiting_.reason = Reason::output_due;
+    waiting_.wanted = waiting_.due;
+    // Since the model was quiescent last.
+    waiting_.cause = last_step([&](std::size_t step) {
+      return automaton().is_quiescent(states_[step].models[waiting_.model]);
+    });
+  }
+
+  void explain_silence() {
+    waiting_.reason = Reason::nothing_due;
+    const auto awaited = find_awaited(system_, own(), state_.programs[waiting_.program]);
+    if (!awaited) return;
+    const Trace so_far{{trace_.steps.begin(), trace_.steps.begin() + static_cast<long>(at_)}, {}};
+    const std::vector<GlobalState> states(states_.begin(),
+                                          states_.begin() + static_cast<long>(at_) + 1);
+    waiting_.account = take_account(system_, so_far, states, *awaited);
+    // What is held, and cannot be had, was not asked for.
+    if (waiting_.account && waiting_.account->held > 0) {
+      waiting_.wanted = awaited->asking;
+    } else if (waiting_.account) {
+      waiting_.wanted = waiting_.account->messages;
+    } else {
+      waiting_.wanted = other_inputs(automaton(), awaited->asking);
+    }
+  }
+
+  void explain_refusal(Symbol input) {
+    waiting_.reason = Reason::busy;
+    const std::vector<Symbol> actor = same_actor(automaton(), input);
+    waiting_.cause = last_step([&](std::size_t step) {
+      const ProgramEdge& edge = edge_of(system_, trace_.steps[step]);
+      return edge.kind == Kind::give && contains(actor, edge.symbol);
+    });
+    waiting_.wanted = other_inputs(automaton(), actor);
+  }
+
+  void find_helpers() {
+    const Kind kind = waiting_.reason == Reason::output_due ? Kind::take : Kind::give;
+    const Helps helps = [&](const ProgramEdge& edge) {
+      return edge.kind == kind && edge.model == waiting_.model &&
+             contains(waiting_.wanted, edge.symbol);
+    };
+    for (std::uint32_t index = 0; index < system_.programs.size(); ++index) {
+      const Program& program = system_.programs[index];
+      if (index == waiting_.program) continue;
+      if (std::none_of(program.edges.begin(), program.edges.end(), helps)) continue;
+      waiting_.helpers.push_back(index);
+      if (can_reach(program, state_.programs[index], helps)) {
+        waiting_.reachable_helpers.push_back(index);
+      }
+    }
+  }
+
+  // Each round of the innermost `repeat` does the awaited once: which one is it?
+  void find_number() {
+    const Program& program = own();
+    const auto round_at = [&](std::size_t at) -> const Program::Round& {
+      return program.rounds[program.states[states_[at].programs[waiting_.program]].round];
+    };
+    const Program::Round& round = round_at(at_);
+    if (round.count < 2) return;
+    const auto is_same = [&](const ProgramEdge& edge) {
+      return std::any_of(waiting_.awaited.begin(), waiting_.awaited.end(), [&](const auto& other) {
+        return edge.kind == other.kind && edge.model == other.model && edge.symbol == other.symbol;
+      });
+    };
+    std::uint32_t done = 0, number = round.number;
+    for (std::size_t step = at_; step-- > 0;) {
+      if (trace_.steps[step].program != waiting_.program) continue;
+      const Program::Round& before = round_at(step);
+      const bool is_within = before.line == round.line && before.column == round.column &&
+                             before.outer == round.outer && before.number <= number;
+      if (!is_within) break;
+      number = before.number;
+      done += is_same(edge_of(system_, trace_.steps[step])) ? 1 : 0;
+    }
+    if (done + 1 != round.number) return;
+    waiting_.number = round.number;
+    waiting_.count = round.count;
+  }
+
+  const System& system_;
+  const Trace& trace_;
+  const std::vector<GlobalState>& states_;
+  std::size_t at_;
+  const GlobalState& state_;
+  Waiting waiting_;
+};
+
+}  // namespace
+
+Waiting find_waiting(const System& system, const Trace& trace,
+                     const std::vector<GlobalState>& states, std::size_t at,
+                     std::uint32_t program) {
+  return WaitingFinder(system, trace, states, at, program).run();
+}
+
+std::vector<std::uint32_t> blocked_programs(const System& system, const GlobalState& state) {
+  std::vector<bool> can_step(system.programs.size());
+  for (const Step& step : enabled_steps(system, state)) can_step[step.program] = true;
+  std::vector<std::uint32_t> blocked;
+  for (std::uint32_t index = 0; index < system.programs.size(); ++index) {
+    if (!can_step[index] && !system.programs[index].is_end(state.programs[index])) {
+      blocked.push_back(index);
+    }
+  }
+  return blocked;
+}
+
+std::vector<std::uint32_t> find_circle(const std::vector<Waiting>& waitings) {
+  std::vector<std::uint32_t> path;
+  if (waitings.empty()) return path;
+  for (std::uint32_t program = waitings.front().program;;) {
+    const auto waiting =
+        std::find_if(waitings.begin(), waitings.end(),
+                     [&](const Waiting& candidate) { return candidate.program == program; });
+    if (waiting == waitings.end() || waiting->reachable_helpers.size() != 1) return {};
+    path.push_back(program);
+    program = waiting->reachable_helpers.front();
+    if (program == path.front()) return path;
+    if (contains(path, program)) return {};
+  }
+}
+
+}  // namespace maide

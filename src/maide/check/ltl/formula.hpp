@@ -1,0 +1,100 @@
+// Linear-time temporal logic over the steps of a system (Pnueli, FOCS 1977): syntax tree, parser,
+// and a direct semantics on ultimately periodic runs. Every counterexample of an engine is held
+// against that semantics before it is shown. Formulas are immutable and share their parts.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "maide/check/language/program.hpp"
+#include "maide/check/language/scalar_text.hpp"
+
+namespace maide {
+
+struct Atom {
+  enum class Kind : std::uint8_t {
+    label,   // program@label: control is there, before the labelled statement's first step
+    end,     // program@end: the program has ended
+    input,   // model.input: the step that reached this state gave it
+    output,  // model!output: the step that reached this state took it
+  };
+  Kind kind = Kind::label;
+  std::uint32_t owner = 0;   // the program, or the model instance
+  std::uint32_t symbol = 0;  // the label, input or output; 0 for `end`
+  bool is_event() const { return kind == Kind::input || kind == Kind::output; }
+  auto operator<=>(const Atom&) const = default;
+};
+
+struct FormulaNode;
+using Formula = std::shared_ptr<const FormulaNode>;
+
+struct FormulaNode {
+  enum class Operator : std::uint8_t {
+    truth,
+    falsity,
+    atom,
+    negation,
+    conjunction,
+    disjunction,
+    implication,
+    equivalence,
+    next,
+    finally,
+    globally,
+    until,
+    release,
+    weak_until,
+  };
+  Operator op = Operator::truth;
+  Atom atom;            // of Operator::atom
+  Formula left, right;  // one operand: left
+};
+
+// What the names in a formula may mean.
+struct FormulaScope {
+  std::span<const Program> programs;
+  std::span<const ProgramInterface> models;
+};
+
+// Parses: atoms `program@label`, `program@end`, `model.input`, `model!output`, `true`, `false`;
+// unary `! X F G` (also `<>` and `[]`); then, each binding weaker than the one before, `U R W` (to
+// the right), `&&` (`&`), `||` (`|`), `->` (to the right), `<->`. Names that are no identifiers are
+// in double quotes. Throws ParseError with the place: syntax, unknown names, too large.
+Formula parse_formula(const ScalarText& text, const FormulaScope& scope);
+
+// As the parser reads it.
+std::string to_string(const Formula& formula, const FormulaScope& scope);
+
+// An equivalent formula of literals, `&& || X U R` and constants: negation stands before atoms
+// only. Linear, but for `<->`, which doubles.
+Formula negation_normal_form(const Formula& formula);
+
+bool contains(const Formula& formula, FormulaNode::Operator op);
+// No temporal operator.
+bool is_boolean(const Formula& formula);
+// In negation normal form it has no U and no F: every violation shows on a finite prefix.
+bool is_syntactically_safe(const Formula& formula);
+// Each atom once, in order.
+std::vector<Atom> atoms_of(const Formula& formula);
+
+// Whether the formula holds at the start of the run with positions 0, 1, ..., length-1, and from
+// then on loop, ..., length-1 again and again (loop < length). `value` says which atoms are true
+// where. A run that was cut holds weakly (Eisner et al., "Reasoning with temporal logic on
+// truncated paths", CAV 2003): from position `cut` on every atom and every negated atom is taken to
+// hold, so that only a bad prefix makes the formula false; `false` stays false. O(formula x
+// length).
+inline constexpr std::size_t never_cut = ~std::size_t{0};
+bool holds_on_lasso(const Formula& formula, std::size_t length, std::size_t loop,
+                    const std::function<bool(const Atom&, std::size_t position)>& value,
+                    std::size_t cut = never_cut);
+// The same, at each position and not only at the start.
+std::vector<bool> evaluate_on_lasso(
+    const Formula& formula, std::size_t length, std::size_t loop,
+    const std::function<bool(const Atom&, std::size_t position)>& value,
+    std::size_t cut = never_cut);
+
+}  // namespace maide

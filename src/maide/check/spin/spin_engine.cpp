@@ -1,0 +1,297 @@
+#include "maide/check/spin/spin_engine.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <stdexcept>
+
+#include "maide/base/file.hpp"
+#include "maide/base/subprocess.hpp"
+#include "maide/check/export/promela_system.hpp"
+
+namespace maide {
+namespace {
+
+namespace fs = std::filesystem;
+using Clock = std::chrono::steady_clock;
+using Purpose = PromelaOptions::Purpose;
+
+constexpr std::uint64_t first_depth = 100'000;
+constexpr std::uint64_t last_depth = 1'000'000'000;
+constexpr std::size_t largest_claim = 16'000;  // bytes of a formula; spin refuses shorter ones, too
+constexpr std::chrono::seconds shortening_time{5};  // what "cheap" means
+
+// The first lines of what a tool complained about, as one line.
+std::string complaint(const SubprocessResult& result) {
+  std::string text = (result.out + result.err).substr(0, 300);
+  std::replace(text.begin(), text.end(), '\n', ' ');
+  return text;
+}
+
+// One verification: a temporary folder in which SPIN's verifier is made and run.
+class Verification {
+ public:
+  Verification(const SpinOptions& tools, const EngineOptions& options, const System& system,
+               const PromelaOptions& promela_options, bool is_fair, std::string what)
+      : tools_(tools),
+        options_(options),
+        system_(system),
+        purpose_(promela_options.purpose),
+        is_fair_(is_fair),
+        what_(std::move(what)),
+        memory_mib_(memory_limit_mib(options)),
+        promela_(write_promela(system, promela_options)) {
+    std::string text = promela_.text;
+    if (purpose_ == Purpose::ltl) text += never_claim();
+    write_file_atomically(folder_.path() / "system.pml", text);
+    run_tool({tools_.spin, "-a", "system.pml"}, "spin", "pan.c");
+  }
+
+  // Makes the verifier and runs it, deeper and deeper until nothing is cut off.
+  PanOutput search() {
+    compile({});
+    std::uint64_t depth = first_depth;
+    while (true) {
+      const auto start = Clock::now();
+      const PanOutput output = run_pan({fmt::format("-m{}", depth)}, {});
+      seconds_ += std::chrono::duration<double>(Clock::now() - start).count();
+      if (!output.is_depth_truncated || output.errors > 0 || output.is_memory_exhausted ||
+          depth == last_depth) {
+        return output;
+      }
+      depth *= 10;
+    }
+  }
+
+  // The counterexample that the last search left.
+  Trace read_trace(const std::string& trail = "system.pml.trail") {
+    const SubprocessResult result =
+        run({tools_.spin, "-t", "-p", "-k", trail, "system.pml"}, std::nullopt);
+    return read_spin_run(result.out, promela_, system_);
+  }
+
+  // A trace that is no longer than `trace`, and shortest if the time suffices: pan searches on for
+  // errors at a smaller depth than the last one. Whatever goes wrong here, `trace` stays true.
+  Trace shorten(Trace trace) {
+    const fs::path trail = folder_.path() / "system.pml.trail";
+    const fs::path first = folder_.path() / "first.trail";
+    std::error_code error;
+    fs::rename(trail, first, error);
+    try {
+      compile({"-DREACH"});
+      // A step is at most two of pan's moves, and the processes have to be started.
+      const std::size_t depth = 2 * trace.steps.size() + 2 * promela_.processes + 10;
+      std::vector<std::string> command{"./pan", fmt::format("-m{}", depth), "-i", "-n"};
+      if (purpose_ != Purpose::deadlock) command.emplace_back("-E");
+      run(command, shortening_time);
+      if (!fs::exists(trail, error)) return trace;
+      Trace shorter = read_trace();
+      return shorter.steps.size() < trace.steps.size() ? shorter : trace;
+    } catch (const std::logic_error&) {
+      return trace;  // the trail was being written when the time was over
+    } catch (const Error&) {
+      return trace;  // interrupted, or out of disk
+    }
+  }
+
+  double seconds() const { return seconds_; }
+  std::uint64_t memory_mib() const { return memory_mib_; }
+
+ private:
+  SubprocessResult run(const std::vector<std::string>& command,
+                       std::optional<std::chrono::milliseconds> limit) {
+    SubprocessOptions options;
+    options.folder = folder_.path();
+    options.time_limit = limit;
+    return run_program(command, options, options_.control);
+  }
+
+  SubprocessResult start_tool(const std::vector<std::string>& command, const std::string& what) {
+    try {
+      return run(command, std::nullopt);
+    } catch (const UsageError&) {
+      throw UsageError(
+          fmt::format("the engine spin needs {}, and '{}' cannot be run: `maide "
+                      "doctor` says what to install",
+                      what, command.front()));
+    }
+  }
+
+  // Runs a tool that has to succeed and to leave `product` behind.
+  SubprocessResult run_tool(const std::vector<std::string>& command, const std::string& what,
+                            const std::string& product) {
+    SubprocessResult result = start_tool(command, what);
+    std::error_code ignored;
+    const bool has_product = product.empty() || fs::exists(folder_.path() / product, ignored);
+    if (result.succeeded() && has_product) return result;
+    const fs::space_info space = fs::space(folder_.path(), ignored);
+    if (space.available < 1 << 20) {
+      throw UsageError("no space left for what spin generates (" + folder_.path().string() + ")");
+    }
+    throw UsageError(fmt::format("{} failed: {}", what, complaint(result)));
+  }
+
+  // The never claim, which first lets the processes be started.
+  std::string never_claim() {
+    SubprocessResult result;
+    if (promela_.claim.size() <= largest_claim) {
+      result = start_tool({tools_.spin, "-f", promela_.claim}, "spin");
+    }
+    const std::size_t begin = result.out.find("never");
+    const std::size_t brace = result.out.find('{', begin);
+    const std::size_t body = result.out.find('\n', brace);
+    if (!result.succeeded() || begin == std::string::npos || body == std::string::npos) {
+      throw UsageError(what_ +
+                       " is too large for spin (once <-> and W are spelled out by U and R)");
+    }
+    return "never {\n  true;\n" + result.out.substr(body + 1);
+  }
+
+  void compile(const std::vector<std::string>& definitions) {
+    // Optimising what comes of a long program takes longer than most searches in it.
+    std::string optimisation = tools_.optimisation;
+    if (optimisation.empty()) optimisation = promela_.lines.size() > 300 ? "-O0" : "-O1";
+    // In two steps and through pipes: a compiler that is killed leaves no file elsewhere.
+    std::vector<std::string> command{
+        tools_.compiler, optimisation, "-w", "-pipe", "-c", "-o", "pan.o", "pan.c", "-DNOREDUCE"};
+    if (purpose_ != Purpose::ltl) command.emplace_back("-DSAFETY");
+    // pan keeps room for 4 NFAIR - 2 processes.
+    if (is_fair_) command.push_back(fmt::format("-DNFAIR={}", (promela_.processes + 2) / 4 + 2));
+    command.push_back(fmt::format("-DMEMLIM={}", memory_mib_));
+    command.push_back(fmt::format("-DVECTORSZ={}", 1024 + 64 * promela_.processes));
+    command.insert(command.end(), definitions.begin(), definitions.end());
+    run_tool(command, "a C compiler", "pan.o");
+    run_tool({tools_.compiler, "-o", "pan", "pan.o"}, "a C compiler", "pan");
+  }
+
+  PanOutput run_pan(std::vector<std::string> arguments,
+                    std::optional<std::chrono::milliseconds> limit) {
+    arguments.insert(arguments.begin(), "./pan");
+    arguments.emplace_back("-n");
+    if (purpose_ == Purpose::ltl) arguments.emplace_back("-a");
+    if (purpose_ != Purpose::deadlock) arguments.emplace_back("-E");
+    if (is_fair_) arguments.emplace_back("-f");
+    const SubprocessResult result = run(arguments, limit);
+    const auto output = parse_pan_output(result.out + result.err);
+    if (!output) throw UsageError("spin's verifier failed: " + complaint(result));
+    return *output;
+  }
+
+  const SpinOptions& tools_;
+  const EngineOptions& options_;
+  const System& system_;
+  Purpose purpose_;
+  bool is_fair_;
+  std::string what_;  // is verified; for messages
+  std::uint64_t memory_mib_;
+  PromelaSystem promela_;
+  TempDir folder_{"maide-check-"};
+  double seconds_ = 0;
+};
+
+std::string why_incomplete(const PanOutput& output, std::uint64_t memory_mib) {
+  if (output.is_memory_exhausted) {
+    return fmt::format("the search needs more than {} MiB of memory", memory_mib);
+  }
+  if (output.is_depth_truncated) return "the search is deeper than SPIN can go";
+  return "SPIN did not complete the search";
+}
+
+void require_sound(const System& system, const Property& property, const Trace& trace) {
+  const std::string flaw = find_flaw(system, property, trace);
+  if (!flaw.empty()) {
+    throw std::logic_error("spin's counterexample for '" + property.name +
+                           "' does not replay: " + flaw);
+  }
+}
+
+}  // namespace
+
+std::string SpinEngine::obstacle(const Property& property) const {
+  if (property.kind == Property::Kind::stuck)
+    return "the engine spin does not check 'stuck' (--engine native does)";
+  if (property.kind == Property::Kind::never) {
+    return "the engine spin checks no automaton (--engine native does)";
+  }
+  if (property.kind != Property::Kind::ltl) return "";
+  if (contains(property.formula, FormulaNode::Operator::next)) {
+    return "the engine spin checks no formula with X (--engine native does)";
+  }
+  if (property.fairness == Fairness::strong)
+    return "the engine spin has no strong fairness (--engine native has)";
+  return "";
+}
+
+PropertyResult SpinEngine::check(const System& system, const Property& property,
+                                 const EngineOptions& options) {
+  PropertyResult result;
+  result.name = property.name;
+  const bool is_ltl = property.kind == Property::Kind::ltl;
+  // A violation of a safety property shows on a prefix, and every prefix goes on to a fair run.
+  const bool is_fair =
+      is_ltl && property.fairness == Fairness::weak && !is_syntactically_safe(property.formula);
+  const std::string place = to_string(property.position);
+  const std::string what =
+      fmt::format("property '{}'{}", property.name, place.empty() ? "" : " (" + place + ")");
+  try {
+    Verification verification(options_, options, system,
+                              {is_ltl ? Purpose::ltl : Purpose::deadlock, property.formula},
+                              is_fair, what);
+    const PanOutput output = verification.search();
+    result.states = is_ltl || output.states == 0 ? output.states : output.states - 1;
+    result.transitions = output.transitions;
+    result.peak_bytes = output.peak_bytes;
+    result.seconds = verification.seconds();
+    if (output.errors == 0) {
+      result.verdict = output.is_complete ? Verdict::holds : Verdict::inconclusive;
+      if (!output.is_complete) result.reason = why_incomplete(output, verification.memory_mib());
+      return result;
+    }
+    Trace trace = verification.read_trace();
+    require_sound(system, property, trace);
+    if (!is_ltl && options_.shortens) {
+      Trace shorter = verification.shorten(trace);
+      if (find_flaw(system, property, shorter).empty()) trace = std::move(shorter);
+    }
+    result.verdict = Verdict::violated;
+    result.trace = std::move(trace);
+  } catch (const Interrupted& stop) {
+    result.verdict = Verdict::inconclusive;
+    result.reason = why_stopped(options);
+  }
+  return result;
+}
+
+CutResult SpinEngine::find_cut(const System& system, const EngineOptions& options) {
+  CutResult result;
+  if (!ModelUsage(system).any_cut) {
+    result.verdict = Verdict::holds;
+    return result;
+  }
+  try {
+    Verification verification(options_, options, system, {Purpose::cut, nullptr}, false, "");
+    const PanOutput output = verification.search();
+    if (output.errors == 0) {
+      result.verdict = output.is_complete ? Verdict::holds : Verdict::inconclusive;
+      if (!output.is_complete) result.reason = why_incomplete(output, verification.memory_mib());
+      return result;
+    }
+    Trace trace = verification.read_trace();
+    if (!replay(system, trace).back().is_cut) {
+      throw std::logic_error("spin's run to the bound does not replay");
+    }
+    if (options_.shortens) {
+      Trace shorter = verification.shorten(trace);
+      if (replay(system, shorter).back().is_cut) trace = std::move(shorter);
+    }
+    result.verdict = Verdict::violated;
+    result.trace = std::move(trace);
+  } catch (const Interrupted&) {
+    result.reason = why_stopped(options);
+  }
+  return result;
+}
+
+}  // namespace maide

@@ -1,0 +1,49 @@
+// Traces as text: what `maide check --trace` writes and other commands read. A step is named by
+// what a person sees of it - the program, its line in the system file, the model and what happens
+// there - so a trace says by itself whether it belongs to a system: each of its steps must be
+// possible where it is taken.
+//
+//   {"system": "...", "property": "deadlock", "loop_start": null,
+//    "steps": [{"program": "planner", "line": 8, "model": "via", "event": "?write"}, ...]}
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "maide/base/json.hpp"
+#include "maide/check/trace/trace.hpp"
+
+namespace maide {
+
+struct StepText {
+  std::string program;
+  int line = 0;
+  std::string model;  // "" for an internal choice
+  std::string event;  // "?input", "!output", "quiet", or "if" and "else"
+  bool operator==(const StepText&) const = default;
+};
+
+StepText describe_step(const System& system, const Step& step);
+
+// {"program", "line", "model", "event"}; the model of an internal choice is null.
+Json step_to_json(const StepText& step);
+// A list of these.
+Json trace_to_json(const System& system, const Trace& trace);
+// What a file has: the trace by which `property` is violated.
+Json trace_file_to_json(const System& system, const std::string& property, const Trace& trace);
+
+struct TraceFile {
+  std::string property;  // as in the file; "" if it names none
+  Trace trace;
+};
+
+// Finds the steps that the text names in the system; `file` is for messages. Where a model is
+// nondeterministic a text may stand for several runs: it is one of them. Throws ParseError for what
+// is no JSON, UsageError for what is no trace, or one of another system, with the number of the
+// step. O(steps x models + enabled steps).
+TraceFile parse_trace(std::string_view text, const std::string& file, const System& system);
+
+// Reads and parses. Throws UsageError if the file cannot be read.
+TraceFile read_trace(const std::string& path, const System& system);
+
+}  // namespace maide

@@ -1,0 +1,127 @@
+// Standard output is checked after each piece: a result that did not arrive is no result.
+#include "maide/cli/command.hpp"
+
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+#include <system_error>
+#include <utility>
+
+#include "maide/base/file.hpp"
+#include "maide/base/text.hpp"
+
+namespace maide::cli {
+
+void write_to_stdout(std::string_view text) {
+  clear_progress_line();
+  errno = 0;
+  const bool written = std::fwrite(text.data(), 1, text.size(), stdout) == text.size();
+  if (!written || std::fflush(stdout) != 0) {
+    const int error = errno != 0 ? errno : EIO;
+    throw_write_failure(
+        "cannot write the result: " + std::generic_category().message(error) + " (standard output)",
+        error);
+  }
+}
+
+void write_error_line(std::string_view message) {
+  clear_progress_line();
+  const std::string line = "maide: " + one_line(message) + '\n';
+  std::fputs(line.c_str(), stderr);
+}
+
+void write_data(std::string_view text) {
+  if (::isatty(STDOUT_FILENO) == 1) {
+    write_to_stdout(printable(text));
+  } else {
+    write_to_stdout(text);
+  }
+}
+
+Context::Context(const CommonOptions& options, std::stop_token stop)
+    : options_(options), stop_(std::move(stop)), progress_(!options.quiet && !options.json) {}
+
+RunControl Context::control() {
+  RunControl control;
+  control.stop = stop_;
+  control.progress = &progress_;
+  return control;
+}
+
+void Context::print(std::string_view text) {
+  if (!options_.json) write_to_stdout(printable(text));
+}
+
+void Context::print_data(std::string_view text) {
+  if (!options_.json) write_data(text);
+}
+
+void Context::set_result(const Json& object) {
+  if (result_) throw std::logic_error("a command has one result");
+  Json result{{"schema", json_schema}};
+  result.update(object);
+  result_ = to_json_line(result);
+}
+
+void Context::complain(std::string_view message) { write_error_line(message); }
+
+void Context::finish() {
+  if (!options_.json) return;
+  if (!result_) set_result(Json::object());
+  write_data(*result_ + "\n");
+}
+
+// The commands, in the order in which a newcomer meets them.
+std::span<const Command> command_table() {
+  static constexpr std::array table{
+      Command{"learn", "Learn a model of a running system",
+              "maide learn port kind=strict size=3 -o strict-3.dot\n"
+              "maide learn cyclonedds history=keep_last depth=1 inputs=write,read -o via.dot\n"
+              "maide learn sim:strict-3.dot --eq perfect | dot -Tsvg > strict-3.svg",
+              set_up_learn},
+      Command{"check", "Tell whether programs that use learned models deadlock or break a property",
+              "maide check examples/case-study-1/buffered.yaml\n"
+              "maide check system.yaml --property deadlock --trace deadlock.json --json\n"
+              "maide check system.yaml --refine",
+              set_up_check},
+      Command{"replay", "Tell whether the real middleware does what a counterexample says",
+              "maide replay system.yaml deadlock.json --rounds 20\n"
+              "maide replay system.yaml --random 100 --seed 7",
+              set_up_replay},
+      Command{"compare", "Tell whether two models are the same, and what tells them apart",
+              "maide compare port.dot strict-1.dot\nmaide compare old.dot new.dot --json",
+              set_up_compare},
+      Command{"export", "Write a model or a system in another tool's language",
+              "maide export port.dot --to promela -o port.pml\n"
+              "maide export strict-6.dot --to aut --lossy\n"
+              "maide export system.yaml --to promela -o system.pml\n"
+              "maide export system.yaml --to aut -o system.aut\n"
+              "maide export system.yaml --property acknowledged --to hoa",
+              set_up_export},
+      Command{"view", "Draw a model, a system or a trace",
+              "maide view strict-6.dot\nmaide view system.yaml -o system.html\n"
+              "maide view deadlock.json -o deadlock.svg",
+              set_up_view},
+      Command{"reproduce", "Reproduce the paper's results, theirs beside ours",
+              "maide reproduce table1 --system port --json\nmaide reproduce table2",
+              set_up_reproduce},
+      Command{"cache", "Show, merge and check the answers that learning has kept on disk",
+              "maide cache show port.cache\n"
+              "maide cache merge monday.cache tuesday.cache -o all.cache\n"
+              "maide cache check port.cache --system 'port kind=strict'",
+              set_up_cache},
+      Command{"bench", "Measure the learning algorithms on a folder of models",
+              "maide bench models --algorithm lsharp --algorithm rs --csv bench.csv\n"
+              "maide bench models --eq standard --time 10 --json",
+              set_up_bench},
+      Command{"doctor", "Tell what is usable on this machine, and what to install",
+              "maide doctor\nmaide doctor --json", set_up_doctor},
+  };
+  return table;
+}
+
+}  // namespace maide::cli

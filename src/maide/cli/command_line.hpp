@@ -1,0 +1,100 @@
+// What a command takes: declared once in its set_up function, and asked later for what was given.
+// The one place that knows CLI11, which is large to compile: everything else of the command line
+// includes this header.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace CLI {
+class App;
+class Option;
+}  // namespace CLI
+
+namespace maide::cli {
+
+// "" for a text that will do, else what is wrong with it.
+using ArgumentCheck = std::function<std::string(const std::string& text)>;
+
+// An option or argument that was declared; valid as long as its CommandLine are.
+class Argument {
+ public:
+  explicit Argument(CLI::Option* option) : option_(option) {}
+
+  Argument& required();
+  Argument& check(const ArgumentCheck& check);
+  Argument& one_of(std::vector<std::string> names);
+  // A whole number in this range, ends included.
+  Argument& between(std::uint64_t least, std::uint64_t most);
+  // A number in this range, ends included.
+  Argument& number_between(double least, double most);
+  // The help names no default: the help text says it, or there is none.
+  Argument& no_default();
+  // In the help, instead of the value's type: "MIB".
+  Argument& value_name(const std::string& name);
+  // Of several values each stands behind the name of its own: `--property a --property b`.
+  Argument& one_each();
+
+  std::string name() const;                                          // "--output", "SUL"
+  std::vector<std::string> long_names() const, short_names() const;  // without dashes
+  std::string help() const;
+  bool is_positional() const;  // has no dashes
+  bool takes_value() const;    // is no flag
+  bool is_given() const;
+  std::vector<std::string> values() const;  // as typed
+
+ private:
+  CLI::Option* option_;
+};
+
+class CommandLine {
+ public:
+  // `command`: as typed, "maide learn".
+  CommandLine(const std::string& command, const std::string& summary);
+  ~CommandLine();
+  CommandLine(const CommandLine&) = delete;
+  CommandLine& operator=(const CommandLine&) = delete;
+
+  // Declares an option, "-o,--output", or an argument, "FILE". `value` holds the default; it must
+  // live until parse(). Numbers are checked: "-1", and what does not fit, are refused.
+  Argument add(const std::string& names, std::string& value, const std::string& help);
+  Argument add(const std::string& names, std::vector<std::string>& value, const std::string& help);
+  Argument add(const std::string& names, std::uint32_t& value, const std::string& help);
+  Argument add(const std::string& names, std::uint64_t& value, const std::string& help);
+  Argument add(const std::string& names, std::optional<std::uint64_t>& value,
+               const std::string& help);
+  Argument add(const std::string& names, double& value, const std::string& help);
+  Argument add(const std::string& names, std::optional<double>& value, const std::string& help);
+  // An option without a value.
+  Argument add_flag(const std::string& names, bool& value, const std::string& help);
+
+  // All that were declared, in order.
+  std::vector<Argument> all() const;
+
+  // Behind the options in the help.
+  void set_footer(const std::string& text);
+  std::string help() const;
+
+  // Parses what was typed behind the command. False: help was asked for. Throws UsageError for what
+  // does not fit, ended by `hint`: an unknown option with the nearest name, an option with an empty
+  // value (a variable of a script that is not set), and what the checks say.
+  bool parse(const std::vector<std::string>& typed, const std::string& hint);
+
+ private:
+  void check_names(const std::vector<std::string>& typed, const std::string& hint) const;
+  void check_values(const std::string& hint) const;
+
+  std::unique_ptr<CLI::App> app_;
+};
+
+// Checks that several commands need.
+std::string check_jobs(const std::string& text);     // from 1 to most_jobs
+std::string check_seconds(const std::string& text);  // from 0.001 to 1e8 (three years)
+
+}  // namespace maide::cli

@@ -1,0 +1,173 @@
+// The cache between the learner and the system: a tree of execution traces (Margaria, Raffelt &
+// Steffen, "Knowledge-based relevance filtering for efficient system-level test-based model
+// generation", ISSE 2005). It is a transparent filter: answers are those of the system below, but
+// what is known never reaches the system. Known are words and prefixes of words asked before, words
+// that are prefixes of others of the same batch, and decision trees as far as the tree knows their
+// path.
+//
+// A fresh answer that contradicts the tree is a NondeterminismError with both answers. After
+// hold_votes() the shortest prefix on which they differ is asked again instead, until a majority
+// decides (learn/oracle/vote.hpp). If the tree was wrong it is corrected, with the file: what was
+// observed behind a wrong answer is forgotten, because it belongs to another run of the system. If
+// the fresh answer was wrong the query is asked again.
+//
+// Invariants: outputs are numbered in the order in which answers are handed up, and the consistency
+// test knows only what was handed up, whatever a file held before or a system below answered first.
+// So a resumed run goes the way of an uninterrupted one, word for word.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "maide/base/error.hpp"
+#include "maide/learn/cache/trace_tree.hpp"
+#include "maide/learn/oracle/equivalence_oracle.hpp"
+#include "maide/learn/oracle/output_oracle.hpp"
+#include "maide/learn/oracle/vote.hpp"
+
+namespace maide {
+
+class CacheFile;
+
+// An answer that was handed up in this run turned out to be wrong, and is corrected: whoever asked
+// must begin again, which costs little, because the cache answers.
+class CacheCorrected : public Error {
+ public:
+  explicit CacheCorrected(const std::string& word)
+      : Error(ExitStatus::inconclusive, "the answer to \"" + word + "\" was corrected") {}
+};
+
+class Cache : public OutputOracle {
+ public:
+  // Keeps a reference to `system`.
+  explicit Cache(OutputOracle& system);
+  // Starts with what `file` holds and keeps every fresh answer there; keeps both references. Throws
+  // UsageError if the file contradicts itself.
+  Cache(OutputOracle& system, CacheFile& file);
+
+  using OutputOracle::ask;
+  const Alphabet& inputs() const override { return system_.inputs(); }
+  const Alphabet& outputs() const override { return outputs_; }
+  Symbol intern_output(std::string_view name) override;
+  // Answers from the tree have no durations. What was answered before an exception is kept. Throws
+  // CacheCorrected where votes are held.
+  std::vector<MealyAnswer> ask(std::span<const Query> batch, const RunControl& control = {},
+                               const PartialSink& on_early_end = {}) override;
+
+  // From now on contradictions are decided by vote. `on_vote` is called with true before a word is
+  // asked again and with false afterwards. Throws UsageError for options that cannot be. An input
+  // that stays undecided throws NondeterminismError with all answers.
+  void hold_votes(const VoteOptions& options, std::function<void(bool begins)> on_vote = {});
+
+  // Asks the system for the word though it may be known: a contradiction is handled like any other.
+  // One query, and votes.
+  void ask_afresh(const Word& word, const RunControl& control = {});
+
+  // The whole answer to the word was in the file when it was opened: another run asked for it.
+  bool is_kept(const Word& word) const;
+
+  // All words that were voted on.
+  std::vector<Contradiction> contradictions() const;
+
+  // Equivalence oracle that sends nothing: finds a shortest (then alphabet-least) known word that
+  // the hypothesis gets wrong. Knows only what was asked in this run, not what a file holds beyond
+  // that: so a resumed run goes the way of an uninterrupted one. Lives no longer than the cache.
+  std::unique_ptr<EquivalenceOracle> make_consistency_test();
+
+  std::uint64_t hits() const { return hits_; }      // queries that needed no system
+  std::uint64_t misses() const { return misses_; }  // queries sent to the system
+  // Inputs observed, each once for each word that leads to it.
+  std::uint64_t observation_count() const { return tree_.edge_count(); }
+  std::uint64_t bytes() const { return tree_.bytes(); }
+
+  // Throws std::logic_error unless the tree, the numberings and the votes fit together. Between two
+  // calls. O(observations).
+  void check_invariants() const;
+
+ private:
+  class ConsistencyTest;
+  class VoteScope;
+
+  static constexpr Symbol no_symbol = ~Symbol{0};
+
+  // What the tree knows of a query.
+  struct Lookup {
+    // Outputs in the tree's numbering, as far as the tree goes; inputs of words only to the end.
+    MealyAnswer answer;
+    TraceTree::Node node = TraceTree::root;  // where it leads
+    bool is_whole = false;                   // the answer goes to the end of the query
+  };
+
+  // Both mark what they read as asked in this run.
+  Lookup look_up(const Query& query);
+  std::vector<Lookup> look_up_all(std::span<const Query> batch);
+  void follow_in_turn(std::span<const std::span<const Symbol>> words, std::vector<Lookup>& results);
+  void ask_system(std::span<const Query> batch, std::vector<std::size_t> unknown,
+                  std::vector<Lookup>& known, const RunControl& control);
+  static std::vector<std::size_t> select_queries(std::span<const Query> batch,
+                                                 std::span<const std::size_t> unknown,
+                                                 const std::vector<Lookup>& known);
+  std::vector<MealyAnswer> send(std::span<const Query> queries, const RunControl& control,
+                                std::span<const Lookup* const> known = {});
+  bool extend(const Query& query, const Lookup& known, const MealyAnswer& answer);
+  std::vector<MealyAnswer> ask_below(std::span<const Query> queries, const RunControl& control);
+  void record(const MealyAnswer& answer);
+  bool insert(const Word& inputs, const Word& outputs);
+  // How many inputs agree before the outputs contradict the tree; nothing if they do not.
+  std::optional<std::size_t> find_conflict(const Word& inputs, const Word& outputs) const;
+  NondeterminismError contradiction(const Word& inputs, const Word& outputs,
+                                    std::size_t agreeing) const;
+
+  // Votes: cache_votes.cpp.
+  bool accept(const MealyAnswer& answer, const RunControl& control);
+  void count_votes(const MealyAnswer& answer);
+  bool decide(const Word& word, Symbol other, const RunControl& control);
+  bool impose(const Word& word, Symbol output);
+  void throw_if_corrected();
+  TraceTree::Node node_of(std::span<const Symbol> word) const;
+  Word known_outputs(std::span<const Symbol> word) const;
+  Contradiction describe(const Word& word) const;
+  void learn_system_outputs();
+  void hand_up(MealyAnswer& answer);
+  Query to_stored(const DecisionTree& tree);
+  Query to_system(const Query& query);
+  std::span<const Query> to_system(std::span<const Query> batch,
+                                   std::span<const std::size_t> selected,
+                                   std::vector<Query>& copies);
+
+  OutputOracle& system_;
+  CacheFile* file_ = nullptr;
+  // Three numberings of outputs: the system's; the tree's ("stored", the file's: in the order of
+  // recording); and that of `outputs_`, in which answers are handed up.
+  Alphabet stored_outputs_;
+  Alphabet outputs_;
+  std::vector<Symbol> handed_up_;    // stored -> outputs_, or no symbol while never handed up
+  std::vector<Symbol> from_system_;  // the system's -> stored
+  TraceTree tree_;
+  std::uint64_t kept_ = 0;  // nodes of the tree that the file held
+  std::uint64_t hits_ = 0, misses_ = 0;
+
+  struct Votes {
+    VoteOptions options;
+    std::function<void(bool)> on_vote;
+    int depth = 0;  // of votes that are being held
+    // The outputs seen to a word's last input, in the tree's numbering, where the others were as in
+    // the tree.
+    struct Watched {
+      Ballot ballot;
+      Word before;  // the two outputs that contradicted each other; they have no vote
+    };
+    std::map<Word, Watched> watched;    // each word that was ever contradicted
+    std::vector<Contradiction> closed;  // of words whose prefix was corrected since
+    std::optional<Word> corrected;      // a word handed up whose answer was corrected since
+    std::uint64_t corrections = 0;
+  };
+  std::optional<Votes> votes_;
+};
+
+}  // namespace maide

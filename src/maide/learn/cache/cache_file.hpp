@@ -1,0 +1,86 @@
+// The cache on disk: a SQLite database of the words that were run and their answers, written as the
+// run goes, so that a killed run resumes where it was. It belongs to one system: the fingerprint
+// that the caller gives (options, versions, translation) and the inputs must be the same when it is
+// opened again. One process at a time may write it; others can wait for it, or look at it.
+//
+// Transactions end with each batch. In WAL mode a kill loses at most the words of the batch in
+// flight. All errors are UsageErrors of one line that name the file.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+
+#include "maide/automata/alphabet.hpp"
+#include "maide/base/run_control.hpp"
+#include "maide/learn/cache/cache_database.hpp"
+
+namespace maide {
+
+// What identifies a system: names and values, say {"depth", "3"}.
+using Fingerprint = std::map<std::string, std::string>;
+
+class CacheFile {
+ public:
+  // Opens the file, or makes it. Throws UsageError if it cannot be written, is no cache, or was
+  // recorded for another system, naming what differs. While another process has it open: waits as
+  // long as `wait` allows, with a note in the log (throws Interrupted); without it throws
+  // CacheInUse.
+  CacheFile(const std::filesystem::path& path, const Alphabet& inputs,
+            const Fingerprint& fingerprint, const RunControl* wait = nullptr);
+  // Opens a cache that is there, of whatever system. One that cannot be written, or that another
+  // process has open, is only read, as it is now; then add() and remove_contradicting() throw
+  // UsageError. Throws as above.
+  explicit CacheFile(const std::filesystem::path& path);
+  ~CacheFile();
+  CacheFile(const CacheFile&) = delete;
+  CacheFile& operator=(const CacheFile&) = delete;
+
+  const std::filesystem::path& path() const { return path_; }
+  const Alphabet& inputs() const { return inputs_; }
+  // The outputs of the words in the file, as those number them.
+  const Alphabet& outputs() const { return outputs_; }
+  const Fingerprint& fingerprint() const { return fingerprint_; }
+
+  // Hands over every word and its answer, in the order in which they were added.
+  void for_each(const std::function<void(const Word& inputs, const Word& outputs)>& visit);
+
+  // What SQLite finds wrong with the file, in its words; "" for nothing. Reads all of it.
+  std::string find_damage();
+
+  // Adds a word and its answer; it is safe after the next commit(). `names` names the outputs; it
+  // begins with outputs().
+  void add(const Word& inputs, const Word& answer, const Alphabet& names);
+  // Removes every word that begins with `inputs` and was not answered with `answer` there. Safe
+  // after the next commit(). O(words in the file).
+  void remove_contradicting(const Word& inputs, const Word& answer);
+  // What was confirmed of the system beside the words, under a name that the caller chooses: in how
+  // many words; nothing if it was not. What is added is safe after the next commit().
+  std::optional<std::uint64_t> find_confirmed(const std::string& name);
+  void add_confirmed(const std::string& name, std::uint64_t words);
+  // Ends the transaction that the first add() began; nothing to do is fine.
+  void commit();
+
+ private:
+  void begin();
+  void initialise(const Alphabet& inputs, const Fingerprint& fingerprint);
+  void read_system();
+  void expect_system(const Alphabet& inputs, const Fingerprint& fingerprint) const;
+
+  std::filesystem::path path_;
+  std::optional<CacheDatabase> database_;  // always there behind the constructor
+  std::optional<CacheDatabase::Statement> insert_word_;
+  Alphabet inputs_, outputs_;
+  Fingerprint fingerprint_;
+  bool in_transaction_ = false;
+};
+
+// What differs between the system of a cache and another one: "depth is '3' there, '4' here; ...";
+// "" if they are the same.
+std::string describe_differences(const CacheFile& cache, const Alphabet& inputs,
+                                 const Fingerprint& fingerprint);
+
+}  // namespace maide

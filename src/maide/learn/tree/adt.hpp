@@ -1,0 +1,88 @@
+// ADT (Frohme, "Active Automata Learning with Adaptive Distinguishing Sequences", FMICS 2019, arXiv
+// 1902.01139): a discrimination tree whose nodes hold adaptive experiments, so that many states are
+// told apart without a reset between. Answers are kept in an observation tree: nothing is asked
+// twice, and the tree shows what tells states apart.
+//
+// A counterexample is decomposed by binary search (Rivest & Schapire) and splits a leaf. Its two
+// states are told apart, in this order,
+//
+//   by a word that is known to do so after the experiment above, which goes on with it;
+//   by a distinguishing sequence that the hypothesis has for them after that experiment; meanwhile
+//     the transitions to the leaf wait, for they would be asked twice;
+//   by the shortest word that is known to do so, a new experiment after a reset.
+//
+// Once a counterexample has added a state, the tree is restructured by distinguishing sequences
+// that the hypothesis has now. A sequence goes on after the experiment above a node, for the states
+// below that node. Or it replaces the experiments there, if the resets that this spares outweigh
+// asking all transitions to these states again. The system is asked what it answers from each
+// state. Where the hypothesis is wrong, that is a counterexample which needs no equivalence query.
+// States that answer alike stay told apart by the old experiments.
+//
+// Invariant: between two equivalence queries each transition was asked all experiments above the
+// leaf it is at. So a counterexample adds a state. Restructuring comes later, for it could move the
+// transition that the counterexample shows, and nothing would be left to split. For n states and k
+// inputs at most n equivalence queries, and some k n^2 output queries, as with other discrimination
+// trees: restructuring adds some and spares others.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "maide/automata/mealy.hpp"
+#include "maide/learn/oracle/observing_oracle.hpp"
+#include "maide/learn/tree/tree_learners.hpp"
+#include "maide/sul/sul.hpp"
+
+namespace maide {
+
+// Adaptive distinguishing sequences of some states of a machine (Lee & Yannakakis, "Testing
+// finite-state machines: state identification and verification", IEEE ToC 1994): a decision tree
+// that each of them answers in its own way. Few sets of states have one: no two of them may become
+// one before they have answered differently.
+//
+// A shortest word that parts the states comes first, of several the one whose largest part is
+// smallest; then what parts each part; if one of them cannot be parted, the next word. That search
+// is exponential, so it ends after some effort: what it does not find may still be there.
+
+// For at least two states, none twice, of a complete machine. `effort`: sets of states to look at,
+// O(inputs states) each.
+std::optional<DecisionTree> find_distinguishing_sequence(const Mealy& machine,
+                                                         const std::vector<StateId>& states,
+                                                         std::size_t effort);
+
+// A base, so that it is there before the learner that asks it.
+struct AdtKnowledge {
+  explicit AdtKnowledge(OutputOracle& oracle) : known_(oracle) {}
+  ObservingOracle known_;
+};
+
+class Adt : private AdtKnowledge, public TreeLearner {
+ public:
+  // Keeps a reference to `oracle`. Throws UsageError if it has no inputs.
+  explicit Adt(OutputOracle& oracle) : AdtKnowledge(oracle), TreeLearner(known_) {}
+
+  std::uint64_t output_queries() const override { return known_.output_queries(); }
+
+ private:
+  using Node = DiscriminationTree::Node;
+  using Answers = TreeHypothesis::Answers;
+
+  bool split(const Word& counterexample, std::span<const Symbol> outputs,
+             const RunControl& control) override;
+  void complete(const RunControl& control) override;
+  void restructure(const RunControl& control) override;
+
+  bool split_by_known_word(StateId state, TreeHypothesis::Transition from, const Word& before);
+  void place_waiting(const RunControl& control);
+  bool lengthen_over(Node node, const RunControl& control);
+  bool replace_below(Node node, const RunControl& control);
+  bool is_worth_replacing(Node node) const;
+  Answers ask_states(const std::vector<StateId>& states, const Word& before, const Word& label,
+                     const DecisionTree& sequence, const RunControl& control);
+
+  Node waiting_ = DiscriminationTree::none;  // a new node whose experiment may still go away
+  std::vector<std::size_t> tried_;           // by node: states below when it was restructured
+  std::vector<Word> contradictions_;         // words that the hypothesis may be wrong about
+};
+
+}  // namespace maide

@@ -1,0 +1,61 @@
+// Collects the events of one word, from any thread. It keeps those that are observed, under the
+// name under which they are, drops the others, and remembers when the last one came: any event,
+// observed or not, is a sign of life.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <functional>
+#include <map>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "maide/sul/sul.hpp"
+#include "maide/wire/wrapper/system_wrapper.hpp"
+
+namespace maide {
+
+// Which events there are, and which are observed; made once from options and setup.
+struct EventTable {
+  struct Entry {
+    std::uint32_t actor = 0;
+    bool observed = false;
+  };
+  std::map<std::string, Entry, std::less<>> events;
+  std::string message_event;
+  bool tells_gaps = false;  // payload=gap
+};
+
+class StepRecorder : public EventSink {
+ public:
+  explicit StepRecorder(const EventTable& table) : table_(table) {}
+
+  void report(std::string_view event) override;
+  void message(std::uint64_t number) override;
+  void crashed(std::string_view reason) override;
+  // The wrapper itself failed: the word ends in an error.
+  void failed(std::string_view reason);
+
+  // The events since the last call, in the order in which they came.
+  std::vector<Event> take_events();
+  std::chrono::steady_clock::time_point last_event() const { return last_event_; }
+  // Why the system crashed, or the wrapper failed; "" if it did not.
+  std::string crash_reason() const;
+  std::string failure() const;
+  // From now on everything is dropped.
+  void close();
+
+ private:
+  void record(std::string_view event);  // with the mutex held
+
+  const EventTable& table_;
+  mutable std::mutex mutex_;
+  std::vector<Event> events_;
+  std::uint64_t last_number_ = 0;
+  std::string crash_reason_, failure_;
+  bool closed_ = false;
+  std::atomic<std::chrono::steady_clock::time_point> last_event_{};
+};
+
+}  // namespace maide

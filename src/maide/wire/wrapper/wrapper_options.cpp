@@ -1,0 +1,224 @@
+#include "maide/wire/wrapper/wrapper_options.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <optional>
+#include <set>
+#include <stdexcept>
+#include <utility>
+
+#include "maide/base/error.hpp"
+#include "maide/base/numbers.hpp"
+#include "maide/base/text.hpp"
+
+namespace maide {
+namespace {
+
+std::string normalised(std::string_view key) {
+  std::string text(key);
+  std::replace(text.begin(), text.end(), '_', '-');
+  return text;
+}
+
+std::vector<std::string> split_list(std::string_view text) {
+  std::vector<std::string> items;
+  if (text.empty()) return items;
+  for (std::size_t from = 0; from <= text.size();) {
+    const std::size_t comma = std::min(text.find(',', from), text.size());
+    items.emplace_back(text.substr(from, comma - from));
+    from = comma + 1;
+  }
+  return items;
+}
+
+bool is_one_of(std::string_view value, const std::vector<std::string>& allowed) {
+  return std::find(allowed.begin(), allowed.end(), value) != allowed.end();
+}
+
+bool is_in_range(std::string_view value, const OptionSpec& spec) {
+  if (spec.most < spec.least) return false;
+  const auto number = parse_number<std::int64_t>(value);
+  return number && *number >= spec.least && *number <= spec.most;
+}
+
+[[noreturn]] void reject(const OptionSpec& spec, std::string_view value, std::string_view why) {
+  throw UsageError(fmt::format("option {}={}: {}", spec.key, value, why));
+}
+
+void check_list(const OptionSpec& spec, std::string_view value) {
+  const std::vector<std::string> items = split_list(value);
+  if (items.empty() && spec.least > 0) reject(spec, value, "name at least one");
+  std::set<std::string> seen;
+  for (const std::string& item : items) {
+    if (!is_one_of(item, spec.allowed)) {
+      reject(spec, value, fmt::format("'{}' is not one of {}", item, fmt::join(spec.allowed, ",")));
+    }
+    if (!seen.insert(item).second) reject(spec, value, fmt::format("'{}' comes twice", item));
+  }
+}
+
+void check_value(const OptionSpec& spec, std::string_view value) {
+  switch (spec.kind) {
+    case OptionSpec::Kind::choice:
+    case OptionSpec::Kind::integer:
+      if (!is_one_of(value, spec.allowed) && !is_in_range(value, spec)) {
+        reject(spec, value, "allowed is " + spec.describe_allowed());
+      }
+      return;
+    case OptionSpec::Kind::list: check_list(spec, value); return;
+    case OptionSpec::Kind::text:
+      if (value.find_first_of("\r\n") != std::string_view::npos) reject(spec, "...", "one line");
+      return;
+  }
+}
+
+}  // namespace
+
+OptionSpec OptionSpec::choice(std::string key, std::string default_value,
+                              std::vector<std::string> allowed, std::string help) {
+  return {std::move(key), Kind::choice, std::move(default_value), std::move(allowed), 0, -1,
+          std::move(help)};
+}
+
+OptionSpec OptionSpec::list(std::string key, std::string default_value,
+                            std::vector<std::string> allowed, std::string help) {
+  return {std::move(key), Kind::list, std::move(default_value), std::move(allowed), 0, -1,
+          std::move(help)};
+}
+
+OptionSpec OptionSpec::integer(std::string key, std::int64_t default_value, std::int64_t least,
+                               std::int64_t most, std::string help,
+                               std::vector<std::string> allowed) {
+  return {std::move(key), Kind::integer,  std::to_string(default_value), std::move(allowed), least,
+          most,           std::move(help)};
+}
+
+OptionSpec OptionSpec::text(std::string key, std::string default_value, std::string help) {
+  return {std::move(key), Kind::text, std::move(default_value), {}, 0, -1, std::move(help)};
+}
+
+OptionSpec OptionSpec::keeping_more_with(std::string value) const {
+  OptionSpec row = *this;
+  row.keeps_more = std::move(value);
+  return row;
+}
+
+std::string OptionSpec::describe_allowed() const {
+  switch (kind) {
+    case Kind::list: return fmt::format("some of {}", fmt::join(allowed, ","));
+    case Kind::text: return "text";
+    case Kind::choice:
+    case Kind::integer: break;
+  }
+  std::string text = fmt::format("{}", fmt::join(allowed, "|"));
+  if (most >= least) {
+    if (!text.empty()) text += '|';
+    text += fmt::format("{}..{}", least, most);
+  }
+  return text;
+}
+
+namespace common_options {
+
+OptionSpec inputs(std::vector<std::string> allowed, std::string default_value) {
+  OptionSpec spec = OptionSpec::list("inputs", std::move(default_value), std::move(allowed),
+                                     "the inputs to learn over");
+  spec.least = 1;
+  return spec;
+}
+
+OptionSpec observe(std::vector<std::string> allowed, std::string default_value) {
+  return OptionSpec::list("observe", std::move(default_value), std::move(allowed),
+                          "the events that are outputs; others are not seen");
+}
+
+OptionSpec payload() {
+  return OptionSpec::choice("payload", "none", {"none", "gap"},
+                            "gap: a message says whether one before it was lost (next, gap)");
+}
+
+OptionSpec size(std::int64_t default_value, std::int64_t most) {
+  return OptionSpec::integer("size", default_value, 1, most,
+                             "learn for at most this many messages in flight");
+}
+
+OptionSpec at_bound() {
+  return OptionSpec::choice("at-bound", "refuse", {"refuse", "absorb"},
+                            "an input beyond size: left unexplored, or drawn as a self-loop");
+}
+
+std::vector<OptionSpec> quiescence_rows(std::int64_t floor_ms) {
+  OptionSpec how = OptionSpec::choice(
+      "quiescence", "observed", {"observed"},
+      "how the end of a step is known: the system's threads are observed, or a fixed delay in ms");
+  how.least = 0;
+  how.most = 60'000;
+  return {std::move(how),
+          OptionSpec::integer("floor", floor_ms, 0, 60'000,
+                              "ms after the last event before a step may end"),
+          OptionSpec::integer("step-limit", 5'000, 1, 600'000,
+                              "ms that a step, or a reset, may take before it counts as hung")};
+}
+
+}  // namespace common_options
+
+bool same_key(std::string_view left, std::string_view right) {
+  return normalised(left) == normalised(right);
+}
+
+OptionValues::OptionValues(const std::vector<OptionSpec>& table,
+                           const std::map<std::string, std::string>& given) {
+  for (const OptionSpec& spec : table) values_[spec.key] = spec.default_value;
+  std::set<std::string> seen;
+  for (const auto& [key, value] : given) {
+    const auto spec =
+        std::find_if(table.begin(), table.end(),
+                     [&name = key](const OptionSpec& row) { return same_key(row.key, name); });
+    if (spec == table.end()) {
+      std::vector<std::string> known;
+      for (const OptionSpec& row : table) known.push_back(row.key);
+      throw UsageError(fmt::format("unknown option '{}'; known are: {}{}", key, join(known),
+                                   did_you_mean(normalised(key), known)));
+    }
+    if (!seen.insert(spec->key).second) {
+      throw UsageError(fmt::format("option '{}' is given twice", spec->key));
+    }
+    check_value(*spec, value);
+    values_[spec->key] = value;
+  }
+}
+
+bool OptionValues::has(std::string_view key) const {
+  return std::any_of(values_.begin(), values_.end(),
+                     [&](const auto& entry) { return same_key(entry.first, key); });
+}
+
+const std::string& OptionValues::text(std::string_view key) const {
+  for (const auto& [known, value] : values_) {
+    if (same_key(known, key)) return value;
+  }
+  throw std::logic_error(fmt::format("the wrapper's table has no option '{}'", key));
+}
+
+std::int64_t OptionValues::number(std::string_view key) const {
+  const auto value = parse_number<std::int64_t>(text(key));
+  if (!value) throw std::logic_error(fmt::format("option '{}' is not a number", key));
+  return *value;
+}
+
+std::vector<std::string> OptionValues::list(std::string_view key) const {
+  return split_list(text(key));
+}
+
+std::string to_string(const std::vector<OptionSpec>& table) {
+  std::string text;
+  for (const OptionSpec& spec : table) {
+    text += fmt::format("{}={}\n    {} ({})\n", spec.key, spec.default_value, spec.help,
+                        spec.describe_allowed());
+  }
+  return text;
+}
+
+}  // namespace maide

@@ -1,0 +1,394 @@
+#include "maide/wire/wrapper/wrapper_session.hpp"
+
+#include <fmt/format.h>
+#include <sys/wait.h>
+
+#include <algorithm>
+#include <csignal>
+#include <cstring>
+#include <exception>
+#include <mutex>
+#include <stdexcept>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "maide/base/error.hpp"
+#include "maide/base/invariant.hpp"
+#include "maide/sul/fatal_words.hpp"
+
+namespace maide {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+// How long an instance may wait for its first input. In a system that was left alone for longer
+// than a word ever takes, a lease may have ended, or a connection.
+constexpr std::chrono::seconds longest_prepared{10};
+
+// What an option names; `usual` alone stands for `usual_names`, where the option allows that word.
+std::vector<std::string> names_of(const OptionValues& options, std::string_view key,
+                                  const std::vector<std::string>& usual_names) {
+  std::vector<std::string> names = options.list(key);
+  const bool is_usual = !usual_names.empty() && names == std::vector<std::string>{"usual"};
+  return is_usual ? usual_names : names;
+}
+
+std::chrono::microseconds since(Clock::time_point start) {
+  return std::chrono::duration_cast<std::chrono::microseconds>(Clock::now() - start);
+}
+
+}  // namespace
+
+std::vector<OptionSpec> full_option_table(const WrapperDescription& description) {
+  std::vector<OptionSpec> table = description.options;
+  for (OptionSpec& row : common_options::quiescence_rows(description.floor.count())) {
+    table.push_back(std::move(row));
+  }
+  return table;
+}
+
+// One word's instance as the query player sees it.
+class WrapperSession::Stepper : public SteppedSystem {
+ public:
+  Stepper(WrapperSession& session, const std::function<bool()>& is_aborted)
+      : session_(session), is_aborted_(is_aborted) {}
+
+  bool is_busy(Symbol input) override {
+    return session_.actors_[session_.info_.inputs[input].actor].is_busy();
+  }
+
+  Outcome take(Symbol input, SulStep& step) override {
+    const Clock::time_point start = Clock::now();
+    start_call(input);
+    StepRecorder& recorder = *session_.recorder_;
+    const Quiescence::Verdict verdict =
+        session_.quiescence_->wait([&] { return recorder.last_event(); }, [&] { return is_over(); },
+                                   [&] { return session_.instance_->polls_in_vain(); });
+    const Clock::time_point end = Clock::now();
+    step.duration = std::chrono::duration_cast<std::chrono::microseconds>(end - start);
+    session_.check_processes();
+    Clock::time_point last_seen = std::max(start, recorder.last_event());
+    step.events = recorder.take_events();
+    for (std::uint32_t actor = 0; actor < session_.actors_.size(); ++actor) {
+      if (session_.actors_[actor].is_busy()) step.busy.push_back(actor);
+      last_seen = std::max(last_seen, session_.actors_[actor].last_return());
+    }
+    step.settling =
+        std::chrono::duration_cast<std::chrono::microseconds>(std::max(end, last_seen) - last_seen);
+    if (const std::string failure = recorder.failure(); !failure.empty()) {
+      session_.check_dying_processes();
+      throw std::runtime_error(failure);
+    }
+    if (!recorder.crash_reason().empty()) return Outcome::crash;
+    switch (verdict) {
+      case Quiescence::Verdict::hang: return Outcome::hang;
+      case Quiescence::Verdict::aborted: return Outcome::aborted;
+      case Quiescence::Verdict::quiescent: break;
+    }
+    return Outcome::quiescent;
+  }
+
+ private:
+  bool is_over() const {
+    session_.check_processes();
+    return is_aborted_();
+  }
+
+  void start_call(Symbol input) {
+    const SulInput& spec = session_.info_.inputs[input];
+    session_.actors_[spec.actor].start(
+        [instance = session_.instance_.get(), name = spec.name, recorder = session_.recorder_] {
+          try {
+            instance->call(name);
+          } catch (const std::exception& error) {
+            recorder->failed(error.what());
+          } catch (...) {
+            recorder->failed("unknown exception in " + name);
+          }
+        });
+  }
+
+  WrapperSession& session_;
+  const std::function<bool()>& is_aborted_;
+};
+
+WrapperSession::WrapperSession(SystemWrapper& wrapper, Watchdog* watchdog)
+    : wrapper_(wrapper), watchdog_(watchdog) {
+  const WrapperDescription& description = wrapper.description();
+  table_ = full_option_table(description);
+  info_.name = description.name;
+  info_.versions = description.versions;
+}
+
+WrapperSession::~WrapperSession() {
+  try {
+    end_instance();
+  } catch (const std::exception&) {
+    leave_instance_behind();  // whoever called end_instance() before has been told
+  }
+}
+
+const SulInfo& WrapperSession::configure(const std::map<std::string, std::string>& given) {
+  options_ = OptionValues(table_, given);
+  const SystemSetup setup = wrapper_.configure(options_);
+  if (setup.floor && std::none_of(given.begin(), given.end(), [](const auto& entry) {
+        return same_key(entry.first, "floor");
+      })) {
+    std::map<std::string, std::string> completed = given;
+    completed["floor"] = std::to_string(setup.floor->count());
+    options_ = OptionValues(table_, completed);
+  }
+  events_.message_event = setup.message_event;
+  events_.tells_gaps = options_.has("payload") && options_.is("payload", "gap");
+  messages_come_again_ = setup.messages_come_again;
+  info_.options = options_.all();
+  select_actors(setup);
+  select_events(setup);
+  select_inputs(setup);
+  select_bound(setup);
+  QuiescenceSettings settings;
+  settings.observed = options_.is("quiescence", "observed");
+  if (!settings.observed) settings.delay = std::chrono::milliseconds(options_.number("quiescence"));
+  settings.floor = std::chrono::milliseconds(options_.number("floor"));
+  settings.limit = step_limit_ = std::chrono::milliseconds(options_.number("step-limit"));
+  quiescence_ = std::make_unique<Quiescence>(settings);
+  processes_ = setup.processes;
+  for (const pid_t process : processes_) quiescence_->watch_process(process);
+  return info_;
+}
+
+// Leaves them where they are: whoever started them takes them away.
+void WrapperSession::check_processes() const {
+  for (const pid_t process : processes_) {
+    siginfo_t ended{};
+    const int result =
+        ::waitid(P_PID, static_cast<id_t>(process), &ended, WEXITED | WNOHANG | WNOWAIT);
+    if (result == 0 && ended.si_pid == 0) continue;
+    std::string how = "is gone";
+    if (result == 0) {
+      how = ended.si_code == CLD_EXITED
+                ? fmt::format("exited with status {}", ended.si_status)
+                : fmt::format("was killed by signal {} ({})", ended.si_status,
+                              ::strsignal(ended.si_status));
+    }
+    throw SystemProcessEnded(fmt::format("process {} of the system {}", process, how));
+  }
+}
+
+// A process that dies closes its connections first: when something failed, its end may be near.
+void WrapperSession::check_dying_processes() const {
+  constexpr auto longest_death = std::chrono::milliseconds(100);
+  const Clock::time_point start = Clock::now();
+  while (!processes_.empty() && Clock::now() - start < longest_death) {
+    check_processes();
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+}
+
+void WrapperSession::select_actors(const SystemSetup& setup) {
+  info_.actors = setup.actors;
+  for (const std::string& name : info_.actors) actors_.emplace_back(name);
+}
+
+std::uint32_t WrapperSession::actor_index(const std::string& name) const {
+  const auto found = std::find(info_.actors.begin(), info_.actors.end(), name);
+  if (found == info_.actors.end()) {
+    throw std::logic_error(fmt::format("the wrapper declares no actor '{}'", name));
+  }
+  return static_cast<std::uint32_t>(found - info_.actors.begin());
+}
+
+std::vector<std::string> WrapperSession::observed_names(const std::string& event) const {
+  if (!events_.tells_gaps || event != events_.message_event) return {event};
+  if (messages_come_again_) return {"next", "gap", "old"};
+  return {"next", "gap"};
+}
+
+void WrapperSession::select_events(const SystemSetup& setup) {
+  const std::vector<std::string> observed = options_.has("observe")
+                                                ? names_of(options_, "observe", setup.usual_events)
+                                                : std::vector<std::string>();
+  for (const SystemSetup::Event& event : setup.events) {
+    if (is_end_output(event.name) || is_reserved_output(event.name)) {
+      throw std::logic_error(fmt::format(
+          "the wrapper declares event '{}', a name with a meaning of its own", event.name));
+    }
+    const bool is_observed = !options_.has("observe") || std::find(observed.begin(), observed.end(),
+                                                                   event.name) != observed.end();
+    for (const std::string& name : observed_names(event.name)) {
+      events_.events[name] = {actor_index(event.actor), is_observed};
+      if (is_observed) info_.outputs.push_back({name, actor_index(event.actor)});
+    }
+  }
+}
+
+void WrapperSession::select_inputs(const SystemSetup& setup) {
+  std::vector<std::string> wanted;
+  if (options_.has("inputs")) {
+    wanted = names_of(options_, "inputs", setup.usual_inputs);
+  } else {
+    for (const SystemSetup::Input& input : setup.inputs) wanted.push_back(input.name);
+  }
+  for (const std::string& name : wanted) {
+    const auto input =
+        std::find_if(setup.inputs.begin(), setup.inputs.end(),
+                     [&](const SystemSetup::Input& known) { return known.name == name; });
+    if (input == setup.inputs.end()) {
+      throw UsageError(
+          fmt::format("option inputs: there is no input '{}' with these options", name));
+    }
+    SulInput selected{name, actor_index(input->actor), {}};
+    for (const std::string& event : input->returns) {
+      for (std::string& observed : observed_names(event)) selected.returns.push_back(observed);
+    }
+    info_.inputs.push_back(std::move(selected));
+  }
+}
+
+void WrapperSession::select_bound(const SystemSetup& setup) {
+  purposes_ = setup.purposes;
+  info_.bound = setup.bound;
+  if (!setup.in_flight || !options_.has("size")) return;
+  const auto size = static_cast<std::size_t>(options_.number("size"));
+  if (setup.in_flight->capacity != 0 && setup.in_flight->capacity <= size) return;  // never binds
+  std::vector<std::string> sends;
+  for (const SulInput& input : info_.inputs) {
+    const auto& all = setup.in_flight->sends;
+    if (std::find(all.begin(), all.end(), input.name) != all.end()) sends.push_back(input.name);
+  }
+  std::vector<std::string> receives;
+  for (const std::string& event : setup.in_flight->receives) {
+    for (std::string& name : observed_names(event)) {
+      if (!events_.events.at(name).observed) {
+        throw UsageError(fmt::format(
+            "option observe: size={} counts messages in flight, so '{}' must be observed", size,
+            event));
+      }
+      receives.push_back(std::move(name));
+    }
+  }
+  const bool absorbs = options_.has("at-bound") && options_.is("at-bound", "absorb");
+  purposes_.push_back(LearningPurpose::in_flight(size, setup.in_flight->capacity, sends, receives,
+                                                 absorbs ? AtBound::absorb : AtBound::refuse));
+  if (!info_.bound.empty()) info_.bound += ", ";
+  info_.bound += fmt::format("at most {} message{} in flight", size, size == 1 ? "" : "s");
+}
+
+void WrapperSession::start_instance() {
+  const Watchdog::Guard guard(watchdog_, "the reset", step_limit_);
+  const Clock::time_point start = Clock::now();
+  MAIDE_CHECK(!instance_);
+  if (teardown_.count() == 0) reset_began_ = start;
+  recorder_ = std::make_shared<StepRecorder>(events_);
+  try {
+    instance_ = wrapper_.reset(*recorder_);
+  } catch (const std::exception&) {
+    check_dying_processes();
+    throw;
+  }
+  is_fresh_ = true;
+  ready_ = Clock::now();
+  // By the same look at the clock: what was waited for is at least what it cost.
+  reset_ = std::chrono::duration_cast<std::chrono::microseconds>(ready_ - start) +
+           std::exchange(teardown_, {});
+}
+
+bool WrapperSession::is_prepared() const {
+  return instance_ && is_fresh_ && Clock::now() - ready_ < longest_prepared &&
+         recorder_->failure().empty() && recorder_->crash_reason().empty();
+}
+
+void WrapperSession::prepare() {
+  if (is_prepared()) return;
+  end_instance();
+  try {
+    start_instance();
+  } catch (const std::exception&) {
+    // The next query makes it, and is told if it cannot be made.
+  }
+}
+
+SulAnswer WrapperSession::run(const SulQuery& query, const std::function<bool()>& is_aborted,
+                              Clock::time_point arrived, const WordObserver& observer) {
+  check_processes();
+  if (!is_prepared()) {
+    end_instance();
+    start_instance();
+  }
+  MAIDE_CHECK(instance_ && recorder_ && is_fresh_);  // no word on an instance that had another
+  is_fresh_ = false;
+  if (observer.on_ready) observer.on_ready();
+  Stepper stepper(*this, is_aborted);
+  SulAnswer answer = play(stepper, query, info_, purposes_, observer.on_step);
+  answer.reset_duration = reset_;
+  const Clock::time_point waiting = std::max(arrived, reset_began_);
+  answer.reset_wait =
+      std::chrono::duration_cast<std::chrono::microseconds>(std::max(ready_, waiting) - waiting);
+  if (answer.end == WordEnd::crash) answer.reason = recorder_->crash_reason();
+  if (answer.end == WordEnd::hang) {
+    answer.reason = fmt::format("did not come to rest within {} ms", step_limit_.count());
+  }
+  return answer;
+}
+
+// Its calls still use it, and the recorder, for as long as the process lives: never destroyed, but
+// still pointed to, so that it is no leak.
+void WrapperSession::leave_instance_behind() {
+  static auto* left_behind =
+      new std::vector<std::pair<std::shared_ptr<StepRecorder>, std::unique_ptr<SystemInstance>>>();
+  static auto* mutex = new std::mutex();
+  const std::scoped_lock lock(*mutex);
+  left_behind->emplace_back(recorder_, std::move(instance_));
+  MAIDE_CHECK(!instance_);
+}
+
+std::string WrapperSession::end_instance() {
+  if (!instance_) return "";
+  const Clock::time_point start = Clock::now();
+  std::string stuck;
+  recorder_->close();
+  {
+    const Watchdog::Guard guard(watchdog_, "the teardown of the system", step_limit_);
+    instance_->shutdown();
+  }
+  for (std::uint32_t actor = 0; actor < actors_.size(); ++actor) {
+    if (actors_[actor].wait_idle(start + step_limit_)) continue;
+    if (!stuck.empty()) stuck += ", ";
+    stuck += info_.actors[actor];
+    actors_[actor] = ActorThread(info_.actors[actor]);  // the old one is left behind
+  }
+  if (stuck.empty()) {
+    const Watchdog::Guard guard(watchdog_, "the teardown of the system", step_limit_);
+    instance_.reset();
+  } else {
+    leave_instance_behind();
+  }
+  if (teardown_.count() == 0) reset_began_ = start;
+  teardown_ += since(start);
+  return stuck;
+}
+
+LocalSul::LocalSul(SystemWrapper& wrapper, const std::map<std::string, std::string>& options)
+    : session_(wrapper) {
+  session_.configure(options);
+}
+
+void LocalSul::run(std::span<const SulQuery> batch, const SulAnswerSink& sink,
+                   const RunControl& control) {
+  for (std::size_t index = 0; index < batch.size(); ++index) {
+    control.check("running words on the system");
+    SulAnswer answer;
+    try {
+      answer = session_.run(batch[index], [&] { return control.should_stop(); });
+    } catch (const Error&) {
+      throw;
+    } catch (const std::exception& error) {
+      throw WrapperError(error.what(), session_.info().name + " in this process");
+    }
+    if (answer.end == WordEnd::aborted) control.check("running words on the system");
+    sink(index, std::move(answer));
+  }
+}
+
+}  // namespace maide
