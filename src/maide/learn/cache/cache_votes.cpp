@@ -39,7 +39,7 @@ class Cache::VoteScope {
 
 void Cache::hold_votes(const VoteOptions& options, std::function<void(bool)> on_vote) {
   Ballot check(options);  // throws if they cannot be
-  votes_.emplace();
+  votes_ = Votes();
   votes_->options = options;
   votes_->on_vote = std::move(on_vote);
 }

@@ -84,9 +84,8 @@ Info decode_info(const Json& json) {
   if (info.actors.empty()) info.actors = {"system"};
   for (const Json& row : list_member(json, "inputs")) {
     const auto [name, actor] = decode_named(row, info, "input");
-    const bool is_known = std::any_of(info.inputs.begin(), info.inputs.end(),
-                                      [&](const SulInput& input) { return input.name == name; });
-    if (is_known) throw ProtocolError(fmt::format("input '{}' comes twice", excerpt(name)));
+    if (std::ranges::find(info.inputs, name, &SulInput::name) != info.inputs.end())
+      throw ProtocolError(fmt::format("input '{}' comes twice", excerpt(name)));
     if (name == delta) refuse_reserved(name, "input");
     info.inputs.push_back(
         {name, actor, row.is_string() ? std::vector<std::string>() : texts_member(row, "returns")});
