@@ -38,6 +38,15 @@ TEST(Doctor, TextAndJsonAgree) {
   }
 }
 
+TEST(Doctor, TriesWhatTheKernelShows) {
+  const Json report = json_of(run_maide({"doctor", "--json"}));
+  for (const char* name : {"schedstat", "syscall", "ptrace", "pidfd", "tcp_info", "meminfo"}) {
+    EXPECT_EQ(finding(report, name).at("kind"), "kernel");
+  }
+  // The wrappers' self-tests need it.
+  EXPECT_EQ(finding(report, "schedstat").at("state"), "usable");
+}
+
 TEST(Doctor, SaysWhatToInstall) {
   const TempDir empty;
   const SubprocessResult result =

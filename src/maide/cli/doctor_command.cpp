@@ -14,6 +14,7 @@
 #include "maide/base/subprocess.hpp"
 #include "maide/base/version.hpp"
 #include "maide/cli/command.hpp"
+#include "maide/wire/observe/kernel_support.hpp"
 #include "maide/workflow/open_system.hpp"
 
 namespace maide::cli {
@@ -55,11 +56,11 @@ std::string_view to_string(State state) {
 
 // One line of the report.
 struct Finding {
-  std::string kind;  // "program", "wrapper"
+  std::string kind;  // "program", "kernel", "wrapper"
   std::string name;
   std::string description;
   State state = State::missing;
-  std::string version{};  // the program's own words, one line
+  std::string version{};  // the program's own words, or what the kernel gave; one line
   std::string path{};
   std::string advice{};  // what to do; "" if nothing
 };
@@ -90,6 +91,17 @@ Finding examine(const Tool& tool, const RunControl& control) {
   if (!result.succeeded()) {
     finding.advice = fmt::format("'{}' {}", fmt::join(tool.version_command, " "),
                                  result.timed_out ? "does not end" : "fails");
+  }
+  return finding;
+}
+
+Finding examine(const KernelFeature& feature) {
+  Finding finding{"kernel", std::string(feature.name), std::string(feature.purpose)};
+  finding.state = feature.is_usable ? State::usable : State::missing;
+  if (feature.is_usable) {
+    finding.version = feature.detail;
+  } else {
+    finding.advice = fmt::format("{}; {}", feature.detail, feature.without);
   }
   return finding;
 }
@@ -125,6 +137,7 @@ std::vector<Finding> examine_all(const RunControl& control) {
     control.check("the examination");
     findings.push_back(examine(tool, control));
   }
+  for (const KernelFeature& feature : examine_kernel()) findings.push_back(examine(feature));
   std::vector<Middleware> all;
   for (const auto& [name, title, install] : own_wrappers) {
     all.push_back({std::string(name), std::string(title), std::string(install)});
@@ -156,10 +169,13 @@ std::string as_text(const std::vector<Finding>& findings, bool usable) {
   for (const Finding& finding : findings) {
     if (finding.kind != kind) {
       kind = finding.kind;
-      text += kind == "program" ? "\nPrograms\n" : "\nMiddleware\n";
+      text += kind == "program"  ? "\nPrograms\n"
+              : kind == "kernel" ? "\nWhat the kernel shows to observations\n"
+                                 : "\nMiddleware\n";
     }
-    text += fmt::format("  {:<12} {:<8} {}\n", finding.name, to_string(finding.state),
-                        is_usable(finding) ? finding.version : finding.description);
+    text +=
+        fmt::format("  {:<12} {:<8} {}\n", finding.name, to_string(finding.state),
+                    is_usable(finding) && kind != "kernel" ? finding.version : finding.description);
     if (!finding.advice.empty()) text += fmt::format("  {:<12} {:<8} {}\n", "", "", finding.advice);
   }
   return text + (usable ? "\nReady: systems can be learned and checked.\n"

@@ -1,0 +1,23 @@
+// Whether this kernel, and the container around this process, show what an observation reads
+// (docs/platforms.md). Each is tried, on this process and on a child, and not looked up by version:
+// a seccomp profile or a restriction of ptrace takes away what the kernel has.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace maide {
+
+struct KernelFeature {
+  std::string_view name;     // "schedstat"
+  std::string_view purpose;  // what it tells
+  std::string_view without;  // what becomes of an observation that lacks it
+  bool is_usable = false;
+  std::string detail{};  // what was read, or why nothing was
+};
+
+// In the order of docs/platforms.md. Starts a child that sleeps, and ends it: some milliseconds.
+std::vector<KernelFeature> examine_kernel();
+
+}  // namespace maide
