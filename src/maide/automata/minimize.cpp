@@ -1,73 +1,14 @@
 #include "maide/automata/minimize.hpp"
 
 #include <algorithm>
-#include <map>
 #include <tuple>
 #include <utility>
 
+#include "maide/automata/partition.hpp"
 #include "maide/base/invariant.hpp"
 
 namespace maide {
 namespace {
-
-// Refinable partition of 0..n-1 into blocks: elements of a block lie side by side in `elements`,
-// the marked ones first. Splitting a block off costs as much as it has marked elements.
-class Partition {
- public:
-  Partition(std::vector<std::uint32_t> block_of, std::uint32_t blocks)
-      : block_of_(std::move(block_of)), begin_(blocks + 1), marked_(blocks) {
-    for (const std::uint32_t block : block_of_) ++begin_[block + 1];
-    for (std::size_t i = 1; i < begin_.size(); ++i) begin_[i] += begin_[i - 1];
-    end_.assign(begin_.begin() + 1, begin_.end());
-    begin_.pop_back();
-    elements_.resize(block_of_.size());
-    place_.resize(block_of_.size());
-    std::vector<std::uint32_t> next = begin_;
-    for (std::uint32_t element = 0; element < block_of_.size(); ++element) {
-      place_[element] = next[block_of_[element]]++;
-      elements_[place_[element]] = element;
-    }
-  }
-
-  std::uint32_t blocks() const { return static_cast<std::uint32_t>(begin_.size()); }
-  std::uint32_t block_of(std::uint32_t element) const { return block_of_[element]; }
-  std::uint32_t size(std::uint32_t block) const { return end_[block] - begin_[block]; }
-  std::span<const std::uint32_t> elements(std::uint32_t block) const {
-    return {elements_.data() + begin_[block], size(block)};
-  }
-
-  // Marks an element; returns true if it is the first marked one of its block.
-  bool mark(std::uint32_t element) {
-    const std::uint32_t block = block_of_[element];
-    const std::uint32_t boundary = begin_[block] + marked_[block];
-    MAIDE_CHECK(boundary <= end_[block] && elements_[place_[element]] == element);
-    if (place_[element] < boundary) return false;
-    swap_places(element, elements_[boundary]);
-    return marked_[block]++ == 0;
-  }
-
-  // Splits the marked elements off into a new block and unmarks them; returns the new block, or
-  // `block` itself if all of it was marked.
-  std::uint32_t split(std::uint32_t block) {
-    const std::uint32_t count = std::exchange(marked_[block], 0);
-    if (count == 0 || count == size(block)) return block;
-    const std::uint32_t fresh = blocks();
-    begin_.push_back(begin_[block]);
-    end_.push_back(begin_[block] + count);
-    marked_.push_back(0);
-    begin_[block] += count;
-    MAIDE_CHECK(size(block) > 0 && size(fresh) == count && end_[fresh] == begin_[block]);
-    for (const std::uint32_t element : elements(fresh)) block_of_[element] = fresh;
-    return fresh;
-  }
-
- private:
-  void swap_places(std::uint32_t left, std::uint32_t right) {
-    std::swap(elements_[place_[left]], elements_[place_[right]]);
-    std::swap(place_[left], place_[right]);
-  }
-  std::vector<std::uint32_t> block_of_, begin_, end_, marked_, elements_, place_;
-};
 
 // Reverse transitions, flat: the predecessors of `state` under `input`.
 class Predecessors {
@@ -104,84 +45,42 @@ class Predecessors {
   std::vector<StateId> sources_;
 };
 
-Partition by_output_rows(const Mealy& machine) {
-  std::map<Word, std::uint32_t> rows;
-  std::vector<std::uint32_t> block_of(machine.size());
-  Word row(machine.inputs().size());
-  for (StateId state = 0; state < machine.size(); ++state) {
-    for (Symbol input = 0; input < row.size(); ++input) row[input] = machine.output(state, input);
-    const auto [place, is_new] = rows.emplace(row, static_cast<std::uint32_t>(rows.size()));
-    block_of[state] = place->second;
+// The parts of the blocks that were split since there were `known` blocks, all but a largest one of
+// each. `origin` says which block each was part of then.
+std::vector<std::vector<StateId>> smaller_parts(const Partition& partition,
+                                                const std::vector<Partition::Block>& origin,
+                                                Partition::Block known) {
+  std::vector<std::pair<Partition::Block, Partition::Block>> parts;  // with their origins
+  for (Partition::Block block = known; block < partition.blocks(); ++block) {
+    parts.emplace_back(origin[block], origin[block]);
+    parts.emplace_back(origin[block], block);
   }
-  return Partition(std::move(block_of), static_cast<std::uint32_t>(rows.size()));
-}
-
-void refine(const Mealy& machine, Partition& partition) {
-  const Predecessors predecessors(machine);
-  const auto inputs = static_cast<Symbol>(machine.inputs().size());
-  // Splitters still to be used, as (block, input); `waiting` says which are in the list.
-  std::vector<std::pair<std::uint32_t, Symbol>> work;
-  std::vector<std::vector<bool>> waiting;
-  const auto add = [&](std::uint32_t block, Symbol input) {
-    if (waiting.size() <= block) waiting.resize(block + 1, std::vector<bool>(inputs));
-    if (waiting[block][input]) return;
-    waiting[block][input] = true;
-    work.emplace_back(block, input);
-  };
-  for (std::uint32_t block = 0; block < partition.blocks(); ++block) {
-    for (Symbol input = 0; input < inputs; ++input) add(block, input);
-  }
-  std::vector<StateId> splitter;
-  std::vector<std::uint32_t> touched;
-  while (!work.empty()) {
-    const auto [block, input] = work.back();
-    work.pop_back();
-    waiting[block][input] = false;
-    const auto members = partition.elements(block);
-    splitter.assign(members.begin(), members.end());
-    touched.clear();
-    for (const StateId state : splitter) {
-      for (const StateId source : predecessors.of(state, input)) {
-        const std::uint32_t its_block = partition.block_of(source);
-        if (partition.mark(source)) touched.push_back(its_block);
-      }
-    }
-    for (const std::uint32_t old : touched) {
-      const std::uint32_t fresh = partition.split(old);
-      if (fresh == old) continue;
-      for (Symbol other = 0; other < inputs; ++other) {
-        const bool is_waiting = waiting.size() > old && waiting[old][other];
-        const bool fresh_is_smaller = partition.size(fresh) <= partition.size(old);
-        add(is_waiting || fresh_is_smaller ? fresh : old, other);
-      }
-    }
-  }
-}
-
-// Reachable states of a system in breadth-first order. `each_successor(state, visit)`.
-template <typename EachSuccessor>
-std::vector<StateId> breadth_first_order(StateId initial, std::size_t size,
-                                         EachSuccessor each_successor) {
-  std::vector<bool> seen(size);
-  std::vector<StateId> order{initial};
-  seen[initial] = true;
-  for (std::size_t i = 0; i < order.size(); ++i) {
-    each_successor(order[i], [&](StateId next) {
-      if (seen[next]) return;
-      seen[next] = true;
-      order.push_back(next);
+  std::sort(parts.begin(), parts.end());
+  parts.erase(std::unique(parts.begin(), parts.end()), parts.end());
+  std::vector<std::vector<StateId>> result;
+  for (auto begin = parts.begin(); begin != parts.end();) {
+    const auto end = std::find_if(begin, parts.end(),
+                                  [&](const auto& part) { return part.first != begin->first; });
+    const auto largest = std::max_element(begin, end, [&](const auto& left, const auto& right) {
+      return partition.size(left.second) < partition.size(right.second);
     });
+    for (; begin != end; ++begin) {
+      if (begin == largest) continue;
+      const auto states = partition.elements(begin->second);
+      result.emplace_back(states.begin(), states.end());
+    }
   }
-  return order;
+  return result;
 }
 
-// The quotient of `machine` by a partition whose blocks behave alike.
-Mealy quotient(const Mealy& machine, const std::vector<std::uint32_t>& block_of) {
+// The quotient of `machine` by classes of states that behave alike.
+template <typename ClassOf>
+Mealy quotient(const Mealy& machine, ClassOf&& class_of) {
   const auto inputs = static_cast<Symbol>(machine.inputs().size());
-  std::vector<StateId> number(machine.size(), Mealy::no_state);  // by block
+  std::vector<StateId> number(machine.size(), Mealy::no_state);  // by class
   std::vector<StateId> representative;
   const auto visit = [&](StateId state) {
-    StateId& its = number[block_of[state]];
+    StateId& its = number[class_of(state)];
     if (its == Mealy::no_state) {
       its = static_cast<StateId>(representative.size());
       representative.push_back(state);
@@ -204,66 +103,81 @@ Mealy quotient(const Mealy& machine, const std::vector<std::uint32_t>& block_of)
   return result;
 }
 
-// One round of signature refinement; returns the number of blocks.
-std::size_t refine_by_signatures(const InterfaceAutomaton& automaton,
-                                 const std::vector<StateId>& states,
-                                 std::vector<std::uint32_t>& block_of) {
-  using Signature =
-      std::tuple<std::uint32_t, Word, std::vector<std::tuple<Action, bool, std::uint32_t>>>;
-  std::map<Signature, std::uint32_t> blocks;
-  std::vector<std::uint32_t> next(block_of.size());
-  for (const StateId state : states) {
-    const auto unexplored = automaton.unexplored(state);
-    Signature signature{block_of[state], Word(unexplored.begin(), unexplored.end()), {}};
-    auto& moves = std::get<2>(signature);
-    for (const auto& transition : automaton.transitions(state)) {
-      moves.emplace_back(transition.action, transition.absorbed, block_of[transition.target]);
-    }
-    std::sort(moves.begin(), moves.end());
-    moves.erase(std::unique(moves.begin(), moves.end()), moves.end());
-    const auto fresh = static_cast<std::uint32_t>(blocks.size());
-    next[state] = blocks.emplace(std::move(signature), fresh).first->second;
-  }
-  MAIDE_CHECK(blocks.size() <= states.size());
-  block_of = std::move(next);
-  return blocks.size();
-}
-
 }  // namespace
 
+// At the end of a level, states of one block answer alike for that many steps, so each input leads
+// them into parts of one block of the level before. What leads into one of those parts is split
+// off, for all parts but the largest.
+Partition compute_state_classes(const Mealy& machine, const SplitObserver& on_split) {
+  using Block = Partition::Block;
+  const auto inputs = static_cast<Symbol>(machine.inputs().size());
+  const Predecessors predecessors(machine);
+  Partition partition(machine.size());
+  std::vector<Block> origin(partition.blocks(), 0);  // by block: that at the start of the level
+  std::size_t step = 0;
+  const auto note_split = [&](Block block, Block fresh) {
+    origin.push_back(origin[block]);
+    MAIDE_CHECK(origin.size() == fresh + std::size_t{1} && fresh < machine.size());
+    if (on_split) on_split(block, fresh, step);
+  };
+  for (Symbol input = 0; input < inputs; ++input, ++step) {
+    const auto output = [&](StateId state) { return machine.output(state, input); };
+    for (Block block = 0, end = partition.blocks(); block < end; ++block) {
+      Block fresh = partition.split_by(block, output);
+      for (; fresh < partition.blocks(); ++fresh) note_split(block, fresh);
+    }
+  }
+  std::vector<Block> touched;
+  for (Block known = 1; known < partition.blocks();) {
+    const std::vector<std::vector<StateId>> parts = smaller_parts(partition, origin, known);
+    for (; known < partition.blocks(); ++known) origin[known] = known;
+    for (Symbol input = 0; input < inputs; ++input, ++step) {
+      for (const std::vector<StateId>& part : parts) {
+        for (const StateId state : part) {
+          for (const StateId source : predecessors.of(state, input)) {
+            if (partition.mark(source)) touched.push_back(partition.block_of(source));
+          }
+        }
+        for (const Block block : touched) {
+          const Block fresh = partition.split(block);
+          if (fresh != block) note_split(block, fresh);
+        }
+        touched.clear();
+      }
+    }
+  }
+  MAIDE_CHECK(step <= std::size_t{inputs} * std::max<std::size_t>(machine.size(), 1));
+  return partition;
+}
+
 Mealy breadth_first(const Mealy& machine) {
-  std::vector<std::uint32_t> identity(machine.size());
-  for (StateId state = 0; state < machine.size(); ++state) identity[state] = state;
-  return quotient(machine, identity);
+  return quotient(machine, [](StateId state) { return state; });
 }
 
 Mealy minimize(const Mealy& machine) {
   const Mealy reachable = breadth_first(machine);
-  Partition partition = by_output_rows(reachable);
-  refine(reachable, partition);
-  std::vector<std::uint32_t> block_of(reachable.size());
-  for (StateId state = 0; state < reachable.size(); ++state) {
-    block_of[state] = partition.block_of(state);
-  }
-  return quotient(reachable, block_of);
+  const Partition classes = compute_state_classes(reachable);
+  return quotient(reachable, [&](StateId state) { return classes.block_of(state); });
 }
 
 InterfaceAutomaton minimize(const InterfaceAutomaton& automaton) {
-  const auto each_successor = [&](StateId state, auto visit) {
-    for (const auto& transition : automaton.transitions(state)) visit(transition.target);
-  };
-  const std::vector<StateId> states =
-      breadth_first_order(automaton.initial(), automaton.size(), each_successor);
-  std::vector<std::uint32_t> block_of(automaton.size());
-  for (std::size_t before = 0, blocks = 1; blocks != before;) {
-    before = blocks;
-    blocks = refine_by_signatures(automaton, states, block_of);
-  }
+  Partition classes(automaton.size());
+  refine_by_signatures(classes, [&](StateId state) {
+    const auto unexplored = automaton.unexplored(state);
+    std::vector<std::tuple<Action, bool, Partition::Block>> moves;
+    for (const auto& transition : automaton.transitions(state)) {
+      moves.emplace_back(transition.action, transition.absorbed,
+                         classes.block_of(transition.target));
+    }
+    std::sort(moves.begin(), moves.end());
+    moves.erase(std::unique(moves.begin(), moves.end()), moves.end());
+    return std::pair(Word(unexplored.begin(), unexplored.end()), std::move(moves));
+  });
   InterfaceAutomaton result(automaton.inputs(), automaton.outputs(), 0);
   std::vector<StateId> number(automaton.size(), Mealy::no_state);  // by block
   std::vector<StateId> representative;
   const auto visit = [&](StateId state) {
-    StateId& its = number[block_of[state]];
+    StateId& its = number[classes.block_of(state)];
     if (its == Mealy::no_state) {
       its = result.add_state();
       representative.push_back(state);

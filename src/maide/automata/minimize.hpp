@@ -1,16 +1,31 @@
 // Minimisation. Results keep only reachable states, numbered in breadth-first order from the
 // initial state 0.
 //
-// Mealy machines: Hopcroft's partition refinement ("An n log n algorithm for minimizing states in a
-// finite automaton", 1971), started from the partition by output rows. Interface automata: the
-// coarsest bisimulation that also respects what was never tried (Kanellakis & Smolka, PODC 1983, by
-// signatures). For a deterministic automaton that is the minimal one.
+// Mealy machines: partition refinement level by level (Moore, "Gedanken-experiments on sequential
+// machines", 1956). A level looks only at predecessors of the parts of blocks that the level before
+// split, of all parts but the largest (Hopcroft, "An n log n algorithm for minimizing states in a
+// finite automaton", 1971). Interface automata: the coarsest bisimulation that also respects what
+// was never tried (Kanellakis & Smolka, PODC 1983, by signatures). For a deterministic automaton
+// that is the minimal one.
 #pragma once
+
+#include <functional>
 
 #include "maide/automata/interface_automaton.hpp"
 #include "maide/automata/mealy.hpp"
+#include "maide/automata/partition.hpp"
 
 namespace maide {
+
+// Called after `fresh` was split off from `block`. Steps count levels and inputs: with k inputs,
+// step l k + i splits states for which a shortest word that tells them apart has l + 1 inputs, and
+// i is the least input with which one begins.
+using SplitObserver =
+    std::function<void(Partition::Block block, Partition::Block fresh, std::size_t step)>;
+
+// The classes of states that no word tells apart. `machine` must be complete. O(n k log n) time for
+// n states and k inputs, O(n k) memory.
+Partition compute_state_classes(const Mealy& machine, const SplitObserver& on_split = {});
 
 // `machine` must be complete. O(n k log n) time for n states and k inputs, O(n k) memory.
 Mealy minimize(const Mealy& machine);

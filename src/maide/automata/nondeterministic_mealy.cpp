@@ -1,11 +1,11 @@
 #include "maide/automata/nondeterministic_mealy.hpp"
 
 #include <algorithm>
-#include <map>
 #include <numeric>
 #include <set>
 #include <tuple>
 
+#include "maide/automata/partition.hpp"
 #include "maide/base/error.hpp"
 
 namespace maide {
@@ -96,42 +96,28 @@ std::vector<std::size_t> rank_by_name(const Alphabet& outputs) {
   return rank;
 }
 
-// The coarsest partition in which equal states have equal choices up to the classes of the targets.
-std::vector<std::size_t> refine(const NondeterministicMealy& machine) {
-  std::vector<std::size_t> block(machine.size(), 0);
-  for (std::size_t count = 1;;) {
-    using Signature = std::vector<std::tuple<Symbol, Symbol, std::size_t>>;
-    std::map<std::pair<std::size_t, Signature>, std::size_t> numbers;
-    std::vector<std::size_t> next(machine.size());
-    for (StateId state = 0; state < machine.size(); ++state) {
-      Signature signature;
-      for (Symbol input = 0; input < machine.inputs().size(); ++input) {
-        for (const Choice& choice : machine.choices(state, input)) {
-          signature.emplace_back(input, choice.output, block[choice.target]);
-        }
-      }
-      const auto [place, is_new] =
-          numbers.try_emplace({block[state], std::move(signature)}, numbers.size());
-      next[state] = place->second;
-    }
-    block = std::move(next);
-    if (numbers.size() == count) return block;
-    count = numbers.size();
-  }
-}
-
 }  // namespace
 
 NondeterministicMealy minimize(const NondeterministicMealy& machine) {
   if (machine.size() == 0) return machine;
-  const std::vector<std::size_t> block = refine(machine);
+  // The coarsest partition in which equal states have equal choices up to the targets' blocks.
+  Partition classes(machine.size());
+  refine_by_signatures(classes, [&](StateId state) {
+    std::vector<std::tuple<Symbol, Symbol, Partition::Block>> signature;
+    for (Symbol input = 0; input < machine.inputs().size(); ++input) {
+      for (const Choice& choice : machine.choices(state, input)) {
+        signature.emplace_back(input, choice.output, classes.block_of(choice.target));
+      }
+    }
+    return signature;
+  });
   const std::vector<std::size_t> rank = rank_by_name(machine.outputs());
   constexpr StateId unseen = Mealy::no_state;
   std::vector<StateId> number(machine.size(), unseen);  // by block
   std::vector<StateId> order;                           // a state of each block that is reached
   const auto visit = [&](StateId state) {
-    if (number[block[state]] != unseen) return;
-    number[block[state]] = static_cast<StateId>(order.size());
+    if (number[classes.block_of(state)] != unseen) return;
+    number[classes.block_of(state)] = static_cast<StateId>(order.size());
     order.push_back(state);
   };
   visit(machine.initial());
@@ -151,7 +137,7 @@ NondeterministicMealy minimize(const NondeterministicMealy& machine) {
   for (StateId state = 0; state < order.size(); ++state) {
     for (Symbol input = 0; input < machine.inputs().size(); ++input) {
       for (const Choice& choice : machine.choices(order[state], input)) {
-        result.add_choice(state, input, choice.output, number[block[choice.target]]);
+        result.add_choice(state, input, choice.output, number[classes.block_of(choice.target)]);
       }
     }
   }

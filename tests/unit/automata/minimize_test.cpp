@@ -2,8 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <set>
+#include <utility>
+#include <vector>
 
+#include "maide/automata/random_automata.hpp"
 #include "maide/base/random.hpp"
 
 namespace maide {
@@ -39,6 +43,52 @@ std::size_t count_classes(const Mealy& machine) {
     }
     before = std::exchange(now, rows.size());
     if (before == now) return now;
+  }
+}
+
+// For each two states the step that splits them, by Moore's table; `never` where none does.
+TEST(StateClasses, AreSplitInTheStepsOfShortestWords) {
+  constexpr std::size_t never = ~std::size_t{0};
+  Random random(2);
+  for (int round = 0; round < 300; ++round) {
+    const Mealy machine = random_mealy({.states = random.between(1, 20),
+                                        .inputs = random.between(1, 3),
+                                        .outputs = random.between(1, 2)},
+                                       random);
+    const std::size_t states = machine.size(), inputs = machine.inputs().size();
+    std::vector<std::vector<std::size_t>> expected(states, std::vector<std::size_t>(states, never));
+    for (std::size_t step = 0; step < states * inputs; ++step) {
+      const auto input = static_cast<Symbol>(step % inputs);
+      for (StateId left = 0; left < states; ++left) {
+        for (StateId right = 0; right < states; ++right) {
+          const bool differ = machine.output(left, input) != machine.output(right, input);
+          const std::size_t next =
+              expected[machine.target(left, input)][machine.target(right, input)];
+          if (differ || next / inputs < step / inputs) {
+            expected[left][right] = std::min(expected[left][right], step);
+          }
+        }
+      }
+    }
+    std::vector<std::pair<Partition::Block, std::size_t>> made{{0, never}};  // from a block, when
+    const Partition classes = compute_state_classes(
+        machine, [&](Partition::Block block, Partition::Block fresh, std::size_t step) {
+          ASSERT_EQ(fresh, made.size());
+          made.emplace_back(block, step);
+        });
+    classes.check_invariants();
+    ASSERT_EQ(classes.blocks(), made.size());
+    for (StateId left = 0; left < states; ++left) {
+      for (StateId right = 0; right < states; ++right) {
+        std::size_t last = never;
+        for (auto a = classes.block_of(left), b = classes.block_of(right); a != b;) {
+          auto& later = a > b ? a : b;
+          last = made[later].second;
+          later = made[later].first;
+        }
+        ASSERT_EQ(last, expected[left][right]);
+      }
+    }
   }
 }
 

@@ -1,8 +1,6 @@
-// Words that tell states apart, the shortest there are. `SeparatingWords` refines the partition of
-// the states level by level (Moore, "Gedanken-experiments on sequential machines", 1956). It looks
-// again only at predecessors of blocks that were split, all but the largest part of each (Hopcroft,
-// 1971; for separating words: Smetsers, Moerman & Jansen, "Minimal separating sequences for all
-// pairs of states", LATA 2016). O(n k log n).
+// Words that tell states apart, the shortest there are. `SeparatingWords` keeps the splits by which
+// the classes of states are found level by level (automata/minimize.hpp), as a tree (Smetsers,
+// Moerman & Jansen, "Minimal separating sequences for all pairs of states", LATA 2016).
 #pragma once
 
 #include <cstdint>
@@ -21,16 +19,11 @@ class SeparatingWords {
   // Number of classes of states that no word tells apart: the size of the minimal machine.
   std::size_t class_count() const { return class_count_; }
   // Some word tells them apart. O(1).
-  bool are_separable(StateId left, StateId right) const {
-    return class_of(left) != class_of(right);
-  }
-  // The same number for states that are equivalent, a different one for others. O(1).
-  std::uint32_t class_of(StateId state) const { return leaf_[state]; }
+  bool are_separable(StateId left, StateId right) const { return leaf_[left] != leaf_[right]; }
   // A shortest word to which they answer differently, at the last input; nothing if equivalent.
   std::optional<Word> find(StateId left, StateId right) const;
 
  private:
-  friend class SplittingTreeBuilder;
   static constexpr std::uint32_t none = ~std::uint32_t{0};
   // Inner nodes of the splitting tree: states below different children are told apart by `input`,
   // by its output or by what follows.

@@ -9,28 +9,29 @@
 #include <tuple>
 #include <utility>
 
+#include "maide/automata/partition.hpp"
 #include "maide/base/invariant.hpp"
 
 namespace maide {
 
-// The states in `order_`; each leaf is a range of it.
+// Each block of the partition is a leaf of the tree.
 class AdaptiveSplitter {
  public:
   AdaptiveSplitter(const Mealy& machine, Random random, SplittingTree& tree)
-      : machine_(machine), tree_(tree), inputs_(machine.inputs().size()) {
+      : machine_(machine),
+        tree_(tree),
+        inputs_(machine.inputs().size()),
+        partition_(machine.size()) {
     std::iota(inputs_.begin(), inputs_.end(), Symbol{0});
     random.shuffle(inputs_);
   }
 
   void build() {
-    const auto states = static_cast<std::uint32_t>(machine_.size());
-    order_.resize(states);
-    std::iota(order_.begin(), order_.end(), StateId{0});
-    tree_.leaf_.assign(states, 0);
-    seen_.assign(states, 0);
+    if (machine_.size() == 0) return;
+    tree_.leaf_.assign(machine_.size(), 0);
+    seen_.assign(machine_.size(), 0);
     tree_.nodes_.emplace_back();
-    ranges_.push_back({0, states});
-    waiting_.emplace_back();
+    add_leaf(0);
     examine(0);
     while (true) {
       if (!ready_.empty()) {
@@ -46,23 +47,18 @@ class AdaptiveSplitter {
         break;
       }
     }
-    MAIDE_CHECK(leaves_ <= std::max<std::size_t>(states, 1));
-    tree_.class_count_ = states == 0 ? 0 : leaves_;
+    tree_.class_count_ = partition_.blocks();
   }
 
  private:
   using NodeId = SplittingTree::NodeId;
-  struct Range {
-    std::uint32_t begin = 0, end = 0;
-    std::uint32_t size() const { return end - begin; }
-  };
   struct Task {
     NodeId leaf;
     Symbol input;
   };
   // A split that loses pairs; the queue gives the largest leaf first, then the fewest pairs.
   struct Lossy {
-    std::uint32_t size;
+    std::size_t size;
     std::uint64_t lost;
     NodeId leaf;
     Symbol input;
@@ -74,7 +70,8 @@ class AdaptiveSplitter {
 
   bool is_leaf(NodeId node) const { return !is_inner_[node]; }
   std::span<const StateId> states(NodeId leaf) const {
-    return std::span(order_).subspan(ranges_[leaf].begin, ranges_[leaf].size());
+    MAIDE_CHECK(is_leaf(leaf));
+    return partition_.elements(block_[leaf]);
   }
 
   // Pairs of the leaf's states that an input makes one without a difference in the answers.
@@ -119,9 +116,7 @@ class AdaptiveSplitter {
   // A new leaf: takes a valid split by output if there is one, the one with most parts; keeps the
   // other inputs for later.
   void examine(NodeId leaf) {
-    ++leaves_;
-    is_inner_.resize(tree_.nodes_.size(), false);
-    if (ranges_[leaf].size() < 2) return;
+    if (states(leaf).size() < 2) return;
     std::size_t most_parts = 0;
     Symbol best = 0;
     for (const Symbol input : inputs_) {
@@ -151,8 +146,7 @@ class AdaptiveSplitter {
   // and waits if not.
   void follow(NodeId leaf, Symbol input) {
     if (const auto target = common_target(leaf, input)) {
-      if (*target != leaf && ranges_[*target].size() > 1)
-        waiting_[*target].push_back({leaf, input});
+      if (*target != leaf && states(*target).size() > 1) waiting_[*target].push_back({leaf, input});
     } else if (const std::uint64_t lost = count_lost(leaf, input); lost > 0) {
       offer_lossy(leaf, input, lost);
     } else {
@@ -162,7 +156,7 @@ class AdaptiveSplitter {
 
   void offer_lossy(NodeId leaf, Symbol input, std::uint64_t lost) {
     MAIDE_CHECK(lost > 0 && is_leaf(leaf));
-    lossy_.push({ranges_[leaf].size(), lost, leaf, input, ++offers_});
+    lossy_.push({states(leaf).size(), lost, leaf, input, ++offers_});
   }
 
   std::optional<Lossy> choose_lossy() {
@@ -195,33 +189,33 @@ class AdaptiveSplitter {
     return node;
   }
 
+  // What belongs to the node that was added last, and is the leaf of a block.
+  void add_leaf(Partition::Block block) {
+    block_.push_back(block);
+    is_inner_.push_back(false);
+    waiting_.emplace_back();
+    const auto leaf = static_cast<NodeId>(tree_.nodes_.size() - 1);
+    for (const StateId state : partition_.elements(block)) tree_.leaf_[state] = leaf;
+  }
+
   void split(NodeId leaf, Symbol input) {
     const NodeId next = find_next(leaf, input);
-    MAIDE_CHECK(is_leaf(leaf) && ranges_[leaf].size() > 1);
-    MAIDE_CHECK(next == SplittingTree::none || is_inner_[next]);
+    MAIDE_CHECK(states(leaf).size() > 1 && (next == SplittingTree::none || is_inner_[next]));
+    const Partition::Block block = block_[leaf];
+    Partition::Block fresh =
+        partition_.split_by(block, [&](StateId state) { return part_of(state, input, next); });
+    MAIDE_CHECK(fresh < partition_.blocks());
     tree_.nodes_[leaf].input = input;
     tree_.nodes_[leaf].next = next;
     is_inner_[leaf] = true;
-    --leaves_;
-    parts_.clear();
-    for (const StateId state : states(leaf))
-      parts_.emplace_back(part_of(state, input, next), state);
-    std::sort(parts_.begin(), parts_.end());
     const auto first_child = static_cast<NodeId>(tree_.nodes_.size());
-    const Range range = ranges_[leaf];
-    for (std::size_t i = 0; i < parts_.size(); ++i) {
-      const auto place = static_cast<std::uint32_t>(range.begin + i);
-      if (i == 0 || parts_[i].first != parts_[i - 1].first) {
-        tree_.nodes_.push_back({leaf, tree_.nodes_[leaf].depth + 1, 0, SplittingTree::none});
-        ranges_.push_back({place, place});
-        waiting_.emplace_back();
-      }
-      order_[place] = parts_[i].second;
-      ++ranges_.back().end;
-      tree_.leaf_[parts_[i].second] = static_cast<NodeId>(tree_.nodes_.size() - 1);
-    }
+    const auto add_child = [&](Partition::Block part) {
+      tree_.nodes_.push_back({leaf, tree_.nodes_[leaf].depth + 1, 0, SplittingTree::none});
+      add_leaf(part);
+    };
+    add_child(block);
+    for (; fresh < partition_.blocks(); ++fresh) add_child(fresh);
     const auto end_child = static_cast<NodeId>(tree_.nodes_.size());
-    MAIDE_CHECK(end_child - first_child > 1 && ranges_.back().end == range.end);
     for (NodeId child = first_child; child < end_child; ++child) examine(child);
     for (const Task& task : std::exchange(waiting_[leaf], {})) {
       if (is_leaf(task.leaf)) follow(task.leaf, task.input);
@@ -231,19 +225,17 @@ class AdaptiveSplitter {
   const Mealy& machine_;
   SplittingTree& tree_;
   std::vector<Symbol> inputs_;  // in the order of trial
-  std::vector<StateId> order_;
-  std::vector<Range> ranges_;  // of each leaf
+  Partition partition_;
+  std::vector<Partition::Block> block_;  // of each leaf
   std::vector<bool> is_inner_;
   std::vector<std::vector<Task>> waiting_;  // for a leaf to be split
   std::deque<Task> ready_;                  // valid splits; those by output come first
   std::priority_queue<Lossy> lossy_;
   std::uint64_t offers_ = 0;
-  std::size_t leaves_ = 0;
   // Scratch memory.
   std::vector<std::uint64_t> seen_;
   std::uint64_t stamp_ = 0;
   std::vector<std::uint64_t> keys_;
-  std::vector<std::pair<std::uint32_t, StateId>> parts_;
 };
 
 SplittingTree::SplittingTree(const Mealy& machine, Random random) {

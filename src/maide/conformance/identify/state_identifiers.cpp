@@ -1,12 +1,12 @@
 #include "maide/conformance/identify/state_identifiers.hpp"
 
 #include <algorithm>
-#include <map>
 #include <optional>
 #include <unordered_map>
 #include <utility>
 
 #include "maide/automata/alphabet.hpp"
+#include "maide/automata/partition.hpp"
 #include "maide/base/invariant.hpp"
 #include "maide/conformance/identify/separating_words.hpp"
 #include "maide/conformance/identify/splitting_tree.hpp"
@@ -209,24 +209,25 @@ StateIdentifiers compute_partial_words(const Mealy& machine, Random /*random*/) 
 StateIdentifiers compute_harmonised_words(const Mealy& machine, Random /*random*/) {
   const SeparatingWords separating(machine);
   std::vector<std::vector<Word>> words(machine.size());
-  std::vector<std::vector<StateId>> groups(1);
-  for (StateId state = 0; state < machine.size(); ++state) groups[0].push_back(state);
-  while (!groups.empty()) {
-    const std::vector<StateId> group = std::move(groups.back());
-    MAIDE_CHECK(!group.empty());
-    groups.pop_back();
+  Partition groups(machine.size());
+  std::vector<Partition::Block> open;
+  if (machine.size() > 0) open.push_back(0);
+  while (!open.empty()) {
+    const Partition::Block block = open.back();
+    const auto group = groups.elements(block);  // ascending
     const auto other = std::find_if(group.begin(), group.end(), [&](StateId state) {
       return separating.are_separable(group.front(), state);
     });
-    if (other == group.end()) continue;
-    const Word word = *separating.find(group.front(), *other);
-    std::map<Word, std::vector<StateId>> parts;
-    for (const StateId state : group) {
-      words[state].push_back(word);
-      parts[machine.output_word(state, word)].push_back(state);
+    if (other == group.end()) {
+      open.pop_back();
+      continue;
     }
-    MAIDE_CHECK(parts.size() > 1);
-    for (auto& [answer, part] : parts) groups.push_back(std::move(part));
+    const Word word = *separating.find(group.front(), *other);
+    for (const StateId state : group) words[state].push_back(word);
+    Partition::Block part =
+        groups.split_by(block, [&](StateId state) { return machine.output_word(state, word); });
+    MAIDE_CHECK(part < groups.blocks());
+    for (; part < groups.blocks(); ++part) open.push_back(part);
   }
   return StateIdentifiers(std::move(words));
 }
