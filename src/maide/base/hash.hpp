@@ -1,6 +1,8 @@
-// FNV-1a with 64 bits (G. Fowler, L. C. Noll, K.-P. Vo; RFC draft "The FNV Non-Cryptographic Hash
-// Algorithm"): the same on every machine, for hash tables and to notice that a text has changed. No
-// protection against somebody who looks for a collision.
+// Hashes, the same on every machine. None protects against somebody who looks for a collision.
+//
+// hash_step and hash_text are FNV-1a with 64 bits (G. Fowler, L. C. Noll, K.-P. Vo; RFC draft "The
+// FNV Non-Cryptographic Hash Algorithm"), to notice that a text has changed; files keep its values.
+// hash_mix is for tables in memory.
 #pragma once
 
 #include <cstdint>
@@ -14,6 +16,14 @@ inline constexpr std::uint64_t hash_start = 14695981039346656037ULL;
 // The hash of what `hash` stands for, and then `value`. FNV proper takes one byte at a time.
 constexpr std::uint64_t hash_step(std::uint64_t hash, std::uint64_t value) {
   return (hash ^ value) * 1099511628211ULL;
+}
+
+// The hash of what `hash` stands for, and then `value`, for tables whose places are some of its low
+// bits. The product moves bits up, the shift moves the upper half down: in a table of 2^b places
+// only the bits of the last value from 32 + b on say nothing of the place.
+constexpr std::uint64_t hash_mix(std::uint64_t hash, std::uint64_t value) {
+  hash = (hash ^ value) * 0xd6e8feb86659fd93ULL;
+  return hash ^ (hash >> 32);
 }
 
 // Of the text's bytes. O(length).

@@ -23,6 +23,7 @@
 #include <cstring>
 #include <new>
 
+#include "maide/base/hash.hpp"
 #include "maide/base/invariant.hpp"
 #include "maide/base/numbers.hpp"
 
@@ -218,10 +219,7 @@ class StateTable {
 
   static std::uint64_t fold(const State& state) {
     std::uint64_t sum = 0;
-    for (std::size_t i = 1; i < words; ++i) {
-      sum = (sum ^ state[i]) * 0xd6e8feb86659fd93ULL;
-      sum ^= sum >> 32;
-    }
+    for (std::size_t i = 1; i < words; ++i) sum = hash_mix(sum, state[i]);
     return sum;
   }
 

@@ -12,6 +12,7 @@
 #include <unordered_map>
 #include <utility>
 
+#include "maide/base/hash.hpp"
 #include "maide/check/language/program_syntax.hpp"
 
 namespace maide {
@@ -51,8 +52,7 @@ struct FrameHash {
   std::size_t operator()(const Frame& frame) const {
     std::size_t hash = std::hash<const void*>{}(frame.block);
     for (const std::uint32_t part : {frame.index, frame.rounds, frame.parent}) {
-      hash = (hash ^ part) * 1099511628211ULL;
-      hash ^= hash >> 29;
+      hash = hash_mix(hash, part);
     }
     return hash;
   }
@@ -99,8 +99,7 @@ class Unroller {
   };
   struct PlaceHash {
     std::size_t operator()(const Place& place) const {
-      return (std::size_t{place.frame} * 2 + place.awaits) * 0x9E3779B97F4A7C15ULL +
-             place.label_set;
+      return hash_mix(hash_mix(0, std::size_t{place.frame} * 2 + place.awaits), place.label_set);
     }
   };
 

@@ -3,17 +3,14 @@
 #include <algorithm>
 #include <utility>
 
+#include "maide/base/hash.hpp"
 #include "maide/base/invariant.hpp"
 
 namespace maide {
 
 std::size_t FrontierClasses::EdgeHash::operator()(const Edge& edge) const {
-  std::uint64_t hash = std::uint64_t{edge.parent} << 1U | (edge.begins ? 1U : 0U);
-  for (const Symbol symbol : {edge.input, edge.output}) {
-    hash = (hash ^ symbol) * 0x9e3779b97f4a7c15U;
-    hash ^= hash >> 29U;
-  }
-  return hash;
+  const std::uint64_t from = std::uint64_t{edge.parent} << 1U | (edge.begins ? 1U : 0U);
+  return hash_mix(hash_mix(0, from), std::uint64_t{edge.input} << 32U | edge.output);
 }
 
 Word FrontierClasses::last_word(Class at) const {
