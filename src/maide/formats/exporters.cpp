@@ -97,7 +97,7 @@ class Mcrl2Writer {
 
  private:
   std::vector<std::string> declare(const Alphabet& alphabet, const std::string& prefix) {
-    const auto identifiers = table_.unique(alphabet.names(), prefix);
+    auto identifiers = table_.unique(alphabet.names(), prefix);
     for (Symbol symbol = 0; symbol < alphabet.size(); ++symbol) {
       actions_.push_back(identifiers[symbol]);
       if (identifiers[symbol] == prefix + alphabet.name(symbol)) continue;

@@ -72,10 +72,10 @@ struct LearnerEntry {
                                         std::span<const Word> first_words) = nullptr;
   // The algorithm to take where the system answers words alone; empty: this one asks no decision
   // trees.
-  std::string_view by_words = "";
+  std::string_view by_words{};
   // The options of the tests that it has of its own, as TestMethodEntry::options; empty: it is
   // tested by the methods of `--eq`.
-  std::string_view test_options = "";
+  std::string_view test_options{};
 
   // It learns systems that answer the same word in several ways, by sampling: no Learner.
   constexpr bool is_nondeterministic() const { return make == nullptr; }

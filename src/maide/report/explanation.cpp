@@ -184,7 +184,7 @@ class Sentence {
       : system_(system), trace_(trace), states_(replay(system, trace)) {}
 
   std::string write(const Property& property) {
-    const std::string end = trace_.loop_start ? describe_loop() : describe_end();
+    std::string end = trace_.loop_start ? describe_loop() : describe_end();
     if (property.kind == Property::Kind::never) {
       const std::string accepted = property.name + " accepts this run, which must never happen";
       return end.empty() ? accepted : accepted + ": " + end;

@@ -37,13 +37,14 @@ struct Axis {
       for (const double factor : {1.0, 2.0, 5.0}) {
         if (step > factor * power && high <= 6.0001 * factor * power) step = factor * power;
       }
-      for (double tick = 0; tick <= high * 1.0001; tick += step) result.push_back(tick);
+      for (int i = 0; i * step <= high * 1.0001; ++i) result.push_back(i * step);
       return result;
     }
     const double base = scale == PlotScale::powers_of_two ? 2 : 10;
-    for (double tick = std::pow(base, std::ceil(low / std::log10(base) - 1e-9));
-         std::log10(tick) <= high + 1e-9; tick *= base) {
+    double tick = std::pow(base, std::ceil(low / std::log10(base) - 1e-9));
+    while (std::log10(tick) <= high + 1e-9) {
       result.push_back(tick);
+      tick *= base;
     }
     return result;
   }

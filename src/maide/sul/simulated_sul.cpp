@@ -142,7 +142,7 @@ SimulatedSul::SimulatedSul(InterfaceAutomaton automaton, std::string name)
   }
 }
 
-SimulatedSul::SimulatedSul(Mealy machine, std::string name) : is_plain_(true) {
+SimulatedSul::SimulatedSul(const Mealy& machine, std::string name) : is_plain_(true) {
   if (!machine.is_complete()) throw UsageError("the Mealy machine is not complete (" + name + ")");
   machine_ = NondeterministicMealy(machine);
   info_.name = std::move(name);

@@ -24,7 +24,7 @@ class SimulatedSul : public Sul {
   // be quiescent at the start and without endless outputs; throws UsageError otherwise (for endless
   // outputs of a nondeterministic one, when they are met).
   SimulatedSul(InterfaceAutomaton automaton, std::string name);
-  SimulatedSul(Mealy machine, std::string name);
+  SimulatedSul(const Mealy& machine, std::string name);
   SimulatedSul(NondeterministicMealy machine, std::string name);
   ~SimulatedSul() override;
 

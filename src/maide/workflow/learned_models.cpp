@@ -51,8 +51,7 @@ void check_keys(const ModelRequest& request, const ExperimentOptions& options) {
   const std::span<const TestOption> known = test_options();
   for (const auto& [key, value] : request.learning) {
     if (!is_of_tests(key)) continue;
-    if (std::none_of(known.begin(), known.end(),
-                     [&key](const TestOption& option) { return option.key == key; })) {
+    if (std::ranges::find(known, key, &TestOption::key) == known.end()) {
       std::vector<std::string> keys{"algorithm", "eq", std::string(start_from_key)};
       for (const TestOption& option : known) keys.emplace_back(option.key);
       throw UsageError(fmt::format("'learning' has no key '{}'; it may have: {}", key, join(keys)));

@@ -184,7 +184,7 @@ class FairCycleSearch {
     frames_.push({number, 0});
     result_.depth = std::max<std::uint64_t>(result_.depth, frames_.size());
     if (graph_.monitor_state(node) == graph_.monitor().universal()) {
-      found([&](FairLasso<Graph>& lasso) { return lasso.prefix_to({number}); });
+      found([at = number](FairLasso<Graph>& lasso) { return lasso.prefix_to({at}); });
       return true;
     }
     expand(edge);

@@ -131,8 +131,8 @@ void PackedSystem::lay_out(unsigned payload_bits, std::size_t monitor_states) {
   std::vector<unsigned> used{0};
   for (const auto& [bits, field] : fields) {
     std::size_t word = 0;
-    const auto fits = [&](std::size_t at) {
-      return used[at] + bits <= (at == 0 && !is_one_word ? first_word : 64);
+    const auto fits = [&, width = bits](std::size_t at) {
+      return used[at] + width <= (at == 0 && !is_one_word ? first_word : 64);
     };
     while (word < used.size() && !fits(word)) ++word;
     if (word == used.size()) used.push_back(0);

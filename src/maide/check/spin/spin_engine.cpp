@@ -55,7 +55,7 @@ class Verification {
     std::uint64_t depth = first_depth;
     while (true) {
       const auto start = Clock::now();
-      const PanOutput output = run_pan({fmt::format("-m{}", depth)}, {});
+      PanOutput output = run_pan({fmt::format("-m{}", depth)}, {});
       seconds_ += std::chrono::duration<double>(Clock::now() - start).count();
       if (!output.is_depth_truncated || output.errors > 0 || output.is_memory_exhausted ||
           depth == last_depth) {

@@ -10,7 +10,7 @@ namespace maide {
 std::string describe_passed(const IdentifierSuite& suite, std::uint64_t tests,
                             const IdentifierMethod& method, const Mealy& hypothesis) {
   const std::size_t states = minimize(hypothesis).size();
-  const std::string text = fmt::format("not refuted by {} tests of {}", tests, method.title);
+  std::string text = fmt::format("not refuted by {} tests of {}", tests, method.title);
   if (!method.is_complete) return text;
   const auto extra = suite.complete_for();
   if (!extra) {

@@ -188,8 +188,7 @@ void FrontierClasses::watch(StateId state, Class at) {
   std::vector<Watcher>& watchers = watchers_[state][place];
   if (watchers.size() == watchers.capacity()) {
     std::ranges::sort(watchers);
-    const auto [first, last] = std::ranges::unique(watchers);
-    watchers.erase(first, last);
+    watchers.erase(std::unique(watchers.begin(), watchers.end()), watchers.end());
     std::erase_if(watchers, [&](const Watcher& old) { return !is_present(old, state, place); });
     watchers.reserve(std::max<std::size_t>(4, 2 * watchers.size()));
     MAIDE_CHECK(watchers.size() < watchers.capacity());

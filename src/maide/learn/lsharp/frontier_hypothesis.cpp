@@ -52,8 +52,7 @@ void FrontierHypothesis::note_use(Transition transition, Class at) {
   std::vector<Class>& users = users_[transition];
   if (users.size() == users.capacity()) {  // before it grows
     std::ranges::sort(users);
-    const auto [first, last] = std::ranges::unique(users);
-    users.erase(first, last);
+    users.erase(std::unique(users.begin(), users.end()), users.end());
     users.reserve(std::max<std::size_t>(4, 2 * users.size()));
   }
   users.push_back(at);
@@ -122,10 +121,10 @@ void FrontierHypothesis::check_invariants(const Apartness& apartness) const {
   while (!open.empty()) {
     const auto [node, state] = open.back();
     open.pop_back();
-    tree.for_each_child(node, [&](ObservationTree::Node child) {
+    tree.for_each_child(node, [&, at = state](ObservationTree::Node child) {
       const Symbol input = tree.input(child);
-      MAIDE_CHECK_ALWAYS(machine_.output(state, input) == tree.output(child));
-      open.emplace_back(child, machine_.target(state, input));
+      MAIDE_CHECK_ALWAYS(machine_.output(at, input) == tree.output(child));
+      open.emplace_back(child, machine_.target(at, input));
     });
   }
   for (Transition transition = 0; transition < apartness.transition_count(); ++transition) {

@@ -213,6 +213,7 @@ std::optional<TttLambda::Mistake> TttLambda::find_mistake(StateId state, const W
 // Invariant: `wrong` is in the leaf of states[low], and what the hypothesis says last about the
 // word from `low` on is wrong after it. It is right about the word from `high` on after all states
 // in the leaf of states[high], for outputs of transitions are facts.
+// NOLINTNEXTLINE(performance-unnecessary-value-param): changed by its parts
 bool TttLambda::promote_along(Mistake mistake, const RunControl& control) {
   auto& [wrong, word, last_output] = mistake;
   const std::vector<StateId> states = states_along(hypothesis(), wrong, word);

@@ -331,7 +331,7 @@ void WrapperProxy::take_answer(Batch& batch, protocol::Answer message) {
   if (is_fatal(message.answer.end)) {
     // It says so itself; but only what happens again in a fresh process is believed.
     message.answer.steps.pop_back();
-    batch.suspect.emplace();
+    batch.suspect = Batch::Suspect();
     batch.suspect->index = pending.index;
     batch.suspect->record.add(
         {message.answer.end, message.answer.reason, std::move(message.answer.steps), false});
@@ -368,7 +368,7 @@ void WrapperProxy::recover(Batch& batch, Death death, bool was_announced) {
     blamed = pending_.begin();
   }
   if (blamed != pending_.end() && !blamed->second.abandoned) {
-    batch.suspect.emplace();
+    batch.suspect = Batch::Suspect();
     batch.suspect->index = blamed->second.index;
     batch.suspect->record.add(std::move(death));
   } else {

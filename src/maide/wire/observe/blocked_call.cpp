@@ -41,6 +41,7 @@ std::optional<clockid_t> clock_of(std::uint64_t operation) {
 std::optional<timespec> read_time(pid_t thread, std::uint64_t address) {
   timespec time{};
   const iovec here{&time, sizeof time};
+  // NOLINTNEXTLINE(performance-no-int-to-ptr): the other process's address
   const iovec there{reinterpret_cast<void*>(address), sizeof time};
   const ssize_t size = ::process_vm_readv(thread, &here, 1, &there, 1, 0);
   if (size != static_cast<ssize_t>(sizeof time)) return std::nullopt;
