@@ -1,60 +1,17 @@
-// UTF-8 by the table of well-formed byte sequences (The Unicode Standard, table 3-7).
 #include "maide/base/text.hpp"
+
+#include <utf8.h>
 
 #include <algorithm>
 #include <cstddef>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <vector>
 
 #include "maide/base/error.hpp"
 
 namespace maide {
-namespace {
-
-bool is_between(unsigned byte, unsigned first, unsigned last) {
-  return byte >= first && byte <= last;
-}
-
-// Bytes of the well-formed character that `text` begins with; 0 if there is none.
-std::size_t character_length(std::string_view text) {
-  const auto byte = [&](std::size_t place) -> unsigned {
-    return place < text.size() ? static_cast<unsigned char>(text[place]) : 0;
-  };
-  const unsigned first = byte(0);
-  std::size_t length = 0;
-  unsigned low = 0x80, high = 0xbf;  // of the second byte
-  if (first < 0x80) {
-    return 1;
-  } else if (is_between(first, 0xc2, 0xdf)) {
-    length = 2;
-  } else if (is_between(first, 0xe0, 0xef)) {
-    length = 3;
-    if (first == 0xe0) low = 0xa0;   // else overlong
-    if (first == 0xed) high = 0x9f;  // else a surrogate
-  } else if (is_between(first, 0xf0, 0xf4)) {
-    length = 4;
-    if (first == 0xf0) low = 0x90;   // else overlong
-    if (first == 0xf4) high = 0x8f;  // else beyond U+10FFFF
-  } else {
-    return 0;
-  }
-  if (!is_between(byte(1), low, high)) return 0;
-  for (std::size_t place = 2; place < length; ++place) {
-    if (!is_between(byte(place), 0x80, 0xbf)) return 0;
-  }
-  return length;
-}
-
-bool is_control(std::string_view character) {
-  const auto first = static_cast<unsigned char>(character.front());
-  if (character.size() == 2 && first == 0xc2) {
-    return static_cast<unsigned char>(character[1]) < 0xa0;
-  }
-  return first < 0x20 || first == 0x7f;
-}
-
-}  // namespace
 
 std::vector<std::string_view> split(std::string_view text, char separator) {
   std::vector<std::string_view> parts;
@@ -66,16 +23,38 @@ std::vector<std::string_view> split(std::string_view text, char separator) {
   }
 }
 
+std::optional<char32_t> take_character(std::string_view& text) {
+  constexpr std::size_t longest = 4;
+  const char* const begin = text.data();
+  const bool is_good = utf8::find_invalid(begin, begin + std::min(text.size(), longest)) != begin;
+  const char* end = begin;
+  std::optional<char32_t> character;
+  if (is_good) character = static_cast<char32_t>(utf8::unchecked::next(end));
+  text.remove_prefix(is_good ? static_cast<std::size_t>(end - begin) : 1);
+  return character;
+}
+
+std::string to_utf8(std::u32string_view characters) {
+  std::string text;
+  for (const char32_t character : characters) {
+    utf8::append(character, std::back_inserter(text));
+  }
+  return text;
+}
+
+bool is_control(char32_t character) {
+  return character < 0x20 || (character >= 0x7f && character < 0xa0);
+}
+
 std::string printable(std::string_view text) {
   std::string result;
   result.reserve(text.size());
   while (!text.empty()) {
-    const std::size_t length = character_length(text);
-    const std::string_view character = text.substr(0, std::max<std::size_t>(length, 1));
+    const std::string_view before = text;
+    const std::optional<char32_t> character = take_character(text);
     const bool is_kept =
-        character == "\n" || character == "\t" || (length > 0 && !is_control(character));
-    result += is_kept ? character : "?";
-    text.remove_prefix(character.size());
+        character == U'\n' || character == U'\t' || (character && !is_control(*character));
+    result += is_kept ? before.substr(0, before.size() - text.size()) : "?";
   }
   return result;
 }
@@ -171,8 +150,6 @@ namespace {
 constexpr std::size_t most_before = 70, most_after = 30;  // bytes of the line around the place
 constexpr int most_lines = 10'000'000;
 
-bool is_continuation(char c) { return (static_cast<unsigned char>(c) & 0xC0) == 0x80; }  // of UTF-8
-
 }  // namespace
 
 std::string source_excerpt(const SourcePosition& position) {
@@ -187,18 +164,18 @@ std::string source_excerpt(const SourcePosition& position) {
   while (!line.empty() && line.back() == '\r') line.pop_back();
   std::size_t place = static_cast<std::size_t>(position.column) - 1;
   if (place > line.size()) return "";
+  while (place > 0 && place < line.size() && is_continuation(line[place])) --place;
   std::size_t first = place > most_before ? place - most_before : 0;
   while (first < place && is_continuation(line[first])) ++first;
   std::size_t last = std::min(line.size(), place + most_after);
   while (last < line.size() && is_continuation(line[last])) ++last;
-  line = line.substr(first, last - first);
-  place -= first;
+  const std::string before = printable(std::string_view(line).substr(first, place - first));
   std::string below;  // one column a character; tabs stay tabs
-  for (std::size_t at = 0; at < line.size(); ++at) {
-    if (static_cast<unsigned char>(line[at]) < 32 && line[at] != '\t') line[at] = '?';
-    if (at < place && !is_continuation(line[at])) below += line[at] == '\t' ? '\t' : ' ';
+  for (const char c : before) {
+    if (!is_continuation(c)) below += c == '\t' ? '\t' : ' ';
   }
-  return "  " + line + "\n  " + below + "^\n";
+  const std::string after = printable(std::string_view(line).substr(place, last - place));
+  return "  " + before + after + "\n  " + below + "^\n";
 }
 
 }  // namespace maide

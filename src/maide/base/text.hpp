@@ -1,9 +1,10 @@
-// Text as people write and read it: lists, text that others wrote, words of a command line,
-// suggestions for misspelt names, tables of named rows, and the line of a file in which something
-// is wrong.
+// Text as people write and read it: lists, characters of UTF-8, text that others wrote, words of a
+// command line, suggestions for misspelt names, tables of named rows, and the line of a file in
+// which something is wrong.
 #pragma once
 
 #include <initializer_list>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -25,6 +26,21 @@ inline std::string join(std::span<const std::string> names, std::string_view sep
 
 // The parts between separators; one at least, and "" where two meet.
 std::vector<std::string_view> split(std::string_view text, char separator);
+
+// ---- Characters of UTF-8 ----
+
+// Takes the character that the text begins with off it. Where the text begins with none, takes one
+// byte, and nothing is returned. The text is not empty.
+std::optional<char32_t> take_character(std::string_view& text);
+
+// The characters are code points; surrogates are none.
+std::string to_utf8(std::u32string_view characters);
+
+// U+0000 to U+001F and U+007F to U+009F.
+bool is_control(char32_t character);
+
+// A byte of a character that is not its first.
+constexpr bool is_continuation(char byte) { return (static_cast<unsigned char>(byte) >> 6) == 2; }
 
 // ---- Text that others wrote ----
 //

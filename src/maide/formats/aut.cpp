@@ -4,6 +4,7 @@
 
 #include "maide/automata/mealy.hpp"
 #include "maide/base/error.hpp"
+#include "maide/base/text.hpp"
 #include "maide/formats/model_file.hpp"
 #include "maide/formats/names.hpp"
 
@@ -74,7 +75,7 @@ class AutReader {
     if (letter == '\n') {
       ++line_;
       column_ = 1;
-    } else if ((static_cast<unsigned char>(letter) & 0xc0) != 0x80) {
+    } else if (!is_continuation(letter)) {
       ++column_;
     }
     return letter;

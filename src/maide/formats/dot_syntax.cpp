@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "maide/base/error.hpp"
+#include "maide/base/text.hpp"
 #include "maide/formats/names.hpp"
 
 namespace maide {
@@ -83,7 +84,7 @@ class Tokenizer {
     if (letter == '\n') {
       ++place_.line;
       place_.column = 1;
-    } else if ((static_cast<unsigned char>(letter) & 0xc0) != 0x80) {
+    } else if (!is_continuation(letter)) {
       ++place_.column;  // columns count characters, not bytes of UTF-8
     }
     return letter;

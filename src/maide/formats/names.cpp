@@ -3,6 +3,7 @@
 #include <array>
 
 #include "maide/base/error.hpp"
+#include "maide/base/text.hpp"
 
 namespace maide {
 
@@ -86,10 +87,9 @@ std::string shown(std::string_view text) {
     const auto code = static_cast<unsigned char>(letter);
     result += code < 0x20 || code == 0x7f ? ' ' : letter;
   }
-  // Cut between characters, not inside one: UTF-8 continuation bytes are 10xxxxxx.
-  if (text.size() > limit) {
+  if (text.size() > limit) {  // cut between characters, not inside one
     std::size_t cut = limit;
-    while (cut > 0 && (static_cast<unsigned char>(text[cut]) & 0xc0) == 0x80) --cut;
+    while (cut > 0 && is_continuation(text[cut])) --cut;
     result.resize(1 + cut);
     result += "...";
   }
@@ -265,7 +265,7 @@ bool is_digit(char letter) { return letter >= '0' && letter <= '9'; }
 std::string sanitized(std::string_view name) {
   std::string text;
   for (const char letter : name) {
-    if ((static_cast<unsigned char>(letter) & 0xc0) == 0x80) continue;  // inside a UTF-8 character
+    if (is_continuation(letter)) continue;
     text += is_letter(letter) || is_digit(letter) ? letter : '_';
   }
   if (text.empty() || !is_letter(text.front())) text.insert(0, "x");

@@ -15,14 +15,13 @@ namespace maide {
 
 // ---- Text in columns ----
 //
-// Names in UTF-8 as characters, one a column, and back. Bytes that are no UTF-8, and control
-// characters, become `?`. Wide and combining characters are not treated specially: a column may be
-// off by one there.
+// Names in UTF-8 as characters, one a column. Bytes that are no UTF-8, and control characters,
+// become `?`. Wide and combining characters are not treated specially: a column may be off by one
+// there.
 
 using Characters = std::u32string;
 
 Characters to_characters(std::string_view utf8);
-std::string to_utf8(const Characters& characters);
 
 // At most `most` characters; what is longer ends in "…", or in "..." without `unicode`.
 Characters clip(Characters text, std::size_t most, bool unicode);

@@ -27,6 +27,10 @@ TEST_F(SourceExcerpt, KeepsColumnsUnderTabsAndLetters) {
   EXPECT_EQ(excerpt("\ta x", 1, 4), "  \ta x\n  \t  ^\n");
   EXPECT_EQ(excerpt("\xc3\xa4\xc3\xb6 x", 1, 6), "  \xc3\xa4\xc3\xb6 x\n     ^\n");
   EXPECT_EQ(excerpt("a\x1b[31mb", 1, 1), "  a?[31mb\n  ^\n");
+  EXPECT_EQ(excerpt("\xc2\x9b"
+                    "31m\xff x",
+                    1, 8),
+            "  ?31m? x\n        ^\n");
 }
 
 TEST_F(SourceExcerpt, CutsLongLines) {

@@ -4,6 +4,8 @@
 
 #include <sstream>
 
+#include "maide/base/text.hpp"
+
 namespace maide {
 namespace {
 
@@ -66,6 +68,7 @@ TEST(TerminalText, KeepsUtf8AndMarksWhatIsNone) {
   EXPECT_EQ(to_characters("zwölf€😀").size(), 7U);
   EXPECT_EQ(to_utf8(to_characters("zwölf€😀")), "zwölf€😀");
   EXPECT_EQ(to_utf8(to_characters("a\xff\tb\xc3")), "a??b?");
+  EXPECT_EQ(to_utf8(to_characters("\xed\xa0\x80 \xc0\xaf")), "??? ??");  // a surrogate, overlong
   EXPECT_EQ(to_utf8(clip(to_characters("controller"), 6, false)), "con...");
   EXPECT_EQ(to_utf8(clip(to_characters("controller"), 6, true)), "contr…");
   EXPECT_EQ(to_utf8(clip(to_characters("controller"), 2, false)), "co");

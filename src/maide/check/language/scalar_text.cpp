@@ -2,13 +2,14 @@
 
 #include <utility>
 
+#include "maide/base/text.hpp"
+
 namespace maide {
 namespace {
 
 bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
 
 bool is_line_break(char c) { return c == '\n' || c == '\r'; }
-bool is_continuation(char c) { return (static_cast<unsigned char>(c) & 0xC0) == 0x80; }  // of UTF-8
 
 // Characters of the escape \c in a double-quoted scalar.
 int escape_length(char c) {
