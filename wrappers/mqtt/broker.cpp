@@ -16,6 +16,7 @@
 #include "maide/base/file.hpp"
 #include "maide/base/numbers.hpp"
 #include "maide/base/subprocess.hpp"
+#include "maide/base/text.hpp"
 #include "maide/wire/protocol/tcp.hpp"
 
 namespace maide::mqtt {
@@ -31,11 +32,9 @@ constexpr int most_attempts = 5;
 std::string find_mosquitto() {
   std::string path = "/usr/local/sbin:/usr/sbin";
   if (const char* set = std::getenv("PATH")) path = std::string(set) + ":" + path;
-  for (std::size_t from = 0; from <= path.size();) {
-    const std::size_t colon = std::min(path.find(':', from), path.size());
-    const std::string program = path.substr(from, colon - from) + "/mosquitto";
-    if (colon > from && ::access(program.c_str(), X_OK) == 0) return program;
-    from = colon + 1;
+  for (const std::string_view folder : split(path, ':')) {
+    const std::string program = std::string(folder) + "/mosquitto";
+    if (!folder.empty() && ::access(program.c_str(), X_OK) == 0) return program;
   }
   return "";
 }

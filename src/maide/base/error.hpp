@@ -40,6 +40,12 @@ class UsageError : public Error {
 };
 
 // A place in a text. Lines and columns count from 1; 0 means "unknown".
+struct TextPlace {
+  int line = 0;
+  int column = 0;
+};
+
+// The same, and the file.
 struct SourcePosition {
   std::string file;
   int line = 0;

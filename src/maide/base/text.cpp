@@ -23,6 +23,12 @@ std::vector<std::string_view> split(std::string_view text, char separator) {
   }
 }
 
+std::vector<std::string_view> split_lines(std::string_view text) {
+  std::vector<std::string_view> lines = split(text, '\n');
+  if (lines.back().empty()) lines.pop_back();
+  return lines;
+}
+
 std::optional<char32_t> take_character(std::string_view& text) {
   constexpr std::size_t longest = 4;
   const char* const begin = text.data();

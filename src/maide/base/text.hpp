@@ -27,6 +27,9 @@ inline std::string join(std::span<const std::string> names, std::string_view sep
 // The parts between separators; one at least, and "" where two meet.
 std::vector<std::string_view> split(std::string_view text, char separator);
 
+// The lines without their ends. A line break at the end of the text begins no line.
+std::vector<std::string_view> split_lines(std::string_view text);
+
 // ---- Characters of UTF-8 ----
 
 // Takes the character that the text begins with off it. Where the text begins with none, takes one

@@ -43,11 +43,8 @@ std::string overview() {
 
 std::string footer(const Command& command) {
   std::string text = "\nExample:\n";
-  std::string_view rest = command.examples;
-  while (!rest.empty()) {
-    const std::size_t end = std::min(rest.find('\n'), rest.size());
-    text += "  " + std::string(rest.substr(0, end)) + "\n";
-    rest.remove_prefix(std::min(end + 1, rest.size()));
+  for (const std::string_view line : split_lines(command.examples)) {
+    text += "  " + std::string(line) + "\n";
   }
   return text + "\n" + std::string(exit_statuses);
 }

@@ -4,7 +4,7 @@
 
 #include "maide/automata/mealy.hpp"
 #include "maide/base/error.hpp"
-#include "maide/base/text.hpp"
+#include "maide/base/text_cursor.hpp"
 #include "maide/formats/model_file.hpp"
 #include "maide/formats/names.hpp"
 
@@ -18,28 +18,27 @@ constexpr std::uint64_t max_isolated_states = 1'000'000;
 
 class AutReader {
  public:
-  AutReader(std::string_view text, const std::string& file) : text_(text) { graph_.file = file; }
+  AutReader(std::string_view text, const std::string& file)
+      : cursor_(text, file, TextCursor::Columns::characters) {
+    graph_.file = file;
+  }
 
   Model read() {
-    expect_word("des");
-    expect('(');
+    expect("des");
+    expect("(");
     const auto initial_place = here();
     const std::uint64_t initial = number("the initial state");
-    expect(',');
+    expect(",");
     const auto count_place = here();
     const std::uint64_t transitions = number("the number of transitions");
-    expect(',');
+    expect(",");
     const auto states_place = here();
     states_ = number("the number of states");
-    expect(')');
+    expect(")");
     if (states_ == 0) fail("a model has at least one state", states_place);
     if (initial >= states_)
       fail("the initial state is not below the number of states", initial_place);
-    skip_blanks();
-    while (position_ < text_.size()) {
-      transition();
-      skip_blanks();
-    }
+    for (here(); !cursor_.at_end(); here()) transition();
     if (graph_.edges.size() != transitions) {
       fail("the first line says " + std::to_string(transitions) + " transitions, there are " +
                std::to_string(graph_.edges.size()),
@@ -59,55 +58,32 @@ class AutReader {
   }
 
  private:
-  using Place = LabelledGraph::Place;
-
-  Place here() {
-    skip_blanks();
-    return {line_, column_};
+  // Behind the blanks.
+  TextPlace here() {
+    cursor_.skip_blanks();
+    return cursor_.place();
   }
-  [[noreturn]] void fail(const std::string& what, Place place) const {
-    throw ParseError(what, graph_.at(place));
+  [[noreturn]] void fail(const std::string& what, TextPlace place) const {
+    cursor_.fail(what, place);
   }
-  [[noreturn]] void fail(const std::string& what) const { fail(what, {line_, column_}); }
-
-  char take() {
-    const char letter = text_[position_++];
-    if (letter == '\n') {
-      ++line_;
-      column_ = 1;
-    } else if (!is_continuation(letter)) {
-      ++column_;
-    }
-    return letter;
-  }
-  bool at(char letter) const { return position_ < text_.size() && text_[position_] == letter; }
-  void skip_blanks() {
-    while (at(' ') || at('\t') || at('\n') || at('\r')) take();
-  }
-  void expect(char letter) {
-    skip_blanks();
-    if (!at(letter)) fail("'" + std::string(1, letter) + "' expected");
-    take();
-  }
-  void expect_word(std::string_view word) {
-    skip_blanks();
-    if (!text_.substr(position_).starts_with(word)) fail("'" + std::string(word) + "' expected");
-    for (std::size_t letter = 0; letter < word.size(); ++letter) take();
+  void expect(const std::string& word) {
+    const TextPlace place = here();
+    if (!cursor_.accept(word)) fail("'" + word + "' expected", place);
   }
 
   std::uint64_t number(const std::string& what) {
-    skip_blanks();
+    const TextPlace place = here();
+    const std::string_view rest = cursor_.rest();
     std::uint64_t value = 0;
-    const char* begin = text_.data() + position_;
-    const auto [end, error] = std::from_chars(begin, text_.data() + text_.size(), value);
-    if (error == std::errc::invalid_argument) fail(what + " expected");
-    if (error != std::errc{} || value >= Mealy::no_state) fail(what + " is too large");
-    while (text_.data() + position_ != end) take();
+    const auto [end, error] = std::from_chars(rest.data(), rest.data() + rest.size(), value);
+    if (error == std::errc::invalid_argument) fail(what + " expected", place);
+    if (error != std::errc{} || value >= Mealy::no_state) fail(what + " is too large", place);
+    cursor_.take(static_cast<std::size_t>(end - rest.data()));
     return value;
   }
 
   StateId state() {
-    const Place place = here();
+    const TextPlace place = here();
     const std::uint64_t value = number("a state");
     if (value >= states_) {
       fail("state " + std::to_string(value) + " is not below the number of states", place);
@@ -116,48 +92,42 @@ class AutReader {
   }
 
   void transition() {
-    expect('(');
+    expect("(");
     LabelledGraph::Edge edge;
     edge.from = state();
-    expect(',');
+    expect(",");
     edge.place = here();
     edge.label = label();
-    expect(',');
+    expect(",");
     edge.to = state();
-    expect(')');
+    expect(")");
     graph_.edges.push_back(std::move(edge));
   }
 
   // In quotes (\" and \\ inside, as write_aut writes them), or else up to the line's last comma.
   std::string label() {
     std::string text;
-    if (at('"')) {
-      const Place begin{line_, column_};
-      take();
-      while (position_ < text_.size()) {
-        char letter = take();
+    const TextPlace begin = cursor_.place();
+    if (cursor_.accept("\"")) {
+      while (!cursor_.at_end()) {
+        char letter = cursor_.take();
         if (letter == '"') return text;
-        if (letter == '\\' && position_ < text_.size()) {
-          letter = take();
+        if (letter == '\\' && !cursor_.at_end()) {
+          letter = cursor_.take();
           if (letter == 'n') letter = '\n';
         }
         text += letter;
       }
       fail("unfinished label", begin);
     }
-    const std::string_view rest = text_.substr(position_);
-    const std::string_view line = rest.substr(0, rest.find('\n'));
-    const std::size_t comma = line.rfind(',');
-    if (comma == std::string_view::npos) fail("',' expected after the label");
-    while (text.size() < comma) text += take();
-    return std::string(trim(text));
+    const std::string_view rest = cursor_.rest();
+    const std::size_t comma = rest.substr(0, rest.find('\n')).rfind(',');
+    if (comma == std::string_view::npos) fail("',' expected after the label", begin);
+    return std::string(trim(cursor_.take(comma)));
   }
 
-  std::string_view text_;
+  TextCursor cursor_;
   LabelledGraph graph_;
-  std::size_t position_ = 0;
-  int line_ = 1;
-  int column_ = 1;
   std::uint64_t states_ = 0;
 };
 

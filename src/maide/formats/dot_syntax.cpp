@@ -8,13 +8,11 @@
 #include <utility>
 
 #include "maide/base/error.hpp"
-#include "maide/base/text.hpp"
+#include "maide/base/text_cursor.hpp"
 #include "maide/formats/names.hpp"
 
 namespace maide {
 namespace {
-
-using Place = DotGraph::Place;
 
 // More than any model has; a few bytes of nested groups could otherwise ask for billions.
 constexpr std::size_t max_edges = std::size_t{1} << 23;
@@ -25,141 +23,105 @@ struct Token {
   Kind kind = Kind::end;
   std::string text;     // identifier, or the punctuation mark
   bool quoted = false;  // a quoted identifier is never a keyword
-  Place place;
+  TextPlace place;
   bool is(char mark) const { return kind == Kind::punctuation && text[0] == mark; }
 };
 
 class Tokenizer {
  public:
-  Tokenizer(std::string_view text, const std::string& file) : text_(text), file_(file) {
-    if (text_.starts_with("\xEF\xBB\xBF")) position_ = 3;  // byte order mark
-  }
+  Tokenizer(std::string_view text, const std::string& file)
+      : cursor_(without_byte_order_mark(text), file, TextCursor::Columns::characters) {}
 
   Token next() {
     skip_blanks();
     Token token;
-    token.place = place_;
-    if (position_ >= text_.size()) return token;
-    const char letter = peek();
+    token.place = cursor_.place();
+    if (cursor_.at_end()) return token;
+    const char letter = cursor_.peek();
     if (letter == '"') {
       read_quoted(token);
-    } else if (is_letter(letter)) {
+    } else if (begins_name(letter)) {
       token.kind = Token::Kind::identifier;
-      while (position_ < text_.size() && (is_letter(peek()) || is_digit(peek()))) {
-        token.text += take();
-      }
-    } else if (letter == '-' && (peek(1) == '>' || peek(1) == '-')) {
-      take();
-      token.kind = take() == '>' ? Token::Kind::arrow : Token::Kind::undirected;
+      token.text = cursor_.take_while([](char c) { return begins_name(c) || is_digit(c); });
+    } else if (cursor_.accept("->")) {
+      token.kind = Token::Kind::arrow;
+    } else if (cursor_.accept("--")) {
+      token.kind = Token::Kind::undirected;
     } else if (letter == '-' || letter == '.' || is_digit(letter)) {
       read_number(token);
     } else if (letter == '<') {
-      fail("HTML labels cannot be read: write the label in double quotes");
+      fail("HTML labels cannot be read: write the label in double quotes", token.place);
     } else if (std::string_view("{}[]=;,:+").find(letter) != std::string_view::npos) {
       token.kind = Token::Kind::punctuation;
-      token.text = take();
+      token.text = cursor_.take();
     } else {
-      fail("unexpected character " + shown(text_.substr(position_, 1)));
+      fail("unexpected character " + shown(cursor_.rest().substr(0, 1)), token.place);
     }
     return token;
   }
 
-  [[noreturn]] void fail(const std::string& what) const { fail(what, place_); }
-  [[noreturn]] void fail(const std::string& what, Place place) const {
-    throw ParseError(what, {file_, place.line, place.column});
+  [[noreturn]] void fail(const std::string& what, TextPlace place) const {
+    cursor_.fail(what, place);
   }
 
  private:
-  static bool is_digit(char letter) { return letter >= '0' && letter <= '9'; }
-  static bool is_letter(char letter) {
-    return (letter >= 'a' && letter <= 'z') || (letter >= 'A' && letter <= 'Z') || letter == '_' ||
-           static_cast<unsigned char>(letter) >= 0x80;
+  static std::string_view without_byte_order_mark(std::string_view text) {
+    return text.substr(text.starts_with("\xEF\xBB\xBF") ? 3 : 0);
   }
-
-  char peek(std::size_t ahead = 0) const {
-    return position_ + ahead < text_.size() ? text_[position_ + ahead] : '\0';
-  }
-  char take() {
-    const char letter = text_[position_++];
-    if (letter == '\n') {
-      ++place_.line;
-      place_.column = 1;
-    } else if (!is_continuation(letter)) {
-      ++place_.column;  // columns count characters, not bytes of UTF-8
-    }
-    return letter;
+  static bool begins_name(char letter) {
+    return is_letter(letter) || letter == '_' || static_cast<unsigned char>(letter) >= 0x80;
   }
 
   void skip_blanks() {
-    while (position_ < text_.size()) {
-      const char letter = peek();
-      const bool is_directive = letter == '#' && place_.column == 1;  // a preprocessor's line
-      if (is_directive || (letter == '/' && peek(1) == '/')) {
-        skip_line();
-      } else if (letter == '/' && peek(1) == '*') {
-        skip_comment();
-      } else if (std::isspace(static_cast<unsigned char>(letter)) != 0) {
-        take();
+    while (true) {
+      cursor_.skip_blanks();
+      const TextPlace begin = cursor_.place();
+      const bool is_directive =
+          cursor_.peek() == '#' && begin.column == 1;  // a preprocessor's line
+      if (is_directive || cursor_.accept("//")) {
+        cursor_.take_line();
+      } else if (cursor_.accept("/*")) {
+        while (!cursor_.accept("*/")) {
+          if (cursor_.at_end()) fail("unfinished comment", begin);
+          cursor_.take();
+        }
       } else {
         return;
       }
     }
-  }
-  void skip_line() {
-    while (position_ < text_.size() && peek() != '\n') take();
-  }
-  void skip_comment() {
-    const Place begin = place_;
-    take();
-    take();
-    while (position_ < text_.size()) {
-      if (take() == '*' && peek() == '/') {
-        take();
-        return;
-      }
-    }
-    fail("unfinished comment", begin);
   }
 
   // Keeps every backslash sequence but \" and a backslash before the end of a line.
   void read_quoted(Token& token) {
     token.kind = Token::Kind::identifier;
     token.quoted = true;
-    take();
-    while (position_ < text_.size()) {
-      const char letter = take();
-      if (letter == '"') return;
-      if (letter == '\\' && peek() == '"') {
-        token.text += take();
-      } else if (letter == '\\' && peek() == '\\') {
-        token.text += letter;
-        token.text += take();
-      } else if (letter == '\\' && peek() == '\n') {
-        take();
-      } else if (letter == '\\' && peek() == '\r' && peek(1) == '\n') {
-        take();
-        take();
-      } else {
-        token.text += letter;
+    cursor_.take();
+    while (!cursor_.accept("\"")) {
+      if (cursor_.at_end()) fail("unfinished quoted name", token.place);
+      if (cursor_.accept("\\\"")) {
+        token.text += '"';
+      } else if (cursor_.accept("\\\\")) {
+        token.text += "\\\\";
+      } else if (!cursor_.accept("\\\n") && !cursor_.accept("\\\r\n")) {
+        token.text += cursor_.take();
       }
     }
-    fail("unfinished quoted name", token.place);
   }
 
   void read_number(Token& token) {
     token.kind = Token::Kind::identifier;
-    bool digits = false;
-    if (peek() == '-') token.text += take();
-    while (is_digit(peek())) digits = true, token.text += take();
-    if (peek() == '.') token.text += take();
-    while (is_digit(peek())) digits = true, token.text += take();
-    if (!digits) fail("unexpected character " + shown(token.text), token.place);
+    if (cursor_.accept("-")) token.text = "-";
+    const std::string_view whole = cursor_.take_while(is_digit);
+    token.text += whole;
+    if (cursor_.accept(".")) token.text += '.';
+    const std::string_view fraction = cursor_.take_while(is_digit);
+    token.text += fraction;
+    if (whole.empty() && fraction.empty()) {
+      fail("unexpected character " + shown(token.text), token.place);
+    }
   }
 
-  std::string_view text_;
-  const std::string& file_;
-  std::size_t position_ = 0;
-  Place place_{1, 1};
+  TextCursor cursor_;
 };
 
 class Parser {
@@ -213,11 +175,11 @@ class Parser {
       return;
     }
     if (current_.kind == Token::Kind::identifier && !keyword("subgraph")) {
-      const Place place = current_.place;
+      const TextPlace place = current_.place;
       std::string name = identifier("name");
       if (current_.is('=')) {
         advance();
-        const Place value_place = current_.place;
+        const TextPlace value_place = current_.place;
         std::string value = identifier("value");
         if (scope.depth == 0) {
           graph_.attributes =
@@ -244,7 +206,7 @@ class Parser {
     }
     const std::size_t first_edge = graph_.edges.size();
     while (current_.kind == Token::Kind::arrow) {
-      const Place place = current_.place;
+      const TextPlace place = current_.place;
       advance();
       std::vector<std::uint32_t> right = operand(scope);
       if (left.size() * right.size() > max_edges - graph_.edges.size()) fail("too many edges");
@@ -264,7 +226,7 @@ class Parser {
 
   std::vector<std::uint32_t> operand(Scope& scope) {
     if (current_.is('{') || keyword("subgraph")) return subgraph(scope);
-    const Place place = current_.place;
+    const TextPlace place = current_.place;
     const std::uint32_t found = node(scope, identifier("a node"), place);
     skip_port();
     return {found};
@@ -293,7 +255,7 @@ class Parser {
     return scope.members;
   }
 
-  std::uint32_t node(Scope& scope, std::string name, Place place) {
+  std::uint32_t node(Scope& scope, std::string name, TextPlace place) {
     const auto [entry, is_new] =
         numbers_.try_emplace(name, static_cast<std::uint32_t>(graph_.nodes.size()));
     if (is_new) graph_.nodes.push_back({std::move(name), place, scope.node_defaults});
@@ -307,7 +269,7 @@ class Parser {
       advance();
       while (!current_.is(']')) {
         std::string key = identifier("an attribute or ']'");
-        Place place = current_.place;
+        TextPlace place = current_.place;
         std::string value = "true";
         if (current_.is('=')) {
           advance();
@@ -323,7 +285,7 @@ class Parser {
   }
 
   DotAttributes add_attribute(DotAttributes older, std::string key, std::string value,
-                              Place place) {
+                              TextPlace place) {
     graph_.arena.push_back({std::move(key), std::move(value), older, place});
     return static_cast<DotAttributes>(graph_.arena.size() - 1);
   }

@@ -22,25 +22,21 @@ using DotAttributes = std::uint32_t;
 inline constexpr DotAttributes no_dot_attributes = ~DotAttributes{0};
 
 struct DotGraph {
-  struct Place {
-    int line = 0;
-    int column = 0;
-  };
   struct Attribute {
     std::string key, value;
     DotAttributes older = no_dot_attributes;
-    Place place;  // of the value
+    TextPlace place;  // of the value
   };
   struct Node {
     std::string name;
-    Place place;  // first mention
+    TextPlace place;  // first mention
     DotAttributes attributes = no_dot_attributes;
   };
   struct Edge {
     std::uint32_t from = 0;
     std::uint32_t to = 0;
     DotAttributes attributes = no_dot_attributes;
-    Place place;  // of the arrow
+    TextPlace place;  // of the arrow
   };
 
   std::string name;

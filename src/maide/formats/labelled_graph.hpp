@@ -21,21 +21,16 @@ namespace maide {
 using Model = std::variant<Mealy, InterfaceAutomaton, NondeterministicMealy>;
 
 struct LabelledGraph {
-  // A place in the text being read.
-  struct Place {
-    int line = 0;
-    int column = 0;
-  };
   struct State {
     std::string name;  // as in the file, for messages
-    Place place;
+    TextPlace place;
     std::vector<std::string> unexplored;
   };
   struct Edge {
     StateId from = 0;
     StateId to = 0;
     std::string label;
-    Place place;
+    TextPlace place;
     bool absorbed = false;
   };
 
@@ -49,7 +44,7 @@ struct LabelledGraph {
   std::vector<std::string> hidden_returns;
   Origin origin;
 
-  SourcePosition at(Place place) const { return {file, place.line, place.column}; }
+  SourcePosition at(TextPlace place) const { return {file, place.line, place.column}; }
 };
 
 // Throws ParseError with its place for a label that is neither form, a symbol that the file does

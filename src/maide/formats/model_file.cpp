@@ -82,8 +82,6 @@ class DotReader {
  private:
   using Attribute = DotGraph::Attribute;
 
-  static LabelledGraph::Place place(DotGraph::Place place) { return {place.line, place.column}; }
-
   // Runs `parse` on an attribute's text; its complaint gets the attribute's place.
   template <typename Parse>
   auto placed(const Attribute& attribute, Parse parse) const {
@@ -91,7 +89,7 @@ class DotReader {
       return parse(unescape_dot_label(attribute.value));
     } catch (const UsageError& error) {
       throw ParseError("attribute " + shown(attribute.key) + ": " + error.what(),
-                       graph_.at(place(attribute.place)));
+                       graph_.at(attribute.place));
     }
   }
   std::vector<std::string> names(const Attribute& attribute) const {
@@ -143,7 +141,7 @@ class DotReader {
         continue;
       }
       numbers_.push_back(static_cast<StateId>(graph_.states.size()));
-      LabelledGraph::State state{node.name, place(node.place), {}};
+      LabelledGraph::State state{node.name, node.place, {}};
       if (const Attribute* mark = dot_.find(node.attributes, "unexplored")) {
         state.unexplored = names(*mark);
       }
@@ -154,7 +152,7 @@ class DotReader {
   void read_edges() {
     const DotGraph::Edge* start = nullptr;
     for (const DotGraph::Edge& edge : dot_.edges) {
-      const SourcePosition position = graph_.at(place(edge.place));
+      const SourcePosition position = graph_.at(edge.place);
       if (numbers_[edge.to] == Mealy::no_state) {
         throw ParseError("an edge leads to " + shown(dot_.nodes[edge.to].name) +
                              ", which only marks the initial state",
@@ -172,11 +170,10 @@ class DotReader {
       if (label == nullptr) throw ParseError("an edge without a label", position);
       const Attribute* absorbed = dot_.find(edge.attributes, "absorbed");
       if (absorbed != nullptr && absorbed->value != "true" && absorbed->value != "false") {
-        throw ParseError("absorbed is neither \"true\" nor \"false\"",
-                         graph_.at(place(absorbed->place)));
+        throw ParseError("absorbed is neither \"true\" nor \"false\"", graph_.at(absorbed->place));
       }
       graph_.edges.push_back({numbers_[edge.from], numbers_[edge.to],
-                              unescape_dot_label(label->value), place(label->place),
+                              unescape_dot_label(label->value), label->place,
                               absorbed != nullptr && absorbed->value == "true"});
     }
   }
@@ -228,7 +225,7 @@ class DotReader {
         outputs_.push_back(*std::move(output));
       } else {
         throw ParseError("state " + shown(node.name) + " of a Moore machine has no output",
-                         graph_.at(place(node.place)));
+                         graph_.at(node.place));
       }
     }
     for (LabelledGraph::Edge& edge : graph_.edges) {

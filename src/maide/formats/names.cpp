@@ -3,7 +3,7 @@
 #include <array>
 
 #include "maide/base/error.hpp"
-#include "maide/base/text.hpp"
+#include "maide/base/text_cursor.hpp"
 
 namespace maide {
 
@@ -30,13 +30,6 @@ bool take_quoted_name(std::string_view& text, std::string& name) {
   }
   return false;
 }
-
-namespace {
-bool is_space(char letter) {
-  return letter == ' ' || letter == '\t' || letter == '\n' || letter == '\r' || letter == '\f' ||
-         letter == '\v';
-}
-}  // namespace
 
 std::string_view trim(std::string_view text) {
   while (!text.empty() && is_space(text.front())) text.remove_prefix(1);
@@ -256,11 +249,6 @@ constexpr auto cpp_words = std::to_array<std::string_view>({"alignas",
                                                             "unix",
                                                             "stdin",
                                                             "stdout"});
-
-bool is_letter(char letter) {
-  return (letter >= 'a' && letter <= 'z') || (letter >= 'A' && letter <= 'Z');
-}
-bool is_digit(char letter) { return letter >= '0' && letter <= '9'; }
 
 std::string sanitized(std::string_view name) {
   std::string text;

@@ -6,6 +6,7 @@
 
 #include "maide/base/error.hpp"
 #include "maide/base/json.hpp"
+#include "maide/base/text.hpp"
 
 namespace maide {
 namespace {
@@ -29,10 +30,7 @@ TraceLog read_trace_log(std::string_view text, const std::string& file, const Ru
   TraceLog log;
   log.file = file;
   int number = 0;
-  while (!text.empty()) {
-    const std::size_t end = std::min(text.find('\n'), text.size());
-    const std::string_view line = text.substr(0, end);
-    text.remove_prefix(std::min(end + 1, text.size()));
+  for (const std::string_view line : split_lines(text)) {
     if (++number % 256 == 0) control.check("reading the log");
     if (line.find_first_not_of(" \t\r") == std::string_view::npos) continue;
     const Json json = parse_line(line, file, number);

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "maide/base/text.hpp"
 #include "maide/check/explore/waiting.hpp"
 #include "maide/report/explanation.hpp"
 #include "maide/report/sequence_chart.hpp"
@@ -40,12 +41,9 @@ std::vector<std::string> lines_of(const System& system, const Program& program) 
   const auto source = system.sources.find(program.position.file);
   std::vector<std::string> lines;
   if (source == system.sources.end()) return lines;
-  const std::string& text = source->second;
-  std::size_t begin = 0;
-  for (int line = 1; line <= program.last_line && begin <= text.size(); ++line) {
-    const std::size_t end = std::min(text.find('\n', begin), text.size());
-    if (line >= program.position.line) lines.push_back(text.substr(begin, end - begin));
-    begin = end + 1;
+  int line = 0;
+  for (const std::string_view text : split(source->second, '\n')) {
+    if (++line >= program.position.line && line <= program.last_line) lines.emplace_back(text);
   }
   return lines;
 }

@@ -2,11 +2,11 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <ostream>
 #include <string_view>
 
 #include "maide/automata/strength.hpp"
+#include "maide/base/text.hpp"
 #include "maide/report/html_report.hpp"
 #include "maide/report/picture.hpp"
 
@@ -182,10 +182,9 @@ std::string describe_size(const Model& model) {
 // The text with the numbers of its lines.
 void write_source(std::ostream& out, std::string_view text) {
   out << "<pre>";
-  for (int line = 1; !text.empty(); ++line) {
-    const std::size_t end = std::min(text.find('\n'), text.size());
-    out << fmt::format("<i>{:>4}</i>  {}\n", line, escape_markup(text.substr(0, end)));
-    text.remove_prefix(std::min(end + 1, text.size()));
+  int number = 0;
+  for (const std::string_view line : split_lines(text)) {
+    out << fmt::format("<i>{:>4}</i>  {}\n", ++number, escape_markup(line));
   }
   out << "</pre>\n";
 }

@@ -15,14 +15,9 @@ namespace maide {
 namespace {
 
 std::vector<std::string> split_outputs(const std::string& joined) {
-  std::vector<std::string> outputs;
-  if (joined == "quiet") return outputs;
-  for (std::size_t begin = 0;;) {
-    const std::size_t comma = joined.find(',', begin);
-    outputs.push_back(joined.substr(begin, comma - begin));
-    if (comma == std::string::npos) return outputs;
-    begin = comma + 1;
-  }
+  if (joined == "quiet") return {};
+  const std::vector<std::string_view> outputs = split(joined, ',');
+  return {outputs.begin(), outputs.end()};
 }
 
 StepStatus status_of(const std::string& output) {

@@ -98,12 +98,9 @@ bool is_program(const fs::path& path) {
 std::vector<fs::path> path_folders() {
   std::vector<fs::path> folders;
   const char* path = std::getenv("PATH");
-  std::string_view rest = path != nullptr ? path : "/usr/local/bin:/usr/bin:/bin";
-  while (!rest.empty()) {
-    const std::size_t colon = std::min(rest.find(':'), rest.size());
+  for (const auto folder : split(path != nullptr ? path : "/usr/local/bin:/usr/bin:/bin", ':')) {
     // An empty element means the current folder; programs are not taken from there unasked.
-    if (colon > 0) folders.emplace_back(rest.substr(0, colon));
-    rest.remove_prefix(std::min(colon + 1, rest.size()));
+    if (!folder.empty()) folders.emplace_back(folder);
   }
   return folders;
 }
@@ -234,30 +231,15 @@ OpenedSystem open_simulation(const SystemSpec& spec, const SystemAccess& access)
   }
 }
 
-// "a:1,b:2", also as "a:1,tcp://b:2".
-std::vector<std::string> split_hosts(const std::string& target) {
-  std::vector<std::string> hosts(1);
-  for (const char c : target) {
-    if (c == ',') {
-      hosts.emplace_back();
-    } else {
-      hosts.back() += c;
-    }
-  }
-  for (std::string& host : hosts) {
-    if (host.starts_with("tcp://")) host.erase(0, 6);
-  }
-  return hosts;
-}
-
 std::vector<WrapperEndpoint> endpoints_of(const SystemSpec& spec, const SystemAccess& access) {
   if (spec.kind == SystemSpec::Kind::tcp) {
     const auto file =
         access.token_file.empty() ? std::nullopt : std::optional<std::string>(access.token_file);
     const std::string token = read_token(file).value_or("");
     std::vector<WrapperEndpoint> endpoints;
-    for (const std::string& host : split_hosts(spec.target)) {
-      endpoints.push_back(WrapperEndpoint::tcp(host, token));
+    for (std::string_view host : split(spec.target, ',')) {  // "a:1,b:2", or "a:1,tcp://b:2"
+      if (host.starts_with("tcp://")) host.remove_prefix(6);
+      endpoints.push_back(WrapperEndpoint::tcp(std::string(host), token));
     }
     return endpoints;
   }
@@ -313,7 +295,7 @@ std::vector<SulPool::Member> open_wrappers(const std::vector<WrapperEndpoint>& e
 std::size_t default_jobs(const SystemSpec& spec) {
   switch (spec.kind) {
     case SystemSpec::Kind::wrapper: return std::max(1U, std::thread::hardware_concurrency());
-    case SystemSpec::Kind::tcp: return split_hosts(spec.target).size();
+    case SystemSpec::Kind::tcp: return split(spec.target, ',').size();
     case SystemSpec::Kind::simulated:
     case SystemSpec::Kind::program: break;
   }

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "maide/base/error.hpp"
+#include "maide/base/text_cursor.hpp"
 
 namespace maide {
 namespace {
@@ -41,8 +42,6 @@ ModelUsage::ModelUsage(const System& system) : instances(system.models.size()) {
 namespace {
 
 constexpr std::size_t longest_name = 40;  // of a name's bytes in its identifier
-
-bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
 // What the text itself uses, what the translator of formulas reads, and what C makes of it.
 std::vector<std::string_view> reserved_words() {

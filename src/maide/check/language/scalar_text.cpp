@@ -2,17 +2,15 @@
 
 #include <utility>
 
-#include "maide/base/text.hpp"
+#include "maide/base/text_cursor.hpp"
 
 namespace maide {
 namespace {
 
-bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
-
 bool is_line_break(char c) { return c == '\n' || c == '\r'; }
 
 // Characters of the escape \c in a double-quoted scalar.
-int escape_length(char c) {
+std::size_t escape_length(char c) {
   switch (c) {
     case 'x': return 4;
     case 'u': return 6;
@@ -21,64 +19,32 @@ int escape_length(char c) {
   }
 }
 
-// A place in the source that walks forward and counts lines and columns.
-class Cursor {
- public:
-  Cursor(std::string_view source, int line, int column) : source_(source) {
-    while (line_ < line && at_ < source_.size()) advance();
-    while (column_ < column && at_ < source_.size() && source_[at_] != '\n') advance();
+// In the source, at the place.
+TextCursor cursor_at(std::string_view source, const SourcePosition& place) {
+  TextCursor cursor(source, "", TextCursor::Columns::bytes);
+  while (cursor.place().line < place.line && !cursor.at_end()) cursor.take();
+  while (cursor.place().column < place.column && !cursor.at_end() && cursor.peek() != '\n') {
+    cursor.take();
   }
-  bool at_end() const { return at_ >= source_.size(); }
-  char peek(std::size_t ahead = 0) const {
-    return at_ + ahead < source_.size() ? source_[at_ + ahead] : '\0';
-  }
-  void advance() {
-    if (at_end()) return;
-    if (source_[at_] == '\n') {
-      ++line_;
-      column_ = 1;
-    } else {
-      ++column_;
-    }
-    ++at_;
-  }
-  void skip(int count) {
-    for (; count > 0; --count) advance();
-  }
-  void skip_blanks() {
-    while (!at_end() && is_blank(peek())) advance();
-  }
-  void skip_word() {
-    while (!at_end() && !is_blank(peek())) advance();
-  }
-  void skip_line() {
-    while (!at_end() && peek() != '\n') advance();
-    advance();
-  }
-  int line() const { return line_; }
-  int column() const { return column_; }
-
- private:
-  std::string_view source_;
-  std::size_t at_ = 0;
-  int line_ = 1, column_ = 1;
-};
+  return cursor;
+}
 
 }  // namespace
 
 ScalarText::ScalarText(std::string value, std::string_view source, SourcePosition begin)
     : value_(std::move(value)), file_(std::move(begin.file)) {
-  Cursor cursor(source, begin.line, begin.column);
+  TextCursor cursor = cursor_at(source, begin);
   while (cursor.peek() == '!' || cursor.peek() == '&') {  // tag, anchor
     has_tag_ = has_tag_ || cursor.peek() == '!';
-    cursor.skip_word();
+    cursor.take_while([](char c) { return !is_space(c); });
     cursor.skip_blanks();
   }
   const char style = cursor.peek();
   if (style == '|' || style == '>') {
-    cursor.skip_line();
+    cursor.take_line();
+    cursor.accept("\n");
   } else if (style == '"' || style == '\'') {
-    cursor.advance();
+    cursor.take();
   }
   places_.reserve(value_.size() + 1);
   bool in_escape = false;  // the bytes of one character that an escape stands for share its place
@@ -87,25 +53,25 @@ ScalarText::ScalarText(std::string value, std::string_view source, SourcePositio
       places_.push_back(places_.back());
       continue;
     }
-    if (!is_blank(c)) cursor.skip_blanks();
+    if (!is_space(c)) cursor.skip_blanks();
     while (style == '"' && cursor.peek() == '\\' && is_line_break(cursor.peek(1))) {
-      cursor.advance();  // an escaped line break stands for nothing
-      if (!is_blank(c)) cursor.skip_blanks();
+      cursor.take();  // an escaped line break stands for nothing
+      if (!is_space(c)) cursor.skip_blanks();
     }
-    places_.push_back({cursor.line(), cursor.column()});
+    places_.push_back(cursor.place());
     in_escape = style == '"' && cursor.peek() == '\\';
     if (in_escape) {
-      cursor.skip(escape_length(cursor.peek(1)));
-    } else if (!is_blank(c) || cursor.peek() == c) {
-      cursor.skip(style == '\'' && c == '\'' ? 2 : 1);  // '' is one quote
+      cursor.take(escape_length(cursor.peek(1)));
+    } else if (!is_space(c) || cursor.peek() == c) {
+      cursor.take(style == '\'' && c == '\'' ? 2 : 1);  // '' is one quote
     }
   }
-  places_.push_back({cursor.line(), cursor.column()});
+  places_.push_back(cursor.place());
 }
 
 SourcePosition ScalarText::position(std::size_t offset) const {
   if (places_.empty()) return {file_, 0, 0};
-  const Place place = places_[offset < places_.size() ? offset : places_.size() - 1];
+  const TextPlace place = places_[offset < places_.size() ? offset : places_.size() - 1];
   return {file_, place.line, place.column};
 }
 

@@ -26,13 +26,10 @@ class ScalarText {
   SourcePosition position(std::size_t offset) const;
 
  private:
-  struct Place {
-    int line = 0, column = 0;
-  };
   std::string value_;
   std::string file_;
   bool has_tag_ = false;
-  std::vector<Place> places_;  // one for each character, and one for the end
+  std::vector<TextPlace> places_;  // one for each character, and one for the end
 };
 
 }  // namespace maide

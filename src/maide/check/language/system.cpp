@@ -2,6 +2,10 @@
 
 #include <algorithm>
 #include <string_view>
+#include <vector>
+
+#include "maide/base/text.hpp"
+#include "maide/formats/names.hpp"
 
 namespace maide {
 namespace {
@@ -100,16 +104,9 @@ bool is_deadlock(const System& system, const GlobalState& state) {
 std::string source_line(const System& system, const Program& program, int line) {
   const auto source = system.sources.find(program.position.file);
   if (source == system.sources.end() || line < 1) return "";
-  std::string_view text = source->second;
-  for (int skipped = 1; skipped < line; ++skipped) {
-    const std::size_t end = text.find('\n');
-    if (end == std::string_view::npos) return "";
-    text.remove_prefix(end + 1);
-  }
-  text = text.substr(0, text.find_first_of("\r\n"));
-  const std::size_t begin = text.find_first_not_of(" \t");
-  if (begin == std::string_view::npos) return "";
-  return std::string(text.substr(begin, text.find_last_not_of(" \t") - begin + 1));
+  const std::vector<std::string_view> lines = split(source->second, '\n');
+  const auto index = static_cast<std::size_t>(line) - 1;
+  return index < lines.size() ? std::string(trim(lines[index])) : "";
 }
 
 bool is_true(const Atom& atom, const System& system, const GlobalState& state, const Step* last) {

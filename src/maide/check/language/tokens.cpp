@@ -1,53 +1,39 @@
 #include "maide/check/language/tokens.hpp"
 
-#include <cctype>
+#include "maide/base/text_cursor.hpp"
 
 namespace maide {
 namespace {
 
-bool starts_identifier(char c) { return std::isalpha(static_cast<unsigned char>(c)) || c == '_'; }
-bool in_identifier(char c) { return std::isalnum(static_cast<unsigned char>(c)) || c == '_'; }
-bool is_digit(char c) { return std::isdigit(static_cast<unsigned char>(c)); }
-bool is_space(char c) { return std::isspace(static_cast<unsigned char>(c)); }
+bool begins_identifier(char c) { return is_letter(c) || c == '_'; }
+bool in_identifier(char c) { return begins_identifier(c) || is_digit(c); }
 
-std::string printable(char c) {
+std::string describe(char c) {
   static constexpr char digits[] = "0123456789abcdef";
   const auto byte = static_cast<unsigned char>(c);
-  if (std::isprint(byte)) return "'" + std::string(1, c) + "'";
+  if (byte >= 0x20 && byte < 0x7f) return "'" + std::string(1, c) + "'";
   return std::string("the byte 0x") + digits[byte >> 4] + digits[byte & 15];
 }
 
-// The token of each kind that begins at `at`, which it moves behind the token.
-Token scan(const ScalarText& text, std::size_t& at, std::span<const std::string_view> symbols) {
-  const std::string& value = text.value();
-  const std::size_t begin = at;
-  const auto token = [&](Token::Kind kind) {
-    return Token{kind, value.substr(begin, at - begin), begin};
+Token scan(const ScalarText& text, TextCursor& cursor, std::span<const std::string_view> symbols) {
+  using Kind = Token::Kind;
+  const std::size_t begin = cursor.offset();
+  const auto token = [&](Kind kind, std::string_view taken) {
+    return Token{kind, std::string(taken), begin};
   };
-  if (starts_identifier(value[at])) {
-    while (at < value.size() && in_identifier(value[at])) ++at;
-    return token(Token::Kind::identifier);
-  }
-  if (is_digit(value[at])) {
-    while (at < value.size() && in_identifier(value[at])) ++at;
-    return token(Token::Kind::number);
-  }
-  if (value[at] == '"') {
-    const std::size_t close = value.find_first_of("\"\n", at + 1);
-    if (close == std::string::npos || value[close] != '"') {
-      throw ParseError("a quoted name is not closed", text.position(begin));
-    }
-    if (close == at + 1) throw ParseError("a name is empty", text.position(begin));
-    at = close + 1;
-    return {Token::Kind::quoted, value.substr(begin + 1, close - begin - 1), begin};
+  const char first = cursor.peek();
+  if (begins_identifier(first)) return token(Kind::identifier, cursor.take_while(in_identifier));
+  if (is_digit(first)) return token(Kind::number, cursor.take_while(in_identifier));
+  if (cursor.accept("\"")) {
+    const auto name = cursor.take_while([](char c) { return c != '"' && c != '\n'; });
+    if (!cursor.accept("\"")) throw ParseError("a quoted name is not closed", text.position(begin));
+    if (name.empty()) throw ParseError("a name is empty", text.position(begin));
+    return token(Kind::quoted, name);
   }
   for (const std::string_view symbol : symbols) {
-    if (value.compare(at, symbol.size(), symbol) == 0) {
-      at += symbol.size();
-      return token(Token::Kind::symbol);
-    }
+    if (cursor.accept(symbol)) return token(Kind::symbol, symbol);
   }
-  throw ParseError("unexpected " + printable(value[at]), text.position(begin));
+  throw ParseError("unexpected " + describe(first), text.position(begin));
 }
 
 }  // namespace
@@ -62,18 +48,15 @@ std::string to_string(const Token& token) {
 
 TokenStream::TokenStream(const ScalarText& text, std::span<const std::string_view> symbols)
     : text_(text) {
-  const std::string& value = text.value();
-  std::size_t at = 0;
-  while (at < value.size()) {
-    if (is_space(value[at])) {
-      ++at;
-    } else if (value[at] == '#' || value.compare(at, 2, "//") == 0) {
-      at = std::min(value.find('\n', at), value.size());
+  TextCursor cursor(text.value(), "", TextCursor::Columns::bytes);
+  for (cursor.skip_blanks(); !cursor.at_end(); cursor.skip_blanks()) {
+    if (cursor.accept("#") || cursor.accept("//")) {
+      cursor.take_line();
     } else {
-      tokens_.push_back(scan(text, at, symbols));
+      tokens_.push_back(scan(text, cursor, symbols));
     }
   }
-  tokens_.push_back({Token::Kind::end, "", value.size()});
+  tokens_.push_back({Token::Kind::end, "", cursor.offset()});
 }
 
 Token TokenStream::next() {

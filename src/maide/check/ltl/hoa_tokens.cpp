@@ -7,9 +7,9 @@
 namespace maide {
 namespace {
 
-bool is_digit(char c) { return c >= '0' && c <= '9'; }
-bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; }
-bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
+bool begins_name(char c) { return is_letter(c) || c == '_'; }
+bool continues_name(char c) { return begins_name(c) || is_digit(c) || c == '-'; }
+bool continues_marker(char c) { return begins_name(c) || c == '-'; }
 
 }  // namespace
 
@@ -51,87 +51,62 @@ std::uint64_t HoaTokens::value(const HoaToken& token, const char* what, std::uin
   return number;
 }
 
-void HoaTokens::fail(const std::string& message, const HoaToken& token) const {
-  throw ParseError(message, position(token));
-}
-
-char HoaTokens::take() {
-  const char c = text_[at_++];
-  if (c == '\n') {
-    ++line_;
-    column_ = 1;
-  } else {
-    ++column_;
-  }
-  return c;
-}
-
-void HoaTokens::skip_blanks() {
-  int depth = 0;
-  HoaToken open;  // the comment
-  while (at_ < text_.size()) {
-    if (here() == '/' && here(1) == '*') {
-      if (depth++ == 0) open = {HoaToken::Kind::symbol, "/*", line_, column_};
-      take();
-      take();
-    } else if (depth > 0 && here() == '*' && here(1) == '/') {
+// Comments nest.
+bool HoaTokens::skip_comment() {
+  const TextPlace open = cursor_.place();
+  if (!cursor_.accept("/*")) return false;
+  for (int depth = 1; depth > 0;) {
+    if (cursor_.at_end()) cursor_.fail("this comment is not closed", open);
+    if (cursor_.accept("/*")) {
+      ++depth;
+    } else if (cursor_.accept("*/")) {
       --depth;
-      take();
-      take();
-    } else if (depth > 0 || is_blank(here())) {
-      take();
     } else {
-      return;
+      cursor_.take();
     }
   }
-  if (depth > 0) fail("this comment is not closed", open);
+  return true;
 }
 
 void HoaTokens::scan_string(HoaToken& token) {
   token.kind = HoaToken::Kind::string;
-  take();
-  for (;;) {
-    if (at_ >= text_.size()) fail("this string is not closed", token);
-    char c = take();
-    if (c == '"') return;
-    if (c == '\\' && at_ < text_.size()) c = take();
-    token.text += c;
-  }
+  std::string_view rest = cursor_.rest();
+  if (!take_quoted_name(rest, token.text)) fail("this string is not closed", token);
+  cursor_.take(cursor_.rest().size() - rest.size());
 }
 
 // A word, or, with a colon at its end, a header.
 void HoaTokens::scan_name(HoaToken& token) {
-  token.kind = HoaToken::Kind::word;
-  while (is_letter(here()) || is_digit(here()) || here() == '-') token.text += take();
-  if (here() != ':') return;
-  take();
-  token.kind = HoaToken::Kind::header;
+  token.text += cursor_.take_while(continues_name);
+  token.kind = cursor_.accept(":") ? HoaToken::Kind::header : HoaToken::Kind::word;
 }
 
 HoaToken HoaTokens::scan() {
   using Kind = HoaToken::Kind;
-  skip_blanks();
+  do {
+    cursor_.skip_blanks();
+  } while (skip_comment());
   HoaToken token;
-  token.line = line_;
-  token.column = column_;
-  if (at_ >= text_.size()) return token;
-  if (here() == '"') {
+  token.place = cursor_.place();
+  if (cursor_.at_end()) return token;
+  const char first = cursor_.peek();
+  if (first == '"') {
     scan_string(token);
-  } else if (is_letter(here())) {
+  } else if (begins_name(first)) {
     scan_name(token);
-  } else if (here() == '@') {
-    token.text += take();
+  } else if (first == '@') {
+    token.text = cursor_.take();
     scan_name(token);
     token.kind = Kind::alias;
-  } else if (is_digit(here())) {
+  } else if (is_digit(first)) {
     token.kind = Kind::number;
-    while (is_digit(here())) token.text += take();
-  } else if (here() == '-' && here(1) == '-') {
+    token.text = cursor_.take_while(is_digit);
+  } else if (cursor_.rest().starts_with("--")) {
     token.kind = Kind::marker;
-    while (here() == '-' || is_letter(here())) token.text += take();
+    token.text = cursor_.take_while(continues_marker);
   } else {
     token.kind = Kind::symbol;
-    token.text += take();
+    token.text = cursor_.take();
   }
   return token;
 }

@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "maide/base/error.hpp"
+#include "maide/base/text_cursor.hpp"
 
 namespace maide {
 
@@ -14,7 +15,7 @@ struct HoaToken {
   enum class Kind : std::uint8_t { header, word, alias, number, string, marker, symbol, end };
   Kind kind = Kind::end;
   std::string text;  // a header without its colon, a string without quotes and escapes
-  int line = 0, column = 0;
+  TextPlace place;
 };
 
 // How it reads in a message.
@@ -23,10 +24,9 @@ std::string to_string(const HoaToken& token);
 // Reads as it goes. Throws ParseError.
 class HoaTokens {
  public:
-  // Keeps references.
-  HoaTokens(std::string_view text, const std::string& file) : text_(text), file_(file) {
-    token_ = scan();
-  }
+  // Keeps a reference to the text.
+  HoaTokens(std::string_view text, const std::string& file)
+      : cursor_(text, file, TextCursor::Columns::bytes), token_(scan()) {}
 
   const HoaToken& peek() const { return token_; }
   HoaToken next();
@@ -36,23 +36,18 @@ class HoaTokens {
   // The token must be a number, at most `most`.
   std::uint64_t value(const HoaToken& token, const char* what, std::uint64_t most) const;
 
-  SourcePosition position(const HoaToken& token) const { return {file_, token.line, token.column}; }
-  [[noreturn]] void fail(const std::string& message, const HoaToken& token) const;
+  SourcePosition position(const HoaToken& token) const { return cursor_.in_file(token.place); }
+  [[noreturn]] void fail(const std::string& message, const HoaToken& token) const {
+    cursor_.fail(message, token.place);
+  }
 
  private:
   HoaToken scan();
-  void skip_blanks();
+  bool skip_comment();
   void scan_string(HoaToken& token);
   void scan_name(HoaToken& token);
-  char here(std::size_t ahead = 0) const {
-    return at_ + ahead < text_.size() ? text_[at_ + ahead] : '\0';
-  }
-  char take();
 
-  std::string_view text_;
-  const std::string& file_;
-  std::size_t at_ = 0;
-  int line_ = 1, column_ = 1;
+  TextCursor cursor_;
   HoaToken token_;
 };
 

@@ -23,14 +23,9 @@ std::string normalised(std::string_view key) {
 }
 
 std::vector<std::string> split_list(std::string_view text) {
-  std::vector<std::string> items;
-  if (text.empty()) return items;
-  for (std::size_t from = 0; from <= text.size();) {
-    const std::size_t comma = std::min(text.find(',', from), text.size());
-    items.emplace_back(text.substr(from, comma - from));
-    from = comma + 1;
-  }
-  return items;
+  if (text.empty()) return {};
+  const std::vector<std::string_view> items = split(text, ',');
+  return {items.begin(), items.end()};
 }
 
 bool is_one_of(std::string_view value, const std::vector<std::string>& allowed) {
