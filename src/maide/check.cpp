@@ -16,10 +16,12 @@ Checked check(const std::filesystem::path& system_file, const CheckOptions& opti
   request.options.memory_mib = options.memory_mib;
   request.options.reduction = options.reduction;
   request.options.control = options.control;
-  const System system = read_system(
-      system_file, make_learning_source({system_file.parent_path(),
-                                         [](const std::string& line) { log_note(line); },
-                                         options.control, options.jobs}));
+  const System system =
+      read_system(system_file,
+                  make_learning_source({system_file.parent_path(),
+                                        [](const std::string& line) { log_note(line); },
+                                        options.control, options.jobs}),
+                  options.control);
   const CheckReport report = check_system(system, *engine, request);
   Checked checked{report.verdict, report.assumptions, {}};
   for (const PropertyResult& result : report.properties) {

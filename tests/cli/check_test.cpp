@@ -211,6 +211,36 @@ TEST_F(CheckCommand, ErrorsAreOneLineWithThePlace) {
 }
 
 // Programs, formulas, YAML and models: the line and a caret under what is wrong.
+// What is no regular file: an error, or a pipe that the first signal ends the waiting for.
+TEST_F(CheckCommand, SystemsMayComeThroughPipesThatTheFirstSignalEnds) {
+  const std::string folder = folder_.path().string();
+  const std::string path = system("  p: via.write;\n");
+  EXPECT_EQ(run_with_maide("cat '" + path + "' | \"$maide\" check /dev/stdin").exit_status,
+            run_maide({"check", path}).exit_status);
+  for (const char* writer : {"", "exec 3> pipe; "}) {
+    const SubprocessResult result = run_with_maide(
+        "cd '" + folder +
+        "'; rm -f pipe; mkfifo pipe; \"$maide\" check pipe & run=$!; "
+        "until ls -l /proc/$run/fd 2> /dev/null | grep -q pipe$; do sleep 0.01; done; " +
+        writer + "kill -TERM $run; wait $run");
+    expect_error(result, 3, "reading the file was interrupted");
+  }
+  expect_error(run_maide({"check", folder}), 2, "cannot read the file: Is a directory");
+  expect_error(run_maide({"check", "/dev/zero"}), 2, "cannot read the file: it is a device");
+}
+
+TEST_F(CheckCommand, ModelsAreRegularFiles) {
+  const std::string pipe = (folder_.path() / "pipe.dot").string();
+  const std::string error = "cannot read the file: it is no regular file";
+  const SubprocessResult made = run_with_maide("mkfifo '" + pipe + "'");
+  ASSERT_EQ(made.exit_status, 0);
+  expect_error(run_maide({"view", pipe}), 2, error);
+  const std::string path =
+      file("f.yaml", "models:\n  via: {file: pipe.dot}\nprograms:\n  p: skip;\n");
+  expect_error(run_maide({"check", path}), 2, error);
+  expect_error(run_maide({"learn", "sim:" + pipe}), 2, error);
+}
+
 TEST_F(CheckCommand, ErrorsShowTheSource) {
   const auto shown = [&](const std::string& path) {
     const SubprocessResult result = run_maide({"check", path});

@@ -28,6 +28,10 @@ namespace fs = std::filesystem;
                       error);
 }
 
+[[noreturn]] void refuse_to_read(const char* why, const fs::path& path) {
+  throw UsageError(std::string("cannot read the file: ") + why + " (" + path.string() + ")");
+}
+
 // Returns 0 or the error number.
 int write_all(int fd, std::string_view content) {
   while (!content.empty()) {
@@ -87,6 +91,11 @@ std::string read_file(const fs::path& path, const RunControl& control) {
   // To open a pipe that nobody writes to yet would block else.
   Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
   if (file.get() < 0) fail("read", errno, path);
+  struct stat status {};
+  if (::fstat(file.get(), &status) != 0) fail("read", errno, path);
+  // Some devices never end.
+  const bool is_device = S_ISBLK(status.st_mode) || S_ISCHR(status.st_mode);
+  if (is_device && ::isatty(file.get()) == 0) refuse_to_read("it is a device", path);
   constexpr int most_milliseconds = 100;  // until it is seen that a call is to stop
   std::string content;
   std::array<char, 65536> buffer{};
@@ -100,6 +109,12 @@ std::string read_file(const fs::path& path, const RunControl& control) {
     if (count == 0) return content;
     content.append(buffer.data(), static_cast<std::size_t>(count));
   }
+}
+
+std::string read_regular_file(const fs::path& path) {
+  std::error_code ignored;
+  if (fs::is_other(path, ignored)) refuse_to_read("it is no regular file", path);
+  return read_file(path);
 }
 
 void write_file_atomically(const fs::path& path, std::string_view content) {

@@ -19,8 +19,12 @@
 namespace maide {
 
 // The file's bytes. Throws UsageError "cannot read the file: reason (path)"; a directory is no
-// file. A pipe is waited for, its other end too, until `control` says stop (throws Interrupted).
+// file, and of devices only a terminal is one. A pipe is waited for, its other end too, until
+// `control` says stop (throws Interrupted).
 std::string read_file(const std::filesystem::path& path, const RunControl& control = {});
+
+// The same for a file that may be read again, which a pipe cannot be: only a regular file is one.
+std::string read_regular_file(const std::filesystem::path& path);
 
 // Puts `content` at `path`, all of it or none: a temporary file beside it, synced, then renamed. A
 // symbolic link stays and its target is replaced; a device or pipe is written to directly. Throws

@@ -165,7 +165,8 @@ RefinedCheck check(const CheckArguments& arguments, Engine& engine, const CheckR
   const LearnedModelsOptions models = learning_options(arguments, request.options.control);
   if (!arguments.refine) {
     RefinedCheck checked;
-    checked.system = read_system(arguments.system, make_learning_source(models));
+    checked.system =
+        read_system(arguments.system, make_learning_source(models), request.options.control);
     checked.report = check_system(checked.system, engine, request);
     return checked;
   }

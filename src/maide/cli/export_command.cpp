@@ -75,7 +75,7 @@ System read_exported_system(const ExportArguments& arguments, Context& context) 
   const ModelSource models =
       make_learning_source({std::filesystem::path(arguments.source).parent_path(),
                             [](const std::string& line) { log_note(line); }, context.control()});
-  return read_system(arguments.source, models);
+  return read_system(arguments.source, models, context.control());
 }
 
 // A property's automaton: of the runs on which it holds, or of the others.

@@ -227,7 +227,7 @@ void check_claim(const Replay& replay, const Trace& trace, const std::string& fi
                                replay.property, replay.system.file, flaw, file));
 }
 
-void read_traces(Replay& replay, const ReplayArguments& arguments) {
+void read_traces(Replay& replay, const ReplayArguments& arguments, const RunControl& control) {
   if (arguments.random_runs > 0) {
     Random random(arguments.seed);
     for (std::size_t run = 0; run < arguments.random_runs; ++run) {
@@ -235,7 +235,7 @@ void read_traces(Replay& replay, const ReplayArguments& arguments) {
     }
     return;
   }
-  TraceFile file = read_trace(arguments.trace, replay.system);
+  TraceFile file = read_trace(arguments.trace, replay.system, control);
   replay.property = std::move(file.property);
   check_claim(replay, file.trace, arguments.trace);
   replay.assumptions = find_assumptions(replay.system, file.trace);
@@ -255,8 +255,8 @@ ExitStatus run_replay(const ReplayArguments& arguments, Context& context) {
                                             context.control(), arguments.jobs}),
                       requests);
   Replay replay;
-  replay.system = read_system(arguments.system, models);
-  read_traces(replay, arguments);
+  replay.system = read_system(arguments.system, models, context.control());
+  read_traces(replay, arguments, context.control());
   // One run keeps one system busy.
   const std::size_t jobs = replay.traces.size() == 1 ? 1 : arguments.jobs;
   replay.real =

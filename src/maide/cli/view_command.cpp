@@ -80,16 +80,16 @@ std::string view_system(const ViewArguments& arguments, bool is_svg, const RunCo
   const ModelSource models =
       make_learning_source({fs::path(arguments.source).parent_path(),
                             [](const std::string& line) { log_note(line); }, control});
-  const System system = read_system(arguments.source, models);
+  const System system = read_system(arguments.source, models, control);
   if (is_svg) return drawn(connection_picture(system), arguments.source, control);
   std::ostringstream page;
-  write_system_page(page, system, read_file(arguments.source),
+  write_system_page(page, system, system.sources.at(system.file),
                     [&](const std::string& dot) { return draw_svg(dot, control); });
   return std::move(page).str();
 }
 
-std::string view_trace(const ViewArguments& arguments, bool is_svg) {
-  SequenceChart chart = chart_of_trace(read_file(arguments.source), arguments.source);
+std::string view_trace(const ViewArguments& arguments, bool is_svg, const RunControl& control) {
+  SequenceChart chart = chart_of_trace(read_file(arguments.source, control), arguments.source);
   std::string title = chart.title.empty() ? arguments.source : chart.title;
   if (!is_svg) chart.title.clear();
   std::ostringstream svg;
@@ -114,7 +114,7 @@ ExitStatus run_view(const ViewArguments& arguments, Context& context) {
     text = view_system(arguments, is_svg, context.control());
   } else if (source == ".json") {
     kind = "trace";
-    text = view_trace(arguments, is_svg);
+    text = view_trace(arguments, is_svg, context.control());
   } else if (source == ".dot" || source == ".gv" || source == ".aut") {
     text = view_model(arguments, is_svg, context.control());
   } else {

@@ -18,9 +18,9 @@ namespace maide {
 Model read_model(const std::filesystem::path& path) {
   const std::string extension = path.extension().string();
   if (extension == ".dot" || extension == ".gv") {
-    return read_dot(read_file(path), path.string());
+    return read_dot(read_regular_file(path), path.string());
   }
-  if (extension == ".aut") return read_aut(read_file(path), path.string());
+  if (extension == ".aut") return read_aut(read_regular_file(path), path.string());
   throw UsageError("a model's file ends in .dot, .gv or .aut (" + path.string() + ")");
 }
 

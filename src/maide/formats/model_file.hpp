@@ -11,7 +11,8 @@
 
 namespace maide {
 
-// Throws UsageError if the file cannot be read or has another extension, ParseError for its text.
+// Throws UsageError if it is no regular file, cannot be read or has another extension, ParseError
+// for its text.
 Model read_model(const std::filesystem::path& path);
 // As above; a model of the other kind is a UsageError that names the file.
 Mealy read_mealy(const std::filesystem::path& path);

@@ -7,6 +7,7 @@
 #include <set>
 #include <utility>
 
+#include "maide/base/file.hpp"
 #include "maide/base/text.hpp"
 #include "maide/check/language/system_file.hpp"
 #include "maide/workflow/replay.hpp"
@@ -18,7 +19,11 @@ class Refiner {
  public:
   Refiner(const std::filesystem::path& path, Engine& engine, const CheckRequest& request,
           const RefinementOptions& options)
-      : path_(path), engine_(engine), request_(request), options_(options) {}
+      : path_(path),
+        text_(read_file(path, request.options.control)),
+        engine_(engine),
+        request_(request),
+        options_(options) {}
 
   RefinedCheck run() {
     do {
@@ -34,8 +39,8 @@ class Refiner {
   void read_and_check() {
     requests_.clear();
     real_.clear();
-    result_.system =
-        read_system(path_, record_requests(make_learning_source(options_.models), requests_));
+    result_.system = parse_system(
+        text_, path_.string(), record_requests(make_learning_source(options_.models), requests_));
     options_.models.note = {};  // where models come from is told once
     result_.report = check_system(result_.system, engine_, request_);
     confirmed_.clear();
@@ -169,6 +174,7 @@ class Refiner {
   }
 
   const std::filesystem::path& path_;
+  const std::string text_;
   Engine& engine_;
   const CheckRequest& request_;
   RefinementOptions options_;

@@ -113,6 +113,17 @@ TEST(File, ForeseesWhatCannotBeWritten) {
   EXPECT_NO_THROW(check_can_write("/dev/full"));
 }
 
+TEST(File, ReadsNoDevicesAndNoPipeAsARegularFile) {
+  EXPECT_EQ(message_of([] { read_file("/dev/zero"); }),
+            "cannot read the file: it is a device (/dev/zero)");
+  const TempDir folder;
+  const fs::path pipe = folder.path() / "pipe";
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  EXPECT_EQ(message_of([&] { read_regular_file(pipe); }),
+            "cannot read the file: it is no regular file (" + pipe.string() + ")");
+  EXPECT_THAT(message_of([&] { read_regular_file(folder.path()); }), HasSubstr("Is a directory"));
+}
+
 TEST(File, WritesIntoDevices) { EXPECT_NO_THROW(write_file_atomically("/dev/null", "1")); }
 
 TEST(TempDir, IsGoneWithItsContent) {

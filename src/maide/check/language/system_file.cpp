@@ -355,8 +355,9 @@ System parse_system(std::string_view text, const std::string& file, const ModelS
   return SystemReader(text, file, source).read();
 }
 
-System read_system(const std::filesystem::path& path, const ModelSource& source) {
-  const std::string text = read_file(path);
+System read_system(const std::filesystem::path& path, const ModelSource& source,
+                   const RunControl& control) {
+  const std::string text = read_file(path, control);
   return parse_system(text, path.string(), source);
 }
 

@@ -23,6 +23,7 @@
 #include <utility>
 #include <vector>
 
+#include "maide/base/run_control.hpp"
 #include "maide/check/language/system.hpp"
 
 namespace maide {
@@ -49,8 +50,10 @@ InterfaceAutomaton read_requested_model(const ModelRequest& request);
 System parse_system(std::string_view text, const std::string& file,
                     const ModelSource& source = read_requested_model);
 
-// Reads and parses. Throws UsageError if the file cannot be read.
+// Reads and parses. Throws UsageError if the file cannot be read. A pipe is waited for until
+// `control` says stop (throws Interrupted).
 System read_system(const std::filesystem::path& path,
-                   const ModelSource& source = read_requested_model);
+                   const ModelSource& source = read_requested_model,
+                   const RunControl& control = {});
 
 }  // namespace maide

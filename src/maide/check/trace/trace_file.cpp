@@ -194,8 +194,8 @@ TraceFile parse_trace(std::string_view text, const std::string& file, const Syst
   return TraceReader(file, system).read(parse_json(text, file));
 }
 
-TraceFile read_trace(const std::string& path, const System& system) {
-  return parse_trace(read_file(path), path, system);
+TraceFile read_trace(const std::string& path, const System& system, const RunControl& control) {
+  return parse_trace(read_file(path, control), path, system);
 }
 
 }  // namespace maide

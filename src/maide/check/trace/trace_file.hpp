@@ -11,6 +11,7 @@
 #include <string_view>
 
 #include "maide/base/json.hpp"
+#include "maide/base/run_control.hpp"
 #include "maide/check/trace/trace.hpp"
 
 namespace maide {
@@ -43,7 +44,8 @@ struct TraceFile {
 // step. O(steps x models + enabled steps).
 TraceFile parse_trace(std::string_view text, const std::string& file, const System& system);
 
-// Reads and parses. Throws UsageError if the file cannot be read.
-TraceFile read_trace(const std::string& path, const System& system);
+// Reads and parses. Throws UsageError if the file cannot be read. A pipe is waited for until
+// `control` says stop (throws Interrupted).
+TraceFile read_trace(const std::string& path, const System& system, const RunControl& control = {});
 
 }  // namespace maide
