@@ -263,6 +263,7 @@ class Run {
       is_over = false;
     } catch (...) {
       result_.guarantee = teacher.guarantee();
+      tested_.strength = teacher.strength();
       result_.error = std::current_exception();
     }
     result_.output_queries += learner->output_queries();
@@ -272,7 +273,6 @@ class Run {
     return is_over;
   }
 
-  // A query that did not come to its end says nothing of the model: `tested_` holds no such one.
   void judge_strength() {
     const TestMethodOptions& testing = options_.testing;
     tested_.standard = demand_of(result_.model, testing.sizes);
@@ -325,7 +325,7 @@ class Run {
   bool is_identified_ = false;               // nothing has contradicted it so far
   const LoggedTraces* traces_ = nullptr;     // of the present run
   LearnPhase phase_ = LearnPhase::learning;  // before a vote
-  TestedStrength tested_;  // of the present run's model, as far as a query came to its end
+  TestedStrength tested_;                    // of the present run's model
   QueryCounts slower_counts_;
   std::uint64_t kept_symbols_ = 0;  // in the cache when the run began
   ExperimentResult result_;

@@ -62,7 +62,7 @@ struct ExperimentOptions {
 
 // What the tests of a run established, and whether that is enough.
 struct TestedStrength {
-  // Of the model, by the last equivalence query; none if it did not come to its end.
+  // Of the model, by the last equivalence query, as far as that came.
   Strength strength;
   StrengthDemand standard;   // what a model of this size must reach not to be weak
   StrengthDemand demand;     // the same, with what TestMethodOptions::strength names

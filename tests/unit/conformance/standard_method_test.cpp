@@ -146,6 +146,54 @@ TEST(StandardMethod, StaysWithinItsBudgetWhateverIsDemanded) {
   EXPECT_GT(method.cost_of_missing().symbols, budget.symbols);
 }
 
+// Answers so many words, and then no more.
+class TiringOracle : public OracleDecorator {
+ public:
+  TiringOracle(OutputOracle& system, std::uint64_t words) : OracleDecorator(system), left_(words) {}
+  using OutputOracle::ask;
+  std::vector<MealyAnswer> ask(std::span<const Query> batch, const RunControl& control = {},
+                               const PartialSink& on_early_end = {}) override {
+    if (left_ < batch.size()) throw Interrupted("interrupted");
+    left_ -= batch.size();
+    return system_.ask(batch, control, on_early_end);
+  }
+
+ private:
+  std::uint64_t left_;
+};
+
+// Whenever a query is ended, each number is none, or the one that it comes to in the end.
+TEST(StandardMethod, KeepsWhatItEstablishedWhenItIsEnded) {
+  const Mealy machine = lock(5, 3);
+  MealyOracle oracle(machine);
+  CountingOracle counter(oracle);
+  StandardMethod whole(counter);
+  EXPECT_EQ(whole.find_counterexample(machine), std::nullopt);
+  const Strength strength = whole.strength();
+  const std::uint64_t words = counter.statistics().total().queries;
+  Strength before;
+  for (const std::uint64_t missing : {words, words / 2, words / 4, words / 8, words / 16,
+                                      words / 32, words / 64, std::uint64_t{1}}) {
+    TiringOracle tired(oracle, words - missing);
+    StandardMethod method(tired);
+    EXPECT_THROW(method.find_counterexample(machine), Interrupted);
+    const Strength kept = method.strength();
+    EXPECT_TRUE(kept.extra_states == std::nullopt || kept.extra_states == strength.extra_states);
+    EXPECT_TRUE(kept.random == 0 || kept.random == strength.random);
+    EXPECT_TRUE(kept.chained == 0 || kept.chained == strength.chained);
+    EXPECT_TRUE(kept.pumped == 0 || kept.pumped == strength.pumped);
+    EXPECT_GE(kept.chained, before.chained);
+    before = kept;
+  }
+  EXPECT_EQ(before.extra_states, strength.extra_states);
+  EXPECT_EQ(before.chained, strength.chained);
+  Mealy wrong = machine;
+  wrong.set_transition(2, 0, 1, 2);
+  StandardMethod method(oracle);
+  ASSERT_NE(method.find_counterexample(wrong), std::nullopt);
+  EXPECT_EQ(method.strength(), Strength{});
+}
+
 // A strength is that of the last query.
 TEST(StandardMethod, ARefutedHypothesisHasNoStrength) {
   const Mealy machine = lock(5, 3);

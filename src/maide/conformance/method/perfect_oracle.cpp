@@ -345,7 +345,10 @@ Word IncrementalComparison::word_to_pair(std::size_t place) const {
 
 std::optional<Word> PerfectOracle::find_counterexample(const Mealy& hypothesis,
                                                        const RunControl& /*control*/) {
-  return comparison_.find_difference(hypothesis);
+  is_equal_ = false;
+  std::optional<Word> difference = comparison_.find_difference(hypothesis);
+  is_equal_ = !difference;
+  return difference;
 }
 
 std::string PerfectOracle::guarantee() const { return "equivalent to the reference model"; }

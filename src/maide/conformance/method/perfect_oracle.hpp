@@ -135,10 +135,11 @@ class PerfectOracle : public EquivalenceOracle {
   std::optional<Word> find_counterexample(const Mealy& hypothesis,
                                           const RunControl& control = {}) override;
   std::string guarantee() const override;
-  Strength strength() const override { return {.exact = true}; }
+  Strength strength() const override { return {.exact = is_equal_}; }
 
  private:
   IncrementalComparison comparison_;
+  bool is_equal_ = false;  // by the last query
 };
 
 }  // namespace maide

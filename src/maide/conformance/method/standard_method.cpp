@@ -61,6 +61,8 @@ class StandardMethod::Query {
     std::optional<Word> word = run_base();
     if (!word) word = run_loops();
     if (!word) return std::nullopt;
+    strength_ = {};  // it is refuted, whatever ends the shortening
+    guarantee_.clear();
     const std::uint64_t most_queries = 64 + 2 * word->size();
     return shorten_counterexample(method_.oracle_, hypothesis_, *std::move(word), most_queries,
                                   control_);
@@ -287,9 +289,16 @@ std::optional<Word> StandardMethod::find_counterexample(const Mealy& hypothesis,
   strength_ = {};
   missing_ = {};
   Query query(*this, hypothesis, control);
-  std::optional<Word> counterexample = query.run();
-  if (!counterexample && hypothesis.inputs().find(delta_input).has_value()) {
-    counterexample = random_walk_.find_counterexample(hypothesis, control);
+  std::optional<Word> counterexample;
+  try {
+    counterexample = query.run();
+    if (!counterexample && hypothesis.inputs().find(delta_input).has_value()) {
+      counterexample = random_walk_.find_counterexample(hypothesis, control);
+    }
+  } catch (...) {  // what the suites before have established stays
+    strength_ = query.strength();
+    if (!query.guarantee().empty()) guarantee_ += "; " + query.guarantee();
+    throw;
   }
   if (counterexample) {
     counterexamples_.push_back(*counterexample);

@@ -10,8 +10,11 @@ namespace maide {
 
 std::optional<Word> ChainOracle::find_counterexample(const Mealy& hypothesis,
                                                      const RunControl& control) {
+  begun_ = 0;
   for (const auto& link : links_) {
+    ++begun_;
     if (auto counterexample = link->find_counterexample(hypothesis, control)) {
+      begun_ = 0;
       return counterexample;
     }
   }
@@ -26,8 +29,8 @@ std::string ChainOracle::guarantee() const {
 
 Strength ChainOracle::strength() const {
   Strength all;
-  for (const auto& link : links_) {
-    const Strength one = link->strength();
+  for (std::size_t link = 0; link < begun_; ++link) {
+    const Strength one = links_[link]->strength();
     all.exact = all.exact || one.exact;
     all.extra_states = std::max(all.extra_states, one.extra_states);
     all.chained = std::max(all.chained, one.chained);

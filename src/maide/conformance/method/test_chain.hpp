@@ -29,13 +29,15 @@ class ChainOracle : public EquivalenceOracle {
                                           const RunControl& control = {}) override;
   // Those of all links, joined by "; ".
   std::string guarantee() const override;
-  // In each dimension the most that a link reached.
+  // In each dimension the most that a link reached in the last query, unless that refuted the
+  // hypothesis.
   Strength strength() const override;
   // That of the link that misses most.
   TestCost cost_of_missing() const override;
 
  private:
   std::vector<std::unique_ptr<EquivalenceOracle>> links_;
+  std::size_t begun_ = 0;  // links that have a say in the strength
 };
 
 class TestChain {

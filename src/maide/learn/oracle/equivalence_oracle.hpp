@@ -32,7 +32,8 @@ class EquivalenceOracle {
   // with at most 2 more states behaves differently". For reports.
   virtual std::string guarantee() const = 0;
 
-  // The same in numbers, as far as the last run came; nothing by default.
+  // The same in numbers, as far as the last run came, be it that an exception ended it; nothing
+  // where it found a counterexample, and by default.
   virtual Strength strength() const { return {}; }
   // What the tests that are missing to the strength that was demanded would cost; nothing where
   // none is missing, or where the method does not know. For messages.
