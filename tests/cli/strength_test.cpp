@@ -289,6 +289,18 @@ TEST_F(StrengthOfVerdicts, UnknownStrengthIsSaidAndChangesNothing) {
   EXPECT_THAT(json_of(strong).at("assumptions").dump(), Not(HasSubstr("strength")));
 }
 
+TEST_F(StrengthOfVerdicts, WhatAFileDoesNotSayOfItsStrengthIsUnknown) {
+  const SubprocessResult result = check("extra-states=1");
+  EXPECT_EQ(result.exit_status, 0);
+  EXPECT_THAT(
+      json_of(result).at("assumptions").dump(),
+      HasSubstr("via: strength unknown, for the model does not say chained, pumped, random"));
+  EXPECT_THAT(json_of(check("extra-states=3,chained=3,pumped=64")).at("assumptions").dump(),
+              Not(HasSubstr("strength")))
+      << "three extra states stand in for random tests";
+  EXPECT_THAT(json_of(check("exact")).at("assumptions").dump(), Not(HasSubstr("strength")));
+}
+
 TEST_F(StrengthOfVerdicts, ViolatedStaysViolated) {
   EXPECT_EQ(check(weak, "",
                   "  p: repeat 4 { via.write; }\n  q: via.read -> message; other.read;\n"

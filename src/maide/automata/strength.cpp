@@ -95,7 +95,20 @@ std::string to_string(const StatedStrength& stated) {
 
 StatedStrength parse_stated_strength(std::string_view text) {
   const bool is_weak = text.starts_with(weak_mark);
-  return {parse_strength(is_weak ? text.substr(weak_mark.size()) : text), is_weak};
+  if (is_weak) text.remove_prefix(weak_mark.size());
+  StatedStrength stated{parse_strength(text), is_weak};
+  if (is_weak || stated.strength.exact) return stated;
+  const std::vector<std::string_view> parts = split(text, ',');
+  std::vector<std::string> unstated;
+  for (const auto& [dimension, most] : most_demanded) {
+    const bool is_stated = std::any_of(parts.begin(), parts.end(), [&](std::string_view part) {
+      return part.substr(0, part.find('=')) == dimension;
+    });
+    const bool is_deep = stated.strength.extra_states >= extra_states_without_random;
+    if (!is_stated && !(dimension == "random" && is_deep)) unstated.emplace_back(dimension);
+  }
+  stated.unstated = join(unstated);
+  return stated;
 }
 
 std::optional<StatedStrength> find_strength(const Origin& origin) {

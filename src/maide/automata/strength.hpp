@@ -63,6 +63,11 @@ inline constexpr std::string_view strength_key = "strength";
 struct StatedStrength {
   Strength strength;
   bool is_weak = false;
+  // "chained, pumped": what a text without the mark leaves out. Nobody knows whether the model is
+  // weak there.
+  std::string unstated = {};
+
+  bool is_known() const { return is_weak || unstated.empty(); }
 };
 std::string to_string(const StatedStrength& stated);
 StatedStrength parse_stated_strength(std::string_view text);  // throws as parse_strength

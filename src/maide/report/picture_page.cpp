@@ -215,7 +215,7 @@ const char* describe(WhenUnexplored when) {
 
 std::string describe_strength(const ModelInstance& model) {
   const auto stated = find_strength(model.automaton.origin);
-  if (!stated) return "strength unknown";
+  if (!stated || !stated->is_known()) return "strength unknown";
   if (!stated->is_weak) return "not weak";
   return model.when_weak == WhenWeak::accept ? "weak (when_weak: accept)" : "weak";
 }

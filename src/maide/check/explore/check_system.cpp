@@ -304,6 +304,10 @@ class Checker {
     for (const ModelInstance* model : find_used_models(system_)) {
       const auto stated = find_strength(model->automaton.origin);
       if (!stated) unknown.push_back(model->name);
+      if (stated && !stated->is_known()) {
+        report_.assumptions.push_back(fmt::format(
+            "{}: strength unknown, for the model does not say {}", model->name, stated->unstated));
+      }
       if (!stated || !stated->is_weak) continue;
       report_.assumptions.push_back(fmt::format(
           "{} is weak{}: its tests reached {}", model->name,
