@@ -290,6 +290,24 @@ TEST_F(CheckCommand, LimitsAreInconclusive) {
               HasSubstr("out of time"));
 }
 
+// The signal comes when the system has been read, and its two million states have not been seen.
+TEST_F(CheckCommand, JsonSaysThatASignalEndedTheCheck) {
+  const std::string examples = MAIDE_SOURCE_DIR "/examples";
+  const SubprocessResult result =
+      run_with_maide("cd '" + folder_.path().string() +
+                     "'; mkfifo pipe; \"$maide\" check --json pipe & run=$!; "
+                     "sed 's#[.][.]/models#" +
+                     examples + "/models#' '" + examples +
+                     "/case-study-2/nonblocking-drop.yaml' > pipe; "
+                     "while ls -l /proc/$run/fd 2> /dev/null | grep -q pipe$; do sleep 0.01; done; "
+                     "kill -TERM $run; wait $run");
+  EXPECT_EQ(result.exit_status, 3);
+  const Json json = json_of(result);
+  EXPECT_EQ(json.at("status"), 3);
+  EXPECT_EQ(json.at("error"), "interrupted");
+  EXPECT_EQ(json.at("verdict"), "inconclusive");
+}
+
 TEST_F(CheckCommand, ToolsThatAreMissingAreNamed) {
   const std::string path = system("  p: via.write;\n");
   EXPECT_EQ(run_with_maide("PATH=/nowhere \"$maide\" check '" + path + "'").exit_status, 0);

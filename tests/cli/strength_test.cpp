@@ -111,6 +111,36 @@ TEST_F(StrengthOfLearning, WhatIsDemandedIsReachedOrTheStatusSaysSo) {
   EXPECT_TRUE(std::filesystem::exists(path("m.dot")));
 }
 
+// A lower demand is met, and the model is weak all the same: the first line says that both are so.
+TEST_F(StrengthOfLearning, AModelThatIsWeakAsWasAskedForIsCalledSo) {
+  const SubprocessResult met =
+      learn({"--strength", "extra-states=2,chained=0,pumped=0,random=0", "-o", path("model.dot")});
+  EXPECT_EQ(met.exit_status, 0) << met.err;
+  EXPECT_THAT(met.out, StartsWith("WEAK, as --strength allows: parts of the system may be"));
+  EXPECT_THAT(met.out, HasSubstr(". Go on: maide learn " + strict_3 + " --output " +
+                                 path("model.dot") + " --start-from " + path("model.dot") + "\n"));
+  EXPECT_THAT(met.out, HasSubstr("strength             weak: extra-states=2,"));
+}
+
+// The tests of a model that is not weak may have missed what is demanded beyond that.
+TEST_F(StrengthOfLearning, ADemandThatIsNotReachedSaysHowToGoOn) {
+  const std::string model = path("model.dot");
+  const std::vector<std::string> arguments{"learn",      strict_3,          "--max-tests", "20000",
+                                           "--strength", "extra-states=15", "-o",          model};
+  const SubprocessResult missed = run_maide(arguments);
+  EXPECT_EQ(missed.exit_status, 3);
+  EXPECT_THAT(missed.out, Not(HasSubstr("WEAK")));
+  EXPECT_THAT(missed.err, StartsWith("maide: the tests did not reach what --strength demands: "
+                                     "extra-states=15 (reached: "));
+  EXPECT_THAT(missed.err, EndsWith("). Go on: maide learn " + strict_3 + " --output " + model +
+                                   " --strength extra-states=15 --start-from " + model + "\n"));
+  std::vector<std::string> with_json = arguments;
+  with_json.emplace_back("--json");
+  const Json json = json_of(run_maide(with_json));
+  EXPECT_EQ(json.at("status"), 3);
+  EXPECT_THAT(json.at("error").get<std::string>(), HasSubstr("Go on: maide learn"));
+}
+
 TEST_F(StrengthOfLearning, ADemandThatIsNoneIsFoundBeforeTheSystemIsStarted) {
   const std::string trace = path("started");
   const std::string system = "exec:sh -c 'touch " + trace + "'";
@@ -152,6 +182,30 @@ TEST_F(StrengthOfLearning, OfARunThatEndedEarlyIsNone) {
   EXPECT_TRUE(json.at("strength").at("extra_states").is_null());
   EXPECT_THAT(json.at("dot").get<std::string>(),
               HasSubstr("strength=\"weak: chained=0,pumped=0,random=0\""));
+}
+
+// The last equivalence query ends early; the suites that came to their end count.
+TEST_F(StrengthOfLearning, OfARunThatEndedInItsLastTestsIsWhatThoseReached) {
+  const auto run = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> arguments{
+        "learn", std::string("sim:") + MAIDE_SOURCE_DIR + "/tests/models/strict-3-tryread.dot",
+        "--json"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run_maide(arguments);
+  };
+  const Json whole = json_of(run({}));
+  const auto experiments = whole.at("experiments").get<std::uint64_t>();
+  const SubprocessResult ended = run({"--max-experiments", std::to_string(experiments - 1)});
+  EXPECT_EQ(ended.exit_status, 3);
+  const Json json = json_of(ended);
+  EXPECT_EQ(json.at("complete"), false);
+  for (const char* dimension : {"extra_states", "chained", "random"}) {
+    EXPECT_EQ(json.at("strength").at(dimension), whole.at("strength").at(dimension)) << dimension;
+  }
+  EXPECT_THAT(json.at("guarantee").get<std::string>(),
+              HasSubstr("not tested to the end; not refuted by "));
+  EXPECT_EQ(json.at("status"), 3);
+  EXPECT_EQ("maide: " + json.at("error").get<std::string>() + "\n", ended.err);
 }
 
 TEST_F(StrengthOfLearning, InputsThatNeverHadAnEffectAreNamed) {

@@ -69,9 +69,23 @@ void Context::set_result(const Json& object) {
 
 void Context::complain(std::string_view message) { write_error_line(message); }
 
-void Context::finish() {
+ExitStatus Context::fail(const std::string& message, ExitStatus status) {
+  complain(message);
+  failure_ = message;
+  return status;
+}
+
+void Context::finish(ExitStatus status) {
   if (!options_.json) return;
   if (!result_) set_result(Json::object());
+  const bool is_stopped = stop_.stop_requested() && status == ExitStatus::inconclusive;
+  if (failure_.empty() && is_stopped) failure_ = "interrupted";
+  if (!failure_.empty()) {
+    Json result = parse_json(*result_, "--json");
+    result["error"] = failure_;
+    result["status"] = static_cast<int>(status);
+    result_ = to_json_line(result);
+  }
   write_data(*result_ + "\n");
 }
 

@@ -71,14 +71,20 @@ class Context {
   // An error or a remark that ends nothing by itself: one line "maide: message" on standard error.
   void complain(std::string_view message);
 
-  // Prints what set_result left and makes sure that all output has arrived.
-  void finish();
+  // An error that ends a command which has a result all the same: complain(), and `error` and
+  // `status` in the result. Returns the status.
+  ExitStatus fail(const std::string& message, ExitStatus status);
+
+  // Prints what set_result left and makes sure that all output has arrived. The result of a command
+  // that Ctrl-C ended has `error` and `status`, too.
+  void finish(ExitStatus status);
 
  private:
   CommonOptions options_;
   std::stop_token stop_;
   ProgressLine progress_;
   std::optional<std::string> result_;  // the JSON line
+  std::string failure_;                // of fail()
 };
 
 // Writes to standard output and flushes it. Throws as Context::print.

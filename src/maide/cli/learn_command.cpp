@@ -137,13 +137,11 @@ ExperimentOptions experiment_options(const LearnArguments& arguments, const Meal
 // standard output.
 ExitStatus rescue(const LearnedModel& learned, std::size_t jobs, const std::string& dot,
                   const Error& failure, Context& context) {
-  context.complain(failure.what());
   context.print_data(dot);
   Json json = learned_as_json(learned, jobs, "");
-  json["error"] = failure.what();
   json["dot"] = dot;
   context.set_result(json);
-  return failure.status();
+  return context.fail(failure.what(), failure.status());
 }
 
 // What was asked for, as typed, and how many systems were asked at once.
@@ -153,14 +151,21 @@ struct Request {
   std::size_t jobs;
 };
 
+// ". Go on: maide learn ..."; empty where nothing would help.
+std::string go_on(const LearnedModel& learned, const LearnArguments& arguments,
+                  const CommandLine& line) {
+  const std::string command =
+      describe_next_command(line, learned.experiment,
+                            {arguments.tests.read().effort, learned.model ? arguments.output : ""});
+  return command.empty() ? "" : ". Go on: " + command;
+}
+
 // The first line for a weak model; empty for any other.
 std::string first_line(const LearnedModel& learned, const LearnArguments& arguments,
-                       const CommandLine& line, const std::string& written) {
+                       const CommandLine& line) {
   const ExperimentResult& run = learned.experiment;
   if (!run.is_weak() || !learned.model) return "";
-  const std::string command =
-      describe_next_command(line, run, {arguments.tests.read().effort, written});
-  return describe_weakness(run) + (command.empty() ? "" : ". Go on: " + command) + "\n";
+  return describe_weakness(run) + go_on(learned, arguments, line) + "\n";
 }
 
 // Writes the model where it belongs: to the file, or, for people who gave none, to standard output
@@ -183,7 +188,7 @@ ExitStatus give_result(const LearnedModel& learned, const LearnArguments& argume
   }
   std::string summary = context.quiet()
                             ? describe_briefly(learned, written)
-                            : first_line(learned, arguments, line, written) +
+                            : first_line(learned, arguments, line) +
                                   describe_learned(learned, spec, arguments.vote, jobs, written);
   if (context.verbose()) summary += describe_statistics(learned.experiment);
   if (written.empty()) {
@@ -256,20 +261,23 @@ void check_distinct(const LearnArguments& arguments) {
 }
 
 // The error that ended the run, or a strength that was demanded and not reached.
-ExitStatus judge(const ExperimentResult& run, const LearnArguments& arguments, Context& context) {
+ExitStatus judge(const LearnedModel& learned, const LearnArguments& arguments,
+                 const CommandLine& line, Context& context) {
+  const ExperimentResult& run = learned.experiment;
   if (!run.is_complete()) {
     try {
       std::rethrow_exception(run.error);
     } catch (const Error& error) {
-      context.complain(error.what());
-      return error.status();
+      return context.fail(error.what(), error.status());
     }
   }
   if (arguments.tests.read().strength.empty() || !run.strength) return ExitStatus::ok;
   const std::string missing = describe_missing(*run.strength);
   if (missing.empty()) return ExitStatus::ok;
-  context.complain("the tests did not reach what --strength demands: " + missing);
-  return ExitStatus::inconclusive;
+  const bool is_said = run.is_weak() && !context.quiet() && !context.json();  // by first_line()
+  return context.fail("the tests did not reach what --strength demands: " + missing +
+                          (is_said ? "" : go_on(learned, arguments, line)),
+                      ExitStatus::inconclusive);
 }
 
 ExitStatus learn(const LearnArguments& arguments, const CommandLine& line, Context& context) {
@@ -332,7 +340,7 @@ ExitStatus learn(const LearnArguments& arguments, const CommandLine& line, Conte
   if (!arguments.plot.empty()) {
     write_file_atomically(arguments.plot, draw_hypotheses(learned.experiment, spec.text));
   }
-  const ExitStatus status = judge(learned.experiment, arguments, context);
+  const ExitStatus status = judge(learned, arguments, line, context);
   return status == ExitStatus::ok ? given : status;
 }
 

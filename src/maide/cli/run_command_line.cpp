@@ -86,7 +86,7 @@ ExitStatus run(const Command& command, const std::vector<std::string>& typed) {
   const Interrupt interrupt;
   Context context(common, interrupt.token());
   const ExitStatus status = run(context);
-  context.finish();
+  context.finish(status);
   return status;
 }
 

@@ -193,7 +193,8 @@ std::string describe_weakness(const ExperimentResult& run) {
   for (const Gap& gap : find_gaps(*run.strength, stricter(*run.strength))) {
     untried.push_back(fmt::format("{} (reached: {})", gap.untried, gap.reached));
   }
-  return fmt::format("WEAK: parts of the system may be missing from this model. Not tried: {}{}",
+  return fmt::format("WEAK{}: parts of the system may be missing from this model. Not tried: {}{}",
+                     run.strength->shortfall().empty() ? ", as --strength allows" : "",
                      join(untried, "; "), describe_cost(run));
 }
 
@@ -204,13 +205,17 @@ std::string describe_next_command(const CommandLine& line, const ExperimentResul
   for (const Argument& argument : line.all()) {
     is_default = is_default && (!argument.is_given() || !is_of_tests(argument.name()));
   }
-  const std::uint64_t effort =
-      run.is_complete() && is_default ? needed_effort(run, next.effort) : next.effort;
+  // So do they where --strength asked for less than that, and got it.
+  const bool asked_less = run.is_complete() && run.strength && run.strength->shortfall().empty();
+  const std::uint64_t effort = run.is_complete() && is_default && !asked_less
+                                   ? needed_effort(run, next.effort)
+                                   : next.effort;
   if (effort > most_effort) return "";
   std::vector<std::string> words{"maide", "learn"};
   const auto add = [&words](const std::string& word) { words.push_back(quote_shell_word(word)); };
   for (const Argument& argument : line.all()) {
     if (!argument.is_given() || is_replaced(argument.name(), run.is_complete())) continue;
+    if (asked_less && argument.name() == "--strength") continue;
     if (!argument.takes_value()) {
       add(argument.name());
       continue;
