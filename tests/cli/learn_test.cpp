@@ -273,6 +273,31 @@ TEST(Learn, AFolderOfModelsSaysWhichOneItIs) {
                "there is no such file or folder (--start-from no-such-folder)");
 }
 
+// Every file of the folder that cannot be used is named in one way.
+TEST(Learn, NamesTheKnownModelsThatItLeavesOut) {
+  const TempDir folder("learn-test");
+  fs::copy_file(models / "strict-2.dot", folder.path() / "a.dot");
+  fs::copy_file(models / "strict-2.dot", folder.path() / "same.dot");
+  fs::copy_file(models / "port.dot", folder.path() / "unreadable.png");
+  write_file_atomically(folder.path() / "broken.dot", "digraph {");
+  write_file_atomically(folder.path() / "other.dot",
+                        "digraph { __start0 -> a; a -> a [label=\"other / x\"]; }");
+  const SubprocessResult result = run_maide(learn({"port", "kind=strict", "size=2", "--start-from",
+                                                   folder.path().string(), "-o", "/dev/null"}));
+  EXPECT_EQ(result.exit_status, 0) << result.err;
+  const std::string path = folder.path().string() + "/";
+  EXPECT_EQ(result.err, "maide: left out: '}' expected before the end of the file (" + path +
+                            "broken.dot:1:10)\n"
+                            "maide: left out: it has not all of the system's inputs (" +
+                            path +
+                            "other.dot)\n"
+                            "maide: left out: it behaves as a.dot does (" +
+                            path +
+                            "same.dot)\n"
+                            "maide: left out: a model's file ends in .dot, .gv or .aut (" +
+                            path + "unreadable.png)\n");
+}
+
 TEST(Learn, ConfirmsOnceWhatItsCacheAnswers) {
   const TempDir folder("learn-test");
   const auto run = [&](const std::string& confirm) {

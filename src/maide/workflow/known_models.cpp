@@ -167,7 +167,7 @@ std::vector<KnownModel> read_known_models(const std::filesystem::path& folder,
     try {
       const Mealy machine = read_machine(file, translation);
       if (!has_all(machine, inputs)) {
-        note(fmt::format("it has not all of the system's inputs: left out ({})", file.string()));
+        note(fmt::format("left out: it has not all of the system's inputs ({})", file.string()));
         continue;
       }
       Mealy known = prepare(machine, inputs);
@@ -175,7 +175,7 @@ std::vector<KnownModel> read_known_models(const std::filesystem::path& folder,
         return !find_distinguishing_word(model.machine, known);
       });
       if (same != models.end()) {
-        note(fmt::format("it behaves as {} does: left out ({})", same->name, file.string()));
+        note(fmt::format("left out: it behaves as {} does ({})", same->name, file.string()));
         continue;
       }
       models.push_back({file.filename().string(), std::move(known)});
