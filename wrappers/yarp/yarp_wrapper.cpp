@@ -94,8 +94,8 @@ void bound_interrupts(SystemSetup& setup, const OptionValues& options) {
   setup.bound = fmt::format("at most {} interrupt{} of the reader", most, most == 1 ? "" : "s");
 }
 
-SystemSetup::InFlight describe_flight(Kind kind, const std::string& carrier) {
-  SystemSetup::InFlight flight;
+MessagesInFlight describe_flight(Kind kind, const std::string& carrier) {
+  MessagesInFlight flight;
   flight.sends = {"write", "write_2"};
   flight.receives = {"message"};
   // The rendezvous and the newest-only buffer hold one message themselves: no bound is needed.

@@ -114,8 +114,7 @@ class Writer {
   std::string both_can(const StepAction& action) {
     StepAction plain = action;
     plain.is_beyond = false;
-    const std::string program =
-        instance("p", system_.programs[action.program].name) + "." + can(plain);
+    std::string program = instance("p", system_.programs[action.program].name) + "." + can(plain);
     if (action.kind == Kind::choice) return program;
     return program + " & " + instance("m", system_.models[action.model].name) + "." + can(action);
   }

@@ -39,6 +39,13 @@ struct WrapperDescription {
   std::chrono::milliseconds floor{0};
 };
 
+// What `size=` bounds. With capacity <= size the bound never binds.
+struct MessagesInFlight {
+  std::vector<std::string> sends = {"write"};       // inputs that put a message into flight
+  std::vector<std::string> receives = {"message"};  // events that take one out
+  std::size_t capacity = 0;  // messages that the system itself keeps at most; 0: no limit
+};
+
 // What the system is once its options are set. Everything is listed; the SDK picks what
 // `inputs=` and `observe=` name.
 struct SystemSetup {
@@ -51,12 +58,6 @@ struct SystemSetup {
     std::string name;
     std::string actor;
   };
-  // What `size=` bounds. With capacity <= size the bound never binds.
-  struct InFlight {
-    std::vector<std::string> sends = {"write"};       // inputs that put a message into flight
-    std::vector<std::string> receives = {"message"};  // events that take one out
-    std::size_t capacity = 0;  // messages that the system itself keeps at most; 0: no limit
-  };
 
   std::vector<std::string> actors;  // in the canonical order
   std::vector<Input> inputs;
@@ -65,9 +66,9 @@ struct SystemSetup {
   // `old`, where messages can come again) everywhere, `observe=` and `returns` included.
   std::string message_event = "message";
   bool messages_come_again = false;
-  std::optional<InFlight> in_flight;      // set it if the table has `size`
-  std::vector<LearningPurpose> purposes;  // further ones
-  std::string bound;                      // of the further ones, in words
+  std::optional<MessagesInFlight> in_flight;  // set it if the table has `size`
+  std::vector<LearningPurpose> purposes;      // further ones
+  std::string bound;                          // of the further ones, in words
   // The default of option `floor` with these options, if it is not the wrapper's usual one.
   std::optional<std::chrono::milliseconds> floor;
   // What `usual` stands for in `inputs=` and `observe=`, where the table's rows allow that word:
