@@ -52,6 +52,40 @@ TEST(Commutation, FairnessWatchesWhatBecomesPossible) {
   EXPECT_EQ(strong.undisturbed(up, downs), (States{0, 0, 0}));
 }
 
+// `next` leads from 0 to 1 to 2, and with `set` given before from 3 to 4 to 5. `use` changes
+// nothing. It is possible at 1 and 4, and at 5: there because `set` was given.
+ModelInstance settable_model() {
+  ModelInstance model;
+  model.name = "settable";
+  model.automaton = InterfaceAutomaton(Alphabet({"set", "use", "next"}), Alphabet({"none"}), 6);
+  const auto add = [&model](StateId from, Symbol input, StateId to) {
+    model.automaton.add_transition(from, {Action::Kind::input, input}, to);
+  };
+  for (const StateId at : {0, 1, 2}) add(at, 0, at + 3);
+  for (const StateId at : {1, 4, 5}) add(at, 1, at);
+  for (const StateId at : {0, 1, 3, 4}) add(at, 2, at + 1);
+  return model;
+}
+
+// `set` commutes with both others everywhere, but at 2 it makes `use` possible. `use` was possible
+// at 1, so weak fairness watches there and at 0, from where `next` leads to 1. At 2 it cannot have
+// been possible before.
+TEST(Commutation, FairnessLooksAheadForWhatWasPossible) {
+  std::vector<ProgramEdge> actions(3);
+  for (Symbol input = 0; input < 3; ++input) {
+    actions[input].kind = ProgramEdge::Kind::give;
+    actions[input].symbol = input;
+  }
+  constexpr std::size_t set = 0;
+  constexpr std::uint64_t use_and_next = 6;
+  const auto undisturbed = [&actions](Commutation::Watch watch) {
+    return Commutation(settable_model(), actions, watch).undisturbed(set, use_and_next);
+  };
+  EXPECT_EQ(undisturbed(Commutation::Watch::nothing), (States{1, 1, 1, 1, 1, 1}));
+  EXPECT_EQ(undisturbed(Commutation::Watch::weak), (States{0, 0, 1, 1, 1, 1}));
+  EXPECT_EQ(undisturbed(Commutation::Watch::strong), (States{0, 0, 0, 1, 1, 1}));
+}
+
 // Never tried at 2: a write there leaves what was learned, and a read first prevents that.
 TEST(Commutation, ACutIsAnOutcomeOfItsOwn) {
   ModelInstance model = counter();
