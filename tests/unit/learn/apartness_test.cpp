@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <set>
 
 #include "maide/automata/compare.hpp"
@@ -126,6 +127,47 @@ TEST(Apartness, KeptUpToDateIsWhatComparingSubtreesFinds) {
     EXPECT_GT(apartness.size(), 2U);
     EXPECT_LE(apartness.size(), 12U);
   }
+}
+
+// What is reported as changed is enough to keep a copy of the candidates up to date.
+TEST(Apartness, ReportsEveryChangeOfCandidates) {
+  struct Known {
+    FrontierClasses::Class at = FrontierClasses::none;
+    std::vector<StateId> candidates;
+  };
+  Random random(7);
+  std::size_t lost = 0;  // without a word of their own
+  for (int round = 0; round < 20; ++round) {
+    const Mealy machine = random_mealy({.states = 12, .inputs = 3, .outputs = 2}, random);
+    Apartness apartness(3);
+    std::vector<Known> copy;
+    const auto compare = [&] {
+      const FrontierClasses& classes = apartness.classes();
+      const auto [changed, moved] = apartness.classes().take_changes();
+      copy.resize(apartness.transition_count());
+      for (Apartness::Transition member = 0; member < copy.size(); ++member) {
+        const Known now{classes.class_of(member), apartness.candidates(member)};
+        if (now.at != FrontierClasses::none && std::ranges::count(moved, member) == 0) {
+          ASSERT_EQ(now.at, copy[member].at);
+          if (std::ranges::count(changed, now.at) == 0) {
+            ASSERT_EQ(now.candidates, copy[member].candidates);
+          }
+          lost += now.candidates.size() < copy[member].candidates.size() ? 1 : 0;
+        }
+        copy[member] = now;
+      }
+    };
+    for (int i = 0; i < 150; ++i) {
+      const Word word = random_word(random.between(1, 9), 3, random);
+      apartness.insert(word, machine.output_word(word));
+      ASSERT_NO_FATAL_FAILURE(compare()) << "round " << round << ", word " << i;
+      while (apartness.has_isolated()) {
+        apartness.promote_isolated();
+        ASSERT_NO_FATAL_FAILURE(compare()) << "round " << round << ", word " << i;
+      }
+    }
+  }
+  EXPECT_GT(lost, 0U);
 }
 
 // Answers from `node` on are those that the hypothesis gives from `state` on.

@@ -94,9 +94,9 @@ ObservationTree::Inserted Apartness::insert(const Word& inputs, const Word& outp
     classes_.move(transition, all_inputs.subspan(i + 1), all_outputs.subspan(i + 1), tree_);
     MAIDE_CHECK(i < result.known || unasked_[state] > 0);
     if (i >= result.known && --unasked_[state] == 0) {
+      MAIDE_CHECK(waiting_[state].empty());  // looked at above
       std::erase(incomplete_, state);
       classes_.add_state(state, basis_[state], tree_);
-      look_at_waiting(state);
     }
     break;
   }
