@@ -128,8 +128,8 @@ void ObservationTable::close(const RunControl& control) {
     control.check("learning");
     fill(control);
     if (short_by_cells_.empty()) {
+      MAIDE_CHECK(unseen == 0);  // cleared between two calls only
       for (const RowId row : short_rows_) short_by_cells_.emplace(rows_[row].cells, row);
-      unseen = 0;
     }
     MAIDE_CHECK(!short_by_cells_.empty() && short_by_cells_.size() <= short_rows_.size());
     const RowId first = std::exchange(unseen, static_cast<RowId>(rows_.size()));
