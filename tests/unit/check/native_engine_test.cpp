@@ -209,6 +209,16 @@ System system_with(const std::string& name, const std::vector<std::string>& inpu
                       [&](const ModelRequest&) { return automaton; });
 }
 
+// There are two places. b takes one, goes round its loop, and takes the other. So a, which could
+// take a place before that, must also be seen to come too late.
+TEST(NativeEngine, WhatALoopComesBackToIsSeen) {
+  const System system = system_with(
+      "places", {"take"}, 3, {{0, 0, 1}, {1, 0, 2}},
+      "programs:\n  a: places.take; if * {}\n  b: loop { places.take; if * {} if * {} }\n"
+      "properties:\n  served: {ltl: F a@end, fairness: none}\n");
+  EXPECT_EQ(check(system, system.properties[0]).verdict, Verdict::violated);
+}
+
 // A door with two bolts that are drawn and shot apart, and shut again together. Who wants to pass
 // can do so only while the first alone is drawn.
 System door_system(const std::string& rest) {

@@ -90,6 +90,14 @@ void StubbornSets::compute_future(const Program& program, ReducedProgram& reduce
       if (grows) open.push_back(source);
     }
   }
+  for (ControlState at = 0; at < program.states.size(); ++at) {
+    for (const ControlState source : before[at]) {
+      for (std::size_t slot = 0; slot < width; ++slot) {
+        MAIDE_CHECK((reduced.future[at * width + slot] & ~reduced.future[source * width + slot]) ==
+                    0);  // what may follow a step may follow what is before it
+      }
+    }
+  }
 }
 
 StubbornSets::Now StubbornSets::look_at(std::size_t program) const {
