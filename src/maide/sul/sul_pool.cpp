@@ -159,6 +159,7 @@ class SulPool::Batch {
       changed_.notify_all();
     };
     bool is_alive = true;
+    std::exception_ptr failure;
     try {
       sul.run(queries, sink, control);
       if (std::find(is_answered.begin(), is_answered.end(), false) != is_answered.end()) {
@@ -166,20 +167,22 @@ class SulPool::Batch {
       }
     } catch (const WrapperError&) {
       is_alive = false;
-      put_back(sul, portion, is_answered, std::current_exception());
+      failure = std::current_exception();
     } catch (...) {
       is_alive = false;
       stop(std::current_exception());
     }
     const std::scoped_lock lock(mutex_);
+    // At once: nobody may see a query both in flight and in the queue.
     in_flight_ -= portion.size();
+    if (failure) put_back(sul, portion, is_answered, failure);
     changed_.notify_all();
     return is_alive;
   }
 
+  // The mutex is held.
   void put_back(const Sul& sul, const Portion& portion, const std::vector<bool>& is_answered,
                 const std::exception_ptr& error) {
-    const std::scoped_lock lock(mutex_);
     for (std::size_t i = portion.size(); i-- > 0;) {
       if (!is_answered[i]) queue_.push_front(portion[i]);
     }
