@@ -121,7 +121,8 @@ TEST(ExpectedCounts, AreExactlyThose) {
     const bool is_known = expected.contains(where);
     ADD_FAILURE() << change["path"].get<std::string>() << ": "
                   << (is_known ? expected[where].dump() : "nothing") << " expected, "
-                  << (counts.contains(where) ? counts[where].dump() : "nothing") << " counted";
+                  << (counts.contains(where) ? counts[where].dump() : "nothing")
+                  << " counted; if that is meant: run this once with MAIDE_APPROVE=1";
   }
 }
 

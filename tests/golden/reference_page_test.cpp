@@ -68,7 +68,7 @@ TEST(ReferencePage, SaysWhatTheTablesSay) {
     std::filesystem::create_directories(file.parent_path());
     write_file_atomically(file, page);
   }
-  EXPECT_EQ(read_file(file), page);
+  EXPECT_EQ(read_file(file), page) << "if that is meant: run this once with MAIDE_APPROVE=1";
 }
 
 // Every option is looked at by some method, and methods look at no option that there is not.
