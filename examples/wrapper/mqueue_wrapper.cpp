@@ -13,7 +13,7 @@
 #include <string>
 #include <system_error>
 
-#include "maide/wire/wrapper/system_wrapper.hpp"
+#include "maide/wrapper.hpp"
 
 namespace {
 
