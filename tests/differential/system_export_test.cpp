@@ -1,6 +1,6 @@
-// Systems in other languages against their meaning (check/system.hpp): on random systems with fixed
-// seeds, in all three ways of meeting the bound, as many states, steps and deadlocks. SMV and mCRL2
-// are explored by small readers of the part of these languages that the exports use
+// Systems in other languages against their meaning (check/language/system.hpp): on random systems
+// with fixed seeds, in all three ways of meeting the bound, as many states, steps and deadlocks.
+// SMV and mCRL2 are explored by small readers of the part of these languages that the exports use
 // (explore_smv.py, explore_mcrl2.py), and by NuSMV and mCRL2 themselves where they are installed.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -57,7 +57,7 @@ void PackedSystem::add_program(const Program& program) {
   packed.first_edge.push_back(static_cast<std::uint32_t>(program.edges.size()));
 }
 
-// The steps of check/system.cpp, for each state of the model.
+// The steps of check/language/system.cpp, for each state of the model.
 void PackedSystem::add_action(const ProgramEdge& edge) {
   ActionTable& table = tables_[edge.model][action_index(edge)];
   if (table.first != no_table) return;
