@@ -40,7 +40,7 @@ const std::vector<Tool>& tools() {
 
 struct Middleware {
   std::string name, title;
-  std::string install;  // what there is to do where its wrapper is not built
+  std::string advice;  // what there is to do where its wrapper is not there
 };
 
 enum class State : std::uint8_t { usable, missing, broken };
@@ -112,7 +112,7 @@ Finding examine(const Middleware& middleware, const RunControl& control) {
   Finding finding{"wrapper", middleware.name, middleware.title};
   const auto path = find_wrapper(middleware.name);
   if (!path) {
-    finding.advice = middleware.install + "; then configure and build maide again";
+    finding.advice = middleware.advice;
     return finding;
   }
   finding.path = path->string();
@@ -139,8 +139,10 @@ std::vector<Finding> examine_all(const RunControl& control) {
   }
   for (const KernelFeature& feature : examine_kernel()) findings.push_back(examine(feature));
   std::vector<Middleware> all;
-  for (const auto& [name, title, install] : own_wrappers) {
-    all.push_back({std::string(name), std::string(title), std::string(install)});
+  for (const auto& [name, title, install, is_built] : own_wrappers) {
+    all.push_back({std::string(name), std::string(title),
+                   is_built ? fmt::format("build the target maide-wrap-{} of maide", name)
+                            : fmt::format("{}; then configure and build maide again", install)});
   }
   for (const std::string& name : list_wrappers()) {
     const bool known = std::any_of(all.begin(), all.end(),
