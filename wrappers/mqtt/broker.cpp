@@ -33,7 +33,7 @@ std::string find_mosquitto() {
   std::string path = "/usr/local/sbin:/usr/sbin";
   if (const char* set = std::getenv("PATH")) path = std::string(set) + ":" + path;
   for (const std::string_view folder : split(path, ':')) {
-    const std::string program = std::string(folder) + "/mosquitto";
+    std::string program = std::string(folder) + "/mosquitto";
     if (!folder.empty() && ::access(program.c_str(), X_OK) == 0) return program;
   }
   return "";

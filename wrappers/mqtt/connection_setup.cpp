@@ -99,7 +99,7 @@ class InFlightPurpose {
   }
   static Place with_messages(Place place, int change) {
     if (change < 0 && place.messages == 0) return place;
-    place.messages = static_cast<std::size_t>(static_cast<int>(place.messages) + change);
+    place.messages += static_cast<std::size_t>(change);  // wraps round where it is negative
     return place;
   }
 

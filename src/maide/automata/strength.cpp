@@ -101,9 +101,10 @@ StatedStrength parse_stated_strength(std::string_view text) {
   const std::vector<std::string_view> parts = split(text, ',');
   std::vector<std::string> unstated;
   for (const auto& [dimension, most] : most_demanded) {
-    const bool is_stated = std::any_of(parts.begin(), parts.end(), [&](std::string_view part) {
-      return part.substr(0, part.find('=')) == dimension;
-    });
+    const bool is_stated =
+        std::any_of(parts.begin(), parts.end(), [&, name = dimension](std::string_view part) {
+          return part.substr(0, part.find('=')) == name;
+        });
     const bool is_deep = stated.strength.extra_states >= extra_states_without_random;
     if (!is_stated && !(dimension == "random" && is_deep)) unstated.emplace_back(dimension);
   }

@@ -58,8 +58,9 @@ std::string printable(std::string_view text) {
   while (!text.empty()) {
     const std::string_view before = text;
     const std::optional<char32_t> character = take_character(text);
-    const bool is_kept =
-        character == U'\n' || character == U'\t' || (character && !is_control(*character));
+    // NOLINTNEXTLINE(misc-redundant-expression): clang-tidy 14 takes '\n' and '\t' for one
+    const bool is_blank = character == U'\n' || character == U'\t';
+    const bool is_kept = is_blank || (character && !is_control(*character));
     result += is_kept ? before.substr(0, before.size() - text.size()) : "?";
   }
   return result;
