@@ -96,11 +96,13 @@ std::string read_file(const fs::path& path, const RunControl& control) {
   // Some devices never end.
   const bool is_device = S_ISBLK(status.st_mode) || S_ISCHR(status.st_mode);
   if (is_device && ::isatty(file.get()) == 0) refuse_to_read("it is a device", path);
+  // What is there is read whatever the time is: a limit of time is for what is done with it.
+  const bool may_wait = !S_ISREG(status.st_mode);
   constexpr int most_milliseconds = 100;  // until it is seen that a call is to stop
   std::string content;
   std::array<char, 65536> buffer{};
   for (;;) {
-    control.check("reading the file");
+    if (may_wait) control.check("reading the file");
     pollfd data{file.get(), POLLIN, 0};
     if (::poll(&data, 1, most_milliseconds) <= 0) continue;  // nothing yet, or a signal
     const ssize_t count = ::read(file.get(), buffer.data(), buffer.size());

@@ -20,7 +20,7 @@ namespace maide {
 
 // The file's bytes. Throws UsageError "cannot read the file: reason (path)"; a directory is no
 // file, and of devices only a terminal is one. A pipe is waited for, its other end too, until
-// `control` says stop (throws Interrupted).
+// `control` says stop (throws Interrupted); a regular file is read all the same.
 std::string read_file(const std::filesystem::path& path, const RunControl& control = {});
 
 // The same for a file that may be read again, which a pipe cannot be: only a regular file is one.
