@@ -113,6 +113,18 @@ TEST(File, ForeseesWhatCannotBeWritten) {
   EXPECT_NO_THROW(check_can_write("/dev/full"));
 }
 
+// The limit of time of `maide check` is for the check: a system that was not read has no verdicts.
+TEST(File, IsReadWhenTimeIsUpButAPipeIsNotWaitedFor) {
+  const TempDir folder;
+  RunControl control;
+  control.deadline = deadline_in(-1);
+  write_file_atomically(folder.path() / "file", "1");
+  EXPECT_EQ(read_file(folder.path() / "file", control), "1");
+  const fs::path pipe = folder.path() / "pipe";
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  EXPECT_THROW(read_file(pipe, control), Interrupted);
+}
+
 TEST(File, ReadsNoDevicesAndNoPipeAsARegularFile) {
   EXPECT_EQ(message_of([] { read_file("/dev/zero"); }),
             "cannot read the file: it is a device (/dev/zero)");
