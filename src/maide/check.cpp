@@ -33,9 +33,10 @@ Checked check(const std::filesystem::path& system_file, const CheckOptions& opti
     property.transitions = result.transitions;
     property.seconds = result.seconds;
     if (!result.trace) continue;
-    property.explanation = explain(system, find_property(system, result.name), *result.trace) + ".";
+    const Shown shown = shown_part(system, result);
+    property.explanation = explain(shown.part.system(), shown.property, shown.trace) + ".";
     std::ostringstream run;
-    write_trace_text(run, system, *result.trace, TraceFormat::steps);
+    write_trace_text(run, shown.part.system(), shown.trace, TraceFormat::steps);
     property.run = run.str();
   }
   return checked;

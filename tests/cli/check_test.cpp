@@ -210,7 +210,6 @@ TEST_F(CheckCommand, ErrorsAreOneLineWithThePlace) {
       "bad.dot:1:");
 }
 
-// Programs, formulas, YAML and models: the line and a caret under what is wrong.
 // What is no regular file: an error, or a pipe that the first signal ends the waiting for.
 TEST_F(CheckCommand, SystemsMayComeThroughPipesThatTheFirstSignalEnds) {
   const std::string folder = folder_.path().string();
@@ -241,6 +240,7 @@ TEST_F(CheckCommand, ModelsAreRegularFiles) {
   expect_error(run_maide({"learn", "sim:" + pipe}), 2, error);
 }
 
+// Programs, formulas, YAML and models: the line and a caret under what is wrong.
 TEST_F(CheckCommand, ErrorsShowTheSource) {
   const auto shown = [&](const std::string& path) {
     const SubprocessResult result = run_maide({"check", path});
@@ -258,6 +258,13 @@ TEST_F(CheckCommand, ErrorsShowTheSource) {
   const std::string of_model =
       shown(file("b.yaml", "models: {m: {file: bad.dot}}\nprograms: {p: m.x;}"));
   EXPECT_EQ(of_model, "    a -> b [label=];\n                  ^\n");
+  file("bad.dot", "\xEF\xBB\xBF/* \u00e4\u20ac */ digraph g { \u00e4 -> \u00f6 [label=]; }\n");
+  EXPECT_EQ(shown(file("b.yaml", "models: {m: {file: bad.dot}}\nprograms: {p: m.x;}")),
+            "  /* \u00e4\u20ac */ digraph g { \u00e4 -> \u00f6 [label=]; }\n" +
+                std::string(37, ' ') + "^\n");
+  file("bad.aut", "des (0, 1, 2)\n(0, \"\u00e4!\", \u00f6)\n");
+  EXPECT_EQ(shown(file("c.yaml", "models: {m: {file: bad.aut}}\nprograms: {p: m.x;}")),
+            "  (0, \"\u00e4!\", \u00f6)\n            ^\n");
 }
 
 TEST_F(CheckCommand, SaysWhatIsNeverReached) {
@@ -350,6 +357,18 @@ TEST_F(CheckCommand, ProgramsDieWithMaideEvenIfItIsKilled) {
       "while [ ! -s pid ]; do sleep 0.02; done; kill -9 $!; wait $! 2>/dev/null\n"
       "while grep -qs '^State:.[^Z]' /proc/$(cat pid)/status; do sleep 0.02; done; echo gone");
   EXPECT_EQ(result.out, "gone\n") << result.err;
+}
+
+TEST(Check, SpinRefusesStepsThatAreNoSingleInputOrOutput) {
+  const TempDir folder;
+  const std::string path = (folder.path() / "select.yaml").string();
+  write_file_atomically(path,
+                        "models:\n  q: {use: queue, with: {size: 1}}\nprograms:\n  w: q.write;\n"
+                        "  r: select { on q.read -> message { } }\n");
+  expect_error(run_maide({"check", path, "--engine", "spin", "-q"}), 2,
+               "the system cannot be written in Promela: r has the step `q.read -> message`, which "
+               "is no single input or output (");
+  EXPECT_EQ(run_maide({"check", path, "-q"}).exit_status, 0);
 }
 
 }  // namespace

@@ -4,8 +4,10 @@
 
 #include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
 #include "maide/base/json.hpp"
+#include "maide/base/text.hpp"
 #include "maide/base/version.hpp"
 #include "maide/cli/command.hpp"
 #include "run_maide.hpp"
@@ -42,6 +44,29 @@ TEST(CommandLine, EveryCommandHasHelpWithAnExample) {
     EXPECT_EQ(run_maide({"help", name}).out, result.out);
     EXPECT_EQ(run_maide({name, "-h"}).out, result.out);
   }
+}
+
+// Each construct of the grammar in check/language/program.hpp, on a page for a terminal.
+TEST(CommandLine, ShowsTheLanguageOfSystemFiles) {
+  const SubprocessResult result = run_maide({"help", "language"});
+  EXPECT_EQ(result.exit_status, 0);
+  EXPECT_EQ(result.err, "");
+  for (const char* const word :
+       {"constants:",  "topics:",   "ends:",           "models:",    "variables:",
+        "procedures:", "programs:", "properties:",     "use: mutex", "use: semaphore",
+        "use: queue",  "may_die",   "when_unexplored", "when_weak",  "idle ",
+        "switch ",     "quiet ",    "wait M",          "select ",    "on M.input",
+        "on M!output", "when (e)",  "otherwise ",      "timeout ",   "if *",
+        "if fair *",   "if (e)",    "else if (e)",     "loop ",      "while (e)",
+        "repeat e",    "for k in",  "break;",          "continue;",  "stop;",
+        "skip;",       "var x",     "any e..e",        "any fair",   "atomic ",
+        "call p(",     "return;",   "@name",           "forall ",    "P:M.input"}) {
+    EXPECT_THAT(result.out, HasSubstr(word));
+  }
+  const std::vector<std::string_view> lines = split_lines(result.out);
+  EXPECT_LE(lines.size(), 50);
+  for (const std::string_view line : lines) EXPECT_LE(line.size(), 80) << line;
+  expect_error(run_maide({"language"}), 2, "unknown command 'language'");
 }
 
 TEST(CommandLine, SuggestsCommandsAndOptions) {

@@ -137,6 +137,38 @@ TEST_F(ReplayCommand, CountsTheRoundsThatFollowed) {
   EXPECT_EQ(run_maide({"replay", file, "--random", "10", "-q"}).exit_status, 0);
 }
 
+TEST_F(ReplayCommand, RefusesWhatNoRealSystemIsAskedFor) {
+  const std::string file = write(
+      "forks.yaml",
+      "models:\n  'fork[i in 0..2]': {use: mutex}\nprograms:\n  'p[i in 0..2]': |\n"
+      "    loop { fork[i].lock; fork[(i + 1) % 3].lock; fork[i].unlock; fork[(i + 1) % 3].unlock; "
+      "}\n");
+  const std::string trace = find_deadlock(file);
+  const std::string why =
+      "there is nothing real to replay this on: fork[0], fork[1], fork[2] are written by hand (a "
+      "mutex each), and no real system is asked for that";
+  expect_error(run_maide({"replay", file, trace, "-q"}), 2, why);
+  expect_error(run_maide({"replay", file, "--random", "2", "-q"}), 2, why);
+  const std::string topic =
+      write("topic.yaml",
+            "topics:\n  t: {writers: w, readers: [r, s], learn: port, with: {kind: buffered}}\n"
+            "programs:\n  w: t.write;\n  r: t.read -> message;\n  s: t.read -> message;\n");
+  expect_error(run_maide({"replay", topic, "--random", "1", "-q"}), 2,
+               "is one of several readers' of a topic");
+}
+
+TEST_F(ReplayCommand, SaysWhichModelsAreWrittenByHand) {
+  const std::string file = write("mixed.yaml",
+                                 "models:\n  via: {learn: port, with: {kind: buffered}}\n"
+                                 "  m: {use: mutex}\nprograms:\n"
+                                 "  p: m.lock; via.write;\n  q: m.lock; via.read -> message;\n");
+  const std::string trace = find_deadlock(file);
+  const SubprocessResult result = run_maide({"replay", file, trace});
+  EXPECT_EQ(result.exit_status, 3) << result.err;
+  EXPECT_THAT(result.out, HasSubstr("m is written by hand (a mutex), and no real system is asked"));
+  EXPECT_THAT(result.out, HasSubstr("verdict: followed as far as it can be asked"));
+}
+
 TEST_F(ReplayCommand, RefusesWhatItCannotPlay) {
   const std::string file = system("learn: port, with: {kind: buffered}");
   const std::string trace = find_deadlock(file);

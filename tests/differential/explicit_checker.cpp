@@ -67,11 +67,15 @@ ExplicitChecker::ExplicitChecker(const System& system, std::size_t limit, LastEv
     const auto [place, is_new] =
         known.try_emplace(std::move(key), static_cast<std::uint32_t>(nodes_.size()));
     if (is_new) {
-      nodes_.push_back({state, last, {}, std::vector<bool>(system.programs.size(), false)});
+      nodes_.push_back({state, last, {}, std::vector<bool>(system.programs.size(), false), {}});
       queue.push_back(place->second);
     }
     return place->second;
   };
+  if (is_error(system, initial_state(system))) {
+    is_complete_ = false;
+    return;
+  }
   add(initial_state(system), std::nullopt, 0);
   while (!queue.empty()) {
     if (nodes_.size() > limit) {
@@ -83,26 +87,128 @@ ExplicitChecker::ExplicitChecker(const System& system, std::size_t limit, LastEv
     const GlobalState state = nodes_[at].state;
     const std::size_t depth = state_depths_.at(key_of(state));
     const std::vector<Step> steps = enabled_steps(system, state);
+    bool is_end = true;
     for (const Step& step : steps) {
-      nodes_[at].enabled[step.program] = true;
+      const Program& program = system.programs[step.program];
+      if (!program.is_death(program.edges[step.edge])) {
+        nodes_[at].enabled[step.program] = true;
+        nodes_[at].able.emplace_back(step.program, 0);
+        is_end = false;
+      }
+      const std::uint32_t group = program.fair_group_of(program.edges[step.edge]);
+      if (group != 0) nodes_[at].able.emplace_back(step.program, group);
       const GlobalState next = apply(system, state, step);
       if (next.is_cut) {
         shortest_cut_ = std::min(shortest_cut_.value_or(depth + 1), depth + 1);
         continue;
       }
+      if (is_error(system, next)) {
+        state_depths_.try_emplace(key_of(next), depth + 1);
+        shortest_error_ = std::min(shortest_error_.value_or(depth + 1), depth + 1);
+        continue;
+      }
       const std::uint32_t target = add(next, step, depth + 1);
-      nodes_[at].edges.push_back({target, step.program});
+      nodes_[at].edges.push_back({target, step.program, group});
     }
-    if (steps.empty()) {
-      if (!has_ended(system, state)) {
+    if (is_end) {
+      if (is_deadlock(system, state)) {
         shortest_deadlock_ = std::min(shortest_deadlock_.value_or(depth), depth);
       }
       const bool keeps = last_event == LastEvent::kept;
       const std::uint32_t target =
           add(state, keeps ? nodes_[at].last : std::optional<Step>(), depth);
-      nodes_[at].edges.push_back({target, 0});
+      nodes_[at].edges.push_back({target, 0, 0});
     }
   }
+}
+
+namespace {
+
+// One step of the graph that has_stuck_program() makes.
+struct StuckEdge {
+  std::uint32_t target = 0, program = 0;
+  std::uint32_t group = 0;  // of the program; 0: none
+};
+
+struct StuckNode {
+  GlobalState state;
+  std::vector<StuckEdge> edges;
+  // (program, group) that could step; group 0 is the program itself.
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> able;
+};
+
+std::vector<StuckNode> make_graph(const System& system) {
+  std::vector<StuckNode> nodes{{initial_state(system), {}, {}}};
+  std::map<std::vector<std::uint32_t>, std::uint32_t> known{{key_of(nodes[0].state), 0}};
+  for (std::size_t at = 0; at < nodes.size(); ++at) {
+    const GlobalState state = nodes[at].state;
+    for (const Step& step : enabled_steps(system, state)) {
+      const Program& program = system.programs[step.program];
+      const ProgramEdge& edge = program.edges[step.edge];
+      const std::uint32_t group = program.fair_group_of(edge);
+      if (!program.is_death(edge)) nodes[at].able.emplace_back(step.program, 0);
+      if (group != 0) nodes[at].able.emplace_back(step.program, group);
+      const GlobalState next = apply(system, state, step);
+      if (next.is_cut || is_error(system, next)) continue;
+      const auto [place, is_new] =
+          known.try_emplace(key_of(next), static_cast<std::uint32_t>(nodes.size()));
+      if (is_new) nodes.push_back({next, {}, {}});
+      nodes[at].edges.push_back({place->second, step.program, group});
+    }
+  }
+  return nodes;
+}
+
+// Whether a fair run without steps of `stuck` stays within `allowed`.
+bool has_fair_run(const std::vector<StuckNode>& nodes, std::uint32_t stuck,
+                  const std::vector<bool>& allowed) {
+  std::vector<std::vector<std::uint32_t>> edges(nodes.size());
+  for (std::size_t at = 0; at < nodes.size(); ++at) {
+    for (const StuckEdge& edge : nodes[at].edges) {
+      if (edge.program != stuck) edges[at].push_back(edge.target);
+    }
+  }
+  for (const auto& component : components(edges, allowed)) {
+    std::vector<bool> inside(nodes.size());
+    for (const std::uint32_t node : component) inside[node] = true;
+    std::map<std::pair<std::uint32_t, std::uint32_t>, bool> serves;
+    bool has_edge = false;
+    for (const std::uint32_t node : component) {
+      for (const auto& who : nodes[node].able) serves.try_emplace(who, false);
+      for (const StuckEdge& edge : nodes[node].edges) {
+        if (edge.program == stuck || !inside[edge.target]) continue;
+        has_edge = true;
+        serves[{edge.program, 0}] = serves[{edge.program, edge.group}] = true;
+      }
+    }
+    if (!has_edge) continue;
+    std::vector<bool> rest(nodes.size());
+    bool is_fair = true;
+    for (const std::uint32_t node : component) {
+      rest[node] = std::all_of(nodes[node].able.begin(), nodes[node].able.end(),
+                               [&](const auto& who) { return serves[who]; });
+      is_fair = is_fair && rest[node];
+    }
+    if (is_fair || has_fair_run(nodes, stuck, rest)) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+bool has_stuck_program(const System& system) {
+  const std::vector<StuckNode> nodes = make_graph(system);
+  for (std::uint32_t stuck = 0; stuck < system.programs.size(); ++stuck) {
+    std::vector<bool> allowed(nodes.size());
+    const Program& program = system.programs[stuck];
+    for (std::size_t at = 0; at < nodes.size(); ++at) {
+      const ControlState control = nodes[at].state.programs[stuck];
+      allowed[at] = !program.is_end(control) && !program.is_error(control) &&
+                    !program.states[control].may_rest;
+    }
+    if (has_fair_run(nodes, stuck, allowed)) return true;
+  }
+  return false;
 }
 
 ExplicitChecker::Label ExplicitChecker::label(const Formula& expression) const {
@@ -144,7 +250,14 @@ ExplicitChecker::Label ExplicitChecker::reach(const Label& from, const Label& al
   return seen;
 }
 
-ExplicitChecker::Label ExplicitChecker::trap(const Label& allowed, bool fair,
+bool ExplicitChecker::is_asked_strongly(const Who& who, Fairness fairness) const {
+  if (fairness == Fairness::none) return false;
+  if (fairness == Fairness::strong) return true;
+  const auto& [program, group] = who;
+  return group != 0 && system_.programs[program].fair_groups[group].on_weak_runs;
+}
+
+ExplicitChecker::Label ExplicitChecker::trap(const Label& allowed, Fairness fairness,
                                              const Label* visit) const {
   std::vector<std::vector<std::uint32_t>> edges(nodes_.size());
   for (std::size_t node = 0; node < nodes_.size(); ++node) {
@@ -155,7 +268,8 @@ ExplicitChecker::Label ExplicitChecker::trap(const Label& allowed, bool fair,
     Label inside(nodes_.size(), false);
     for (const std::uint32_t node : component) inside[node] = true;
     bool has_edge = false, is_visited = visit == nullptr;
-    std::vector<bool> served(system_.programs.size(), !fair);
+    std::vector<bool> served(system_.programs.size(), fairness != Fairness::weak);
+    std::map<Who, bool> steps;
     for (const std::uint32_t node : component) {
       is_visited = is_visited || (*visit)[node];
       for (std::size_t program = 0; program < served.size(); ++program) {
@@ -165,10 +279,19 @@ ExplicitChecker::Label ExplicitChecker::trap(const Label& allowed, bool fair,
         if (!inside[edge.target]) continue;
         has_edge = true;
         served[edge.program] = true;
+        steps[{edge.program, 0}] = steps[{edge.program, edge.group}] = true;
       }
     }
     if (!has_edge || !is_visited || std::count(served.begin(), served.end(), false) > 0) continue;
-    for (const std::uint32_t node : component) result[node] = true;
+    // Who can step and never does must not be able to: without those nodes there may be a part.
+    Label rest = inside;
+    for (const std::uint32_t node : component) {
+      for (const Who& who : nodes_[node].able) {
+        if (is_asked_strongly(who, fairness) && !steps[who]) rest[node] = false;
+      }
+    }
+    const Label found = rest == inside ? inside : trap(rest, fairness, visit);
+    for (const std::uint32_t node : component) result[node] = result[node] || found[node];
   }
   return result;
 }
@@ -190,23 +313,23 @@ std::vector<bool> negated(std::vector<bool> label) {
 }
 }  // namespace
 
-bool ExplicitChecker::holds_until(const Label& p, const Label& q, bool fair) const {
+bool ExplicitChecker::holds_until(const Label& p, const Label& q, Fairness fairness) const {
   const Label not_q = negated(q);
   const Label before = reach(initial_only(), not_q);
-  return !meet(before, negated(p)) && !meet(before, trap(not_q, fair));
+  return !meet(before, negated(p)) && !meet(before, trap(not_q, fairness));
 }
 
-bool ExplicitChecker::holds_infinitely_often(const Label& p, bool fair) const {
-  return !meet(trap(negated(p), fair), Label(nodes_.size(), true));
+bool ExplicitChecker::holds_infinitely_often(const Label& p, Fairness fairness) const {
+  return !meet(trap(negated(p), fairness), Label(nodes_.size(), true));
 }
 
-bool ExplicitChecker::holds_from_some_point(const Label& p, bool fair) const {
+bool ExplicitChecker::holds_from_some_point(const Label& p, Fairness fairness) const {
   const Label everywhere(nodes_.size(), true), not_p = negated(p);
-  return !meet(trap(everywhere, fair, &not_p), everywhere);
+  return !meet(trap(everywhere, fairness, &not_p), everywhere);
 }
 
-bool ExplicitChecker::holds_response(const Label& p, const Label& q, bool fair) const {
-  return !meet(reach(p, negated(q)), trap(negated(q), fair));
+bool ExplicitChecker::holds_response(const Label& p, const Label& q, Fairness fairness) const {
+  return !meet(reach(p, negated(q)), trap(negated(q), fairness));
 }
 
 }  // namespace maide::test

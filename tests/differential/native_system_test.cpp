@@ -109,7 +109,7 @@ struct Pattern {
 };
 
 Pattern random_pattern(const System& system, const test::ExplicitChecker& expected, Random& random,
-                       bool fair) {
+                       Fairness fair) {
   const auto atom = [&]() -> std::string {
     const Program& program = system.programs[random.below(system.programs.size())];
     const std::string label = program.labels.empty() ? "end" : program.labels[0];
@@ -135,15 +135,17 @@ TEST_P(NativeOnRandomSystems, TemporalPatterns) {
     const test::ExplicitChecker expected(system, 300);
     if (!expected.is_complete()) continue;
     ++compared;
-    const bool fair = random.chance(0.5);
+    const Fairness fairness[] = {Fairness::none, Fairness::weak, Fairness::strong};
+    const Fairness fair = fairness[random.below(3)];
     const Pattern pattern = random_pattern(system, expected, random, fair);
     Property property;
     property.name = pattern.text;
     property.formula = parse(pattern.text, system);
-    property.fairness = fair ? Fairness::weak : Fairness::none;
+    property.fairness = fair;
     const PropertyResult result = engine.check(system, property, {});
     ASSERT_EQ(result.verdict == Verdict::holds, pattern.holds)
-        << pattern.text << (fair ? " (weak fairness)\n" : "\n") << show(system);
+        << pattern.text << ", fairness " << static_cast<int>(fair) << "\n"
+        << show(system);
     violations += pattern.holds ? 0 : 1;
     // The fairer the runs, the more holds; each violation's trace was held against the formula.
     property.fairness = Fairness::strong;
@@ -153,72 +155,6 @@ TEST_P(NativeOnRandomSystems, TemporalPatterns) {
     }
   }
   EXPECT_GT(violations, 10);
-}
-
-// Whether some program is stuck, straight from the definition: a strongly connected set of states,
-// without the steps of one program that has not ended there, in which some program steps, and in
-// which each program steps or cannot somewhere.
-bool has_stuck_program(const System& system) {
-  std::vector<GlobalState> states{initial_state(system)};
-  const auto number_of = [&](const GlobalState& state) {
-    const auto place = std::find(states.begin(), states.end(), state);
-    if (place != states.end()) return static_cast<std::size_t>(place - states.begin());
-    states.push_back(state);
-    return states.size() - 1;
-  };
-  struct Edge {
-    std::size_t target;
-    std::uint32_t program;
-  };
-  std::vector<std::vector<Edge>> edges;
-  std::vector<std::vector<bool>> enabled;
-  for (std::size_t at = 0; at < states.size(); ++at) {
-    edges.emplace_back();
-    enabled.emplace_back(system.programs.size());
-    for (const Step& step : enabled_steps(system, GlobalState(states[at]))) {
-      enabled[at][step.program] = true;
-      const GlobalState next = apply(system, states[at], step);
-      if (!next.is_cut) edges[at].push_back({number_of(next), step.program});
-    }
-  }
-  for (std::uint32_t stuck = 0; stuck < system.programs.size(); ++stuck) {
-    const auto reach = [&](std::size_t start) {
-      std::vector<bool> seen(states.size());
-      std::vector<std::size_t> open{start};
-      while (!open.empty()) {
-        const std::size_t at = open.back();
-        open.pop_back();
-        for (const Edge& edge : edges[at]) {
-          if (edge.program == stuck || seen[edge.target]) continue;
-          seen[edge.target] = true;
-          open.push_back(edge.target);
-        }
-      }
-      return seen;
-    };
-    for (std::size_t start = 0; start < states.size(); ++start) {
-      if (system.programs[stuck].is_end(states[start].programs[stuck])) continue;
-      const std::vector<bool> ahead = reach(start);
-      if (!ahead[start]) continue;
-      std::vector<bool> member(states.size());
-      for (std::size_t at = 0; at < states.size(); ++at) member[at] = ahead[at] && reach(at)[start];
-      bool is_fair = true;
-      for (std::uint32_t program = 0; program < system.programs.size() && is_fair; ++program) {
-        bool is_served = false;
-        for (std::size_t at = 0; at < states.size() && !is_served; ++at) {
-          if (!member[at]) continue;
-          is_served = !enabled[at][program];
-          for (const Edge& edge : edges[at]) {
-            is_served =
-                is_served || (edge.program == program && program != stuck && member[edge.target]);
-          }
-        }
-        is_fair = is_served;
-      }
-      if (is_fair) return true;
-    }
-  }
-  return false;
 }
 
 TEST_P(NativeOnRandomSystems, StuckPrograms) {
@@ -234,7 +170,7 @@ TEST_P(NativeOnRandomSystems, StuckPrograms) {
     if (!size.is_complete()) continue;
     ++compared;
     const PropertyResult result = engine.check(system, property, {});
-    const bool expected = has_stuck_program(system);
+    const bool expected = test::has_stuck_program(system);
     ASSERT_EQ(result.verdict == Verdict::violated, expected) << show(system);
     violations += expected ? 1 : 0;
   }

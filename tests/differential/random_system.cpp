@@ -113,7 +113,6 @@ System random_system(Random& random, const RandomSystemSize& size) {
     const std::string name(1, static_cast<char>('m' + index));
     system.models.push_back(next_model(name, size, random));
   }
-  const std::vector<ProgramInterface> interfaces = system.interfaces();
   const std::uint64_t count = random.between(size.least_programs, size.most_programs);
   for (std::uint64_t index = 0; index < count; ++index) {
     ProgramText program(system, random);
@@ -125,7 +124,7 @@ System random_system(Random& random, const RandomSystemSize& size) {
     }
     const std::string name(1, static_cast<char>('p' + index));
     system.programs.push_back(
-        parse_program(name, ScalarText(text, text, {"random.yaml", 1, 1}), interfaces));
+        parse_program(name, ScalarText(text, text, {"random.yaml", 1, 1}), system));
   }
   return system;
 }

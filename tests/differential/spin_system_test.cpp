@@ -114,15 +114,15 @@ Pattern random_pattern(const System& system, Random& random) {
 }
 
 bool holds(const test::ExplicitChecker& checker, const Pattern& pattern, const System& system,
-           bool fair) {
+           Fairness fairness) {
   const auto p = checker.label(parse(pattern.p, system));
   const auto q = checker.label(parse(pattern.q, system));
   switch (pattern.kind) {
     case Pattern::Kind::globally: return checker.holds_globally(q);
-    case Pattern::Kind::until: return checker.holds_until(p, q, fair);
-    case Pattern::Kind::infinitely_often: return checker.holds_infinitely_often(p, fair);
-    case Pattern::Kind::from_some_point: return checker.holds_from_some_point(p, fair);
-    case Pattern::Kind::response: return checker.holds_response(p, q, fair);
+    case Pattern::Kind::until: return checker.holds_until(p, q, fairness);
+    case Pattern::Kind::infinitely_often: return checker.holds_infinitely_often(p, fairness);
+    case Pattern::Kind::from_some_point: return checker.holds_from_some_point(p, fairness);
+    case Pattern::Kind::response: return checker.holds_response(p, q, fairness);
   }
   return false;
 }
@@ -159,8 +159,8 @@ TEST_P(RandomSystems, TemporalPatterns) {
     const test::ExplicitChecker expected(system, node_limit);
     if (!expected.is_complete() || expected.states() < 4) continue;
     const Pattern pattern = random_pattern(system, random);
-    const bool fair = holds(expected, pattern, system, true);
-    const bool unfair = holds(expected, pattern, system, false);
+    const bool fair = holds(expected, pattern, system, Fairness::weak);
+    const bool unfair = holds(expected, pattern, system, Fairness::none);
     if (fair != unfair && take(on_fairness)) {
       compare(system, pattern, true, fair);
       compare(system, pattern, false, unfair);
@@ -168,7 +168,7 @@ TEST_P(RandomSystems, TemporalPatterns) {
     }
     using Checker = test::ExplicitChecker;
     const Checker keeping(system, node_limit, Checker::LastEvent::kept);
-    if (holds(keeping, pattern, system, true) != fair && take(on_last_event)) {
+    if (holds(keeping, pattern, system, Fairness::weak) != fair && take(on_last_event)) {
       compare(system, pattern, true, fair);
     } else if (fair && expected.shortest_cut() && take(on_cut)) {
       compare(system, pattern, true, fair);

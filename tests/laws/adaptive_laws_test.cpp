@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <memory>
 
+#include "learner_names.hpp"
 #include "maide/automata/compare.hpp"
 #include "maide/automata/minimize.hpp"
 #include "maide/automata/random_automata.hpp"
@@ -50,22 +51,12 @@ Cost learn_from(const LearnerEntry& algorithm, const Mealy& reference, const Mea
   return {counts.symbols + counts.resets, result.equivalence_queries, learner->output_queries()};
 }
 
-std::vector<std::string> learner_names() {
-  std::vector<std::string> names;
-  for (const LearnerEntry& entry : deterministic_learners()) names.emplace_back(entry.name);
-  return names;
-}
-
 class AdaptiveLaws : public testing::TestWithParam<std::string> {
  protected:
   const LearnerEntry& algorithm() const { return find_deterministic_learner(GetParam()); }
 };
-INSTANTIATE_TEST_SUITE_P(All, AdaptiveLaws, testing::ValuesIn(learner_names()),
-                         [](const auto& entry) {
-                           std::string name = entry.param;
-                           std::replace(name.begin(), name.end(), '-', '_');
-                           return name;
-                         });
+INSTANTIATE_TEST_SUITE_P(All, AdaptiveLaws, testing::ValuesIn(test::learner_names()),
+                         [](const auto& entry) { return test::as_test_name(entry.param); });
 
 TEST_P(AdaptiveLaws, LearnsSmallMachinesFromAnyOldModel) {
   Random random(1);

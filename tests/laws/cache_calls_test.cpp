@@ -19,15 +19,8 @@
 #include "maide/learn/oracle/mealy_oracle.hpp"
 #include "random_calls.hpp"
 
-namespace maide {
+namespace maide::test {
 namespace {
-
-using test::Call;
-using test::promise;
-using test::random_machine;
-using test::random_word;
-using test::RandomCalls;
-using test::Scenario;
 
 // Plays a machine; some of its answers to words are wrong.
 class LyingOracle : public MealyOracle {
@@ -252,8 +245,8 @@ class CacheWorld {
 };
 
 std::string play_cache(const Scenario& scenario) {
-  return test::play_calls(scenario,
-                          [](std::uint64_t seed) { return std::make_unique<CacheWorld>(seed); });
+  return play_calls(scenario,
+                    [](std::uint64_t seed) { return std::make_unique<CacheWorld>(seed); });
 }
 
 // Sequences that failed once.
@@ -265,10 +258,10 @@ TEST(CacheCallRegressions, StayMended) {
 }
 
 TEST(CacheCalls, KeepItsPromises) {
-  test::expect_no_failure(
+  expect_no_failure(
       RandomCalls{.scenarios = 150, .calls = 25, .kinds = CacheWorld::kinds, .values = 10000},
       play_cache);
 }
 
 }  // namespace
-}  // namespace maide
+}  // namespace maide::test

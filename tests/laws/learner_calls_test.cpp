@@ -2,12 +2,12 @@
 // words that are none. After each its invariants hold, and it keeps what the interface promises.
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <memory>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "learner_names.hpp"
 #include "maide/automata/compare.hpp"
 #include "maide/automata/minimize.hpp"
 #include "maide/base/error.hpp"
@@ -16,15 +16,8 @@
 #include "maide/learn/oracle/mealy_oracle.hpp"
 #include "random_calls.hpp"
 
-namespace maide {
+namespace maide::test {
 namespace {
-
-using test::Call;
-using test::promise;
-using test::random_machine;
-using test::random_word;
-using test::RandomCalls;
-using test::Scenario;
 
 TEST(Shrinking, LeavesOnlyTheCallsThatMatter) {
   // Fails if a call of kind 3 comes after one of kind 1 with a value of at least 5.
@@ -162,23 +155,12 @@ class LearnerWorld {
 };
 
 std::string play_learner(const LearnerEntry& algorithm, const Scenario& scenario) {
-  return test::play_calls(scenario, [&](std::uint64_t seed) {
+  return play_calls(scenario, [&](std::uint64_t seed) {
     return std::make_unique<LearnerWorld>(algorithm, seed);
   });
 }
 
 class LearnerCalls : public testing::TestWithParam<std::string> {};
-
-std::vector<std::string> learner_names() {
-  std::vector<std::string> names;
-  for (const LearnerEntry& entry : deterministic_learners()) names.emplace_back(entry.name);
-  return names;
-}
-
-std::string as_test_name(std::string name) {
-  std::replace(name.begin(), name.end(), '-', '_');
-  return name;
-}
 
 INSTANTIATE_TEST_SUITE_P(All, LearnerCalls, testing::ValuesIn(learner_names()),
                          [](const auto& entry) { return as_test_name(entry.param); });
@@ -186,7 +168,7 @@ INSTANTIATE_TEST_SUITE_P(All, LearnerCalls, testing::ValuesIn(learner_names()),
 TEST_P(LearnerCalls, KeepItsPromises) {
   const LearnerEntry& algorithm = find_learner(GetParam());
   const auto play = [&](const Scenario& scenario) { return play_learner(algorithm, scenario); };
-  test::expect_no_failure(
+  expect_no_failure(
       RandomCalls{.scenarios = 60, .calls = 12, .kinds = LearnerWorld::kinds, .values = 1000},
       play);
 }
@@ -205,4 +187,4 @@ TEST(LearnerCallRegressions, StayMended) {
 }
 
 }  // namespace
-}  // namespace maide
+}  // namespace maide::test

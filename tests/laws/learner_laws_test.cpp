@@ -7,6 +7,7 @@
 #include <bit>
 #include <tuple>
 
+#include "learner_names.hpp"
 #include "maide/automata/compare.hpp"
 #include "maide/automata/minimize.hpp"
 #include "maide/automata/random_automata.hpp"
@@ -120,25 +121,13 @@ void expect_law(const LearnerEntry& algorithm, const Mealy& reference) {
                                             reference.inputs().size(), run.longest_counterexample));
 }
 
-std::vector<std::string> learner_names() {
-  std::vector<std::string> names;
-  for (const LearnerEntry& entry : deterministic_learners()) names.emplace_back(entry.name);
-  return names;
-}
-
-// A test's name has no hyphens.
-std::string as_test_name(std::string name) {
-  std::replace(name.begin(), name.end(), '-', '_');
-  return name;
-}
-
 class LearnerLaws : public testing::TestWithParam<std::string> {
  protected:
   const LearnerEntry& algorithm() const { return find_deterministic_learner(GetParam()); }
 };
 
-INSTANTIATE_TEST_SUITE_P(All, LearnerLaws, testing::ValuesIn(learner_names()),
-                         [](const auto& entry) { return as_test_name(entry.param); });
+INSTANTIATE_TEST_SUITE_P(All, LearnerLaws, testing::ValuesIn(test::learner_names()),
+                         [](const auto& entry) { return test::as_test_name(entry.param); });
 
 TEST_P(LearnerLaws, LearnsEverySmallMachine) {
   for (std::uint64_t states = 1; states <= 3; ++states) {
@@ -165,15 +154,15 @@ class RandomMachineLaws : public testing::TestWithParam<std::tuple<std::string, 
 
 std::string name_of(const testing::TestParamInfo<RandomMachineLaws::ParamType>& entry) {
   const auto& [algorithm, machines] = entry.param;
-  return as_test_name(algorithm) + "_" + std::to_string(machines.seed);
+  return test::as_test_name(algorithm) + "_" + std::to_string(machines.seed);
 }
 
 INSTANTIATE_TEST_SUITE_P(All, RandomMachineLaws,
-                         testing::Combine(testing::ValuesIn(learner_names()),
+                         testing::Combine(testing::ValuesIn(test::learner_names()),
                                           testing::Values(RandomMachines{1, 150})),
                          name_of);
 INSTANTIATE_TEST_SUITE_P(TenThousand, RandomMachineLaws,
-                         testing::Combine(testing::ValuesIn(learner_names()),
+                         testing::Combine(testing::ValuesIn(test::learner_names()),
                                           testing::ValuesIn(ten_thousand_machines())),
                          name_of);
 

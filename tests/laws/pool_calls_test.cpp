@@ -16,15 +16,8 @@
 #include "maide/sul/sul_pool.hpp"
 #include "random_calls.hpp"
 
-namespace maide {
+namespace maide::test {
 namespace {
-
-using test::Call;
-using test::promise;
-using test::random_machine;
-using test::random_word;
-using test::RandomCalls;
-using test::Scenario;
 
 // A machine that dies after so many words.
 class MortalSul : public SimulatedSul {
@@ -154,15 +147,14 @@ class PoolWorld {
 };
 
 std::string play_pool(const Scenario& scenario) {
-  return test::play_calls(scenario,
-                          [](std::uint64_t seed) { return std::make_unique<PoolWorld>(seed); });
+  return play_calls(scenario, [](std::uint64_t seed) { return std::make_unique<PoolWorld>(seed); });
 }
 
 TEST(PoolCalls, KeepItsPromises) {
-  test::expect_no_failure(
+  expect_no_failure(
       RandomCalls{.scenarios = 150, .calls = 10, .kinds = PoolWorld::kinds, .values = 10000},
       play_pool);
 }
 
 }  // namespace
-}  // namespace maide
+}  // namespace maide::test

@@ -39,7 +39,8 @@ class UsageError : public Error {
   explicit UsageError(const std::string& message) : Error(ExitStatus::usage, message) {}
 };
 
-// A place in a text. Lines and columns count from 1; 0 means "unknown".
+// A place in a text. Lines and columns count from 1; 0 means "unknown". A column is a byte, and a
+// byte order mark is none.
 struct TextPlace {
   int line = 0;
   int column = 0;

@@ -168,6 +168,7 @@ std::string source_excerpt(const SourcePosition& position) {
   for (int number = 0; number < position.line; ++number) {
     if (!std::getline(file, line)) return "";
   }
+  if (position.line == 1 && line.starts_with("\xEF\xBB\xBF")) line.erase(0, 3);
   while (!line.empty() && line.back() == '\r') line.pop_back();
   std::size_t place = static_cast<std::size_t>(position.column) - 1;
   if (place > line.size()) return "";

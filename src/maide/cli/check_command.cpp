@@ -73,9 +73,10 @@ std::string describe(const System& system, const PropertyResult& result, std::si
                       describe_memory(result));
   if (!result.reason.empty()) text << "  " << result.reason << "\n";
   if (result.trace) {
-    const std::string sentence = explain(system, find_property(system, result.name), *result.trace);
-    text << wrap(sentence + ".", style.chart.width, 2);
-    write_trace_text(text, system, *result.trace, style.format, style.chart);
+    const Shown shown = shown_part(system, result);
+    const System& part = shown.part.system();
+    text << wrap(explain(part, shown.property, shown.trace) + ".", style.chart.width, 2);
+    write_trace_text(text, part, shown.trace, style.format, style.chart);
   }
   return text.str();
 }
@@ -134,8 +135,9 @@ void write_report_file(const std::string& path, const System& system, const Chec
   }
   for (const PropertyResult& result : report.properties) {
     if (!result.trace) continue;
-    write_sequence_chart_svg(
-        text, make_trace_chart(system, *result.trace, result.name + " of " + system.file));
+    const Shown shown = shown_part(system, result);
+    write_sequence_chart_svg(text, make_trace_chart(shown.part.system(), shown.trace,
+                                                    result.name + " of " + system.file));
     write_file_atomically(path, text.str());
     return;
   }
@@ -207,6 +209,7 @@ ExitStatus run_check(const CheckArguments& arguments, Context& context) {
   const System& system = checked.system;
   const CheckReport& report = checked.report;
   for (const std::string& remark : system.remarks) log_note(remark);
+  for (const std::string& remark : report.remarks) log_note(remark);
   context.print(describe(system, report, trace_style(arguments.trace_format)));
   Json json = report_to_json(system, report);
   if (arguments.refine) json["refinements"] = refinements_to_json(checked.rounds);

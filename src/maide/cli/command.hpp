@@ -112,6 +112,9 @@ struct Command {
   RunFunction (*set_up)(CommandLine& line);
 };
 
+// What `maide help language` prints.
+std::string_view language_help();
+
 // Every command of this version, in the order of the overview.
 std::span<const Command> command_table();
 

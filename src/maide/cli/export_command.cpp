@@ -102,7 +102,7 @@ Export export_property(const ExportArguments& arguments, Context& context) {
   for (const auto& state : automaton.states) transitions += state.size();
   const std::vector<ProgramInterface> interfaces = system.interfaces();
   std::ostringstream text;
-  write_hoa(text, automaton, {system.programs, interfaces},
+  write_hoa(text, automaton, {system.programs, interfaces, system.expressions, &system.words},
             (arguments.negated ? "runs that violate " : "") + property.name + " of " + system.file);
   return {[text = std::move(text).str()](std::ostream& out) { out << text; },
           fmt::format("{} states, {} transitions", automaton.states.size(), transitions),

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "maide/base/log.hpp"
+#include "maide/base/text.hpp"
 #include "maide/check/explore/check_system.hpp"
 #include "maide/check/language/system_file.hpp"
 #include "maide/check/trace/trace_file.hpp"
@@ -221,10 +222,24 @@ Json as_json(const Replay& replay, const Tally& tally, const std::string& verdic
 void check_claim(const Replay& replay, const Trace& trace, const std::string& file) {
   if (replay.property.empty()) return;
   const Property property = find_property(replay.system, replay.property);
-  const std::string flaw = find_flaw(replay.system, property, trace);
+  const std::string flaw = find_flaw_in_parts(replay.system, property, trace);
   if (flaw.empty()) return;
   throw UsageError(fmt::format("the trace does not show that '{}' is violated in {}: {} ({})",
                                replay.property, replay.system.file, flaw, file));
+}
+
+// What no real system is asked for is an assumption, and if that is all, there is nothing to
+// replay.
+void note_unplayed(Replay& replay) {
+  Unplayed unplayed = find_unplayed(replay.system, replay.traces);
+  if (unplayed.is_all) {
+    throw UsageError(fmt::format(
+        "there is nothing real to replay this on: {} ({})",
+        unplayed.models.empty() ? "no step is one with a model" : join(unplayed.models, "; "),
+        replay.system.file));
+  }
+  replay.assumptions.insert(replay.assumptions.begin(), unplayed.models.begin(),
+                            unplayed.models.end());
 }
 
 void read_traces(Replay& replay, const ReplayArguments& arguments, const RunControl& control) {
@@ -233,12 +248,15 @@ void read_traces(Replay& replay, const ReplayArguments& arguments, const RunCont
     for (std::size_t run = 0; run < arguments.random_runs; ++run) {
       replay.traces.push_back(draw_run(replay.system, arguments.steps, random));
     }
+    note_unplayed(replay);
     return;
   }
   TraceFile file = read_trace(arguments.trace, replay.system, control);
   replay.property = std::move(file.property);
   check_claim(replay, file.trace, arguments.trace);
   replay.assumptions = find_assumptions(replay.system, file.trace);
+  replay.traces = {file.trace};
+  note_unplayed(replay);
   replay.traces.assign(arguments.rounds, file.trace);
 }
 

@@ -37,7 +37,9 @@ std::string overview() {
     text += "  " + std::string(command.name) + std::string(width - command.name.size() + 2, ' ') +
             std::string(command.summary) + "\n";
   }
-  return text + "\n`maide COMMAND --help` tells more about a command, with an example.\n" +
+  return text +
+         "\n`maide COMMAND --help` tells more about a command, with an example,\n"
+         "and `maide help language` how the system files of `maide check` are written.\n" +
          std::string(exit_statuses);
 }
 
@@ -103,6 +105,10 @@ ExitStatus dispatch(std::vector<std::string> arguments) {
       return ExitStatus::ok;
     }
     name = arguments.front();
+    if (name == "language") {
+      write_to_stdout(language_help());
+      return ExitStatus::ok;
+    }
     arguments = {"--help"};
   }
   if (name == "--version") {

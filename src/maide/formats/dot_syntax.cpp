@@ -30,7 +30,7 @@ struct Token {
 class Tokenizer {
  public:
   Tokenizer(std::string_view text, const std::string& file)
-      : cursor_(without_byte_order_mark(text), file, TextCursor::Columns::characters) {}
+      : cursor_(without_byte_order_mark(text), file, TextCursor::Columns::bytes) {}
 
   Token next() {
     skip_blanks();

@@ -8,7 +8,9 @@
 #include <optional>
 #include <vector>
 
+#include "maide/base/invariant.hpp"
 #include "maide/check/explore/check_system.hpp"
+#include "maide/check/explore/model_words.hpp"
 #include "maide/check/explore/waiting.hpp"
 
 namespace maide {
@@ -76,7 +78,8 @@ class Violation {
   }
 
   std::string text(const Formula& formula) const {
-    std::string result = to_string(formula, {system_.programs, interfaces_});
+    std::string result =
+        to_string(formula, {system_.programs, interfaces_, system_.expressions, &system_.words});
     if (result.starts_with('(')) result = result.substr(1, result.size() - 2);
     return result;
   }
@@ -184,6 +187,7 @@ class Sentence {
       : system_(system), trace_(trace), states_(replay(system, trace)) {}
 
   std::string write(const Property& property) {
+    if (property.kind == Property::Kind::error) return describe_error(states_.back());
     std::string end = trace_.loop_start ? describe_loop() : describe_end();
     if (property.kind == Property::Kind::never) {
       const std::string accepted = property.name + " accepts this run, which must never happen";
@@ -240,7 +244,11 @@ class Sentence {
 
   // "waits at line 13 for message 2 of 6 from via"
   std::string what_is_awaited(const Waiting& waiting) const {
+    if (waiting.awaited.empty()) return "can do nothing but die";
     const ProgramEdge& first = waiting.awaited.front();
+    if (waiting.reason == Reason::several) {
+      return describe_waiting(system_, system_.programs[waiting.program], waiting.awaited);
+    }
     const std::string& name = model(waiting).name;
     const std::string number =
         waiting.count > 0 ? fmt::format(" {} of {}", waiting.number, waiting.count) : "";
@@ -259,17 +267,28 @@ class Sentence {
     return number.empty() ? text : text + " (" + number.substr(1) + ")";
   }
 
+  // The input that the step gives to the model.
+  Symbol given_input(const Waiting& waiting, const Step& step) const {
+    const Program& giver = system_.programs[step.program];
+    const auto events = giver.events_of(giver.edges[step.edge]);
+    const auto event = std::find_if(events.begin(), events.end(), [&](const ModelUse& use) {
+      return use.kind == Kind::give && use.model == waiting.model;
+    });
+    MAIDE_CHECK(event != events.end());
+    return event->symbol;
+  }
+
   // The first loss, before which it is known which messages the model held: "message 1, overwritten
   // when planner wrote message 2 before message 1 was read (step 2)".
   std::string describe_loss(const Waiting& waiting) const {
     const Loss& loss = waiting.account->losses.front();
     const Step& step = trace_.steps[loss.step];
-    const ProgramEdge& edge = system_.programs[step.program].edges[step.edge];
     const auto& messages = waiting.account->messages;
-    const std::string& input = model(waiting).automaton.inputs().name(edge.symbol);
+    const Symbol given = given_input(waiting, step);
+    const std::string& input = model(waiting).automaton.inputs().name(given);
     const std::string giving = fmt::format("when {} {}", program(step.program), past_of(input));
     const std::string place = fmt::format("(step {})", loss.step + 1);
-    if (std::find(messages.begin(), messages.end(), edge.symbol) == messages.end()) {
+    if (std::find(messages.begin(), messages.end(), given) == messages.end()) {
       return fmt::format("{}, {} {}", count_of(loss.count, "message"), giving, place);
     }
     const std::string last = fmt::format("message {}", loss.given);
@@ -326,6 +345,7 @@ class Sentence {
 
   // Who could change it: "p1 has ended", "nobody else would write to q1".
   std::string describe_helpers(const Waiting& waiting, const GlobalState& state) const {
+    if (waiting.reason == Reason::several) return describe_users(waiting);
     if (waiting.wanted.empty()) return "nothing that programs do there would change that";
     if (waiting.helpers.empty()) return "no other program would ever " + help_verb(waiting);
     if (!waiting.reachable_helpers.empty()) {
@@ -349,6 +369,15 @@ class Sentence {
     return list(parts);
   }
 
+  std::string describe_users(const Waiting& waiting) const {
+    if (waiting.helpers.empty()) return "no other program uses what it waits for";
+    if (!waiting.reachable_helpers.empty()) {
+      return programs(waiting.reachable_helpers) + " could still change that";
+    }
+    return fmt::format("{} {} used it for the last time", programs(waiting.helpers),
+                       waiting.helpers.size() == 1 ? "has" : "have");
+  }
+
   // What the model does instead: "via holds none: ..."
   std::string describe_model(const Waiting& waiting) const {
     const std::string& name = model(waiting).name;
@@ -361,11 +390,15 @@ class Sentence {
                            output_names(waiting, waiting.due),
                            waiting.cause ? fmt::format(" since step {} of {}", step, maker) : "");
       case Reason::busy:
+        if (model(waiting).source == ModelInstance::Source::built_in) {
+          return describe_refusal_of(waiting);
+        }
         return name + " takes none now" +
                (waiting.cause ? fmt::format(": the call that {} made at step {} has not returned",
                                             maker, step)
                               : "");
       case Reason::bound: return describe_bound(model(waiting)) + ", and there it waits";
+      case Reason::several: return "none of it is possible";
       case Reason::nothing_due: break;
     }
     if (!waiting.account || !is_about_messages(waiting)) return name + " has nothing to give";
@@ -374,6 +407,22 @@ class Sentence {
     }
     const std::string account = describe_account(waiting);
     return account.empty() ? name + " was given none" : name + " holds none: " + account;
+  }
+
+  // Of a built-in model: "fork[2] is held: p[2] locked it at step 1", "q is full".
+  std::string describe_refusal_of(const Waiting& waiting) const {
+    const Symbol symbol = waiting.awaited.front().symbol;
+    const std::string text = model(waiting).name + " " + describe_refusal(model(waiting), symbol);
+    const std::string& input = model(waiting).automaton.inputs().name(symbol);
+    const char* done = input == "lock"      ? "locked it"
+                       : input == "unlock"  ? "unlocked it"
+                       : input == "acquire" ? "acquired the last"
+                       : input == "release" ? "released the last"
+                       : input == "read"    ? "reads it since"
+                                            : nullptr;
+    if (done == nullptr || !waiting.cause) return text;
+    return fmt::format("{}: {} {}{} step {}", text, program(trace_.steps[*waiting.cause].program),
+                       done, input == "read" ? "" : " at", *waiting.cause + 1);
   }
 
   std::string describe(const Waiting& waiting, const GlobalState& state) const {
@@ -387,11 +436,22 @@ class Sentence {
     return waiting.reachable_helpers.empty() ? 1 : 2;
   }
 
+  // Where no program waits for a model: each is in a `select` whose guards do not hold, or at rest.
+  std::string describe_hopeless(const GlobalState& state) const {
+    std::vector<std::uint32_t> hopeless;
+    for (std::uint32_t index = 0; index < system_.programs.size(); ++index) {
+      if (system_.programs[index].states[state.programs[index]].waits) hopeless.push_back(index);
+    }
+    return fmt::format("{} in a 'select' of which no guard holds, and nobody can change that",
+                       programs(hopeless) + (hopeless.size() == 1 ? " is" : " are"));
+  }
+
   std::string describe_deadlock(const GlobalState& state) const {
     std::vector<Waiting> waitings;
     for (const std::uint32_t index : blocked_programs(system_, state)) {
       waitings.push_back(find_waiting(system_, trace_, states_, states_.size() - 1, index));
     }
+    if (waitings.empty()) return describe_hopeless(state);
     std::stable_sort(waitings.begin(), waitings.end(),
                      [](const Waiting& a, const Waiting& b) { return rank(a) < rank(b); });
     std::string text = describe(waitings.front(), state);
@@ -414,6 +474,20 @@ class Sentence {
       text += fmt::format("; {} more wait", count_of(waitings.size() - shown, "program"));
     }
     return text;
+  }
+
+  // "p comes to an error at step 4: x = 4 is outside of 0..3 (system.yaml:7:3)".
+  std::string describe_error(const GlobalState& state) const {
+    for (std::size_t index = 0; index < system_.programs.size(); ++index) {
+      const Program& own = system_.programs[index];
+      if (!own.is_error(state.programs[index])) continue;
+      const ProgramError& error = own.errors[own.states[state.programs[index]].error];
+      const std::string step =
+          trace_.steps.empty() ? "at once" : fmt::format("at step {}", trace_.steps.size());
+      return fmt::format("{} comes to an error {}: {} ({})", own.name, step, error.text,
+                         to_string(error.position));
+    }
+    return "";
   }
 
   std::string describe_end() const {

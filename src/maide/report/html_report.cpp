@@ -74,6 +74,12 @@ Standing find_standing(const System& system, const Trace& trace, const GlobalSta
     standing.note = "has ended";
     return standing;
   }
+  if (program.is_error(control)) {
+    const ProgramError& error = program.errors[program.states[control].error];
+    standing.note = "error: " + error.text;
+    standing.waits.insert(error.position.line);
+    return standing;
+  }
   for (const ProgramEdge& edge : program.edges_of(control)) standing.waits.insert(edge.line);
   const auto blocked = blocked_programs(system, last);
   const bool is_blocked = std::find(blocked.begin(), blocked.end(), index) != blocked.end();
@@ -143,14 +149,16 @@ void write_table(std::ostream& out, const CheckReport& report) {
 
 void write_counterexample(std::ostream& out, const System& system, const PropertyResult& result) {
   out << fmt::format("<h2>{}: how it is violated</h2>\n", escape_markup(result.name));
-  const std::string sentence = explain(system, find_property(system, result.name), *result.trace);
+  const Shown shown = shown_part(system, result);
+  const System& part = shown.part.system();
+  const std::string sentence = explain(part, shown.property, shown.trace);
   out << fmt::format("<p class=\"why\">{}.</p>\n", escape_markup(sentence));
-  write_sequence_chart_svg(out, make_trace_chart(system, *result.trace, ""));
+  write_sequence_chart_svg(out, make_trace_chart(part, shown.trace, ""));
   std::ostringstream text;
-  write_trace_text(text, system, *result.trace, TraceFormat::steps);
+  write_trace_text(text, part, shown.trace, TraceFormat::steps);
   out << "<details><summary>step by step</summary><pre>" << escape_markup(text.str())
       << "</pre></details>\n";
-  write_program_listing(out, system, *result.trace);
+  write_program_listing(out, part, shown.trace);
 }
 
 }  // namespace

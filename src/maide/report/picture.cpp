@@ -10,6 +10,7 @@
 
 #include "maide/base/subprocess.hpp"
 #include "maide/check/explore/check_system.hpp"
+#include "maide/check/explore/model_words.hpp"
 #include "maide/formats/dot_syntax.hpp"
 #include "maide/workflow/open_system.hpp"
 
@@ -178,6 +179,10 @@ std::string program_picture(const System& system, const Program& program) {
       label += (label.empty() ? "@" : "\n@") + program.labels[index];
     }
     if (program.is_end(at)) label += label.empty() ? "end" : "\nend";
+    if (program.is_error(at)) {
+      label +=
+          (label.empty() ? "error: " : "\nerror: ") + program.errors[program.states[at].error].text;
+    }
     text += state(at, program.is_end(at) ? "end" : "state", label,
                   label.empty() ? "circle" : "box style=rounded");
     for (const ProgramEdge& edge : program.edges_of(at)) {
@@ -185,7 +190,7 @@ std::string program_picture(const System& system, const Program& program) {
                          : edge.kind == ProgramEdge::Kind::take ? "output"
                                                                 : "both";
       edges.add(node(at), node(edge.target), kind,
-                fmt::format("{}:  {}", edge.line, describe_edge(system, edge)));
+                fmt::format("{}:  {}", edge.line, describe_edge(system, program, edge)));
     }
   }
   return text + edges.text() + "}\n";
@@ -203,15 +208,34 @@ std::string connection_picture(const System& system) {
   }
   Edges edges;
   for (std::size_t i = 0; i < system.programs.size(); ++i) {
-    std::set<std::tuple<std::uint32_t, ProgramEdge::Kind, Symbol>> seen;
-    for (const ProgramEdge& edge : system.programs[i].edges) {
-      if (edge.kind == ProgramEdge::Kind::choice || edge.kind == ProgramEdge::Kind::quiet) continue;
-      if (!seen.emplace(edge.model, edge.kind, edge.symbol).second) continue;
-      const InterfaceAutomaton& automaton = system.models[edge.model].automaton;
-      if (edge.kind == ProgramEdge::Kind::give) {
-        edges.add(node(i), model_node(edge.model), "input", automaton.inputs().name(edge.symbol));
-      } else {
-        edges.add(model_node(edge.model), node(i), "output", automaton.outputs().name(edge.symbol));
+    std::set<ModelUse> seen;
+    const auto add = [&](const ModelUse& use) {
+      if (!seen.insert(use).second) return;
+      const ModelInstance& model = system.models[use.model];
+      switch (use.kind) {
+        case ModelUse::Kind::give:
+          edges.add(node(i), model_node(use.model), "input",
+                    model.automaton.inputs().name(use.symbol));
+          break;
+        case ModelUse::Kind::take:
+          edges.add(model_node(use.model), node(i), "output",
+                    model.automaton.outputs().name(use.symbol));
+          break;
+        case ModelUse::Kind::act:
+          edges.add(node(i), model_node(use.model), "both", model.actions[use.symbol].name);
+          break;
+        default: break;
+      }
+    };
+    const Program& program = system.programs[i];
+    for (const ProgramEdge& edge : program.edges) {
+      const auto events = program.events_of(edge);
+      for (const ModelUse& event : events) add(event);
+      for (const ModelUse& use : program.uses_of(edge)) {
+        const bool is_shown = std::any_of(events.begin(), events.end(), [&](const ModelUse& event) {
+          return event.model == use.model;
+        });
+        if (!is_shown) add(use);
       }
     }
   }

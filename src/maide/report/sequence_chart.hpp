@@ -22,7 +22,7 @@ struct SequenceChart {
     std::string label;   // "write", "message"
     std::string place;   // "line 8", shown small at the left; may be empty
     std::string source;  // the text of that line, where there is room for it
-    std::string remark;  // what is worth knowing of this very message: "one is lost"
+    std::string remark;  // what is worth knowing of this very message: "one is lost", "n = 3"
   };
   struct Note {
     std::size_t lane = 0;

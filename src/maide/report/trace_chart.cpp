@@ -10,7 +10,10 @@
 
 #include "maide/base/error.hpp"
 #include "maide/base/json.hpp"
+#include "maide/check/explore/check_system.hpp"
+#include "maide/check/explore/model_words.hpp"
 #include "maide/check/explore/waiting.hpp"
+#include "maide/check/trace/trace_file.hpp"
 
 namespace maide {
 namespace {
@@ -28,9 +31,9 @@ class Lanes {
     for (std::size_t i = 1; i < programs_; ++i) order_.push_back(i);
     talk_.assign(count, std::vector<std::size_t>(count, 0));
     for (const Step& step : trace.steps) {
-      const ProgramEdge& edge = system.programs[step.program].edges[step.edge];
-      if (edge.kind == Kind::give || edge.kind == Kind::take) {
-        ++talk_[step.program][programs_ + edge.model];
+      const Program& program = system.programs[step.program];
+      for (const ModelUse& event : program.events_of(program.edges[step.edge])) {
+        ++talk_[step.program][programs_ + event.model];
       }
     }
     count <= most_permuted ? try_all_orders() : swap_neighbours();
@@ -88,12 +91,24 @@ class Lanes {
   std::vector<std::size_t> lane_of_;
 };
 
+// A joint step that gives to one model, or takes from one, is an arrow; other ones are notes of the
+// program.
 SequenceChart::Message to_message(const System& system, const Lanes& lanes, const Step& step) {
   const ProgramEdge& edge = system.programs[step.program].edges[step.edge];
   const std::size_t program = lanes.of_program(step.program);
   SequenceChart::Message message{program, program, "", fmt::format("line {}", edge.line), "", ""};
   if (edge.kind == Kind::choice) {
     message.label = edge.symbol == 0 ? "if" : "else";
+    return message;
+  }
+  if (edge.kind == Kind::joint || edge.kind == Kind::act) {
+    const StepText text = describe_step(system, step);
+    message.label = text.model.empty() ? text.event : text.event.substr(1);
+    if (!text.model.empty()) {
+      const ModelUse& event = system.programs[step.program].events_of(edge).front();
+      (text.event[0] == '?' ? message.to : message.from) = lanes.of_model(event.model);
+    }
+    if (step.is_beyond) message.remark = "never tried there";
     return message;
   }
   const ModelInstance& model = system.models[edge.model];
@@ -118,8 +133,11 @@ SequenceChart::Message to_message(const System& system, const Lanes& lanes, cons
 }
 
 // What a program that has not ended waits for: the first of it.
-std::string describe_wait(const System& system, const ProgramEdge& edge) {
+std::string describe_wait(const System& system, const Program& program, const ProgramEdge& edge) {
   if (edge.kind == Kind::choice) return "can go on";
+  if (edge.kind == Kind::joint || edge.kind == Kind::act) {
+    return "waits: " + describe_edge(system, program, edge);
+  }
   const ModelInstance& model = system.models[edge.model];
   switch (edge.kind) {
     case Kind::give:
@@ -141,6 +159,22 @@ void remark_on_losses(const System& system, const Trace& trace,
       chart.messages[loss.step].remark =
           loss.count == 1 ? "one is lost" : fmt::format("{} are lost", loss.count);
     }
+  }
+}
+
+// The values that steps change: "n = 3, ok = true". Not where the step says it itself.
+void remark_on_values(const System& system, const Trace& trace,
+                      const std::vector<GlobalState>& states, SequenceChart& chart) {
+  for (std::size_t at = 0; at < trace.steps.size(); ++at) {
+    std::string text;
+    for (const ChangedValue& changed :
+         find_changes(system, states[at], states[at + 1], trace.steps[at].program)) {
+      text += (text.empty() ? "" : ", ") + changed.name + " = " +
+              to_string(changed.value, changed.kind, system.words);
+    }
+    SequenceChart::Message& message = chart.messages[at];
+    if (text.empty() || text == message.label) continue;
+    message.remark += (message.remark.empty() ? "" : "; ") + text;
   }
 }
 
@@ -169,6 +203,7 @@ SequenceChart make_trace_chart(const System& system, const Trace& trace, std::st
   }
   const std::vector<GlobalState> states = replay(system, trace);
   remark_on_losses(system, trace, states, chart);
+  remark_on_values(system, trace, states, chart);
   const GlobalState& last = states.back();
   if (last.is_cut) return chart;
   // Programs that go round in the loop have no end.
@@ -181,10 +216,15 @@ SequenceChart make_trace_chart(const System& system, const Trace& trace, std::st
     if (goes_round[i]) continue;
     const Program& program = system.programs[i];
     const ControlState control = last.programs[i];
-    chart.notes.push_back(
-        {lanes.of_program(i), program.is_end(control)
-                                  ? "has ended"
-                                  : describe_wait(system, program.edges_of(control).front())});
+    std::string note = "has ended";
+    if (program.is_error(control)) {
+      note = "error: " + program.errors[program.states[control].error].text;
+    } else if (program.states[control].waits) {
+      note = "no guard holds";
+    } else if (!program.is_end(control)) {
+      note = describe_wait(system, program, program.edges_of(control).front());
+    }
+    chart.notes.push_back({lanes.of_program(i), note});
   }
   return chart;
 }

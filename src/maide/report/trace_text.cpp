@@ -8,6 +8,7 @@
 #include <ostream>
 #include <vector>
 
+#include "maide/check/explore/model_words.hpp"
 #include "maide/check/trace/trace_file.hpp"
 #include "maide/report/explanation.hpp"
 #include "maide/report/sequence_chart.hpp"
@@ -40,6 +41,9 @@ std::string describe_model(const ModelInstance& model, StateId state, const Prog
     if (is_beyond_learned(model.automaton, state, edge.symbol)) {
       return describe_bound(model) + ", and there it waits";
     }
+    if (model.source == ModelInstance::Source::built_in) {
+      return model.name + " " + describe_refusal(model, edge.symbol);
+    }
     return model.name + " does not take it now: an earlier call has not returned";
   }
   const std::string inputs = actions_of(model, state, Action::Kind::input);
@@ -50,11 +54,28 @@ std::string describe_model(const ModelInstance& model, StateId state, const Prog
 void write_waiting(std::ostream& out, const System& system, const GlobalState& state,
                    const Program& program, ControlState control) {
   const auto edges = program.edges_of(control);
-  std::vector<std::string> awaited;
-  for (const ProgramEdge& edge : edges) awaited.push_back(describe_edge(system, edge));
-  const ProgramEdge& first = edges.front();
+  std::vector<ProgramEdge> awaited;
+  std::vector<std::string> steps;
+  for (const ProgramEdge& edge : edges) {
+    if (program.is_death(edge)) continue;
+    awaited.push_back(edge);
+    steps.push_back(describe_edge(system, program, edge));
+  }
+  if (program.states[control].waits) {
+    out << fmt::format("  {} is in a 'select' of which no guard holds\n", program.name);
+    return;
+  }
+  if (awaited.empty()) {
+    out << fmt::format("  {} can only die\n", program.name);
+    return;
+  }
+  const ProgramEdge& first = awaited.front();
+  if (first.kind == Kind::act || first.kind == Kind::joint) {
+    out << fmt::format("  {} {}\n", program.name, describe_waiting(system, program, awaited));
+    return;
+  }
   out << fmt::format("  {} waits at line {} {}{}; {}\n", program.name, first.line,
-                     first.kind == Kind::give ? "to give " : "for ", fmt::join(awaited, " or "),
+                     first.kind == Kind::give ? "to give " : "for ", fmt::join(steps, " or "),
                      describe_model(system.models[first.model], state.models[first.model], first));
 }
 
@@ -62,8 +83,11 @@ void write_waiting(std::ostream& out, const System& system, const GlobalState& s
 bool is_awaited(const System& system, const GlobalState& state, std::uint32_t model) {
   const auto steps = enabled_steps(system, state);
   return std::any_of(steps.begin(), steps.end(), [&](const Step& step) {
-    const ProgramEdge& edge = system.programs[step.program].edges[step.edge];
-    return edge.kind == Kind::take && edge.model == model;
+    const Program& program = system.programs[step.program];
+    const auto events = program.events_of(program.edges[step.edge]);
+    return std::any_of(events.begin(), events.end(), [&](const ModelUse& event) {
+      return event.kind == Kind::take && event.model == model;
+    });
   });
 }
 
@@ -83,7 +107,7 @@ void write_loop(std::ostream& out, const System& system, const Trace& trace,
       if (!can && !is_disabled) where = at;
       is_disabled = is_disabled || !can;
     }
-    if (steps || program.is_end(control)) continue;
+    if (steps || program.is_end(control) || program.states[control].may_rest) continue;
     out << fmt::format("{} never steps again:\n", program.name);
     if (is_disabled) {
       write_waiting(out, system, states[where], program, control);
@@ -104,6 +128,10 @@ void write_end(std::ostream& out, const System& system, const Trace& trace,
     out << "  here the run leaves what was learned\n";
     return;
   }
+  if (is_error(system, state)) {
+    out << "  here the run comes to an error: " << describe_error(system, state) << "\n";
+    return;
+  }
   if (has_ended(system, state)) {
     out << "  all programs have ended\n";
     return;
@@ -118,6 +146,8 @@ void write_end(std::ostream& out, const System& system, const Trace& trace,
     const ControlState control = state.programs[index];
     if (program.is_end(control)) {
       out << fmt::format("  {} has ended\n", program.name);
+    } else if (program.states[control].may_rest) {
+      out << fmt::format("  {} rests\n", program.name);
     } else {
       write_waiting(out, system, state, program, control);
     }
@@ -143,7 +173,7 @@ void write_steps(std::ostream& out, const System& system, const Trace& trace,
     return fmt::format("{}:{}", file, program.edges[step.edge].line);
   };
   const auto event_of = [&](const Step& step) {
-    return describe_edge(system, program_of(step).edges[step.edge]);
+    return describe_edge(system, program_of(step), program_of(step).edges[step.edge]);
   };
   for (const Step& step : trace.steps) {
     name_width = std::max(name_width, program_of(step).name.size());
@@ -184,7 +214,23 @@ void write_trace_text(std::ostream& out, const System& system, const Trace& trac
   write_end(out, system, trace, replay(system, trace));
 }
 
+namespace {
+
+Json program_names(const System& system, const std::vector<std::uint32_t>& programs) {
+  Json names = Json::array();
+  for (const std::uint32_t program : programs) names.push_back(system.programs[program].name);
+  return names;
+}
+
+}  // namespace
+
 Json report_to_json(const System& system, const CheckReport& report) {
+  Json components = Json::array();
+  for (const CheckReport::Component& component : report.components) {
+    components.push_back({{"programs", program_names(system, component.programs)},
+                          {"states", component.states},
+                          {"transitions", component.transitions}});
+  }
   Json properties = Json::array();
   for (const PropertyResult& result : report.properties) {
     Json entry{{"name", result.name},
@@ -198,14 +244,18 @@ Json report_to_json(const System& system, const CheckReport& report) {
     if (!result.reason.empty()) entry["reason"] = result.reason;
     if (result.is_internal_error) entry["internal_error"] = true;
     if (result.trace) {
-      entry["explanation"] = explain(system, find_property(system, result.name), *result.trace);
+      const Shown shown = shown_part(system, result);
+      entry["explanation"] = explain(shown.part.system(), shown.property, shown.trace);
     }
+    entry["component"] = result.programs.empty() ? Json() : program_names(system, result.programs);
     entry["trace"] = result.trace ? trace_to_json(system, *result.trace) : Json::array();
     if (result.trace && result.trace->loop_start) entry["loop_start"] = *result.trace->loop_start;
     properties.push_back(std::move(entry));
   }
   return {{"verdict", to_string(report.verdict)},
           {"assumptions", report.assumptions},
+          {"remarks", report.remarks},
+          {"components", std::move(components)},
           {"properties", std::move(properties)}};
 }
 

@@ -19,7 +19,8 @@ enum class TraceFormat : std::uint8_t { chart, steps };
 void write_trace_text(std::ostream& out, const System& system, const Trace& trace,
                       TraceFormat format = TraceFormat::chart, const ChartTextStyle& style = {});
 
-// The report of `maide check --json`. A result with a trace has `explanation`, and, if the trace
+// The report of `maide check --json`. A result's `component` names the programs whose runs it is
+// about; it is null if these are all. A result with a trace has `explanation`, and, if the trace
 // repeats, `loop_start`; one that is inconclusive has `reason`.
 Json report_to_json(const System& system, const CheckReport& report);
 

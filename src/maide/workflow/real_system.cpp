@@ -102,6 +102,25 @@ std::unique_ptr<RealSystem> open(const ModelInstance& instance, const ModelReque
   return real;
 }
 
+// A step that does something with several models at once is a topic's: its readers' models are put
+// together, and no system is behind that.
+void refuse_topics(const System& system) {
+  for (const Program& program : system.programs) {
+    for (const Joint& joint : program.joints) {
+      for (const ModelUse& event : joint.events) {
+        const ModelUse& first = joint.events.front();
+        if (event.kind != first.kind || event.model == first.model) continue;
+        const ModelInstance& model = system.models[event.model];
+        if (model.source != ModelInstance::Source::file) continue;
+        throw UsageError(
+            fmt::format("model {} is one of several readers' of a topic, and such "
+                        "topics are not tried on real systems ({})",
+                        model.name, to_string(model.position)));
+      }
+    }
+  }
+}
+
 }  // namespace
 
 ModelSource record_requests(ModelSource source, ModelRequests& requests) {
@@ -138,10 +157,13 @@ SystemSpec find_system_of(const ModelInstance& instance, const ModelRequest& req
 std::vector<std::unique_ptr<RealSystem>> open_real_systems(const System& system,
                                                            const ModelRequests& requests,
                                                            const RealSystemOptions& options) {
+  refuse_topics(system);
   std::set<std::uint32_t> used;
   for (const Program& program : system.programs) {
     for (const ProgramEdge& edge : program.edges) {
-      if (edge.kind != ProgramEdge::Kind::choice) used.insert(edge.model);
+      for (const ModelUse& use : program.uses_of(edge)) {
+        if (system.models[use.model].source == ModelInstance::Source::file) used.insert(use.model);
+      }
     }
   }
   std::vector<std::unique_ptr<RealSystem>> real(system.models.size());

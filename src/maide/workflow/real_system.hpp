@@ -46,7 +46,8 @@ struct RealSystemOptions {
 
 // Opens the systems of the models that some program uses, in the order of the models; null for the
 // others. A version that is not the one that was learned is a warning in the log. Throws UsageError
-// (also if a system has not all inputs of its model) and WrapperError.
+// (also if a system has not all inputs of its model, and for a topic with several readers) and
+// WrapperError.
 std::vector<std::unique_ptr<RealSystem>> open_real_systems(const System& system,
                                                            const ModelRequests& requests,
                                                            const RealSystemOptions& options);

@@ -74,6 +74,9 @@ class Refiner {
     }
     if (!deviation) {
       confirmed_.push_back(property.name);
+      for (const std::string& line : find_unplayed(result_.system, {&*property.trace, 1}).models) {
+        result_.report.assumptions.push_back(property.name + ": " + line);
+      }
       for (std::string& assumption : find_assumptions(result_.system, *property.trace)) {
         result_.report.assumptions.push_back(property.name + ": " + assumption);
       }

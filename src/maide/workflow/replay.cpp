@@ -8,7 +8,9 @@
 #include <utility>
 
 #include "maide/base/error.hpp"
+#include "maide/base/text.hpp"
 #include "maide/check/explore/check_system.hpp"
+#include "maide/check/explore/model_words.hpp"
 #include "maide/check/trace/trace_file.hpp"
 #include "maide/sul/ia_translation.hpp"
 
@@ -22,6 +24,10 @@ constexpr std::size_t runs_at_once = 16;  // between two looks at whether to sto
 
 const ProgramEdge& edge_of(const System& system, const Step& step) {
   return system.programs[step.program].edges[step.edge];
+}
+
+std::span<const ModelUse> events_of(const System& system, const Step& step) {
+  return system.programs[step.program].events_of(edge_of(system, step));
 }
 
 // A step of the trace as it is played.
@@ -57,12 +63,12 @@ std::vector<Move> unroll(const Trace& trace, std::size_t loops) {
 
 // The calls that programs wait to make at the end and that the system is held to refuse. One that
 // was never tried, or that waits for an output to be taken, is an assumption and no observation.
-std::vector<Probe> find_probes(const System& system, const GlobalState& state) {
+std::vector<Probe> find_probes(const System& system, const GlobalState& state,
+                               const std::vector<std::unique_ptr<RealSystem>>& real) {
   std::vector<Probe> probes;
-  if (!is_deadlock(system, state)) return probes;
-  for (std::size_t index = 0; index < system.programs.size(); ++index) {
+  for (const std::uint32_t index : deadlocked_programs(system, state)) {
     for (const ProgramEdge& edge : system.programs[index].edges_of(state.programs[index])) {
-      if (edge.kind != Kind::give) continue;
+      if (edge.kind != Kind::give || !real[edge.model]) continue;
       const InterfaceAutomaton& automaton = system.models[edge.model].automaton;
       const StateId at = state.models[edge.model];
       if (!automaton.is_quiescent(at) || is_beyond_learned(automaton, at, edge.symbol)) continue;
@@ -75,17 +81,20 @@ std::vector<Probe> find_probes(const System& system, const GlobalState& state) {
   return probes;
 }
 
-Plan make_plan(const System& system, const Trace& trace, std::size_t loops) {
+Plan make_plan(const System& system, const Trace& trace, std::size_t loops,
+               const std::vector<std::unique_ptr<RealSystem>>& real) {
   Plan plan;
   plan.states = replay(system, trace);
   plan.moves = unroll(trace, loops);
   plan.words.resize(system.models.size());
   for (const Move& move : plan.moves) {
     const Step& step = trace.steps[move.step];
-    const ProgramEdge& edge = edge_of(system, step);
-    if (edge.kind == Kind::give && !step.is_beyond) plan.words[edge.model].push_back(edge.symbol);
+    if (step.is_beyond) continue;
+    for (const ModelUse& event : events_of(system, step)) {
+      if (event.kind == Kind::give) plan.words[event.model].push_back(event.symbol);
+    }
   }
-  if (!trace.loop_start) plan.probes = find_probes(system, plan.states.back());
+  if (!trace.loop_start) plan.probes = find_probes(system, plan.states.back(), real);
   for (const Probe& probe : plan.probes) plan.words[probe.model].push_back(probe.input);
   return plan;
 }
@@ -176,14 +185,17 @@ class Walk {
   }
 
   void take(const Step& step) {
-    const ProgramEdge& edge = edge_of(system_, step);
     if (is_held_up(step.program)) return;
-    if (edge.kind == Kind::choice || step.is_beyond) return see("");
-    switch (edge.kind) {
-      case Kind::give: return give(step, edge);
-      case Kind::take: return take_output(edge);
-      default: return see("");  // what is not due in the model is not due here: give() has looked
+    // Of a `quiet` nothing is to be seen: what is not due in the model is not due here, for give()
+    // has looked.
+    std::string seen;
+    for (const ModelUse& event : events_of(system_, step)) {
+      if (step.is_beyond || !real_[event.model]) continue;
+      const auto text = event.kind == Kind::give ? give(step, event) : take_output(event);
+      if (!text) return;
+      seen += (seen.empty() || text->empty() ? "" : "; ") + *text;
     }
+    see(seen);
   }
 
   // The program is still in a call whose return the model hides.
@@ -208,9 +220,36 @@ class Walk {
     return real_[model]->sul->info().inputs[real_[model]->inputs[input]].actor;
   }
 
-  void give(const Step& step, const ProgramEdge& edge) {
+  // Where the model is when it has taken the input: before the outputs that the step takes with it.
+  StateId after_input(const Step& step, const ModelUse& event) const {
+    const auto uses = system_.programs[step.program].uses_of(edge_of(system_, step));
+    const auto use = std::find_if(uses.begin(), uses.end(), [&](const ModelUse& candidate) {
+      return candidate.model == event.model;
+    });
+    const StateId target = step.targets[static_cast<std::size_t>(use - uses.begin())];
+    if (use->kind == Kind::give) return target;
+    const InterfaceAutomaton& automaton = system_.models[event.model].automaton;
+    for (const auto& given : automaton.transitions(plan_.states[move_.step].models[event.model])) {
+      if (given.action != Action{Action::Kind::input, event.symbol} || given.absorbed) continue;
+      if (given.target == target) return target;
+      for (const ModelUse& taken : events_of(system_, step)) {
+        if (taken.kind != Kind::take || taken.model != event.model) continue;
+        for (const auto& output : automaton.transitions(given.target)) {
+          if (output.action == Action{Action::Kind::output, taken.symbol} &&
+              output.target == target) {
+            return given.target;
+          }
+        }
+      }
+    }
+    return target;
+  }
+
+  // What was seen; none if it deviates.
+  std::optional<std::string> give(const Step& step, const ModelUse& edge) {
     InstanceView& view = views_[edge.model];
     const InterfaceAutomaton& automaton = system_.models[edge.model].automaton;
+    const StateId expected = after_input(step, edge);
     const SulStep* seen = next_answer(view);
     const std::string text =
         seen == nullptr ? "nothing: the system has ended" : mealy_output(*seen, Translation::eager);
@@ -218,10 +257,9 @@ class Walk {
     if (is_taken) {
       for (const Event& event : seen->events) view.due[event.actor].push_back(event.output);
     }
-    if (is_taken && emits(automaton, step.model_target, view.due)) {
-      see(text);
+    if (is_taken && emits(automaton, expected, view.due)) {
       remember_call(step.program, edge);
-      return;
+      return text;
     }
     const StateId before = plan_.states[move_.step].models[edge.model];
     const auto transitions = automaton.transitions(before);
@@ -232,7 +270,8 @@ class Walk {
                  !transition.absorbed && emits(automaton, transition.target, view.due);
         });
     deviate(is_another ? Deviation::Kind::other_answer : Deviation::Kind::output, edge.model,
-            describe_due(automaton, step.model_target), text);
+            describe_due(automaton, expected), text);
+    return std::nullopt;
   }
 
   const SulStep* next_answer(InstanceView& view) {
@@ -240,7 +279,7 @@ class Walk {
     return at < view.answer->steps.size() ? &view.answer->steps[at] : nullptr;
   }
 
-  void remember_call(std::uint32_t program, const ProgramEdge& edge) {
+  void remember_call(std::uint32_t program, const ModelUse& edge) {
     const InterfaceAutomaton& automaton = system_.models[edge.model].automaton;
     const auto& hidden = automaton.hidden_returns;
     const std::string& name = automaton.inputs().name(edge.symbol);
@@ -249,7 +288,7 @@ class Walk {
   }
 
   // The system has it due, unless it has the choice of its outputs and chose another.
-  void take_output(const ProgramEdge& edge) {
+  std::optional<std::string> take_output(const ModelUse& edge) {
     InstanceView& view = views_[edge.model];
     const std::string& output = system_.models[edge.model].automaton.outputs().name(edge.symbol);
     std::string due;
@@ -257,11 +296,12 @@ class Walk {
       if (queue.empty()) continue;
       if (queue.front() == output) {
         queue.pop_front();
-        return see("");
+        return "";
       }
       due += (due.empty() ? "" : ",") + queue.front();
     }
     deviate(Deviation::Kind::other_answer, edge.model, output, due.empty() ? "nothing due" : due);
+    return std::nullopt;
   }
 
   // In the deadlock: the call must be refused, because its actor is still in an earlier one.
@@ -310,28 +350,84 @@ std::vector<SulAnswer> play(const RealSystem& real, std::size_t model, std::span
   return answers;
 }
 
+// The models that the run meets, in its steps or by what a program of its components waits for in
+// the end.
+std::set<std::uint32_t> find_met(const System& system, const Trace& trace,
+                                 const GlobalState& last) {
+  std::set<std::uint32_t> met;
+  const auto add = [&](const Program& program, const ProgramEdge& edge) {
+    for (const ModelUse& use : program.uses_of(edge)) met.insert(use.model);
+  };
+  for (const Step& step : trace.steps) add(system.programs[step.program], edge_of(system, step));
+  for (const auto& component : find_components(system)) {
+    const bool is_met = std::any_of(trace.steps.begin(), trace.steps.end(), [&](const Step& step) {
+      return std::find(component.begin(), component.end(), step.program) != component.end();
+    });
+    if (!is_met && !trace.steps.empty()) continue;
+    for (const std::uint32_t index : component) {
+      const Program& program = system.programs[index];
+      for (const ProgramEdge& edge : program.edges_of(last.programs[index])) add(program, edge);
+    }
+  }
+  return met;
+}
+
+// A program waits for a step with real systems that no probe tries.
+bool is_untried(const System& system, const Program& program, const ProgramEdge& edge) {
+  const auto uses = program.uses_of(edge);
+  return edge.kind == Kind::joint && std::any_of(uses.begin(), uses.end(), [&](const auto& use) {
+           return system.models[use.model].source == ModelInstance::Source::file;
+         });
+}
+
 }  // namespace
+
+Unplayed find_unplayed(const System& system, std::span<const Trace> traces) {
+  using Source = ModelInstance::Source;
+  std::set<std::uint32_t> met;
+  for (const Trace& trace : traces)
+    met.merge(find_met(system, trace, replay(system, trace).back()));
+  const auto is = [&](std::uint32_t model, Source source) {
+    return system.models[model].source == source;
+  };
+  Unplayed unplayed;
+  unplayed.is_all = std::none_of(met.begin(), met.end(),
+                                 [&](std::uint32_t model) { return is(model, Source::file); });
+  if (!unplayed.is_all) {
+    std::erase_if(met, [&](std::uint32_t model) { return is(model, Source::variable); });
+  }
+  unplayed.models = describe_unreal(system, {met.begin(), met.end()});
+  for (std::string& line : unplayed.models) line += ", and no real system is asked for that";
+  return unplayed;
+}
 
 std::vector<std::string> find_assumptions(const System& system, const Trace& trace) {
   std::set<std::string> found;
+  const std::vector<GlobalState> states = replay(system, trace);
   for (const Step& step : trace.steps) {
     if (!step.is_beyond) continue;
     const StepText text = describe_step(system, step);
-    const ModelInstance& model = system.models[edge_of(system, step).model];
-    const bool is_cut = model.when_unexplored == WhenUnexplored::stop;
-    found.insert(fmt::format("{}'s {}{} at line {} was never tried there ({}), {}", text.program,
-                             text.model, text.event, text.line, describe_bound(model),
-                             is_cut ? "and is not played" : "and is taken to change nothing"));
+    const auto at = static_cast<std::size_t>(&step - trace.steps.data());
+    for (const ModelUse& use : uses_beyond(system, states[at], step)) {
+      const ModelInstance& model = system.models[use.model];
+      const bool is_cut = model.when_unexplored == WhenUnexplored::stop;
+      found.insert(fmt::format("{}'s {}{} at line {} was never tried there ({}), {}", text.program,
+                               text.model, text.event, text.line, describe_bound(model),
+                               is_cut ? "and is not played" : "and is taken to change nothing"));
+    }
   }
-  const std::vector<GlobalState> states = replay(system, trace);
-  if (trace.loop_start || !is_deadlock(system, states.back())) return {found.begin(), found.end()};
-  for (std::size_t index = 0; index < system.programs.size(); ++index) {
+  if (trace.loop_start) return {found.begin(), found.end()};
+  for (const std::uint32_t index : deadlocked_programs(system, states.back())) {
     const Program& program = system.programs[index];
     for (const ProgramEdge& edge : program.edges_of(states.back().programs[index])) {
+      if (is_untried(system, program, edge)) {
+        found.insert(fmt::format("{} waits at line {} for {}, which is not tried", program.name,
+                                 edge.line, describe_edge(system, program, edge)));
+      }
       if (edge.kind != Kind::give) continue;
       const ModelInstance& model = system.models[edge.model];
       const StateId at = states.back().models[edge.model];
-      const std::string call = describe_edge(system, edge);
+      const std::string call = describe_edge(system, program, edge);
       if (!model.automaton.is_quiescent(at)) {
         found.insert(
             fmt::format("{} waits with {} for somebody to take {}: so programs and models "
@@ -347,7 +443,7 @@ std::vector<std::string> find_assumptions(const System& system, const Trace& tra
 }
 
 bool ends_in_deadlock(const System& system, const Trace& trace) {
-  return !trace.loop_start && is_deadlock(system, replay(system, trace).back());
+  return !trace.loop_start && !deadlocked_programs(system, replay(system, trace).back()).empty();
 }
 
 void play_on_real_system(const System& system, const std::vector<std::unique_ptr<RealSystem>>& real,
@@ -359,7 +455,7 @@ void play_on_real_system(const System& system, const std::vector<std::unique_ptr
     const std::size_t count = std::min(runs_at_once, traces.size() - first);
     std::vector<Plan> plans;
     for (std::size_t run = 0; run < count; ++run) {
-      plans.push_back(make_plan(system, traces[first + run], options.loops));
+      plans.push_back(make_plan(system, traces[first + run], options.loops, real));
     }
     std::vector<std::vector<SulAnswer>> answers(count);  // by run, by instance
     for (std::size_t model = 0; model < real.size(); ++model) {

@@ -67,6 +67,15 @@ struct ReplayOptions {
 // that `when_unexplored` decides, an output that no program takes.
 std::vector<std::string> find_assumptions(const System& system, const Trace& trace);
 
+// The models that runs meet, in their steps or by what a program waits for in the end, and that
+// stand for no real system.
+struct Unplayed {
+  bool is_all = false;              // they meet no other models, so there is nothing real to ask
+  std::vector<std::string> models;  // a line for those of a kind; shared variables only if `is_all`
+};
+// O(steps x programs x edges).
+Unplayed find_unplayed(const System& system, std::span<const Trace> traces);
+
 // Whether the programs are in a deadlock at the end of the trace.
 bool ends_in_deadlock(const System& system, const Trace& trace);
 

@@ -33,6 +33,10 @@ TEST_F(SourceExcerpt, KeepsColumnsUnderTabsAndLetters) {
             "  ?31m? x\n        ^\n");
 }
 
+TEST_F(SourceExcerpt, PassesTheByteOrderMark) {
+  EXPECT_EQ(excerpt("\xEF\xBB\xBFone two\n", 1, 5), "  one two\n      ^\n");
+}
+
 TEST_F(SourceExcerpt, CutsLongLines) {
   const std::string text = excerpt(std::string(5000, 'a') + "b" + std::string(5000, 'c'), 1, 5001);
   EXPECT_EQ(text, "  " + std::string(70, 'a') + "b" + std::string(29, 'c') + "\n  " +

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <new>
 #include <set>
 #include <stdexcept>
@@ -92,6 +93,64 @@ TEST(CheckSystem, MemoryThatIsOutIsNoInternalError) {
   engine.breaks_on = {"reads"};
   engine.is_out_of_memory = true;
   EXPECT_THROW(check(engine, {"reads"}), std::bad_alloc);
+}
+
+// The lines that a check of everything rests on.
+std::vector<std::string> assumptions_of(const std::string& text) {
+  NativeEngine engine;
+  return check_system(parse_system(text, "system.yaml", test::test_model), engine).assumptions;
+}
+
+TEST(CheckSystem, NamesModelsThatAreWrittenByHandAndSharedVariables) {
+  EXPECT_EQ(assumptions_of("models:\n  'm[i in 0..1]': {use: mutex}\n"
+                           "  s: {use: semaphore, with: {count: 3}}\n"
+                           "  q: {use: queue, with: {size: 2}}\n"
+                           "  d: {use: queue, with: {depth: 4}}\n"
+                           "  via: {file: strict-2.dot}\n  unused: {use: mutex}\n"
+                           "variables: \"var n: 0..2;\"\nprograms:\n"
+                           "  'p[i in 0..1]': |\n"
+                           "    m[i].lock; s.acquire; q.write; d.write; n = i; via.write;\n"),
+            (std::vector<std::string>{
+                "via: strength unknown, for the model does not say how it was tested",
+                "d is written by hand (a queue of depth 4)",
+                "m[0], m[1] are written by hand (a mutex each)", "n is a shared variable",
+                "q is written by hand (a queue of size 2)",
+                "s is written by hand (a semaphore of count 3)"}));
+}
+
+TEST(CheckSystem, AVerdictThatHoldsRestsOnTimeOuts) {
+  const std::string system =
+      "models:\n  q: {use: queue, with: {size: 1}}\nprograms:\n  p: |\n"
+      "    select {\n      on q.read -> message { }\n      timeout 10 { }\n    }\n";
+  const auto lines = assumptions_of(system);
+  EXPECT_TRUE(std::any_of(lines.begin(), lines.end(), [](const std::string& text) {
+    return text.starts_with("time is not modelled: the time-out at line ") &&
+           text.ends_with(" may come as soon as nothing else can");
+  })) << testing::PrintToString(lines);
+  const auto without =
+      assumptions_of("models:\n  q: {use: queue, with: {size: 1}}\nprograms:\n  p: q.write;\n");
+  EXPECT_EQ(without, std::vector<std::string>{"q is written by hand (a queue of size 1)"});
+}
+
+// A formula is false at the only position that a run has which begins at an error.
+TEST(CheckSystem, TheFirstPositionCountsWhereARunBeginsAtAnError) {
+  const System system = parse_system(
+      "models:\n  q: {use: queue, with: {size: 1}}\nprograms:\n"
+      "  p1: |\n    var x: 0..1; x = 1 / x; q.write;\n  p2: q.write;\n"
+      "properties:\n  at_once: {ltl: p2@end, fairness: none}\n"
+      "  always: {always: p2@end}\n  soon: F p2@end\n  never: G !p2@end\n",
+      "system.yaml", test::test_model);
+  NativeEngine engine;
+  const CheckReport report =
+      check_system(system, engine, {{"at_once", "always", "soon", "never"}, {}});
+  ASSERT_EQ(report.properties.size(), 5U);
+  EXPECT_EQ(report.properties[0].verdict, Verdict::violated);
+  EXPECT_TRUE(report.properties[0].trace.value().steps.empty());
+  EXPECT_EQ(report.properties[1].verdict, Verdict::violated);
+  EXPECT_EQ(report.properties[2].verdict, Verdict::inconclusive);
+  EXPECT_EQ(report.properties[3].verdict, Verdict::inconclusive);
+  EXPECT_EQ(report.properties[4].name, "error");
+  EXPECT_EQ(report.properties[4].verdict, Verdict::violated);
 }
 
 }  // namespace

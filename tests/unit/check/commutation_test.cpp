@@ -20,12 +20,8 @@ ModelInstance counter() {
   return model;
 }
 
-std::vector<ProgramEdge> up_and_down() {
-  ProgramEdge edge;
-  edge.kind = ProgramEdge::Kind::give;
-  std::vector<ProgramEdge> edges(2, edge);
-  edges[down].symbol = down;
-  return edges;
+std::vector<ModelUse> up_and_down() {
+  return {{ModelUse::Kind::give, 0, up}, {ModelUse::Kind::give, 0, down}};
 }
 
 using States = std::vector<std::uint8_t>;
@@ -71,10 +67,9 @@ ModelInstance settable_model() {
 // at 1, so weak fairness watches there and at 0, from where `next` leads to 1. At 2 it cannot have
 // been possible before.
 TEST(Commutation, FairnessLooksAheadForWhatWasPossible) {
-  std::vector<ProgramEdge> actions(3);
+  std::vector<ModelUse> actions;
   for (Symbol input = 0; input < 3; ++input) {
-    actions[input].kind = ProgramEdge::Kind::give;
-    actions[input].symbol = input;
+    actions.push_back({ModelUse::Kind::give, 0, input});
   }
   constexpr std::size_t set = 0;
   constexpr std::uint64_t use_and_next = 6;

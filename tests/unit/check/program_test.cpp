@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "maide/check/language/system.hpp"
 #include "systems.hpp"
 
 namespace maide {
@@ -14,9 +15,14 @@ using Kind = ProgramEdge::Kind;
 class ProgramTest : public testing::Test {
  protected:
   Program parse(const std::string& text) const {
-    const ProgramInterface models[] = {{"m", &inputs_, &outputs_},
-                                       {"odd name", &inputs_, &outputs_}};
-    return parse_program("p", ScalarText(text, text, {"p.yaml", 1, 1}), models);
+    System system;
+    for (const std::string name : {"m", "odd name"}) {
+      ModelInstance model;
+      model.name = name;
+      model.automaton = InterfaceAutomaton(inputs_, outputs_, 1);
+      system.models.push_back(model);
+    }
+    return parse_program("p", ScalarText(text, text, {"p.yaml", 1, 1}), system);
   }
   std::string error(const std::string& text) const {
     return test::error_of([&] { parse(text); });
@@ -141,8 +147,10 @@ TEST_F(ProgramTest, ErrorsNameThePlace) {
             "the label 'end' is taken: it holds when the program has ended (p.yaml:1:2)");
   EXPECT_EQ(error("switch m.a { x {} x {} }"), "this 'switch' has two arms for 'x' (p.yaml:1:19)");
   EXPECT_EQ(error("switch m.a { }"), "this 'switch' has no arm (p.yaml:1:1)");
-  EXPECT_EQ(error("repeat x { m.a; }"), "expected a number after 'repeat', not 'x' (p.yaml:1:8)");
-  EXPECT_EQ(error("repeat 3x { m.a; }"), "expected a number after 'repeat', not '3x' (p.yaml:1:8)");
+  EXPECT_EQ(
+      error("repeat x { m.a; }"),
+      "unknown name 'x': there is no such variable, constant or word of a variable (p.yaml:1:8)");
+  EXPECT_EQ(error("repeat 3x { m.a; }"), "expected a number, not '3x' (p.yaml:1:8)");
   EXPECT_EQ(error("m.\"a;"), "a quoted name is not closed (p.yaml:1:3)");
   EXPECT_EQ(error("m.a $"), "unexpected '$' (p.yaml:1:5)");
   EXPECT_NE(error("m.a -> quiet;").find("it is an arm of"), std::string::npos);

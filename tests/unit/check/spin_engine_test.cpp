@@ -131,7 +131,7 @@ TEST(SpinEngine, AKeywordOfPromelaMayNameAnInput) {
   const std::string text = "m.D_proctype; m.proctype; m.idling;";
   const auto interfaces = system.interfaces();
   system.programs.push_back(
-      parse_program("p", ScalarText(text, text, {"system.yaml", 1, 1}), interfaces));
+      parse_program("p", ScalarText(text, text, {"system.yaml", 1, 1}), system));
   EXPECT_EQ(check(system, test::deadlock_property()).verdict, Verdict::holds);
   Property ends;
   ends.name = "ends";
@@ -220,14 +220,15 @@ TEST(SpinEngine, NamesOfAllKinds) {
   }
   System system;
   ModelInstance model;
-  model.name = "end \" model */";
+  model.name = "m";
   model.automaton = automaton;
   system.models.push_back(model);
   const ProgramInterface interfaces[] = {{"m", &inputs, &inputs}};
   for (const std::string name : {"never", "_pid", "42"}) {
     system.programs.push_back(
-        parse_program(name, ScalarText(text, text, {"s.yaml", 1, 1}), interfaces));
+        parse_program(name, ScalarText(text, text, {"s.yaml", 1, 1}), system));
   }
+  system.models[0].name = "end \" model */";
   Property property;
   property.name = formula = "G F (" + formula + ")";
   property.formula =

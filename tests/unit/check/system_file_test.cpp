@@ -133,7 +133,8 @@ TEST(SystemFile, ErrorsNameThePlace) {
       {models + "programs: {}", "there is no program (s.yaml:3:11)"},
       {models + "programs: {p: [1]}", "program 'p' must be a text (s.yaml:3:15)"},
       {models + "programs: {p: via.write;}\nprogams: {}\n",
-       "a system file has no key 'progams'; it may have: models, programs, properties "
+       "a system file has no key 'progams'; it may have: constants, models, topics, "
+       "procedures, variables, programs, properties "
        "(s.yaml:4:1)"},
       {models + "programs: {p: via.write;, p: via.read;}", "'p' is there twice (s.yaml:3:27)"},
       {models + "programs: {p: {source: p.cpp, entry: \"P::run\"}}", "not built yet"},
@@ -142,8 +143,9 @@ TEST(SystemFile, ErrorsNameThePlace) {
       {"models:\n  via: {file: strict-2.dot, when_unexplored: never}\nprograms: {p: via.write;}",
        "'when_unexplored' is one of stop, wait, drop, not 'never' (s.yaml:2:46)"},
       {"models:\n  via: {when_unexplored: stop}\nprograms: {p: via.write;}",
-       "model 'via' needs 'file:' or 'learn:' (s.yaml:2:3)"},
-      {"models:\n  via: {file: a.dot, learn: b}\nprograms: {p: via.write;}", "not both"},
+       "model 'via' needs 'file:', 'learn:' or 'use:' (s.yaml:2:3)"},
+      {"models:\n  via: {file: a.dot, learn: b}\nprograms: {p: via.write;}",
+       "one of 'file', 'learn' and 'use'"},
       {"models:\n  via: {file: nowhere.dot}\nprograms: {p: via.write;}", "there is no file"},
       {models + "programs: {p: via.write;}\nproperties: {deadlock: \"true\"}", "always there"},
       {models + "programs: {p: via.write;}\nproperties: {x: {fairness: none}}", "needs 'ltl:'"},

@@ -195,7 +195,7 @@ TEST(Dot, ErrorsSayWhatAndWhere) {
            Case{"digraph { a [label=<b>] }", "HTML labels cannot be read"},
            Case{"digraph { /* a", "unfinished comment (m.dot:1:11)"},
            Case{"digraph { \"ä", "unfinished quoted name (m.dot:1:11)"},
-           Case{"digraph { ä [x=\"ö\"] $ }", "unexpected character '$' (m.dot:1:21)"},
+           Case{"digraph { ä [x=\"ö\"] $ }", "unexpected character '$' (m.dot:1:23)"},
            Case{"digraph { a -> a }", "an edge without a label (m.dot:1:13)"},
            Case{"digraph { a -> a [label=\"x\"] }",
                 "label 'x' is not \"input / output\" (m.dot:1:25)"},

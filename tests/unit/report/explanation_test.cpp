@@ -3,7 +3,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "maide/check/explore/check_system.hpp"
+#include "maide/check/explore/engine.hpp"
 #include "maide/check/language/system_file.hpp"
+#include "maide/report/trace_text.hpp"
 #include "scheduled_run.hpp"
 
 namespace maide {
@@ -189,6 +195,64 @@ TEST(Explanation, SaysWhereAFormulaIsBroken) {
             "from sync; sync was given none; no other program would ever write to sync");
   EXPECT_THAT(why(3),
               testing::StartsWith("via.write never holds from step 2 on: p waits at line 5"));
+}
+
+// The explanation and the trace's text of the deadlock, or of the error, that a check finds.
+std::string shown(const System& system, const std::string& property) {
+  NativeEngine engine;
+  CheckRequest request;
+  request.properties = {property};
+  const CheckReport report = check_system(system, engine, request);
+  const Shown part = shown_part(system, report.properties.front());
+  std::ostringstream text;
+  text << explain(part.part.system(), part.property, part.trace) << "\n";
+  write_trace_text(text, part.part.system(), part.trace, TraceFormat::steps);
+  return text.str();
+}
+
+TEST(Explanation, SaysWhoHoldsWhatABuiltInModelGives) {
+  const std::string mutex =
+      shown(system_of("m: {use: mutex}", "  p: m.lock;\n  q: m.lock; m.lock;\n"), "deadlock");
+  EXPECT_THAT(mutex, testing::HasSubstr("m is held: "));
+  EXPECT_THAT(mutex, testing::HasSubstr(" locked it at step 1"));
+  EXPECT_THAT(mutex, testing::HasSubstr("to give m.lock; m is held\n"));
+  const std::string units =
+      shown(system_of("s: {use: semaphore, with: {count: 1}}", "  p: s.acquire; s.acquire;\n"),
+            "deadlock");
+  EXPECT_THAT(units, testing::HasSubstr("s has no unit left: p acquired the last at step 1"));
+  const std::string queue =
+      shown(system_of("q: {use: queue, with: {size: 1}}", "  p: q.write; q.write;\n"), "deadlock");
+  EXPECT_THAT(queue, testing::HasSubstr("; q is full; "));
+}
+
+TEST(Explanation, SaysWhatASelectWaitsFor) {
+  const System system = system_of("q: {use: queue, with: {size: 1}}, a: {use: mutex}",
+                                  "  p: |\n    select {\n      on q.read -> message { }\n"
+                                  "      on a.unlock { }\n    }\n");
+  const std::string text = shown(system, "deadlock");
+  const std::string waits = "p waits at line 5 in a select for q.read -> message or a.unlock";
+  EXPECT_THAT(text, testing::StartsWith(waits + "; "));
+  EXPECT_THAT(text, testing::HasSubstr("  " + waits + "\n"));
+}
+
+TEST(Explanation, TracesHaveTheValuesThatStepsChangeAndTheError) {
+  const System system = system_of("q: {use: queue, with: {size: 2}}",
+                                  "  p: |\n    var k: 0..1; var f: bool;\n"
+                                  "    q.write; k = 1; f = true; q.write; k = 2;\n");
+  const std::string text = shown(system, "error");
+  EXPECT_THAT(text, testing::HasSubstr("(k = 1, f = true)"));
+  EXPECT_THAT(text, testing::HasSubstr(
+                        "here the run comes to an error: p: k = 2 is outside of 0..1 (s.yaml:5:"));
+  NativeEngine engine;
+  const CheckReport report = check_system(system, engine);
+  const Json json = report_to_json(system, report);
+  for (const Json& property : json["properties"]) {
+    if (property["name"] != "error") continue;
+    EXPECT_EQ(property["trace"][0]["values"], (Json{{"k", 1}, {"f", true}}));
+    EXPECT_FALSE(property["trace"][1].contains("values"));
+    return;
+  }
+  FAIL() << json.dump();
 }
 
 }  // namespace

@@ -195,6 +195,38 @@ TEST(Replay, NamesWhatItCannotAsk) {
               ElementsAre(HasSubstr("for somebody to take message")));
 }
 
+TEST(Replay, AsksNobodyForWhatIsWrittenByHand) {
+  const auto parse = [](const std::string& text) {
+    return parse_system(text, "system.yaml", [](const ModelRequest&) { return model("buffered"); });
+  };
+  const System forks = parse(
+      "models:\n  'fork[i in 0..1]': {use: mutex}\nvariables: \"var n: 0..1;\"\nprograms:\n"
+      "  'p[i in 0..1]': |\n    fork[i].lock; n = 1;\n    fork[1 - i].lock;\n");
+  const Trace deadlock = find_trace(forks);
+  const Unplayed all = find_unplayed(forks, {&deadlock, 1});
+  EXPECT_TRUE(all.is_all);
+  EXPECT_THAT(all.models,
+              ElementsAre("fork[0], fork[1] are written by hand (a mutex each), and no real system "
+                          "is asked for that",
+                          "n is a shared variable, and no real system is asked for that"));
+  std::vector<std::unique_ptr<RealSystem>> nobody(forks.models.size());
+  play_on_real_system(forks, nobody, {&deadlock, 1}, {}, [&](std::size_t, ReplayedRun run) {
+    EXPECT_FALSE(run.deviation);
+    EXPECT_EQ(run.steps, deadlock.steps.size());
+  });
+
+  const System mixed = parse(
+      "models:\n  via: {file: via.dot}\n  m: {use: mutex}\nprograms:\n"
+      "  p: via.write; m.lock; m.lock;\n  q: loop { select { on via.read -> message { } } }\n");
+  const Trace trace = find_trace(mixed);
+  const Unplayed some = find_unplayed(mixed, {&trace, 1});
+  EXPECT_FALSE(some.is_all);
+  EXPECT_THAT(some.models,
+              ElementsAre("m is written by hand (a mutex), and no real system is asked "
+                          "for that"));
+  EXPECT_THAT(find_assumptions(mixed, trace), testing::Contains(HasSubstr("which is not tried")));
+}
+
 TEST(RandomRun, IsARunThatNeverLeavesWhatWasLearned) {
   const System system = system_of(
       model("strict-2"), "  a: loop { via.write; }\n  b: loop { via.read -> message; }\n", "drop");

@@ -4,169 +4,61 @@
 
 #include <algorithm>
 #include <exception>
+#include <map>
+#include <memory>
 #include <new>
 #include <optional>
 #include <set>
 #include <string>
-#include <tuple>
 #include <utility>
 #include <vector>
 
-#include "maide/automata/strength.hpp"
 #include "maide/base/error.hpp"
 #include "maide/base/text.hpp"
-#include "maide/check/language/program_syntax.hpp"
+#include "maide/check/explore/assumptions.hpp"
+#include "maide/check/explore/model_words.hpp"
 #include "maide/check/trace/trace.hpp"
 
 namespace maide {
 namespace {
 
-// A use of an input by some program: the first place of each.
-struct Use {
-  std::uint32_t model = 0;
-  Symbol input = 0;
-  const Program* program = nullptr;
-  const ProgramEdge* edge = nullptr;
-};
-
-std::vector<Use> find_uses(const System& system) {
-  std::vector<Use> uses;
-  std::set<std::tuple<std::uint32_t, Symbol>> seen;
-  for (const Program& program : system.programs) {
-    for (const ProgramEdge& edge : program.edges) {
-      if (edge.kind != ProgramEdge::Kind::give) continue;
-      if (!seen.insert({edge.model, edge.symbol}).second) continue;
-      uses.push_back({edge.model, edge.symbol, &program, &edge});
-    }
-  }
-  return uses;
+// The state at the end of a trace, which an engine found and was held against the meaning. In the
+// whole system: what another component does, even an error, is no part of it.
+GlobalState last_state(const System& system, const Trace& trace) {
+  GlobalState state = initial_state(system);
+  for (const Step& step : trace.steps) state = apply(system, state, step);
+  return state;
 }
 
-bool has_beyond(const InterfaceAutomaton& automaton, Symbol input) {
-  for (StateId state = 0; state < automaton.size(); ++state) {
-    if (is_beyond_learned(automaton, state, input)) return true;
-  }
-  return false;
+bool has_errors(const System& system) {
+  return std::any_of(system.programs.begin(), system.programs.end(), [](const Program& program) {
+    return std::any_of(program.states.begin(), program.states.end(),
+                       [](const Program::State& state) { return state.error != 0; });
+  });
 }
 
-std::string input_name(const System& system, const Use& use) {
-  const ModelInstance& model = system.models[use.model];
-  return model.name + "." + model.automaton.inputs().name(use.input);
-}
-
-// What the return of a call is called in models that observe it.
-std::string return_name(const std::string& input) { return input == "write" ? "written" : "done"; }
-
-std::optional<std::string> find_hidden_return(const System& system, const std::vector<Use>& uses) {
-  for (const Use& use : uses) {
-    const InterfaceAutomaton& automaton = system.models[use.model].automaton;
-    const std::string& input = automaton.inputs().name(use.input);
-    const auto& hidden = automaton.hidden_returns;
-    if (std::find(hidden.begin(), hidden.end(), input) == hidden.end()) continue;
-    std::vector<std::string> observed = automaton.outputs().names();
-    observed.push_back(return_name(input));
-    return fmt::format(
-        "{}'s {} at line {} really blocks, and the model of {} does not show when it returns: "
-        "learn "
-        "with observe={}, write `{} -> {};`",
-        use.program->name, input_name(system, use), use.edge->line, system.models[use.model].name,
-        fmt::join(observed, ","), input_name(system, use), return_name(input));
-  }
-  return std::nullopt;
-}
-
-// Models that some program meets, in the order of the system.
-std::vector<const ModelInstance*> find_used_models(const System& system) {
-  std::set<std::uint32_t> used;
-  for (const Program& program : system.programs) {
-    for (const ProgramEdge& edge : program.edges) {
-      if (edge.kind != ProgramEdge::Kind::choice) used.insert(edge.model);
-    }
-  }
-  std::vector<const ModelInstance*> models;
-  for (const std::uint32_t index : used) models.push_back(&system.models[index]);
-  return models;
-}
-
-bool is_weak(const ModelInstance& model) {
-  const auto stated = find_strength(model.automaton.origin);
-  return stated && stated->is_weak;
-}
-
-// What to do for a model that is stronger.
-std::string describe_strengthening(const ModelInstance& model) {
-  if (model.is_learned)
-    return "write `learning: {effort: 10}`, or more, at the model, without `eq` and `max-tests`";
-  const auto sul = model.automaton.origin.find("sul");
-  const std::string file = quote_shell_word(model.origin);
-  return fmt::format("run `maide learn {} --start-from {} -o {} --effort 10`, or more",
-                     sul == model.automaton.origin.end() ? "SUL" : sul->second, file, file);
-}
-
-// Why a "holds" is none, as far as that is because of weak models.
-std::optional<std::string> find_weakness(const System& system) {
-  std::vector<std::string> names;
-  const ModelInstance* first = nullptr;
-  for (const ModelInstance* model : find_used_models(system)) {
-    if (!is_weak(*model) || model->when_weak == WhenWeak::accept) continue;
-    if (first == nullptr) first = model;
-    names.push_back(model->name);
-  }
-  if (first == nullptr) return std::nullopt;
-  return fmt::format(
-      "it leans on {} ({}), whose tests may have missed a part of the system: {}, or write "
-      "`when_weak: accept` there",
-      names.size() == 1 ? "a weak model" : "weak models", join(names),
-      describe_strengthening(*first));
-}
-
-// Inputs that a model has in states where an output is due: the meaning of systems leaves them out.
-std::size_t count_inputs_while_due(const InterfaceAutomaton& automaton) {
-  std::size_t count = 0;
-  for (StateId state = 0; state < automaton.size(); ++state) {
-    if (automaton.is_quiescent(state)) continue;
-    for (const auto& transition : automaton.transitions(state)) {
-      count += transition.action.is_input() ? 1 : 0;
-    }
-  }
-  return count;
-}
-
-// Whether a run that is not fair might violate the property.
-bool depends_on_fairness(const Property& property) {
-  if (property.kind == Property::Kind::never) return true;
-  return property.kind == Property::Kind::ltl && !is_syntactically_safe(property.formula);
-}
-
-class Checker {
+// Checks properties of one part of a system, all of whose runs they are about.
+class PartChecker {
  public:
-  Checker(const System& system, Engine& engine, const CheckRequest& request)
-      : system_(system), engine_(engine), options_(request.options), uses_(find_uses(system)) {
-    select(request.properties);
-  }
+  PartChecker(Part part, Engine& engine, const EngineOptions& options)
+      : part_(std::move(part)),
+        system_(part_.system()),
+        engine_(engine),
+        options_(options),
+        uses_(find_uses(system_)),
+        has_errors_(has_errors(system_)) {}
+  PartChecker(const PartChecker&) = delete;
+  PartChecker& operator=(const PartChecker&) = delete;
 
-  CheckReport run() {
-    for (const Property& property : properties_) {
-      options_.control.report({"checking", 0, 0, 0, report_.properties.size(), properties_.size()});
-      report_.properties.push_back(check(property));
-    }
-    for (const Verdict verdict : {Verdict::inconclusive, Verdict::violated}) {
-      for (const PropertyResult& result : report_.properties) {
-        if (result.verdict == verdict) report_.verdict = verdict;
-      }
-    }
-    state_assumptions();
-    return std::move(report_);
-  }
-
- private:
-  // An error of Maide's own leaves this property undecided, unless its violation was found before,
-  // and the others' verdicts alone.
-  PropertyResult check(const Property& property) {
+  // Of the whole system. An error of Maide's own leaves this property undecided, unless its
+  // violation was found before, and the others' verdicts alone.
+  PropertyResult check(const Property& of_whole) {
+    const Property property = part_.property(of_whole);
     PropertyResult result;
     try {
-      result = engine_.check(system_, property, options_);
-      if (result.verdict == Verdict::holds) weaken(result);
+      result = property.kind == Property::Kind::error ? find_error()
+                                                      : engine_.check(system_, property, options_);
+      if (result.verdict == Verdict::holds) weaken(result, property);
       if (result.trace) result.trace = with_fewest_switches(system_, property, *result.trace);
     } catch (const Error&) {
       throw;
@@ -178,36 +70,43 @@ class Checker {
       result.reason = describe_internal_error(error.what());
       result.is_internal_error = true;
     }
+    if (result.trace) result.trace = to_whole(part_, std::move(*result.trace));
+    if (result.remarkable) result.remarkable = to_whole(part_, std::move(*result.remarkable));
+    if (!part_.is_whole()) result.programs = part_.programs();
     return result;
   }
 
-  void select(const std::vector<std::string>& names) {
-    std::set<std::string> seen;
-    for (const std::string& name : names) {
-      if (seen.insert(name).second) properties_.push_back(find_property(system_, name));
-    }
-    if (names.empty()) {
-      properties_.push_back(find_property(system_, "deadlock"));
-      const Property stuck = find_property(system_, "stuck");
-      leaves_out_stuck_ = !engine_.obstacle(stuck).empty();
-      if (!leaves_out_stuck_) properties_.push_back(stuck);
-      properties_.insert(properties_.end(), system_.properties.begin(), system_.properties.end());
-    }
-    for (const Property& property : properties_) {
-      const std::string obstacle = engine_.obstacle(property);
-      if (obstacle.empty()) continue;
-      const std::string place = to_string(property.position);
-      throw UsageError(fmt::format("property '{}': {}{}", property.name, obstacle,
-                                   place.empty() ? "" : " (" + place + ")"));
-    }
+ private:
+  PropertyResult find_error() {
+    if (error_) return *error_;
+    Property property;
+    property.name = "error";
+    property.kind = Property::Kind::error;
+    PropertyResult result;
+    result.name = property.name;
+    result.verdict = Verdict::holds;
+    if (has_errors_) result = engine_.check(system_, property, options_);
+    if (result.trace) result.reason = describe_error(system_, last_state(system_, *result.trace));
+    error_ = result;
+    return result;
   }
 
   // A "holds" that leans on something that is not known.
-  void weaken(PropertyResult& result) {
+  void weaken(PropertyResult& result, const Property& property) {
+    std::vector<std::string> reasons;
+    if (property.kind == Property::Kind::error) {
+      if (!has_errors_) return;
+    } else if (has_errors_) {
+      const PropertyResult error = find_error();
+      if (error.verdict == Verdict::violated) {
+        reasons.push_back("runs end at an error: " + error.reason);
+      } else if (error.verdict == Verdict::inconclusive) {
+        reasons.push_back("whether a run ends at an error: " + error.reason);
+      }
+    }
     if (!cut_ && result.stays_within_learned) cut_ = CutResult{Verdict::holds, "", std::nullopt};
     if (!cut_) cut_ = engine_.find_cut(system_, options_);
     const std::optional<std::string> hidden = find_hidden_return(system_, uses_);
-    std::vector<std::string> reasons;
     if (const auto weakness = find_weakness(system_)) reasons.push_back(*weakness);
     if (cut_->verdict == Verdict::violated) {
       reasons.push_back(describe_cut(*cut_->trace));
@@ -225,152 +124,275 @@ class Checker {
     const Step& step = trace.steps.back();
     const Program& program = system_.programs[step.program];
     const ProgramEdge& edge = program.edges[step.edge];
-    return fmt::format("{}; {}'s {} at line {} goes beyond",
-                       describe_bound(system_.models[edge.model]), program.name,
-                       describe_edge(system_, edge), edge.line);
+    Trace before = trace;
+    before.steps.pop_back();
+    for (const ModelUse& use : uses_beyond(system_, last_state(system_, before), step)) {
+      const ModelInstance& model = system_.models[use.model];
+      if (model.when_unexplored != WhenUnexplored::stop) continue;
+      return fmt::format("{}; {}'s {} at line {} goes beyond", describe_bound(model), program.name,
+                         describe_edge(system_, program, edge), edge.line);
+    }
+    throw std::logic_error("the step does not go beyond what was learned");
   }
 
-  void state_assumptions() {
-    auto& assumptions = report_.assumptions;
-    for (const Use& use : uses_) {
-      const ModelInstance& model = system_.models[use.model];
-      if (model.when_unexplored == WhenUnexplored::stop) continue;
-      if (!has_beyond(model.automaton, use.input)) continue;
-      assumptions.push_back(fmt::format(
-          "{} {} (when_unexplored: {}; {})", input_name(system_, use),
-          model.when_unexplored == WhenUnexplored::wait
-              ? "waits where it was never tried, until it is possible"
-              : "is taken where it was never tried, and changes nothing",
-          model.when_unexplored == WhenUnexplored::wait ? "wait" : "drop", describe_bound(model)));
+  Part part_;
+  const System& system_;
+  Engine& engine_;
+  const EngineOptions& options_;
+  std::vector<InputUse> uses_;
+  bool has_errors_;
+  std::optional<CutResult> cut_;
+  std::optional<PropertyResult> error_;
+};
+
+constexpr std::size_t most_reasons = 3;  // of components, in one line
+
+// What was found in several components, as one result. Of the first that is violated it has the
+// trace.
+class Merger {
+ public:
+  explicit Merger(const std::string& name) {
+    whole_.name = name;
+    whole_.verdict = Verdict::holds;
+    whole_.stays_within_learned = true;
+  }
+
+  void add(PropertyResult part) {
+    whole_.states += part.states;
+    whole_.transitions += part.transitions;
+    whole_.seconds += part.seconds;
+    whole_.peak_bytes = std::max(whole_.peak_bytes, part.peak_bytes);
+    whole_.reduction = std::max(whole_.reduction, part.reduction);
+    whole_.stays_within_learned = whole_.stays_within_learned && part.stays_within_learned;
+    whole_.is_internal_error = whole_.is_internal_error || part.is_internal_error;
+    if (part.remarkable && !whole_.remarkable) {
+      whole_.remarkable = std::move(part.remarkable);
+      whole_.programs = part.programs;
+    }
+    if (part.verdict == Verdict::violated) {
+      whole_.verdict = Verdict::violated;
+      whole_.trace = std::move(part.trace);
+      whole_.programs = std::move(part.programs);
+      reasons_.clear();
+      seen_.clear();
+    } else if (part.verdict == Verdict::inconclusive) {
+      whole_.verdict = Verdict::inconclusive;
+    }
+    if (!part.reason.empty() && seen_.insert(part.reason).second) reasons_.push_back(part.reason);
+  }
+
+  bool is_violated() const { return whole_.verdict == Verdict::violated; }
+
+  PropertyResult take() {
+    const std::size_t more = reasons_.size() - std::min(reasons_.size(), most_reasons);
+    if (more > 0) reasons_.resize(most_reasons);
+    whole_.reason = join(reasons_, "; ");
+    if (more > 0) whole_.reason += fmt::format("; and {} reasons more", more);
+    return std::move(whole_);
+  }
+
+ private:
+  PropertyResult whole_;
+  std::vector<std::string> reasons_;
+  std::set<std::string> seen_;
+};
+
+class Checker {
+ public:
+  Checker(const System& system, Engine& engine, const CheckRequest& request)
+      : system_(system), engine_(engine), options_(request.options), uses_(find_uses(system)) {
+    select(request.properties);
+    components_ = find_components(system);
+    for (const auto& component : components_) report_.components.push_back({component, 0, 0});
+  }
+
+  CheckReport run() {
+    for (const Property& property : properties_) {
+      options_.control.report({"checking", 0, 0, 0, report_.properties.size(), properties_.size()});
+      report_.properties.push_back(check(property));
+      state_remark(report_.properties.back());
+    }
+    for (const Verdict verdict : {Verdict::inconclusive, Verdict::violated}) {
+      for (const PropertyResult& result : report_.properties) {
+        if (result.verdict == verdict) report_.verdict = verdict;
+      }
+    }
+    report_.assumptions = state_assumptions(system_, uses_, properties_, report_.properties);
+    if (leaves_out_stuck_) {
+      report_.assumptions.push_back("stuck was not checked: " +
+                                    engine_.obstacle(find_property(system_, "stuck")));
+    }
+    return std::move(report_);
+  }
+
+ private:
+  bool is_of_each_component(const Property& property) const {
+    return property.kind != Property::Kind::ltl && property.kind != Property::Kind::never &&
+           components_.size() > 1;
+  }
+
+  PropertyResult check(const Property& property) {
+    if (!is_of_each_component(property)) {
+      return check(property, programs_of(system_, property, components_));
+    }
+    Merger merger(property.name);
+    for (std::size_t i = 0; i < components_.size() && !merger.is_violated(); ++i) {
+      merger.add(check(property, components_[i]));
+    }
+    return merger.take();
+  }
+
+  // On the runs of those programs.
+  PropertyResult check(const Property& property, const std::vector<std::uint32_t>& programs) {
+    const bool is_whole = programs.size() == system_.programs.size();
+    const bool has_atoms =
+        property.kind == Property::Kind::ltl || property.kind == Property::Kind::never;
+    PropertyResult result;
+    if (has_atoms && !is_whole) {
+      result = PartChecker(Part(system_, programs, &property), engine_, options_).check(property);
+    } else {
+      auto& checker = checkers_[programs];
+      if (!checker) {
+        checker = std::make_unique<PartChecker>(is_whole ? Part(system_) : Part(system_, programs),
+                                                engine_, options_);
+      }
+      result = checker->check(property);
+    }
+    for (CheckReport::Component& component : report_.components) {
+      if (component.programs != programs || component.states > 0) continue;
+      component.states = result.states;
+      component.transitions = result.transitions;
+    }
+    return result;
+  }
+
+  void select(const std::vector<std::string>& names) {
+    std::set<std::string> seen;
+    for (const std::string& name : names) {
+      for (Property& property : find_properties(system_, name)) {
+        if (seen.insert(property.name).second) properties_.push_back(std::move(property));
+      }
+    }
+    const bool has_error = has_errors(system_);
+    if (names.empty()) {
+      properties_.push_back(find_property(system_, "deadlock"));
+      const Property stuck = find_property(system_, "stuck");
+      leaves_out_stuck_ = !engine_.obstacle(stuck).empty();
+      if (!leaves_out_stuck_) properties_.push_back(stuck);
+      if (has_error) properties_.push_back(find_property(system_, "error"));
+      properties_.insert(properties_.end(), system_.properties.begin(), system_.properties.end());
+    } else if (has_error && !seen.contains("error")) {
+      properties_.push_back(find_property(system_, "error"));
     }
     for (const Property& property : properties_) {
-      if (!depends_on_fairness(property)) continue;
-      if (property.fairness == Fairness::none) continue;
-      const bool is_weak = property.fairness == Fairness::weak;
-      assumptions.push_back(fmt::format(
-          "{}: {} fairness: no program waits for ever that could go on {}", property.name,
-          is_weak ? "weak" : "strong", is_weak ? "all the time" : "again and again"));
-    }
-    if (const auto hidden = find_hidden_return(system_, uses_)) assumptions.push_back(*hidden);
-    for (const ModelInstance& model : system_.models) {
-      const std::size_t count = count_inputs_while_due(model.automaton);
-      if (count > 0) {
-        assumptions.push_back(fmt::format(
-            "{} takes no input while an output is due: {} transitions of its file are not used",
-            model.name, count));
-      }
-    }
-    state_hypotheses();
-    state_strengths();
-    std::vector<std::string> reduced;
-    for (const PropertyResult& result : report_.properties) {
-      if (result.reduction != Reduction::none) reduced.push_back(result.name);
-    }
-    if (!reduced.empty()) {
-      assumptions.push_back(join(reduced) +
-                            ": partial-order reduction (--reduction none does without)");
-    }
-    if (leaves_out_stuck_) {
-      assumptions.push_back("stuck was not checked: " +
-                            engine_.obstacle(find_property(system_, "stuck")));
+      const std::string obstacle = engine_.obstacle(property);
+      if (obstacle.empty()) continue;
+      const std::string place = to_string(property.position);
+      throw UsageError(fmt::format("property '{}': {}{}", property.name, obstacle,
+                                   place.empty() ? "" : " (" + place + ")"));
     }
   }
 
-  // A line for all models that passed the same tests: instances of one model, mostly.
-  void state_hypotheses() {
-    std::vector<std::pair<std::string, std::vector<std::string>>> models_of;  // tests
-    for (const ModelInstance& model : system_.models) {
-      const auto tests = model.automaton.origin.find("tests");
-      if (tests == model.automaton.origin.end()) continue;
-      const auto known = std::find_if(models_of.begin(), models_of.end(), [&](const auto& entry) {
-        return entry.first == tests->second;
-      });
-      if (known == models_of.end()) {
-        models_of.push_back({tests->second, {model.name}});
-      } else {
-        known->second.push_back(model.name);
-      }
+  // Who starves on weakly fair runs, and is not stuck.
+  void state_remark(const PropertyResult& result) {
+    if (!result.remarkable) return;
+    const Trace& trace = *result.remarkable;
+    const GlobalState last = last_state(system_, trace);
+    std::vector<bool> steps(system_.programs.size());
+    for (std::size_t at = *trace.loop_start; at < trace.steps.size(); ++at) {
+      steps[trace.steps[at].program] = true;
     }
-    for (const auto& [tests, models] : models_of) {
-      report_.assumptions.push_back(
-          fmt::format("{} {}: {}", join(models, ", "),
-                      models.size() == 1 ? "is a hypothesis" : "are hypotheses", tests));
+    const std::vector<std::uint32_t>& programs =
+        result.programs.empty() ? components_.front() : result.programs;
+    for (const std::uint32_t index : programs) {
+      const Program& program = system_.programs[index];
+      const ControlState at = last.programs[index];
+      if (steps[index] || program.edges_of(at).empty() || program.states[at].may_rest) continue;
+      report_.remarks.push_back(
+          fmt::format("{} may never step again on a run that is weakly fair only: it waits at line "
+                      "{}, and each "
+                      "time it could go on, others are faster",
+                      program.name, program.edges_of(at).front().line));
     }
-  }
-
-  // Of the models that are weak, or of which nobody knows whether they are.
-  void state_strengths() {
-    std::vector<std::string> unknown;
-    for (const ModelInstance* model : find_used_models(system_)) {
-      const auto stated = find_strength(model->automaton.origin);
-      if (!stated) unknown.push_back(model->name);
-      if (stated && !stated->is_known()) {
-        report_.assumptions.push_back(fmt::format(
-            "{}: strength unknown, for the model does not say {}", model->name, stated->unstated));
-      }
-      if (!stated || !stated->is_weak) continue;
-      report_.assumptions.push_back(fmt::format(
-          "{} is weak{}: its tests reached {}", model->name,
-          model->when_weak == WhenWeak::accept ? " and accepted (when_weak: accept)" : "",
-          to_string(stated->strength)));
-    }
-    if (unknown.empty()) return;
-    report_.assumptions.push_back(join(unknown, ", ") +
-                                  ": strength unknown, for the model does not say how it was "
-                                  "tested");
   }
 
   const System& system_;
   Engine& engine_;
   const EngineOptions& options_;
-  std::vector<Use> uses_;
+  std::vector<InputUse> uses_;
   std::vector<Property> properties_;
   bool leaves_out_stuck_ = false;
-  std::optional<CutResult> cut_;
+  std::vector<std::vector<std::uint32_t>> components_;
+  std::map<std::vector<std::uint32_t>, std::unique_ptr<PartChecker>> checkers_;  // by programs
   CheckReport report_;
 };
 
 }  // namespace
 
-Property find_property(const System& system, const std::string& name) {
+namespace {
+
+std::optional<Property> find_built_in(const std::string& name) {
+  using Kind = Property::Kind;
   Property property;
   property.name = name;
-  if (name == "deadlock" || name == "stuck") {
-    property.kind = name == "stuck" ? Property::Kind::stuck : Property::Kind::deadlock;
-    return property;
-  }
-  std::vector<std::string> known{"deadlock", "stuck"};
-  for (const Property& candidate : system.properties) {
-    if (candidate.name == name) return candidate;
-    known.push_back(candidate.name);
-  }
-  throw UsageError(
+  if (name != "deadlock" && name != "stuck" && name != "error") return std::nullopt;
+  property.kind = name == "stuck" ? Kind::stuck : name == "error" ? Kind::error : Kind::deadlock;
+  return property;
+}
+
+UsageError no_such_property(const System& system, const std::string& name) {
+  std::vector<std::string> known{"deadlock", "stuck", "error"};
+  for (const Property& candidate : system.properties) known.push_back(candidate.name);
+  return UsageError(
       fmt::format("there is no property '{}'; there is: {} ({})", name, join(known), system.file));
 }
 
-std::string describe_bound(const ModelInstance& model) {
-  const auto bound = model.automaton.origin.find("bound");
-  if (bound == model.automaton.origin.end()) {
-    return model.name + " was learned up to a bound that its file does not name";
+}  // namespace
+
+Property find_property(const System& system, const std::string& name) {
+  if (const auto built_in = find_built_in(name)) return *built_in;
+  for (const Property& candidate : system.properties) {
+    if (candidate.name == name) return candidate;
   }
-  const std::string& text = bound->second;
-  const bool is_number = !text.empty() && std::all_of(text.begin(), text.end(),
-                                                      [](char c) { return c >= '0' && c <= '9'; });
-  if (!is_number) return fmt::format("{} was learned for {}", model.name, text);
-  return fmt::format("{} was learned for at most {} message{} in flight", model.name, text,
-                     text == "1" ? "" : "s");
+  throw no_such_property(system, name);
 }
 
-std::string describe_edge(const System& system, const ProgramEdge& edge) {
-  if (edge.kind == ProgramEdge::Kind::choice) return edge.symbol == 0 ? "if *" : "if * ... else";
-  const ModelInstance& model = system.models[edge.model];
-  switch (edge.kind) {
-    case ProgramEdge::Kind::give:
-      return model.name + "." + model.automaton.inputs().name(edge.symbol);
-    case ProgramEdge::Kind::take:
-      return model.name + "!" + model.automaton.outputs().name(edge.symbol);
-    default: return model.name + " quiet";
+std::vector<Property> find_properties(const System& system, const std::string& name) {
+  if (const auto built_in = find_built_in(name)) return {*built_in};
+  std::vector<Property> instances;
+  for (const Property& candidate : system.properties) {
+    if (candidate.name == name) return {candidate};
+    if (candidate.name.starts_with(name + "[")) instances.push_back(candidate);
   }
+  if (instances.empty()) throw no_such_property(system, name);
+  return instances;
+}
+
+std::string find_flaw_in_parts(const System& system, const Property& property, const Trace& trace) {
+  const bool has_atoms =
+      property.kind == Property::Kind::ltl || property.kind == Property::Kind::never;
+  std::vector<std::vector<std::uint32_t>> candidates = find_components(system);
+  if (has_atoms) candidates = {programs_of(system, property, candidates)};
+  std::string flaw = "its steps are of several components";
+  for (const auto& programs : candidates) {
+    const bool is_within =
+        std::all_of(trace.steps.begin(), trace.steps.end(), [&](const Step& step) {
+          return std::binary_search(programs.begin(), programs.end(), step.program);
+        });
+    if (!is_within) continue;
+    const Part part(system, programs, &property);
+    flaw = find_flaw(part.system(), part.property(property), from_whole(part, trace));
+    if (flaw.empty()) break;
+  }
+  return flaw;
+}
+
+Shown shown_part(const System& system, const PropertyResult& result) {
+  const Property property = find_property(system, result.name);
+  Part part(system, result.programs, &property);
+  Trace trace = from_whole(part, *result.trace);
+  Property of_part = part.property(property);
+  return {std::move(part), std::move(of_part), std::move(trace)};
 }
 
 ExitStatus exit_status_of(const CheckReport& report) {
@@ -387,63 +409,3 @@ CheckReport check_system(const System& system, Engine& engine, const CheckReques
 }
 
 }  // namespace maide
-
-// Statements that control never reaches, by structure alone: those behind a `loop`, a `stop`, or a
-// statement of which every branch ends in such. What a model never does is not looked at.
-
-namespace maide::program_syntax {
-namespace {
-
-class Finder {
- public:
-  explicit Finder(const std::string& file) : file_(file) {}
-
-  // Whether control can come to the end of the block.
-  bool can_end(const Block& block) {
-    bool is_reached = true;
-    for (const Statement& statement : block) {
-      if (!is_reached) {
-        found_.push_back({file_, statement.line, statement.column});
-        return false;
-      }
-      is_reached = can_end(statement);
-    }
-    return is_reached;
-  }
-
-  std::vector<SourcePosition> take() { return std::move(found_); }
-
- private:
-  bool can_end(const Statement& statement) {
-    switch (statement.kind) {
-      case Statement::Kind::stop: return false;
-      case Statement::Kind::loop: can_end(*statement.body); return false;
-      case Statement::Kind::repeat: return can_end(*statement.body) || statement.count == 0;
-      case Statement::Kind::choice: {
-        const bool first = can_end(*statement.body);
-        return can_end(*statement.otherwise) || first;
-      }
-      default: break;
-    }
-    bool any = statement.arms.empty();
-    for (const Arm& arm : statement.arms) any = can_end(*arm.body) || any;
-    return any;
-  }
-
-  std::string file_;
-  std::vector<SourcePosition> found_;
-};
-
-}  // namespace
-
-std::vector<SourcePosition> find_unreachable(const Tree& tree, const std::string& file) {
-  Finder finder(file);
-  finder.can_end(tree.statements);
-  std::vector<SourcePosition> found = finder.take();
-  std::sort(found.begin(), found.end(), [](const SourcePosition& a, const SourcePosition& b) {
-    return std::pair(a.line, a.column) < std::pair(b.line, b.column);
-  });
-  return found;
-}
-
-}  // namespace maide::program_syntax

@@ -1,6 +1,8 @@
-// Checks a system: runs an engine on each property and says what the verdicts rest on. A "holds" is
-// weakened to inconclusive where it leans on what was not learned: on an input beyond the bound, on
-// a call that really blocks while its return is not in the model, or on a weak model.
+// Checks a system: runs an engine on each property, component by component
+// (language/components.hpp), and says what the verdicts rest on. A "holds" is weakened to
+// inconclusive where it leans on what was not learned: on an input beyond the bound, on a call that
+// really blocks while its return is not in the model, or on a weak model; and where a run ends at
+// an error.
 #pragma once
 
 #include <string>
@@ -12,7 +14,9 @@
 namespace maide {
 
 struct CheckRequest {
-  std::vector<std::string> properties;  // names; none: `deadlock`, `stuck` and those of the file
+  // Names; none: `deadlock`, `stuck` and those of the file. `fed` means all of `fed[0]`,
+  // `fed[1]`... `error` is checked in any case, if some program can come to an error.
+  std::vector<std::string> properties;
   EngineOptions options;
 };
 
@@ -20,6 +24,14 @@ struct CheckReport {
   Verdict verdict = Verdict::holds;  // violated before inconclusive before holds
   std::vector<std::string> assumptions;
   std::vector<PropertyResult> properties;  // in the order asked for
+  std::vector<std::string> remarks;        // one line each: what is no violation, but looks odd
+  // What was visited of each component, in the order of its first program.
+  struct Component {
+    std::vector<std::uint32_t> programs;
+    std::uint64_t states = 0,
+                  transitions = 0;  // of the first property decided in each; 0: none was
+  };
+  std::vector<Component> components;
 };
 
 // Throws UsageError, before anything is run, for a property that is not there or that the engine
@@ -33,11 +45,22 @@ ExitStatus exit_status_of(const CheckReport& report);
 
 // The property of that name, the built-in ones included; throws UsageError for others.
 Property find_property(const System& system, const std::string& name);
+// Those that the name means: itself, or the instances `name[...]`. Throws UsageError if there are
+// none.
+std::vector<Property> find_properties(const System& system, const std::string& name);
 
-// "via was learned for at most 6 messages in flight".
-std::string describe_bound(const ModelInstance& model);
+// Whether the run shows, in one of the system's components or in those of the formula, that the
+// property does not hold: find_flaw() of the best of them.
+std::string find_flaw_in_parts(const System& system, const Property& property, const Trace& trace);
 
-// "via.write -> written", in the system file's words.
-std::string describe_edge(const System& system, const ProgramEdge& edge);
+// The part of the system that the result is about, with its property and its trace, as reports show
+// them.
+struct Shown {
+  Part part;
+  Property property;
+  Trace trace;
+};
+// The result has a trace. Keeps a reference to the system.
+Shown shown_part(const System& system, const PropertyResult& result);
 
 }  // namespace maide

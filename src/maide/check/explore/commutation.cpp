@@ -9,37 +9,36 @@
 
 namespace maide {
 
-std::vector<std::vector<ProgramEdge>> find_actions(const System& system) {
-  std::vector<std::vector<ProgramEdge>> actions(system.models.size());
+std::vector<std::vector<ModelUse>> find_actions(const System& system) {
+  std::vector<std::vector<ModelUse>> actions(system.models.size());
   for (const Program& program : system.programs) {
     for (const ProgramEdge& edge : program.edges) {
-      if (edge.kind == ProgramEdge::Kind::choice) continue;
-      auto& known = actions[edge.model];
-      if (action_number(known, edge) == known.size()) known.push_back(edge);
+      for (const ModelUse& use : program.uses_of(edge)) {
+        auto& known = actions[use.model];
+        if (action_number(known, use) == known.size()) known.push_back(use);
+      }
     }
   }
   return actions;
 }
 
-std::uint32_t action_number(const std::vector<ProgramEdge>& actions, const ProgramEdge& edge) {
-  const auto place =
-      std::find_if(actions.begin(), actions.end(), [&edge](const ProgramEdge& other) {
-        return other.kind == edge.kind &&
-               (edge.kind == ProgramEdge::Kind::quiet || other.symbol == edge.symbol);
-      });
+std::uint32_t action_number(const std::vector<ModelUse>& actions, const ModelUse& use) {
+  const auto place = std::find_if(actions.begin(), actions.end(), [&use](const ModelUse& other) {
+    return other.kind == use.kind &&
+           (use.kind == ModelUse::Kind::quiet || other.symbol == use.symbol);
+  });
   return static_cast<std::uint32_t>(place - actions.begin());
 }
 
-Commutation::Commutation(const ModelInstance& model, const std::vector<ProgramEdge>& actions,
+Commutation::Commutation(const ModelInstance& model, const std::vector<ModelUse>& actions,
                          Watch watch)
     : states_(model.automaton.size()), watch_(watch), answers_(actions.size()) {
   if (actions.size() > 64) throw std::invalid_argument("too many actions for a set of bits");
-  for (const ProgramEdge& action : actions) {
+  for (const ModelUse& action : actions) {
     auto& outcomes = outcomes_.emplace_back(states_);
     for (StateId at = 0; at < states_; ++at) {
       for (const ModelStep& step : model_steps(model, at, action)) {
-        const bool is_cut = step.is_beyond && model.when_unexplored == WhenUnexplored::stop;
-        outcomes[at].push_back({step.target, is_cut});
+        outcomes[at].push_back({step.target, cuts(model, step)});
       }
       std::sort(outcomes[at].begin(), outcomes[at].end());
     }

@@ -1,8 +1,8 @@
 // Which actions of one model disturb one another: worked out from its automaton, beforehand.
 //
 // An action is what program edges do with the model: give an input, take an output, see that it is
-// quiet. Action `a` is undisturbed in state x by a set B of actions if in every state y that B can
-// lead to from x, and for every action b of B that is possible in y,
+// quiet, or do one of its own actions. Action `a` is undisturbed in state x by a set B of actions
+// if in every state y that B can lead to from x, and for every action b of B that is possible in y,
 //   - `a` is possible in y exactly if it is possible after b;
 //   - what b and then `a` can lead to, `a` and then b can lead to as well;
 //   - after every outcome of `a`, every outcome of b is still there, and the two meet in one state.
@@ -21,10 +21,10 @@
 
 namespace maide {
 
-// What programs do with each model, by model: an edge for each action, none a choice.
-std::vector<std::vector<ProgramEdge>> find_actions(const System& system);
-// The number of the edge's action among those of its model; their count if it is none of them.
-std::uint32_t action_number(const std::vector<ProgramEdge>& actions, const ProgramEdge& edge);
+// What programs do with each model, by model: each action once.
+std::vector<std::vector<ModelUse>> find_actions(const System& system);
+// The number of the use among the actions of its model; their count if it is none of them.
+std::uint32_t action_number(const std::vector<ModelUse>& actions, const ModelUse& use);
 
 class Commutation {
  public:
@@ -38,8 +38,8 @@ class Commutation {
     strong,
   };
 
-  // `actions`: one edge for each, none a choice; at most 64. Reads the model, keeps nothing of it.
-  Commutation(const ModelInstance& model, const std::vector<ProgramEdge>& actions, Watch watch);
+  // `actions`: at most 64. Reads the model, keeps nothing of it.
+  Commutation(const ModelInstance& model, const std::vector<ModelUse>& actions, Watch watch);
 
   bool is_possible(std::size_t action, StateId at) const { return !outcomes_[action][at].empty(); }
   // Number of outcomes.

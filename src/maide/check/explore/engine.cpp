@@ -57,7 +57,7 @@ SearchLimits limits_of(const EngineOptions& options) {
 
 // Goals: see explorer.hpp. `depends_on_step()`: on more than the states that are visited.
 
-// A state in which nothing can happen and some program has not ended.
+// A state in which nothing can happen and some program has not ended and may not rest.
 struct DeadlockGoal {
   const PackedSystem& system;
   static bool depends_on_step() { return false; }
@@ -67,7 +67,22 @@ struct DeadlockGoal {
   }
   template <std::size_t words>
   bool on_end(const PackedState<words>& state) const {
-    return !system.has_ended(state);
+    return !system.is_at_rest(state);
+  }
+};
+
+// A step into an error.
+struct ErrorGoal {
+  const PackedSystem& system;
+  static bool depends_on_step() { return false; }
+  template <std::size_t words>
+  bool on_step(const PackedState<words>&, const PackedState<words>& next, std::size_t,
+               std::uint32_t, bool is_cut) const {
+    return !is_cut && system.is_error(next);
+  }
+  template <typename State>
+  bool on_end(const State&) const {
+    return false;
   }
 };
 
@@ -85,7 +100,8 @@ struct CutGoal {
   }
 };
 
-// A position at which the condition does not hold; one at which the run is cut does not count.
+// A position at which the condition does not hold; one at which the run is cut, or comes to an
+// error, does not count.
 struct InvariantGoal {
   const PackedSystem& system;
   Condition condition;
@@ -93,7 +109,7 @@ struct InvariantGoal {
   template <std::size_t words>
   bool on_step(const PackedState<words>&, const PackedState<words>& next, std::size_t program,
                std::uint32_t edge, bool is_cut) const {
-    return !is_cut && !condition.is_true(system, next, program, edge);
+    return !is_cut && !system.is_error(next) && !condition.is_true(system, next, program, edge);
   }
   template <std::size_t words>
   bool on_end(const PackedState<words>& state) const {
@@ -119,9 +135,11 @@ unsigned chain_length(const PackedSystem& system) {
 // Searches breadth-first for what `make_goal(packed system)` looks for; `rules`: none takes every
 // step.
 template <typename MakeGoal>
-SearchResult explore(const System& plain, const std::optional<ReductionRules>& rules,
-                     Reduction reduction, const SearchLimits& limits, MakeGoal&& make_goal) {
+SearchResult explore(const System& plain, std::optional<ReductionRules> rules, Reduction reduction,
+                     const SearchLimits& limits, MakeGoal&& make_goal) {
   PackedSystem system(plain);
+  // A death stays possible where nothing else is: steps that are put off might be missed.
+  if (system.has_deaths()) rules.reset();
   const unsigned chain = rules && reduction == Reduction::full ? chain_length(system) : 1;
   if (chain > 1) system = PackedSystem(plain, chain_bits(chain, system.code_bits()));
   std::optional<StubbornSets> sets;
@@ -153,7 +171,7 @@ SearchResult explore(const System& plain, std::optional<ReductionRules> rules,
     rules.reset();
   }
   SearchResult search = explore(plain, rules, options.reduction, limits, make_goal);
-  if (!rules || search.end != SearchResult::End::found) return search;
+  if (search.reduction == Reduction::none || search.end != SearchResult::End::found) return search;
   limits.depth = search.trace->steps.size();
   limits.states = std::max(shortening_states, 16 * search.states);
   SearchResult shorter = explore(plain, std::nullopt, Reduction::none, limits, make_goal);
@@ -196,7 +214,9 @@ template <typename Monitor>
 SearchResult find_fair_cycle(const PackedSystem& system, const Monitor& monitor,
                              const Property& property, const EngineOptions& options) {
   std::optional<ReductionRules> rules;
-  if (options.reduction != Reduction::none) rules = rules_for_cycle(system.system(), property);
+  if (options.reduction != Reduction::none && !system.has_deaths() && system.group_count() == 0) {
+    rules = rules_for_cycle(system.system(), property);
+  }
   std::optional<StubbornSets> sets;
   if (rules) sets.emplace(system, std::move(rules->sets));
   const SearchLimits limits = limits_of(options);
@@ -213,14 +233,39 @@ bool is_within_words(const System& system, unsigned marks) {
   return system.programs.size() <= most_marks && marks <= most_marks;
 }
 
+// Whoever is stuck starves on runs that are weakly fair, too, and those are found faster. So they
+// are looked for first, and strong fairness matters only where there are some. If strongly fair
+// runs leave nobody stuck, one that starves on weakly fair runs is only remarked. Nothing if the
+// system is too large for it.
+std::optional<SearchResult> search_for_stuck(const System& plain, const Property& property,
+                                             const EngineOptions& options) {
+  const PackedSystem system(plain, node_number_bits, plain.programs.size() + 1);
+  const auto search = [&](StuckMonitor::Runs runs) {
+    Property wanted = property;
+    wanted.fairness = runs == StuckMonitor::Runs::strongly_fair ? Fairness::strong : Fairness::weak;
+    return find_fair_cycle(system, StuckMonitor(system, runs), wanted, options);
+  };
+  SearchResult weak = search(StuckMonitor::Runs::weakly_fair);
+  if (weak.end != SearchResult::End::found) return weak;
+  if (find_flaw(plain, property, *weak.trace).empty()) return weak;
+  if (system.has_too_many_groups()) return std::nullopt;
+  SearchResult strong = search(StuckMonitor::Runs::strongly_fair);
+  if (strong.end != SearchResult::End::complete) return strong;
+  if (system.groups_on_weak_runs() != 0) {
+    weak = search(StuckMonitor::Runs::weakly_fair_with_groups);
+  }
+  strong.bytes = std::max(strong.bytes, weak.bytes);
+  if (weak.end == SearchResult::End::found) strong.remarkable = std::move(weak.trace);
+  return strong;
+}
+
 // Nothing if the system is too large for it.
 std::optional<SearchResult> search_for_cycle(const System& plain, const Property& property,
                                              const EngineOptions& options) {
   const auto programs = static_cast<unsigned>(plain.programs.size());
   if (property.kind == Property::Kind::stuck) {
     if (!is_within_words(plain, programs)) return std::nullopt;
-    const PackedSystem system(plain, node_number_bits, plain.programs.size() + 1);
-    return find_fair_cycle(system, StuckMonitor(system), property, options);
+    return search_for_stuck(plain, property, options);
   }
   LtlAutomaton automaton = property.kind == Property::Kind::never
                                ? *property.never
@@ -230,6 +275,9 @@ std::optional<SearchResult> search_for_cycle(const System& plain, const Property
     return std::nullopt;
   }
   const PackedSystem system(plain, node_number_bits, automaton.states.size());
+  const bool counts_groups =
+      property.fairness == Fairness::strong || (is_weak && system.groups_on_weak_runs() != 0);
+  if (counts_groups && system.has_too_many_groups()) return std::nullopt;
   return find_fair_cycle(system, LtlMonitor(system, std::move(automaton), property.fairness),
                          property, options);
 }
@@ -240,11 +288,26 @@ bool needs_cycle(const Property& property) {
   return property.kind == Property::Kind::ltl && !invariant_of(property);
 }
 
+// The initial state shows the violation.
+SearchResult find_at_start() {
+  SearchResult search;
+  search.end = SearchResult::End::found;
+  search.states = 1;
+  search.trace.emplace();
+  return search;
+}
+
 SearchResult search_for(const System& plain, const Property& property,
                         const EngineOptions& options) {
   if (property.kind == Property::Kind::deadlock) {
     return explore(plain, rules_for_deadlock(), options,
                    [](const PackedSystem& system) { return DeadlockGoal{system}; });
+  }
+  const bool begins_at_error = is_error(plain, initial_state(plain));
+  if (property.kind == Property::Kind::error) {
+    if (begins_at_error) return find_at_start();
+    return explore(plain, rules_for_error(), options,
+                   [](const PackedSystem& system) { return ErrorGoal{system}; });
   }
   const Condition condition(invariant_of(property), plain);
   const PackedSystem packed(plain);
@@ -252,17 +315,16 @@ SearchResult search_for(const System& plain, const Property& property,
     const auto initial = packed.pack<words.value>(initial_state(plain));
     return condition.is_true(packed, initial, 0, PackedAtom::no_edge);
   });
-  if (holds_first) {
-    return explore(plain, rules_for_invariant(plain, property), options,
-                   [&](const PackedSystem& system) {
-                     return InvariantGoal{system, condition};
-                   });
+  if (!holds_first) return find_at_start();
+  if (begins_at_error) {
+    SearchResult search;
+    search.states = 1;
+    return search;
   }
-  SearchResult search;
-  search.end = SearchResult::End::found;
-  search.states = 1;
-  search.trace.emplace();
-  return search;
+  return explore(plain, rules_for_invariant(plain, property), options,
+                 [&](const PackedSystem& system) {
+                   return InvariantGoal{system, condition};
+                 });
 }
 
 }  // namespace
@@ -280,7 +342,7 @@ PropertyResult NativeEngine::check(const System& system, const Property& propert
     if (!cycle) {
       result.reason = fmt::format(
           "the engine native takes at most {} programs, together with the formula's "
-          "eventualities, where fairness matters",
+          "eventualities, and as many arms and fair choices, where fairness matters",
           most_marks);
       return result;
     }
@@ -292,6 +354,7 @@ PropertyResult NativeEngine::check(const System& system, const Property& propert
   result.transitions = search.transitions;
   result.peak_bytes = search.bytes;
   result.reduction = search.reduction;
+  result.remarkable = std::move(search.remarkable);
   result.stays_within_learned = !needs_cycle(property) && !search.has_cut &&
                                 search.reduction == Reduction::none &&
                                 search.end == SearchResult::End::complete;

@@ -27,8 +27,11 @@ struct PropertyResult {
   std::uint64_t peak_bytes = 0;           // memory of the search
   Reduction reduction = Reduction::none;  // what was used
   std::optional<Trace> trace;             // of a violation
+  std::optional<Trace> remarkable;        // of `stuck`, if it holds: a run that is not fair enough
   bool stays_within_learned = false;      // all runs were seen, and none goes beyond
-  bool is_internal_error = false;         // an error of Maide's own, which `reason` names
+  // Programs on whose runs it was decided, or of whose runs the trace is one; none: all.
+  std::vector<std::uint32_t> programs;
+  bool is_internal_error = false;  // an error of Maide's own, which `reason` names
 
   // Of the memory at its peak; 0 without states.
   double bytes_per_state() const {

@@ -53,7 +53,8 @@ constexpr unsigned chain_bits(unsigned chain, unsigned code_bits) {
 // A goal says what to look for, in the middle of the innermost loop:
 //   bool on_step(const PackedState& from, const PackedState& next, std::size_t program,
 //                std::uint32_t edge, bool is_cut)      a step; true: the run up to it is wanted
-//   bool on_end(const PackedState& state)              nothing can happen; true: the run is wanted
+//   bool on_end(const PackedState& state)              nothing can happen but deaths, and it is no
+//                                                      error; true: the run is wanted
 template <std::size_t words, typename Goal>
 class BreadthFirstSearch {
  public:
@@ -143,6 +144,7 @@ class BreadthFirstSearch {
   // True if the goal is met.
   bool expand(const State& state) {
     MAIDE_CHECK(!is_of_reduced_);
+    if (system_.is_error(state)) return false;
     if (options_.sets == nullptr) return take_steps(state, every_program);
     const std::uint64_t programs = options_.sets->select(state);
     if (!options_.puts_nothing_off || !options_.sets->is_reduced()) {
@@ -168,6 +170,7 @@ class BreadthFirstSearch {
 
   // All steps, of which those that `last` leaves out are only counted. True if the goal is met.
   bool expand_in_order(const State& state, const StepOrder::Last& last) {
+    if (system_.is_error(state)) return false;
     const StepOrder& order = *options_.order;
     bool is_end = true;
     for (std::size_t program = 0; program < system_.program_count(); ++program) {
@@ -191,14 +194,14 @@ class BreadthFirstSearch {
   }
 
   // The steps of a program, but those of edges that are left out. True if the goal is met; where
-  // there is a step, left out or not, is no end.
+  // there is a step other than a death, left out or not, is no end.
   template <typename IsLeftOut>
   bool take_steps(const State& state, std::size_t program, IsLeftOut&& is_left_out, bool& is_end) {
     bool is_found = false;
     system_.for_each_step(
         state, program,
         [&](const State& next, std::uint32_t edge, bool is_cut, std::uint64_t code) {
-          is_end = false;
+          is_end = is_end && system_.is_death(program, edge);
           if (is_found) return;
           ++result_.transitions;
           result_.has_cut = result_.has_cut || is_cut;
@@ -227,7 +230,7 @@ class BreadthFirstSearch {
 
   // Passes by states that have one step alone. True if the goal is met.
   bool follow(State state, Chain chain) {
-    while (chain.length < options_.chain) {
+    while (chain.length < options_.chain && !system_.is_error(state)) {
       const std::uint64_t programs = options_.sets->select(state);
       if (programs == 0 || (programs & (programs - 1)) != 0) break;
       const auto program = static_cast<std::size_t>(std::countr_zero(programs));

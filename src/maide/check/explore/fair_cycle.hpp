@@ -125,6 +125,8 @@ class FairCycleSearch {
     std::size_t first_active = 0;  // of the component's nodes, in active_
     std::uint64_t marks = 0;       // inside the component
     std::uint64_t incoming = 0;    // of the edge by which it was entered
+    bool has_edge = false;         // inside the component
+    bool may_accept = true;        // the monitor does not wait
   };
   // An edge of the node that is expanded.
   struct Successor {
@@ -179,7 +181,9 @@ class FairCycleSearch {
     MAIDE_CHECK(number == is_dead_.size() && number == is_on_path_.size());
     is_dead_.push_back(false);
     is_on_path_.push_back(true);
-    roots_.push({number, active_.size(), 0, is_waiting(node) ? 0 : edge.marks_or_last});
+    const bool may_accept = !graph_.monitor().is_waiting(graph_.monitor_state(node));
+    roots_.push(
+        {number, active_.size(), 0, is_waiting(node) ? 0 : edge.marks_or_last, false, may_accept});
     active_.push(number);
     frames_.push({number, 0});
     result_.depth = std::max<std::uint64_t>(result_.depth, frames_.size());
@@ -274,7 +278,8 @@ class FairCycleSearch {
     }
     MAIDE_CHECK(active_[roots_.top().first_active] == roots_.top().node);
     roots_.top().marks |= marks;
-    if (roots_.top().marks != graph_.all_marks() || graph_.monitor().is_strong()) return;
+    roots_.top().has_edge = true;
+    if (roots_.top().marks != graph_.all_marks() || graph_.wants_more()) return;
     found_round(members_from(roots_.top().first_active));
   }
 
@@ -295,7 +300,8 @@ class FairCycleSearch {
     MAIDE_CHECK(root.node <= node && root.first_active < active_.size());
     if (root.node != node) return;
     roots_.pop();
-    if (graph_.monitor().is_strong() && root.marks == graph_.all_marks()) {
+    if (graph_.wants_more() && root.has_edge && root.may_accept &&
+        root.marks == graph_.all_marks()) {
       graph_.list_nodes();
       check_whole(members_from(root.first_active));
     }

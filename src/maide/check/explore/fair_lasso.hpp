@@ -1,7 +1,8 @@
 // Makes the run that is shown for an accepted strongly connected set of a product's nodes. The run
 // takes a shortest way into the set. In it, it goes past every mark and, with strong fairness, past
-// a step of every program that can step there. It always goes to the nearest of what is still
-// missing. Eight bytes a node of the product. Throws Interrupted when the control says to stop.
+// a step of every program, and of every fair group, that can step there. It always goes to the
+// nearest of what is still missing. Eight bytes a node of the product. Throws Interrupted when the
+// control says to stop.
 #pragma once
 
 #include <algorithm>
@@ -18,10 +19,10 @@
 
 namespace maide {
 
-// Finds, for strong fairness, a part of a strongly connected set that is accepted. A program that
-// can step in a set and never does is not treated fairly. So the nodes where it can step are left
-// out, and the rest is taken apart again (Emerson & Lei, "Modalities for model checking", Sci.
-// Comput. Program. 1987).
+// Finds, for strong fairness, a part of a strongly connected set that is accepted. A program, or a
+// fair group, that can step in a set and never does is not treated fairly. So the nodes where it
+// can step are left out, and the rest is taken apart again (Emerson & Lei, "Modalities for model
+// checking", Sci. Comput. Program. 1987).
 template <typename Graph>
 class FairParts {
  public:
@@ -30,30 +31,31 @@ class FairParts {
 
   FairParts(const Graph& graph, const RunControl& control) : graph_(graph), control_(control) {}
 
-  // A part with every mark in which each program that can step does, if there is one. At most as
-  // many rounds as there are programs. Throws Interrupted when the control says to stop.
+  // A part with every mark in which each program and group that can step does, if there is one. At
+  // most as many rounds as there are of these. Throws Interrupted when the control says to stop.
   std::optional<Set> find(Set members) {
     std::vector<Set> open{std::move(members)};
     while (!open.empty()) {
       const Set set = std::move(open.back());
       open.pop_back();
-      std::uint64_t marks = 0, enabled = 0, stepped = 0;
+      std::uint64_t marks = 0;
+      Share able, stepped;
       bool has_edge = false;
       for (const Number member : set) {
         look();
-        enabled |= graph_.enabled_programs(member);
+        able = able | graph_.able(member);
         for_each_edge_within(graph_, set, member, [&](const auto& edge, Number) {
           has_edge = true;
           marks |= edge.marks;
-          if (edge.is_step) stepped |= std::uint64_t{1} << edge.program;
+          stepped = stepped | graph_.share_of(edge);
         });
       }
       if (!has_edge || marks != graph_.all_marks()) continue;
-      const std::uint64_t starved = enabled & ~stepped;
-      if (starved == 0) return set;
+      const Share starved = able.without(stepped);
+      if (starved.is_empty()) return set;
       Set rest;
       for (const Number member : set) {
-        if ((graph_.enabled_programs(member) & starved) == 0) rest.push_back(member);
+        if ((graph_.able(member) & starved).is_empty()) rest.push_back(member);
       }
       for (Set& component : components_of(rest)) open.push_back(std::move(component));
     }
@@ -177,19 +179,22 @@ class FairLasso {
   Trace run_round(const Set& members) {
     Number start = 0;
     Trace trace = prefix_to(members, &start);
-    const std::uint64_t wanted = wanted_steps(members);
+    const Share wanted = wanted_steps(members);
     std::vector<Edge> loop;
-    std::uint64_t marks = 0, stepped = 0;
+    std::uint64_t marks = 0;
+    Share stepped;
     Number at = start;
     const auto take = [&](const Edge& edge) {
       loop.push_back(edge);
       marks |= edge.marks;
-      if (edge.is_step) stepped |= std::uint64_t{1} << edge.program;
+      stepped = stepped | graph_.share_of(edge);
     };
-    const auto is_done = [&] { return marks == graph_.all_marks() && (wanted & ~stepped) == 0; };
+    const auto is_done = [&] {
+      return marks == graph_.all_marks() && wanted.without(stepped).is_empty();
+    };
     const auto is_useful = [&](const Edge& edge) {
       return is_done() || (edge.marks & ~marks) != 0 ||
-             (edge.is_step && (wanted & ~stepped) >> edge.program & 1) != 0;
+             !(graph_.share_of(edge) & wanted.without(stepped)).is_empty();
     };
     // At least one edge, and then whatever is missing; then home.
     while (loop.empty() || !is_done()) {
@@ -224,10 +229,10 @@ class FairLasso {
   }
 
  private:
-  std::uint64_t wanted_steps(const Set& members) const {
-    std::uint64_t wanted = 0;
-    if (!graph_.monitor().is_strong()) return wanted;
-    for (const Number member : members) wanted |= graph_.enabled_programs(member);
+  Share wanted_steps(const Set& members) const {
+    Share wanted;
+    if (!graph_.wants_more()) return wanted;
+    for (const Number member : members) wanted = wanted | graph_.able(member);
     return wanted;
   }
 

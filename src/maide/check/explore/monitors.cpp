@@ -7,25 +7,60 @@
 
 namespace maide {
 
-PackedAtom::PackedAtom(const Atom& atom, const System& system)
-    : is_event_(atom.is_event()), owner_(atom.owner) {
-  if (!is_event_) {
-    const Program& program = system.programs[owner_];
-    std::vector<bool>& values = values_.emplace_back(program.states.size());
-    for (ControlState at = 0; at < program.states.size(); ++at) {
-      values[at] =
-          atom.kind == Atom::Kind::end ? program.is_end(at) : program.has_label(at, atom.symbol);
+namespace {
+
+// Beyond, an atom is evaluated each time.
+constexpr std::size_t most_values = std::size_t{1} << 22;
+
+}  // namespace
+
+PackedAtom::PackedAtom(const Atom& atom, const System& system) : atom_(atom), system_(&system) {
+  if (is_event()) {
+    for (std::uint32_t index = 0; index < system.programs.size(); ++index) {
+      const Program& program = system.programs[index];
+      std::vector<bool>& values = by_edge_.emplace_back(program.edges.size());
+      for (std::size_t i = 0; i < program.edges.size(); ++i) {
+        values[i] = is_event_of(atom, system, index, program.edges[i]);
+      }
     }
     return;
   }
-  const auto kind =
-      atom.kind == Atom::Kind::input ? ProgramEdge::Kind::give : ProgramEdge::Kind::take;
-  for (const Program& program : system.programs) {
-    std::vector<bool>& values = values_.emplace_back(program.edges.size());
-    for (std::size_t i = 0; i < program.edges.size(); ++i) {
-      const ProgramEdge& edge = program.edges[i];
-      values[i] = edge.kind == kind && edge.model == atom.owner && edge.symbol == atom.symbol;
+  if (atom.kind != Atom::Kind::expression) {
+    add_field(false, atom.owner);
+  } else {
+    for_each_variable(system.expressions[atom.owner], [&](const Expression& leaf) {
+      if (leaf.op == Expression::Operator::local) return add_field(false, leaf.owner);
+      for (std::uint32_t i = 0; i < element_count(leaf); ++i) add_field(true, leaf.index + i);
+    });
+  }
+  fill_values();
+}
+
+void PackedAtom::add_field(bool is_model, std::uint32_t index) {
+  for (const Field& field : fields_) {
+    if (field.is_model == is_model && field.index == index) return;
+  }
+  fields_.push_back(
+      {is_model, index,
+       is_model ? system_->models[index].automaton.size() : system_->programs[index].states.size(),
+       0});
+}
+
+void PackedAtom::fill_values() {
+  std::size_t count = 1;
+  for (Field& field : fields_) {
+    field.stride = count;
+    if (field.size > most_values / count) return;
+    count *= field.size;
+  }
+  GlobalState state = initial_state(*system_);
+  values_.resize(count);
+  for (std::size_t place = 0; place < count; ++place) {
+    for (const Field& field : fields_) {
+      const auto at = static_cast<std::uint32_t>(place / field.stride % field.size);
+      (field.is_model ? state.models : state.programs)[field.index] = at;
     }
+    values_[place] = maide::is_true(atom_, *system_, state, nullptr);
   }
 }
 

@@ -15,30 +15,46 @@
 
 namespace maide {
 
-// A formula without temporal operators, ready to be evaluated very often: what each atom is depends
-// on one program's control state, or on the edge just taken, and is looked up.
-
-// One atom as a look-up table.
-// An atom of a formula, as a table over packed states and steps.
+// An atom of a formula on packed states and steps. What it depends on is few of a state's fields,
+// or the edge just taken; its value is looked up.
 class PackedAtom {
  public:
+  // Keeps a reference.
   PackedAtom(const Atom& atom, const System& system);
 
   // No event: the initial state, or one that repeats for ever.
   static constexpr std::uint32_t no_edge = ~std::uint32_t{0};
-  bool is_event() const { return is_event_; }
+  bool is_event() const { return atom_.is_event(); }
   // `state` was reached by `program` taking `edge`.
   template <std::size_t words>
   bool is_true(const PackedSystem& system, const PackedState<words>& state, std::size_t program,
                std::uint32_t edge) const {
-    if (!is_event_) return values_[0][system.control(state, owner_)];
-    return edge != no_edge && values_[program][edge];
+    if (is_event()) return edge != no_edge && by_edge_[program][edge];
+    if (values_.empty()) return maide::is_true(atom_, *system_, system.unpack(state), nullptr);
+    std::size_t place = 0;
+    for (const Field& field : fields_) {
+      const std::uint32_t at = field.is_model ? system.model_state(state, field.index)
+                                              : system.control(state, field.index);
+      place += at * field.stride;
+    }
+    return values_[place];
   }
 
  private:
-  bool is_event_;
-  std::uint32_t owner_;                    // the program, of a state's atom
-  std::vector<std::vector<bool>> values_;  // [0]: by control state; of an event: by program, edge
+  // A component of the state that the atom depends on.
+  struct Field {
+    bool is_model = false;
+    std::uint32_t index = 0;
+    std::size_t size = 0, stride = 0;
+  };
+  void add_field(bool is_model, std::uint32_t index);
+  void fill_values();
+
+  Atom atom_;
+  const System* system_;
+  std::vector<Field> fields_;
+  std::vector<bool> values_;                // by the fields' values; none: too many
+  std::vector<std::vector<bool>> by_edge_;  // of an event: by program, edge
 };
 
 // A formula without temporal operators, evaluated on packed states. For `always` and for tests of a
@@ -113,6 +129,11 @@ class LtlMonitor {
   }
   std::uint32_t universal() const { return automaton_.universal; }
   bool is_strong() const { return fairness_ == Fairness::strong; }
+  std::uint64_t groups() const {
+    if (fairness_ == Fairness::none) return 0;
+    if (fairness_ == Fairness::weak) return packed_.groups_on_weak_runs();
+    return low_bits(static_cast<unsigned>(packed_.group_count()));
+  }
   bool is_waiting(std::uint32_t at) const { return is_waiting_[at]; }
   bool may_wait() const {
     return std::find(is_waiting_.begin(), is_waiting_.end(), true) != is_waiting_.end();
@@ -165,17 +186,30 @@ class LtlMonitor {
   std::vector<bool> is_waiting_;  // by state
 };
 
-// Weakly fair runs on which some program, that has not ended, never steps again while others run
-// on. State 0 waits; state 1+p has guessed that program p has made its last step.
+// Fair runs on which some program, that has not ended and may not rest, never steps again while
+// others run on. State 0 waits; state 1+p has guessed that program p has made its last step, and on
+// strongly fair runs, that it can never step again.
 class StuckMonitor {
  public:
+  enum class Runs : std::uint8_t {
+    weakly_fair,  // to programs
+    weakly_fair_with_groups,
+    strongly_fair,  // to programs and all groups
+  };
   // Keeps a reference.
-  explicit StuckMonitor(const PackedSystem& packed) : packed_(packed) {}
+  StuckMonitor(const PackedSystem& packed, Runs runs) : packed_(packed), runs_(runs) {}
 
   std::size_t states() const { return packed_.program_count() + 1; }
-  unsigned marks() const { return static_cast<unsigned>(packed_.program_count()); }
+  unsigned marks() const {
+    return is_strong() ? 0 : static_cast<unsigned>(packed_.program_count());
+  }
   std::uint32_t universal() const { return no_monitor_state; }
-  bool is_strong() const { return false; }
+  bool is_strong() const { return runs_ == Runs::strongly_fair; }
+  std::uint64_t groups() const {
+    if (runs_ == Runs::weakly_fair) return 0;
+    if (runs_ == Runs::weakly_fair_with_groups) return packed_.groups_on_weak_runs();
+    return low_bits(static_cast<unsigned>(packed_.group_count()));
+  }
   bool is_waiting(std::uint32_t at) const { return at == 0; }
   bool may_wait() const { return true; }
 
@@ -190,6 +224,8 @@ class StuckMonitor {
     if (at == 0) {
       follow(0, 0);
       guess(next, follow);
+    } else if (is_strong()) {
+      if (program != at - 1 && (enabled >> (at - 1) & 1) == 0) follow(at, 0);
     } else if (program != at - 1) {
       follow(at, weakly_fair_marks(packed_.program_count(), program, enabled));
     }
@@ -201,11 +237,14 @@ class StuckMonitor {
   template <typename State, typename Follow>
   void guess(const State& state, Follow&& follow) const {
     for (std::size_t program = 0; program < packed_.program_count(); ++program) {
-      if (!packed_.has_ended(state, program)) follow(static_cast<std::uint32_t>(program + 1), 0);
+      if (packed_.is_at_rest(state, program)) continue;
+      if (is_strong() && packed_.can_step(state, program)) continue;
+      follow(static_cast<std::uint32_t>(program + 1), 0);
     }
   }
 
   const PackedSystem& packed_;
+  Runs runs_;
 };
 
 }  // namespace maide

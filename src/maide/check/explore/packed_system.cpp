@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <numeric>
+#include <utility>
 
 #include "maide/base/error.hpp"
 #include "maide/base/invariant.hpp"
@@ -22,7 +22,8 @@ PackedSystem::PackedSystem(const System& system, unsigned least_payload_bits,
                            std::size_t monitor_states)
     : system_(&system) {
   for (const ModelInstance& model : system.models) {
-    tables_.emplace_back(model.automaton.inputs().size() + model.automaton.outputs().size() + 1);
+    tables_.emplace_back(model.automaton.inputs().size() + model.automaton.outputs().size() + 1 +
+                         model.actions.size());
   }
   for (const Program& program : system.programs) add_program(program);
   number_codes();
@@ -30,13 +31,19 @@ PackedSystem::PackedSystem(const System& system, unsigned least_payload_bits,
   place_fields();
 }
 
-std::size_t PackedSystem::action_index(const ProgramEdge& edge) const {
-  const InterfaceAutomaton& automaton = system_->models[edge.model].automaton;
-  switch (edge.kind) {
-    case ProgramEdge::Kind::give: return edge.symbol;
-    case ProgramEdge::Kind::take: return automaton.inputs().size() + edge.symbol;
-    default: return automaton.inputs().size() + automaton.outputs().size();  // quiet
+std::size_t PackedSystem::action_index(const ModelUse& use) const {
+  const InterfaceAutomaton& automaton = system_->models[use.model].automaton;
+  const std::size_t inputs = automaton.inputs().size(), outputs = automaton.outputs().size();
+  switch (use.kind) {
+    case ModelUse::Kind::give: return use.symbol;
+    case ModelUse::Kind::take: return inputs + use.symbol;
+    case ModelUse::Kind::act: return inputs + outputs + 1 + use.symbol;
+    default: return inputs + outputs;  // quiet
   }
+}
+
+const PackedSystem::ActionTable& PackedSystem::table_of(const ModelUse& use) const {
+  return tables_[use.model][action_index(use)];
 }
 
 void PackedSystem::add_program(const Program& program) {
@@ -47,31 +54,52 @@ void PackedSystem::add_program(const Program& program) {
   for (ControlState at = 0; at < program.states.size(); ++at) {
     const Program::State& state = program.states[at];
     packed.first_edge.push_back(state.first_edge);
+    packed.may_stay.push_back(program.is_end(at) || state.may_rest);
+    packed.is_error.push_back(state.error != 0);
     for (std::uint32_t i = state.first_edge; i < state.first_edge + state.edge_count; ++i) {
       const ProgramEdge& edge = program.edges[i];
       packed.sources[i] = at;
       packed.edges_into[edge.target].push_back(i);
-      if (edge.kind != ProgramEdge::Kind::choice) add_action(edge);
+      for (const ModelUse& use : program.uses_of(edge)) add_action(use);
     }
   }
   packed.first_edge.push_back(static_cast<std::uint32_t>(program.edges.size()));
+  for (const ProgramEdge& edge : program.edges) {
+    packed.is_death.push_back(program.is_death(edge));
+    has_deaths_ = has_deaths_ || program.is_death(edge);
+  }
+  if (std::find(packed.is_error.begin(), packed.is_error.end(), true) != packed.is_error.end()) {
+    erring_.push_back(static_cast<std::uint32_t>(programs_.size() - 1));
+  }
+  add_groups(program, packed);
+}
+
+void PackedSystem::add_groups(const Program& program, PackedProgram& packed) {
+  packed.groups.assign(program.edges.size(), 0);
+  for (std::uint32_t group = 1; group < program.fair_groups.size(); ++group, ++groups_) {
+    const std::uint64_t bit = std::uint64_t{1} << groups_ % 64;
+    if (program.fair_groups[group].on_weak_runs) weak_groups_ |= bit;
+    for (std::size_t i = 0; i < program.edges.size(); ++i) {
+      if (program.fair_group_of(program.edges[i]) == group) packed.groups[i] = bit;
+    }
+  }
 }
 
 // The steps of check/language/system.cpp, for each state of the model.
-void PackedSystem::add_action(const ProgramEdge& edge) {
-  ActionTable& table = tables_[edge.model][action_index(edge)];
+void PackedSystem::add_action(const ModelUse& use) {
+  ActionTable& table = tables_[use.model][action_index(use)];
   if (table.first != no_table) return;
-  const ModelInstance& model = system_->models[edge.model];
+  const ModelInstance& model = system_->models[use.model];
   const InterfaceAutomaton& automaton = model.automaton;
   table.first = static_cast<std::uint32_t>(targets_.size());
   table.sources.resize(automaton.size());
   for (StateId at = 0; at < automaton.size(); ++at) {
     std::vector<Target> steps;
-    for (const ModelStep& met : model_steps(model, at, edge)) {
+    for (const ModelStep& met : model_steps(model, at, use)) {
       auto& sources = table.sources[met.target];
       Target step;
       step.state = met.target;
-      step.is_cut = met.is_beyond && model.when_unexplored == WhenUnexplored::stop ? 1 : 0;
+      step.is_cut = cuts(model, met) ? 1 : 0;
       has_cuts_ = has_cuts_ || step.is_cut != 0;
       step.code = static_cast<std::uint32_t>(sources.size()) & 0x7fffffff;
       sources.push_back({at, met.is_beyond});
@@ -86,24 +114,28 @@ void PackedSystem::add_action(const ProgramEdge& edge) {
     }
     targets_.push_back(target);
   }
+  MAIDE_CHECK(targets_.size() < first_joint);
+  std::size_t most = 1;
+  for (const auto& sources : table.sources) most = std::max(most, sources.size());
+  table.source_bits = bits_for(most);
 }
 
 void PackedSystem::number_codes() {
-  std::size_t most_into = 1, most_sources = 1;
+  std::size_t most_into = 1;
   for (const PackedProgram& program : programs_) {
     for (const auto& edges : program.edges_into) most_into = std::max(most_into, edges.size());
   }
-  for (const auto& tables : tables_) {
-    for (const ActionTable& table : tables) {
-      for (const auto& sources : table.sources) {
-        most_sources = std::max(most_sources, sources.size());
-      }
+  unsigned most_source_bits = 0;
+  for (const Program& program : system_->programs) {
+    for (const ProgramEdge& edge : program.edges) {
+      unsigned bits = 0;
+      for (const ModelUse& use : program.uses_of(edge)) bits += table_of(use).source_bits;
+      most_source_bits = std::max(most_source_bits, bits);
     }
   }
   program_bits_ = bits_for(programs_.size());
   into_bits_ = bits_for(most_into);
-  source_bits_ = bits_for(most_sources);
-  code_bits_ = program_bits_ + into_bits_ + source_bits_;
+  code_bits_ = program_bits_ + into_bits_ + most_source_bits;
   const unsigned shift = program_bits_ + into_bits_;
   for (Target& target : targets_) {
     if (target.state < several) target.code = (target.code << shift) & 0x7fffffff;
@@ -164,12 +196,33 @@ void PackedSystem::place_fields() {
         MAIDE_CHECK(compiled.code <= low_bits(program_bits_ + into_bits_));
         compiled.control_change = (std::uint64_t{edge.target} - packed.sources[edges[place]])
                                   << packed.field.shift;
-        if (edge.kind == ProgramEdge::Kind::choice) continue;
-        compiled.model = models_[edge.model];
-        compiled.table = tables_[edge.model][action_index(edge)].first;
-        MAIDE_CHECK(compiled.table != no_table);
+        place_uses(system_->programs[index], edge, compiled);
       }
     }
+  }
+}
+
+void PackedSystem::place_uses(const Program& program, const ProgramEdge& edge,
+                              PackedEdge& compiled) {
+  const auto uses = program.uses_of(edge);
+  if (uses.size() == 1) {
+    compiled.model = models_[uses.front().model];
+    compiled.table = table_of(uses.front()).first;
+    MAIDE_CHECK(compiled.table != no_table);
+    return;
+  }
+  if (uses.empty()) {
+    compiled.table = first_joint;
+    return;
+  }
+  PackedJoint& joint = joints_.emplace_back();
+  compiled.table = first_joint + static_cast<std::uint32_t>(joints_.size() - 1);
+  unsigned code_shift = 0;
+  for (const ModelUse& use : uses) {
+    const ActionTable& table = table_of(use);
+    MAIDE_CHECK(table.first != no_table);
+    joint.push_back({models_[use.model], table.first, code_shift});
+    code_shift += table.source_bits;
   }
 }
 
@@ -182,18 +235,23 @@ PackedSystem::Origin PackedSystem::undo(const GlobalState& state, std::uint64_t 
   Origin origin{{}, state};
   const std::size_t index = cut_off(program_bits_);
   const std::size_t place = cut_off(into_bits_);
-  const std::size_t source = cut_off(source_bits_);
   const PackedProgram& program = programs_.at(index);
   origin.step.program = static_cast<std::uint32_t>(index);
   origin.step.edge = program.edges_into.at(state.programs[index]).at(place);
   origin.before.programs[index] = program.sources[origin.step.edge];
   const ProgramEdge& edge = system_->programs[index].edges[origin.step.edge];
-  if (edge.kind != ProgramEdge::Kind::choice) {
-    const ActionTable& table = tables_[edge.model][action_index(edge)];
-    const Source& from = table.sources.at(state.models[edge.model]).at(source);
-    origin.step.model_target = state.models[edge.model];
-    origin.step.is_beyond = from.is_beyond;
-    origin.before.models[edge.model] = from.state;
+  const auto uses = system_->programs[index].uses_of(edge);
+  for (const ModelUse& use : uses) {
+    const ActionTable& table = table_of(use);
+    // Behind a single use there is room for that of any other.
+    const std::size_t source = uses.size() == 1 ? static_cast<std::size_t>(std::exchange(code, 0))
+                                                : cut_off(table.source_bits);
+    const Source& from = table.sources.at(state.models[use.model]).at(source);
+    origin.step.targets.push_back(state.models[use.model]);
+    origin.step.is_beyond = origin.step.is_beyond || from.is_beyond;
+    const ModelStep met{state.models[use.model], from.is_beyond};
+    origin.step.is_cut = origin.step.is_cut || cuts(system_->models[use.model], met);
+    origin.before.models[use.model] = from.state;
   }
   MAIDE_CHECK(code == 0 && edge.target == state.programs[index]);
   return origin;
@@ -204,13 +262,10 @@ void PackedSystem::check_steps() const {
   GlobalState state = initial_state(*system_);
   for (std::size_t index = 0; index < programs_.size(); ++index) {
     for (std::uint32_t edge = 0; edge < programs_[index].edges.size(); ++edge) {
-      const ProgramEdge& taken = system_->programs[index].edges[edge];
-      const bool is_choice = taken.kind == ProgramEdge::Kind::choice;
-      const std::size_t model_states =
-          is_choice ? 1 : system_->models[taken.model].automaton.size();
-      for (StateId at = 0; at < model_states; ++at) {
+      const Program& program = system_->programs[index];
+      const auto uses = program.uses_of(program.edges[edge]);
+      const auto check = [&] {
         state.programs[index] = programs_[index].sources[edge];
-        if (!is_choice) state.models[taken.model] = at;
         const PackedState<words> packed = pack<words>(state);
         MAIDE_CHECK_ALWAYS(unpack(packed) == state);
         for_each_step(
@@ -220,6 +275,15 @@ void PackedSystem::check_steps() const {
               const Origin origin = undo(unpack(next), code);
               MAIDE_CHECK_ALWAYS(origin.before == state && origin.step.edge == by);
             });
+      };
+      if (uses.empty()) check();
+      for (const ModelUse& use : uses) {
+        const StateId first = state.models[use.model];
+        for (StateId at = 0; at < system_->models[use.model].automaton.size(); ++at) {
+          state.models[use.model] = at;
+          check();
+        }
+        state.models[use.model] = first;
       }
     }
     state = initial_state(*system_);

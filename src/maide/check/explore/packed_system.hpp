@@ -1,5 +1,6 @@
 // A system as tables, for exploring it fast. A global state is a few machine words in which each
-// component has a field. A step changes two fields by one addition each. Everything that depends on
+// component has a field. A step that uses one model changes two fields by one addition each; one
+// that uses several, a field more for each. Everything that depends on
 // the text of programs and models is worked out beforehand, once for each program edge and model
 // state. The meaning is that of check/language/system.hpp; tests hold the two against one another.
 //
@@ -78,21 +79,58 @@ class PackedSystem {
   StateId model_state(const PackedState<words>& state, std::size_t model) const {
     return models_[model].get(state);
   }
+  // The program has ended, or may stand there for ever.
   template <std::size_t words>
-  bool has_ended(const PackedState<words>& state, std::size_t program) const {
+  bool is_at_rest(const PackedState<words>& state, std::size_t program) const {
     const PackedProgram& compiled = programs_[program];
-    const ControlState at = compiled.field.get(state);
-    return compiled.first_edge[at] == compiled.first_edge[at + 1];
+    return compiled.may_stay[compiled.field.get(state)];
   }
   template <std::size_t words>
-  bool has_ended(const PackedState<words>& state) const {
+  bool is_at_rest(const PackedState<words>& state) const {
     for (std::size_t program = 0; program < programs_.size(); ++program) {
-      if (!has_ended(state, program)) return false;
+      if (!is_at_rest(state, program)) return false;
     }
     return true;
   }
+  // A program is at an error: nothing follows, and the steps there do not count.
+  template <std::size_t words>
+  bool is_error(const PackedState<words>& state) const {
+    for (const std::uint32_t program : erring_) {
+      const PackedProgram& compiled = programs_[program];
+      if (compiled.is_error[compiled.field.get(state)]) return true;
+    }
+    return false;
+  }
+  // Any control state, reached or not, is an error.
+  bool has_errors() const { return !erring_.empty(); }
+  bool has_deaths() const { return has_deaths_; }
+  bool is_death(std::size_t program, std::uint32_t edge) const {
+    return has_deaths_ && programs_[program].is_death[edge];
+  }
+  // The program has a step that is possible, other than to die.
+  template <std::size_t words>
+  bool can_step(const PackedState<words>& state, std::size_t program) const {
+    bool can = false;
+    for_each_step(state, program,
+                  [&](const PackedState<words>&, std::uint32_t edge, bool, std::uint64_t) {
+                    can = can || !is_death(program, edge);
+                  });
+    return can;
+  }
 
-  // Calls `visit(next, edge, is_cut, code)` for each step that `program` can take: the state
+  // Fair groups of all programs (FairGroup), by number; each a bit of a word if there are at most
+  // 64.
+  std::size_t group_count() const { return groups_; }
+  std::uint64_t groups_on_weak_runs() const { return weak_groups_; }
+  // There are more than bits of a word for them.
+  bool has_too_many_groups() const { return groups_ > 64; }
+  // The bit of the edge's group; 0: none.
+  std::uint64_t group_of(std::size_t program, std::uint32_t edge) const {
+    return groups_ == 0 ? 0 : programs_[program].groups[edge];
+  }
+
+  // Calls `visit(next, edge, is_cut, code)` for each step that `program` can take, in a state that
+  // is no error: the state
   // afterwards, the index of its edge, whether the run is cut there, and the step's code.
   template <std::size_t words, typename Visit>
   void for_each_step(const PackedState<words>& state, std::size_t program, Visit&& visit) const {
@@ -102,8 +140,8 @@ class PackedSystem {
       const PackedEdge& edge = compiled.edges[i];
       PackedState<words> next = state;
       next[compiled.field.word] += edge.control_change;
-      if (edge.table == no_table) {
-        visit(next, i, false, edge.code);
+      if (edge.table >= first_joint) {
+        take_joint(state, joints_[edge.table - first_joint], next, i, false, edge.code, visit);
         continue;
       }
       const std::uint32_t from = edge.model.get(state);
@@ -133,13 +171,15 @@ class PackedSystem {
   Origin undo(const GlobalState& state, std::uint64_t code) const;
 
   // Throws std::logic_error unless fields lie side by side, and every step that an edge can take in
-  // a state of its model is undone by its code. O(edges x states of models).
+  // a state of one of its models, the others in their first, is undone by its code. O(edges x
+  // states of models).
   void check_invariants() const;
 
  private:
   static constexpr std::uint32_t none = ~std::uint32_t{0};
   static constexpr std::uint32_t several = none - 1;
   static constexpr std::uint32_t no_table = none;
+  static constexpr std::uint32_t first_joint = std::uint32_t{1} << 31;
 
   // What an action of a model does in one of its states.
   struct Target {
@@ -149,16 +189,28 @@ class PackedSystem {
   };
   struct PackedEdge {
     PackedField model;
-    std::uint32_t table = no_table;    // of the model's action: index into targets_
+    // Of the model's action: index into targets_. Of a step that does not use just one model:
+    // first_joint and an index into joints_.
+    std::uint32_t table = no_table;
     std::uint32_t code = 0;            // program and place among the edges into the target
     std::uint64_t control_change = 0;  // shifted
   };
+  // One use of a step that uses several models, or none.
+  struct PackedUse {
+    PackedField model;
+    std::uint32_t table = no_table;
+    unsigned code_shift = 0;  // of its part of the step's code, behind that of the first use
+  };
+  using PackedJoint = std::vector<PackedUse>;
   struct PackedProgram {
     PackedField field;
     std::vector<std::uint32_t> first_edge;               // by control state, one more than states
     std::vector<PackedEdge> edges;                       // as in Program::edges
     std::vector<ControlState> sources;                   // by edge
     std::vector<std::vector<std::uint32_t>> edges_into;  // by control state
+    std::vector<bool> may_stay, is_error;                // by control state
+    std::vector<bool> is_death;                          // by edge
+    std::vector<std::uint64_t> groups;                   // by edge: the bit of its fair group
   };
   // Where an action may have come from: the inverse of its table.
   struct Source {
@@ -168,14 +220,41 @@ class PackedSystem {
   struct ActionTable {
     std::uint32_t first = no_table;            // in targets_
     std::vector<std::vector<Source>> sources;  // by target state
+    unsigned source_bits = 0;                  // tell which of them is meant
   };
 
-  std::size_t action_index(const ProgramEdge& edge) const;
+  // Visits the step with each outcome of the uses from number `at` on.
+  template <std::size_t words, typename Visit>
+  void take_joint(const PackedState<words>& state, const PackedJoint& uses,
+                  const PackedState<words>& begun, std::uint32_t edge, bool is_cut,
+                  std::uint64_t code, Visit&& visit, std::size_t at = 0) const {
+    if (at == uses.size()) {
+      visit(begun, edge, is_cut, code);
+      return;
+    }
+    const PackedUse& use = uses[at];
+    const std::uint32_t from = use.model.get(state);
+    const auto take = [&](const Target& target) {
+      PackedState<words> next = begun;
+      next[use.model.word] += (std::uint64_t{target.state} - from) << use.model.shift;
+      take_joint(state, uses, next, edge, is_cut || target.is_cut != 0,
+                 code | (std::uint64_t{target.code} << use.code_shift), visit, at + 1);
+    };
+    const Target target = targets_[use.table + from];
+    if (target.state == none) return;
+    if (target.state != several) return take(target);
+    for (const Target& one : several_[target.code]) take(one);
+  }
+
+  std::size_t action_index(const ModelUse& use) const;
+  const ActionTable& table_of(const ModelUse& use) const;
   void add_program(const Program& program);
-  void add_action(const ProgramEdge& edge);
+  void add_groups(const Program& program, PackedProgram& packed);
+  void add_action(const ModelUse& use);
   void number_codes();
   void lay_out(unsigned payload_bits, std::size_t monitor_states);
   void place_fields();
+  void place_uses(const Program& program, const ProgramEdge& edge, PackedEdge& compiled);
   template <std::size_t words>
   void check_steps() const;
 
@@ -185,11 +264,15 @@ class PackedSystem {
   PackedField monitor_;
   std::vector<Target> targets_;
   std::vector<std::vector<Target>> several_;
+  std::vector<PackedJoint> joints_{{}};           // the first one is that of all choices
   std::vector<std::vector<ActionTable>> tables_;  // by model, then by action_index()
   std::size_t words_ = 1;
   unsigned address_bits_ = 0, state_bits_ = 0, code_bits_ = 0;
-  unsigned program_bits_ = 0, into_bits_ = 0, source_bits_ = 0;
-  bool has_cuts_ = false;
+  unsigned program_bits_ = 0, into_bits_ = 0;
+  bool has_cuts_ = false, has_deaths_ = false;
+  std::vector<std::uint32_t> erring_;  // programs with errors
+  std::size_t groups_ = 0;
+  std::uint64_t weak_groups_ = 0;
 };
 
 // Calls `work(std::integral_constant<std::size_t, n>)` with the least n that is compiled and holds

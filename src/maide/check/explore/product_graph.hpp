@@ -5,6 +5,7 @@
 //   unsigned marks() const;                at most 64
 //   std::uint32_t universal() const;       a state in which every run is accepted, or no state
 //   bool is_strong() const;                programs that can step again and again on the cycle do
+//   std::uint64_t groups() const;          so are the steps of these fair groups, by bit
 //   bool is_waiting(state) const;          whatever happens it may stay there; no cycle with every
 //                                          mark passes there, and what it goes to depends on the
 //                                          system's next state alone
@@ -34,6 +35,21 @@ inline constexpr unsigned most_marks = 64;
 // Of a product's nodes, in the table.
 inline constexpr unsigned node_number_bits = 32;
 
+// Who can do something, or does: programs and fair groups, by bit.
+struct Share {
+  std::uint64_t programs = 0, groups = 0;
+  bool is_empty() const { return programs == 0 && groups == 0; }
+  Share operator|(const Share& other) const {
+    return {programs | other.programs, groups | other.groups};
+  }
+  Share operator&(const Share& other) const {
+    return {programs & other.programs, groups & other.groups};
+  }
+  Share without(const Share& other) const {
+    return {programs & ~other.programs, groups & ~other.groups};
+  }
+};
+
 template <std::size_t words, typename Monitor>
 class ProductGraph {
  public:
@@ -57,8 +73,9 @@ class ProductGraph {
       std::uint32_t code = 0;
       std::uint16_t program = 0;
     };
-    std::vector<One> steps;     // but for those that cut the run
-    std::uint64_t enabled = 0;  // programs, those with a step that cuts the run among them
+    std::vector<One> steps;     // but for those that cut the run, or come to an error
+    std::uint64_t enabled = 0;  // programs that can do more than die, those steps among them
+    std::uint64_t groups = 0;   // fair groups of which a step is possible
   };
 
   // `system` was made with node_number_bits of payload and the monitor's states.
@@ -100,7 +117,7 @@ class ProductGraph {
   void prefetch(const Address& address) const { table_.prefetch(address); }
 
   // The table tells nodes' numbers; the other way round takes a list, which is made when it is
-  // first needed: O(nodes). Before that, node(), enabled_programs() and for_each_edge() by number
+  // first needed: O(nodes). Before that, node(), able() and for_each_edge() by number
   // are not to be called.
   void list_nodes() {
     if (lists_nodes_) return;
@@ -121,23 +138,33 @@ class ProductGraph {
   void find_steps(const State& node, Steps& found) const {
     found.steps.clear();
     found.enabled = 0;
+    found.groups = 0;
     const State state = plain(node);
     for (std::size_t program = 0; program < system_.program_count(); ++program) {
       system_.for_each_step(
           state, program,
           [&](const State& next, std::uint32_t edge, bool is_cut, std::uint64_t code) {
-            found.enabled |= std::uint64_t{1} << program;
-            if (is_cut) return;
+            if (!system_.is_death(program, edge)) found.enabled |= std::uint64_t{1} << program;
+            found.groups |= system_.group_of(program, edge);
+            if (is_cut || system_.is_error(next)) return;
             found.steps.push_back({next, edge, static_cast<std::uint32_t>(code),
                                    static_cast<std::uint16_t>(program)});
           });
     }
   }
-  std::uint64_t enabled_programs(Number number) const {
+  // Who could step in the node's state, of those that the monitor wants to do so on the cycle.
+  Share able(Number number) const {
     find_steps(node(number), scratch_);
-    MAIDE_CHECK(scratch_.enabled != 0 || scratch_.steps.empty());
-    return scratch_.enabled;
+    return Share{scratch_.enabled, scratch_.groups} & wanted();
   }
+  // Who steps by the edge.
+  Share share_of(const Edge& edge) const {
+    if (!edge.is_step) return {};
+    return {std::uint64_t{1} << edge.program, system_.group_of(edge.program, edge.edge)};
+  }
+  Share wanted() const { return {monitor_.is_strong() ? ~std::uint64_t{0} : 0, monitor_.groups()}; }
+  // The monitor wants more of a cycle than its marks.
+  bool wants_more() const { return !wanted().is_empty(); }
 
   // Calls `visit(edge)` for what may follow the node by steps of `programs`, or by none at all.
   template <typename Visit>
@@ -179,7 +206,10 @@ class ProductGraph {
   std::vector<State> first_nodes() const {
     std::vector<State> nodes;
     const State initial = system_.pack<words>(initial_state(system_.system()));
+    // Of a run that begins at an error there is one position, and nothing is known of what follows.
+    const bool is_error = system_.is_error(initial);
     monitor_.start(initial, [&](std::uint32_t state, std::uint64_t) {
+      if (is_error && state != monitor_.universal()) return;
       State node = initial;
       system_.monitor().set(node, state);
       nodes.push_back(node);

@@ -30,6 +30,14 @@ ReductionRules rules_for_cut() {
   return rules;
 }
 
+ReductionRules rules_for_error() {
+  ReductionRules rules;
+  // A step that cuts the run would end it before what others do.
+  rules.sets.cuts_are_visible = true;
+  rules.puts_nothing_off = true;
+  return rules;
+}
+
 std::optional<ReductionRules> rules_for_invariant(const System& system, const Property& property) {
   if (!ignores_silent_steps(property.formula)) return std::nullopt;
   ReductionRules rules;
@@ -45,7 +53,9 @@ std::optional<ReductionRules> rules_for_cycle(const System& system, const Proper
   rules.sets.cuts_are_visible = true;
   rules.puts_nothing_off = true;
   if (property.kind == Property::Kind::stuck) {
-    rules.sets.watch = Commutation::Watch::weak;
+    const bool is_strong = property.fairness == Fairness::strong;
+    rules.sets.watch = is_strong ? Commutation::Watch::strong : Commutation::Watch::weak;
+    rules.sets.singletons = is_strong;
     return rules;
   }
   // What a `never` automaton can see of silent steps is not known.
@@ -156,22 +166,6 @@ Silence silence_of(const Formula& formula) {
   return unknown;
 }
 
-bool is_visible(const Atom& atom, const Program& program, std::size_t index, ControlState source,
-                const ProgramEdge& edge) {
-  switch (atom.kind) {
-    case Atom::Kind::label:
-      return index == atom.owner &&
-             program.has_label(source, atom.symbol) != program.has_label(edge.target, atom.symbol);
-    case Atom::Kind::end: return index == atom.owner && program.is_end(edge.target);
-    case Atom::Kind::input:
-      return edge.kind == ProgramEdge::Kind::give && edge.model == atom.owner &&
-             edge.symbol == atom.symbol;
-    default:
-      return edge.kind == ProgramEdge::Kind::take && edge.model == atom.owner &&
-             edge.symbol == atom.symbol;
-  }
-}
-
 }  // namespace
 
 bool ignores_silent_steps(const Formula& formula) {
@@ -188,7 +182,7 @@ std::vector<std::vector<bool>> visible_edges(const Formula& formula, const Syste
       const Program::State& state = program.states[at];
       for (std::uint32_t i = state.first_edge; i < state.first_edge + state.edge_count; ++i) {
         edges[i] = std::any_of(atoms.begin(), atoms.end(), [&](const Atom& atom) {
-          return is_visible(atom, program, index, at, program.edges[i]);
+          return is_seen_by(atom, system, static_cast<std::uint32_t>(index), at, program.edges[i]);
         });
       }
     }

@@ -32,6 +32,8 @@ struct ReductionRules {
 ReductionRules rules_for_deadlock();
 // For a run that leaves what was learned.
 ReductionRules rules_for_cut();
+// For a run that comes to an error.
+ReductionRules rules_for_error();
 // Nothing if the formula could see where silent steps lie: then all is taken.
 std::optional<ReductionRules> rules_for_invariant(const System& system, const Property& property);
 // For `stuck`, or a formula with the property's fairness.

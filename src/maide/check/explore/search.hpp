@@ -39,6 +39,7 @@ struct SearchResult {
   bool has_violation = false;             // of a search for cycles, though perhaps not shown
   std::uint64_t bytes = 0;                // the most that the search had
   std::optional<Trace> trace;             // of what was found
+  std::optional<Trace> remarkable;        // of a run that is almost what was looked for
   Reduction reduction = Reduction::none;  // what was used
   std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();
 };

@@ -24,15 +24,26 @@ const std::string& symbol_name(const StepAction& action, const System& system) {
     case Kind::give: return system.models[action.model].automaton.inputs().name(action.symbol);
     case Kind::take: return system.models[action.model].automaton.outputs().name(action.symbol);
     case Kind::quiet: return quiet;
+    case Kind::act: return system.models[action.model].actions[action.symbol].name;
+    case Kind::joint: return system.programs[action.program].joints[action.symbol].text;
     case Kind::choice: break;
   }
   return branches[action.symbol];
 }
 
 StepAction action_of_edge(std::uint32_t program, const ProgramEdge& edge) {
+  const bool has_model = edge.kind != Kind::choice && edge.kind != Kind::joint;
   const bool has_symbol = edge.kind != Kind::quiet;
-  return {program, edge.kind, edge.kind == Kind::choice ? 0 : edge.model,
-          has_symbol ? edge.symbol : 0, false};
+  return {program, edge.kind, has_model ? edge.model : 0, has_symbol ? edge.symbol : 0, false};
+}
+
+// What tells a joint step from another one of the program that has the same text.
+std::string number_of_joint(const StepAction& action, const System& system) {
+  const auto& joints = system.programs[action.program].joints;
+  const std::string& text = joints[action.symbol].text;
+  const bool is_only = std::count_if(joints.begin(), joints.end(),
+                                     [&](const Joint& joint) { return joint.text == text; }) == 1;
+  return is_only ? "" : " #" + std::to_string(action.symbol);
 }
 
 }  // namespace
@@ -70,17 +81,30 @@ std::vector<StepAction> step_actions(const System& system) {
 }
 
 bool is_cut(const System& system, const StepAction& action) {
-  return action.is_beyond && system.models[action.model].when_unexplored == WhenUnexplored::stop;
+  const auto stops = [&](std::uint32_t model) {
+    return system.models[model].when_unexplored == WhenUnexplored::stop;
+  };
+  if (!action.is_beyond || action.kind != Kind::joint) {
+    return action.is_beyond && stops(action.model);
+  }
+  const auto& uses = system.programs[action.program].joints[action.symbol].uses;
+  return std::any_of(uses.begin(), uses.end(),
+                     [&](const ModelUse& use) { return stops(use.model); });
 }
 
 std::string to_string(const StepAction& action, const System& system) {
   std::string text = shown_name(system.programs[action.program].name) + " ";
-  if (action.kind != Kind::choice) {
-    text += shown_name(system.models[action.model].name);
-    text += action.kind == Kind::give ? "?" : action.kind == Kind::take ? "!" : " ";
-  }
   const std::string& symbol = symbol_name(action, system);
+  switch (action.kind) {
+    case Kind::give: text += shown_name(system.models[action.model].name) + "?"; break;
+    case Kind::take: text += shown_name(system.models[action.model].name) + "!"; break;
+    case Kind::quiet: text += shown_name(system.models[action.model].name) + " "; break;
+    case Kind::act:
+    case Kind::joint:
+    case Kind::choice: break;
+  }
   text += action.kind == Kind::give || action.kind == Kind::take ? shown_name(symbol) : symbol;
+  if (action.kind == Kind::joint) text += number_of_joint(action, system);
   if (action.is_beyond) text += is_cut(system, action) ? " beyond" : " dropped";
   return text;
 }

@@ -20,16 +20,19 @@ namespace maide {
 struct StepAction {
   std::uint32_t program = 0;
   ProgramEdge::Kind kind = ProgramEdge::Kind::choice;
-  std::uint32_t model = 0;  // unless a choice
-  Symbol symbol = 0;        // the input, the output; of a choice: 0 for `if *`, 1 for `else`
-  bool is_beyond = false;   // an input where it was never tried
+  std::uint32_t model = 0;  // of a step that uses one model alone
+  // The input, the output, the model's own action, the program's joint; of a choice: 0 for `if *`,
+  // 1 for `else`.
+  Symbol symbol = 0;
+  bool is_beyond = false;  // an input where it was never tried
   auto operator<=>(const StepAction&) const = default;
 };
 
 StepAction action_of(const System& system, const Step& step);
 
 // Every action that the programs' texts have, in order; with `is_beyond` where the model has a
-// quiescent state in which that input was never tried, and does not wait there. O(size).
+// quiescent state in which that input was never tried, and does not wait there. No step is joint.
+// O(size).
 std::vector<StepAction> step_actions(const System& system);
 
 // The input was never tried, and the run is cut: an export stays where it is.
@@ -38,9 +41,10 @@ bool is_cut(const System& system, const StepAction& action);
 // The quiescent states of the model in which the input was never tried.
 std::vector<StateId> states_beyond(const InterfaceAutomaton& automaton, Symbol input);
 
-// "planner via?write", "planner via!message", "planner via quiet", "planner if", "planner else";
-// behind an input that was never tried "beyond" (the run is cut there) or "dropped". Names that are
-// no identifiers are in double quotes.
+// "planner via?write", "planner via!message", "planner via quiet", "planner if", "planner else",
+// "planner n = 3" (where another joint step of the program has the same text: with " #4" behind
+// it); behind an input that was never tried "beyond" (the run is cut there) or "dropped". Names
+// that are no identifiers are in double quotes.
 std::string to_string(const StepAction& action, const System& system);
 
 // Identifiers of another language for names made of several parts; the same for the same parts.

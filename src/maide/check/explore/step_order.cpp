@@ -14,6 +14,10 @@ namespace {
 // longer than the order of its steps saves.
 constexpr std::uint64_t most_pairs = std::uint64_t{1} << 20;
 
+bool is_kept(const Program& program, const ProgramEdge& edge) {
+  return program.uses_of(edge).size() > 1 || program.is_error(edge.target);
+}
+
 }  // namespace
 
 StepOrder::StepOrder(const PackedSystem& packed) {
@@ -23,17 +27,19 @@ StepOrder::StepOrder(const PackedSystem& packed) {
   for (std::uint32_t p = 0; p < system.programs.size(); ++p) {
     const auto choice = static_cast<std::uint32_t>(lasts_.size());
     lasts_.push_back({0, no_model, p});
+    const Program& program = system.programs[p];
     for (std::size_t i = 0; i < steps_[p].size(); ++i) {
-      const bool is_choice = system.programs[p].edges[i].kind == ProgramEdge::Kind::choice;
-      if (is_choice) steps_[p][i].first = choice;
+      const std::size_t uses = program.uses_of(program.edges[i]).size();
+      steps_[p][i].is_kept = is_kept(program, program.edges[i]);
+      if (uses == 0 && !steps_[p][i].is_kept) steps_[p][i].first = choice;
     }
   }
-  const std::vector<std::vector<ProgramEdge>> actions = find_actions(system);
+  const std::vector<std::vector<ModelUse>> actions = find_actions(system);
   for (std::uint32_t m = 0; m < system.models.size(); ++m) add_model(system, m, actions[m]);
 }
 
 void StepOrder::add_model(const System& system, std::uint32_t model,
-                          const std::vector<ProgramEdge>& actions) {
+                          const std::vector<ModelUse>& actions) {
   if (actions.empty()) return;
   const std::size_t states = system.models[model].automaton.size();
   const std::size_t widest = std::max(actions.size(), system.programs.size());
@@ -55,9 +61,9 @@ void StepOrder::add_model(const System& system, std::uint32_t model,
   for (std::uint32_t p = 0; p < system.programs.size(); ++p) {
     std::map<std::uint32_t, std::uint32_t> first;  // of the program's lasts, by action
     for (std::size_t i = 0; i < steps_[p].size(); ++i) {
-      const ProgramEdge& edge = system.programs[p].edges[i];
-      if (edge.kind == ProgramEdge::Kind::choice || edge.model != model) continue;
-      const std::uint32_t action = is_known ? action_number(actions, edge) : no_action;
+      const auto uses = system.programs[p].uses_of(system.programs[p].edges[i]);
+      if (steps_[p][i].is_kept || uses.empty() || uses.front().model != model) continue;
+      const std::uint32_t action = is_known ? action_number(actions, uses.front()) : no_action;
       const auto [place, is_new] =
           first.try_emplace(action, static_cast<std::uint32_t>(lasts_.size()));
       steps_[p][i] = {model, action, place->second};

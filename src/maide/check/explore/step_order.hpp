@@ -8,7 +8,8 @@
 // Invariant: transitions are left out, and never a state. Breadth-first no state is found at a
 // greater depth. The idea of the proof: of all steps that lead to a state, one of the last program
 // is never left out, for the order that was taken instead ends with a step of a later program
-// (docs/design/reductions.md).
+// (docs/design/reductions.md). A step that uses several models leaves out nothing behind it, and is
+// itself never left out; nor is a step into an error, behind which nothing else comes.
 #pragma once
 
 #include <cstdint>
@@ -46,7 +47,8 @@ class StepOrder {
   // Whether that step, of a program before the last one, need not be taken.
   bool leaves_out(const Last& last, std::size_t program, std::uint32_t edge) const {
     const Step& step = steps_[program][edge];
-    return step.model != last.model || (last.commuting >> step.action & 1) != 0;
+    if (step.model != last.model) return !step.is_kept;
+    return (last.commuting >> step.action & 1) != 0;
   }
 
  private:
@@ -56,10 +58,10 @@ class StepOrder {
     std::uint32_t model = no_model - 1;  // of a choice: none
     std::uint32_t action = no_action;
     std::uint32_t first = first_state;  // in lasts_; of an action by the model's state
+    bool is_kept = false;               // is never left out
   };
 
-  void add_model(const System& system, std::uint32_t model,
-                 const std::vector<ProgramEdge>& actions);
+  void add_model(const System& system, std::uint32_t model, const std::vector<ModelUse>& actions);
 
   std::vector<std::vector<Step>> steps_;  // by program, by edge
   std::vector<Last> lasts_{Last{}};

@@ -17,7 +17,7 @@ StubbornSets::StubbornSets(const PackedSystem& packed, StubbornOptions options)
   const System& system = packed.system();
   programs_.resize(system.programs.size());
   if (programs_.size() > most_reduced_programs) return;
-  const std::vector<std::vector<ProgramEdge>> actions = find_actions(system);
+  const std::vector<std::vector<ModelUse>> actions = find_actions(system);
   for (std::size_t m = 0; m < system.models.size(); ++m) {
     // More actions than bits: the system is not reduced.
     if (actions[m].size() > 64) {
@@ -33,7 +33,7 @@ StubbornSets::StubbornSets(const PackedSystem& packed, StubbornOptions options)
 }
 
 void StubbornSets::add_program(std::size_t index,
-                               const std::vector<std::vector<ProgramEdge>>& actions) {
+                               const std::vector<std::vector<ModelUse>>& actions) {
   const Program& program = packed_.system().programs[index];
   ReducedProgram& reduced = programs_[index];
   for (const Program::State& state : program.states) reduced.first.push_back(state.first_edge);
@@ -41,16 +41,20 @@ void StubbornSets::add_program(std::size_t index,
   for (std::size_t i = 0; i < program.edges.size(); ++i) {
     const ProgramEdge& edge = program.edges[i];
     Next next;
-    next.is_visible = !options_.visible.empty() && options_.visible[index][i];
-    if (edge.kind != ProgramEdge::Kind::choice) {
-      next.model = edge.model;
-      next.action = action_number(actions[edge.model], edge);
-      MAIDE_CHECK(next.action < actions[edge.model].size());
+    // Behind an error nothing comes that others would have done.
+    next.is_visible =
+        program.is_error(edge.target) || (!options_.visible.empty() && options_.visible[index][i]);
+    next.first_use = static_cast<std::uint32_t>(reduced.uses.size());
+    for (const ModelUse& use : program.uses_of(edge)) {
+      const std::uint32_t action = action_number(actions[use.model], use);
+      MAIDE_CHECK(action < actions[use.model].size());
+      reduced.uses.push_back({use.model, action});
+      ++next.use_count;
       auto& models = reduced.models;
-      if (std::find(models.begin(), models.end(), edge.model) == models.end()) {
-        models_[edge.model].users.push_back(
+      if (std::find(models.begin(), models.end(), use.model) == models.end()) {
+        models_[use.model].users.push_back(
             {static_cast<std::uint32_t>(index), static_cast<std::uint32_t>(models.size())});
-        models.push_back(edge.model);
+        models.push_back(use.model);
       }
     }
     reduced.next.push_back(next);
@@ -67,12 +71,12 @@ void StubbornSets::compute_future(const Program& program, ReducedProgram& reduce
   for (ControlState at = 0; at < program.states.size(); ++at) {
     for (std::uint32_t i = reduced.first[at]; i < reduced.first[at + 1]; ++i) {
       before[program.edges[i].target].push_back(at);
-      const Next& next = reduced.next[i];
-      if (next.model == no_model) continue;
-      const auto slot = static_cast<std::size_t>(
-          std::find(reduced.models.begin(), reduced.models.end(), next.model) -
-          reduced.models.begin());
-      reduced.future[at * width + slot] |= bit(next.action);
+      for (const Use& use : reduced.uses_of(reduced.next[i])) {
+        const auto slot = static_cast<std::size_t>(
+            std::find(reduced.models.begin(), reduced.models.end(), use.model) -
+            reduced.models.begin());
+        reduced.future[at * width + slot] |= bit(use.action);
+      }
     }
     open.push_back(at);
   }
@@ -107,15 +111,15 @@ StubbornSets::Now StubbornSets::look_at(std::size_t program) const {
   for (std::uint32_t i = reduced.first[at]; i < reduced.first[at + 1]; ++i) {
     const Next& next = reduced.next[i];
     std::uint32_t steps = 1;
-    if (next.model != no_model) {
-      const Commutation& commutation = models_[next.model].commutation;
-      steps = static_cast<std::uint32_t>(commutation.count(next.action, at_[next.model]));
-      if (options_.cuts_are_visible && commutation.may_be_cut(next.action, at_[next.model])) {
-        now.is_visible = true;
-      }
+    bool is_visible = next.is_visible;
+    for (const Use& use : reduced.uses_of(next)) {
+      const Commutation& commutation = models_[use.model].commutation;
+      steps *= static_cast<std::uint32_t>(commutation.count(use.action, at_[use.model]));
+      is_visible = is_visible || (options_.cuts_are_visible &&
+                                  commutation.may_be_cut(use.action, at_[use.model]));
     }
     now.steps += steps;
-    if (steps > 0 && next.is_visible) now.is_visible = true;
+    if (steps > 0 && is_visible) now.is_visible = true;
   }
   return now;
 }
@@ -159,13 +163,13 @@ std::uint64_t StubbornSets::closure(std::size_t program) {
     const ReducedProgram& reduced = programs_[member];
     const ControlState at = control_[member];
     for (std::uint32_t i = reduced.first[at]; i < reduced.first[at + 1]; ++i) {
-      const Next& next = reduced.next[i];
-      if (next.model == no_model) continue;
-      const std::uint64_t added = disturbers(next, set);
-      if (added != 0 && options_.singletons) return 0;
-      MAIDE_CHECK((added & set) == 0);
-      set |= added;
-      open |= added;
+      for (const Use& use : reduced.uses_of(reduced.next[i])) {
+        const std::uint64_t added = disturbers(use, set);
+        if (added != 0 && options_.singletons) return 0;
+        MAIDE_CHECK((added & set) == 0);
+        set |= added;
+        open |= added;
+      }
     }
   }
   return set;
@@ -178,9 +182,9 @@ std::uint64_t StubbornSets::future_of(const User& user) const {
 }
 
 // One program alone if that is enough, else all that use the model.
-std::uint64_t StubbornSets::disturbers(const Next& next, std::uint64_t set) {
-  ReducedModel& model = models_[next.model];
-  const StateId at = at_[next.model];
+std::uint64_t StubbornSets::disturbers(const Use& use, std::uint64_t set) {
+  ReducedModel& model = models_[use.model];
+  const StateId at = at_[use.model];
   std::uint64_t users = 0, actions = 0;
   for (const User& user : model.users) {
     const std::uint64_t future = (set >> user.program & 1) != 0 ? 0 : future_of(user);
@@ -188,7 +192,7 @@ std::uint64_t StubbornSets::disturbers(const Next& next, std::uint64_t set) {
     users |= bit(user.program);
     actions |= future;
   }
-  if (actions == 0 || model.commutation.undisturbed(next.action, actions)[at] != 0) return 0;
+  if (actions == 0 || model.commutation.undisturbed(use.action, actions)[at] != 0) return 0;
   if ((users & (users - 1)) == 0) return users;
   for (const User& left_out : model.users) {
     if ((users >> left_out.program & 1) == 0) continue;
@@ -198,7 +202,7 @@ std::uint64_t StubbornSets::disturbers(const Next& next, std::uint64_t set) {
         rest |= future_of(user);
       }
     }
-    if (model.commutation.undisturbed(next.action, rest)[at] != 0) return bit(left_out.program);
+    if (model.commutation.undisturbed(use.action, rest)[at] != 0) return bit(left_out.program);
   }
   return users;
 }

@@ -5,7 +5,8 @@
 // its next actions: does all that programs outside may ever do with that model leave the action
 // undisturbed (commutation.hpp)? If not, the program that disturbs it is taken in. A blocked
 // program in the set needs no rule of its own: its action is undisturbed if no program outside can
-// make it possible.
+// make it possible. A step that uses several models is disturbed where one of its uses is: it is
+// possible exactly where all of them are, and what it does to one model does not depend on others.
 //
 // These are strong stubborn sets (Valmari, "Stubborn sets for reduced state space generation",
 // 1989), or persistent sets (Godefroid, "Partial-order methods for the verification of concurrent
@@ -15,6 +16,7 @@
 
 #include <bit>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "maide/check/explore/commutation.hpp"
@@ -27,7 +29,8 @@ inline constexpr std::size_t most_reduced_programs = 64;
 
 struct StubbornOptions {
   Commutation::Watch watch = Commutation::Watch::nothing;
-  // Programs' edges that must not be in a set unless all is: by program, by edge. Empty: none.
+  // Programs' edges that must not be in a set unless all is: by program, by edge. Empty: none but
+  // those into an error.
   std::vector<std::vector<bool>> visible;
   bool cuts_are_visible = false;  // so are steps that cut the run
   bool singletons = false;        // one program, or all
@@ -52,17 +55,24 @@ class StubbornSets {
   bool is_reduced() const { return is_reduced_; }
 
  private:
-  static constexpr std::uint32_t no_model = ~std::uint32_t{0};
+  // What a step does with one model.
+  struct Use {
+    std::uint32_t model = 0;
+    std::uint32_t action = 0;  // of the model
+  };
   struct Next {
-    std::uint32_t model = no_model;  // of a choice: none
-    std::uint32_t action = 0;        // of the model
+    std::uint32_t first_use = 0, use_count = 0;  // in the program's `uses`
     bool is_visible = false;
   };
   struct ReducedProgram {
-    std::vector<std::uint32_t> first;   // in `next`, by control state, one more than states
-    std::vector<Next> next;             // as Program::edges
+    std::vector<std::uint32_t> first;  // in `next`, by control state, one more than states
+    std::vector<Next> next;            // as Program::edges
+    std::vector<Use> uses;
     std::vector<std::uint32_t> models;  // that it uses
     std::vector<std::uint64_t> future;  // actions that may come, by control state and `models`
+    std::span<const Use> uses_of(const Next& one) const {
+      return std::span(uses).subspan(one.first_use, one.use_count);
+    }
   };
   struct User {
     std::uint32_t program = 0;
@@ -78,14 +88,14 @@ class StubbornSets {
     bool is_visible = false;
   };
 
-  void add_program(std::size_t index, const std::vector<std::vector<ProgramEdge>>& actions);
+  void add_program(std::size_t index, const std::vector<std::vector<ModelUse>>& actions);
   static void compute_future(const Program& program, ReducedProgram& reduced);
   Now look_at(std::size_t program) const;
   std::uint64_t select_here();
   // The least closed set with `program`; 0 if it is more than one program and may not be.
   std::uint64_t closure(std::size_t program);
-  // The programs outside `set` to be added, so that the action is undisturbed.
-  std::uint64_t disturbers(const Next& next, std::uint64_t set);
+  // The programs outside `set` to be added, so that the use is undisturbed.
+  std::uint64_t disturbers(const Use& use, std::uint64_t set);
   std::uint64_t future_of(const User& user) const;
 
   const PackedSystem& packed_;

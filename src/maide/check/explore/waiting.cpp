@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <iterator>
 
 namespace maide {
 namespace {
@@ -16,6 +17,12 @@ bool contains_sorted(const std::vector<Symbol>& sorted, Symbol symbol) {
 void sort_unique(std::vector<Symbol>& symbols) {
   std::sort(symbols.begin(), symbols.end());
   symbols.erase(std::unique(symbols.begin(), symbols.end()), symbols.end());
+}
+
+bool uses_model(const Program& program, const ProgramEdge& edge, std::uint32_t model) {
+  const auto uses = program.uses_of(edge);
+  return std::any_of(uses.begin(), uses.end(),
+                     [&](const ModelUse& use) { return use.model == model; });
 }
 
 // Inputs of the actors that have one of the outputs.
@@ -38,13 +45,23 @@ std::vector<Symbol> asking_by_actors(const InterfaceAutomaton& automaton, const 
 // Inputs after which a program takes one of the outputs.
 std::vector<Symbol> asking_by_programs(const System& system, const Awaited& awaited) {
   std::vector<Symbol> asking;
+  const auto takes = [&](const Program& program, const ProgramEdge& edge) {
+    const auto events = program.events_of(edge);
+    return std::any_of(events.begin(), events.end(), [&](const ModelUse& event) {
+      return event.kind == Kind::take && event.model == awaited.model &&
+             contains_sorted(awaited.outputs, event.symbol);
+    });
+  };
   for (const Program& program : system.programs) {
-    for (const ProgramEdge& give : program.edges) {
-      if (give.kind != Kind::give || give.model != awaited.model) continue;
-      for (const ProgramEdge& take : program.edges_of(give.target)) {
-        if (take.kind == Kind::take && take.model == awaited.model &&
-            contains_sorted(awaited.outputs, take.symbol)) {
-          asking.push_back(give.symbol);
+    for (const ProgramEdge& edge : program.edges) {
+      const auto next = program.edges_of(edge.target);
+      const bool is_answered = takes(program, edge) ||
+                               std::any_of(next.begin(), next.end(),
+                                           [&](const auto& take) { return takes(program, take); });
+      if (!is_answered) continue;
+      for (const ModelUse& event : program.events_of(edge)) {
+        if (event.kind == Kind::give && event.model == awaited.model) {
+          asking.push_back(event.symbol);
         }
       }
     }
@@ -179,14 +196,21 @@ std::optional<MessageAccount> take_account(const System& system, const Trace& tr
   if (account.messages.empty()) return std::nullopt;
   for (std::size_t at = 0; at < trace.steps.size(); ++at) {
     const Step& step = trace.steps[at];
-    const ProgramEdge& edge = system.programs[step.program].edges[step.edge];
-    if (edge.kind == Kind::choice || edge.model != awaited.model) continue;
+    const Program& program = system.programs[step.program];
+    const ProgramEdge& edge = program.edges[step.edge];
+    if (!uses_model(program, edge, awaited.model)) continue;
+    bool gives = false, takes = false, is_message = false;
+    for (const ModelUse& event : program.events_of(edge)) {
+      if (event.model != awaited.model) continue;
+      gives = gives || event.kind == Kind::give;
+      takes = takes || event.kind == Kind::take;
+      is_message = is_message ||
+                   (event.kind == Kind::give && contains_sorted(account.messages, event.symbol));
+    }
     const StateId before = states[at].models[awaited.model];
     const StateId after = states[at + 1].models[awaited.model];
     if (!levels[before] || !levels[after]) return std::nullopt;
     const std::size_t held = *levels[before], now = *levels[after];
-    const bool is_message =
-        edge.kind == Kind::give && contains_sorted(account.messages, edge.symbol);
     if (is_message) {
       ++account.given;
       account.givers.insert(step.program);
@@ -194,10 +218,10 @@ std::optional<MessageAccount> take_account(const System& system, const Trace& tr
       if (now == held + 1) continue;
       account.losses.push_back({at, account.given, account.taken, held, held + 1 - now,
                                 which_was_lost(automaton, awaited, levels, before, after)});
-    } else if (edge.kind == Kind::take && now + 1 == held) {
+    } else if (takes && now + 1 == held) {
       ++account.taken;
       account.takers.insert(step.program);
-    } else if (edge.kind == Kind::give && now < held) {
+    } else if (gives && now < held) {
       account.losses.push_back({at, account.given, account.taken, held, held - now,
                                 MessageAccount::Loss::Which::unknown});
     } else if (now != held) {
@@ -214,7 +238,7 @@ namespace {
 
 using Kind = ProgramEdge::Kind;
 using Reason = Waiting::Reason;
-using Helps = std::function<bool(const ProgramEdge&)>;
+using Helps = std::function<bool(const Program&, const ProgramEdge&)>;
 
 const ProgramEdge& edge_of(const System& system, const Step& step) {
   return system.programs[step.program].edges[step.edge];
@@ -243,7 +267,7 @@ bool can_reach(const Program& program, ControlState start, const Helps& helps) {
     const ControlState state = open.back();
     open.pop_back();
     for (const ProgramEdge& edge : program.edges_of(state)) {
-      if (helps(edge)) return true;
+      if (helps(program, edge)) return true;
       if (seen[edge.target]) continue;
       seen[edge.target] = true;
       open.push_back(edge.target);
@@ -281,11 +305,25 @@ class WaitingFinder {
       : system_(system), trace_(trace), states_(states), at_(at), state_(states[at]) {
     waiting_.program = program;
     const auto edges = own().edges_of(state_.programs[program]);
-    waiting_.awaited.assign(edges.begin(), edges.end());
-    waiting_.model = edges.front().model;
+    std::copy_if(edges.begin(), edges.end(), std::back_inserter(waiting_.awaited),
+                 [&](const ProgramEdge& edge) { return !own().is_death(edge); });
+    const auto& awaited = waiting_.awaited;
+    const bool is_plain = std::all_of(awaited.begin(), awaited.end(), [&](const auto& edge) {
+      return (edge.kind == Kind::give || edge.kind == Kind::take || edge.kind == Kind::quiet) &&
+             edge.model == awaited.front().model;
+    });
+    if (is_plain && !awaited.empty()) {
+      waiting_.model = waiting_.awaited.front().model;
+    } else {
+      waiting_.reason = Reason::several;
+    }
   }
 
   Waiting run() {
+    if (waiting_.reason == Reason::several) {
+      find_users();
+      return std::move(waiting_);
+    }
     waiting_.due = outputs_due(automaton(), state_.models[waiting_.model]);
     const ProgramEdge& first = waiting_.awaited.front();
     if (!waiting_.due.empty()) {
@@ -310,9 +348,9 @@ class WaitingFinder {
   // The last step before `at_` with the model that `is_it` accepts.
   std::optional<std::size_t> last_step(const std::function<bool(std::size_t)>& is_it) const {
     for (std::size_t step = at_; step-- > 0;) {
+      const Program& program = system_.programs[trace_.steps[step].program];
       const ProgramEdge& edge = edge_of(system_, trace_.steps[step]);
-      if (edge.kind == Kind::choice || edge.model != waiting_.model) continue;
-      if (is_it(step)) return step;
+      if (uses_model(program, edge, waiting_.model) && is_it(step)) return step;
     }
     return std::nullopt;
   }
@@ -348,22 +386,48 @@ class WaitingFinder {
     waiting_.reason = Reason::busy;
     const std::vector<Symbol> actor = same_actor(automaton(), input);
     waiting_.cause = last_step([&](std::size_t step) {
-      const ProgramEdge& edge = edge_of(system_, trace_.steps[step]);
-      return edge.kind == Kind::give && contains(actor, edge.symbol);
+      const auto events = system_.programs[trace_.steps[step].program].events_of(
+          edge_of(system_, trace_.steps[step]));
+      return std::any_of(events.begin(), events.end(), [&](const ModelUse& event) {
+        return event.kind == Kind::give && event.model == waiting_.model &&
+               contains(actor, event.symbol);
+      });
     });
     waiting_.wanted = other_inputs(automaton(), actor);
   }
 
   void find_helpers() {
     const Kind kind = waiting_.reason == Reason::output_due ? Kind::take : Kind::give;
-    const Helps helps = [&](const ProgramEdge& edge) {
-      return edge.kind == kind && edge.model == waiting_.model &&
-             contains(waiting_.wanted, edge.symbol);
-    };
+    add_helpers([&](const Program& program, const ProgramEdge& edge) {
+      const auto events = program.events_of(edge);
+      return std::any_of(events.begin(), events.end(), [&](const ModelUse& event) {
+        return event.kind == kind && event.model == waiting_.model &&
+               contains(waiting_.wanted, event.symbol);
+      });
+    });
+  }
+
+  // Who uses a model that one of the awaited steps uses might make it possible.
+  void find_users() {
+    add_helpers([&](const Program& program, const ProgramEdge& edge) {
+      return std::any_of(waiting_.awaited.begin(), waiting_.awaited.end(),
+                         [&](const ProgramEdge& awaited) {
+                           const auto uses = own().uses_of(awaited);
+                           return std::any_of(uses.begin(), uses.end(), [&](const ModelUse& use) {
+                             return uses_model(program, edge, use.model);
+                           });
+                         });
+    });
+  }
+
+  void add_helpers(const Helps& helps) {
     for (std::uint32_t index = 0; index < system_.programs.size(); ++index) {
       const Program& program = system_.programs[index];
       if (index == waiting_.program) continue;
-      if (std::none_of(program.edges.begin(), program.edges.end(), helps)) continue;
+      if (std::none_of(program.edges.begin(), program.edges.end(),
+                       [&](const ProgramEdge& edge) { return helps(program, edge); })) {
+        continue;
+      }
       waiting_.helpers.push_back(index);
       if (can_reach(program, state_.programs[index], helps)) {
         waiting_.reachable_helpers.push_back(index);
@@ -417,10 +481,15 @@ Waiting find_waiting(const System& system, const Trace& trace,
 
 std::vector<std::uint32_t> blocked_programs(const System& system, const GlobalState& state) {
   std::vector<bool> can_step(system.programs.size());
-  for (const Step& step : enabled_steps(system, state)) can_step[step.program] = true;
+  for (const Step& step : enabled_steps(system, state)) {
+    const Program& program = system.programs[step.program];
+    if (!program.is_death(program.edges[step.edge])) can_step[step.program] = true;
+  }
   std::vector<std::uint32_t> blocked;
   for (std::uint32_t index = 0; index < system.programs.size(); ++index) {
-    if (!can_step[index] && !system.programs[index].is_end(state.programs[index])) {
+    const Program& program = system.programs[index];
+    const Program::State& at = program.states[state.programs[index]];
+    if (!can_step[index] && at.edge_count > 0 && at.error == 0 && !at.may_rest) {
       blocked.push_back(index);
     }
   }

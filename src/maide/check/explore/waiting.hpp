@@ -73,11 +73,12 @@ struct Waiting {
     output_due,   // the model has another output due, and until that is taken it does nothing else
     busy,         // the model refuses the input: an earlier call has not returned
     bound,        // the input was never tried there, and is assumed to wait
+    several,      // it awaits a step that is more than one input or output of one model
   };
   Reason reason = Reason::nothing_due;
   std::uint32_t program = 0;
-  std::vector<ProgramEdge> awaited;       // all that it could go on with; of one model
-  std::uint32_t model = 0;                // that model
+  std::vector<ProgramEdge> awaited;       // all that it could go on with
+  std::uint32_t model = 0;                // whose inputs or outputs these are; not of `several`
   std::optional<std::size_t> cause;       // the step that made the output due, or the call busy
   std::vector<Symbol> due;                // outputs of the model that are due
   std::optional<MessageAccount> account;  // of nothing_due: what became of the messages
@@ -91,12 +92,12 @@ struct Waiting {
 };
 
 // What keeps the program from stepping at position `at` of the run (`states` are replay()'s, of
-// which the first at + 1 count). The program must have a step to take, all of one model, and none
-// of them possible there.
+// which the first at + 1 count). The program must have a step to take, and none possible there.
 Waiting find_waiting(const System& system, const Trace& trace,
                      const std::vector<GlobalState>& states, std::size_t at, std::uint32_t program);
 
-// The programs that cannot step at position `at` although they have not ended, in order.
+// The programs that cannot step, but for dying, although they have not ended, may not rest and are
+// at no error; in order.
 std::vector<std::uint32_t> blocked_programs(const System& system, const GlobalState& state);
 
 // A circle of programs each of which waits for the next and nobody else, the first of them the

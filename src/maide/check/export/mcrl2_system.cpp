@@ -117,7 +117,7 @@ class Writer {
       const std::uint32_t first = program.states[state].first_edge;
       for (std::uint32_t edge = first; edge < first + program.states[state].edge_count; ++edge) {
         const std::string target = process("Program", program.name, program.edges[edge].target);
-        StepAction action = action_of(system_, {index, edge, 0, false});
+        StepAction action = action_of(system_, {index, edge, {}, false, false});
         action.program = 0;
         const bool is_alone = action.kind == Kind::choice;
         summands.push_back(
@@ -163,6 +163,9 @@ class Writer {
 
 }  // namespace
 
-void write_mcrl2(std::ostream& out, const System& system) { Writer(out, system).write(); }
+void write_mcrl2(std::ostream& out, const System& system) {
+  refuse_second_edition(system, "mCRL2");
+  Writer(out, system).write();
+}
 
 }  // namespace maide

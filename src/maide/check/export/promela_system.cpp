@@ -10,6 +10,7 @@
 
 #include "maide/base/error.hpp"
 #include "maide/base/text_cursor.hpp"
+#include "maide/check/export/system_exporters.hpp"
 
 namespace maide {
 namespace {
@@ -358,6 +359,8 @@ class Writer {
         }
         break;
       }
+      case ProgramEdge::Kind::act:
+      case ProgramEdge::Kind::joint: break;  // refused
     }
   }
 
@@ -452,6 +455,14 @@ class Writer {
 }  // namespace
 
 PromelaSystem write_promela(const System& system, const PromelaOptions& options) {
+  refuse_second_edition(system, "Promela");
+  for (const Atom& atom : options.formula ? atoms_of(options.formula) : std::vector<Atom>{}) {
+    if (atom.kind == Atom::Kind::expression || atom.program != Atom::any_program) {
+      throw UsageError(fmt::format("the formula cannot be written in Promela: it names {} ({})",
+                                   atom.is_event() ? "the program of an event" : "a variable",
+                                   system.file));
+    }
+  }
   return Writer(system, options).run();
 }
 

@@ -81,7 +81,8 @@ struct PromelaSystem {
   std::size_t processes = 0;
 };
 
-// Throws UsageError if the system has more symbols or processes than SPIN can have (250).
+// Throws UsageError if the system has more symbols or processes than SPIN can have (250), or what
+// Promela has no form for (refuse_second_edition).
 PromelaSystem write_promela(const System& system, const PromelaOptions& options = {});
 
 }  // namespace maide

@@ -184,7 +184,7 @@ class Writer {
     for (ControlState state = 0; state < program.states.size(); ++state) {
       const std::uint32_t first = program.states[state].first_edge;
       for (std::uint32_t offset = 0; offset < program.states[state].edge_count; ++offset) {
-        const Step step{index, first + offset, 0, false};
+        const Step step{index, first + offset, {}, false, false};
         moves[action_of(system_, step)].emplace_back(state, program.edges[first + offset].target);
       }
     }
@@ -226,6 +226,9 @@ class Writer {
 
 }  // namespace
 
-void write_smv(std::ostream& out, const System& system) { Writer(out, system).write(); }
+void write_smv(std::ostream& out, const System& system) {
+  refuse_second_edition(system, "SMV");
+  Writer(out, system).write();
+}
 
 }  // namespace maide

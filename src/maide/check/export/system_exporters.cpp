@@ -55,6 +55,36 @@ const SystemExporter& find_system_exporter(std::string_view name) {
   return find_row(system_exporters(), "format of systems", name);
 }
 
+void refuse_second_edition(const System& system, std::string_view language) {
+  const std::string no_single = ", which is no single input or output";
+  const auto refuse = [&](const Program& program, int line, const std::string& what) {
+    throw UsageError(fmt::format("the system cannot be written in {}: {} has {} ({}:{})", language,
+                                 program.name, what, system.file, line));
+  };
+  for (const Program& program : system.programs) {
+    for (const ProgramEdge& edge : program.edges) {
+      if (edge.kind == ProgramEdge::Kind::joint) {
+        refuse(program, edge.line,
+               "the step `" + program.joints[edge.symbol].text + "`" + no_single);
+      }
+      if (edge.kind == ProgramEdge::Kind::act) {
+        const ModelInstance& model = system.models[edge.model];
+        refuse(program, edge.line,
+               "the step `" + model.actions[edge.symbol].name + "`" + no_single);
+      }
+    }
+    for (const Program::State& state : program.states) {
+      if (state.error != 0) {
+        const ProgramError& error = program.errors[state.error];
+        refuse(program, error.position.line, "the error `" + error.text + "`");
+      }
+      if (state.may_rest) {
+        refuse(program, program.position.line, "a statement at which it may rest");
+      }
+    }
+  }
+}
+
 namespace {
 
 // States in the order of their discovery, and a hash table that finds a state's number.

@@ -1,6 +1,7 @@
 // The formats that whole systems are exported to: their table (`maide export SYSTEM --to NAME`),
 // and the writers of .aut, mCRL2 and SMV. Promela has a file of its own (promela_system.hpp). All
-// formats have the same steps: one rendezvous, one `quiet` or one choice is one transition.
+// formats have the same steps: one rendezvous, one `quiet` or one choice is one transition. Systems
+// with joint steps go to .aut alone.
 #pragma once
 
 #include <cstdint>
@@ -27,6 +28,10 @@ struct SystemExporter {
 std::span<const SystemExporter> system_exporters();
 // Throws UsageError "unknown format 'x' for a system; known are: ...".
 const SystemExporter& find_system_exporter(std::string_view name);
+
+// Throws UsageError for a system that has what the other language has no form for: steps that use
+// several models or a shared variable, errors, statements at which a program may rest.
+void refuse_second_edition(const System& system, std::string_view language);
 
 // ---- Aldebaran ----
 //

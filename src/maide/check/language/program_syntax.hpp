@@ -1,25 +1,71 @@
 // The syntax tree of a control program, between its parser and its unrolling into an automaton.
-// Names are resolved to symbols while parsing, where their place is known.
+// Names are resolved while parsing, where their place is known; procedures stand in the tree where
+// they are called. A variable is a row of slots: one, or one for each member of an array.
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
+#include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
-#include "maide/check/language/program.hpp"
+#include "maide/check/language/expression.hpp"
+#include "maide/check/language/system.hpp"
+#include "maide/check/language/system_names.hpp"
+
+namespace maide {
+class SharedActions;
+}
 
 namespace maide::program_syntax {
 
 struct Statement;
-using Block = std::vector<Statement>;
+struct Block {
+  std::vector<Statement> statements;
+  std::vector<std::uint32_t> slots;  // of the variables declared in it; they end with it
+  bool is_procedure = false;         // `return` leaves it
+};
+
+// A model or topic; of an array the member that the indices name.
+struct ModelReference {
+  Expression leaf;  // as of a shared variable: `index` is the first instance or topic
+  bool is_topic = false;
+  const ModelName* known = nullptr;
+  std::string name() const { return leaf.name; }
+};
+
+// `write`, `write(e)`, `message(x)`: an input or an output with its arguments.
+struct Event {
+  struct Argument {
+    Expression expression;  // of a value; or the variable that takes it
+    bool binds = false;
+    ValueType type;  // of the variable
+  };
+  std::string name;
+  bool has_arguments = false;  // without, an output is any of that name
+  std::vector<Argument> arguments;
+  int line = 0, column = 0;
+};
 
 // What comes back from a model, and what is done then.
 struct Arm {
   bool is_quiet = false;
-  Symbol output = 0;  // unless quiet
+  Event output;  // unless quiet
   int line = 0, column = 0;
   std::unique_ptr<Block> body;
+};
+
+struct SelectArm {
+  enum class Kind : std::uint8_t { input, output, guard, otherwise, timeout };
+  Kind kind = Kind::guard;
+  std::optional<Expression> guard;
+  ModelReference model;         // of an input or an output
+  Event event;                  // so
+  std::vector<Arm> arms;        // of an input: the outputs that may follow at once; else empty
+  std::unique_ptr<Block> body;  // unless there are arms
+  int line = 0, column = 0;
 };
 
 struct Statement {
@@ -27,32 +73,111 @@ struct Statement {
     give,    // `input` to `model`, then one of `arms` (none: nothing is awaited)
     wait,    // one of `arms` of `model`
     loop,    // `body`
-    repeat,  // `body`, `count` times
+    repeat,  // `body`, `expression` times
     choice,  // `body` or `otherwise`
     skip,
     stop,
+    assign,  // `expression` to `target`; a declaration, too, which sets every slot
+    choose,  // a value of `expression`..`upper` to `target`
+    when,    // `body` if `expression`, else `otherwise`
+    repeat_while,
+    repeat_for,  // `body` with `target` from `expression` to `upper`
+    leave,       // break
+    next_round,  // continue
+    leave_procedure,
+    inner,   // `body`: a procedure
+    atomic,  // `body`: assignments and `when` alone
+    select,
   };
   Kind kind = Kind::skip;
   int line = 0, column = 0;
+  bool is_idle = false;               // may rest here
+  bool is_fair = false;               // of a choice
   std::vector<std::uint32_t> labels;  // indices into Tree::labels
-  std::uint32_t model = 0;
-  Symbol input = 0;
-  std::uint32_t count = 0;
+  ModelReference model;
+  Event input;
   std::vector<Arm> arms;
+  std::vector<SelectArm> select_arms;
+  Expression target;        // a variable
+  ValueType type;           // its type
+  std::uint32_t slots = 0;  // of a declaration: how many it sets; else 0
+  std::optional<Expression> expression;
+  Expression upper;
   std::unique_ptr<Block> body, otherwise;
 };
 
 struct Tree {
   Block statements;
   std::vector<std::string> labels;
+  std::vector<ProgramVariable> slots;
+  std::vector<std::optional<Value>> initial;  // by slot: where the program begins
+  std::vector<std::uint32_t> names;           // models that the text names, arrays whole; sorted
+  std::set<std::string> file_variables;       // of those under `variables:`, the ones that it names
 };
 
-Tree parse(const ScalarText& text, std::span<const ProgramInterface> models);
+// What a program's text is read with.
+struct Context {
+  const std::vector<ModelInstance>& models;
+  const Names& names;
+  WordTable& words;
+  std::uint32_t program = 0;  // its number
+  // Variables that belong to this program alone, of those under `variables:`.
+  std::set<std::string> own;
+  std::map<std::string, Expression> indices;  // of an array of programs: this one's
+  // Called for each argument of an input, with the values that it may have; for queues, whose
+  // values are those that are written. While it is there, their inputs and outputs are not checked.
+  std::function<void(std::uint32_t model, const Event& input, std::size_t place,
+                     const ValueType& type)>
+      on_value;
+};
+
+// Throws ParseError: syntax, unknown names, kinds that do not fit.
+Tree parse(const ScalarText& text, const Context& context);
+// The declarations of `variables:`, in order; their leaves name no place yet.
+std::vector<VariableName> parse_variables(const ScalarText& text, const Context& context);
+// An expression that is known at once: a constant of the file.
+Expression parse_constant(const ScalarText& text, const Context& context);
+// "name", or "name[i in 0..4, j in 1..2]": what the key of a model, topic or program declares.
+struct Declared {
+  std::string name;
+  std::vector<std::string> indices;
+  Dimensions dimensions;
+};
+Declared parse_declared(const ScalarText& text, const Context& context);
+// The indices of "name[2, i + 1]", an array with these dimensions.
+std::vector<Value> parse_member(const ScalarText& text, const Context& context,
+                                const Dimensions& dimensions);
+// "name(a, b)" of a procedure.
+Procedure parse_head(const ScalarText& text, const Context& context, std::string& name);
 
 // The first statement of each block that control never reaches, as far as the text alone tells.
 std::vector<SourcePosition> find_unreachable(const Tree& tree, const std::string& file);
 
-// Throws ParseError with `position` as the file for places in the tree.
-Program unroll(const Tree& tree, const std::string& name, const SourcePosition& position);
+// What the values of an output's or input's argument are in an alphabet: of "message(3)" and
+// "message(5)" the numbers 3 to 5. None: no such name has an argument there.
+std::optional<ValueType> argument_type(const Alphabet& alphabet, const std::string& name,
+                                       std::size_t place, WordTable& words);
+// "message(3)" is message and 3; "message" alone is message and nothing.
+struct NameParts {
+  std::string name;
+  std::vector<std::string> arguments;
+};
+NameParts split_name(const std::string& symbol);
+// What such an argument stands for.
+std::pair<ValueKind, Value> read_value(const std::string& text, WordTable& words);
+
+// Unrolls the tree into an automaton. A program that may die has a death in every state. Throws
+// ParseError.
+struct Unrolled {
+  std::string name;
+  std::uint32_t number = 0;  // of the program
+  SourcePosition position;
+  bool may_die = false;
+};
+Program unroll(const Tree& tree, const Unrolled& program, SharedActions& actions,
+               const std::vector<Topic>& topics);
+// The same, with what is known from its text.
+Program make_program(const Tree& tree, Unrolled program, const ScalarText& text,
+                     SharedActions& actions, const std::vector<Topic>& topics);
 
 }  // namespace maide::program_syntax

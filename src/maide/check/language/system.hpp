@@ -2,13 +2,18 @@
 // Its meaning, that is global states and steps, is defined here, once. Engines, traces and tests
 // refer to it.
 //
-// Components run asynchronously and meet on a model's inputs and outputs. One step is one
-// rendezvous, one `quiet` or one internal choice. A model with an output due takes no input. If
-// several programs wait for an output, any one of them gets it. An input that was never tried where
-// the model stands (unexplored, or an absorbed self-loop) does what the instance's
-// `when_unexplored` says.
+// Programs run asynchronously and meet on a model's inputs and outputs. One step is one rendezvous,
+// one `quiet`, one internal choice, or a joint step: of one program with several models at once. A
+// model with an output due takes no input. If several programs wait for an output, any one of them
+// gets it. An input that was never tried where the model stands (unexplored, or an absorbed
+// self-loop) does what the instance's `when_unexplored` says. A program that comes to an error
+// stops the system: nothing follows.
+//
+// Shared variables are model instances, too: a state for each value, and actions that read and
+// write.
 #pragma once
 
+#include <compare>
 #include <cstdint>
 #include <map>
 #include <memory>
@@ -36,9 +41,32 @@ enum class WhenWeak : std::uint8_t {
   accept,        // it stands
 };
 
+// What a model does in one of its states when a program's step uses it.
+struct ModelStep {
+  StateId target = 0;
+  bool is_beyond = false;  // an input where it was never tried
+  auto operator<=>(const ModelStep&) const = default;
+};
+
+// A use of a model that is not one of its inputs or outputs alone: an input with the output that
+// follows at once, a condition on its state, an assignment to a shared variable.
+struct ModelAction {
+  std::string name;                           // for messages
+  std::vector<std::vector<ModelStep>> steps;  // by state; none: not possible there
+};
+
 struct ModelInstance {
+  // What stands behind it.
+  enum class Source : std::uint8_t {
+    file,      // a model file, or a system that was learned
+    built_in,  // a mutex, semaphore or queue, written by hand
+    variable,  // a shared variable: state i is the value number i of its type
+  };
   std::string name;
   InterfaceAutomaton automaton;
+  std::vector<ModelAction> actions;
+  Source source = Source::file;
+  ValueType type;  // of a variable
   WhenUnexplored when_unexplored = WhenUnexplored::stop;
   WhenWeak when_weak = WhenWeak::inconclusive;
   std::string origin;       // the file, or what it was learned from; for messages
@@ -48,9 +76,9 @@ struct ModelInstance {
 
 enum class Fairness : std::uint8_t { none, weak, strong };
 
-// A property of the system file. `deadlock` and `stuck` are there without being written.
+// A property of the system file. `deadlock`, `stuck` and `error` are there without being written.
 struct Property {
-  enum class Kind : std::uint8_t { deadlock, stuck, ltl, never };
+  enum class Kind : std::uint8_t { deadlock, stuck, error, ltl, never };
   std::string name;
   Kind kind = Kind::ltl;
   Formula formula;                            // of Kind::ltl; an invariant is `G expression`
@@ -63,8 +91,10 @@ struct System {
   std::string file;
   std::vector<ModelInstance> models;
   std::vector<Program> programs;
-  std::vector<Property> properties;            // those of the file
-  std::vector<std::string> remarks;            // one line each: what looks like an oversight
+  std::vector<Property> properties;     // those of the file
+  std::vector<std::string> remarks;     // one line each: what looks like an oversight
+  std::vector<Expression> expressions;  // of formulas' atoms, which have their numbers
+  WordTable words;
   std::map<std::string, std::string> sources;  // texts of the files that programs stand in, by name
 
   std::vector<ProgramInterface> interfaces() const;  // of the models, in order
@@ -79,20 +109,16 @@ struct GlobalState {
 
 struct Step {
   std::uint32_t program = 0;
-  std::uint32_t edge = 0;    // index into the program's edges
-  StateId model_target = 0;  // state of the edge's model afterwards (not for a choice)
-  bool is_beyond = false;    // gives an input where it was never tried
+  std::uint32_t edge = 0;        // index into the program's edges
+  std::vector<StateId> targets;  // states afterwards of the models that the edge uses, in order
+  bool is_beyond = false;        // gives an input where it was never tried
+  bool is_cut = false;           // and there the model says `stop`: the run is cut
   bool operator==(const Step&) const = default;
 };
 
-// What a model does in one of its states when a program takes an edge there.
-struct ModelStep {
-  StateId target = 0;
-  bool is_beyond = false;  // as in Step
-};
-// Every way in which `model`, in state `at`, can take part in `edge`, which is not a choice; in the
-// order of its transitions. O(transitions of the state).
-std::vector<ModelStep> model_steps(const ModelInstance& model, StateId at, const ProgramEdge& edge);
+// Every way in which `model`, in state `at`, can be used so; in the order of its transitions.
+// `use` is neither a choice nor joint. O(transitions of the state).
+std::vector<ModelStep> model_steps(const ModelInstance& model, StateId at, const ModelUse& use);
 
 GlobalState initial_state(const System& system);
 // Every step that is possible in `state`, in a fixed order. None if the run is cut. O(programs x
@@ -100,9 +126,19 @@ GlobalState initial_state(const System& system);
 std::vector<Step> enabled_steps(const System& system, const GlobalState& state);
 // The state after one of its enabled steps.
 GlobalState apply(const System& system, const GlobalState& state, const Step& step);
-// Nothing can happen, and some program has not ended. A cut run is no deadlock.
+// The uses of the step, which is one of `state`'s, that give an input where it was never tried.
+std::vector<ModelUse> uses_beyond(const System& system, const GlobalState& state, const Step& step);
+// The step beyond that model's bounds cuts the run.
+bool cuts(const ModelInstance& model, const ModelStep& step);
+// Nothing can happen but deaths, and some program neither has ended nor may rest. A cut run is no
+// deadlock, nor is an error.
 bool is_deadlock(const System& system, const GlobalState& state);
 bool has_ended(const System& system, const GlobalState& state);
+// A program is at an error: nothing follows.
+bool is_error(const System& system, const GlobalState& state);
+// The value of a formula's expression: 0 or 1; 0 if it names a variable that is out of scope, or
+// cannot be evaluated.
+bool is_true(const Expression& expression, const System& system, const GlobalState& state);
 
 // The line of the program's source, without blanks around it; "" if it is not known.
 std::string source_line(const System& system, const Program& program, int line);
@@ -110,6 +146,16 @@ std::string source_line(const System& system, const Program& program, int line);
 // What an atom of a formula is in `state`, which was reached by `last` (null: the initial state, or
 // one that repeats for ever).
 bool is_true(const Atom& atom, const System& system, const GlobalState& state, const Step* last);
+
+// Whether the edge of that program gives the input or takes the output that the atom, an event,
+// names.
+bool is_event_of(const Atom& atom, const System& system, std::uint32_t program,
+                 const ProgramEdge& edge);
+
+// Whether that edge of that program, from `source`, may change what the atom is, or is an event
+// that it names.
+bool is_seen_by(const Atom& atom, const System& system, std::uint32_t program, ControlState source,
+                const ProgramEdge& edge);
 
 // Whether `input` was never tried in `state` of the automaton: marked, or drawn as absorbed.
 bool is_beyond_learned(const InterfaceAutomaton& automaton, StateId state, Symbol input);

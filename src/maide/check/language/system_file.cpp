@@ -1,335 +1,403 @@
 #include "maide/check/language/system_file.hpp"
 
-#include <yaml-cpp/yaml.h>
-
 #include <algorithm>
-#include <set>
 
 #include "maide/base/file.hpp"
 #include "maide/base/text.hpp"
+#include "maide/check/language/expression_parser.hpp"
+#include "maide/check/language/shared_steps.hpp"
+#include "maide/check/language/system_reader.hpp"
 #include "maide/check/ltl/ltl_automaton.hpp"
 #include "maide/formats/model_file.hpp"
 
 namespace maide {
 namespace {
 
-constexpr std::size_t max_file_bytes = std::size_t{4} << 20;
-constexpr std::size_t max_components = 200;  // models, and programs
+constexpr int max_value_rounds = 20;  // of finding what is written into queues
 constexpr std::size_t max_properties = 1000;
-constexpr int max_depth = 100;  // of YAML nesting: its parser recurses
-
-using Entries = std::vector<std::pair<YAML::Node, YAML::Node>>;
-
-class SystemReader {
- public:
-  SystemReader(std::string_view text, const std::string& file, const ModelSource& source)
-      : text_(text), source_(source) {
-    system_.file = file;
-    system_.sources.emplace(file, text);
-  }
-
-  System read() {
-    if (text_.size() > max_file_bytes) {
-      throw ParseError("a system file has at most 4 MiB", {system_.file, 0, 0});
-    }
-    check_nesting();
-    const YAML::Node root = load();
-    const Entries sections = entries(root, "a system file", {"models", "programs", "properties"});
-    const auto section = [&](std::string_view name) {
-      for (const auto& [key, value] : sections) {
-        if (key.Scalar() == name) return value;
-      }
-      return YAML::Node(YAML::NodeType::Undefined);
-    };
-    if (!section("programs")) throw ParseError("there is no 'programs:'", at(root));
-    if (const YAML::Node models = section("models")) read_models(models);
-    interfaces_ = system_.interfaces();
-    read_programs(section("programs"));
-    if (const YAML::Node properties = section("properties")) read_properties(properties);
-    remark_on_unused_models();
-    remark_on_unreachable_statements();
-    remark_on_idle_atoms();
-    return std::move(system_);
-  }
-
- private:
-  SourcePosition at(const YAML::Node& node) const {
-    const YAML::Mark mark = node.Mark();
-    if (mark.is_null()) return {system_.file, 0, 0};
-    return {system_.file, mark.line + 1, mark.column + 1};
-  }
-
-  [[noreturn]] void fail(const std::string& message, const YAML::Node& node) const {
-    throw ParseError(message, at(node));
-  }
-
-  // yaml-cpp recurses for each level; no system file has more than a handful.
-  void check_nesting() const {
-    int depth = 0, line = 1;
-    for (const char c : text_) {
-      if (c == '\n') ++line;
-      if (c == '[' || c == '{') ++depth;
-      if (c == ']' || c == '}') depth = std::max(0, depth - 1);
-      if (depth > max_depth)
-        throw ParseError("brackets nested too deeply", {system_.file, line, 0});
-    }
-  }
-
-  YAML::Node load() const {
-    try {
-      std::vector<YAML::Node> documents = YAML::LoadAll(std::string(text_));
-      if (documents.empty() || documents[0].IsNull()) {
-        throw ParseError("the system file is empty", {system_.file, 1, 1});
-      }
-      if (documents.size() > 1) fail("a system file is one YAML document", documents[1]);
-      return documents[0];
-    } catch (const YAML::Exception& error) {
-      throw ParseError("not YAML: " + error.msg,
-                       {system_.file, error.mark.line + 1, error.mark.column + 1});
-    }
-  }
-
-  // The entries of a map, its keys being distinct scalars, and among `known` unless that is empty.
-  Entries entries(const YAML::Node& node, const std::string& what,
-                  const std::vector<std::string>& known) const {
-    if (!node.IsMap()) fail(what + " must be a map (key: value)", node);
-    Entries result;
-    std::set<std::string> seen;
-    for (const auto& entry : node) {
-      if (!entry.first.IsScalar() || entry.first.Scalar().empty()) {
-        fail("a key of " + what + " must be a word", entry.first);
-      }
-      const std::string& key = entry.first.Scalar();
-      if (!known.empty() && std::find(known.begin(), known.end(), key) == known.end()) {
-        fail(what + " has no key '" + key + "'; it may have: " + join(known), entry.first);
-      }
-      if (!seen.insert(key).second) fail("'" + key + "' is there twice", entry.first);
-      result.emplace_back(entry.first, entry.second);
-    }
-    return result;
-  }
-
-  std::string scalar(const YAML::Node& node, const std::string& what) const {
-    if (!node.IsScalar()) fail(what + " must be a text", node);
-    return node.Scalar();
-  }
-
-  ScalarText text_of(const YAML::Node& node) const {
-    return ScalarText(node.Scalar(), text_, at(node));
-  }
-
-  template <typename Value>
-  Value one_of(const YAML::Node& node, const std::string& what,
-               const std::vector<std::pair<std::string, Value>>& values) const {
-    const std::string word = scalar(node, what);
-    std::vector<std::string> known;
-    for (const auto& [name, value] : values) {
-      if (name == word) return value;
-      known.push_back(name);
-    }
-    fail(what + " is one of " + join(known) + ", not '" + word + "'", node);
-  }
-
-  void read_models(const YAML::Node& section) {
-    for (const auto& [key, value] : entries(section, "'models'", {})) {
-      if (system_.models.size() == max_components) fail("too many models", key);
-      read_model(key, value);
-    }
-  }
-
-  void read_model(const YAML::Node& key, const YAML::Node& value) {
-    ModelInstance model;
-    model.name = key.Scalar();
-    model.position = at(key);
-    ModelRequest request;
-    request.instance = model.name;
-    bool has_file = false;
-    for (const auto& [name, node] :
-         entries(value, "model '" + model.name + "'",
-                 {"file", "learn", "with", "learning", "when_unexplored", "when_weak"})) {
-      const std::string& word = name.Scalar();
-      if (word == "when_unexplored") {
-        model.when_unexplored = one_of<WhenUnexplored>(node, "'when_unexplored'",
-                                                       {{"stop", WhenUnexplored::stop},
-                                                        {"wait", WhenUnexplored::wait},
-                                                        {"drop", WhenUnexplored::drop}});
-      } else if (word == "when_weak") {
-        model.when_weak = one_of<WhenWeak>(
-            node, "'when_weak'",
-            {{"inconclusive", WhenWeak::inconclusive}, {"accept", WhenWeak::accept}});
-      } else if (word == "with" || word == "learning") {
-        auto& options = word == "with" ? request.with : request.learning;
-        for (const auto& [option, setting] : entries(node, "'" + word + "'", {})) {
-          options.emplace_back(option.Scalar(), scalar(setting, "an option's value"));
-        }
-      } else {
-        if (!request.position.file.empty()) fail("a model has 'file' or 'learn', not both", name);
-        request.position = at(node);
-        has_file = word == "file";
-        (has_file ? model.origin : request.learn) = scalar(node, "'" + word + "'");
-        if (node.Scalar().empty()) fail("'" + word + "' is empty", node);
-      }
-    }
-    if (request.position.file.empty()) {
-      fail("model '" + model.name + "' needs 'file:' or 'learn:'", key);
-    }
-    if (has_file && !(request.with.empty() && request.learning.empty())) {
-      fail("'with' and 'learning' go with 'learn'; a model from a file has its options behind it",
-           key);
-    }
-    if (has_file) {
-      request.file = std::filesystem::path(system_.file).parent_path() / model.origin;
-    } else {
-      model.origin = request.learn;
-      model.is_learned = true;
-    }
-    model.automaton = source_(request);
-    if (model.automaton.size() == 0) fail("model '" + model.name + "' has no state", key);
-    system_.models.push_back(std::move(model));
-  }
-
-  void read_programs(const YAML::Node& section) {
-    for (const auto& [key, value] : entries(section, "'programs'", {})) {
-      if (system_.programs.size() == max_components) fail("too many programs", key);
-      if (value.IsMap()) {
-        entries(value, "program '" + key.Scalar() + "'", {"source", "entry"});
-        fail("programs out of sources are not built yet: write '" + key.Scalar() +
-                 "' in the program language",
-             value);
-      }
-      scalar(value, "program '" + key.Scalar() + "'");
-      system_.programs.push_back(parse_program(key.Scalar(), text_of(value), interfaces_));
-    }
-    if (system_.programs.empty()) fail("there is no program", section);
-  }
-
-  void read_properties(const YAML::Node& section) {
-    for (const auto& [key, value] : entries(section, "'properties'", {})) {
-      if (system_.properties.size() == max_properties) fail("too many properties", key);
-      if (key.Scalar() == "deadlock" || key.Scalar() == "stuck") {
-        fail("'" + key.Scalar() + "' is always there; give this property another name", key);
-      }
-      read_property(key, value);
-    }
-  }
-
-  void read_property(const YAML::Node& key, const YAML::Node& value) {
-    Property property;
-    property.name = key.Scalar();
-    property.position = at(key);
-    if (value.IsScalar()) {
-      property.formula = formula(value);
-    } else {
-      bool has_fairness = false, is_invariant = false;
-      for (const auto& [name, node] : entries(value, "property '" + property.name + "'",
-                                              {"ltl", "always", "never", "fairness"})) {
-        if (name.Scalar() == "fairness") {
-          has_fairness = true;
-          property.fairness = one_of<Fairness>(
-              node, "'fairness'",
-              {{"none", Fairness::none}, {"weak", Fairness::weak}, {"strong", Fairness::strong}});
-          continue;
-        }
-        if (property.formula || property.never) {
-          fail("a property has one of 'ltl', 'always' and 'never'", name);
-        }
-        if (name.Scalar() == "never") {
-          property.kind = Property::Kind::never;
-          property.never = read_never(node);
-          continue;
-        }
-        is_invariant = name.Scalar() == "always";
-        scalar(node, "'" + name.Scalar() + "'");
-        property.formula = is_invariant ? invariant(node) : formula(node);
-      }
-      if (!property.formula && !property.never) {
-        fail("a property needs 'ltl:', 'always:' or 'never:'", key);
-      }
-      if (is_invariant && has_fairness) fail("an invariant does not depend on fairness", key);
-    }
-    system_.properties.push_back(std::move(property));
-  }
-
-  Formula formula(const YAML::Node& node) const {
-    if (!node.IsScalar()) fail("a property must be a formula or a map", node);
-    const ScalarText text = text_of(node);
-    if (text.has_tag()) {
-      fail("to YAML, this '!' begins a tag and no formula: put the formula in quotes", node);
-    }
-    return parse_formula(text, {system_.programs, interfaces_});
-  }
-
-  Formula invariant(const YAML::Node& node) const {
-    Formula expression = formula(node);
-    if (!is_boolean(expression)) {
-      fail("'always' takes an expression without X, F, G, U, R, W; use 'ltl' for those", node);
-    }
-    return std::make_shared<FormulaNode>(
-        FormulaNode{FormulaNode::Operator::globally, {}, std::move(expression), nullptr});
-  }
-
-  // The automaton of a file, whose name is relative to the system file's folder.
-  std::shared_ptr<const LtlAutomaton> read_never(const YAML::Node& node) const {
-    const std::filesystem::path file =
-        std::filesystem::path(system_.file).parent_path() / scalar(node, "'never'");
-    std::error_code ignored;
-    if (!std::filesystem::is_regular_file(file, ignored)) {
-      fail("there is no file '" + file.string() + "'", node);
-    }
-    return std::make_shared<LtlAutomaton>(
-        read_hoa(read_file(file), file.string(), {system_.programs, interfaces_}));
-  }
-
-  void remark_on_unused_models() {
-    std::set<std::uint32_t> used;
-    for (const Program& program : system_.programs) {
-      for (const ProgramEdge& edge : program.edges) {
-        if (edge.kind != ProgramEdge::Kind::choice) used.insert(edge.model);
-      }
-    }
-    for (std::uint32_t index = 0; index < system_.models.size(); ++index) {
-      const ModelInstance& model = system_.models[index];
-      if (used.contains(index)) continue;
-      system_.remarks.push_back("no program uses model '" + model.name + "' (" +
-                                to_string(model.position) + ")");
-    }
-  }
-
-  void remark_on_unreachable_statements() {
-    for (const Program& program : system_.programs) {
-      for (const SourcePosition& place : program.unreachable) {
-        system_.remarks.push_back("program " + program.name +
-                                  " never comes to this statement: the one before it does not end "
-                                  "(" +
-                                  to_string(place) + ")");
-      }
-    }
-  }
-
-  // Atoms that hold nowhere, for the program never ends, or never comes to the label.
-  void remark_on_idle_atoms() {
-    for (const Property& property : system_.properties) {
-      for (const Atom& atom : atoms_of(property.formula)) {
-        if (atom.is_event()) continue;
-        const Program& program = system_.programs[atom.owner];
-        const bool is_end = atom.kind == Atom::Kind::end;
-        if (is_end ? program.may_end() : program.may_reach(atom.symbol)) continue;
-        system_.remarks.push_back("in property '" + property.name + "', " + program.name + "@" +
-                                  (is_end ? "end" : program.labels[atom.symbol]) +
-                                  " never holds: " + program.name +
-                                  (is_end ? " never ends" : " never comes there") + " (" +
-                                  to_string(property.position) + ")");
-      }
-    }
-  }
-
-  std::string_view text_;
-  const ModelSource& source_;
-  System system_;
-  std::vector<ProgramInterface> interfaces_;
-};
 
 }  // namespace
+
+SystemReader::SystemReader(std::string_view text, const std::string& file,
+                           const ModelSource& source)
+    : YamlReader(text, file), source_(source) {
+  system_.file = file;
+  system_.sources.emplace(file, text);
+}
+
+System SystemReader::read() {
+  const YAML::Node root = load();
+  for (const auto& entry : root.IsMap() ? root : YAML::Node(YAML::NodeType::Map)) {
+    const std::string key = entry.first.IsScalar() ? entry.first.Scalar() : "";
+    if (key == "services" || key == "executors" || key == "nodes") {
+      fail("'" + key + "' are not built yet", entry.first);
+    }
+  }
+  const Entries sections = entries(
+      root, "a system file",
+      {"constants", "models", "topics", "procedures", "variables", "programs", "properties"});
+  const auto section = [&](std::string_view name) {
+    for (const auto& [key, value] : sections) {
+      if (key.Scalar() == name) return value;
+    }
+    return YAML::Node(YAML::NodeType::Undefined);
+  };
+  if (!section("programs")) throw ParseError("there is no 'programs:'", at(root));
+  if (const YAML::Node constants = section("constants")) read_constants(constants);
+  declare_programs(section("programs"));
+  if (const YAML::Node models = section("models")) read_models(models);
+  if (const YAML::Node topics = section("topics")) read_topics(topics);
+  if (const YAML::Node procedures = section("procedures")) read_procedures(procedures);
+  if (const YAML::Node variables = section("variables")) read_variables(variables);
+  read_programs();
+  interfaces_ = system_.interfaces();
+  if (const YAML::Node properties = section("properties")) read_properties(properties);
+  remark_on_unused_models();
+  remark_on_unused_variables();
+  remark_on_unreachable_statements();
+  remark_on_idle_atoms();
+  return std::move(system_);
+}
+
+program_syntax::Context SystemReader::context(Indices indices) {
+  return {system_.models, names_, system_.words, 0, {}, std::move(indices), {}};
+}
+
+void SystemReader::take_name(const std::string& name, const YAML::Node& key) {
+  const auto [place, is_new] = taken_.emplace(name, at(key));
+  if (!is_new) {
+    fail("the name '" + name + "' is taken: " + to_string(place->second), key);
+  }
+}
+
+program_syntax::Declared SystemReader::declared(const YAML::Node& key) {
+  // Names of old files need not be identifiers.
+  program_syntax::Declared result;
+  if (key.Scalar().find('[') == std::string::npos) {
+    result.name = key.Scalar();
+  } else {
+    const ScalarText text = text_of(key);
+    result = program_syntax::parse_declared(text, context());
+  }
+  take_name(result.name, key);
+  return result;
+}
+
+SystemReader::Indices SystemReader::indices_of(const program_syntax::Declared& declared,
+                                               std::uint64_t member) {
+  Indices indices;
+  const std::vector<Value> values = member_indices(declared.dimensions, member);
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    indices.emplace(declared.indices[i], make_constant(values[i], ValueKind::integer));
+  }
+  return indices;
+}
+
+void SystemReader::read_constants(const YAML::Node& section) {
+  for (const auto& [key, value] : entries(section, "'constants'", {})) {
+    take_name(key.Scalar(), key);
+    scalar(value, "constant '" + key.Scalar() + "'");
+    const ScalarText text = text_of(value);
+    names_.constants.emplace(key.Scalar(), program_syntax::parse_constant(text, context()));
+  }
+}
+
+void SystemReader::read_procedures(const YAML::Node& section) {
+  for (const auto& [key, value] : entries(section, "'procedures'", {})) {
+    std::string name;
+    const ScalarText head = text_of(key);
+    Procedure procedure = program_syntax::parse_head(head, context(), name);
+    scalar(value, "procedure '" + name + "'");
+    procedure.text = text_of(value);
+    if (!names_.procedures.emplace(name, std::move(procedure)).second) {
+      fail("procedure '" + name + "' is there twice", key);
+    }
+  }
+}
+
+void SystemReader::read_variables(const YAML::Node& section) {
+  scalar(section, "'variables'");
+  const ScalarText text = text_of(section);
+  for (VariableName& variable : program_syntax::parse_variables(text, context())) {
+    const std::string name = variable.leaf.name;
+    const auto [place, is_new] = taken_.emplace(name, variable.position);
+    if (!is_new) {
+      throw ParseError("the name '" + name + "' is taken: " + to_string(place->second),
+                       variable.position);
+    }
+    variable.leaf.op = Expression::Operator::shared;
+    names_.variables.emplace(name, std::move(variable));
+  }
+}
+
+void SystemReader::declare_programs(const YAML::Node& section) {
+  for (const auto& [key, value] : entries(section, "'programs'", {})) {
+    const program_syntax::Declared array = declared(key);
+    ProgramText text;
+    YAML::Node code = value;
+    if (value.IsMap()) {
+      for (const auto& [name, node] :
+           entries(value, "program '" + array.name + "'", {"do", "may_die", "source", "entry"})) {
+        if (name.Scalar() == "source" || name.Scalar() == "entry") {
+          fail("programs out of sources are not built yet: write '" + array.name +
+                   "' in the program language",
+               value);
+        }
+        if (name.Scalar() == "do") code.reset(node);
+        if (name.Scalar() == "may_die") {
+          text.may_die = one_of<bool>(node, "'may_die'", {{"true", true}, {"false", false}});
+        }
+      }
+      if (code.IsMap()) fail("program '" + array.name + "' needs 'do:'", key);
+    }
+    scalar(code, "program '" + array.name + "'");
+    text.text = text_of(code);
+    const std::uint64_t count = member_count(array.dimensions);
+    if (texts_.size() + count > max_components) fail("too many programs", key);
+    program_arrays_[array.name] = {
+        static_cast<std::uint32_t>(texts_.size()), array.dimensions, false, {}};
+    for (std::uint64_t member = 0; member < count; ++member) {
+      text.name = array.name + member_suffix(array.dimensions, member);
+      text.indices = indices_of(array, member);
+      texts_.push_back(text);
+    }
+  }
+  if (texts_.empty()) fail("there is no program", section);
+}
+
+void SystemReader::read_programs() {
+  if (!queues_.empty() || !names_.variables.empty()) collect();
+  make_shared_variables();
+  SharedActions actions(system_);
+  for (std::uint32_t number = 0; number < texts_.size(); ++number) {
+    const ProgramText& text = texts_[number];
+    program_syntax::Context known = context(text.indices);
+    known.program = number;
+    known.own = text.own;
+    const program_syntax::Tree tree = program_syntax::parse(text.text, known);
+    system_.programs.push_back(program_syntax::make_program(
+        tree, {text.name, number, {}, text.may_die}, text.text, actions, names_.topics));
+  }
+  find_own_variables();
+}
+
+void SystemReader::collect() {
+  std::map<std::string, std::set<std::size_t>> users;
+  for (int round = 0;; ++round) {
+    has_new_values_ = false;
+    for (std::size_t index = 0; index < texts_.size(); ++index) {
+      program_syntax::Context known = context(texts_[index].indices);
+      known.program = static_cast<std::uint32_t>(index);
+      known.on_value = [&](std::uint32_t model, const program_syntax::Event& input,
+                           std::size_t place,
+                           const ValueType& type) { note_value(model, input, place, type); };
+      std::set<std::string> used;
+      try {
+        used = program_syntax::parse(texts_[index].text, known).file_variables;
+      } catch (const ParseError&) {
+      }
+      for (const std::string& name : used) users[name].insert(index);
+    }
+    if (!has_new_values_) break;
+    for (const auto& [model, queue] : queues_) {
+      if (!queue.types.empty()) make_valued(model);
+    }
+    if (round == max_value_rounds) fail_growing_queue();
+  }
+  for (const auto& [name, programs] : users) {
+    if (programs.size() != 1) continue;
+    texts_[*programs.begin()].own.insert(name);
+    own_.insert(name);
+  }
+  for (const auto& [name, variable] : names_.variables) {
+    if (!users.contains(name)) unused_variables_.push_back(variable);
+  }
+}
+
+void SystemReader::fail_growing_queue() const {
+  for (const auto& [model, queue] : queues_) {
+    if (queue.types.empty()) continue;
+    const ModelInstance& instance = system_.models[model];
+    throw ParseError("the values of queue '" + instance.name +
+                         "' grow and grow: read them into a variable that is declared with its "
+                         "range",
+                     instance.position);
+  }
+  throw ParseError("the values of queues grow and grow", {system_.file, 0, 0});
+}
+
+void SystemReader::make_shared_variables() {
+  for (auto& [name, variable] : names_.variables) {
+    if (own_.contains(name)) continue;
+    constexpr std::uint64_t most = 4096;
+    if (variable.type.count() > most) {
+      throw ParseError("a shared variable has at most " + std::to_string(most) + " values",
+                       variable.position);
+    }
+    variable.leaf.index = static_cast<std::uint32_t>(system_.models.size());
+    for (std::uint64_t member = 0; member < member_count(variable.leaf.dimensions); ++member) {
+      ModelInstance model;
+      model.name = name + member_suffix(variable.leaf.dimensions, member);
+      model.automaton = InterfaceAutomaton({}, {}, variable.type.count());
+      model.automaton.set_initial(static_cast<StateId>(variable.type.place_of(variable.initial)));
+      model.source = ModelInstance::Source::variable;
+      model.type = variable.type;
+      model.position = variable.position;
+      system_.models.push_back(std::move(model));
+    }
+  }
+}
+
+void SystemReader::find_own_variables() {
+  for (std::uint32_t index = 0; index < texts_.size(); ++index) {
+    for (const std::string& name : texts_[index].own) {
+      Expression& leaf = names_.variables.at(name).leaf;
+      leaf.op = Expression::Operator::local;
+      leaf.owner = index;
+      const auto& variables = system_.programs[index].variables;
+      const std::string first = name + member_suffix(leaf.dimensions, 0);
+      leaf.index = static_cast<std::uint32_t>(
+          std::find_if(variables.begin(), variables.end(),
+                       [&](const ProgramVariable& known) { return known.name == first; }) -
+          variables.begin());
+    }
+  }
+}
+
+void SystemReader::read_properties(const YAML::Node& section) {
+  for (const auto& [key, value] : entries(section, "'properties'", {})) {
+    if (system_.properties.size() == max_properties) fail("too many properties", key);
+    if (key.Scalar() == "deadlock" || key.Scalar() == "stuck" || key.Scalar() == "error") {
+      fail("'" + key.Scalar() + "' is always there; give this property another name", key);
+    }
+    read_property(key, value);
+  }
+}
+
+void SystemReader::read_property(const YAML::Node& key, const YAML::Node& value) {
+  Property property;
+  property.name = key.Scalar();
+  property.position = at(key);
+  std::vector<FormulaInstance> instances;
+  if (value.IsScalar()) {
+    instances = formulas(value);
+  } else {
+    bool has_fairness = false, is_invariant = false;
+    for (const auto& [name, node] : entries(value, "property '" + property.name + "'",
+                                            {"ltl", "always", "never", "fairness"})) {
+      if (name.Scalar() == "fairness") {
+        has_fairness = true;
+        property.fairness = one_of<Fairness>(
+            node, "'fairness'",
+            {{"none", Fairness::none}, {"weak", Fairness::weak}, {"strong", Fairness::strong}});
+        continue;
+      }
+      if (!instances.empty() || property.never) {
+        fail("a property has one of 'ltl', 'always' and 'never'", name);
+      }
+      if (name.Scalar() == "never") {
+        property.kind = Property::Kind::never;
+        property.never = read_never(node);
+        continue;
+      }
+      is_invariant = name.Scalar() == "always";
+      scalar(node, "'" + name.Scalar() + "'");
+      instances = is_invariant ? invariants(node) : formulas(node);
+    }
+    if (instances.empty() && !property.never) {
+      fail("a property needs 'ltl:', 'always:' or 'never:'", key);
+    }
+    if (is_invariant && has_fairness) fail("an invariant does not depend on fairness", key);
+  }
+  if (property.never) system_.properties.push_back(property);
+  const std::string name = property.name;
+  for (FormulaInstance& instance : instances) {
+    property.name = name + instance.suffix;
+    property.formula = std::move(instance.formula);
+    system_.properties.push_back(property);
+  }
+}
+
+std::vector<FormulaInstance> SystemReader::formulas(const YAML::Node& node) {
+  if (!node.IsScalar()) fail("a property must be a formula or a map", node);
+  const ScalarText text = text_of(node);
+  if (text.has_tag()) {
+    fail("to YAML, this '!' begins a tag and no formula: put the formula in quotes", node);
+  }
+  return parse_formulas(text, scope(), &system_.expressions);
+}
+
+FormulaScope SystemReader::scope() const {
+  return {system_.programs, interfaces_, system_.expressions, &system_.words, &names_};
+}
+
+std::vector<FormulaInstance> SystemReader::invariants(const YAML::Node& node) {
+  std::vector<FormulaInstance> result = formulas(node);
+  for (FormulaInstance& instance : result) {
+    if (!is_boolean(instance.formula)) {
+      fail("'always' takes an expression without X, F, G, U, R, W; use 'ltl' for those", node);
+    }
+    instance.formula = std::make_shared<FormulaNode>(
+        FormulaNode{FormulaNode::Operator::globally, {}, std::move(instance.formula), nullptr});
+  }
+  return result;
+}
+
+std::shared_ptr<const LtlAutomaton> SystemReader::read_never(const YAML::Node& node) const {
+  const std::filesystem::path file =
+      std::filesystem::path(system_.file).parent_path() / scalar(node, "'never'");
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(file, ignored)) {
+    fail("there is no file '" + file.string() + "'", node);
+  }
+  return std::make_shared<LtlAutomaton>(read_hoa(read_file(file), file.string(), scope()));
+}
+
+void SystemReader::remark_on_unused_models() {
+  std::set<std::uint32_t> used;
+  for (const Program& program : system_.programs) {
+    used.insert(program.names.begin(), program.names.end());
+  }
+  for (std::uint32_t index = 0; index < system_.models.size(); ++index) {
+    const ModelInstance& model = system_.models[index];
+    if (used.contains(index) || model.source == ModelInstance::Source::variable) continue;
+    system_.remarks.push_back("no program uses model '" + model.name + "' (" +
+                              to_string(model.position) + ")");
+  }
+}
+
+void SystemReader::remark_on_unused_variables() {
+  for (const VariableName& variable : unused_variables_) {
+    system_.remarks.push_back("no program uses variable '" + variable.leaf.name + "' (" +
+                              to_string(variable.position) + ")");
+  }
+}
+
+void SystemReader::remark_on_unreachable_statements() {
+  for (const Program& program : system_.programs) {
+    for (const SourcePosition& place : program.unreachable) {
+      system_.remarks.push_back("program " + program.name +
+                                " never comes to this statement: the one before it does not end "
+                                "(" +
+                                to_string(place) + ")");
+    }
+  }
+}
+
+void SystemReader::remark_on_idle_atoms() {
+  for (const Property& property : system_.properties) {
+    for (const Atom& atom : atoms_of(property.formula)) {
+      if (atom.is_event() || atom.kind == Atom::Kind::expression) continue;
+      const Program& program = system_.programs[atom.owner];
+      const bool is_end = atom.kind == Atom::Kind::end;
+      if (is_end ? program.may_end() : program.may_reach(atom.symbol)) continue;
+      system_.remarks.push_back("in property '" + property.name + "', " + program.name + "@" +
+                                (is_end ? "end" : program.labels[atom.symbol]) + " never holds: " +
+                                program.name + (is_end ? " never ends" : " never comes there") +
+                                " (" + to_string(property.position) + ")");
+    }
+  }
+}
 
 InterfaceAutomaton read_requested_model(const ModelRequest& request) {
   if (!request.learn.empty()) {

@@ -65,7 +65,9 @@ void collect_atoms(const Formula& formula, std::vector<Atom>& atoms) {
   collect_atoms(formula->right, atoms);
 }
 
-std::string quoted(const std::string& name) {
+std::string quoted(const std::string& whole) {
+  // Of a member of an array its indices, of a symbol its values.
+  const std::string name = whole.substr(0, std::min(whole.find('['), whole.find('(')));
   const auto in_identifier = [](char c) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';
   };
@@ -73,7 +75,12 @@ std::string quoted(const std::string& name) {
       !name.empty() && !(name[0] >= '0' && name[0] <= '9') &&
       std::all_of(name.begin(), name.end(), in_identifier) &&
       !(name.size() == 1 && std::string_view("XFGURW").find(name[0]) != std::string::npos);
-  return is_identifier ? name : "\"" + name + "\"";
+  return is_identifier ? whole : "\"" + whole + "\"";
+}
+
+// Of an event that names its program: "camera:".
+std::string giver(const Atom& atom, const FormulaScope& scope) {
+  return atom.program == Atom::any_program ? "" : quoted(scope.programs[atom.program].name) + ":";
 }
 
 std::string to_string(const Atom& atom, const FormulaScope& scope) {
@@ -85,12 +92,16 @@ std::string to_string(const Atom& atom, const FormulaScope& scope) {
     case Atom::Kind::end: return quoted(scope.programs[atom.owner].name) + "@end";
     case Atom::Kind::input: {
       const ProgramInterface& model = scope.models[atom.owner];
-      return quoted(model.name) + "." + quoted(model.inputs->name(atom.symbol));
+      return giver(atom, scope) + quoted(model.name) + "." +
+             quoted(model.inputs->name(atom.symbol));
     }
     case Atom::Kind::output: {
       const ProgramInterface& model = scope.models[atom.owner];
-      return quoted(model.name) + "!" + quoted(model.outputs->name(atom.symbol));
+      return giver(atom, scope) + quoted(model.name) + "!" +
+             quoted(model.outputs->name(atom.symbol));
     }
+    case Atom::Kind::expression:
+      return "(" + to_string(scope.expressions[atom.owner], *scope.words) + ")";
   }
   return "";
 }

@@ -12,19 +12,23 @@
 
 #include "maide/check/language/program.hpp"
 #include "maide/check/language/scalar_text.hpp"
+#include "maide/check/language/system_names.hpp"
 
 namespace maide {
 
 struct Atom {
   enum class Kind : std::uint8_t {
-    label,   // program@label: control is there, before the labelled statement's first step
-    end,     // program@end: the program has ended
-    input,   // model.input: the step that reached this state gave it
-    output,  // model!output: the step that reached this state took it
+    label,       // program@label: control is there, before the labelled statement's first step
+    end,         // program@end: the program has ended
+    input,       // model.input: the step that reached this state gave it
+    output,      // model!output: the step that reached this state took it
+    expression,  // over variables: number `owner` of the system's `expressions`
   };
+  static constexpr std::uint32_t any_program = ~std::uint32_t{0};
   Kind kind = Kind::label;
-  std::uint32_t owner = 0;   // the program, or the model instance
-  std::uint32_t symbol = 0;  // the label, input or output; 0 for `end`
+  std::uint32_t owner = 0;              // the program, or the model instance
+  std::uint32_t symbol = 0;             // the label, input or output; else 0
+  std::uint32_t program = any_program;  // of an event: whose step it is
   bool is_event() const { return kind == Kind::input || kind == Kind::output; }
   auto operator<=>(const Atom&) const = default;
 };
@@ -54,17 +58,32 @@ struct FormulaNode {
   Formula left, right;  // one operand: left
 };
 
-// What the names in a formula may mean.
+// What the names in a formula may mean. Without the last four there are no variables.
 struct FormulaScope {
   std::span<const Program> programs;
   std::span<const ProgramInterface> models;
+  std::span<const Expression> expressions = {};  // of the system
+  const WordTable* words = nullptr;              // of these
+  const Names* names = nullptr;                  // variables and constants of the file
 };
 
-// Parses: atoms `program@label`, `program@end`, `model.input`, `model!output`, `true`, `false`;
-// unary `! X F G` (also `<>` and `[]`); then, each binding weaker than the one before, `U R W` (to
-// the right), `&&` (`&`), `||` (`|`), `->` (to the right), `<->`. Names that are no identifiers are
-// in double quotes. Throws ParseError with the place: syntax, unknown names, too large.
-Formula parse_formula(const ScalarText& text, const FormulaScope& scope);
+// Parses: atoms `program@label`, `program@end`, `model.input`, `model!output`,
+// `program:model.input` (that program gives it), `true`, `false`, comparisons of expressions over
+// variables
+// (`camera.left + 1 < n`) and `bool` variables; unary `! X F G` (also `<>` and `[]`); then, each
+// binding weaker than the one before, `U R W` (to the right), `&&` (`&`), `||` (`|`), `->` (to the
+// right), `<->`. Names that are no identifiers are in double quotes. Throws ParseError with the
+// place: syntax, unknown names, too large. `expressions`: those of atoms are added there.
+Formula parse_formula(const ScalarText& text, const FormulaScope& scope,
+                      std::vector<Expression>* expressions = nullptr);
+
+// "forall i in 0..4, j in 0..1: ..." is a formula for each value; any other text is one formula.
+struct FormulaInstance {
+  std::string suffix;  // "[2,0]", or empty
+  Formula formula;
+};
+std::vector<FormulaInstance> parse_formulas(const ScalarText& text, const FormulaScope& scope,
+                                            std::vector<Expression>* expressions);
 
 // As the parser reads it.
 std::string to_string(const Formula& formula, const FormulaScope& scope);

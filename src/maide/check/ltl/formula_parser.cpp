@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "maide/base/text.hpp"
+#include "maide/check/language/expression_parser.hpp"
 #include "maide/check/language/tokens.hpp"
 #include "maide/check/ltl/formula.hpp"
 
@@ -11,8 +12,9 @@ namespace {
 
 using Operator = FormulaNode::Operator;
 
-constexpr std::string_view symbols[] = {"<->", "->", "[]", "<>", "&&", "||", "&",
-                                        "|",   "!",  "(",  ")",  "@",  "."};
+constexpr std::string_view symbols[] = {
+    "<->", "->", "[]", "<>", "&&", "||", "==", "!=", "<=", ">=", "..", "&", "|", "!", "(",
+    ")",   "@",  ".",  "<",  ">",  "+",  "-",  "*",  "/",  "%",  "[",  "]", ",", ":"};
 constexpr int max_nesting = 200;  // the parser and all walks over formulas recurse
 constexpr int max_size = 2000;
 constexpr double max_expanded_size = 10'000;  // of the normal form, in which each <-> doubles
@@ -25,10 +27,40 @@ double expanded_size(const Formula& formula) {
   return doubles ? 2 * size : size;
 }
 
+// A formula, or an expression that is one if it is true or false.
+struct Operand {
+  Formula formula;
+  std::optional<Expression> expression;
+  Token first;
+};
+
 class Parser {
  public:
-  Parser(const ScalarText& text, const FormulaScope& scope)
-      : text_(text), tokens_(text, symbols), scope_(scope) {}
+  Parser(const ScalarText& text, const FormulaScope& scope, std::vector<Expression>* expressions)
+      : text_(text), tokens_(text, symbols), scope_(scope), expressions_(expressions) {}
+
+  // The ranges of `forall`, if the text begins with it.
+  Dimensions parse_quantifier() {
+    Dimensions dimensions;
+    const Token first = tokens_.peek();
+    if (!first.is("forall") || tokens_.peek(1).is("@") || tokens_.peek(1).is("."))
+      return dimensions;
+    tokens_.next();
+    ExpressionParser numbers(tokens_, [this](const Token& name) { return find_constant(name); });
+    do {
+      const Token index = tokens_.next();
+      if (!index.is_name()) tokens_.fail("expected an index as in 'forall i in 0..4:'", index);
+      tokens_.expect("in", "behind an index, as in 'forall i in 0..4:'");
+      indices_.push_back(index.text);
+      dimensions.push_back(numbers.parse_range("a bound of 'forall'"));
+    } while (tokens_.accept(","));
+    tokens_.expect(":", "behind the indices of 'forall'");
+    if (member_count(dimensions) > max_array_members) {
+      tokens_.fail("'forall' has too many instances", first);
+    }
+    return dimensions;
+  }
+  void set_indices(const std::vector<Value>& values) { values_ = values; }
 
   Formula parse() {
     Formula formula = parse_equivalence();
@@ -50,6 +82,13 @@ class Parser {
     return std::make_shared<FormulaNode>(FormulaNode{op, {}, std::move(left), std::move(right)});
   }
 
+  Formula make_atom(const Atom& atom, const Token& first) {
+    if (++size_ > max_size) tokens_.fail("the formula is too large", first);
+    auto node = std::make_shared<FormulaNode>(FormulaNode{Operator::atom, {}, nullptr, nullptr});
+    node->atom = atom;
+    return node;
+  }
+
   void deeper() {
     if (++nesting_ > max_nesting) {
       tokens_.fail("the formula is nested too deeply", tokens_.peek());
@@ -60,41 +99,57 @@ class Parser {
     return tokens_.accept(one) || tokens_.accept(other);
   }
 
-  Formula parse_equivalence() {
+  Formula parse_equivalence() { return formula_of(parse_operand()); }
+
+  // All operators, so that brackets may stand around either kind.
+  Operand parse_operand() {
     deeper();
-    Formula left = parse_implication();
-    while (tokens_.accept("<->")) left = make(Operator::equivalence, left, parse_implication());
+    Operand left = parse_implication();
+    while (tokens_.accept("<->")) {
+      left = {
+          make(Operator::equivalence, formula_of(left), formula_of(parse_implication())), {}, {}};
+    }
     --nesting_;
     return left;
   }
 
-  Formula parse_implication() {
+  Operand parse_implication() {
     deeper();
-    Formula left = parse_disjunction();
-    if (tokens_.accept("->")) left = make(Operator::implication, left, parse_implication());
+    Operand left = parse_disjunction();
+    if (tokens_.accept("->")) {
+      const Formula condition = formula_of(left);
+      left = {make(Operator::implication, condition, formula_of(parse_implication())), {}, {}};
+    }
     --nesting_;
     return left;
   }
 
-  Formula parse_disjunction() {
-    Formula left = parse_conjunction();
-    while (accept_either("||", "|")) left = make(Operator::disjunction, left, parse_conjunction());
+  Operand parse_disjunction() {
+    Operand left = parse_conjunction();
+    while (accept_either("||", "|")) {
+      const Formula first = formula_of(left);
+      left = {make(Operator::disjunction, first, formula_of(parse_conjunction())), {}, {}};
+    }
     return left;
   }
 
-  Formula parse_conjunction() {
-    Formula left = parse_until();
-    while (accept_either("&&", "&")) left = make(Operator::conjunction, left, parse_until());
+  Operand parse_conjunction() {
+    Operand left = parse_until();
+    while (accept_either("&&", "&")) {
+      const Formula first = formula_of(left);
+      left = {make(Operator::conjunction, first, formula_of(parse_until())), {}, {}};
+    }
     return left;
   }
 
-  Formula parse_until() {
+  Operand parse_until() {
     deeper();
-    Formula left = parse_unary();
+    Operand left = parse_unary();
     for (const auto& [word, op] :
          {std::pair("U", Operator::until), {"R", Operator::release}, {"W", Operator::weak_until}}) {
       if (tokens_.accept(word)) {
-        left = make(op, left, parse_until());
+        const Formula first = formula_of(left);
+        left = {make(op, first, formula_of(parse_until())), {}, {}};
         break;
       }
     }
@@ -102,33 +157,147 @@ class Parser {
     return left;
   }
 
-  Formula parse_unary() {
+  Operand parse_unary() {
     deeper();
-    Formula result;
+    Operand result;
     if (tokens_.accept("!")) {
-      result = make(Operator::negation, parse_unary());
+      result = {make(Operator::negation, formula_of(parse_unary())), {}, {}};
     } else if (tokens_.accept("[]") || accept_word("G")) {
-      result = make(Operator::globally, parse_unary());
+      result = {make(Operator::globally, formula_of(parse_unary())), {}, {}};
     } else if (tokens_.accept("<>") || accept_word("F")) {
-      result = make(Operator::finally, parse_unary());
+      result = {make(Operator::finally, formula_of(parse_unary())), {}, {}};
     } else if (accept_word("X")) {
-      result = make(Operator::next, parse_unary());
+      result = {make(Operator::next, formula_of(parse_unary())), {}, {}};
     } else {
-      result = parse_primary();
+      result = parse_comparison();
     }
     --nesting_;
     return result;
   }
 
   bool accept_word(std::string_view word) {
-    if (tokens_.peek(1).is("@") || tokens_.peek(1).is(".")) return false;
+    if (tokens_.peek(1).is("@") || tokens_.peek(1).is(".") || tokens_.peek(1).is(":")) return false;
     return tokens_.accept(word);
   }
 
-  Formula parse_primary() {
+  // ---- expressions -----------------------------------------------------------------------------
+
+  Formula formula_of(const Operand& operand) {
+    if (operand.formula) return operand.formula;
+    const Expression& expression = *operand.expression;
+    if (expression.kind != ValueKind::boolean) {
+      tokens_.fail("expected what is true or false, and this is " + to_string(expression.kind) +
+                       ": compare it",
+                   operand.first);
+    }
+    if (expression.is_constant()) {
+      return make(expression.value != 0 ? Operator::truth : Operator::falsity, nullptr);
+    }
+    if (expressions_ == nullptr) tokens_.fail("there are no variables here", operand.first);
+    expressions_->push_back(expression);
+    return make_atom({Atom::Kind::expression, static_cast<std::uint32_t>(expressions_->size() - 1),
+                      0, Atom::any_program},
+                     operand.first);
+  }
+
+  Expression expression_of(const Operand& operand) {
+    if (operand.expression) return *operand.expression;
+    tokens_.fail("expected an expression over variables, not a formula", operand.first);
+  }
+
+  using Level = Operand (Parser::*)();
+  // Operands of `next`, joined by operators of the same strength, from the left.
+  Operand parse_level(Level next,
+                      std::span<const std::pair<std::string_view, Expression::Operator>> level) {
+    Operand left = (this->*next)();
+    for (bool goes_on = true; goes_on;) {
+      goes_on = false;
+      for (const auto& [symbol, op] : level) {
+        if (!tokens_.peek().is(symbol)) continue;
+        const SourcePosition place = tokens_.position(tokens_.next());
+        Expression first = expression_of(left);
+        const Operand right = (this->*next)();
+        left = {nullptr, make_binary(op, std::move(first), expression_of(right), place),
+                left.first};
+        goes_on = true;
+        break;
+      }
+    }
+    return left;
+  }
+
+  Operand parse_comparison() {
+    using enum Expression::Operator;
+    static constexpr std::pair<std::string_view, Expression::Operator> level[] = {
+        {"==", equal},    {"!=", unequal}, {"<=", at_most},
+        {">=", at_least}, {"<", less},     {">", greater}};
+    return parse_level(&Parser::parse_sum, level);
+  }
+  Operand parse_sum() {
+    using enum Expression::Operator;
+    static constexpr std::pair<std::string_view, Expression::Operator> level[] = {{"+", plus},
+                                                                                  {"-", minus}};
+    return parse_level(&Parser::parse_product, level);
+  }
+  Operand parse_product() {
+    using enum Expression::Operator;
+    static constexpr std::pair<std::string_view, Expression::Operator> level[] = {
+        {"*", times}, {"/", divide}, {"%", remainder}};
+    return parse_level(&Parser::parse_primary, level);
+  }
+
+  std::optional<Expression> constant_of(const std::string& name) const {
+    for (std::size_t i = 0; i < indices_.size() && i < values_.size(); ++i) {
+      if (indices_[i] == name) return make_constant(values_[i], ValueKind::integer);
+    }
+    if (scope_.names == nullptr) return std::nullopt;
+    const auto place = scope_.names->constants.find(name);
+    if (place == scope_.names->constants.end()) return std::nullopt;
+    return place->second;
+  }
+
+  Expression find_constant(const Token& name) {
+    if (const auto constant = constant_of(name.text)) return *constant;
+    tokens_.fail("unknown constant '" + name.text + "'", name);
+  }
+
+  bool is_topic(const std::string& name) const {
+    if (scope_.names == nullptr) return false;
+    const auto place = scope_.names->models.find(name);
+    return place != scope_.names->models.end() && place->second.is_topic;
+  }
+
+  // "[logger]" behind a topic's name: its reader's model.
+  std::string parse_reader(const std::string& topic) {
+    if (!is_topic(topic) || !tokens_.peek().is("[")) return "";
+    tokens_.next();
+    const Token reader = tokens_.next();
+    if (!reader.is_name()) tokens_.fail("expected a reader of " + topic, reader);
+    const std::string suffix = "[" + reader.text + parse_suffix() + "]";
+    tokens_.expect("]", "behind a reader");
+    return suffix;
+  }
+
+  // "[2,0]" behind a name, its indices being known at once; "" if there are none. A name there is
+  // one of a topic's readers unless it is a constant.
+  std::string parse_suffix() {
+    if (!tokens_.peek().is("[")) return "";
+    if (tokens_.peek(1).is_name() && !constant_of(tokens_.peek(1).text)) return "";
+    tokens_.next();
+    std::string suffix;
+    ExpressionParser numbers(tokens_, [this](const Token& name) { return find_constant(name); });
+    do {
+      suffix += (suffix.empty() ? "[" : ",") + std::to_string(numbers.parse_constant("an index"));
+    } while (tokens_.accept(","));
+    tokens_.expect("]", "behind an index");
+    return suffix + "]";
+  }
+
+  Operand parse_primary() {
     const Token token = tokens_.next();
     if (token.is("(")) {
-      Formula inner = parse_equivalence();
+      Operand inner = parse_operand();
+      inner.first = token;
       if (!tokens_.accept(")")) {
         tokens_.fail("expected ')' for this '(', not " + to_string(tokens_.peek()) + " at " +
                          to_string(tokens_.position(tokens_.peek())),
@@ -136,50 +305,144 @@ class Parser {
       }
       return inner;
     }
+    const SourcePosition place = tokens_.position(token);
+    if (token.is("-")) {
+      deeper();
+      const Operand operand = parse_primary();
+      --nesting_;
+      return {nullptr, make_unary(Expression::Operator::negate, expression_of(operand), place),
+              token};
+    }
+    if (token.kind == Token::Kind::number) {
+      return {nullptr, make_constant(parse_integer(tokens_, token), ValueKind::integer), token};
+    }
     if (!token.is_name()) {
       tokens_.fail("expected a formula, not " + to_string(token), token);
     }
-    const bool names_owner =
-        tokens_.peek().is("@") || tokens_.peek().is(".") || tokens_.peek().is("!");
-    if (token.is("true") && !names_owner) return make(Operator::truth, nullptr);
-    if (token.is("false") && !names_owner) return make(Operator::falsity, nullptr);
-    return parse_atom(token);
+    const Token& next = tokens_.peek();
+    const bool names_owner = next.is("@") || next.is(".") || next.is("!") || next.is(":");
+    if ((token.is("true") || token.is("false")) && !names_owner) {
+      return {nullptr, make_constant(token.is("true") ? 1 : 0, ValueKind::boolean), token};
+    }
+    if (!names_owner) {
+      if (const auto variable = parse_variable(token)) return {nullptr, *variable, token};
+    }
+    return parse_owned(token);
   }
 
-  Formula parse_atom(const Token& owner) {
+  // A variable or constant of the file, or a word; none if the name is none of them.
+  std::optional<Expression> parse_variable(const Token& name) {
+    if (const auto constant = constant_of(name.text)) return constant;
+    if (scope_.names == nullptr) return std::nullopt;
+    if (const auto place = scope_.names->variables.find(name.text);
+        place != scope_.names->variables.end()) {
+      Expression leaf = place->second.leaf;
+      ExpressionParser numbers(tokens_,
+                               [this](const Token& index) { return find_constant(index); });
+      leaf.operands = numbers.parse_indices(leaf.dimensions, name);
+      return leaf;
+    }
+    if (tokens_.peek().is("[")) return std::nullopt;
+    if (const auto word = scope_.words->find(name.text)) {
+      return make_constant(*word, ValueKind::word);
+    }
+    return std::nullopt;
+  }
+
+  // program@label, program.variable, model.input, model!output, program:model.input.
+  Operand parse_owned(const Token& token) {
+    Token owner = token;
+    owner.text += parse_suffix() + parse_reader(token.text);
     const Token separator = tokens_.next();
+    if (separator.is(":")) return parse_of_program(owner);
     if (!separator.is("@") && !separator.is(".") && !separator.is("!")) {
       tokens_.fail(
           "expected program@label, model.input or model!output, not " + to_string(owner) + " alone",
           owner);
     }
+    Token name = tokens_.next();
+    if (!name.is_name()) {
+      tokens_.fail("expected a name after '" + separator.text + "', not " + to_string(name), name);
+    }
+    if (separator.is("@")) return {make_atom(find_label(owner, name), owner), {}, owner};
+    if (separator.is(".") && find_program(owner.text)) {
+      name.text += parse_suffix();
+      return {nullptr, find_variable(*find_program(owner.text), name), owner};
+    }
+    return {find_event(owner, name, separator.is("."), Atom::any_program), {}, owner};
+  }
+
+  Operand parse_of_program(const Token& program) {
+    const auto index = find_program(program.text);
+    if (!index) fail_unknown_program(program);
+    Token owner = tokens_.next();
+    if (!owner.is_name()) tokens_.fail("expected a model, not " + to_string(owner), owner);
+    const std::string model = owner.text;
+    owner.text += parse_suffix() + parse_reader(model);
+    const Token separator = tokens_.next();
+    if (!separator.is(".") && !separator.is("!")) {
+      tokens_.fail("expected model.input or model!output behind a program and ':'", separator);
+    }
     const Token name = tokens_.next();
     if (!name.is_name()) {
       tokens_.fail("expected a name after '" + separator.text + "', not " + to_string(name), name);
     }
-    auto node = std::make_shared<FormulaNode>(FormulaNode{Operator::atom, {}, nullptr, nullptr});
-    node->atom =
-        separator.is("@") ? find_label(owner, name) : find_event(owner, name, separator.is("."));
-    if (++size_ > max_size) tokens_.fail("the formula is too large", owner);
-    return node;
+    return {find_event(owner, name, separator.is("."), *index), {}, program};
+  }
+
+  std::optional<std::uint32_t> find_program(const std::string& name) const {
+    for (std::uint32_t index = 0; index < scope_.programs.size(); ++index) {
+      if (scope_.programs[index].name == name) return index;
+    }
+    return std::nullopt;
+  }
+
+  [[noreturn]] void fail_unknown_program(const Token& owner) {
+    std::vector<std::string> known;
+    for (const Program& program : scope_.programs) known.push_back(program.name);
+    tokens_.fail("unknown program '" + owner.text + "'; there is: " + join(known), owner);
+  }
+
+  Expression find_variable(std::uint32_t owner, const Token& name) {
+    const Program& program = scope_.programs[owner];
+    std::optional<Expression> found;
+    std::vector<std::string> known;
+    for (std::uint32_t index = 0; index < program.variables.size(); ++index) {
+      const ProgramVariable& variable = program.variables[index];
+      if (std::find(known.begin(), known.end(), variable.name) == known.end()) {
+        known.push_back(variable.name);
+      }
+      if (variable.name != name.text) continue;
+      if (found) {
+        tokens_.fail("program " + program.name + " has several variables '" + name.text +
+                         "': give them names of their own",
+                     name);
+      }
+      found.emplace();
+      found->op = Expression::Operator::local;
+      found->kind = variable.type.kind;
+      found->owner = owner;
+      found->index = index;
+      found->name = program.name + "." + name.text;
+    }
+    if (found) return *found;
+    tokens_.fail("program " + program.name + " has no variable '" + name.text +
+                     "'; it has: " + (known.empty() ? "none" : join(known)),
+                 name);
   }
 
   Atom find_label(const Token& owner, const Token& name) {
-    std::vector<std::string> known;
-    for (std::uint32_t index = 0; index < scope_.programs.size(); ++index) {
-      const Program& program = scope_.programs[index];
-      known.push_back(program.name);
-      if (program.name != owner.text) continue;
-      if (name.text == "end") return {Atom::Kind::end, index, 0};
-      const auto place = std::find(program.labels.begin(), program.labels.end(), name.text);
-      if (place == program.labels.end()) {
-        tokens_.fail("program " + owner.text + " has no label '" + name.text +
-                         "'; it has: " + join_labels(program),
-                     name);
-      }
-      return {Atom::Kind::label, index, static_cast<std::uint32_t>(place - program.labels.begin())};
+    const auto index = find_program(owner.text);
+    if (!index) fail_unknown_program(owner);
+    const Program& program = scope_.programs[*index];
+    if (name.text == "end") return {Atom::Kind::end, *index, 0};
+    const auto place = std::find(program.labels.begin(), program.labels.end(), name.text);
+    if (place == program.labels.end()) {
+      tokens_.fail("program " + owner.text + " has no label '" + name.text +
+                       "'; it has: " + join_labels(program),
+                   name);
     }
-    tokens_.fail("unknown program '" + owner.text + "'; there is: " + join(known), owner);
+    return {Atom::Kind::label, *index, static_cast<std::uint32_t>(place - program.labels.begin())};
   }
 
   static std::string join_labels(const Program& program) {
@@ -188,35 +451,79 @@ class Parser {
     return join(labels);
   }
 
-  Atom find_event(const Token& owner, const Token& name, bool is_input) {
-    std::vector<std::string> known;
+  // "(3,go)" behind a name; "" if there are no values.
+  std::string parse_values() {
+    std::string text;
+    if (!tokens_.accept("(")) return text;
+    while (!tokens_.peek().is(")")) {
+      const Token part = tokens_.next();
+      if (part.kind == Token::Kind::end) tokens_.fail("this '(' is not closed", part);
+      const auto constant = part.is_name() ? constant_of(part.text) : std::nullopt;
+      text += constant ? to_string(constant->value, constant->kind, *scope_.words) : part.text;
+    }
+    tokens_.next();
+    return "(" + text + ")";
+  }
+
+  // A name without values is any of them, and a topic's any of its readers' models.
+  Formula find_event(const Token& owner, const Token& name, bool is_input, std::uint32_t program) {
+    const Atom::Kind kind = is_input ? Atom::Kind::input : Atom::Kind::output;
+    const bool is_any_reader = is_topic(owner.text.substr(0, owner.text.find('[')));
+    const std::string text = name.text + parse_values();
+    Formula any;
+    const ProgramInterface* found = nullptr;
     for (std::uint32_t index = 0; index < scope_.models.size(); ++index) {
       const ProgramInterface& model = scope_.models[index];
-      known.push_back(model.name);
-      if (model.name != owner.text) continue;
+      const bool is_reader = is_any_reader && model.name.starts_with(owner.text + "[");
+      if (model.name != owner.text && !is_reader) continue;
+      found = &model;
       const Alphabet& alphabet = is_input ? *model.inputs : *model.outputs;
-      const auto symbol = alphabet.find(name.text);
-      if (!symbol) {
-        tokens_.fail("model " + owner.text + " has no " + (is_input ? "input '" : "output '") +
-                         name.text +
-                         "'; it has: " + (alphabet.empty() ? "none" : join(alphabet.names())),
-                     name);
+      for (Symbol symbol = 0; symbol < alphabet.size(); ++symbol) {
+        const std::string& known = alphabet.name(symbol);
+        if (known != text && !known.starts_with(text + "(")) continue;
+        const Formula atom = make_atom({kind, index, symbol, program}, owner);
+        any = any ? make(Operator::disjunction, any, atom) : atom;
       }
-      return {is_input ? Atom::Kind::input : Atom::Kind::output, index, *symbol};
     }
+    if (any) return any;
+    if (found != nullptr) {
+      const Alphabet& alphabet = is_input ? *found->inputs : *found->outputs;
+      tokens_.fail("model " + owner.text + " has no " + (is_input ? "input '" : "output '") + text +
+                       "'; it has: " + (alphabet.empty() ? "none" : join(alphabet.names())),
+                   name);
+    }
+    std::vector<std::string> known;
+    for (const ProgramInterface& model : scope_.models) known.push_back(model.name);
     tokens_.fail("unknown model '" + owner.text + "'; there is: " + join(known), owner);
   }
 
   const ScalarText& text_;
   TokenStream tokens_;
   const FormulaScope& scope_;
+  std::vector<Expression>* expressions_;
+  std::vector<std::string> indices_;
+  std::vector<Value> values_;  // of the indices
   int nesting_ = 0, size_ = 0;
 };
 
 }  // namespace
 
-Formula parse_formula(const ScalarText& text, const FormulaScope& scope) {
-  return Parser(text, scope).parse();
+Formula parse_formula(const ScalarText& text, const FormulaScope& scope,
+                      std::vector<Expression>* expressions) {
+  return Parser(text, scope, expressions).parse();
+}
+
+std::vector<FormulaInstance> parse_formulas(const ScalarText& text, const FormulaScope& scope,
+                                            std::vector<Expression>* expressions) {
+  std::vector<FormulaInstance> result;
+  const Dimensions dimensions = Parser(text, scope, expressions).parse_quantifier();
+  for (std::uint64_t member = 0; member < member_count(dimensions); ++member) {
+    Parser parser(text, scope, expressions);
+    parser.parse_quantifier();
+    parser.set_indices(member_indices(dimensions, member));
+    result.push_back({member_suffix(dimensions, member), parser.parse()});
+  }
+  return result;
 }
 
 }  // namespace maide

@@ -87,7 +87,12 @@ Step join_halves(const PromelaLine& first, const PromelaLine& second, const Syst
       system.programs[program.owner].edges[program.index].model != model.owner) {
     throw std::logic_error("the run of spin shows half a rendezvous");
   }
-  return {program.owner, program.index, model.model_target, model.is_beyond};
+  const ModelStep met{model.model_target, model.is_beyond};
+  return {program.owner,
+          program.index,
+          {met.target},
+          met.is_beyond,
+          cuts(system.models[model.owner], met)};
 }
 
 }  // namespace
@@ -109,7 +114,7 @@ Trace read_spin_run(const std::string& text, const PromelaSystem& promela, const
     if (half == nullptr) {
       half = &meaning;
       if (is_alone(*half, system)) {
-        trace.steps.push_back({half->owner, half->index, 0, false});
+        trace.steps.push_back({half->owner, half->index, {}, false, false});
         half = nullptr;
       }
       continue;
@@ -117,9 +122,7 @@ Trace read_spin_run(const std::string& text, const PromelaSystem& promela, const
     trace.steps.push_back(join_halves(*half, meaning, system));
     half = nullptr;
     // A run that is cut ends there; what SPIN appends is of no meaning.
-    const Step& step = trace.steps.back();
-    const ProgramEdge& edge = system.programs[step.program].edges[step.edge];
-    if (step.is_beyond && system.models[edge.model].when_unexplored == WhenUnexplored::stop) {
+    if (trace.steps.back().is_cut) {
       trace.loop_start.reset();
       return trace;
     }

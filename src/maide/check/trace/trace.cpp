@@ -14,50 +14,84 @@
 namespace maide {
 namespace {
 
-// What the loop of a run does for one program.
+// What the loop of a run does for one program, or for one fair group.
 struct LoopShare {
   bool steps = false;        // it steps in it
   bool is_enabled = false;   // it could, somewhere
   bool is_disabled = false;  // it could not, somewhere
-  bool is_fair(Fairness fairness) const {
-    if (fairness == Fairness::weak) return steps || is_disabled;
-    if (fairness == Fairness::strong) return steps || !is_enabled;
-    return true;
-  }
+  bool is_weakly_fair() const { return steps || is_disabled; }
+  bool is_strongly_fair() const { return steps || !is_enabled; }
 };
 
-std::vector<LoopShare> share_loop(const System& system, const Trace& trace,
-                                  const std::vector<GlobalState>& states) {
-  std::vector<LoopShare> shares(system.programs.size());
+struct LoopShares {
+  std::vector<LoopShare> programs;
+  std::vector<std::vector<LoopShare>> groups;  // by program; [0] is not used
+};
+
+LoopShares share_loop(const System& system, const Trace& trace,
+                      const std::vector<GlobalState>& states) {
+  LoopShares shares;
+  shares.programs.resize(system.programs.size());
+  for (const Program& program : system.programs) {
+    shares.groups.emplace_back(std::max<std::size_t>(program.fair_groups.size(), 1));
+  }
+  const auto group_of = [&](const Step& step) -> LoopShare& {
+    const Program& program = system.programs[step.program];
+    return shares.groups[step.program][program.fair_group_of(program.edges[step.edge])];
+  };
   for (std::size_t at = *trace.loop_start; at < trace.steps.size(); ++at) {
-    const auto enabled = enabled_steps(system, states[at]);
-    shares[trace.steps[at].program].steps = true;
-    for (std::uint32_t program = 0; program < shares.size(); ++program) {
-      const bool can = std::any_of(enabled.begin(), enabled.end(),
-                                   [&](const Step& step) { return step.program == program; });
-      (can ? shares[program].is_enabled : shares[program].is_disabled) = true;
+    shares.programs[trace.steps[at].program].steps = true;
+    group_of(trace.steps[at]).steps = true;
+    std::vector<bool> can(shares.programs.size());
+    for (const Step& step : enabled_steps(system, states[at])) {
+      const Program& program = system.programs[step.program];
+      if (!program.is_death(program.edges[step.edge])) can[step.program] = true;
+      group_of(step).is_enabled = true;
+    }
+    for (std::size_t program = 0; program < can.size(); ++program) {
+      LoopShare& share = shares.programs[program];
+      (can[program] ? share.is_enabled : share.is_disabled) = true;
     }
   }
   return shares;
 }
 
-bool is_fair_loop(const std::vector<LoopShare>& shares, Fairness fairness) {
-  return std::all_of(shares.begin(), shares.end(),
-                     [&](const LoopShare& share) { return share.is_fair(fairness); });
+bool is_fair_loop(const System& system, const LoopShares& shares, Fairness fairness) {
+  if (fairness == Fairness::none) return true;
+  const bool is_strong = fairness == Fairness::strong;
+  for (std::size_t index = 0; index < shares.programs.size(); ++index) {
+    const LoopShare& share = shares.programs[index];
+    if (!(is_strong ? share.is_strongly_fair() : share.is_weakly_fair())) return false;
+    for (std::size_t group = 1; group < shares.groups[index].size(); ++group) {
+      if (!is_strong && !system.programs[index].fair_groups[group].on_weak_runs) continue;
+      if (!shares.groups[index][group].is_strongly_fair()) return false;
+    }
+  }
+  return true;
 }
 
 std::string find_flaw_of_stuck(const System& system, const Trace& trace,
                                const std::vector<GlobalState>& states) {
   if (!trace.loop_start) return "nobody runs on for ever";
-  const std::vector<LoopShare> shares = share_loop(system, trace, states);
-  if (!is_fair_loop(shares, Fairness::weak)) return "the run is not fair";
-  for (std::size_t program = 0; program < shares.size(); ++program) {
-    if (!shares[program].steps &&
-        !system.programs[program].is_end(states.back().programs[program])) {
+  const LoopShares shares = share_loop(system, trace, states);
+  if (!is_fair_loop(system, shares, Fairness::strong)) return "the run is not fair";
+  for (std::size_t index = 0; index < shares.programs.size(); ++index) {
+    const Program& program = system.programs[index];
+    const ControlState at = states.back().programs[index];
+    if (!shares.programs[index].steps && !program.is_end(at) && !program.states[at].may_rest) {
       return "";
     }
   }
   return "every program that has not ended steps again";
+}
+
+// Nothing but deaths can come, and the run may end there.
+bool may_end(const System& system, const GlobalState& state) {
+  const std::vector<Step> steps = enabled_steps(system, state);
+  return std::all_of(steps.begin(), steps.end(), [&](const Step& step) {
+    const Program& program = system.programs[step.program];
+    return program.is_death(program.edges[step.edge]);
+  });
 }
 
 // The run as what formulas and automata are evaluated on (see holds_on_lasso). `value` refers to
@@ -79,15 +113,18 @@ Positions positions_of(const System& system, const Trace& trace,
     return is_true(atom, system, states[std::min(at, states.size() - 1)], step);
   };
   // A run that is cut, or shown no further, must have a bad prefix: whatever comes, it is violated.
-  if (!loops && !enabled_steps(system, states.back()).empty()) run.cut = states.size();
-  if (states.back().is_cut) run.cut = states.size() - 1;
+  if (!loops && !may_end(system, states.back())) run.cut = states.size();
+  // A step that is cut, or comes to an error, is no position; the initial state is one.
+  if (states.back().is_cut || is_error(system, states.back())) {
+    run.cut = std::max<std::size_t>(states.size() - 1, 1);
+  }
   return run;
 }
 
 std::string find_flaw_of_run(const System& system, const Property& property, const Trace& trace,
                              const std::vector<GlobalState>& states) {
   const bool loops = trace.loop_start.has_value();
-  if (loops && !is_fair_loop(share_loop(system, trace, states), property.fairness)) {
+  if (loops && !is_fair_loop(system, share_loop(system, trace, states), property.fairness)) {
     return "the run is not fair";
   }
   if (property.kind == Property::Kind::ltl) {
@@ -109,6 +146,16 @@ std::string find_flaw_of_run(const System& system, const Property& property, con
 }
 
 }  // namespace
+
+Trace to_whole(const Part& part, Trace trace) {
+  for (Step& step : trace.steps) step = part.to_whole(std::move(step));
+  return trace;
+}
+
+Trace from_whole(const Part& part, Trace trace) {
+  for (Step& step : trace.steps) step = part.from_whole(std::move(step));
+  return trace;
+}
 
 std::vector<GlobalState> replay(const System& system, const Trace& trace) {
   std::vector<GlobalState> states{initial_state(system)};
@@ -142,17 +189,24 @@ std::string find_flaw(const System& system, const Property& property, const Trac
   if (property.kind == Property::Kind::deadlock) {
     return is_deadlock(system, states.back()) ? "" : "it ends in no deadlock";
   }
+  if (property.kind == Property::Kind::error) {
+    const bool is_shown = is_error(system, states.back()) && !states.back().is_cut;
+    return is_shown ? "" : "it ends in no error";
+  }
   if (property.kind == Property::Kind::stuck) return find_flaw_of_stuck(system, trace, states);
   return find_flaw_of_run(system, property, trace, states);
 }
 
 namespace {
 
-using Kind = ProgramEdge::Kind;
 constexpr std::uint32_t nobody = ~std::uint32_t{0};
 
 const ProgramEdge& edge_of(const System& system, const Step& step) {
   return system.programs[step.program].edges[step.edge];
+}
+
+std::span<const ModelUse> uses_of(const System& system, const Step& step) {
+  return system.programs[step.program].uses_of(edge_of(system, step));
 }
 
 // Whether the formula can see the step: one of its atoms changes, or is an event of this step.
@@ -164,13 +218,7 @@ bool is_visible(const System& system, const std::vector<Atom>& atoms, const Step
       [](std::uint32_t index, const Program::State& state) { return index < state.first_edge; });
   const auto source = static_cast<ControlState>(owner - program.states.begin() - 1);
   return std::any_of(atoms.begin(), atoms.end(), [&](const Atom& atom) {
-    if (atom.is_event()) {
-      const Kind kind = atom.kind == Atom::Kind::input ? Kind::give : Kind::take;
-      return edge.kind == kind && edge.model == atom.owner && edge.symbol == atom.symbol;
-    }
-    if (atom.owner != step.program) return false;
-    if (atom.kind == Atom::Kind::end) return program.is_end(edge.target);
-    return program.has_label(source, atom.symbol) != program.has_label(edge.target, atom.symbol);
+    return is_seen_by(atom, system, step.program, source, edge);
   });
 }
 
@@ -249,17 +297,12 @@ class TurnSearch {
       const Step& step = own_[program][key[program] - 1].step;
       state.programs[program] = edge_of(system_, step).target;
       // Only the last step of a run is cut.
-      state.is_cut = state.is_cut || is_cut(step);
+      state.is_cut = state.is_cut || step.is_cut;
     }
     for (std::size_t model = 0; model < state.models.size(); ++model) {
       state.models[model] = key[models_at() + model];
     }
     return state;
-  }
-
-  bool is_cut(const Step& step) const {
-    if (!step.is_beyond) return false;
-    return system_.models[edge_of(system_, step).model].when_unexplored == WhenUnexplored::stop;
   }
 
   void expand(std::uint32_t at) {
@@ -268,12 +311,14 @@ class TurnSearch {
       const std::uint32_t done = key[step.program];
       if (done == own_[step.program].size()) continue;
       const OwnStep& own = own_[step.program][done];
-      if (step.edge != own.step.edge || is_cut(step) != is_cut(own.step)) continue;
+      if (step.edge != own.step.edge || step.is_cut != own.step.is_cut) continue;
       if (own.visible != not_visible && own.visible != key.back()) continue;
       Key next = key;
       ++next[step.program];
-      const ProgramEdge& edge = edge_of(system_, step);
-      if (edge.kind != Kind::choice) next[models_at() + edge.model] = step.model_target;
+      const auto uses = uses_of(system_, step);
+      for (std::size_t i = 0; i < uses.size(); ++i) {
+        next[models_at() + uses[i].model] = step.targets[i];
+      }
       const bool is_switch = key[last_at()] != nobody && key[last_at()] != step.program;
       next[last_at()] = step.program;
       next.back() += own.visible != not_visible ? 1 : 0;
@@ -311,9 +356,9 @@ class TurnSearch {
   std::vector<std::uint32_t> now_, later_;  // nodes to expand, with as many switches, and one more
 };
 
-// Steps that must come before a step: the one before it of its program, of its model, and, if it is
-// visible, the visible one. Programs take turns, each going on as long as it can; the one that can
-// go farthest comes next. O(steps x programs).
+// Steps that must come before a step: the one before it of its program, of each of its models, and,
+// if it is visible, the visible one. Programs take turns, each going on as long as it can; the one
+// that can go farthest comes next. O(steps x programs).
 class GreedyTurns {
  public:
   GreedyTurns(const System& system, const std::vector<Atom>& atoms, const Stretch& stretch)
@@ -321,13 +366,14 @@ class GreedyTurns {
     std::vector<std::size_t> last_of_model(system.models.size(), none);
     std::size_t last_visible = none;
     for (std::size_t at = 0; at < steps_.size(); ++at) {
-      const ProgramEdge& edge = edge_of(system, steps_[at]);
       own_[steps_[at].program].push_back(at);
-      if (edge.kind != Kind::choice) {
-        needs_[at].model = std::exchange(last_of_model[edge.model], at);
+      for (const ModelUse& use : uses_of(system, steps_[at])) {
+        const std::size_t last = std::exchange(last_of_model[use.model], at);
+        if (last != none) needs_[at].push_back(last);
       }
       if (is_visible(system, atoms, steps_[at])) {
-        needs_[at].visible = std::exchange(last_visible, at);
+        const std::size_t last = std::exchange(last_visible, at);
+        if (last != none) needs_[at].push_back(last);
       }
     }
   }
@@ -353,17 +399,14 @@ class GreedyTurns {
 
  private:
   static constexpr std::size_t none = ~std::size_t{0};
-  struct Needs {
-    std::size_t model = none, visible = none;
-  };
 
   std::size_t count_ready(std::size_t program, std::size_t first) {
     std::size_t count = 0;
     const auto& own = own_[program];
-    const auto is_met = [&](std::size_t needed) { return needed == none || is_taken_[needed]; };
+    const auto is_met = [&](std::size_t needed) { return is_taken_[needed]; };
     for (; first + count < own.size(); ++count) {
       const std::size_t at = own[first + count];
-      if (!is_met(needs_[at].model) || !is_met(needs_[at].visible)) break;
+      if (!std::all_of(needs_[at].begin(), needs_[at].end(), is_met)) break;
       is_taken_[at] = true;  // for those behind it
     }
     for (std::size_t i = 0; i < count; ++i) is_taken_[own[first + i]] = false;
@@ -371,8 +414,8 @@ class GreedyTurns {
   }
 
   std::span<const Step> steps_;
-  std::vector<Needs> needs_;
-  std::vector<std::vector<std::size_t>> own_;  // each program's steps
+  std::vector<std::vector<std::size_t>> needs_;  // by step: earlier ones
+  std::vector<std::vector<std::size_t>> own_;    // each program's steps
   std::vector<bool> is_taken_;
 };
 

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "maide/check/language/components.hpp"
 #include "maide/check/language/system.hpp"
 
 namespace maide {
@@ -18,6 +19,10 @@ struct Trace {
   // further because whatever comes violates the property.
   std::optional<std::size_t> loop_start;
 };
+
+// A run of the part as one of the whole system, and back.
+Trace to_whole(const Part& part, Trace trace);
+Trace from_whole(const Part& part, Trace trace);
 
 // The states along the trace, one more than steps. Throws std::logic_error if a step is not
 // possible where it is taken, or the loop does not close.

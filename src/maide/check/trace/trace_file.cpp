@@ -160,15 +160,70 @@ StepText describe_step(const System& system, const Step& step) {
   using Kind = ProgramEdge::Kind;
   const Program& program = system.programs[step.program];
   const ProgramEdge& edge = program.edges[step.edge];
-  StepText text{program.name, edge.line, "", edge.symbol == 0 ? "if" : "else"};
-  if (edge.kind == Kind::choice) return text;
+  StepText text{program.name, edge.line, "", ""};
+  if (edge.kind == Kind::joint) {
+    const auto& events = program.joints[edge.symbol].events;
+    const bool is_of_one = std::all_of(events.begin(), events.end(), [&](const ModelUse& event) {
+      return event.model == events.front().model;
+    });
+    if (events.empty() || !is_of_one) {
+      text.event = program.joints[edge.symbol].text;
+      return text;
+    }
+    const InterfaceAutomaton& automaton = system.models[events.front().model].automaton;
+    text.model = system.models[events.front().model].name;
+    for (const ModelUse& event : events) {
+      text.event += event.kind == Kind::give ? "?" + automaton.inputs().name(event.symbol)
+                                             : "!" + automaton.outputs().name(event.symbol);
+    }
+    return text;
+  }
+  if (edge.kind == Kind::choice) {
+    text.event = edge.symbol == 0 ? "if" : "else";
+    return text;
+  }
   const ModelInstance& instance = system.models[edge.model];
+  if (edge.kind == Kind::act) {
+    text.event = instance.actions[edge.symbol].name;
+    return text;
+  }
   text.model = instance.name;
   if (edge.kind == Kind::give) text.event = "?" + instance.automaton.inputs().name(edge.symbol);
   if (edge.kind == Kind::take) text.event = "!" + instance.automaton.outputs().name(edge.symbol);
   if (edge.kind == Kind::quiet) text.event = "quiet";
   return text;
 }
+
+std::vector<ChangedValue> find_changes(const System& system, const GlobalState& before,
+                                       const GlobalState& after, std::uint32_t program) {
+  std::vector<ChangedValue> changes;
+  const Program& own = system.programs[program];
+  for (std::uint32_t index = 0; index < own.variables.size(); ++index) {
+    const auto value = own.value_of(after.programs[program], index);
+    if (!value || value == own.value_of(before.programs[program], index)) continue;
+    changes.push_back({own.variables[index].name, *value, own.variables[index].type.kind});
+  }
+  for (std::size_t model = 0; model < system.models.size(); ++model) {
+    const ModelInstance& shared = system.models[model];
+    if (shared.source != ModelInstance::Source::variable) continue;
+    if (before.models[model] == after.models[model]) continue;
+    changes.push_back({shared.name, shared.type.at(after.models[model]), shared.type.kind});
+  }
+  return changes;
+}
+
+namespace {
+
+Json to_json(const ChangedValue& changed, const WordTable& words) {
+  switch (changed.kind) {
+    case ValueKind::boolean: return changed.value != 0;
+    case ValueKind::word: return words.name(changed.value);
+    case ValueKind::integer: break;
+  }
+  return changed.value;
+}
+
+}  // namespace
 
 Json step_to_json(const StepText& step) {
   return {{"program", step.program},
@@ -179,7 +234,15 @@ Json step_to_json(const StepText& step) {
 
 Json trace_to_json(const System& system, const Trace& trace) {
   Json steps = Json::array();
-  for (const Step& step : trace.steps) steps.push_back(step_to_json(describe_step(system, step)));
+  const std::vector<GlobalState> states = replay(system, trace);
+  for (std::size_t at = 0; at < trace.steps.size(); ++at) {
+    Json step = step_to_json(describe_step(system, trace.steps[at]));
+    for (const ChangedValue& changed :
+         find_changes(system, states[at], states[at + 1], trace.steps[at].program)) {
+      step["values"][changed.name] = to_json(changed, system.words);
+    }
+    steps.push_back(std::move(step));
+  }
   return steps;
 }
 

@@ -19,16 +19,29 @@ namespace maide {
 struct StepText {
   std::string program;
   int line = 0;
-  std::string model;  // "" for an internal choice
-  std::string event;  // "?input", "!output", "quiet", or "if" and "else"
+  std::string model;  // "" if it gives nothing and takes nothing, or from several
+  // "?input", "!output", "?input!output", "quiet", or "if" and "else"; of other steps their text in
+  // the file.
+  std::string event;
   bool operator==(const StepText&) const = default;
 };
 
 StepText describe_step(const System& system, const Step& step);
 
-// {"program", "line", "model", "event"}; the model of an internal choice is null.
+// A variable that a step changed, or that came into scope, and its value afterwards.
+struct ChangedValue {
+  std::string name;
+  Value value = 0;
+  ValueKind kind = ValueKind::integer;
+};
+// Of that program's variables, which took the step, and the shared ones.
+std::vector<ChangedValue> find_changes(const System& system, const GlobalState& before,
+                                       const GlobalState& after, std::uint32_t program);
+
+// {"program", "line", "model", "event"}; no model is null.
 Json step_to_json(const StepText& step);
-// A list of these.
+// A list of these, each with the values that the step changed, if there are any: "values":
+// {"left": 3, "ready": true}.
 Json trace_to_json(const System& system, const Trace& trace);
 // What a file has: the trace by which `property` is violated.
 Json trace_file_to_json(const System& system, const std::string& property, const Trace& trace);

@@ -32,13 +32,11 @@ std::optional<Word> CompleteMethod::find_counterexample(const Mealy& hypothesis,
                                                         const RunControl& control) {
   IdentifierSuite suite(hypothesis, method_.compute(hypothesis, Random(options_.seed)),
                         options_.extra_states);
-  guarantee_ = "not tested to the end";
-  strength_ = {};
-  std::optional<Word> counterexample = runner_.run(suite, hypothesis, control);
-  guarantee_ = counterexample ? fmt::format("refuted by {}", method_.title)
-                              : describe_passed(suite, runner_.last_tests(), method_, hypothesis);
-  if (!counterexample && method_.is_complete) strength_.extra_states = suite.complete_for();
-  return counterexample;
+  return run(suite, hypothesis, control, method_.title, [&](std::uint64_t tests) {
+    Passed passed{describe_passed(suite, tests, method_, hypothesis)};
+    if (method_.is_complete) passed.strength.extra_states = suite.complete_for();
+    return passed;
+  });
 }
 
 }  // namespace maide

@@ -13,7 +13,6 @@
 #include "maide/conformance/identify/state_identifiers.hpp"
 #include "maide/conformance/method/test_runner.hpp"
 #include "maide/conformance/suite/identifier_suite.hpp"
-#include "maide/learn/oracle/equivalence_oracle.hpp"
 
 namespace maide {
 
@@ -43,24 +42,19 @@ struct CompleteMethodOptions {
   std::uint64_t seed = 0;  // between identifiers that serve equally well
 };
 
-class CompleteMethod : public EquivalenceOracle {
+class CompleteMethod : public SuiteMethod {
  public:
   // Keeps a reference to `oracle`.
   CompleteMethod(OutputOracle& oracle, const IdentifierMethod& method,
                  CompleteMethodOptions options = {})
-      : runner_(oracle, options.runner), method_(method), options_(options) {}
+      : SuiteMethod(oracle, options.runner), method_(method), options_(options) {}
 
   std::optional<Word> find_counterexample(const Mealy& hypothesis,
                                           const RunControl& control = {}) override;
-  std::string guarantee() const override { return guarantee_; }
-  Strength strength() const override { return strength_; }
 
  private:
-  TestRunner runner_;
   IdentifierMethod method_;
   CompleteMethodOptions options_;
-  std::string guarantee_ = "not tested";
-  Strength strength_;
 };
 
 // Vasilevskii, "Failure diagnosis of automata", 1973; Chow, "Testing software design modeled by

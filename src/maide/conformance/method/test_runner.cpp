@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <utility>
 
 #include "maide/automata/alphabet.hpp"
 #include "maide/base/error.hpp"
@@ -107,6 +108,22 @@ std::optional<Word> TestRunner::run(TestSuite& suite, const Mealy& hypothesis,
   }
   last_was_complete_ = suite.size() == last_tests_;
   return std::nullopt;
+}
+
+std::optional<Word> SuiteMethod::run(TestSuite& suite, const Mealy& hypothesis,
+                                     const RunControl& control, std::string_view refuter,
+                                     const std::function<Passed(std::uint64_t tests)>& passed) {
+  guarantee_ = "not tested to the end";
+  strength_ = {};
+  std::optional<Word> counterexample = runner_.run(suite, hypothesis, control);
+  if (counterexample) {
+    guarantee_ = fmt::format("refuted by {}", refuter);
+  } else {
+    Passed result = passed(runner_.last_tests());
+    guarantee_ = std::move(result.guarantee);
+    strength_ = result.strength;
+  }
+  return counterexample;
 }
 
 std::vector<MachineRunner::Step> MachineRunner::flatten(const Mealy& machine,

@@ -1,12 +1,16 @@
 // Runs test suites. `TestRunner` runs them on a system, in batches, in the order of the suite, up
 // to the first test that tells hypothesis and system apart. The whole batch is answered and then
 // looked through in order, so the result does not depend on what runs in parallel below the output
-// oracle. `MachineRunner` runs them on a machine in memory.
+// oracle. `SuiteMethod` makes an equivalence oracle of that. `MachineRunner` runs suites on a
+// machine in memory.
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <optional>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "maide/automata/mealy.hpp"
@@ -51,6 +55,35 @@ class TestRunner {
   TestRunnerOptions options_;
   std::uint64_t last_tests_ = 0, last_symbols_ = 0;
   bool last_was_complete_ = false;
+};
+
+// An equivalence oracle that runs one suite for each hypothesis. A class that derives from it makes
+// the suite, and says what its tests establish.
+class SuiteMethod : public EquivalenceOracle {
+ public:
+  std::string guarantee() const override { return guarantee_; }
+  Strength strength() const override { return strength_; }
+
+ protected:
+  // What tests establish that found nothing.
+  struct Passed {
+    std::string guarantee;
+    Strength strength = {};
+  };
+
+  // Keeps a reference to `oracle`.
+  SuiteMethod(OutputOracle& oracle, TestRunnerOptions options) : runner_(oracle, options) {}
+
+  // As TestRunner::run(). `refuter` is what found a counterexample, if there is one: "a random
+  // walk". Otherwise `passed` is called with the number of tests.
+  std::optional<Word> run(TestSuite& suite, const Mealy& hypothesis, const RunControl& control,
+                          std::string_view refuter,
+                          const std::function<Passed(std::uint64_t tests)>& passed);
+
+ private:
+  TestRunner runner_;
+  std::string guarantee_ = "not tested";
+  Strength strength_;
 };
 
 // Runs test suites on a machine in memory, as fast as possible: tests are made and played one by

@@ -111,30 +111,25 @@ const CoverageSuite::Tree& CoverageSuite::paths_from(StateId state) {
 
 CoverageMethod::CoverageMethod(OutputOracle& oracle, CoverageOptions options,
                                TestRunnerOptions runner, std::uint64_t seed)
-    : runner_(oracle, runner), options_(options), random_(seed) {
+    : SuiteMethod(oracle, runner), options_(options), random_(seed) {
   check(options);
 }
 
 std::optional<Word> CoverageMethod::find_counterexample(const Mealy& hypothesis,
                                                         const RunControl& control) {
-  guarantee_ = "not tested to the end";
   CoverageSuite suite(hypothesis, options_, random_.split());
-  std::optional<Word> counterexample = runner_.run(suite, hypothesis, control);
   const char* const covered = options_.covered == Covered::states ? "state" : "transition";
   const std::string passed = options_.ways == 1
                                  ? fmt::format("each {}", covered)
                                  : fmt::format("each {} {}s in each order", options_.ways, covered);
-  if (counterexample) {
-    guarantee_ = fmt::format("refuted by a test of those for {}", passed);
-  } else if (runner_.last_tests() == *suite.size()) {
-    guarantee_ = fmt::format("not refuted by {} tests for {}", *suite.size(), passed);
-  } else {
-    const std::string all =
-        *suite.size() == saturated ? "more than 2^64" : std::to_string(*suite.size());
-    guarantee_ =
-        fmt::format("not refuted by {} of {} tests for {}", runner_.last_tests(), all, passed);
-  }
-  return counterexample;
+  const std::uint64_t size = *suite.size();
+  return run(suite, hypothesis, control, "a test of those for " + passed,
+             [&](std::uint64_t tests) -> Passed {
+               if (tests == size)
+                 return {fmt::format("not refuted by {} tests for {}", size, passed)};
+               const std::string all = size == saturated ? "more than 2^64" : std::to_string(size);
+               return {fmt::format("not refuted by {} of {} tests for {}", tests, all, passed)};
+             });
 }
 
 }  // namespace maide

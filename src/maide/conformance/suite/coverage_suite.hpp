@@ -20,7 +20,6 @@
 #include "maide/base/random.hpp"
 #include "maide/conformance/method/test_runner.hpp"
 #include "maide/conformance/suite/test_suite.hpp"
-#include "maide/learn/oracle/equivalence_oracle.hpp"
 
 namespace maide {
 
@@ -65,7 +64,7 @@ class CoverageSuite : public TestSuite {
   std::size_t tree_count_ = 0;
 };
 
-class CoverageMethod : public EquivalenceOracle {
+class CoverageMethod : public SuiteMethod {
  public:
   // Keeps a reference to `oracle`. Each equivalence query draws the order and the random inputs
   // anew. Throws UsageError as the suite does.
@@ -74,13 +73,10 @@ class CoverageMethod : public EquivalenceOracle {
 
   std::optional<Word> find_counterexample(const Mealy& hypothesis,
                                           const RunControl& control = {}) override;
-  std::string guarantee() const override { return guarantee_; }
 
  private:
-  TestRunner runner_;
   CoverageOptions options_;
   Random random_;
-  std::string guarantee_ = "not tested";
 };
 
 }  // namespace maide

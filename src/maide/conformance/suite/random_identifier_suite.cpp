@@ -88,7 +88,10 @@ std::string describe_passed(std::uint64_t tests, const IdentifierMethod& method,
 
 RandomMethod::RandomMethod(OutputOracle& oracle, const IdentifierMethod& method,
                            RandomMethodOptions options)
-    : oracle_(oracle), method_(method), options_(options), random_(options.seed) {
+    : SuiteMethod(oracle, {options.max_tests, options.batch_size}),
+      method_(method),
+      options_(options),
+      random_(options.seed) {
   check(options.infix);
 }
 
@@ -97,17 +100,12 @@ std::optional<Word> RandomMethod::find_counterexample(const Mealy& hypothesis,
   StateIdentifiers identifiers = method_.compute(hypothesis, random_.split());
   RandomIdentifierSuite suite(hypothesis, std::move(identifiers), options_.infix, random_.split(),
                               counterexamples_, options_.ends);
-  TestRunner runner(oracle_, {options_.max_tests, options_.batch_size});
-  guarantee_ = "not tested to the end";
-  strength_ = {};
-  std::optional<Word> counterexample = runner.run(suite, hypothesis, control);
-  if (counterexample) {
-    counterexamples_.push_back(*counterexample);
-    guarantee_ = fmt::format("refuted by a random test of {}", method_.title);
-  } else {
-    strength_.random = runner.last_tests();
-    guarantee_ = describe_passed(runner.last_tests(), method_, options_.infix, options_.ends);
-  }
+  std::optional<Word> counterexample = run(
+      suite, hypothesis, control, fmt::format("a random test of {}", method_.title),
+      [&](std::uint64_t tests) -> Passed {
+        return {describe_passed(tests, method_, options_.infix, options_.ends), {.random = tests}};
+      });
+  if (counterexample) counterexamples_.push_back(*counterexample);
   return counterexample;
 }
 

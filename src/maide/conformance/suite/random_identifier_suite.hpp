@@ -21,7 +21,6 @@
 #include "maide/conformance/method/test_runner.hpp"
 #include "maide/conformance/suite/infix_sampler.hpp"
 #include "maide/conformance/suite/test_suite.hpp"
-#include "maide/learn/oracle/equivalence_oracle.hpp"
 
 namespace maide {
 
@@ -94,7 +93,7 @@ struct RandomMethodOptions {
   std::size_t batch_size = TestRunnerOptions{}.batch_size;
 };
 
-class RandomMethod : public EquivalenceOracle {
+class RandomMethod : public SuiteMethod {
  public:
   // Keeps a reference to `oracle`. Each equivalence query draws new tests, which replay pieces of
   // the counterexamples before. Throws UsageError as the suite does.
@@ -103,17 +102,12 @@ class RandomMethod : public EquivalenceOracle {
 
   std::optional<Word> find_counterexample(const Mealy& hypothesis,
                                           const RunControl& control = {}) override;
-  std::string guarantee() const override { return guarantee_; }
-  Strength strength() const override { return strength_; }
 
  private:
-  OutputOracle& oracle_;
   IdentifierMethod method_;
   RandomMethodOptions options_;
   Random random_;
   std::vector<Word> counterexamples_;
-  std::string guarantee_ = "not tested";
-  Strength strength_;
 };
 
 }  // namespace maide

@@ -15,7 +15,7 @@ bool RandomWordSuite::next(Word& word) {
 }
 
 RandomWords::RandomWords(OutputOracle& oracle, RandomWordsOptions options)
-    : runner_(oracle, {options.max_tests, options.batch_size}),
+    : SuiteMethod(oracle, {options.max_tests, options.batch_size}),
       options_(options),
       random_(options.seed) {
   if (options.min_length == 0 ||
@@ -36,14 +36,11 @@ std::optional<Word> RandomWords::find_counterexample(const Mealy& hypothesis,
                                      : std::max(2 * hypothesis.size() + 10, options_.min_length);
   RandomWordSuite suite(hypothesis.inputs().size(), options_.min_length, max_length,
                         random_.split());
-  guarantee_ = "not tested to the end";
-  strength_ = {};
-  std::optional<Word> counterexample = runner_.run(suite, hypothesis, control);
-  guarantee_ = counterexample ? "refuted by a random word"
-                              : fmt::format("not refuted by {} random words of length {} to {}",
-                                            runner_.last_tests(), options_.min_length, max_length);
-  if (!counterexample) strength_.random = runner_.last_tests();
-  return counterexample;
+  return run(suite, hypothesis, control, "a random word", [&](std::uint64_t tests) -> Passed {
+    return {fmt::format("not refuted by {} random words of length {} to {}", tests,
+                        options_.min_length, max_length),
+            {.random = tests}};
+  });
 }
 
 bool RandomWalkSuite::next(Word& word) {
@@ -57,7 +54,7 @@ bool RandomWalkSuite::next(Word& word) {
 }
 
 RandomWalk::RandomWalk(OutputOracle& oracle, RandomWalkOptions options)
-    : runner_(oracle, {options.max_tests, options.batch_size}),
+    : SuiteMethod(oracle, {options.max_tests, options.batch_size}),
       options_(options),
       random_(options.seed) {
   if (!(options.restart_probability >= 0 && options.restart_probability <= 1)) {
@@ -71,15 +68,11 @@ std::optional<Word> RandomWalk::find_counterexample(const Mealy& hypothesis,
                                                     const RunControl& control) {
   RandomWalkSuite suite(hypothesis.inputs().size(), options_.restart_probability,
                         options_.max_length, options_.max_steps, random_.split());
-  guarantee_ = "not tested to the end";
-  strength_ = {};
-  std::optional<Word> counterexample = runner_.run(suite, hypothesis, control);
-  guarantee_ = counterexample
-                   ? "refuted by a random walk"
-                   : fmt::format("not refuted by a random walk of at most {} steps, {} restarts",
-                                 options_.max_steps, runner_.last_tests());
-  if (!counterexample) strength_.random = runner_.last_tests();
-  return counterexample;
+  return run(suite, hypothesis, control, "a random walk", [&](std::uint64_t tests) -> Passed {
+    return {fmt::format("not refuted by a random walk of at most {} steps, {} restarts",
+                        options_.max_steps, tests),
+            {.random = tests}};
+  });
 }
 
 }  // namespace maide

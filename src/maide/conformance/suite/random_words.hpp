@@ -32,7 +32,7 @@ struct RandomWordsOptions {
   std::size_t batch_size = TestRunnerOptions{}.batch_size;
 };
 
-class RandomWords : public EquivalenceOracle {
+class RandomWords : public SuiteMethod {
  public:
   // Keeps a reference to `oracle`. Each equivalence query draws new words. Throws UsageError if the
   // lengths are no range.
@@ -40,15 +40,10 @@ class RandomWords : public EquivalenceOracle {
 
   std::optional<Word> find_counterexample(const Mealy& hypothesis,
                                           const RunControl& control = {}) override;
-  std::string guarantee() const override { return guarantee_; }
-  Strength strength() const override { return strength_; }
 
  private:
-  TestRunner runner_;
   RandomWordsOptions options_;
   Random random_;
-  std::string guarantee_ = "not tested";
-  Strength strength_;
 };
 
 // A random walk: random inputs, and a reset after each with a certain probability. Each piece
@@ -85,7 +80,7 @@ struct RandomWalkOptions {
   std::size_t batch_size = TestRunnerOptions{}.batch_size;
 };
 
-class RandomWalk : public EquivalenceOracle {
+class RandomWalk : public SuiteMethod {
  public:
   // Keeps a reference to `oracle`. Each equivalence query walks anew. Throws UsageError unless the
   // probability lies in [0, 1] and lengths are at least 1.
@@ -93,15 +88,10 @@ class RandomWalk : public EquivalenceOracle {
 
   std::optional<Word> find_counterexample(const Mealy& hypothesis,
                                           const RunControl& control = {}) override;
-  std::string guarantee() const override { return guarantee_; }
-  Strength strength() const override { return strength_; }
 
  private:
-  TestRunner runner_;
   RandomWalkOptions options_;
   Random random_;
-  std::string guarantee_ = "not tested";
-  Strength strength_;
 };
 
 }  // namespace maide

@@ -1,0 +1,287 @@
+#include "maide/check/explore/assumptions.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <set>
+#include <tuple>
+#include <utility>
+
+#include "maide/automata/strength.hpp"
+#include "maide/base/text.hpp"
+#include "maide/check/explore/model_words.hpp"
+
+namespace maide {
+namespace {
+
+bool has_beyond(const InterfaceAutomaton& automaton, Symbol input) {
+  for (StateId state = 0; state < automaton.size(); ++state) {
+    if (is_beyond_learned(automaton, state, input)) return true;
+  }
+  return false;
+}
+
+std::string input_name(const System& system, const InputUse& use) {
+  const ModelInstance& model = system.models[use.model];
+  return model.name + "." + model.automaton.inputs().name(use.input);
+}
+
+// What the return of a call is called in models that observe it.
+std::string return_name(const std::string& input) { return input == "write" ? "written" : "done"; }
+
+// Models that some program meets, in the order of the system.
+std::set<std::uint32_t> find_used(const System& system) {
+  std::set<std::uint32_t> used;
+  for (const Program& program : system.programs) {
+    for (const ProgramEdge& edge : program.edges) {
+      for (const ModelUse& use : program.uses_of(edge)) {
+        used.insert(use.model);
+      }
+    }
+  }
+  return used;
+}
+
+// Those of them that come from files or were learned.
+std::vector<const ModelInstance*> find_used_models(const System& system) {
+  std::vector<const ModelInstance*> models;
+  for (const std::uint32_t index : find_used(system)) {
+    const ModelInstance& model = system.models[index];
+    if (model.source == ModelInstance::Source::file) models.push_back(&model);
+  }
+  return models;
+}
+
+bool is_weak(const ModelInstance& model) {
+  const auto stated = find_strength(model.automaton.origin);
+  return stated && stated->is_weak;
+}
+
+// What to do for a model that is stronger.
+std::string describe_strengthening(const ModelInstance& model) {
+  if (model.is_learned)
+    return "write `learning: {effort: 10}`, or more, at the model, without `eq` and `max-tests`";
+  const auto sul = model.automaton.origin.find("sul");
+  const std::string file = quote_shell_word(model.origin);
+  return fmt::format("run `maide learn {} --start-from {} -o {} --effort 10`, or more",
+                     sul == model.automaton.origin.end() ? "SUL" : sul->second, file, file);
+}
+
+// Inputs that a model has in states where an output is due: the meaning of systems leaves them out.
+std::size_t count_inputs_while_due(const InterfaceAutomaton& automaton) {
+  std::size_t count = 0;
+  for (StateId state = 0; state < automaton.size(); ++state) {
+    if (automaton.is_quiescent(state)) continue;
+    for (const auto& transition : automaton.transitions(state)) {
+      count += transition.action.is_input() ? 1 : 0;
+    }
+  }
+  return count;
+}
+
+// Whether a run that is not fair might violate the property.
+bool depends_on_fairness(const Property& property) {
+  if (property.kind == Property::Kind::never) return true;
+  return property.kind == Property::Kind::ltl && !is_syntactically_safe(property.formula);
+}
+
+// Gathers what verdicts rest on.
+class AssumptionList {
+ public:
+  AssumptionList(const System& system, const std::vector<InputUse>& uses)
+      : system_(system), uses_(uses) {}
+
+  std::vector<std::string> state(const std::vector<Property>& properties,
+                                 const std::vector<PropertyResult>& results) {
+    state_unexplored();
+    state_fairness(properties);
+    if (const auto hidden = find_hidden_return(system_, uses_)) lines_.push_back(*hidden);
+    state_inputs_while_due();
+    state_hypotheses();
+    state_strengths();
+    state_unreal();
+    state_time_outs(results);
+    state_reduction(results);
+    return std::move(lines_);
+  }
+
+ private:
+  void state_unexplored() {
+    for (const InputUse& use : uses_) {
+      const ModelInstance& model = system_.models[use.model];
+      if (model.when_unexplored == WhenUnexplored::stop) continue;
+      if (!has_beyond(model.automaton, use.input)) continue;
+      lines_.push_back(fmt::format("{} {} (when_unexplored: {}; {})", input_name(system_, use),
+                                   model.when_unexplored == WhenUnexplored::wait
+                                       ? "waits where it was never tried, until it is possible"
+                                       : "is taken where it was never tried, and changes nothing",
+                                   model.when_unexplored == WhenUnexplored::wait ? "wait" : "drop",
+                                   describe_bound(model)));
+    }
+  }
+
+  void state_fairness(const std::vector<Property>& properties) {
+    for (const Property& property : properties) {
+      if (!depends_on_fairness(property)) continue;
+      if (property.fairness == Fairness::none) continue;
+      const bool is_weak = property.fairness == Fairness::weak;
+      lines_.push_back(fmt::format("{}: {} fairness: no program waits for ever that could go on {}",
+                                   property.name, is_weak ? "weak" : "strong",
+                                   is_weak ? "all the time" : "again and again"));
+    }
+  }
+
+  void state_inputs_while_due() {
+    for (const ModelInstance& model : system_.models) {
+      const std::size_t count = count_inputs_while_due(model.automaton);
+      if (count > 0) {
+        lines_.push_back(fmt::format(
+            "{} takes no input while an output is due: {} transitions of its file are not used",
+            model.name, count));
+      }
+    }
+  }
+
+  // A line for all models that passed the same tests: instances of one model, mostly.
+  void state_hypotheses() {
+    std::vector<std::pair<std::string, std::vector<std::string>>> models_of;  // tests
+    for (const ModelInstance& model : system_.models) {
+      const auto tests = model.automaton.origin.find("tests");
+      if (tests == model.automaton.origin.end()) continue;
+      const auto known = std::find_if(models_of.begin(), models_of.end(), [&](const auto& entry) {
+        return entry.first == tests->second;
+      });
+      if (known == models_of.end()) {
+        models_of.push_back({tests->second, {model.name}});
+      } else {
+        known->second.push_back(model.name);
+      }
+    }
+    for (const auto& [tests, models] : models_of) {
+      lines_.push_back(fmt::format("{} {}: {}", join(models, ", "),
+                                   models.size() == 1 ? "is a hypothesis" : "are hypotheses",
+                                   tests));
+    }
+  }
+
+  // Of the models that are weak, or of which nobody knows whether they are.
+  void state_strengths() {
+    std::vector<std::string> unknown;
+    for (const ModelInstance* model : find_used_models(system_)) {
+      const auto stated = find_strength(model->automaton.origin);
+      if (!stated) unknown.push_back(model->name);
+      if (stated && !stated->is_known()) {
+        lines_.push_back(fmt::format("{}: strength unknown, for the model does not say {}",
+                                     model->name, stated->unstated));
+      }
+      if (!stated || !stated->is_weak) continue;
+      lines_.push_back(fmt::format(
+          "{} is weak{}: its tests reached {}", model->name,
+          model->when_weak == WhenWeak::accept ? " and accepted (when_weak: accept)" : "",
+          to_string(stated->strength)));
+    }
+    if (unknown.empty()) return;
+    lines_.push_back(join(unknown, ", ") +
+                     ": strength unknown, for the model does not say how it was "
+                     "tested");
+  }
+
+  // Built-in models and shared variables.
+  void state_unreal() {
+    const std::set<std::uint32_t> used = find_used(system_);
+    for (const std::string& line : describe_unreal(system_, {used.begin(), used.end()})) {
+      lines_.push_back(line);
+    }
+  }
+
+  void state_time_outs(const std::vector<PropertyResult>& results) {
+    const bool holds = std::any_of(results.begin(), results.end(), [](const auto& result) {
+      return result.verdict == Verdict::holds;
+    });
+    std::set<int> lines;
+    for (const Program& program : system_.programs) {
+      for (const ProgramEdge& edge : program.edges) {
+        if (program.role_of(edge) == Joint::Role::timeout) lines.insert(edge.line);
+      }
+    }
+    if (!holds || lines.empty()) return;
+    const bool is_one = lines.size() == 1;
+    lines_.push_back(fmt::format(
+        "time is not modelled: the time-out{} at line{} {} may come as soon as nothing else can",
+        is_one ? "" : "s", is_one ? "" : "s", fmt::join(lines, ", ")));
+  }
+
+  void state_reduction(const std::vector<PropertyResult>& results) {
+    std::vector<std::string> reduced;
+    for (const PropertyResult& result : results) {
+      if (result.reduction != Reduction::none) reduced.push_back(result.name);
+    }
+    if (!reduced.empty()) {
+      lines_.push_back(join(reduced) + ": partial-order reduction (--reduction none does without)");
+    }
+  }
+
+  const System& system_;
+  const std::vector<InputUse>& uses_;
+  std::vector<std::string> lines_;
+};
+
+}  // namespace
+
+std::vector<InputUse> find_uses(const System& system) {
+  std::vector<InputUse> uses;
+  std::set<std::tuple<std::uint32_t, Symbol>> seen;
+  for (const Program& program : system.programs) {
+    for (const ProgramEdge& edge : program.edges) {
+      for (const ModelUse& event : program.events_of(edge)) {
+        if (event.kind != ModelUse::Kind::give) continue;
+        if (!seen.insert({event.model, event.symbol}).second) continue;
+        uses.push_back({event.model, event.symbol, &program, &edge});
+      }
+    }
+  }
+  return uses;
+}
+
+std::optional<std::string> find_hidden_return(const System& system,
+                                              const std::vector<InputUse>& uses) {
+  for (const InputUse& use : uses) {
+    const InterfaceAutomaton& automaton = system.models[use.model].automaton;
+    const std::string& input = automaton.inputs().name(use.input);
+    const auto& hidden = automaton.hidden_returns;
+    if (std::find(hidden.begin(), hidden.end(), input) == hidden.end()) continue;
+    std::vector<std::string> observed = automaton.outputs().names();
+    observed.push_back(return_name(input));
+    return fmt::format(
+        "{}'s {} at line {} really blocks, and the model of {} does not show when it returns: "
+        "learn "
+        "with observe={}, write `{} -> {};`",
+        use.program->name, input_name(system, use), use.edge->line, system.models[use.model].name,
+        fmt::join(observed, ","), input_name(system, use), return_name(input));
+  }
+  return std::nullopt;
+}
+
+std::optional<std::string> find_weakness(const System& system) {
+  std::vector<std::string> names;
+  const ModelInstance* first = nullptr;
+  for (const ModelInstance* model : find_used_models(system)) {
+    if (!is_weak(*model) || model->when_weak == WhenWeak::accept) continue;
+    if (first == nullptr) first = model;
+    names.push_back(model->name);
+  }
+  if (first == nullptr) return std::nullopt;
+  return fmt::format(
+      "it leans on {} ({}), whose tests may have missed a part of the system: {}, or write "
+      "`when_weak: accept` there",
+      names.size() == 1 ? "a weak model" : "weak models", join(names),
+      describe_strengthening(*first));
+}
+
+std::vector<std::string> state_assumptions(const System& system, const std::vector<InputUse>& uses,
+                                           const std::vector<Property>& properties,
+                                           const std::vector<PropertyResult>& results) {
+  return AssumptionList(system, uses).state(properties, results);
+}
+
+}  // namespace maide

@@ -1,0 +1,36 @@
+// What a verdict rests on beside the search: how far models were learned and tested, what the
+// system file says of places that were never tried, and fairness.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "maide/check/explore/engine.hpp"
+#include "maide/check/language/system.hpp"
+
+namespace maide {
+
+// A use of an input by some program: the first place of each.
+struct InputUse {
+  std::uint32_t model = 0;
+  Symbol input = 0;
+  const Program* program = nullptr;
+  const ProgramEdge* edge = nullptr;
+};
+
+std::vector<InputUse> find_uses(const System& system);
+
+// A call that really blocks, and whose return the model does not show; in words, with what to do.
+std::optional<std::string> find_hidden_return(const System& system,
+                                              const std::vector<InputUse>& uses);
+
+// Why a "holds" is none, as far as that is because of weak models.
+std::optional<std::string> find_weakness(const System& system);
+
+// One line each, of verdicts on these properties, with these results. `uses` are find_uses().
+std::vector<std::string> state_assumptions(const System& system, const std::vector<InputUse>& uses,
+                                           const std::vector<Property>& properties,
+                                           const std::vector<PropertyResult>& results);
+
+}  // namespace maide

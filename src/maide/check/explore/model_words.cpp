@@ -1,0 +1,116 @@
+#include "maide/check/explore/model_words.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+
+#include "maide/base/text.hpp"
+
+namespace maide {
+
+std::string describe_bound(const ModelInstance& model) {
+  const auto bound = model.automaton.origin.find("bound");
+  if (bound == model.automaton.origin.end()) {
+    return model.name + " was learned up to a bound that its file does not name";
+  }
+  const std::string& text = bound->second;
+  const bool is_number = !text.empty() && std::all_of(text.begin(), text.end(),
+                                                      [](char c) { return c >= '0' && c <= '9'; });
+  if (!is_number) return fmt::format("{} was learned for {}", model.name, text);
+  return fmt::format("{} was learned for at most {} message{} in flight", model.name, text,
+                     text == "1" ? "" : "s");
+}
+
+std::string describe_built_in(const ModelInstance& model) {
+  const InterfaceAutomaton& automaton = model.automaton;
+  if (automaton.inputs().find("lock")) return "a mutex";
+  if (automaton.inputs().find("acquire")) {
+    return fmt::format("a semaphore of count {}", automaton.size() - 1);
+  }
+  // The reader asks last; what is before it writes.
+  std::size_t size = 0;
+  for (StateId state = automaton.initial();; ++size) {
+    const auto transitions = automaton.transitions(state);
+    const auto write = std::find_if(transitions.begin(), transitions.end(), [](const auto& way) {
+      return way.action == Action{Action::Kind::input, 0};
+    });
+    if (write == transitions.end()) return fmt::format("a queue of size {}", size);
+    if (write->target == state) return fmt::format("a queue of depth {}", size);
+    state = write->target;
+  }
+}
+
+std::string describe_refusal(const ModelInstance& model, Symbol input) {
+  const std::string& name = model.automaton.inputs().name(input);
+  if (name == "lock") return "is held";
+  if (name == "unlock") return "is not held";
+  if (name == "acquire") return "has no unit left";
+  if (name == "release") return "has all its units";
+  return name == "read" ? "is being read already" : "is full";
+}
+
+std::vector<std::string> describe_unreal(const System& system,
+                                         const std::vector<std::uint32_t>& models) {
+  using Source = ModelInstance::Source;
+  std::map<std::string, std::vector<std::string>> names;  // by kind; "": shared variables
+  for (const std::uint32_t index : models) {
+    const ModelInstance& model = system.models[index];
+    if (model.source == Source::built_in) names[describe_built_in(model)].push_back(model.name);
+    if (model.source == Source::variable) names[""].push_back(model.name);
+  }
+  std::vector<std::string> lines;
+  for (const auto& [kind, of_kind] : names) {
+    const bool is_one = of_kind.size() == 1;
+    lines.push_back(join(of_kind) +
+                    (kind.empty() ? is_one ? " is a shared variable" : " are shared variables"
+                                  : fmt::format(" {} written by hand ({}{})", is_one ? "is" : "are",
+                                                kind, is_one ? "" : " each")));
+  }
+  std::sort(lines.begin(), lines.end());
+  return lines;
+}
+
+std::string describe_use(const System& system, const ModelUse& use) {
+  const ModelInstance& model = system.models[use.model];
+  switch (use.kind) {
+    case ModelUse::Kind::give: return model.name + "." + model.automaton.inputs().name(use.symbol);
+    case ModelUse::Kind::take: return model.name + "!" + model.automaton.outputs().name(use.symbol);
+    case ModelUse::Kind::act: return model.actions[use.symbol].name;
+    default: return model.name + " quiet";
+  }
+}
+
+std::string describe_edge(const System& system, const Program& program, const ProgramEdge& edge) {
+  if (edge.kind == ProgramEdge::Kind::joint) return program.joints[edge.symbol].text;
+  if (edge.kind == ProgramEdge::Kind::choice) return edge.symbol == 0 ? "if *" : "if * ... else";
+  return describe_use(system, edge);
+}
+
+std::string describe_error(const System& system, const GlobalState& state) {
+  for (std::size_t index = 0; index < system.programs.size(); ++index) {
+    const Program& program = system.programs[index];
+    if (!program.is_error(state.programs[index])) continue;
+    const ProgramError& error = program.errors[program.states[state.programs[index]].error];
+    return fmt::format("{}: {} ({})", program.name, error.text, to_string(error.position));
+  }
+  return "";
+}
+
+std::string describe_waiting(const System& system, const Program& program,
+                             const std::vector<ProgramEdge>& awaited) {
+  const bool is_select = std::any_of(awaited.begin(), awaited.end(), [&](const ProgramEdge& edge) {
+    const Joint::Role role = program.role_of(edge);
+    return role == Joint::Role::arm || role == Joint::Role::otherwise ||
+           role == Joint::Role::timeout;
+  });
+  std::vector<std::string> steps;
+  for (const ProgramEdge& edge : awaited) {
+    const std::string step = describe_edge(system, program, edge);
+    if (std::find(steps.begin(), steps.end(), step) == steps.end()) steps.push_back(step);
+  }
+  return fmt::format("waits at line {}{} for {}", awaited.front().line,
+                     is_select ? " in a select" : "", join(steps, " or "));
+}
+
+}  // namespace maide

@@ -1,0 +1,267 @@
+#include "maide/check/language/event_parser.hpp"
+
+#include <algorithm>
+#include <map>
+
+#include "maide/base/text.hpp"
+#include "maide/base/text_cursor.hpp"
+#include "maide/check/language/built_in_models.hpp"
+#include "maide/formats/names.hpp"
+
+namespace maide::program_syntax {
+
+// ---- models and their inputs and outputs --------------------------------------------------------
+
+ModelReference EventParser::parse_model() {
+  const Token name = tokens_.next();
+  if (!name.is_name()) {
+    tokens_.fail("expected a model instance, not " + to_string(name), name);
+  }
+  const auto binding = find(name.text);
+  if (!binding || binding->kind != Binding::Kind::model) fail_unknown_model(name, !binding);
+  ModelReference model{binding->expression, binding->model->is_topic, binding->model};
+  const SourcePosition place = tokens_.position(name);
+  model.leaf.line = place.line;
+  model.leaf.column = place.column;
+  if (model.leaf.operands.empty()) {
+    model.leaf.operands = expressions_.parse_indices(model.leaf.dimensions, name);
+    for (const Expression& index : model.leaf.operands) without_shared(index, name, "an index");
+  }
+  for_each_member(model, [&](std::uint32_t member) {
+    if (!model.is_topic) {
+      work_.names.insert(member);
+      return;
+    }
+    for (const Topic::Reader& reader : context_.names.topics[member].readers) {
+      work_.names.insert(reader.model);
+    }
+  });
+  return model;
+}
+
+void EventParser::fail_unknown_model(const Token& name, bool is_unknown) {
+  if (!is_unknown) tokens_.fail("'" + name.text + "' is no model", name);
+  if (is_reserved(name)) tokens_.fail("'" + name.text + "' is a keyword here", name);
+  std::map<std::uint32_t, std::string> in_order;
+  for (const auto& [other, model] : context_.names.models) in_order.emplace(model.first, other);
+  std::string known;
+  for (const auto& [first, other] : in_order) known += (known.empty() ? "" : ", ") + other;
+  tokens_.fail("unknown model '" + name.text + "'; there is: " + (known.empty() ? "none" : known),
+               name);
+}
+
+const ModelInstance& EventParser::instance(const ModelReference& model) const {
+  if (!model.is_topic) return context_.models[model.leaf.index];
+  return context_.models[context_.names.topics[model.leaf.index].readers.front().model];
+}
+
+std::string EventParser::name_at_end(const ModelReference& model, const std::string& name) const {
+  for (const auto& [role, programs] : model.known->ends) {
+    const auto place = std::find(programs.begin(), programs.end(), context_.program);
+    if (place == programs.begin() || place == programs.end()) continue;
+    for (const Actor& actor : instance(model).automaton.actors) {
+      if (actor.name == role && (contains(actor.inputs, name) || contains(actor.outputs, name))) {
+        return name + std::to_string(place - programs.begin() + 1);
+      }
+    }
+  }
+  return name;
+}
+
+void EventParser::check_role(const ModelReference& model, const Event& event, const Token& name) {
+  bool may = !model.is_topic;
+  std::string topics;
+  const bool is_write = model.is_topic && is_of_writer(instance(model).automaton, event.name);
+  for_each_topic(model, [&](const Topic& topic) {
+    may = may || topic.has_end(context_.program, is_write);
+    topics += (topics.empty() ? "" : ", ") + topic.name;
+  });
+  if (may || topics.empty()) return;
+  tokens_.fail(
+      "this program is no " + std::string(is_write ? "writer" : "reader") + " of " + topics, name);
+}
+
+Event EventParser::parse_event_name(const ModelReference& model, std::string_view what) {
+  const Token name = tokens_.next();
+  if (!name.is_name()) {
+    tokens_.fail(
+        "expected an " + std::string(what) + " of " + model.name() + ", not " + to_string(name),
+        name);
+  }
+  const SourcePosition place = tokens_.position(name);
+  Event event;
+  event.name = name_at_end(model, name.text);
+  event.line = place.line;
+  event.column = place.column;
+  event.has_arguments = tokens_.peek().is("(");
+  check_event(model, event, name, what);
+  check_role(model, event, name);
+  return event;
+}
+
+void EventParser::check_event(const ModelReference& model, const Event& event, const Token& name,
+                              std::string_view what) {
+  const ModelInstance& instance = this->instance(model);
+  if (context_.on_value && instance.source == ModelInstance::Source::built_in) return;
+  const Alphabet& alphabet =
+      what == "input" ? instance.automaton.inputs() : instance.automaton.outputs();
+  if (!event.has_arguments && alphabet.find(event.name)) return;
+  const bool may_have_arguments = event.has_arguments || what == "output";
+  for (const std::string& other : alphabet.names()) {
+    const NameParts parts = split_name(other);
+    if (may_have_arguments && !parts.arguments.empty() && parts.name == event.name) return;
+  }
+  std::string known;
+  for (const std::string& other : alphabet.names()) known += (known.empty() ? "" : ", ") + other;
+  tokens_.fail("model " + model.name() + " has no " + std::string(what) + " '" + event.name + "'" +
+                   (event.has_arguments ? " with values" : "") +
+                   "; it has: " + (known.empty() ? "none" : known),
+               name);
+}
+
+Event EventParser::parse_input(const ModelReference& model) {
+  const Token name = tokens_.peek();
+  Event event = parse_event_name(model, "input");
+  if (!tokens_.accept("(")) return event;
+  do {
+    const Token first = tokens_.peek();
+    Event::Argument argument;
+    argument.expression = without_shared(parse_argument(model), first, "an argument");
+    if (context_.on_value) {
+      note_value(model, event, type_of(argument.expression));
+    }
+    event.arguments.push_back(std::move(argument));
+  } while (tokens_.accept(","));
+  tokens_.expect(")", "behind the values");
+  if (!context_.on_value) check_constant_input(model, event, name);
+  return event;
+}
+
+void EventParser::note_value(const ModelReference& model, const Event& event,
+                             const ValueType& type) {
+  const std::size_t place = event.arguments.size();
+  const auto count = static_cast<std::uint32_t>(member_count(model.leaf.dimensions));
+  for (std::uint32_t member = model.leaf.index; member < model.leaf.index + count; ++member) {
+    if (!model.is_topic) {
+      context_.on_value(member, event, place, type);
+      continue;
+    }
+    for (const Topic::Reader& reader : context_.names.topics[member].readers) {
+      context_.on_value(reader.model, event, place, type);
+    }
+  }
+}
+
+void EventParser::check_constant_input(const ModelReference& model, const Event& event,
+                                       const Token& name) {
+  std::string values;
+  for (const auto& [expression, binds, type] : event.arguments) {
+    if (!expression.is_constant()) return;
+    values +=
+        (values.empty() ? "" : ",") + to_string(expression.value, expression.kind, context_.words);
+  }
+  const std::string symbol = event.name + "(" + values + ")";
+  if (!instance(model).automaton.inputs().find(symbol)) {
+    tokens_.fail("model " + model.name() + " has no input '" + symbol + "'", name);
+  }
+}
+
+Expression EventParser::parse_argument(const ModelReference& model) {
+  const Token& first = tokens_.peek();
+  const bool is_alone = tokens_.peek(1).is(",") || tokens_.peek(1).is(")");
+  if (first.is_name() && is_alone && !first.is("true") && !first.is("false") && !find(first.text)) {
+    if (instance(model).source == ModelInstance::Source::built_in) {
+      return make_constant(context_.words.intern(tokens_.next().text), ValueKind::word);
+    }
+  }
+  return expressions_.parse();
+}
+
+Event EventParser::parse_output(const ModelReference& model) {
+  Event event = parse_event_name(model, "output");
+  if (!tokens_.accept("(")) return event;
+  do {
+    event.arguments.push_back(parse_pattern(model, event));
+  } while (tokens_.accept(","));
+  tokens_.expect(")", "behind the values");
+  return event;
+}
+
+Event::Argument EventParser::parse_pattern(const ModelReference& model, const Event& event) {
+  Event::Argument argument;
+  const Token first = tokens_.peek();
+  if (tokens_.accept("var")) {
+    const Token name = parse_new_name("a variable");
+    const auto type = argument_type(instance(model).automaton.outputs(), event.name,
+                                    event.arguments.size(), context_.words);
+    if (!type && !context_.on_value) {
+      tokens_.fail("'" + event.name + "' of " + model.name() + " never has a value here", name);
+    }
+    argument.type = type.value_or(ValueType{});
+    argument.expression = declare(name, argument.type, {});
+    argument.binds = true;
+    return argument;
+  }
+  const auto binding = first.is_name() ? find(first.text) : std::nullopt;
+  if (binding && binding->kind == Binding::Kind::variable && !binding->is_counted) {
+    auto [target, type] = parse_target();
+    argument.expression = without_shared(std::move(target), first, "an output");
+    argument.type = std::move(type);
+    argument.binds = true;
+    return argument;
+  }
+  argument.expression = parse_argument(model);
+  return argument;
+}
+
+// ---- symbols with values ------------------------------------------------------------------------
+
+NameParts split_name(const std::string& symbol) {
+  NameParts parts;
+  const std::size_t open = symbol.find('(');
+  if (open == std::string::npos || open == 0 || symbol.back() != ')') {
+    parts.name = symbol;
+    return parts;
+  }
+  parts.name = symbol.substr(0, open);
+  const std::string_view inside =
+      std::string_view(symbol).substr(open + 1, symbol.size() - open - 2);
+  for (const std::string_view part : split(inside, ',')) parts.arguments.emplace_back(trim(part));
+  return parts;
+}
+
+std::optional<ValueType> argument_type(const Alphabet& alphabet, const std::string& name,
+                                       std::size_t place, WordTable& words) {
+  std::vector<Value> values;
+  std::optional<ValueType> type;
+  for (const std::string& symbol : alphabet.names()) {
+    const NameParts parts = split_name(symbol);
+    if (parts.name != name || parts.arguments.size() <= place) continue;
+    const auto [kind, value] = read_value(parts.arguments[place], words);
+    if (!type) type = ValueType{kind, value, value, {}};
+    if (type->kind != kind) type->kind = ValueKind::word;
+    type->low = std::min(type->low, value);
+    type->high = std::max(type->high, value);
+    const Value word = words.intern(parts.arguments[place]);
+    if (std::find(values.begin(), values.end(), word) == values.end()) values.push_back(word);
+  }
+  if (!type) return type;
+  if (type->kind == ValueKind::word) type->words = values;
+  if (type->kind == ValueKind::boolean) {
+    type->low = 0;
+    type->high = 1;
+  }
+  return type;
+}
+
+std::pair<ValueKind, Value> read_value(const std::string& text, WordTable& words) {
+  if (text == "true" || text == "false") return {ValueKind::boolean, text == "true" ? 1 : 0};
+  const std::size_t first = text.starts_with('-') ? 1 : 0;
+  const bool is_number = text.size() > first && text.size() < 19 &&
+                         std::all_of(text.begin() + static_cast<std::ptrdiff_t>(first), text.end(),
+                                     [](char c) { return is_digit(c); });
+  if (is_number) return {ValueKind::integer, std::stoll(text)};
+  return {ValueKind::word, words.intern(text)};
+}
+
+}  // namespace maide::program_syntax

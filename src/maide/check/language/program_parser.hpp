@@ -1,0 +1,77 @@
+// Recursive descent over the program language; the grammar stands in program.hpp. A procedure is
+// parsed anew wherever it is called, with its arguments standing for its parameters. Statements are
+// read in program_parser.cpp; the arms of `switch` and `select` in arm_parser.cpp.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "maide/check/language/event_parser.hpp"
+
+namespace maide::program_syntax {
+
+class ProgramParser : public EventParser {
+ public:
+  using EventParser::EventParser;
+
+  void parse_program();
+  void parse_procedure(Block& block) { parse_statements(block); }
+
+ private:
+  // ---- statements -------------------------------------------------------------------------------
+
+  void parse_statements(Block& block);
+  std::unique_ptr<Block> open_block();
+  // Reads the rest of a block that open_block() began.
+  std::unique_ptr<Block> close_block(std::unique_ptr<Block> block, std::string_view where);
+  std::unique_ptr<Block> close_open_block(std::unique_ptr<Block> block, const Token& open);
+  std::unique_ptr<Block> parse_block(std::string_view where);
+  // Of a loop: `break` and `continue` may stand in it.
+  std::unique_ptr<Block> parse_body(std::string_view where);
+  Statement parse_statement();
+  // A word before `.` names a model, whatever the word is.
+  bool is_keyword(std::string_view word) const;
+  bool accept_keyword(std::string_view word);
+  void expect_semicolon(std::string_view where = "at the end of the statement");
+  void parse_simple(const Token& first, Statement& statement);
+  // The statement begins with a variable, and is not an input.
+  bool is_target() const;
+  std::uint32_t parse_label();
+  Expression parse_condition(const std::string& where);
+  void parse_repeat(Statement& statement);
+  void parse_if(Statement& statement);
+  void parse_for(Statement& statement);
+  void parse_declaration(Statement& statement);
+  void parse_assignment(Statement& statement);
+  void check_atomic(const Block& block);
+  void parse_call(Statement& statement);
+  [[noreturn]] void fail_argument_count(const Procedure& procedure, const Token& name);
+  Binding parse_call_argument();
+  void parse_give(Statement& statement);
+
+  // ---- arms -------------------------------------------------------------------------------------
+
+  Arm begin_arm(bool is_quiet);
+  // Without a block of its own: a variable that it declares is the block's around it.
+  Arm parse_awaited(const ModelReference& model);
+  // An arm with a block, behind which its names end.
+  Arm parse_arm(const ModelReference& model, bool may_be_quiet);
+  // The same output, whatever it carries, or the same values.
+  static bool is_same(const Arm& one, const Arm& other);
+  static bool is_same(const Expression& one, const Expression& other);
+  void add_arm(std::vector<Arm>& arms, Arm arm, const Token& name, std::string_view what);
+  void parse_arms(const Token& first, Statement& statement);
+
+  // ---- select -----------------------------------------------------------------------------------
+
+  void parse_select(const Token& first, Statement& statement);
+  void check_distinct(const std::vector<SelectArm>& arms, const SelectArm& arm, const Token& begin);
+  SelectArm parse_select_arm();
+  // Behind `on M.input {`: outputs and what is done then, no statements.
+  bool begins_outputs() const;
+};
+
+}  // namespace maide::program_syntax

@@ -1,0 +1,210 @@
+// Steps of `select`: each arm whose guard holds and whose model can take its part, and `otherwise`
+// or `timeout` where there is none.
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "maide/check/language/unroller.hpp"
+
+namespace maide::program_syntax {
+
+void Unroller::expand_select(const Place& place, const Statement& statement, const Values& values) {
+  for (const SelectArm& arm : statement.select_arms) {
+    const bool waits =
+        arm.kind == SelectArm::Kind::otherwise || arm.kind == SelectArm::Kind::timeout;
+    if (waits) {
+      expand_otherwise(place, statement, arm, values);
+      continue;
+    }
+    const std::uint32_t fair = fair_group(arm.line, arm.column, 0, false, text_of(arm, values));
+    if (!arm.guard) {
+      expand_arm(place, arm, values, {}, fair);
+      continue;
+    }
+    for (auto& [conditions, result] : outcomes(*arm.guard, values, at(arm.line, arm.column))) {
+      if (!result.value) {
+        add_joint({Joint::Role::arm, actions_.variables(conditions, {}), {}, "when", fair},
+                  error_state(result.error, result.line, result.column), arm.line, arm.column);
+      } else if (*result.value != 0) {
+        expand_arm(place, arm, values, actions_.variables(conditions, {}), fair);
+      }
+    }
+  }
+}
+
+std::string Unroller::text_of(const SelectArm& arm, const Values&) const {
+  switch (arm.kind) {
+    case SelectArm::Kind::input: return arm.model.name() + "." + arm.event.name;
+    case SelectArm::Kind::output: return arm.model.name() + "!" + arm.event.name;
+    case SelectArm::Kind::otherwise: return "otherwise";
+    case SelectArm::Kind::timeout: return "timeout";
+    default: return "when";
+  }
+}
+
+void Unroller::expand_arm(const Place& place, const SelectArm& arm, const Values& values,
+                          const std::vector<ModelUse>& conditions, std::uint32_t fair) {
+  const auto add = [&](std::vector<ModelUse> uses, std::vector<ModelUse> events,
+                       const std::string& text, ControlState target) {
+    uses.insert(uses.end(), conditions.begin(), conditions.end());
+    add_joint({Joint::Role::arm, std::move(uses), std::move(events), text, fair}, target, arm.line,
+              arm.column);
+  };
+  if (arm.kind == SelectArm::Kind::guard) {
+    const std::string text = conditions.empty() ? "when" : text_of(conditions, actions_);
+    return add({}, {}, text, settle(enter(*arm.body, behind(place.frame)), values));
+  }
+  try {
+    check_arm(arm, values);
+  } catch (const EvaluationError& error) {
+    return add({}, {}, "when", error_state(error.text, error.line, error.column));
+  }
+  if (written_topic(arm.model, arm.event.name, values) != nullptr) {
+    throw ParseError(
+        "a 'select' waits for what a topic's reader gets; writing in an arm is not "
+        "built yet",
+        at(arm.line, arm.column));
+  }
+  const std::uint32_t model = model_of(arm.model, values);
+  const InterfaceAutomaton& automaton = actions_.model(model).automaton;
+  const Alphabet& outputs = automaton.outputs();
+  using Kind = ModelUse::Kind;
+  if (arm.kind == SelectArm::Kind::output) {
+    for (Symbol output = 0; output < outputs.size(); ++output) {
+      const std::string& name = outputs.name(output);
+      if (!matches(arm.event, split_name(name), name, values)) continue;
+      const ModelUse use{Kind::take, model, output};
+      add({use}, {use}, actions_.model(model).name + "!" + name,
+          take(arm.event, *arm.body, behind(place.frame), name, values));
+    }
+    return;
+  }
+  const Symbol input = input_of(model, arm.event, values);
+  const std::string text = actions_.model(model).name + "." + automaton.inputs().name(input);
+  const ModelUse given{Kind::give, model, input};
+  const std::vector<const Arm*> taken = arms_of(model, arm.arms, values);
+  bool has_output = false, has_arm = arm.arms.empty();
+  for (Symbol output = 0; output < outputs.size(); ++output) {
+    const auto use = actions_.input_and_output(model, input, output);
+    if (!use) continue;
+    has_output = true;
+    const std::string& name = outputs.name(output);
+    const ModelUse event{Kind::take, model, output};
+    ControlState target = 0;
+    if (taken[output] == nullptr) {
+      target = error_state(text + " -> " + name + ": this 'select' has no arm for it", arm.line,
+                           arm.column);
+    } else {
+      has_arm = true;
+      const Arm& of = *taken[output];
+      target = take(of.output, *of.body, behind(place.frame), name, values);
+    }
+    add({*use}, {given, event}, text + " -> " + name, target);
+  }
+  if (!has_arm) {
+    throw ParseError("this arm's outputs never follow " + text + " at once",
+                     at(arm.line, arm.column));
+  }
+  if (arm.body) {
+    const ControlState target = settle(enter(*arm.body, behind(place.frame)), values);
+    if (!has_output) return add({given}, {given}, text, target);
+    if (const auto use = actions_.input_and_output(model, input, std::nullopt)) {
+      add({*use}, {given}, text, target);
+    }
+  }
+  if (actions_.model(model).when_unexplored == WhenUnexplored::stop) {
+    if (const auto use = actions_.beyond(model, input)) {
+      add({*use}, {given}, text, control_state(place));
+    }
+  }
+}
+
+void Unroller::expand_otherwise(const Place& place, const Statement& statement,
+                                const SelectArm& waiting, const Values& values) {
+  using Guards = std::vector<std::int8_t>;  // by arm: 1 it holds, 0 it does not, -1 an error
+  SharedValues known;
+  const std::function<Guards(const SharedValues&)> run = [&](const SharedValues& shared) {
+    Guards guards;
+    for (const SelectArm& arm : statement.select_arms) {
+      try {
+        guards.push_back(!arm.guard || evaluate(*arm.guard, values, &shared) != 0 ? 1 : 0);
+      } catch (const EvaluationError&) {
+        guards.push_back(-1);
+      }
+    }
+    return guards;
+  };
+  const bool is_timeout = waiting.kind == SelectArm::Kind::timeout;
+  for (const auto& [conditions, guards] :
+       outcomes_of(run, actions_, at(waiting.line, waiting.column), known)) {
+    auto uses = idle_uses(statement, guards, values);
+    if (!uses) continue;
+    for (const ModelUse& use : actions_.variables(conditions, {})) uses->push_back(use);
+    const ControlState target = settle(enter(*waiting.body, behind(place.frame)), values);
+    add_joint({is_timeout ? Joint::Role::timeout : Joint::Role::otherwise,
+               std::move(*uses),
+               {},
+               is_timeout ? "timeout" : "otherwise",
+               0},
+              target, waiting.line, waiting.column);
+  }
+}
+
+std::optional<std::vector<ModelUse>> Unroller::idle_uses(const Statement& statement,
+                                                         const std::vector<std::int8_t>& guards,
+                                                         const Values& values) {
+  std::map<std::uint32_t, std::vector<ModelUse>> by_model;
+  for (std::size_t i = 0; i < guards.size(); ++i) {
+    const SelectArm& arm = statement.select_arms[i];
+    if (guards[i] == 0 || arm.kind == SelectArm::Kind::otherwise ||
+        arm.kind == SelectArm::Kind::timeout) {
+      continue;
+    }
+    if (guards[i] < 0 || arm.kind == SelectArm::Kind::guard) return std::nullopt;
+    try {
+      add_taking(arm, values, by_model);
+    } catch (const EvaluationError&) {
+      return std::nullopt;  // the arm is an error
+    }
+  }
+  std::vector<ModelUse> uses;
+  for (auto& [model, taking] : by_model) {
+    const auto idle = actions_.idle(model, taking);
+    if (!idle) return std::nullopt;
+    uses.push_back(*idle);
+  }
+  return uses;
+}
+
+void Unroller::add_taking(const SelectArm& arm, const Values& values,
+                          std::map<std::uint32_t, std::vector<ModelUse>>& by_model) {
+  const std::uint32_t model = model_of(arm.model, values);
+  std::vector<ModelUse>& uses = by_model[model];
+  const InterfaceAutomaton& automaton = actions_.model(model).automaton;
+  if (arm.kind == SelectArm::Kind::output) return;  // quiescence says it
+  const Symbol input = input_of(model, arm.event, values);
+  bool has_output = false;
+  for (Symbol output = 0; output < automaton.outputs().size(); ++output) {
+    if (const auto use = actions_.input_and_output(model, input, output)) {
+      has_output = true;
+      uses.push_back(*use);
+    }
+  }
+  if (arm.body && !has_output) {
+    uses.push_back({ModelUse::Kind::give, model, input});
+    return;
+  }
+  if (arm.body) {
+    if (const auto use = actions_.input_and_output(model, input, std::nullopt)) {
+      uses.push_back(*use);
+    }
+  }
+  if (actions_.model(model).when_unexplored == WhenUnexplored::stop) {
+    if (const auto use = actions_.beyond(model, input)) uses.push_back(*use);
+  }
+}
+
+}  // namespace maide::program_syntax

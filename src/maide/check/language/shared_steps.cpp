@@ -1,0 +1,195 @@
+#include "maide/check/language/shared_steps.hpp"
+
+#include <algorithm>
+
+#include "maide/base/invariant.hpp"
+
+namespace maide {
+
+ModelUse SharedActions::action(std::uint32_t model, const std::string& name,
+                               const std::function<std::vector<std::vector<ModelStep>>()>& steps) {
+  auto& actions = system_.models[model].actions;
+  const auto [place, is_new] = known_[model].try_emplace(name, static_cast<Symbol>(actions.size()));
+  if (is_new) actions.push_back({name, steps()});
+  return {ModelUse::Kind::act, model, place->second};
+}
+
+ModelUse SharedActions::variable(std::uint32_t model, const std::vector<bool>* values,
+                                 std::optional<Value> value) {
+  const ModelInstance& variable = this->model(model);
+  const ValueType& type = variable.type;
+  std::string name;
+  if (values != nullptr) {
+    for (std::uint64_t place = 0; place < type.count(); ++place) {
+      if (!(*values)[place]) continue;
+      name += (name.empty() ? "" : ", ") + to_string(type.at(place), type.kind, words());
+    }
+    const bool is_one = std::count(values->begin(), values->end(), true) == 1;
+    name = variable.name + (is_one ? " == " + name : " in {" + name + "}");
+  }
+  if (value) {
+    name +=
+        (name.empty() ? "" : ", ") + variable.name + " = " + to_string(*value, type.kind, words());
+  }
+  return action(model, name, [&] {
+    std::vector<std::vector<ModelStep>> steps(type.count());
+    for (std::uint64_t place = 0; place < type.count(); ++place) {
+      if (values != nullptr && !(*values)[place]) continue;
+      const std::uint64_t target = value ? type.place_of(*value) : place;
+      steps[place] = {{static_cast<StateId>(target), false}};
+    }
+    return steps;
+  });
+}
+
+std::vector<ModelUse> SharedActions::variables(const Conditions& conditions,
+                                               const SharedValues& writes) {
+  std::vector<ModelUse> uses;
+  for (const auto& [model, values] : conditions) {
+    const auto write = writes.find(model);
+    uses.push_back(variable(model, &values,
+                            write == writes.end() ? std::nullopt : std::optional(write->second)));
+  }
+  for (const auto& [model, value] : writes) {
+    if (!conditions.contains(model)) uses.push_back(variable(model, nullptr, value));
+  }
+  std::sort(uses.begin(), uses.end(),
+            [](const ModelUse& a, const ModelUse& b) { return a.model < b.model; });
+  return uses;
+}
+
+bool is_of_same_actor(const InterfaceAutomaton& automaton, Symbol input, Symbol output) {
+  const auto has = [](const std::vector<std::string>& names, const std::string& name) {
+    return std::find(names.begin(), names.end(), name) != names.end();
+  };
+  const std::string& in = automaton.inputs().name(input);
+  const std::string& out = automaton.outputs().name(output);
+  bool is_known = false;
+  for (const Actor& actor : automaton.actors) {
+    if (!has(actor.inputs, in)) continue;
+    is_known = true;
+    if (has(actor.outputs, out)) return true;
+  }
+  return !is_known;
+}
+
+namespace {
+
+// The outputs of the input's actor that are due in the state.
+std::vector<InterfaceAutomaton::Transition> due(const InterfaceAutomaton& automaton, StateId state,
+                                                Symbol input) {
+  std::vector<InterfaceAutomaton::Transition> result;
+  for (const auto& transition : automaton.transitions(state)) {
+    if (transition.action.is_input()) continue;
+    if (is_of_same_actor(automaton, input, transition.action.symbol)) result.push_back(transition);
+  }
+  return result;
+}
+
+bool is_possible(const std::vector<std::vector<ModelStep>>& steps) {
+  return std::any_of(steps.begin(), steps.end(), [](const auto& at) { return !at.empty(); });
+}
+
+}  // namespace
+
+std::optional<ModelUse> SharedActions::input_and_output(std::uint32_t model, Symbol input,
+                                                        std::optional<Symbol> output) {
+  const InterfaceAutomaton& automaton = this->model(model).automaton;
+  const std::string name =
+      automaton.inputs().name(input) +
+      (output ? " -> " + automaton.outputs().name(*output) : std::string(", without an output"));
+  const ModelUse use = action(model, name, [&] {
+    std::vector<std::vector<ModelStep>> steps(automaton.size());
+    for (StateId state = 0; state < automaton.size(); ++state) {
+      if (!automaton.is_quiescent(state)) continue;
+      for (const auto& given : automaton.transitions(state)) {
+        if (!given.action.is_input() || given.action.symbol != input || given.absorbed) continue;
+        const auto follows = due(automaton, given.target, input);
+        if (!output && follows.empty()) steps[state].push_back({given.target, false});
+        for (const auto& taken : follows) {
+          if (output && taken.action.symbol == *output)
+            steps[state].push_back({taken.target, false});
+        }
+      }
+    }
+    return steps;
+  });
+  if (!is_possible(this->model(model).actions[use.symbol].steps)) return std::nullopt;
+  return use;
+}
+
+std::optional<ModelUse> SharedActions::beyond(std::uint32_t model, Symbol input) {
+  const InterfaceAutomaton& automaton = this->model(model).automaton;
+  const ModelUse use = action(model, automaton.inputs().name(input) + ", never tried there", [&] {
+    std::vector<std::vector<ModelStep>> steps(automaton.size());
+    for (StateId state = 0; state < automaton.size(); ++state) {
+      if (automaton.is_quiescent(state) && is_beyond_learned(automaton, state, input)) {
+        steps[state] = {{state, true}};
+      }
+    }
+    return steps;
+  });
+  if (!is_possible(this->model(model).actions[use.symbol].steps)) return std::nullopt;
+  return use;
+}
+
+ModelUse SharedActions::collected(const Topic::Reader& reader, Collected what, bool takes,
+                                  bool quiet) {
+  const InterfaceAutomaton& automaton = model(reader.model).automaton;
+  static constexpr const char* names[] = {"nothing written", "written", "failed",
+                                          "written or failed"};
+  const std::string name = std::string(names[static_cast<int>(what)]) +
+                           (takes ? ", and taken" : "") + (quiet ? ", nothing due" : "");
+  return action(reader.model, name, [&] {
+    std::vector<std::vector<ModelStep>> steps(automaton.size());
+    for (StateId state = 0; state < automaton.size(); ++state) {
+      const auto& output = reader.collected[state];
+      const bool has_failed = output && automaton.outputs().name(*output).starts_with("failed");
+      const bool is_so = what == Collected::nothing   ? !output
+                         : what == Collected::written ? output && !has_failed
+                         : what == Collected::failed  ? has_failed
+                                                      : output.has_value();
+      if (!is_so || (quiet && !automaton.is_quiescent(state))) continue;
+      steps[state] = {{takes ? reader.cleared[state] : state, false}};
+    }
+    return steps;
+  });
+}
+
+ModelUse SharedActions::collected(const Topic::Reader& reader, Symbol output) {
+  const InterfaceAutomaton& automaton = model(reader.model).automaton;
+  return action(reader.model, "takes " + automaton.outputs().name(output), [&] {
+    std::vector<std::vector<ModelStep>> steps(automaton.size());
+    for (StateId state = 0; state < automaton.size(); ++state) {
+      if (reader.collected[state] == output) steps[state] = {{reader.cleared[state], false}};
+    }
+    return steps;
+  });
+}
+
+std::optional<ModelUse> SharedActions::idle(std::uint32_t model,
+                                            const std::vector<ModelUse>& uses) {
+  const ModelInstance& instance = this->model(model);
+  std::string name;
+  for (const ModelUse& use : uses) {
+    using Kind = ModelUse::Kind;
+    name += name.empty() ? "" : "; ";
+    if (use.kind == Kind::act) name += instance.actions[use.symbol].name;
+    if (use.kind == Kind::give) name += instance.automaton.inputs().name(use.symbol);
+    if (use.kind == Kind::take) name += "!" + instance.automaton.outputs().name(use.symbol);
+  }
+  const ModelUse idle = action(model, "none of: " + name, [&] {
+    std::vector<std::vector<ModelStep>> steps(instance.automaton.size());
+    for (StateId state = 0; state < instance.automaton.size(); ++state) {
+      const bool can = std::any_of(uses.begin(), uses.end(), [&](const ModelUse& use) {
+        return !model_steps(instance, state, use).empty();
+      });
+      if (!can && instance.automaton.is_quiescent(state)) steps[state] = {{state, false}};
+    }
+    return steps;
+  });
+  if (!is_possible(instance.actions[idle.symbol].steps)) return std::nullopt;
+  return idle;
+}
+
+}  // namespace maide

@@ -1,0 +1,126 @@
+// What a step does with models beyond one input or one output: conditions on shared variables and
+// assignments to them, an input with the output that follows at once, a model at rest. Each becomes
+// an action of its model (ModelAction), which is made once.
+//
+// What depends on shared variables is found by trying: it is evaluated, asks for a variable, and is
+// evaluated again for each value that this may have. Values that come to the same go together.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "maide/check/language/system.hpp"
+#include "maide/check/language/system_names.hpp"
+
+namespace maide {
+
+// Sets of the values of shared variables, by model and place in the type.
+using Conditions = std::map<std::uint32_t, std::vector<bool>>;
+using SharedValues = std::map<std::uint32_t, Value>;
+
+template <typename Result>
+struct Outcome {
+  Conditions conditions;
+  Result result;
+  bool operator==(const Outcome&) const = default;
+};
+
+// Thrown by what asks for a shared variable whose value is not given.
+struct SharedDemand {
+  std::uint32_t model = 0;
+};
+
+// At most this many outcomes of one expression, `atomic` or row of guards.
+inline constexpr std::size_t max_outcomes = 10'000;
+
+class SharedActions {
+ public:
+  // Keeps a reference: its models' actions grow.
+  explicit SharedActions(System& system) : system_(system), known_(system.models.size()) {}
+
+  const ModelInstance& model(std::uint32_t index) const { return system_.models[index]; }
+  const WordTable& words() const { return system_.words; }
+  WordTable& words() { return system_.words; }
+
+  // The action with that name, which says all of it; `steps` makes it.
+  ModelUse action(std::uint32_t model, const std::string& name,
+                  const std::function<std::vector<std::vector<ModelStep>>()>& steps);
+  // The variable has one of the values (null: any), and afterwards `value` (none: the same).
+  ModelUse variable(std::uint32_t model, const std::vector<bool>* values,
+                    std::optional<Value> value);
+  // All conditions and assignments, in the order of the models.
+  std::vector<ModelUse> variables(const Conditions& conditions, const SharedValues& writes);
+
+  // Gives the input and takes the output of the same actor that is due at once (none: there is
+  // none). None if that is possible nowhere.
+  std::optional<ModelUse> input_and_output(std::uint32_t model, Symbol input,
+                                           std::optional<Symbol> output);
+  // Gives the input where it was never tried. None if there is no such place.
+  std::optional<ModelUse> beyond(std::uint32_t model, Symbol input);
+  // Of a topic's reader's model, what of the writer's outputs was collected.
+  enum class Collected : std::uint8_t { nothing, written, failed, something };
+  // So it is; then it is taken, if `takes`. `quiet`: and no output is due.
+  ModelUse collected(const Topic::Reader& reader, Collected what, bool takes, bool quiet = false);
+  // That output was collected, and is taken.
+  ModelUse collected(const Topic::Reader& reader, Symbol output);
+
+  // The model has no output due, and cannot take any of these uses. None if it always can.
+  std::optional<ModelUse> idle(std::uint32_t model, const std::vector<ModelUse>& uses);
+
+ private:
+  System& system_;
+  std::vector<std::map<std::string, Symbol>> known_;  // by model
+};
+
+// Whether the output is one of the actor that the input belongs to.
+bool is_of_same_actor(const InterfaceAutomaton& automaton, Symbol input, Symbol output);
+
+// Runs `evaluate` for every combination of shared values that it asks for. Throws ParseError (at
+// `where`) beyond max_outcomes.
+template <typename Result>
+std::vector<Outcome<Result>> outcomes_of(const std::function<Result(const SharedValues&)>& evaluate,
+                                         const SharedActions& actions, const SourcePosition& where,
+                                         SharedValues& known) {
+  std::uint32_t asked = 0;
+  try {
+    return {{{}, evaluate(known)}};
+  } catch (const SharedDemand& demand) {
+    asked = demand.model;
+  }
+  const ValueType& type = actions.model(asked).type;
+  std::vector<std::pair<std::vector<bool>, std::vector<Outcome<Result>>>> groups;
+  std::size_t count = 0;
+  for (std::uint64_t place = 0; place < type.count(); ++place) {
+    known[asked] = type.at(place);
+    auto met = outcomes_of(evaluate, actions, where, known);
+    auto group = groups.begin();
+    while (group != groups.end() && group->second != met) ++group;
+    if (group == groups.end()) {
+      count += met.size();
+      if (count > max_outcomes) {
+        throw ParseError("this depends on shared variables in more than " +
+                             std::to_string(max_outcomes) + " ways",
+                         where);
+      }
+      groups.emplace_back(std::vector<bool>(type.count(), false), std::move(met));
+      group = groups.end() - 1;
+    }
+    group->first[place] = true;
+  }
+  known.erase(asked);
+  if (groups.size() == 1) return std::move(groups.front().second);
+  std::vector<Outcome<Result>> result;
+  for (auto& [values, outcomes] : groups) {
+    for (auto& outcome : outcomes) {
+      outcome.conditions.emplace(asked, values);
+      result.push_back(std::move(outcome));
+    }
+  }
+  return result;
+}
+
+}  // namespace maide

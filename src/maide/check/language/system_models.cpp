@@ -1,0 +1,345 @@
+// Models and topics of a system file, and what is written into queues.
+#include <algorithm>
+
+#include "maide/base/text.hpp"
+#include "maide/check/language/expression_parser.hpp"
+#include "maide/check/language/system_reader.hpp"
+
+namespace maide {
+
+void SystemReader::read_models(const YAML::Node& section) {
+  for (const auto& [key, value] : entries(section, "'models'", {})) {
+    const program_syntax::Declared array = declared(key);
+    const std::uint64_t count = member_count(array.dimensions);
+    if (system_.models.size() + count > max_components) fail("too many models", key);
+    const auto first = static_cast<std::uint32_t>(system_.models.size());
+    names_.models.emplace(array.name, ModelName{first, array.dimensions, false, {}});
+    ModelInstance model = read_model(array.name, key, value);
+    if (value["ends"]) names_.models.at(array.name).ends = read_ends(value["ends"]);
+    for (std::uint64_t member = 0; member < count; ++member) {
+      model.name = array.name + member_suffix(array.dimensions, member);
+      if (model.source == ModelInstance::Source::built_in) {
+        make_built_in(model, first + static_cast<std::uint32_t>(member), indices_of(array, member),
+                      value);
+      }
+      system_.models.push_back(model);
+    }
+  }
+}
+
+std::map<std::string, std::vector<std::uint32_t>> SystemReader::read_ends(const YAML::Node& node) {
+  std::map<std::string, std::vector<std::uint32_t>> ends;
+  for (const auto& [role, programs] : entries(node, "'ends'", {})) {
+    ends.emplace(role.Scalar(), programs_named(programs, {}));
+  }
+  return ends;
+}
+
+ModelInstance SystemReader::read_model(const std::string& instance, const YAML::Node& key,
+                                       const YAML::Node& value) {
+  ModelInstance model;
+  model.name = instance;
+  model.position = at(key);
+  ModelRequest request;
+  request.instance = model.name;
+  std::string from;
+  for (const auto& [name, node] : entries(
+           value, "model '" + model.name + "'",
+           {"file", "learn", "use", "with", "learning", "when_unexplored", "when_weak", "ends"})) {
+    const std::string& word = name.Scalar();
+    if (word == "ends") continue;  // read_ends()
+    if (word == "when_unexplored") {
+      model.when_unexplored = one_of<WhenUnexplored>(node, "'when_unexplored'",
+                                                     {{"stop", WhenUnexplored::stop},
+                                                      {"wait", WhenUnexplored::wait},
+                                                      {"drop", WhenUnexplored::drop}});
+    } else if (word == "when_weak") {
+      model.when_weak = one_of<WhenWeak>(
+          node, "'when_weak'",
+          {{"inconclusive", WhenWeak::inconclusive}, {"accept", WhenWeak::accept}});
+    } else if (word == "with" || word == "learning") {
+      auto& options = word == "with" ? request.with : request.learning;
+      for (const auto& [option, setting] : entries(node, "'" + word + "'", {})) {
+        options.emplace_back(option.Scalar(), scalar(setting, "an option's value"));
+      }
+    } else {
+      if (!from.empty()) fail("a model has one of 'file', 'learn' and 'use'", name);
+      from = word;
+      request.position = at(node);
+      (word == "learn" ? request.learn : model.origin) = scalar(node, "'" + word + "'");
+      if (node.Scalar().empty()) fail("'" + word + "' is empty", node);
+    }
+  }
+  if (from.empty()) fail("model '" + model.name + "' needs 'file:', 'learn:' or 'use:'", key);
+  if (from == "use") {
+    if (!request.learning.empty()) fail("'learning' goes with 'learn'", key);
+    model.source = ModelInstance::Source::built_in;
+    return model;
+  }
+  if (from == "file" && !(request.with.empty() && request.learning.empty())) {
+    fail("'with' and 'learning' go with 'learn'; a model from a file has its options behind it",
+         key);
+  }
+  if (from == "file") {
+    request.file = std::filesystem::path(system_.file).parent_path() / model.origin;
+  } else {
+    model.origin = request.learn;
+    model.is_learned = true;
+  }
+  model.automaton = source_(request);
+  if (model.automaton.size() == 0) fail("model '" + model.name + "' has no state", key);
+  for (const Alphabet* alphabet : {&model.automaton.inputs(), &model.automaton.outputs()}) {
+    for (const std::string& name : alphabet->names()) {
+      for (const std::string& argument : program_syntax::split_name(name).arguments) {
+        program_syntax::read_value(argument, system_.words);  // a word is known from here on
+      }
+    }
+  }
+  return model;
+}
+
+void SystemReader::make_built_in(ModelInstance& model, std::uint32_t number, const Indices& indices,
+                                 const YAML::Node& value) {
+  const YAML::Node use = value["use"];
+  const std::string kind = one_of<std::string>(
+      use, "'use'", {{"mutex", "mutex"}, {"semaphore", "semaphore"}, {"queue", "queue"}});
+  const YAML::Node with = value["with"];
+  std::vector<std::string> known;
+  if (kind == "semaphore") known = {"count"};
+  if (kind == "queue") known = {"size", "depth"};
+  Entries options;
+  if (with) {
+    if (known.empty()) fail("a mutex has no options", with);
+    options = entries(with, "'with' of a " + kind, known);
+  }
+  if (kind == "mutex") {
+    model.automaton = make_mutex();
+    return;
+  }
+  if (options.size() != 1) {
+    fail("a " + kind + " needs " +
+             (kind == "queue" ? "'with: {size: N}' or 'with: {depth: N}'" : "'with: {count: N}'"),
+         use);
+  }
+  const auto& [name, node] = options.front();
+  scalar(node, "'" + name.Scalar() + "'");
+  const ScalarText text = text_of(node);
+  const Expression size = program_syntax::parse_constant(text, context(indices));
+  constexpr Value most = 1'000'000;
+  if (size.kind != ValueKind::integer || size.value < 1 || size.value > most) {
+    fail("'" + name.Scalar() + "' goes from 1 to " + std::to_string(most), node);
+  }
+  if (kind == "semaphore") {
+    model.automaton = make_semaphore(static_cast<std::uint32_t>(size.value));
+    return;
+  }
+  Queue queue;
+  queue.size.size = static_cast<std::uint32_t>(size.value);
+  queue.size.drops_oldest = name.Scalar() == "depth";
+  if (queue_states(queue.size) > static_cast<double>(max_queue_states)) {
+    fail("this queue has more than " + std::to_string(max_queue_states) + " states", node);
+  }
+  model.automaton = make_queue(queue.size);
+  queues_.emplace(number, std::move(queue));
+}
+
+void SystemReader::note_value(std::uint32_t model, const program_syntax::Event& input,
+                              std::size_t place, const ValueType& type) {
+  const auto queue = queues_.find(model);
+  if (queue == queues_.end() || input.name != "write") return;
+  auto& types = queue->second.types;
+  if (types.size() <= place) {
+    types.resize(place + 1, type);
+    has_new_values_ = true;
+  }
+  ValueType& known = types[place];
+  const ValueType before = known;
+  if (known.kind != type.kind) return;  // found again: the queue has no such input
+  known.low = std::min(known.low, type.low);
+  known.high = std::max(known.high, type.high);
+  for (const Value word : type.words) {
+    if (!known.contains(word)) known.words.push_back(word);
+  }
+  has_new_values_ = has_new_values_ || known != before;
+}
+
+void SystemReader::make_valued(std::uint32_t model) {
+  Queue& queue = queues_.at(model);
+  std::vector<std::string> values = {""};
+  for (const ValueType& type : queue.types) {
+    std::vector<std::string> longer;
+    if (type.count() > max_queue_states) fail_large_queue(model);
+    for (const std::string& value : values) {
+      for (std::uint64_t place = 0; place < type.count(); ++place) {
+        longer.push_back((value.empty() ? "(" : value + ",") +
+                         to_string(type.at(place), type.kind, system_.words));
+        if (longer.size() > max_queue_states) fail_large_queue(model);
+      }
+    }
+    values = std::move(longer);
+  }
+  for (std::string& value : values) value += ")";
+  queue.size.values = values;
+  if (queue_states(queue.size) > static_cast<double>(max_queue_states)) fail_large_queue(model);
+  system_.models[model].automaton = make_queue(queue.size);
+  collect_topic(model);
+}
+
+void SystemReader::fail_large_queue(std::uint32_t model) const {
+  const ModelInstance& instance = system_.models[model];
+  std::string types;
+  for (const ValueType& type : queues_.at(model).types) {
+    types += (types.empty() ? "" : ", ") + to_string(type, system_.words);
+  }
+  throw ParseError("queue '" + instance.name + "' with the values " + types + " has more than " +
+                       std::to_string(max_queue_states) +
+                       " states: give it fewer values, or a smaller size",
+                   instance.position);
+}
+
+void SystemReader::read_topics(const YAML::Node& section) {
+  for (const auto& [key, value] : entries(section, "'topics'", {})) {
+    const program_syntax::Declared array = declared(key);
+    const auto first = static_cast<std::uint32_t>(names_.topics.size());
+    names_.models.emplace(array.name, ModelName{first, array.dimensions, true, {}});
+    const std::uint64_t count = member_count(array.dimensions);
+    for (std::uint64_t member = 0; member < count; ++member) {
+      const std::string name = array.name + member_suffix(array.dimensions, member);
+      read_topic(name, indices_of(array, member), key, value);
+    }
+  }
+}
+
+std::vector<std::uint32_t> SystemReader::programs_named(const YAML::Node& node,
+                                                        const Indices& indices) {
+  if (node.IsSequence()) {
+    std::vector<std::uint32_t> all;
+    for (const YAML::Node& one : node) {
+      for (const std::uint32_t program : programs_named(one, indices)) {
+        if (std::find(all.begin(), all.end(), program) != all.end()) {
+          fail("program " + texts_[program].name + " is there twice", one);
+        }
+        all.push_back(program);
+      }
+    }
+    return all;
+  }
+  const ScalarText text = text_of(node);
+  scalar(node, "a program's name");
+  const std::string name = text.value().substr(0, text.value().find('['));
+  const auto array = program_arrays_.find(name);
+  if (array == program_arrays_.end()) fail("unknown program '" + name + "'", node);
+  std::vector<std::uint32_t> programs;
+  if (name.size() == text.value().size()) {
+    const auto count = static_cast<std::uint32_t>(member_count(array->second.dimensions));
+    for (std::uint32_t i = 0; i < count; ++i) programs.push_back(array->second.first + i);
+    return programs;
+  }
+  const std::vector<Value> place =
+      program_syntax::parse_member(text, context(indices), array->second.dimensions);
+  Expression leaf;
+  leaf.name = name;
+  leaf.dimensions = array->second.dimensions;
+  try {
+    return {array->second.first + element_of(leaf, place)};
+  } catch (const EvaluationError& error) {
+    fail(error.text, node);
+  }
+}
+
+void SystemReader::read_topic(const std::string& name, const Indices& indices,
+                              const YAML::Node& key, const YAML::Node& value) {
+  const Entries parts =
+      entries(value, "topic '" + name + "'",
+              {"writers", "readers", "file", "learn", "use", "with", "readers_with", "learning",
+               "when_unexplored", "when_weak", "deliver"});
+  const auto part = [&](std::string_view word) {
+    for (const auto& [other, node] : parts) {
+      if (other.Scalar() == word) return node;
+    }
+    return YAML::Node(YAML::NodeType::Undefined);
+  };
+  Topic topic;
+  topic.name = name;
+  for (const std::string_view word : {"writers", "readers"}) {
+    if (!part(word)) fail("topic '" + name + "' needs '" + std::string(word) + ":'", key);
+  }
+  for (const std::uint32_t writer : programs_named(part("writers"), indices)) {
+    topic.writers.insert(writer);
+  }
+  if (const YAML::Node deliver = part("deliver")) {
+    topic.delivers_one = one_of<bool>(deliver, "'deliver'", {{"one", true}, {"all", false}});
+  }
+  const std::vector<std::uint32_t> readers = programs_named(part("readers"), indices);
+  if (readers.empty() || topic.writers.empty()) fail("a topic has a writer and a reader", key);
+  for (const std::uint32_t reader : readers) {
+    if (texts_[reader].may_die) fail_mortal(reader, key);
+    topic.readers.push_back(make_reader(name, reader, indices, key, value, part("readers_with")));
+  }
+  for (const std::uint32_t writer : topic.writers) {
+    if (texts_[writer].may_die) fail_mortal(writer, key);
+  }
+  for (std::size_t i = 0; i < topic.readers.size(); ++i) {
+    topic_of_[topic.readers[i].model] = {names_.topics.size(), i};
+  }
+  names_.topics.push_back(std::move(topic));
+  for (const Topic::Reader& reader : names_.topics.back().readers) collect_topic(reader.model);
+}
+
+void SystemReader::fail_mortal(std::uint32_t program, const YAML::Node& key) const {
+  fail("'may_die' of programs at a topic, as " + texts_[program].name + " is, is not built yet",
+       key);
+}
+
+Topic::Reader SystemReader::make_reader(const std::string& topic, std::uint32_t program,
+                                        const Indices& indices, const YAML::Node& key,
+                                        const YAML::Node& value, const YAML::Node& own_options) {
+  if (system_.models.size() == max_components) fail("too many models", key);
+  YAML::Node options(YAML::NodeType::Map);
+  YAML::Node with(YAML::NodeType::Map);
+  for (const auto& [word, node] : entries(value, "topic '" + topic + "'", {})) {
+    const std::string name = word.Scalar();
+    if (name == "with") {
+      for (const auto& [option, setting] : entries(node, "'with'", {})) {
+        with[option.Scalar()] = setting;
+      }
+    } else if (name != "writers" && name != "readers" && name != "readers_with" &&
+               name != "deliver") {
+      options[name] = node;
+    }
+  }
+  if (own_options) {
+    for (const auto& [who, settings] : entries(own_options, "'readers_with'", {})) {
+      const std::vector<std::uint32_t> meant = programs_named(who, indices);
+      if (std::find(meant.begin(), meant.end(), program) == meant.end()) continue;
+      for (const auto& [option, setting] : entries(settings, "a reader's options", {})) {
+        with[option.Scalar()] = setting;
+      }
+    }
+  }
+  if (with.size() > 0) options["with"] = with;
+  ModelInstance model = read_model(topic + "[" + texts_[program].name + "]", key, options);
+  const auto number = static_cast<std::uint32_t>(system_.models.size());
+  if (model.source == ModelInstance::Source::built_in) {
+    make_built_in(model, number, indices, options);
+  }
+  system_.models.push_back(std::move(model));
+  return {program, number, {}, {}};
+}
+
+void SystemReader::collect_topic(std::uint32_t model) {
+  const auto place = topic_of_.find(model);
+  if (place == topic_of_.end()) return;
+  Topic::Reader& reader = names_.topics[place->second.first].readers[place->second.second];
+  ModelInstance& instance = system_.models[model];
+  try {
+    CollectedModel collected = collect_writes(instance.automaton);
+    instance.automaton = std::move(collected.automaton);
+    reader.collected = std::move(collected.collected);
+    reader.cleared = std::move(collected.cleared);
+  } catch (const UsageError& error) {
+    throw ParseError(error.what(), instance.position);
+  }
+}
+
+}  // namespace maide

@@ -1,0 +1,81 @@
+// What the texts of a system file may name: models, variables, constants, procedures. An array's
+// name stands for all its members, which lie side by side, the last index running fastest.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "maide/automata/interface_automaton.hpp"
+#include "maide/check/language/expression.hpp"
+#include "maide/check/language/scalar_text.hpp"
+
+namespace maide {
+
+using Dimensions = std::vector<Expression::Dimension>;  // none: no array
+
+// Members of an array; 1 without dimensions. At most max_array_members, which readers check.
+std::uint64_t member_count(const Dimensions& dimensions);
+inline constexpr std::uint64_t max_array_members = 10'000;
+// "[0,2]" of the member with that number; "" without dimensions.
+std::string member_suffix(const Dimensions& dimensions, std::uint64_t member);
+// The indices of the member with that number.
+std::vector<Value> member_indices(const Dimensions& dimensions, std::uint64_t member);
+
+struct ModelName {
+  std::uint32_t first = 0;  // the instance or topic; of an array its first member
+  Dimensions dimensions;
+  bool is_topic = false;
+  // Which programs stand at which end, in order: the second writer's `write` is `write2`. By actor.
+  std::map<std::string, std::vector<std::uint32_t>> ends;
+};
+
+// What a topic's readers see is a model each; its writers' inputs go to all of them.
+struct Topic {
+  struct Reader {
+    std::uint32_t program = 0;
+    std::uint32_t model = 0;  // the instance
+    // By state of that model: the output of the writer's actor that was collected, and the state
+    // behind its taking.
+    std::vector<std::optional<Symbol>> collected;
+    std::vector<StateId> cleared;
+  };
+  std::string name;
+  std::set<std::uint32_t> writers;
+  std::vector<Reader> readers;  // at least one
+  bool delivers_one = false;    // a write goes to one of the models that take it
+
+  bool has_end(std::uint32_t program, bool writes) const {
+    if (writes) return writers.contains(program);
+    return std::any_of(readers.begin(), readers.end(),
+                       [&](const Reader& reader) { return reader.program == program; });
+  }
+};
+
+struct VariableName {
+  Expression leaf;  // without indices
+  ValueType type;
+  Value initial = 0;
+  SourcePosition position;
+};
+
+struct Procedure {
+  std::vector<std::string> parameters;
+  ScalarText text;
+  SourcePosition position;
+};
+
+struct Names {
+  std::map<std::string, ModelName> models;  // and topics
+  std::vector<Topic> topics;
+  // Those under `variables:`: shared ones are models, others belong to one program.
+  std::map<std::string, VariableName> variables;
+  std::map<std::string, Expression> constants;
+  std::map<std::string, Procedure> procedures;
+};
+
+}  // namespace maide

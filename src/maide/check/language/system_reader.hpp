@@ -1,0 +1,111 @@
+// The reader of a system file: what it knows while it reads, and the order in which it does. Names
+// of programs come first, for topics refer to them; texts of programs come last, for they name all.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <set>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "maide/check/language/built_in_models.hpp"
+#include "maide/check/language/program_syntax.hpp"
+#include "maide/check/language/system_file.hpp"
+#include "maide/check/language/yaml_reader.hpp"
+
+namespace maide {
+
+inline constexpr std::size_t max_components = 10'000;  // models, and programs
+
+class SystemReader : private YamlReader {
+ public:
+  SystemReader(std::string_view text, const std::string& file, const ModelSource& source);
+
+  System read();
+
+ private:
+  using Indices = std::map<std::string, Expression>;
+  program_syntax::Context context(Indices indices = {});
+  // Models, programs, constants and variables share one space of names.
+  void take_name(const std::string& name, const YAML::Node& key);
+  program_syntax::Declared declared(const YAML::Node& key);
+  static Indices indices_of(const program_syntax::Declared& declared, std::uint64_t member);
+  void read_constants(const YAML::Node& section);
+  void read_procedures(const YAML::Node& section);
+  void read_variables(const YAML::Node& section);
+  void read_models(const YAML::Node& section);
+  std::map<std::string, std::vector<std::uint32_t>> read_ends(const YAML::Node& node);
+  ModelInstance read_model(const std::string& instance, const YAML::Node& key,
+                           const YAML::Node& value);
+  void make_built_in(ModelInstance& model, std::uint32_t number, const Indices& indices,
+                     const YAML::Node& value);
+  struct Queue {
+    QueueSize size;
+    std::vector<ValueType> types;  // of what is written, by place; none: nothing has a value
+  };
+  // What is written has a value of that type, too.
+  void note_value(std::uint32_t model, const program_syntax::Event& input, std::size_t place,
+                  const ValueType& type);
+  // The queue's automaton with all values that are written into it.
+  void make_valued(std::uint32_t model);
+  [[noreturn]] void fail_large_queue(std::uint32_t model) const;
+  struct ProgramText {
+    std::string name;
+    ScalarText text;
+    Indices indices;
+    bool may_die = false;
+    std::set<std::string> own;  // variables of the file that are this one's alone
+  };
+  // Names and texts, which topics refer to.
+  void declare_programs(const YAML::Node& section);
+  void read_programs();
+  void read_topics(const YAML::Node& section);
+  // A program's number for each that the text names: "a", "a[2]", or all members of "a".
+  std::vector<std::uint32_t> programs_named(const YAML::Node& node, const Indices& indices);
+  void read_topic(const std::string& name, const Indices& indices, const YAML::Node& key,
+                  const YAML::Node& value);
+  [[noreturn]] void fail_mortal(std::uint32_t program, const YAML::Node& key) const;
+  // The reader's model, with its own options.
+  Topic::Reader make_reader(const std::string& topic, std::uint32_t program, const Indices& indices,
+                            const YAML::Node& key, const YAML::Node& value,
+                            const YAML::Node& own_options);
+  // What the writers get back is collected from the model, if it is of a topic's reader.
+  void collect_topic(std::uint32_t model);
+  // Which programs use which variables of the file, and which values are written into queues: found
+  // by reading the programs until nothing new comes. Errors are found again afterwards.
+  void collect();
+  [[noreturn]] void fail_growing_queue() const;
+  // Variables that several programs use become models of their own.
+  void make_shared_variables();
+  // For formulas: where the variables stand that belong to one program.
+  void find_own_variables();
+  void read_properties(const YAML::Node& section);
+  void read_property(const YAML::Node& key, const YAML::Node& value);
+  std::vector<FormulaInstance> formulas(const YAML::Node& node);
+  FormulaScope scope() const;
+  std::vector<FormulaInstance> invariants(const YAML::Node& node);
+  // The automaton of a file, whose name is relative to the system file's folder.
+  std::shared_ptr<const LtlAutomaton> read_never(const YAML::Node& node) const;
+  void remark_on_unused_models();
+  void remark_on_unused_variables();
+  void remark_on_unreachable_statements();
+  // Atoms that hold nowhere, for the program never ends, or never comes to the label.
+  void remark_on_idle_atoms();
+  const ModelSource& source_;
+  System system_;
+  Names names_;
+  std::map<std::string, SourcePosition> taken_;
+  std::map<std::uint32_t, Queue> queues_;  // by model
+  std::vector<ProgramText> texts_;
+  std::map<std::string, ModelName> program_arrays_;  // `first` is a program
+  // Of a reader's model its topic, and its place among the readers.
+  std::map<std::uint32_t, std::pair<std::size_t, std::size_t>> topic_of_;
+  bool has_new_values_ = false;
+  std::set<std::string> own_;  // variables of the file that one program uses
+  std::vector<VariableName> unused_variables_;
+  std::vector<ProgramInterface> interfaces_;
+};
+
+}  // namespace maide

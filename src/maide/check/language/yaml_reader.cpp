@@ -1,0 +1,79 @@
+#include "maide/check/language/yaml_reader.hpp"
+
+#include <algorithm>
+#include <set>
+
+namespace maide {
+namespace {
+
+constexpr std::size_t max_file_bytes = std::size_t{4} << 20;
+constexpr int max_depth = 100;  // of nesting: yaml-cpp recurses
+
+}  // namespace
+
+SourcePosition YamlReader::at(const YAML::Node& node) const {
+  const YAML::Mark mark = node.Mark();
+  if (mark.is_null()) return {file_, 0, 0};
+  return {file_, mark.line + 1, mark.column + 1};
+}
+
+void YamlReader::fail(const std::string& message, const YAML::Node& node) const {
+  throw ParseError(message, at(node));
+}
+
+void YamlReader::check_nesting() const {
+  int depth = 0, line = 1;
+  for (const char c : text_) {
+    if (c == '\n') ++line;
+    if (c == '[' || c == '{') ++depth;
+    if (c == ']' || c == '}') depth = std::max(0, depth - 1);
+    if (depth > max_depth) throw ParseError("brackets nested too deeply", {file_, line, 0});
+  }
+}
+
+YAML::Node YamlReader::load() const {
+  if (text_.size() > max_file_bytes) {
+    throw ParseError("a system file has at most 4 MiB", {file_, 0, 0});
+  }
+  check_nesting();
+  try {
+    std::vector<YAML::Node> documents = YAML::LoadAll(std::string(text_));
+    if (documents.empty() || documents[0].IsNull()) {
+      throw ParseError("the system file is empty", {file_, 1, 1});
+    }
+    if (documents.size() > 1) fail("a system file is one YAML document", documents[1]);
+    return documents[0];
+  } catch (const YAML::Exception& error) {
+    throw ParseError("not YAML: " + error.msg, {file_, error.mark.line + 1, error.mark.column + 1});
+  }
+}
+
+YamlReader::Entries YamlReader::entries(const YAML::Node& node, const std::string& what,
+                                        const std::vector<std::string>& known) const {
+  if (!node.IsMap()) fail(what + " must be a map (key: value)", node);
+  Entries result;
+  std::set<std::string> seen;
+  for (const auto& entry : node) {
+    if (!entry.first.IsScalar() || entry.first.Scalar().empty()) {
+      fail("a key of " + what + " must be a word", entry.first);
+    }
+    const std::string& key = entry.first.Scalar();
+    if (!known.empty() && std::find(known.begin(), known.end(), key) == known.end()) {
+      fail(what + " has no key '" + key + "'; it may have: " + join(known), entry.first);
+    }
+    if (!seen.insert(key).second) fail("'" + key + "' is there twice", entry.first);
+    result.emplace_back(entry.first, entry.second);
+  }
+  return result;
+}
+
+std::string YamlReader::scalar(const YAML::Node& node, const std::string& what) const {
+  if (!node.IsScalar()) fail(what + " must be a text", node);
+  return node.Scalar();
+}
+
+ScalarText YamlReader::text_of(const YAML::Node& node) const {
+  return ScalarText(node.Scalar(), text_, at(node));
+}
+
+}  // namespace maide

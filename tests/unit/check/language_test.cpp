@@ -1,0 +1,321 @@
+// The second edition of the program language: what control states, steps and errors programs have.
+// Counts are of what is reachable, and were made by hand; tests/referee holds random systems
+// against an interpreter that shares nothing with the parser.
+#include <gtest/gtest.h>
+
+#include <deque>
+#include <map>
+#include <set>
+
+#include "systems.hpp"
+
+namespace maide {
+namespace {
+
+System system_from(const std::string& text) {
+  return parse_system(text, "s.yaml", test::test_model);
+}
+
+struct Explored {
+  std::size_t states = 0, transitions = 0, deadlocks = 0;
+  std::set<std::string> errors;  // that are reached
+  bool operator==(const Explored&) const = default;
+};
+
+// By the meaning of a system alone (system.hpp), without the engine.
+Explored explore(const System& system) {
+  using Key = std::pair<std::vector<StateId>, std::vector<ControlState>>;
+  const auto key = [](const GlobalState& state) { return Key(state.models, state.programs); };
+  Explored explored;
+  std::deque<GlobalState> open{initial_state(system)};
+  std::set<Key> seen{key(open.front())};
+  for (; !open.empty(); open.pop_front()) {
+    const GlobalState state = open.front();
+    if (is_deadlock(system, state)) ++explored.deadlocks;
+    for (std::size_t i = 0; i < system.programs.size(); ++i) {
+      const Program& program = system.programs[i];
+      const std::uint32_t error = program.states[state.programs[i]].error;
+      if (error != 0) explored.errors.insert(program.errors[error].text);
+    }
+    for (const Step& step : enabled_steps(system, state)) {
+      ++explored.transitions;
+      const GlobalState next = apply(system, state, step);
+      if (!next.is_cut && seen.insert(key(next)).second) open.push_back(next);
+    }
+  }
+  explored.states = seen.size();
+  return explored;
+}
+
+// Of one program without models.
+Explored explore_program(const std::string& text) {
+  return explore(system_from("programs:\n  p: |\n    " + text));
+}
+
+std::string error_in(const std::string& program, const std::string& head = "") {
+  return test::error_of([&] { system_from(head + "programs:\n  p: |\n    " + program); });
+}
+
+using Texts = std::set<std::string>;
+
+TEST(Language, ChoicesAreTheOnlyStepsOfVariables) {
+  EXPECT_EQ(explore_program("var x: 0..3; x = 2; x = x + 1;"), (Explored{1, 0, 0, {}}));
+  EXPECT_EQ(explore_program("var x: 0..3; x = any 0..3;"), (Explored{5, 4, 0, {}}));
+  EXPECT_EQ(explore_program("var x: 0..3 = 1; if * { x = 2; } else { x = 2; }"),
+            (Explored{2, 2, 0, {}}));
+  // The variables of a block end with it.
+  EXPECT_EQ(explore_program("if * { var x: 0..3; x = any 0..3; } else { skip; }"),
+            (Explored{3, 6, 0, {}}));
+}
+
+TEST(Language, LoopsOverVariables) {
+  EXPECT_EQ(explore_program("for k in 1..3 { if * { skip; } }"), (Explored{4, 6, 0, {}}));
+  EXPECT_EQ(explore_program("for k in 3..1 { if * { skip; } }"), (Explored{1, 0, 0, {}}));
+  EXPECT_EQ(explore_program("var n: 0..9 = 2; repeat n * 2 { if * { skip; } }"),
+            (Explored{5, 8, 0, {}}));
+  EXPECT_EQ(explore_program("var x: 0..9; while (x < 3) { x = x + 1; if * { skip; } }"),
+            (Explored{4, 6, 0, {}}));
+  EXPECT_EQ(explore_program("loop { if * { break; } else { continue; } }"),
+            (Explored{2, 2, 0, {}}));
+  EXPECT_EQ(explore_program("for i in 0..1 { for j in 0..i { if * { skip; } } }"),
+            (Explored{4, 6, 0, {}}));
+  // `break` leaves the innermost loop alone.
+  EXPECT_EQ(explore_program("repeat 2 { loop { if * { break; } } }"), (Explored{3, 4, 0, {}}));
+}
+
+TEST(Language, ErrorsOfARun) {
+  EXPECT_EQ(explore_program("var x: 0..3; x = 4;").errors, Texts{"x = 4 is outside of 0..3"});
+  EXPECT_EQ(explore_program("var x: 0..3; x = any 2..4;").errors,
+            Texts{"x = 4 is outside of 0..3"});
+  EXPECT_EQ(explore_program("var x: 0..3; x = 1 / x;").errors, Texts{"division by zero"});
+  EXPECT_EQ(explore_program("var x: -9..9; x = 7 % (x - x);").errors, Texts{"division by zero"});
+  EXPECT_EQ(explore_program("var i: 0..9 = 5; var a[k in 0..4]: bool; a[i] = true;").errors,
+            Texts{"a[5] is outside of 0..4"});
+  EXPECT_EQ(explore_program("var x: 0..1; while (x == 0) { skip; }").errors,
+            Texts{"control goes round without a step"});
+  EXPECT_EQ(explore_program("var x: 0..1; x = 9223372036854775807 + 1;").errors,
+            Texts{"a result that 64 bits do not hold"});
+  // As in C++, quotients go towards 0, and a remainder has the sign of the dividend.
+  EXPECT_EQ(explore_program("var x: 0..1; x = -7 / 2 * 10 + -7 % 2;").errors,
+            Texts{"x = -31 is outside of 0..1"});
+}
+
+TEST(Language, ProceduresAreInlined) {
+  const std::string head =
+      "procedures:\n  twice(v): \"v = v + 1; if (v > 2) { return; } v = v + 1;\"\n";
+  const Explored explored = explore(system_from(
+      head + "programs:\n  p: \"var x: 0..3; call twice(x); call twice(x); x = x + 1;\"\n"));
+  EXPECT_EQ(explored.errors, Texts{"x = 4 is outside of 0..3"});
+  const std::string own = "procedures: {f(): \"var x: 0..1; x = any 0..1; @there skip;\"}\n";
+  EXPECT_EQ(explore(system_from(own + "programs: {p: \"call f(); call f();\"}")),
+            (Explored{3, 4, 0, {}}));
+  EXPECT_NE(error_in("call f();", "procedures: {f(): \"call g();\", g(): \"call f();\"}\n")
+                .find("procedure 'f' calls itself: f, g, f (s.yaml:1:43)"),
+            std::string::npos);
+  EXPECT_NE(error_in("var y: 0..1; call f();", "procedures: {f(): \"y = 1;\"}\n")
+                .find("unknown variable 'y'"),
+            std::string::npos);
+}
+
+TEST(Language, ArraysAreWrittenOnce) {
+  const System system = system_from(
+      "constants: {n: 3}\n"
+      "models:\n  fork[i in 0..n - 1]: {use: mutex}\n"
+      "programs:\n  p[i in 0..n - 1]: |\n"
+      "    loop { @hungry fork[i].lock; fork[(i + 1) % n].lock; @eats fork[i].unlock;\n"
+      "           fork[(i + 1) % n].unlock; }\n"
+      "properties:\n  fed: \"forall i in 0..n - 1: G (p[i]@hungry -> F p[i]@eats)\"\n");
+  EXPECT_EQ(system.programs[1].name, "p[1]");
+  EXPECT_EQ(system.models[2].name, "fork[2]");
+  ASSERT_EQ(system.properties.size(), 3u);
+  EXPECT_EQ(system.properties[2].name, "fed[2]");
+  const Explored explored = explore(system);
+  EXPECT_EQ(explored.deadlocks, 1u);  // each has its own fork
+}
+
+TEST(Language, SharedVariablesAreReadInOneStepAndWrittenInAnother) {
+  // Both read 0 before one writes: the lost update.
+  const System lost = system_from(
+      "variables: \"var n: 0..2;\"\n"
+      "programs: {a: \"n = n + 1;\", b: \"n = n + 1;\"}\n"
+      "properties: {both: \"G (a@end && b@end -> n == 2)\"}\n");
+  EXPECT_EQ(explore(lost), (Explored{12, 14, 0, {}}));
+  const System atomic = system_from(
+      "variables: \"var n: 0..2;\"\n"
+      "programs: {a: \"atomic { n = n + 1; }\", b: \"atomic { n = n + 1; }\"}\n");
+  EXPECT_EQ(explore(atomic), (Explored{4, 4, 0, {}}));
+  // What one program alone uses is its own, and costs no step.
+  const System own = system_from(
+      "variables: \"var n: 0..2;\"\n"
+      "programs: {a: \"n = n + 1; if * { n = n + 1; }\", b: \"if * { skip; }\"}\n");
+  EXPECT_EQ(explore(own), (Explored{6, 10, 0, {}}));
+}
+
+TEST(Language, AWriteOutOfRangeErrsInTheWritesStep) {
+  const Explored explored =
+      explore(system_from("variables: \"var n: 0..1;\"\n"
+                          "programs: {a: \"n = n + 1;\", b: \"n = n + 1;\"}\n"));
+  EXPECT_EQ(explored.errors, Texts{"n = 2 is outside of 0..1"});
+}
+
+// One program reads what is not there; the other writes late.
+const std::string queue = "models: {q: {use: queue, with: {size: 1}}}\n";
+
+TEST(Language, SelectTakesAnInputWithTheOutputThatFollows) {
+  const System system = system_from(
+      queue + "programs:\n  a: \"select { on q.read -> message { stop; } }\"\n  b: q.write;\n");
+  // b writes, a takes: a never waits between input and output.
+  EXPECT_EQ(explore(system), (Explored{3, 2, 0, {}}));
+  const Program& program = system.programs[0];
+  const ProgramEdge edge = program.edges_of(0)[0];
+  EXPECT_EQ(program.role_of(edge), Joint::Role::arm);
+  EXPECT_EQ(program.events_of(edge).size(), 2u);
+}
+
+TEST(Language, OtherwiseIsTakenWhenNoArmCanBe) {
+  EXPECT_EQ(
+      explore(system_from(
+          queue + "programs: {a: \"select { on q.read -> message { q.write; } otherwise { } }\"}")),
+      (Explored{2, 1, 0, {}}));
+  EXPECT_EQ(explore(system_from(
+                queue + "programs: {a: \"q.write; select { on q.read -> message { q.write; } "
+                        "otherwise { } }\"}")),
+            (Explored{4, 3, 0, {}}));
+  // A guard over a shared variable is read in the arm's step.
+  EXPECT_EQ(
+      explore(system_from("variables: \"var n: 0..1;\"\n"
+                          "programs: {a: \"select { when (n == 1) { stop; } }\", b: \"n = 1;\"}")),
+      (Explored{3, 2, 0, {}}));
+}
+
+TEST(Language, ASelectOfWhichNoGuardHoldsIsNoEnd) {
+  const System system = system_from("programs: {a: \"var x: 0..1; select { when (x == 1) { } }\"}");
+  EXPECT_EQ(explore(system).deadlocks, 1u);
+  EXPECT_FALSE(system.programs[0].may_end());
+}
+
+TEST(Language, AnOutputWithoutAnArmIsAnError) {
+  const std::string models =
+      "models: {via: {file: strict-2.dot}, r: {use: queue, with: {size: 1}}}\n";
+  const System system = system_from(
+      "models: {q: {use: queue, with: {size: 1}}}\n"
+      "programs: {a: \"q.write(2); select { on q.read { message(1) { } message(3) { } } }\", "
+      "b: \"q.write(1); q.write(3);\"}\n");
+  EXPECT_EQ(explore(system).errors, Texts{"q.read -> message(2): this 'select' has no arm for it"});
+  EXPECT_NE(error_in("select { on via.write -> message { } }", models)
+                .find("this arm's outputs never follow via.write at once (s.yaml:4:14)"),
+            std::string::npos);
+}
+
+TEST(Language, ValuesAreCarriedByQueues) {
+  const System system = system_from(
+      queue +
+      "programs:\n  a: \"for k in 1..2 { q.write(k * 10); }\"\n"
+      "  b: \"loop { idle q.read -> message(var x); if (x == 20) { @last stop; } }\"\n");
+  EXPECT_EQ(system.models[0].automaton.inputs().names(),
+            (std::vector<std::string>{"write(10)", "write(11)", "write(12)", "write(13)",
+                                      "write(14)", "write(15)", "write(16)", "write(17)",
+                                      "write(18)", "write(19)", "write(20)", "read"}));
+  EXPECT_EQ(explore(system).deadlocks, 0u);
+  EXPECT_NE(test::error_of([] {
+              system_from(
+                  "models: {q: {use: queue, with: {size: 9}}}\n"
+                  "programs: {a: \"var x: 0..99; q.write(x);\"}");
+            }).find("queue 'q' with the values 0..99 has more than 200000 states"),
+            std::string::npos);
+}
+
+TEST(Language, BuiltInModels) {
+  EXPECT_EQ(explore(system_from(
+                "models: {m: {use: mutex}}\nprograms: {p: \"loop { m.lock; m.unlock; }\"}")),
+            (Explored{2, 2, 0, {}}));
+  const System semaphore = system_from(
+      "models: {s: {use: semaphore, with: {count: 2}}}\nprograms: {p: \"loop { s.acquire; }\"}");
+  EXPECT_EQ(explore(semaphore), (Explored{3, 2, 1, {}}));
+  for (const int size : {1, 2, 5}) {
+    const System queues =
+        system_from("models: {q: {use: queue, with: {size: " + std::to_string(size) +
+                    "}}}\nprograms: {p: q.write;}");
+    EXPECT_EQ(queues.models[0].automaton.size(), static_cast<std::size_t>(2 * size + 2));
+    EXPECT_EQ(queues.models[0].automaton.transition_count(),
+              static_cast<std::size_t>(3 * size + 2));
+  }
+}
+
+TEST(Language, WhoRestsIsNoDeadlock) {
+  const std::string client = queue + "programs: {client: q.write;, server: \"loop { ";
+  EXPECT_EQ(explore(system_from(client + "q.read -> message; }\"}")).deadlocks, 1u);
+  EXPECT_EQ(explore(system_from(client + "idle q.read -> message; }\"}")).deadlocks, 0u);
+  EXPECT_NE(error_in("idle skip;").find("'idle' stands before"), std::string::npos);
+}
+
+TEST(Language, WhereProgramsCanOnlyDieIsADeadlock) {
+  const System system = system_from(
+      "models: {m: {use: mutex}}\n"
+      "programs:\n  a: {do: \"m.lock; m.lock;\", may_die: true}\n");
+  const Explored explored = explore(system);
+  EXPECT_EQ(explored.states, 4u);  // two places, and the end with the mutex free or held
+  EXPECT_EQ(explored.deadlocks, 1u);
+}
+
+TEST(Language, FormulasOverVariables) {
+  const System system = system_from(
+      "variables: \"var n: 0..3; var ok: bool;\"\n"
+      "programs:\n  a: \"var x: 0..3; x = any 0..3; n = x; ok = true;\"\n  b: \"n = 0; ok = "
+      "false;\"\n"
+      "properties:\n"
+      "  one: \"G (a.x + 1 >= n || !ok)\"\n  two: \"F (ok && (a.x == 2 || n % 2 == 1))\"\n");
+  const FormulaScope scope{system.programs, {}, system.expressions, &system.words};
+  EXPECT_EQ(to_string(system.properties[0].formula, scope), "G (((a.x + 1) >= n) || !(ok))");
+  EXPECT_NE(error_in("skip;\nproperties: {f: \"p.x == 1\"}").find("has no variable 'x'"),
+            std::string::npos);
+  EXPECT_NE(error_in("var x: 0..1;\nproperties: {f: \"G p.x\"}").find("compare it"),
+            std::string::npos);
+}
+
+TEST(Language, ErrorsNameThePlace) {
+  const std::vector<std::pair<std::string, std::string>> cases{
+      {"var x: 3..1;", "3 is greater than 1 (s.yaml:3:12)"},
+      {"x = 1;", "unknown variable 'x' (s.yaml:3:5)"},
+      {"var x: 0..1; x = true;",
+       "the value of x is a number, and this is true or false (s.yaml:3:22)"},
+      {"var x: 0..1; if (x) { }",
+       "a condition is true or false, and this is a number (s.yaml:3:22)"},
+      {"var x: bool; x = x + 1;", "what stands before '+' is a number"},
+      {"var x: 0..1; var x: 0..1;", "there is a 'x' here already (s.yaml:3:22)"},
+      {"var loop: 0..1;", "'loop' is a keyword here (s.yaml:3:9)"},
+      {"var x: {a, b}; x = c;", "unknown name 'c'"},
+      {"var x: {a, a};", "'a' is there twice"},
+      {"break;", "this 'break' is in no loop (s.yaml:3:5)"},
+      {"for k in 0..2 { k = 1; }", "'k' is counted by its 'for', and cannot be set (s.yaml:3:21)"},
+      {"call f();", "unknown procedure 'f'; there is: none (s.yaml:3:10)"},
+      {"atomic { loop { } }", "in 'atomic' stand assignments and 'if (...)' alone (s.yaml:3:14)"},
+      {"select { }", "this 'select' has no arm (s.yaml:3:5)"},
+      {"select { otherwise { } timeout 5 { } }", "has one 'otherwise' or one 'timeout'"},
+      {"select { skip; }", "expected an arm, which begins with 'on', 'when'"},
+      {"var a[k in 0..2]: bool; a = true;", "'a' is an array: say which member, as in a[0]"},
+      {"var a[k in 0..2]: bool; a[0, 1] = true;", "'a' has 1 index, not 2"},
+      {"loop { var x: 0..1; x = 1 - x; }", "would go round for ever without a step"},
+      {"var x: 0..99999999999999999999;", "does not fit into 64 bits"},
+  };
+  for (const auto& [program, expected] : cases) {
+    const std::string message = error_in(program);
+    EXPECT_NE(message.find(expected), std::string::npos) << program << "\n" << message;
+  }
+}
+
+TEST(Language, NamesAreOneSpace) {
+  const auto error = [](const std::string& text) {
+    return test::error_of([&] { system_from(text); });
+  };
+  EXPECT_NE(error("constants: {m: 1}\nmodels: {m: {use: mutex}}\nprograms: {p: skip;}")
+                .find("the name 'm' is taken: s.yaml:1:13 (s.yaml:2:10)"),
+            std::string::npos);
+  EXPECT_NE(error("variables: \"var p: 0..1;\"\nprograms: {p: skip;}").find("is taken"),
+            std::string::npos);
+  EXPECT_NE(error("services: {t: {}}\nprograms: {p: skip;}").find("not built yet (s.yaml:1:1)"),
+            std::string::npos);
+}
+
+}  // namespace
+}  // namespace maide
