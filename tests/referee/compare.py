@@ -1,0 +1,280 @@
+"""Compares Maide with the referee, and shrinks the systems on which they differ.
+
+    compare.py --maide PATH [--seed S --count N --only KIND ...] [--keep FOLDER] [FILES ...]
+
+Components, their counts (without reductions) and all verdicts (with each reduction) are compared. A
+system on which the two differ is kept, as it was made and shrunk, with what differs in `why.txt`.
+Exit status 1: some differ.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterable
+from pathlib import Path
+
+import yaml
+
+from generate import KINDS, generate
+from referee import judge
+
+REDUCTIONS = ["none", "order", "full"]
+
+
+class Comparison:
+    """Compares one Maide with the referee."""
+
+    def __init__(self, maide: str, max_states: int, old: bool, skip: list[str]) -> None:
+        self.maide = maide
+        self.max_states = max_states
+        self.old = old  # a Maide that knows no components
+        self.skip = set(skip)
+
+    def ask(self, path: Path, reduction: str) -> dict:
+        """Maide's answer; {"error"} if it refuses the file."""
+        command = [self.maide, "check", str(path), "--json", "--reduction", reduction]
+        try:
+            done = subprocess.run(
+                command, capture_output=True, text=True, timeout=120, check=False, cwd=path.parent
+            )
+        except subprocess.TimeoutExpired:
+            return {"broken": "takes more than 120 s"}
+        if done.returncode == 2:
+            return {"error": done.stderr.strip()}
+        try:
+            answer = json.loads(done.stdout)
+        except json.JSONDecodeError:
+            return {"broken": f"exit {done.returncode}: {done.stderr.strip()[:500]}"}
+        if done.returncode == 5 or "properties" not in answer:
+            return {"broken": f"exit {done.returncode}: {done.stderr.strip()[:500]}"}
+        return answer
+
+    @staticmethod
+    def verdicts(answer: dict) -> dict[str, str]:
+        """The verdict on each property; the worst one on the instances of a `forall`."""
+        order = ["holds", "inconclusive", "violated"]
+        found: dict[str, str] = {}
+        for entry in answer["properties"]:
+            name = entry["name"].split("[")[0].split(" ")[0]
+            found[name] = max(found.get(name, "holds"), entry["verdict"], key=order.index)
+        return found
+
+    def counts(self, path: Path, mine: dict) -> dict[tuple, tuple[int, int]]:
+        """The states and transitions of each component; those of one without a violation are all.
+
+        A search stops at a violation, so each component gets a property that always holds."""
+        document = yaml.safe_load(path.read_text(encoding="utf-8"))
+        own = document["properties"] = {}
+        for number, component in enumerate(mine["components"]):
+            end = f"{component['programs'][0]}@end"
+            own[f"count{number}"] = {"always": f"!{end} || {end}"}
+        trial = path.parent / "count.yaml"
+        write(document, trial)
+        answer = self.ask(trial, "none")
+        trial.unlink()
+        found = {}
+        for entry in answer["properties"]:
+            if entry["name"].startswith("count"):
+                names = tuple(mine["components"][int(entry["name"][5:])]["programs"])
+                found[names] = (entry["states"], entry["transitions"])
+        return found
+
+    def differences(self, path: Path) -> list[tuple[str, str]]:
+        """(kind, sentence) of each difference; none also where the referee gives up."""
+        mine = judge(str(path), self.max_states)
+        if "too_large" in mine:
+            return []
+        found = []
+        for reduction in REDUCTIONS:
+            theirs = self.ask(path, reduction)
+            if "broken" in theirs:
+                return [("broken", f"Maide, reduction {reduction}: {theirs['broken']}")]
+            if "error" in mine or "error" in theirs:
+                unbuilt = "not built yet" in theirs.get("error", "")
+                if ("error" in mine) != ("error" in theirs) and not unbuilt:
+                    why = mine.get("error") or theirs.get("error").replace("maide: ", "")
+                    words = " ".join(w for w in why.split("\n")[0].split()[:6] if w.isalpha())
+                    found.append(
+                        (
+                            f"refused {words}",
+                            f"referee: {mine.get('error')}; Maide: {theirs.get('error')}",
+                        )
+                    )
+                return found
+            if reduction == "none":
+                found += self.count_differences(path, mine, theirs)
+            verdicts = self.verdicts(theirs)
+            for name, entry in mine["properties"].items():
+                if name in self.skip or name not in verdicts:
+                    continue
+                if self.old and name == "deadlock" and len(mine["components"]) > 1:
+                    continue
+                if verdicts[name] != entry["verdict"]:
+                    kind = name if name in ("deadlock", "stuck", "error") else "property"
+                    found.append(
+                        (
+                            f"{kind} {entry['verdict']} {verdicts[name]} {reduction}",
+                            f"{name}: referee {entry['verdict']}, Maide {verdicts[name]} "
+                            f"(reduction {reduction})",
+                        )
+                    )
+        return found
+
+    def count_differences(self, path: Path, mine: dict, theirs: dict) -> list[tuple[str, str]]:
+        """Differences in components and their counts."""
+        own = {tuple(e["programs"]): (e["states"], e["transitions"]) for e in mine["components"]}
+        if self.old and len(own) > 1:
+            return []
+        if "components" in theirs:
+            names = {
+                tuple(sorted(name.replace(" ", "") for name in entry["programs"]))
+                for entry in theirs["components"]
+            }
+            if names != set(own):
+                return [("components", f"referee {sorted(own)}, Maide {sorted(names)}")]
+        other = self.counts(path, mine)
+        if own != other:
+            return [("counts", f"referee {own}, Maide {other}")]
+        return []
+
+
+class Literal(str):
+    """A text that is written as a block in YAML."""
+
+
+yaml.SafeDumper.add_representer(
+    Literal, lambda dumper, text: dumper.represent_scalar("tag:yaml.org,2002:str", text, style="|")
+)
+
+
+def smaller_texts(text: str) -> Iterable[str]:
+    """A program's text with a statement left out, or a block's braces."""
+    lines = text.splitlines()
+    for at in range(len(lines)):
+        depth = 0
+        for end in range(at, len(lines)):
+            depth += lines[end].count("{") - lines[end].count("}")
+            if depth < 0:
+                break
+            if depth == 0:
+                yield "\n".join(lines[:at] + lines[end + 1 :])
+                if end > at:
+                    yield "\n".join(lines[:at] + lines[at + 1 : end] + lines[end + 1 :])
+                if not lines[end].rstrip().endswith("{"):
+                    break
+        if lines[at].lstrip().startswith("@"):
+            bare = lines[at].lstrip().split(" ", 1)[1]
+            yield "\n".join(lines[:at] + [bare] + lines[at + 1 :])
+
+
+def smaller(document: dict) -> Iterable[dict]:
+    """The document with something left out."""
+    for section in ("properties", "programs", "models", "topics", "procedures"):
+        for name in document.get(section) or {}:
+            rest = {k: v for k, v in document[section].items() if k != name}
+            copy = {**document, section: rest}
+            if not rest:
+                del copy[section]
+            yield copy
+    for section in ("programs", "procedures"):
+        for name, text in (document.get(section) or {}).items():
+            inner = text["do"] if isinstance(text, dict) else text
+            if isinstance(text, dict):
+                yield {**document, section: {**document[section], name: inner}}
+            for less in smaller_texts(inner):
+                if less.strip():
+                    value = {**text, "do": less} if isinstance(text, dict) else less
+                    yield {**document, section: {**document[section], name: value}}
+    if "variables" in document:
+        yield {k: v for k, v in document.items() if k != "variables"}
+    for name, entry in (document.get("models") or {}).items():
+        for key in ("when_unexplored", "ends"):
+            if key in entry:
+                less = {k: v for k, v in entry.items() if k != key}
+                yield {**document, "models": {**document["models"], name: less}}
+
+
+def write(document: dict, path: Path) -> None:
+    """Writes a system's file, with programs as blocks."""
+
+    def as_block(value: object) -> object:
+        if isinstance(value, dict):
+            return {k: as_block(v) for k, v in value.items()}
+        return Literal(value + "\n") if isinstance(value, str) and "\n" in value.strip() else value
+
+    text = yaml.safe_dump(as_block(document), sort_keys=False, width=1000)
+    path.write_text(text, encoding="utf-8")
+
+
+def shrink(comparison: Comparison, path: Path, kind: str) -> None:
+    """Makes the system smaller while it shows a difference of this kind."""
+    document = yaml.safe_load(path.read_text(encoding="utf-8"))
+    progress = True
+    while progress:
+        progress = False
+        for less in smaller(document):
+            trial = path.parent / "trial.yaml"
+            write(less, trial)
+            try:
+                same = any(k == kind for k, _ in comparison.differences(trial))
+            except (RecursionError, KeyError):
+                same = False
+            trial.unlink()
+            if same:
+                document, progress = less, True
+                break
+    write(document, path)
+
+
+def main() -> int:
+    """Compares."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--maide", required=True)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--first", type=int, default=0)
+    parser.add_argument("--count", type=int, default=50)
+    parser.add_argument("--only", choices=KINDS, nargs="*", default=[])
+    parser.add_argument("--max-states", type=int, default=5000)
+    parser.add_argument("--old", action="store_true", help="a Maide without components")
+    parser.add_argument("--skip", nargs="*", default=[], help="properties that are not compared")
+    parser.add_argument("--keep", type=Path, default=Path("differences"))
+    parser.add_argument("files", nargs="*", type=Path)
+    options = parser.parse_args()
+    comparison = Comparison(options.maide, options.max_states, options.old, options.skip)
+    differing = compared = 0
+    with tempfile.TemporaryDirectory() as folder:
+        paths: list[Path] = [path.absolute() for path in options.files]
+        for kind in options.only:
+            for number in range(options.first, options.first + options.count):
+                paths.append(generate(kind, options.seed, number, Path(folder)))
+        for path in paths:
+            compared += 1
+            found = comparison.differences(path)
+            if not found:
+                continue
+            differing += 1
+            name = path.parent.name if path.name == "system.yaml" else path.stem
+            print(f"{name}: {found[0][1]}", flush=True)
+            kept = options.keep / name
+            if kept.exists():
+                shutil.rmtree(kept)
+            shutil.copytree(path.parent, kept)
+            if path.name != "system.yaml":
+                (kept / path.name).rename(kept / "system.yaml")
+            shutil.copy(kept / "system.yaml", kept / "made.yaml")
+            if path.is_relative_to(folder):
+                shrink(comparison, kept / "system.yaml", found[0][0])
+            again = comparison.differences(kept / "system.yaml")
+            text = "\n".join(sentence for _, sentence in again)
+            (kept / "why.txt").write_text(text + "\n", encoding="utf-8")
+    print(f"{compared} compared, {differing} differ")
+    return 1 if differing else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,351 @@
+"""Formulas of a system file: their text, their atoms, and what these mean in a state."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any
+
+from expressions import Mistake, Scope, Variable, evaluate, members
+from graph import Component, State
+from language import Parser, Refused
+from ltl import FALSE, TRUE, Formula, negated
+from system import System
+
+BOOLEAN = {"&&", "||", "->", "<->"}
+COMPARISONS = {"==", "!=", "<", "<=", ">", ">="}
+
+
+class FormulaParser(Parser):
+    """Binary operators from the weakest; F, G, X and ! reach as far as a comparison."""
+
+    def formula(self, level: int = 0) -> tuple:
+        if level == 0:
+            left = self.formula(1)
+            while self.accept("<->"):
+                left = ("bin", "<->", left, self.formula(1))
+            return left
+        if level == 1:
+            left = self.formula(2)
+            return ("bin", "->", left, self.formula(1)) if self.accept("->") else left
+        if level in (2, 3):
+            op = "||" if level == 2 else "&&"
+            left = self.formula(level + 1)
+            while self.accept(op):
+                left = ("bin", op, left, self.formula(level + 1))
+            return left
+        left = self.temporal()
+        if self.peek()[0] == "name" and self.sees("U", "R", "W"):
+            op = self.peek()[1]
+            self.at += 1
+            return ("bin", op, left, self.formula(4))
+        return left
+
+    def temporal(self) -> tuple:
+        for token, op in (("!", "!"), ("[]", "G"), ("<>", "F")):
+            if self.accept(token):
+                return ("un", op, self.temporal())
+        if self.peek()[0] == "name" and self.sees("F", "G", "X"):
+            if not self.sees(".", "@", ":", "==", "!=", ahead=1):
+                op = self.peek()[1]
+                self.at += 1
+                return ("un", op, self.temporal())
+        return self.comparison(2)
+
+    def comparison(self, level: int) -> tuple:
+        """Comparisons and arithmetic, with atoms of formulas as their leaves."""
+        if level == len(self.LEVELS):
+            if self.accept("-"):
+                return ("un", "-", self.comparison(level))
+            return self.atom()
+        left = self.comparison(level + 1)
+        while self.peek()[0] == "op" and self.sees(*self.LEVELS[level]):
+            op = self.peek()[1]
+            self.at += 1
+            left = ("bin", op, left, self.comparison(level + 1))
+        return left
+
+    def atom(self) -> tuple:
+        kind, value, _ = self.peek()
+        if self.accept("("):
+            inner = self.formula()
+            self.expect(")")
+            return inner
+        if kind == "number":
+            self.at += 1
+            return ("num", value)
+        if kind == "name" and value in ("true", "false"):
+            self.at += 1
+            return ("num", value == "true")
+        reference = self.reference()
+        program = None
+        if self.accept(":"):
+            program, reference = reference, self.reference()
+        if self.accept("@"):
+            return ("label", reference, self.name())
+        if self.accept("!"):
+            return ("event", program, reference, "!", self.name(), self.values())
+        if self.accept("."):
+            name = self.name()
+            if self.sees("("):
+                return ("event", program, reference, "?", name, self.values())
+            indices = self.indices()
+            if indices:
+                return ("field", reference, name, indices)
+            return ("dot", program, reference, name)
+        if program is not None:
+            self.fail("an event")
+        name, indices = reference
+        return ("index", name, indices) if indices else ("name", name)
+
+    def values(self) -> list | None:
+        """The values of an event; None if it does not name them."""
+        return self.arguments() if self.sees("(") else None
+
+
+def parse_formula(text: str, origin: str) -> tuple[list, tuple]:
+    """A formula as (quantified ranges, body)."""
+    parser = FormulaParser(str(text), origin)
+    ranges = []
+    while parser.peek()[0] == "name" and parser.sees("forall"):
+        parser.at += 1
+        while True:
+            name = parser.name()
+            parser.expect("in")
+            low = parser.expression(4)
+            parser.expect("..")
+            ranges.append((name, low, parser.expression(4)))
+            if not parser.accept(","):
+                break
+        parser.expect(":")
+    body = parser.formula()
+    parser.end()
+    return ranges, body
+
+
+@dataclass(frozen=True)
+class Label:
+    """Whether a program stands before a label, or at its end."""
+
+    program: int
+    label: str
+
+
+@dataclass(frozen=True)
+class Event:
+    """Whether the last step was this one."""
+
+    program: int | None
+    use: str
+    reader: int | None
+    sign: str
+    name: str
+    values: tuple | None
+
+    def matches(self, event: tuple) -> bool:
+        """Whether it is that event."""
+        program, use, readers, sign, action = event
+        return (
+            self.program in (None, program)
+            and use == self.use
+            and sign == self.sign
+            and action[0] == self.name
+            and self.values in (None, action[1])
+            and (self.reader is None or readers is not None and self.reader in readers)
+        )
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Whether an expression over variables holds; its leaves are ("local", program, name, [i])."""
+
+    expression: Any
+
+
+class Formulas:
+    """Resolves one formula, in one instance of its quantifiers."""
+
+    def __init__(self, system: System, scope: Scope) -> None:
+        self.system = system
+        self.scope = scope
+        self.atoms: list[Any] = []
+        self.programs: set[int] = set()
+
+    def number(self, atom: Any) -> Formula:
+        """The formula that is this atom."""
+        for n, other in enumerate(self.atoms):
+            if type(other) is type(atom) and other == atom:
+                return ("atom", n)
+        self.atoms.append(atom)
+        return ("atom", len(self.atoms) - 1)
+
+    def program(self, reference: tuple) -> int:
+        """The program that a reference names."""
+        name, indices = reference
+        index = tuple(self.scope.constant(i) for i in indices)
+        for number, (other, at, *_) in enumerate(self.system.texts):
+            if other == name and at == index:
+                self.programs.add(number)
+                return number
+        raise Refused(f"no program {name}{list(index)}")
+
+    def use(self, reference: tuple) -> tuple[str, int | None]:
+        """The model or topic that a reference names, and the reader, if it names one."""
+        name, indices = reference
+        meaning = self.scope.find(name)
+        if meaning is None or meaning[0] != "model":
+            raise Refused(f"no model {name}")
+        arity = len(self.system.model_ranges(name))
+        reader = None
+        if len(indices) == arity + 1:
+            text = indices[-1]
+            reader = self.program((text[1], text[2] if text[0] == "index" else []))
+        index = tuple(self.scope.constant(i) for i in indices[:arity])
+        number = self.system.numbers.get((name, index))
+        if number is None:
+            raise Refused(f"no model {name}{list(index)}")
+        for program, used in enumerate(self.system.models_of):
+            if number in used:
+                self.programs.add(program)
+        return self.system.uses[number].name, reader
+
+    def event(
+        self, program: tuple | None, reference: tuple, sign: str, name: str, values: Any
+    ) -> Formula:
+        """The atom of an event."""
+        use, reader = self.use(reference)
+        own = None if program is None else self.program(program)
+        known = None if values is None else tuple(self.scope.constant(v) for v in values)
+        return self.number(Event(own, use, reader, sign, name, known))
+
+    def is_model(self, reference: tuple) -> bool:
+        """Whether a reference names a model or topic."""
+        meaning = self.scope.find(reference[0])
+        return meaning is not None and meaning[0] == "model"
+
+    def resolve(self, node: tuple) -> Formula:
+        """A formula of the text, in negation normal form."""
+        kind = node[0]
+        if kind == "num" and isinstance(node[1], bool):
+            return TRUE if node[1] else FALSE
+        if kind == "un" and node[1] != "-":
+            inner = self.resolve(node[2])
+            if node[1] == "!":
+                return negated(inner)
+            return {
+                "X": ("X", inner),
+                "F": ("U", TRUE, inner),
+                "G": ("R", FALSE, inner),
+            }[node[1]]
+        if kind == "bin" and node[1] in BOOLEAN | {"U", "R", "W"}:
+            left, right = self.resolve(node[2]), self.resolve(node[3])
+            if node[1] == "->":
+                return ("or", negated(left), right)
+            if node[1] == "<->":
+                both = ("and", left, right)
+                return ("or", both, ("and", negated(left), negated(right)))
+            if node[1] == "W":
+                return ("R", right, ("or", left, right))
+            return ({"&&": "and", "||": "or"}.get(node[1], node[1]), left, right)
+        if kind == "label":
+            return self.number(Label(self.program(node[1]), node[2]))
+        if kind == "event":
+            return self.event(node[1], node[2], node[3], node[4], node[5])
+        if kind == "dot" and self.is_model(node[2]):
+            return self.event(node[1], node[2], "?", node[3], None)
+        return self.number(Comparison(self.leaf(node)))
+
+    def leaf(self, node: tuple) -> tuple:
+        """An expression over variables of programs and of the file."""
+        kind = node[0]
+        if kind == "un":
+            return ("un", node[1], self.leaf(node[2]))
+        if kind == "bin":
+            return ("bin", node[1], self.leaf(node[2]), self.leaf(node[3]))
+        if kind == "dot":
+            return ("local", self.program(node[2]), node[3], ())
+        if kind == "field":
+            indices = tuple(self.leaf(i) for i in node[3])
+            return ("local", self.program(node[1]), node[2], indices)
+        if kind == "num":
+            return ("value", node[1])
+        name = node[1]
+        meaning = self.scope.find(name)
+        if meaning is not None and meaning[0] == "variable":
+            indices = tuple(self.leaf(i) for i in (node[2] if kind == "index" else ()))
+            self.programs.update(meaning[1].users)
+            return ("global", meaning[1], indices)
+        return self.scope.resolve(node)
+
+
+class Letter:
+    """The values of atoms in a state that was reached with these events."""
+
+    def __init__(self, system: System, component: Component, state: State, events: tuple) -> None:
+        self.system = system
+        self.component = component
+        self.state = state
+        self.events = events
+
+    def holds(self, atom: Any) -> bool:
+        """Whether the atom holds."""
+        if isinstance(atom, Event):
+            return any(atom.matches(event) for event in self.events)
+        if isinstance(atom, Label):
+            program, control = self.at(atom.program)
+            if not isinstance(control[0], int):
+                return False
+            return atom.label in control[1] or atom.label == "end" and program.has_ended(control)
+        try:
+            return bool(self.value(atom.expression))
+        except (Mistake, LookupError):
+            return False
+
+    def at(self, number: int) -> tuple:
+        """A program and its control state."""
+        at = self.component.numbers.index(number)
+        return self.component.programs[at], self.state.controls[at]
+
+    def value(self, node: tuple) -> Any:
+        """The value of an expression; LookupError if a variable is not in scope."""
+        kind = node[0]
+        if kind == "bin" or kind == "un":
+            parts = [("value", self.value(part)) for part in node[2:]]
+            return evaluate((kind, node[1], *parts), lambda variable: None)
+        if kind == "value":
+            return node[1]
+        position = [self.value(i) for i in node[2 if kind == "global" else 3]]
+        if kind == "global":
+            variable = node[1]
+            if variable.shared:
+                whole = self.state.world[1][self.system.shared.index(variable)]
+            elif not variable.users:
+                whole = variable.initial
+            else:
+                program, control = self.at(next(iter(variable.users)))
+                whole = program.value(control, variable)
+        else:
+            program, control = self.at(node[1])
+            variable = self.local(program, control, node[2])
+            whole = program.value(control, variable)
+        if whole is None:
+            raise LookupError("not in scope")
+        return variable.read(whole, position)
+
+    @staticmethod
+    def local(program: Any, control: tuple, name: str) -> Variable:
+        """The variable of this name that is in scope."""
+        scope = program.nodes[control[0]].scope if isinstance(control[0], int) else ()
+        for variable in reversed(scope):
+            if variable.name == name:
+                return variable
+        raise LookupError(name)
+
+
+def instances(system: System, ranges: list) -> Iterable[Scope]:
+    """The scopes of all instances of a quantified formula."""
+    for index in members(system.file.ranges(ranges)):
+        scope = Scope(system.file)
+        for (name, _, _), value in zip(ranges, index):
+            scope.names[name] = ("value", value)
+        yield scope

@@ -1,0 +1,235 @@
+"""Graphs of states, and whether they have a run that is fair.
+
+An edge has the number of the state it leads to, and what fairness looks at: which program steps,
+which arm and which fair choice it is, and which acceptance sets it is in.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+from machine import Program, Step, is_error
+
+MAX_STATES = 200_000
+
+
+class TooLarge(Exception):
+    """The system has more states than the referee was told to look at."""
+
+
+@dataclass
+class Edge:
+    """A step from one state to another."""
+
+    target: int
+    step: Step | None = None  # None: the last state is repeated
+    marks: frozenset = frozenset()
+
+
+@dataclass
+class State:
+    """A state: the control of all programs, in their order, and the world."""
+
+    controls: tuple
+    world: tuple
+    edges: list[Edge] = field(default_factory=list)
+    cuts: list[Step] = field(default_factory=list)
+    failed: bool = False
+    enabled: set[int] = field(default_factory=set)
+    arms: set[tuple] = field(default_factory=set)
+    choices: dict[tuple, set] = field(default_factory=dict)
+
+    def can_move(self) -> bool:
+        """Whether anything but a death can happen."""
+        return bool(self.enabled)
+
+
+class Component:
+    """All reachable states of some programs of a system."""
+
+    def __init__(self, system: Any, numbers: list[int], max_states: int) -> None:
+        self.programs: list[Program] = [system.programs[n] for n in numbers]
+        self.numbers = numbers
+        self.states: list[State] = []
+        self.transitions = 0
+        self.known: dict[tuple, int] = {}
+        self.max_states = max_states
+        models = tuple(use.initial for use in system.uses)
+        world = (models, tuple(variable.initial for variable in system.shared))
+        self.number(tuple(program.start() for program in self.programs), world)
+        at = 0
+        while at < len(self.states):
+            self.explore(self.states[at])
+            at += 1
+        self.is_cut = any(state.cuts for state in self.states)
+        self.can_fail = any(state.failed for state in self.states)
+
+    def number(self, controls: tuple, world: tuple) -> int:
+        """The number of a state."""
+        key = (controls, world)
+        if key not in self.known:
+            if len(self.states) >= self.max_states:
+                raise TooLarge(f"more than {self.max_states} states")
+            self.known[key] = len(self.states)
+            self.states.append(State(controls, world))
+        return self.known[key]
+
+    def explore(self, state: State) -> None:
+        """Finds the steps of a state."""
+        if any(map(is_error, state.controls)):
+            state.failed = True
+            return
+        seen = set()
+        for at, program in enumerate(self.programs):
+            for step in program.steps(state.controls[at], state.world):
+                if not step.death:
+                    state.enabled.add(program.number)
+                if step.arm is not None:
+                    state.arms.add((program.number, step.arm))
+                if step.choice is not None:
+                    key = (program.number, step.choice[0])
+                    state.choices.setdefault(key, set()).add(step.choice[1])
+                if step.cut:
+                    mark = (program.number, step.label, "cut")
+                    if mark not in seen:
+                        state.cuts.append(step)
+                else:
+                    controls = state.controls
+                    controls = controls[:at] + (step.control,) + controls[at + 1 :]
+                    target = self.number(controls, step.world)
+                    mark = (program.number, step.label, target)
+                    if mark not in seen:
+                        state.edges.append(Edge(target, step))
+                self.transitions += mark not in seen
+                seen.add(mark)
+
+
+def components_of(nodes: set[int], edges: Callable[[int], list[int]]) -> list[list[int]]:
+    """Strongly connected components (Tarjan, without recursion)."""
+    index: dict[int, int] = {}
+    low: dict[int, int] = {}
+    stack: list[int] = []
+    on_stack: set[int] = set()
+    found = []
+    for root in nodes:
+        if root in index:
+            continue
+        index[root] = low[root] = len(index)
+        stack.append(root)
+        on_stack.add(root)
+        work = [(root, iter(edges(root)))]
+        while work:
+            node, rest = work[-1]
+            for after in rest:
+                if after not in nodes:
+                    continue
+                if after not in index:
+                    index[after] = low[after] = len(index)
+                    stack.append(after)
+                    on_stack.add(after)
+                    work.append((after, iter(edges(after))))
+                    break
+                if after in on_stack:
+                    low[node] = min(low[node], index[after])
+            else:
+                work.pop()
+                if work:
+                    low[work[-1][0]] = min(low[work[-1][0]], low[node])
+                if low[node] == index[node]:
+                    members = []
+                    while True:
+                        members.append(stack.pop())
+                        on_stack.discard(members[-1])
+                        if members[-1] == node:
+                            break
+                    found.append(members)
+    return found
+
+
+class FairRuns:
+    """Whether a graph has an infinite run that is fair and accepted.
+
+    `states[n]` says what is enabled in node n; `edges[n]` are its edges; every accepted run
+    has edges with each of `marks` again and again.
+    """
+
+    def __init__(
+        self,
+        states: list[State],
+        edges: list[list[Edge]],
+        marks: frozenset,
+        fairness: str,
+        programs: list[int],
+    ) -> None:
+        self.states = states
+        self.edges = edges
+        self.marks = marks
+        self.fairness = fairness
+        self.programs = programs
+
+    def exists(self, nodes: set[int], banned: frozenset = frozenset()) -> bool:
+        """Whether there is such a run inside of these nodes, without the banned edges."""
+
+        def inside(node: int) -> list[int]:
+            return [
+                edge.target
+                for k, edge in enumerate(self.edges[node])
+                if edge.target in nodes and (node, k) not in banned
+            ]
+
+        for members in components_of(nodes, inside):
+            part = set(members)
+            inner = [
+                (node, k, edge)
+                for node in members
+                for k, edge in enumerate(self.edges[node])
+                if edge.target in part and (node, k) not in banned
+            ]
+            if inner and self.is_fair(part, inner, banned):
+                return True
+        return False
+
+    def is_fair(self, part: set[int], inner: list[tuple], banned: frozenset) -> bool:
+        """Whether a strongly connected part has a fair and accepted run."""
+        seen_marks: set = set()
+        for _, _, edge in inner:
+            seen_marks |= edge.marks
+        if not self.marks <= seen_marks:
+            return False
+        steps = [edge.step for _, _, edge in inner if edge.step is not None]
+        stepping = {step.program for step in steps if not step.death}
+        if self.fairness in ("weak", "strong"):
+            for program in self.programs:
+                always = all(program in self.states[node].enabled for node in part)
+                if always and program not in stepping:
+                    return False
+            too_many = self.unfair_choices(inner)
+            if too_many:
+                return self.exists(part, banned | too_many)
+        if self.fairness == "strong":
+            taken = {(step.program, step.arm) for step in steps if step.arm is not None}
+            bad = {
+                node
+                for node in part
+                if self.states[node].enabled - stepping or self.states[node].arms - taken
+            }
+            if bad:
+                return self.exists(part - bad, banned)
+        return True
+
+    def unfair_choices(self, inner: list[tuple]) -> frozenset:
+        """The edges of fair choices of which an outcome, possible there, never comes."""
+        outcomes: dict[tuple, set] = {}
+        for _, _, edge in inner:
+            if edge.step is not None and edge.step.choice is not None:
+                place, outcome = edge.step.choice
+                outcomes.setdefault((edge.step.program, place), set()).add(outcome)
+        found = set()
+        for node, k, edge in inner:
+            if edge.step is not None and edge.step.choice is not None:
+                key = (edge.step.program, edge.step.choice[0])
+                if self.states[node].choices[key] - outcomes[key]:
+                    found.add((node, k))
+        return frozenset(found)

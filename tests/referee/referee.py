@@ -1,0 +1,266 @@
+"""An independent referee of the system language: explores all states, decides all properties.
+
+    referee.py SYSTEM.yaml --json [--max-states N]
+
+Prints {"components": [{"programs", "states", "transitions"}], "properties": {NAME: {"verdict",
+"component"}}}. A file that is refused gives {"error": ...} and exit status 4, one that is too large
+{"too_large": ...} and exit status 5.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from typing import Any
+
+from formulas import Formulas, Letter, instances, parse_formula
+from graph import MAX_STATES, Component, Edge, FairRuns, State, TooLarge
+from language import Refused
+from ltl import Formula, covers, negated, satisfiable_states, untils
+from system import System
+
+sys.setrecursionlimit(100_000)
+
+WORST = ["holds", "inconclusive", "violated"]
+
+
+class Referee:
+    """Decides the properties of one system."""
+
+    def __init__(self, system: System, max_states: int) -> None:
+        self.system = system
+        self.max_states = max_states
+        self.explored: dict[tuple, Component] = {}
+        self.components = [self.explore(numbers) for numbers in system.components]
+
+    def explore(self, numbers: list[int]) -> Component:
+        """The states of these programs."""
+        key = tuple(sorted(numbers))
+        if key not in self.explored:
+            self.explored[key] = Component(self.system, sorted(numbers), self.max_states)
+        return self.explored[key]
+
+    def verdict(self, component: Component, violated: bool) -> str:
+        """The verdict on a component, for what rests on all its runs."""
+        if violated:
+            return "violated"
+        weak = self.system.rests_on_hidden_return(component.numbers)
+        if component.is_cut or component.can_fail or weak:
+            return "inconclusive"
+        return "holds"
+
+    def of_each(self, is_violated: Any) -> dict:
+        """A property that is decided in each component."""
+        verdicts = [self.verdict(c, is_violated(c)) for c in self.components]
+        worst = max(range(len(verdicts)), key=lambda n: WORST.index(verdicts[n]))
+        return {"verdict": verdicts[worst], "component": worst}
+
+    def has_deadlock(self, component: Component) -> bool:
+        """Whether nothing can happen somewhere, and some program neither ended nor rests."""
+        for state in component.states:
+            if not state.failed and not state.can_move():
+                for program, control in zip(component.programs, state.controls):
+                    if not program.rests(control):
+                        return True
+        return False
+
+    def has_stuck(self, component: Component) -> bool:
+        """Whether some program never steps again on a strongly fair run."""
+        edges = [state.edges for state in component.states]
+        for at, program in enumerate(component.programs):
+            nodes = {
+                number
+                for number, state in enumerate(component.states)
+                if not state.failed
+                and program.number not in state.enabled
+                and not program.rests(state.controls[at])
+            }
+            runs = FairRuns(component.states, edges, frozenset(), "strong", component.numbers)
+            if runs.exists(nodes):
+                return True
+        return False
+
+    def error(self) -> dict:
+        """Whether a program makes a mistake."""
+        verdicts = []
+        for component in self.components:
+            if component.can_fail:
+                verdicts.append("violated")
+            else:
+                verdicts.append("inconclusive" if component.is_cut else "holds")
+        worst = max(range(len(verdicts)), key=lambda n: WORST.index(verdicts[n]))
+        return {"verdict": verdicts[worst], "component": worst}
+
+    def own(self, name: str, description: Any) -> dict:
+        """A property of the file; each instance of a `forall` is one formula."""
+        fairness = "weak"
+        always = False
+        text = description
+        if isinstance(description, dict):
+            fairness = description.get("fairness", "weak")
+            always = "always" in description
+            text = description["always"] if always else description["ltl"]
+        ranges, body = parse_formula(text, name)
+        verdicts = []
+        for scope in instances(self.system, ranges):
+            formulas = Formulas(self.system, scope)
+            formula = formulas.resolve(body)
+            if always:
+                formula = ("R", ("false",), formula)
+            numbers = {
+                number
+                for members in self.system.components
+                if formulas.programs & set(members)
+                for number in members
+            }
+            component = self.explore(sorted(numbers or range(len(self.system.programs))))
+            violated = self.is_violated(component, formulas.atoms, formula, fairness)
+            verdicts.append(self.verdict(component, violated))
+        return {"verdict": max(verdicts, key=WORST.index, default="holds")}
+
+    def is_violated(
+        self, component: Component, atoms: list, formula: Formula, fairness: str
+    ) -> bool:
+        """Whether some fair run breaks the formula, or some run has a prefix that is bad."""
+        positions = Positions(self.system, component, atoms)
+        bad = negated(formula)
+        wanted = untils(bad)
+        known: dict[tuple, int] = {}
+        states: list[State] = []
+        edges: list[list[Edge]] = []
+        waiting: list[tuple] = []
+
+        def number(node: tuple) -> int:
+            if node not in known:
+                if len(known) > 20 * self.max_states:
+                    raise TooLarge("the product with a formula")
+                known[node] = len(known)
+                states.append(component.states[positions.states[node[0]]])
+                edges.append([])
+                waiting.append(node)
+            return known[node]
+
+        number((0, frozenset([bad])))
+        while waiting:
+            node = waiting.pop()
+            at, obligations = node
+            for cover in covers(obligations):
+                if cover.allows(positions.letters[at].__getitem__):
+                    marks = wanted - cover.put_off
+                    for step, target in positions.after(at):
+                        edge = Edge(number((target, cover.next)), step, marks)
+                        edges[known[node]].append(edge)
+        runs = FairRuns(states, edges, wanted, fairness, component.numbers)
+        if runs.exists(set(range(len(states)))):
+            return True
+        if not component.is_cut and not component.can_fail:
+            return False
+        return self.has_bad_prefix(positions, formula)
+
+    def has_bad_prefix(self, positions: Positions, formula: Formula) -> bool:
+        """Whether some run has a prefix after which the formula cannot hold any more."""
+        good = satisfiable_states(formula)
+        start = frozenset([formula])
+        first = (0, frozenset([start]) & frozenset(good))
+        known, waiting = {first}, [first]
+        while waiting:
+            at, possible = waiting.pop()
+            letter = positions.letters[at].__getitem__
+            after = frozenset(
+                cover.next
+                for obligations in possible
+                for cover in covers(obligations)
+                if cover.allows(letter) and cover.next in good
+            )
+            if not after:
+                return True
+            for _, target in positions.after(at):
+                if (target, after) not in known:
+                    known.add((target, after))
+                    waiting.append((target, after))
+        return False
+
+    def report(self) -> dict:
+        """All that is found out."""
+        properties = {
+            "deadlock": self.of_each(self.has_deadlock),
+            "stuck": self.of_each(self.has_stuck),
+            "error": self.error(),
+        }
+        for name, description in self.system.properties.items():
+            properties[name] = self.own(name, description)
+        return {
+            "components": [
+                {
+                    "programs": sorted(program.name for program in component.programs),
+                    "states": len(component.states),
+                    "transitions": component.transitions,
+                }
+                for component in self.components
+            ],
+            "properties": properties,
+        }
+
+
+class Positions:
+    """States with the values of a formula's atoms, which also depend on the step that led there."""
+
+    def __init__(self, system: System, component: Component, atoms: list) -> None:
+        self.system = system
+        self.component = component
+        self.atoms = atoms
+        self.known: dict[tuple, int] = {}
+        self.states: list[int] = []
+        self.letters: list[tuple[bool, ...]] = []
+        self.successors: dict[int, list] = {}
+        self.number(0, ())
+
+    def number(self, state: int, events: tuple) -> int:
+        """The position of a state that was reached with these events."""
+        letter = Letter(self.system, self.component, self.component.states[state], events)
+        values = tuple(letter.holds(atom) for atom in self.atoms)
+        if (state, values) not in self.known:
+            self.known[(state, values)] = len(self.states)
+            self.states.append(state)
+            self.letters.append(values)
+        return self.known[(state, values)]
+
+    def after(self, position: int) -> list:
+        """The steps from a position; the last state of a finished or deadlocked run is repeated."""
+        if position not in self.successors:
+            number = self.states[position]
+            state = self.component.states[number]
+            found: list = [
+                (edge.step, self.number(edge.target, edge.step.events)) for edge in state.edges
+            ]
+            if not state.can_move() and not state.failed:
+                found.append((None, self.number(number, ())))
+            self.successors[position] = found
+        return self.successors[position]
+
+
+def judge(path: str, max_states: int = MAX_STATES) -> dict:
+    """The report on a system file."""
+    try:
+        return Referee(System(path), max_states).report()
+    except Refused as refused:
+        return {"error": str(refused)}
+    except TooLarge as large:
+        return {"too_large": str(large)}
+
+
+def main() -> int:
+    """Runs the referee."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("system")
+    parser.add_argument("--json", action="store_true", help="the only form there is")
+    parser.add_argument("--max-states", type=int, default=MAX_STATES)
+    options = parser.parse_args()
+    report = judge(options.system, options.max_states)
+    print(json.dumps(report, indent=None))
+    return 4 if "error" in report else 5 if "too_large" in report else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
