@@ -172,6 +172,22 @@ TEST(Language, SelectTakesAnInputWithTheOutputThatFollows) {
   EXPECT_EQ(program.events_of(edge).size(), 2u);
 }
 
+// A model that may go two ways to the same state: the arm is one step.
+TEST(Language, TwoWaysToOneStateAreOneStep) {
+  System system;
+  ModelInstance model;
+  model.name = "m";
+  model.automaton = InterfaceAutomaton({"ask"}, {"answer"}, 3);
+  for (const StateId way : {1U, 2U}) {
+    model.automaton.add_transition(0, {Action::Kind::input, 0}, way);
+    model.automaton.add_transition(way, {Action::Kind::output, 0}, 0);
+  }
+  system.models.push_back(model);
+  const std::string text = "select { on m.ask -> answer { } }";
+  system.programs.push_back(parse_program("p", ScalarText(text, text, {"s.yaml", 1, 1}), system));
+  EXPECT_EQ(enabled_steps(system, initial_state(system)).size(), 1u);
+}
+
 TEST(Language, OtherwiseIsTakenWhenNoArmCanBe) {
   EXPECT_EQ(
       explore(system_from(

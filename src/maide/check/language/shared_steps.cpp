@@ -98,6 +98,11 @@ std::optional<ModelUse> SharedActions::input_and_output(std::uint32_t model, Sym
   const std::string name =
       automaton.inputs().name(input) +
       (output ? " -> " + automaton.outputs().name(*output) : std::string(", without an output"));
+  // Two ways to the same state are one step.
+  const auto add = [](std::vector<ModelStep>& to, StateId target) {
+    const ModelStep step{target, false};
+    if (std::find(to.begin(), to.end(), step) == to.end()) to.push_back(step);
+  };
   const ModelUse use = action(model, name, [&] {
     std::vector<std::vector<ModelStep>> steps(automaton.size());
     for (StateId state = 0; state < automaton.size(); ++state) {
@@ -105,10 +110,9 @@ std::optional<ModelUse> SharedActions::input_and_output(std::uint32_t model, Sym
       for (const auto& given : automaton.transitions(state)) {
         if (!given.action.is_input() || given.action.symbol != input || given.absorbed) continue;
         const auto follows = due(automaton, given.target, input);
-        if (!output && follows.empty()) steps[state].push_back({given.target, false});
+        if (!output && follows.empty()) add(steps[state], given.target);
         for (const auto& taken : follows) {
-          if (output && taken.action.symbol == *output)
-            steps[state].push_back({taken.target, false});
+          if (output && taken.action.symbol == *output) add(steps[state], taken.target);
         }
       }
     }
