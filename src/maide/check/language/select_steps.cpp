@@ -19,7 +19,7 @@ void Unroller::expand_select(const Place& place, const Statement& statement, con
       expand_otherwise(place, statement, arm, values);
       continue;
     }
-    const std::uint32_t fair = fair_group(arm.line, arm.column, 0, false, text_of(arm, values));
+    const std::uint32_t fair = fair_group(arm.line, arm.column, 0, false, text_of(arm));
     if (!arm.guard) {
       expand_arm(place, arm, values, {}, fair);
       continue;
@@ -35,7 +35,7 @@ void Unroller::expand_select(const Place& place, const Statement& statement, con
   }
 }
 
-std::string Unroller::text_of(const SelectArm& arm, const Values&) const {
+std::string Unroller::text_of(const SelectArm& arm) const {
   switch (arm.kind) {
     case SelectArm::Kind::input: return arm.model.name() + "." + arm.event.name;
     case SelectArm::Kind::output: return arm.model.name() + "!" + arm.event.name;

@@ -93,7 +93,7 @@ class Unroller : public Walker {
   // ---- select -----------------------------------------------------------------------------------
 
   void expand_select(const Place& place, const Statement& statement, const Values& values);
-  std::string text_of(const SelectArm& arm, const Values&) const;
+  std::string text_of(const SelectArm& arm) const;
   // The arm's steps where its guard holds, which asks for `conditions`.
   void expand_arm(const Place& place, const SelectArm& arm, const Values& values,
                   const std::vector<ModelUse>& conditions, std::uint32_t fair);
