@@ -412,7 +412,7 @@ class Sentence {
   // Of a built-in model: "fork[2] is held: p[2] locked it at step 1", "q is full".
   std::string describe_refusal_of(const Waiting& waiting) const {
     const Symbol symbol = waiting.awaited.front().symbol;
-    const std::string text = model(waiting).name + " " + describe_refusal(model(waiting), symbol);
+    std::string text = model(waiting).name + " " + describe_refusal(model(waiting), symbol);
     const std::string& input = model(waiting).automaton.inputs().name(symbol);
     const char* done = input == "lock"      ? "locked it"
                        : input == "unlock"  ? "unlocked it"

@@ -110,7 +110,7 @@ Expression NameParser::without_shared(Expression expression, const Token& first,
 }
 
 Token NameParser::parse_new_name(std::string_view what) {
-  const Token name = tokens_.next();
+  Token name = tokens_.next();
   if (!name.is_name()) {
     tokens_.fail("expected the name of " + std::string(what) + ", not " + to_string(name), name);
   }

@@ -273,7 +273,7 @@ class Parser {
     tokens_.next();
     const Token reader = tokens_.next();
     if (!reader.is_name()) tokens_.fail("expected a reader of " + topic, reader);
-    const std::string suffix = "[" + reader.text + parse_suffix() + "]";
+    std::string suffix = "[" + reader.text + parse_suffix() + "]";
     tokens_.expect("]", "behind a reader");
     return suffix;
   }
@@ -332,7 +332,7 @@ class Parser {
 
   // A variable or constant of the file, or a word; none if the name is none of them.
   std::optional<Expression> parse_variable(const Token& name) {
-    if (const auto constant = constant_of(name.text)) return constant;
+    if (auto constant = constant_of(name.text)) return constant;
     if (scope_.names == nullptr) return std::nullopt;
     if (const auto place = scope_.names->variables.find(name.text);
         place != scope_.names->variables.end()) {
