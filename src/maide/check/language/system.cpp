@@ -79,6 +79,19 @@ void add_steps(const System& system, const GlobalState& state, std::span<const M
 
 }  // namespace
 
+bool is_possible(const System& system, const GlobalState& state, const Step& step) {
+  const Program& program = system.programs[step.program];
+  const Program::State& control = program.states[state.programs[step.program]];
+  if (state.is_cut || step.edge < control.first_edge ||
+      step.edge >= control.first_edge + control.edge_count) {
+    return false;
+  }
+  std::vector<Step> steps;
+  add_steps(system, state, program.uses_of(program.edges[step.edge]),
+            {step.program, step.edge, {}, false, false}, steps);
+  return std::find(steps.begin(), steps.end(), step) != steps.end();
+}
+
 std::vector<Step> enabled_steps(const System& system, const GlobalState& state) {
   std::vector<Step> steps;
   if (state.is_cut || is_error(system, state)) return steps;

@@ -124,6 +124,9 @@ GlobalState initial_state(const System& system);
 // Every step that is possible in `state`, in a fixed order. None if the run is cut. O(programs x
 // edges).
 std::vector<Step> enabled_steps(const System& system, const GlobalState& state);
+// Whether its program can take the step, whatever errors others have come to: those of another
+// component do not stop it.
+bool is_possible(const System& system, const GlobalState& state, const Step& step);
 // The state after one of its enabled steps.
 GlobalState apply(const System& system, const GlobalState& state, const Step& step);
 // The uses of the step, which is one of `state`'s, that give an input where it was never tried.

@@ -160,8 +160,7 @@ Trace from_whole(const Part& part, Trace trace) {
 std::vector<GlobalState> replay(const System& system, const Trace& trace) {
   std::vector<GlobalState> states{initial_state(system)};
   for (const Step& step : trace.steps) {
-    const auto enabled = enabled_steps(system, states.back());
-    if (std::find(enabled.begin(), enabled.end(), step) == enabled.end()) {
+    if (!is_possible(system, states.back(), step)) {
       throw std::logic_error("step " + std::to_string(states.size()) + " is not possible");
     }
     states.push_back(apply(system, states.back(), step));
@@ -185,6 +184,9 @@ std::string find_flaw(const System& system, const Property& property, const Trac
     states = replay(system, trace);
   } catch (const std::logic_error& error) {
     return error.what();
+  }
+  for (std::size_t i = 0; i < trace.steps.size(); ++i) {
+    if (is_error(system, states[i])) return "it goes on behind an error";
   }
   if (property.kind == Property::Kind::deadlock) {
     return is_deadlock(system, states.back()) ? "" : "it ends in no deadlock";
