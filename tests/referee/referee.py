@@ -114,7 +114,7 @@ class Referee:
                 if formulas.programs & set(members)
                 for number in members
             }
-            component = self.explore(sorted(numbers or range(len(self.system.programs))))
+            component = self.explore(sorted(numbers or self.system.components[0]))
             violated = self.is_violated(component, formulas.atoms, formula, fairness)
             verdicts.append(self.verdict(component, violated))
         return {"verdict": max(verdicts, key=WORST.index, default="holds")}
