@@ -4,7 +4,6 @@
 #include <tuple>
 #include <utility>
 
-#include "maide/base/text_cursor.hpp"
 #include "maide/formats/names.hpp"
 
 namespace maide::program_syntax {
@@ -220,13 +219,6 @@ void ProgramParser::parse_repeat(Statement& statement) {
   if (first.kind != Token::Kind::number && !first.is_name() && !first.is("(") && !first.is("-")) {
     tokens_.fail("expected a number after 'repeat', not " + to_string(first), first);
   }
-  if (first.kind == Token::Kind::number && tokens_.peek(1).is("{") && first.text.size() > 9) {
-    for (const char c : first.text) {
-      if (!is_digit(c))
-        tokens_.fail("expected a number after 'repeat', not " + to_string(first), first);
-    }
-    tokens_.fail("'repeat' goes up to " + std::to_string(max_control_states), first);
-  }
   Expression count = without_shared(expressions_.parse_sum(), first, "'repeat'");
   require(count, ValueKind::integer, "the number of a 'repeat'", tokens_.position(first));
   if (count.is_constant() && count.value > static_cast<Value>(max_control_states)) {
@@ -265,16 +257,20 @@ void ProgramParser::parse_if(Statement& statement) {
   statement.otherwise = std::move(block);
 }
 
+void ProgramParser::parse_bounds(Statement& statement, std::string_view what) {
+  const Token first = tokens_.peek();
+  statement.expression = without_shared(expressions_.parse_sum(), first, what);
+  tokens_.expect("..", "between the least and the greatest");
+  statement.upper = without_shared(expressions_.parse_sum(), first, what);
+  require(*statement.expression, ValueKind::integer, what, tokens_.position(first));
+  require(statement.upper, ValueKind::integer, what, tokens_.position(first));
+}
+
 void ProgramParser::parse_for(Statement& statement) {
   statement.kind = Statement::Kind::repeat_for;
   const Token name = parse_new_name("an index");
   tokens_.expect("in", "behind the index of a 'for'");
-  const Token first = tokens_.peek();
-  statement.expression = without_shared(expressions_.parse_sum(), first, "a bound");
-  tokens_.expect("..", "between the least and the greatest");
-  statement.upper = without_shared(expressions_.parse_sum(), first, "a bound");
-  require(*statement.expression, ValueKind::integer, "a bound of a 'for'", tokens_.position(first));
-  require(statement.upper, ValueKind::integer, "a bound of a 'for'", tokens_.position(first));
+  parse_bounds(statement, "a bound of a 'for'");
   statement.type = type_of(*statement.expression);
   statement.type.high = std::max(statement.type.high, type_of(statement.upper).high);
   auto block = open_block();
@@ -314,11 +310,7 @@ void ProgramParser::parse_assignment(Statement& statement) {
   statement.kind = Statement::Kind::choose;
   statement.is_fair = tokens_.accept("fair");
   const Token first = tokens_.peek();
-  statement.expression = without_shared(expressions_.parse_sum(), first, "the bounds of 'any'");
-  tokens_.expect("..", "between the least and the greatest");
-  statement.upper = without_shared(expressions_.parse_sum(), first, "the bounds of 'any'");
-  require(*statement.expression, ValueKind::integer, "a bound of 'any'", tokens_.position(first));
-  require(statement.upper, ValueKind::integer, "a bound of 'any'", tokens_.position(first));
+  parse_bounds(statement, "a bound of 'any'");
   require(make_constant(0, statement.type.kind), ValueKind::integer, "what 'any' chooses",
           tokens_.position(name));
   if (statement.expression->is_constant() && statement.upper.is_constant() &&

@@ -43,6 +43,8 @@ class ProgramParser : public EventParser {
   Expression parse_condition(const std::string& where);
   void parse_repeat(Statement& statement);
   void parse_if(Statement& statement);
+  // LOW..HIGH, which may depend on the program's own variables.
+  void parse_bounds(Statement& statement, std::string_view what);
   void parse_for(Statement& statement);
   void parse_declaration(Statement& statement);
   void parse_assignment(Statement& statement);

@@ -35,12 +35,10 @@ void Unroller::expand_select(const Place& place, const Statement& statement, con
   }
 }
 
-std::string Unroller::text_of(const SelectArm& arm) const {
+std::string Unroller::text_of(const SelectArm& arm) {
   switch (arm.kind) {
     case SelectArm::Kind::input: return arm.model.name() + "." + arm.event.name;
     case SelectArm::Kind::output: return arm.model.name() + "!" + arm.event.name;
-    case SelectArm::Kind::otherwise: return "otherwise";
-    case SelectArm::Kind::timeout: return "timeout";
     default: return "when";
   }
 }
@@ -86,40 +84,49 @@ void Unroller::expand_arm(const Place& place, const SelectArm& arm, const Values
   const std::string text = actions_.model(model).name + "." + automaton.inputs().name(input);
   const ModelUse given{Kind::give, model, input};
   const std::vector<const Arm*> taken = arms_of(model, arm.arms, values);
-  bool has_output = false, has_arm = arm.arms.empty();
-  for (Symbol output = 0; output < outputs.size(); ++output) {
-    const auto use = actions_.input_and_output(model, input, output);
-    if (!use) continue;
-    has_output = true;
-    const std::string& name = outputs.name(output);
-    const ModelUse event{Kind::take, model, output};
-    ControlState target = 0;
-    if (taken[output] == nullptr) {
-      target = error_state(text + " -> " + name + ": this 'select' has no arm for it", arm.line,
-                           arm.column);
+  bool has_arm = arm.arms.empty();
+  for (const InputWay& way : ways_of(arm, model, input)) {
+    if (way.is_beyond) {
+      add({way.use}, {given}, text, control_state(place));
+    } else if (!way.output) {
+      add({way.use}, {given}, text, settle(enter(*arm.body, behind(place.frame)), values));
     } else {
-      has_arm = true;
-      const Arm& of = *taken[output];
-      target = take(of.output, *of.body, behind(place.frame), name, values);
+      const std::string& name = outputs.name(*way.output);
+      const Arm* of = taken[*way.output];
+      has_arm = has_arm || of != nullptr;
+      const ControlState target =
+          of != nullptr ? take(of->output, *of->body, behind(place.frame), name, values)
+                        : error_state(text + " -> " + name + ": this 'select' has no arm for it",
+                                      arm.line, arm.column);
+      add({way.use}, {given, {Kind::take, model, *way.output}}, text + " -> " + name, target);
     }
-    add({*use}, {given, event}, text + " -> " + name, target);
   }
   if (!has_arm) {
     throw ParseError("this arm's outputs never follow " + text + " at once",
                      at(arm.line, arm.column));
   }
-  if (arm.body) {
-    const ControlState target = settle(enter(*arm.body, behind(place.frame)), values);
-    if (!has_output) return add({given}, {given}, text, target);
-    if (const auto use = actions_.input_and_output(model, input, std::nullopt)) {
-      add({*use}, {given}, text, target);
-    }
+}
+
+std::vector<Unroller::InputWay> Unroller::ways_of(const SelectArm& arm, std::uint32_t model,
+                                                  Symbol input) {
+  std::vector<InputWay> ways;
+  const auto add = [&](const std::optional<ModelUse>& use, std::optional<Symbol> output,
+                       bool is_beyond) {
+    if (use) ways.push_back({*use, output, is_beyond});
+  };
+  const std::size_t outputs = actions_.model(model).automaton.outputs().size();
+  for (Symbol output = 0; output < outputs; ++output) {
+    add(actions_.input_and_output(model, input, output), output, false);
   }
+  if (arm.body && ways.empty()) {
+    add(ModelUse{ModelUse::Kind::give, model, input}, std::nullopt, false);
+    return ways;
+  }
+  if (arm.body) add(actions_.input_and_output(model, input, std::nullopt), std::nullopt, false);
   if (actions_.model(model).when_unexplored == WhenUnexplored::stop) {
-    if (const auto use = actions_.beyond(model, input)) {
-      add({*use}, {given}, text, control_state(place));
-    }
+    add(actions_.beyond(model, input), std::nullopt, true);
   }
+  return ways;
 }
 
 void Unroller::expand_otherwise(const Place& place, const Statement& statement,
@@ -165,7 +172,12 @@ std::optional<std::vector<ModelUse>> Unroller::idle_uses(const Statement& statem
     }
     if (guards[i] < 0 || arm.kind == SelectArm::Kind::guard) return std::nullopt;
     try {
-      add_taking(arm, values, by_model);
+      const std::uint32_t model = model_of(arm.model, values);
+      std::vector<ModelUse>& uses = by_model[model];
+      if (arm.kind == SelectArm::Kind::output) continue;  // quiescence says it
+      for (const InputWay& way : ways_of(arm, model, input_of(model, arm.event, values))) {
+        uses.push_back(way.use);
+      }
     } catch (const EvaluationError&) {
       return std::nullopt;  // the arm is an error
     }
@@ -177,34 +189,6 @@ std::optional<std::vector<ModelUse>> Unroller::idle_uses(const Statement& statem
     uses.push_back(*idle);
   }
   return uses;
-}
-
-void Unroller::add_taking(const SelectArm& arm, const Values& values,
-                          std::map<std::uint32_t, std::vector<ModelUse>>& by_model) {
-  const std::uint32_t model = model_of(arm.model, values);
-  std::vector<ModelUse>& uses = by_model[model];
-  const InterfaceAutomaton& automaton = actions_.model(model).automaton;
-  if (arm.kind == SelectArm::Kind::output) return;  // quiescence says it
-  const Symbol input = input_of(model, arm.event, values);
-  bool has_output = false;
-  for (Symbol output = 0; output < automaton.outputs().size(); ++output) {
-    if (const auto use = actions_.input_and_output(model, input, output)) {
-      has_output = true;
-      uses.push_back(*use);
-    }
-  }
-  if (arm.body && !has_output) {
-    uses.push_back({ModelUse::Kind::give, model, input});
-    return;
-  }
-  if (arm.body) {
-    if (const auto use = actions_.input_and_output(model, input, std::nullopt)) {
-      uses.push_back(*use);
-    }
-  }
-  if (actions_.model(model).when_unexplored == WhenUnexplored::stop) {
-    if (const auto use = actions_.beyond(model, input)) uses.push_back(*use);
-  }
 }
 
 }  // namespace maide::program_syntax

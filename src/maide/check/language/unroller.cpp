@@ -76,9 +76,7 @@ void Unroller::expand(const Place& place, const Statement& statement) {
 
 void Unroller::add_death(const Place& place) {
   Values values = program_.valuations[place.valuation];
-  for (FrameId id = place.frame; id != no_frame; id = frames_[id].parent) {
-    end_variables(*frames_[id].block, values);
-  }
+  for (FrameId id = place.frame; id != no_frame;) id = leave(id, values);
   const ControlState end = control_state({no_frame, Phase::before, 0, intern_values(values), 0, 0});
   add_joint({Joint::Role::death, {}, {}, program_.name + " dies", 0}, end, program_.position.line,
             program_.position.column);
@@ -111,18 +109,16 @@ void Unroller::expand_any(const Place& place, const Statement& statement, const 
     if (statement.is_fair) {
       fair = fair_group(statement.line, statement.column, value, true, text);
     }
-    ControlState target = 0;
-    if (is_shared(statement.target)) {
-      target = control_state({place.frame, Phase::writes, 0, place.valuation, 0, value});
-    } else {
-      target = settle_with(place, statement, value, values);
-    }
-    add_joint({Joint::Role::choice, {}, {}, text, fair}, target, statement.line, statement.column);
+    add_joint({Joint::Role::choice, {}, {}, text, fair},
+              with_value(place, statement, value, values), statement.line, statement.column);
   }
 }
 
-ControlState Unroller::settle_with(const Place& place, const Statement& statement, Value value,
-                                   Values values) {
+ControlState Unroller::with_value(const Place& place, const Statement& statement, Value value,
+                                  Values values) {
+  if (is_shared(statement.target)) {
+    return control_state({place.frame, Phase::writes, 0, place.valuation, 0, value});
+  }
   try {
     assign(statement, value, values);
   } catch (const EvaluationError& error) {
@@ -137,15 +133,12 @@ void Unroller::add_write(const Place& place, const Statement& statement, Value v
   Joint joint;
   joint.text = actions_.model(model).name + " = " + text_of(value, statement.type.kind);
   ControlState target = 0;
-  if (statement.type.contains(value)) {
+  try {
+    check_range(statement.target, statement.type, value);
     joint.uses.push_back(actions_.variable(model, nullptr, value));
     target = settle(behind(place.frame), values);
-  } else {
-    try {
-      check_range(statement.target, statement.type, value);
-    } catch (const EvaluationError& error) {
-      target = error_state(error.text, error.line, error.column);
-    }
+  } catch (const EvaluationError& error) {
+    target = error_state(error.text, error.line, error.column);
   }
   add_joint(std::move(joint), target, statement.line, statement.column);
 }
@@ -181,15 +174,9 @@ void Unroller::expand_assign(const Place& place, const Statement& statement, con
   }
   for (auto& [conditions, result] :
        outcomes(*statement.expression, values, at(statement.line, statement.column))) {
-    ControlState target = 0;
-    if (!result.value) {
-      target = error_state(result.error, result.line, result.column);
-    } else if (is_shared(statement.target)) {
-      target = control_state({place.frame, Phase::writes, 0, place.valuation, 0, *result.value});
-    } else {
-      target = settle_with(place, statement, *result.value, values);
-    }
-    add_reading(statement, conditions, target);
+    add_reading(statement, conditions,
+                result.value ? with_value(place, statement, *result.value, values)
+                             : error_state(result.error, result.line, result.column));
   }
 }
 

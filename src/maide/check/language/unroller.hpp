@@ -55,9 +55,10 @@ class Unroller : public Walker {
   void add_death(const Place& place);
   void expand_choice(const Place& place, const Statement& statement, const Values& values);
   void expand_any(const Place& place, const Statement& statement, const Values& values);
-  // Behind an assignment of the value to a variable of the program's own.
-  ControlState settle_with(const Place& place, const Statement& statement, Value value,
-                           Values values);
+  // Where the value of an assignment is known: before its writing to a shared variable, or behind
+  // that to one of the program's own.
+  ControlState with_value(const Place& place, const Statement& statement, Value value,
+                          Values values);
   void add_write(const Place& place, const Statement& statement, Value value, const Values& values);
   std::vector<Outcome<Result>> outcomes(const Expression& expression, const Values& values,
                                         const SourcePosition& where);
@@ -93,7 +94,7 @@ class Unroller : public Walker {
   // ---- select -----------------------------------------------------------------------------------
 
   void expand_select(const Place& place, const Statement& statement, const Values& values);
-  std::string text_of(const SelectArm& arm) const;
+  static std::string text_of(const SelectArm& arm);
   // The arm's steps where its guard holds, which asks for `conditions`.
   void expand_arm(const Place& place, const SelectArm& arm, const Values& values,
                   const std::vector<ModelUse>& conditions, std::uint32_t fair);
@@ -105,9 +106,13 @@ class Unroller : public Walker {
   std::optional<std::vector<ModelUse>> idle_uses(const Statement& statement,
                                                  const std::vector<std::int8_t>& guards,
                                                  const Values& values);
-  // What the arm does with its model, in all its steps.
-  void add_taking(const SelectArm& arm, const Values& values,
-                  std::map<std::uint32_t, std::vector<ModelUse>>& by_model);
+  // What an arm for an input does with its model in one of its steps.
+  struct InputWay {
+    ModelUse use;
+    std::optional<Symbol> output;  // that is taken, too
+    bool is_beyond = false;        // the input was never tried there
+  };
+  std::vector<InputWay> ways_of(const SelectArm& arm, std::uint32_t model, Symbol input);
 
   bool may_die_ = false;
   std::map<std::tuple<int, int, Value>, std::uint32_t> fair_ids_;

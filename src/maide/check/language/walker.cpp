@@ -202,7 +202,7 @@ ControlState Walker::walk(FrameId id, Values& values) {
     const Statement& statement = frame.block->statements[frame.index];
     labels.insert(labels.end(), statement.labels.begin(), statement.labels.end());
     if (statement.kind == Statement::Kind::stop) {
-      for (; id != no_frame; id = frames_[id].parent) end_variables(*frames_[id].block, values);
+      while (id != no_frame) id = leave(id, values);
       break;
     }
     if (steps(statement)) {
@@ -258,35 +258,24 @@ FrameId Walker::pass(FrameId id, const Statement& statement, Values& values) {
     case Kind::assign:
       assign(statement, evaluate(*statement.expression, values), values);
       return behind(id);
-    case Kind::leave: {
-      for (;;) {
-        const Frame frame = frames_[id];
-        end_variables(*frame.block, values);
-        id = frame.parent;
-        if (loops_.contains(frame.block)) return id;
-      }
-    }
+    case Kind::leave:
     case Kind::next_round: {
-      for (;;) {
-        const Frame frame = frames_[id];
-        if (loops_.contains(frame.block)) {
-          const auto end = static_cast<std::uint32_t>(frame.block->statements.size());
-          return intern({frame.block, end, frame.rounds, frame.count, frame.parent}, id);
-        }
-        end_variables(*frame.block, values);
-        id = frame.parent;
-      }
+      while (!loops_.contains(frames_[id].block)) id = leave(id, values);
+      if (statement.kind == Kind::leave) return leave(id, values);
+      Frame end = frames_[id];
+      end.index = static_cast<std::uint32_t>(end.block->statements.size());
+      return intern(end, id);
     }
-    case Kind::leave_procedure: {
-      for (;;) {
-        const Frame frame = frames_[id];
-        end_variables(*frame.block, values);
-        id = frame.parent;
-        if (frame.block->is_procedure) return id;
-      }
-    }
+    case Kind::leave_procedure:
+      while (!frames_[id].block->is_procedure) id = leave(id, values);
+      return leave(id, values);
     default: return behind(id);
   }
+}
+
+FrameId Walker::leave(FrameId id, Values& values) const {
+  end_variables(*frames_[id].block, values);
+  return frames_[id].parent;
 }
 
 const Block& Walker::branch(const Statement& statement, Value condition) {

@@ -118,6 +118,8 @@ class Walker : public Evaluator {
                      Values& values);
   // Where control goes from a statement that is no step; what it does to the variables.
   FrameId pass(FrameId id, const Statement& statement, Values& values);
+  // The frame around it; its block's variables end.
+  FrameId leave(FrameId id, Values& values) const;
   static const Block& branch(const Statement& statement, Value condition);
   void assign(const Statement& statement, Value value, Values& values) const;
   FrameId enter_repeat(FrameId id, const Statement& statement, const Values& values);
