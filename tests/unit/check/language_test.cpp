@@ -93,6 +93,8 @@ TEST(Language, ErrorsOfARun) {
             Texts{"a[5] is outside of 0..4"});
   EXPECT_EQ(explore_program("var x: 0..1; while (x == 0) { skip; }").errors,
             Texts{"control goes round without a step"});
+  EXPECT_EQ(explore_program("for k in -9223372036854775807..9223372036854775807 { }").errors,
+            Texts{"'for' goes round more than 1000000 times"});
   EXPECT_EQ(explore_program("var x: 0..1; x = 9223372036854775807 + 1;").errors,
             Texts{"a result that 64 bits do not hold"});
   // As in C++, quotients go towards 0, and a remainder has the sign of the dividend.
@@ -313,6 +315,7 @@ TEST(Language, ErrorsNameThePlace) {
       {"var a[k in 0..2]: bool; a[0, 1] = true;", "'a' has 1 index, not 2"},
       {"loop { var x: 0..1; x = 1 - x; }", "would go round for ever without a step"},
       {"var x: 0..99999999999999999999;", "does not fit into 64 bits"},
+      {"var x: 0..1; x = any -9223372036854775807..9223372036854775807;", "more than 10000 values"},
   };
   for (const auto& [program, expected] : cases) {
     const std::string message = error_in(program);

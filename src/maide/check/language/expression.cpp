@@ -30,7 +30,7 @@ std::optional<Value> WordTable::find(const std::string& word) const {
 
 std::uint64_t ValueType::count() const {
   if (kind == ValueKind::word) return words.size();
-  return static_cast<std::uint64_t>(high) - static_cast<std::uint64_t>(low) + 1;
+  return distance(low, high) + 1;
 }
 
 bool ValueType::contains(Value value) const {
@@ -43,7 +43,7 @@ std::uint64_t ValueType::place_of(Value value) const {
   if (kind == ValueKind::word) {
     return static_cast<std::uint64_t>(std::find(words.begin(), words.end(), value) - words.begin());
   }
-  return static_cast<std::uint64_t>(value) - static_cast<std::uint64_t>(low);
+  return distance(low, value);
 }
 
 Value ValueType::at(std::uint64_t place) const {

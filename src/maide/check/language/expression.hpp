@@ -18,6 +18,11 @@ namespace maide {
 // An integer; 0 or 1; or the number of a word (WordTable).
 using Value = std::int64_t;
 
+// high - low, which 63 bits need not hold. `low` is at most `high`.
+constexpr std::uint64_t distance(Value low, Value high) {
+  return static_cast<std::uint64_t>(high) - static_cast<std::uint64_t>(low);
+}
+
 enum class ValueKind : std::uint8_t { integer, boolean, word };
 std::string to_string(ValueKind kind);  // "a number", "true or false", "a word"
 

@@ -99,7 +99,7 @@ void Unroller::expand_choice(const Place& place, const Statement& statement, con
 void Unroller::expand_any(const Place& place, const Statement& statement, const Values& values) {
   const Value low = evaluate(*statement.expression, values);
   const Value high = evaluate(statement.upper, values);
-  if (high - low >= static_cast<Value>(max_outcomes)) {
+  if (distance(low, high) >= max_outcomes) {
     throw ParseError("'any' chooses from more than " + std::to_string(max_outcomes) + " values",
                      at(statement.line, statement.column));
   }

@@ -304,7 +304,7 @@ FrameId Walker::enter_for(FrameId id, const Statement& statement, Values& values
   const Value low = evaluate(*statement.expression, values);
   const Value high = evaluate(statement.upper, values);
   if (low > high) return behind(id);
-  if (high - low >= static_cast<Value>(max_control_states)) {
+  if (distance(low, high) >= max_control_states) {
     throw EvaluationError{
         "'for' goes round more than " + std::to_string(max_control_states) + " times",
         statement.line, statement.column};
