@@ -4,6 +4,7 @@
 #include <tuple>
 #include <utility>
 
+#include "maide/base/text.hpp"
 #include "maide/formats/names.hpp"
 
 namespace maide::program_syntax {
