@@ -137,7 +137,8 @@ TEST_P(JointSystems, DeadlocksAndCutsAreShortest) {
     const test::ExplicitChecker expected(system, node_limit);
     if (!expected.is_complete()) continue;
     ++compared;
-    for (const Reduction reduction : {Reduction::none, Reduction::order, Reduction::full}) {
+    for (const Reduction reduction :
+         {Reduction::none, Reduction::calls, Reduction::order, Reduction::full}) {
       const PropertyResult result =
           engine.check(system, built_in(Property::Kind::deadlock), with(reduction));
       ASSERT_EQ(result.verdict == Verdict::violated, expected.shortest_deadlock().has_value())
@@ -171,7 +172,8 @@ TEST_P(JointSystems, ErrorsDeathsAndRest) {
     const test::ExplicitChecker expected(system, node_limit);
     if (!expected.is_complete()) continue;
     ++compared;
-    for (const Reduction reduction : {Reduction::none, Reduction::order, Reduction::full}) {
+    for (const Reduction reduction :
+         {Reduction::none, Reduction::calls, Reduction::order, Reduction::full}) {
       const PropertyResult deadlock =
           engine.check(system, built_in(Property::Kind::deadlock), with(reduction));
       ASSERT_EQ(deadlock.verdict == Verdict::violated, expected.shortest_deadlock().has_value())
@@ -213,7 +215,8 @@ TEST_P(JointSystems, StuckPrograms) {
     if (!test::ExplicitChecker(system, 120).is_complete()) continue;
     ++compared;
     const bool expected = test::has_stuck_program(system);
-    for (const Reduction reduction : {Reduction::none, Reduction::order}) {
+    for (const Reduction reduction :
+         {Reduction::none, Reduction::calls, Reduction::order, Reduction::full}) {
       const PropertyResult result =
           engine.check(system, built_in(Property::Kind::stuck), with(reduction));
       ASSERT_EQ(result.verdict == Verdict::violated, expected)
@@ -292,8 +295,10 @@ TEST_P(JointSystems, FormulasAndReductions) {
         property.fairness = fairness;
         const PropertyResult all = engine.check(system, property, {});
         ++(all.verdict == Verdict::holds ? holds : violated);
-        EXPECT_EQ(engine.check(system, property, with(Reduction::order)).verdict, all.verdict)
-            << test::show(system);
+        for (const Reduction reduction : {Reduction::calls, Reduction::order, Reduction::full}) {
+          EXPECT_EQ(engine.check(system, property, with(reduction)).verdict, all.verdict)
+              << to_string(reduction) << test::show(system);
+        }
       }
     }
   }

@@ -97,7 +97,30 @@ ModelInstance random_counter(const std::string& name, Random& random) {
   return model;
 }
 
+// Of one or two messages. One too many is refused, or lost, or was never tried.
+ModelInstance random_mailbox(const std::string& name, Random& random) {
+  const auto most = static_cast<StateId>(random.between(1, 2));
+  const StateId waiting = most + 1, due = waiting + 1;
+  ModelInstance model;
+  model.name = name;
+  model.automaton = InterfaceAutomaton(Alphabet({"i0", "i1"}), Alphabet({"o0"}), due + most);
+  const Action put{Action::Kind::input, 0}, take{Action::Kind::input, 1};
+  model.automaton.add_transition(0, take, waiting);
+  model.automaton.add_transition(waiting, put, due);
+  for (StateId held = 0; held < most; ++held) {
+    model.automaton.add_transition(held, put, held + 1);
+    model.automaton.add_transition(held + 1, take, due + held);
+    model.automaton.add_transition(due + held, {Action::Kind::output, 0}, held);
+  }
+  const std::uint64_t at_full = random.below(3);
+  if (at_full == 0) model.automaton.add_transition(most, put, most);
+  if (at_full == 1) model.automaton.mark_unexplored(most, 0);
+  model.when_unexplored = static_cast<WhenUnexplored>(random.below(3));
+  return model;
+}
+
 ModelInstance next_model(const std::string& name, const RandomSystemSize& size, Random& random) {
+  if (size.mailboxes > 0 && random.chance(size.mailboxes)) return random_mailbox(name, random);
   const bool counts = size.counters > 0 && random.chance(size.counters);
   return counts ? random_counter(name, random) : random_model(name, random);
 }

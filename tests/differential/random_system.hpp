@@ -13,6 +13,9 @@ struct RandomSystemSize {
   std::size_t most_models = 2;
   double counters = 0;  // chance that a model counts: i0 up, i1 down and o0, all in order
   double loops = 0;     // chance that a program goes on for ever, with whatever input
+  // Chance that a model is a mailbox: i0 puts a message in; i1 takes one out, which is o0, or waits
+  // for it.
+  double mailboxes = 0;
 };
 System random_system(Random& random, const RandomSystemSize& size = {});
 

@@ -62,7 +62,7 @@ class Comparison {
     NativeEngine engine;
     const PropertyResult all = engine.check(system, property, with(Reduction::none));
     ++(all.verdict == Verdict::holds ? holds_ : violated_);
-    for (const Reduction reduction : {Reduction::order, Reduction::full}) {
+    for (const Reduction reduction : {Reduction::calls, Reduction::order, Reduction::full}) {
       const PropertyResult reduced = engine.check(system, property, with(reduction));
       ASSERT_EQ(reduced.verdict, all.verdict)
           << to_string(reduction) << " of " << property.name << ", fairness "
@@ -81,7 +81,7 @@ class Comparison {
     NativeEngine engine;
     const CutResult all = engine.find_cut(system, with(Reduction::none));
     ++(all.verdict == Verdict::holds ? holds_ : violated_);
-    for (const Reduction reduction : {Reduction::order, Reduction::full}) {
+    for (const Reduction reduction : {Reduction::calls, Reduction::order, Reduction::full}) {
       const CutResult reduced = engine.find_cut(system, with(reduction));
       ASSERT_EQ(reduced.verdict, all.verdict) << write_promela(system).text;
       if (all.trace) {
@@ -107,7 +107,7 @@ class Reductions : public testing::TestWithParam<int> {
   System next_system() {
     is_live_ = !is_live_;
     while (true) {
-      System system = test::random_system(random_, {2, 4, 3, 0.8, 0.8});
+      System system = test::random_system(random_, {2, 4, 3, 0.8, 0.8, has_mailboxes_ ? 0.7 : 0});
       const test::ExplicitChecker size(system, node_limit);
       if (size.is_complete() && !(is_live_ && size.shortest_deadlock())) return system;
     }
@@ -126,6 +126,7 @@ class Reductions : public testing::TestWithParam<int> {
 
  private:
   bool is_live_ = false;
+  bool has_mailboxes_ = GetParam() % 2 == 1;
 };
 
 TEST_P(Reductions, Deadlock) {

@@ -23,7 +23,7 @@ import yaml
 from generate import KINDS, generate
 from referee import judge
 
-REDUCTIONS = ["none", "order", "full"]
+REDUCTIONS = ["none", "calls", "order", "full"]
 
 
 class Comparison:

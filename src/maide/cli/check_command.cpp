@@ -240,9 +240,9 @@ RunFunction set_up_check(CommandLine& line) {
            "What decides: native (Maide's own), or spin, the reference, which has no `stuck`, "
            "no X and no strong fairness, and needs spin and a C compiler");
   line.add("--reduction", arguments->reduction,
-           "What the engine native leaves out, where the property allows it: none; order "
-           "(of steps that do not disturb one another, other orders); full (also states with "
-           "a single step)")
+           "What the engine native leaves out, where the property allows it: none; calls (states "
+           "between an input and the output that answers it); order (of steps that do not "
+           "disturb one another, other orders); full (both, and states with a single step)")
       .value_name("NAME");
   line.add("--property", arguments->properties,
            "Check this property alone; may be given several times (default: deadlock, "

@@ -35,6 +35,7 @@ Commutation::Commutation(const ModelInstance& model, const std::vector<ModelUse>
     : states_(model.automaton.size()), watch_(watch), answers_(actions.size()) {
   if (actions.size() > 64) throw std::invalid_argument("too many actions for a set of bits");
   for (const ModelUse& action : actions) {
+    is_call_.push_back(action.kind == ModelUse::Kind::act && model.actions[action.symbol].is_call);
     auto& outcomes = outcomes_.emplace_back(states_);
     for (StateId at = 0; at < states_; ++at) {
       for (const ModelStep& step : model_steps(model, at, action)) {
@@ -92,6 +93,12 @@ bool Commutation::makes_possible(std::size_t a, std::size_t b, StateId at) const
                      [&](const Outcome& outcome) { return is_possible(b, outcome.target); });
 }
 
+bool Commutation::is_disturbed(std::size_t a, std::size_t b, StateId at) const {
+  if (!commute(a, b, at)) return true;
+  if (watch_ == Watch::strong) return makes_possible(a, b, at);
+  return watch_ == Watch::weak && (is_call_[a] || is_call_[b]) && is_possible(b, at);
+}
+
 void Commutation::spread_backwards(std::vector<std::uint8_t>& marked, std::uint64_t others) const {
   MAIDE_CHECK(marked.size() == states_);
   std::vector<std::vector<StateId>> before(states_);
@@ -121,8 +128,7 @@ std::vector<std::uint8_t> Commutation::compute(std::size_t action, std::uint64_t
   for (std::size_t b = 0; b < outcomes_.size(); ++b) {
     if ((others >> b & 1) == 0) continue;
     for (StateId at = 0; at < states_; ++at) {
-      if (!commute(action, b, at)) disturbed[at] = 1;
-      if (watch_ == Watch::strong && makes_possible(action, b, at)) disturbed[at] = 1;
+      if (is_disturbed(action, b, at)) disturbed[at] = 1;
     }
   }
   spread_backwards(disturbed, others);

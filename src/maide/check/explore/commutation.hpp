@@ -32,7 +32,8 @@ class Commutation {
   enum class Watch : std::uint8_t {
     nothing,
     // Weak fairness: `a` makes no action of B possible, or only such as were possible in none of
-    // the states before it: who was disabled again and again still is.
+    // the states before it: who was disabled again and again still is. A call (merged_calls.hpp)
+    // disturbs all, and is disturbed by all, since others cannot step in the middle of it.
     weak,
     // Strong fairness: `a` makes no action of B possible at all.
     strong,
@@ -65,12 +66,14 @@ class Commutation {
   };
 
   bool makes_possible(std::size_t a, std::size_t b, StateId at) const;
+  bool is_disturbed(std::size_t a, std::size_t b, StateId at) const;
   // Adds all states from which `others` can lead to one that is marked.
   void spread_backwards(std::vector<std::uint8_t>& marked, std::uint64_t others) const;
   std::vector<std::uint8_t> compute(std::size_t action, std::uint64_t others) const;
 
   std::size_t states_;
   Watch watch_;
+  std::vector<bool> is_call_;                                // by action
   std::vector<std::vector<std::vector<Outcome>>> outcomes_;  // by action, by state; sorted
   std::vector<std::vector<Answer>> answers_;                 // by action; a handful each
 };

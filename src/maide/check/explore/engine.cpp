@@ -8,11 +8,13 @@
 #include <memory>
 #include <optional>
 #include <stdexcept>
+#include <type_traits>
 #include <utility>
 
 #include "maide/base/error.hpp"
 #include "maide/check/explore/explorer.hpp"
 #include "maide/check/explore/fair_cycle.hpp"
+#include "maide/check/explore/merged_calls.hpp"
 #include "maide/check/explore/monitors.hpp"
 #include "maide/check/spin/spin_engine.hpp"
 
@@ -138,6 +140,7 @@ template <typename MakeGoal>
 SearchResult explore(const System& plain, std::optional<ReductionRules> rules, Reduction reduction,
                      const SearchLimits& limits, MakeGoal&& make_goal) {
   PackedSystem system(plain);
+  if (!leaves_out_orders(reduction) || plain.programs.size() > most_reduced_programs) rules.reset();
   // A death stays possible where nothing else is: steps that are put off might be missed.
   if (system.has_deaths()) rules.reset();
   const unsigned chain = rules && reduction == Reduction::full ? chain_length(system) : 1;
@@ -159,27 +162,47 @@ SearchResult explore(const System& plain, std::optional<ReductionRules> rules, R
   return search;
 }
 
+// Calls `search(system, reduction, limits)`: on the system with merged calls, if `rules` say what
+// may be merged and anything is. What it finds is told of the system itself.
+template <typename Search>
+auto search_with_calls(const System& system, const std::optional<CallRules>& rules,
+                       const EngineOptions& options, Search&& search) {
+  std::optional<MergedCalls> merged;
+  if (rules && merges_calls(options.reduction)) merged.emplace(system, *rules);
+  if (!merged || merged->is_empty()) return search(system, options.reduction, limits_of(options));
+  auto result = search(merged->system(), options.reduction, limits_of(options));
+  const auto expand = [&](SearchResult& found) {
+    found.reduction = found.reduction == Reduction::none ? Reduction::calls : Reduction::full;
+    if (found.trace) found.trace = merged->expand(*found.trace);
+    if (found.remarkable) found.remarkable = merged->expand(*found.remarkable);
+  };
+  if constexpr (std::is_same_v<decltype(result), SearchResult>) {
+    expand(result);
+  } else if (result) {
+    expand(*result);
+  }
+  return result;
+}
+
 // A reduced search shows some run, not a shortest one: that is looked for among all runs that are
 // no longer, unless it takes too many states.
 constexpr std::uint64_t shortening_states = std::uint64_t{1} << 22;
 
-template <typename MakeGoal>
-SearchResult explore(const System& plain, std::optional<ReductionRules> rules,
-                     const EngineOptions& options, MakeGoal&& make_goal) {
+// Searches breadth-first by `search(system, reduction, limits)`.
+template <typename Search>
+SearchResult search_for_shortest(const System& system, const std::optional<CallRules>& rules,
+                                 const EngineOptions& options, Search&& search) {
+  SearchResult result = search_with_calls(system, rules, options, search);
+  if (result.reduction == Reduction::none || result.end != SearchResult::End::found) return result;
   SearchLimits limits = limits_of(options);
-  if (options.reduction == Reduction::none || plain.programs.size() > most_reduced_programs) {
-    rules.reset();
+  limits.depth = result.trace->steps.size();
+  limits.states = std::max(shortening_states, 16 * result.states);
+  SearchResult shorter = search(system, Reduction::none, limits);
+  result.bytes = std::max(result.bytes, shorter.bytes);
+  if (shorter.trace && shorter.trace->steps.size() < result.trace->steps.size()) {
+    result.trace = std::move(shorter.trace);
   }
-  SearchResult search = explore(plain, rules, options.reduction, limits, make_goal);
-  if (search.reduction == Reduction::none || search.end != SearchResult::End::found) return search;
-  limits.depth = search.trace->steps.size();
-  limits.states = std::max(shortening_states, 16 * search.states);
-  SearchResult shorter = explore(plain, std::nullopt, Reduction::none, limits, make_goal);
-  search.bytes = std::max(search.bytes, shorter.bytes);
-  if (shorter.trace && shorter.trace->steps.size() < search.trace->steps.size()) {
-    search.trace = std::move(shorter.trace);
-  }
-  return search;
+  return result;
 }
 
 std::string why_incomplete(const SearchResult& search, const EngineOptions& options) {
@@ -195,14 +218,6 @@ std::string why_incomplete(const SearchResult& search, const EngineOptions& opti
   return fmt::format("{} {}: {}", why_stopped(options), reached, found);
 }
 
-// `G condition`: the condition; null if the formula is no such.
-Formula invariant_of(const Property& property) {
-  if (property.kind != Property::Kind::ltl) return nullptr;
-  const Formula& formula = property.formula;
-  if (formula->op != FormulaNode::Operator::globally) return nullptr;
-  return is_boolean(formula->left) ? formula->left : nullptr;
-}
-
 Formula negation_of(const Formula& formula) {
   FormulaNode node;
   node.op = FormulaNode::Operator::negation;
@@ -212,14 +227,14 @@ Formula negation_of(const Formula& formula) {
 
 template <typename Monitor>
 SearchResult find_fair_cycle(const PackedSystem& system, const Monitor& monitor,
-                             const Property& property, const EngineOptions& options) {
+                             const Property& property, Reduction reduction,
+                             const SearchLimits& limits) {
   std::optional<ReductionRules> rules;
-  if (options.reduction != Reduction::none && !system.has_deaths() && system.group_count() == 0) {
+  if (leaves_out_orders(reduction) && !system.has_deaths() && system.group_count() == 0) {
     rules = rules_for_cycle(system.system(), property);
   }
   std::optional<StubbornSets> sets;
   if (rules) sets.emplace(system, std::move(rules->sets));
-  const SearchLimits limits = limits_of(options);
   SearchResult search = with_words(system.words(), [&](auto words) {
     return FairCycleSearch<words.value, Monitor>(system, monitor, limits, sets ? &*sets : nullptr)
         .run();
@@ -238,12 +253,12 @@ bool is_within_words(const System& system, unsigned marks) {
 // runs leave nobody stuck, one that starves on weakly fair runs is only remarked. Nothing if the
 // system is too large for it.
 std::optional<SearchResult> search_for_stuck(const System& plain, const Property& property,
-                                             const EngineOptions& options) {
+                                             Reduction reduction, const SearchLimits& limits) {
   const PackedSystem system(plain, node_number_bits, plain.programs.size() + 1);
   const auto search = [&](StuckMonitor::Runs runs) {
     Property wanted = property;
     wanted.fairness = runs == StuckMonitor::Runs::strongly_fair ? Fairness::strong : Fairness::weak;
-    return find_fair_cycle(system, StuckMonitor(system, runs), wanted, options);
+    return find_fair_cycle(system, StuckMonitor(system, runs), wanted, reduction, limits);
   };
   SearchResult weak = search(StuckMonitor::Runs::weakly_fair);
   if (weak.end != SearchResult::End::found) return weak;
@@ -261,11 +276,11 @@ std::optional<SearchResult> search_for_stuck(const System& plain, const Property
 
 // Nothing if the system is too large for it.
 std::optional<SearchResult> search_for_cycle(const System& plain, const Property& property,
-                                             const EngineOptions& options) {
+                                             Reduction reduction, const SearchLimits& limits) {
   const auto programs = static_cast<unsigned>(plain.programs.size());
   if (property.kind == Property::Kind::stuck) {
     if (!is_within_words(plain, programs)) return std::nullopt;
-    return search_for_stuck(plain, property, options);
+    return search_for_stuck(plain, property, reduction, limits);
   }
   LtlAutomaton automaton = property.kind == Property::Kind::never
                                ? *property.never
@@ -279,7 +294,7 @@ std::optional<SearchResult> search_for_cycle(const System& plain, const Property
       property.fairness == Fairness::strong || (is_weak && system.groups_on_weak_runs() != 0);
   if (counts_groups && system.has_too_many_groups()) return std::nullopt;
   return find_fair_cycle(system, LtlMonitor(system, std::move(automaton), property.fairness),
-                         property, options);
+                         property, reduction, limits);
 }
 
 bool needs_cycle(const Property& property) {
@@ -297,16 +312,16 @@ SearchResult find_at_start() {
   return search;
 }
 
-SearchResult search_for(const System& plain, const Property& property,
-                        const EngineOptions& options) {
+SearchResult search_for(const System& plain, const Property& property, Reduction reduction,
+                        const SearchLimits& limits) {
   if (property.kind == Property::Kind::deadlock) {
-    return explore(plain, rules_for_deadlock(), options,
+    return explore(plain, rules_for_deadlock(), reduction, limits,
                    [](const PackedSystem& system) { return DeadlockGoal{system}; });
   }
   const bool begins_at_error = is_error(plain, initial_state(plain));
   if (property.kind == Property::Kind::error) {
     if (begins_at_error) return find_at_start();
-    return explore(plain, rules_for_error(), options,
+    return explore(plain, rules_for_error(), reduction, limits,
                    [](const PackedSystem& system) { return ErrorGoal{system}; });
   }
   const Condition condition(invariant_of(property), plain);
@@ -321,7 +336,7 @@ SearchResult search_for(const System& plain, const Property& property,
     search.states = 1;
     return search;
   }
-  return explore(plain, rules_for_invariant(plain, property), options,
+  return explore(plain, rules_for_invariant(plain, property), reduction, limits,
                  [&](const PackedSystem& system) {
                    return InvariantGoal{system, condition};
                  });
@@ -337,8 +352,13 @@ PropertyResult NativeEngine::check(const System& system, const Property& propert
   PropertyResult result;
   result.name = property.name;
   SearchResult search;
+  const std::optional<CallRules> rules = rules_for_calls(system, property);
   if (needs_cycle(property)) {
-    std::optional<SearchResult> cycle = search_for_cycle(system, property, options);
+    std::optional<SearchResult> cycle = search_with_calls(
+        system, rules, options,
+        [&](const System& reduced, Reduction reduction, const SearchLimits& limits) {
+          return search_for_cycle(reduced, property, reduction, limits);
+        });
     if (!cycle) {
       result.reason = fmt::format(
           "the engine native takes at most {} programs, together with the formula's "
@@ -348,7 +368,11 @@ PropertyResult NativeEngine::check(const System& system, const Property& propert
     }
     search = std::move(*cycle);
   } else {
-    search = search_for(system, property, options);
+    search = search_for_shortest(
+        system, rules, options,
+        [&](const System& reduced, Reduction reduction, const SearchLimits& limits) {
+          return search_for(reduced, property, reduction, limits);
+        });
   }
   result.states = search.states;
   result.transitions = search.transitions;
@@ -378,8 +402,12 @@ PropertyResult NativeEngine::check(const System& system, const Property& propert
 
 CutResult NativeEngine::find_cut(const System& system, const EngineOptions& options) {
   if (!PackedSystem(system).has_cuts()) return {Verdict::holds, "", std::nullopt};
-  SearchResult search =
-      explore(system, rules_for_cut(), options, [](const PackedSystem&) { return CutGoal{}; });
+  SearchResult search = search_for_shortest(
+      system, CallRules{}, options,
+      [&](const System& reduced, Reduction reduction, const SearchLimits& limits) {
+        return explore(reduced, rules_for_cut(), reduction, limits,
+                       [](const PackedSystem&) { return CutGoal{}; });
+      });
   CutResult result;
   switch (search.end) {
     case SearchResult::End::complete: result.verdict = Verdict::holds; break;

@@ -26,6 +26,7 @@ PackedSystem::PackedSystem(const System& system, unsigned least_payload_bits,
                          model.actions.size());
   }
   for (const Program& program : system.programs) add_program(program);
+  add_calls();
   number_codes();
   lay_out(std::max(code_bits_, least_payload_bits), monitor_states);
   place_fields();
@@ -81,6 +82,38 @@ void PackedSystem::add_groups(const Program& program, PackedProgram& packed) {
     if (program.fair_groups[group].on_weak_runs) weak_groups_ |= bit;
     for (std::size_t i = 0; i < program.edges.size(); ++i) {
       if (program.fair_group_of(program.edges[i]) == group) packed.groups[i] = bit;
+    }
+  }
+}
+
+void PackedSystem::add_calls() {
+  const auto& models = system_->models;
+  const auto is_call = [&](const ModelUse& use) {
+    return use.kind == ModelUse::Kind::act && models[use.model].actions[use.symbol].is_call;
+  };
+  for (std::size_t index = 0; index < programs_.size(); ++index) {
+    const Program& program = system_->programs[index];
+    auto& called = programs_[index].called;
+    called.assign(program.edges.size(), no_model);
+    for (std::size_t edge = 0; edge < program.edges.size(); ++edge) {
+      for (const ModelUse& use : program.uses_of(program.edges[edge])) {
+        if (!is_call(use)) continue;
+        called[edge] = use.model;
+        users_.resize(models.size());
+      }
+    }
+  }
+  if (!has_calls()) return;
+  for (std::uint32_t index = 0; index < programs_.size(); ++index) {
+    const Program& program = system_->programs[index];
+    for (std::size_t edge = 0; edge < program.edges.size(); ++edge) {
+      for (const ModelUse& use : program.uses_of(program.edges[edge])) {
+        auto& users = users_[use.model];
+        if (users.empty() || users.back().program != index) {
+          users.push_back({index, std::vector<bool>(program.states.size())});
+        }
+        users.back().uses[programs_[index].sources[edge]] = true;
+      }
     }
   }
 }

@@ -124,6 +124,24 @@ class PackedSystem {
   std::uint64_t groups_on_weak_runs() const { return weak_groups_; }
   // There are more than bits of a word for them.
   bool has_too_many_groups() const { return groups_ > 64; }
+  // Programs, by bit, that cannot step in the middle of that step of another program, though they
+  // may be able to before and after it: it is a call (merged_calls.hpp) to the model that they wait
+  // for. At most 64 programs.
+  bool has_calls() const { return !users_.empty(); }
+  template <std::size_t words>
+  std::uint64_t locked_out(const PackedState<words>& state, std::size_t program,
+                           std::uint32_t edge) const {
+    std::uint64_t locked = 0;
+    const std::uint32_t model = programs_[program].called[edge];
+    if (model == no_model) return 0;
+    for (const User& user : users_[model]) {
+      if (user.program != program && user.uses[control(state, user.program)]) {
+        locked |= std::uint64_t{1} << user.program;
+      }
+    }
+    return locked;
+  }
+
   // The bit of the edge's group; 0: none.
   std::uint64_t group_of(std::size_t program, std::uint32_t edge) const {
     return groups_ == 0 ? 0 : programs_[program].groups[edge];
@@ -179,6 +197,7 @@ class PackedSystem {
   static constexpr std::uint32_t none = ~std::uint32_t{0};
   static constexpr std::uint32_t several = none - 1;
   static constexpr std::uint32_t no_table = none;
+  static constexpr std::uint32_t no_model = none;
   static constexpr std::uint32_t first_joint = std::uint32_t{1} << 31;
 
   // What an action of a model does in one of its states.
@@ -211,6 +230,12 @@ class PackedSystem {
     std::vector<bool> may_stay, is_error;                // by control state
     std::vector<bool> is_death;                          // by edge
     std::vector<std::uint64_t> groups;                   // by edge: the bit of its fair group
+    std::vector<std::uint32_t> called;  // by edge: the model of a call, or no_model; if has_calls()
+  };
+  // A program, and whether it uses a model, by control state.
+  struct User {
+    std::uint32_t program = 0;
+    std::vector<bool> uses;
   };
   // Where an action may have come from: the inverse of its table.
   struct Source {
@@ -250,6 +275,7 @@ class PackedSystem {
   const ActionTable& table_of(const ModelUse& use) const;
   void add_program(const Program& program);
   void add_groups(const Program& program, PackedProgram& packed);
+  void add_calls();
   void add_action(const ModelUse& use);
   void number_codes();
   void lay_out(unsigned payload_bits, std::size_t monitor_states);
@@ -273,6 +299,7 @@ class PackedSystem {
   std::vector<std::uint32_t> erring_;  // programs with errors
   std::size_t groups_ = 0;
   std::uint64_t weak_groups_ = 0;
+  std::vector<std::vector<User>> users_;  // by model; none without calls
 };
 
 // Calls `work(std::integral_constant<std::size_t, n>)` with the least n that is compiled and holds

@@ -14,7 +14,8 @@
 //   void step(next, program, edge, enabled programs, monitor state, follow)
 //   void stay(state, monitor state, follow)     nothing can happen any more; may follow nothing
 // The marks of what start() follows count for nothing: no cycle passes there. `enabled programs`:
-// those that could step instead, by bit; at most 64 programs.
+// those that could step instead, by bit; at most 64 programs. With marks for weak fairness those
+// that could not in the middle of the step, which is a call, are left out.
 #pragma once
 
 #include <cstdint>
@@ -180,9 +181,12 @@ class ProductGraph {
   void for_each_wanted_edge(const State& node, const Steps& found, IsWanted&& is_wanted,
                             Visit&& visit) const {
     const std::uint32_t watching = system_.monitor().get(node);
+    const bool looks_into_calls = system_.has_calls() && !monitor_.is_strong();
     for (const auto& step : found.steps) {
       if (!is_wanted(step)) continue;
-      monitor_.step(step.next, step.program, step.edge, found.enabled, watching,
+      std::uint64_t enabled = found.enabled;
+      if (looks_into_calls) enabled &= ~system_.locked_out(node, step.program, step.edge);
+      monitor_.step(step.next, step.program, step.edge, enabled, watching,
                     [&](std::uint32_t state, std::uint64_t marks) {
                       State target = step.next;
                       system_.monitor().set(target, state);

@@ -9,6 +9,7 @@ namespace maide {
 std::string to_string(Reduction reduction) {
   switch (reduction) {
     case Reduction::none: return "none";
+    case Reduction::calls: return "calls";
     case Reduction::order: return "order";
     case Reduction::full: return "full";
   }
@@ -16,10 +17,39 @@ std::string to_string(Reduction reduction) {
 }
 
 Reduction reduction_of(const std::string& name) {
-  for (const Reduction reduction : {Reduction::none, Reduction::order, Reduction::full}) {
+  for (const Reduction reduction :
+       {Reduction::none, Reduction::calls, Reduction::order, Reduction::full}) {
     if (to_string(reduction) == name) return reduction;
   }
-  throw UsageError("there is no reduction '" + name + "'; there is: none, order, full");
+  throw UsageError("there is no reduction '" + name + "'; there is: none, calls, order, full");
+}
+
+bool merges_calls(Reduction reduction) {
+  return reduction == Reduction::calls || reduction == Reduction::full;
+}
+
+bool leaves_out_orders(Reduction reduction) {
+  return reduction == Reduction::order || reduction == Reduction::full;
+}
+
+std::optional<CallRules> rules_for_calls(const System& system, const Property& property) {
+  CallRules rules;
+  // What a `never` automaton can see of silent steps is not known.
+  if (property.kind == Property::Kind::never) return std::nullopt;
+  if (property.kind == Property::Kind::ltl) {
+    if (!ignores_silent_steps(property.formula)) return std::nullopt;
+    rules.visible = visible_edges(property.formula, system);
+    rules.is_fair = property.fairness != Fairness::none && !invariant_of(property);
+  }
+  if (property.kind == Property::Kind::stuck) rules.is_fair = true;
+  return rules;
+}
+
+Formula invariant_of(const Property& property) {
+  if (property.kind != Property::Kind::ltl) return nullptr;
+  const Formula& formula = property.formula;
+  if (formula->op != FormulaNode::Operator::globally) return nullptr;
+  return is_boolean(formula->left) ? formula->left : nullptr;
 }
 
 ReductionRules rules_for_deadlock() { return {}; }

@@ -16,18 +16,34 @@ namespace maide {
 
 enum class Reduction : std::uint8_t {
   none,
+  calls,  // an input and the output that answers it are one step (merged_calls.hpp)
   order,  // partial-order reduction: of steps that do not disturb one another one order is enough
-  full,   // and states with a single step are passed by
+  full,   // both, and states with a single step are passed by
 };
 std::string to_string(Reduction reduction);
 // Throws UsageError.
 Reduction reduction_of(const std::string& name);
+bool merges_calls(Reduction reduction);
+bool leaves_out_orders(Reduction reduction);
 
 // What a search must respect when it takes the steps of stubborn sets only.
 struct ReductionRules {
   StubbornOptions sets;
   bool puts_nothing_off = false;  // steps that are left out are taken in some later state
 };
+
+// `G condition`: the condition, which a finite run can violate; null if the property is no such.
+Formula invariant_of(const Property& property);
+
+// What a property demands where an input and its answer are made one step.
+struct CallRules {
+  // By program and edge: the formula can see the step. Empty: it sees none.
+  std::vector<std::vector<bool>> visible;
+  bool is_fair = false;  // the property is about fair runs
+};
+
+// Nothing if the formula could see where silent steps lie.
+std::optional<CallRules> rules_for_calls(const System& system, const Property& property);
 
 ReductionRules rules_for_deadlock();
 // For a run that leaves what was learned.
@@ -36,7 +52,7 @@ ReductionRules rules_for_cut();
 ReductionRules rules_for_error();
 // Nothing if the formula could see where silent steps lie: then all is taken.
 std::optional<ReductionRules> rules_for_invariant(const System& system, const Property& property);
-// For `stuck`, or a formula with the property's fairness.
+// For `stuck`, or a formula with the property's fairness. Nothing where all is taken.
 std::optional<ReductionRules> rules_for_cycle(const System& system, const Property& property);
 
 // ---- Silent steps ----

@@ -53,6 +53,9 @@ struct ModelStep {
 struct ModelAction {
   std::string name;                           // for messages
   std::vector<std::vector<ModelStep>> steps;  // by state; none: not possible there
+  // Made of two steps by a reduction (explore/merged_calls.hpp). Between the two nobody else can
+  // use the model.
+  bool is_call = false;
 };
 
 struct ModelInstance {
