@@ -151,6 +151,7 @@ class Event:
             and sign == self.sign
             and action[0] == self.name
             and self.values in (None, action[1])
+            and readers != ()  # a write that no reader's model was given
             and (self.reader is None or readers is not None and self.reader in readers)
         )
 

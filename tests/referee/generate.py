@@ -17,7 +17,7 @@ from random_texts import TextMaker
 
 KINDS = [
     "section5", "variables", "shared", "select", "arrays", "error", "values", "topics",
-    "components", "builtins", "mixed",
+    "components", "builtins", "mixed", "death",
 ]  # fmt: skip
 
 
@@ -135,6 +135,17 @@ class Generator(TextMaker):
             self.atoms += [f"{name}[{reader}]!message" for reader in readers]
         return lines
 
+    def give_ends(self, names: list[str]) -> None:
+        """Says which programs stand at the ends of models."""
+        for known in self.models:
+            if "write" not in known.inputs or self.chance(0.2):
+                continue
+            writer, reader = self.rng.sample(names, 2)
+            roles = [f"writer: {writer}", f"reader: {reader}"]
+            if self.chance(0.2):
+                roles.remove(self.rng.choice(roles))
+            known.entry = f"{known.entry[:-1]}, ends: {{{', '.join(roles)}}}}}"
+
     def system(self) -> str:
         """The system's file."""
         rng = self.rng
@@ -146,6 +157,8 @@ class Generator(TextMaker):
         topics = self.make_topics(names) if self.has["topics"] else []
         if self.kind != "topics":
             self.make_models(rng.randint(1, 2) if self.kind != "components" else 3)
+        if self.kind == "death":
+            self.give_ends(names)
         for known in self.models:
             suffix = f"[{rng.randrange(known.size)}]" if known.size else ""
             for name in known.inputs:
@@ -205,7 +218,7 @@ class Generator(TextMaker):
             head = f"{name}[{index} in 0..{size - 1}]"
             shown = f"{name}[{self.rng.randrange(size)}]"
         body = self.program(shown, place)
-        if self.has["die"] and self.chance(0.4):
+        if self.has["die"] and self.chance(0.6 if self.kind in ("death", "topics") else 0.4):
             lines = [f"  {head}:", "    may_die: true", "    do: |"]
             return lines + [f"      {line}" for line in body]
         return [f"  {head}: |", *(f"    {line}" for line in body)]

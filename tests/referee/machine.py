@@ -7,6 +7,7 @@ write), or ("error", place, sentence) for a program that made a mistake.
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass
 from typing import Any
 
@@ -159,13 +160,20 @@ class Program:
         values = dict(zip(node.scope, control[2]))
         found = getattr(self, "steps_" + node.kind)(node, control, values, world)
         if self.may_die:
-            models = tuple(
-                use.died(state, self.number) for use, state in zip(self.system.uses, world[0])
-            )
-            kept = tuple(values.get(v) for v in self.end.scope)
-            after = (self.end.number, frozenset(), kept, None)
-            died = Step(self.number, ("dies",), after, (models, world[1]), death=True)
-            found = found + [died]
+            found = found + self.deaths(values, world)
+        return found
+
+    def deaths(self, values: dict, world: World) -> list[Step]:
+        """The steps in which the program dies."""
+        ways = [use.died(state, self.number) for use, state in zip(self.system.uses, world[0])]
+        kept = tuple(values.get(v) for v in self.end.scope)
+        after = (self.end.number, frozenset(), kept, None)
+        found = [
+            Step(self.number, ("dies",), after, (models, world[1]), death=True)
+            for models in itertools.product(*(states for states, _ in ways))
+        ]
+        if any(cut for _, cut in ways):
+            found.append(Step(self.number, ("dies",), cut=True, death=True))
         return found
 
     def step(
@@ -197,13 +205,16 @@ class Program:
         action = (node.input, tuple(evaluate(a, read) for a in node.arguments))
         after, cut = self.system.uses[number].give(world[0][number], self.number, action)
         found = [
-            self.step((number, "?", action), node.next, values,
+            self.step((number, "?", action, event[2]), node.next, values,
                       self.with_model(world, number, state), events=(event,))
             for state, event in after
         ]
-        if cut:
-            found.append(Step(self.number, (number, "?", action), cut=True))
-        return found
+        return found + self.cuts((number, "?", action), cut)
+
+    def cuts(self, label: tuple, cut: Any, **more: Any) -> list[Step]:
+        """The steps that leave what was learned: one, or one for each model that is given it."""
+        by = cut if isinstance(cut, tuple) else (None,) if cut else ()
+        return [Step(self.number, (*label, one), cut=True, **more) for one in by]
 
     def matched(self, arms: list, action: tuple, values: dict) -> tuple[Node, list] | None:
         """The arm that an output belongs to, and what it sets: (variable, value)."""
@@ -397,7 +408,7 @@ class Program:
         if arm.outputs is None:
             after_all, cut = use.give(state, self.number, given)
             for after, event in after_all:
-                found.append(self.step(label, arm.next, values,
+                found.append(self.step((*label, event[2]), arm.next, values,
                                        self.with_model(world, number, after),
                                        events=(event,), arm=mark))
         else:
@@ -411,6 +422,4 @@ class Program:
                     step = self.mistake((*label, action), mark, why, world_after,
                                         events=events, arm=mark)
                 found.append(step)
-        if cut:
-            found.append(Step(self.number, label, cut=True, arm=mark))
-        return found
+        return found + self.cuts(label, cut, arm=mark)

@@ -153,6 +153,10 @@ class Model:
         """Whether the input was never tried in this state."""
         return False
 
+    def reaches(self, state: State, outputs: set[str], without: set[str]) -> bool:
+        """Whether one of these outputs may come though none of these inputs is given."""
+        return False
+
     def actor(self, name: str) -> str | None:
         """The actor of an input or output."""
         return None
@@ -227,6 +231,21 @@ class Automaton(Model):
     def unexplored(self, state: int, action: Action) -> bool:
         return action in self.marks[state]
 
+    def reaches(self, state: int, outputs: set[str], without: set[str]) -> bool:
+        seen, waiting = {state}, [state]
+        while waiting:
+            at = waiting.pop()
+            after = [t for (name, _), t in self.emits[at] if name not in outputs]
+            if len(after) < len(self.emits[at]):
+                return True
+            for (name, _), targets in self.table[at].items():
+                after += [] if name in without else targets
+            for target in after:
+                if target not in seen:
+                    seen.add(target)
+                    waiting.append(target)
+        return False
+
     def actor(self, name: str) -> str | None:
         return self.actors.get(name)
 
@@ -273,6 +292,14 @@ class Queue(Model):
             if self.drops_oldest:
                 return [((held + (values,))[1:], False, None)]
         return []
+
+    def reaches(self, state: tuple, outputs: set[str], without: set[str]) -> bool:
+        held, waits, due = state
+        if "message" not in outputs:
+            return False
+        written = "write" not in without
+        may_read = "read" not in without and bool(held or written)
+        return due is not None or (written if waits else may_read)
 
     def outputs(self, state: tuple) -> list[tuple[Action, tuple]]:
         held, _, due = state

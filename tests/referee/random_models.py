@@ -55,14 +55,14 @@ class ModelMaker:
         self.has = {
             "variables": kind in ("variables", "arrays", "error", "values") or everything,
             "shared": kind in ("shared", "components") or everything,
-            "select": kind in ("select", "topics", "builtins") or everything,
+            "select": kind in ("select", "topics", "builtins", "death") or everything,
             "arrays": kind == "arrays" or everything,
             "errors": kind == "error" or everything and rng.random() < 0.2,
             "values": kind == "values" or everything,
-            "builtins": kind in ("builtins", "components", "values") or everything,
+            "builtins": kind in ("builtins", "components", "values", "death") or everything,
             "topics": kind == "topics" or everything and rng.random() < 0.4,
             "procedures": kind in ("variables", "arrays") or everything,
-            "die": everything and rng.random() < 0.2 or kind == "topics" and rng.random() < 0.25,
+            "die": rng.random() < {"mixed": 0.3, "topics": 0.5, "death": 1}.get(kind, 0),
         }
 
     def chance(self, probability: float) -> bool:
@@ -134,21 +134,38 @@ class ModelMaker:
         """Writes a model's file."""
         (self.folder / f"{name}.dot").write_text("\n".join(lines) + "\n", encoding="utf-8")
 
-    def port_lines(self, size: int, written: bool, tryread: bool, at_bound: str) -> list[str]:
-        """A strict port; its writes may return, its reads may be tried."""
+    def port_lines(
+        self, size: int, written: bool, tryread: bool, at_bound: str, disconnects: bool = False
+    ) -> list[str]:
+        """A strict port; its writes may return, its reads may be tried, it may be disconnected."""
         lines = ["digraph g {"]
         inputs = ["write", "read"] + (["tryread"] if tryread else [])
         outputs = ["message"] + (["written"] if written else []) + (["null"] if tryread else [])
+        says = disconnects and self.chance(0.5)
+        if disconnects:
+            inputs.append("disconnect")
+            outputs += ["cut"] if says else []
         lines.append(f'  inputs="{",".join(inputs)}";')
         lines.append(f'  outputs="{",".join(outputs)}";')
         writer = "?write" + (" !written" if written else "")
         reader = "?read !message" + (" ?tryread !null" if tryread else "")
-        lines.append(f'  actors="writer: {writer}; reader: {reader}";')
+        network = "?disconnect" + (" !cut" if says else "")
+        if disconnects and self.chance(0.5):
+            if self.chance(0.5):
+                writer = f"{writer} {network}"
+            else:
+                reader = f"{reader} {network}"
+            disconnects_by = ""
+        else:
+            disconnects_by = f"; network: {network}" if disconnects else ""
+        lines.append(f'  actors="writer: {writer}; reader: {reader}{disconnects_by}";')
         lines.append('  __start0 [label="" shape="none"];')
         lines.append("  __start0 -> k0;")
         edges: list[tuple[str, str, str]] = []
+        never = disconnects and at_bound == "unexplored" and self.chance(0.4)
+        beyond = "write,disconnect" if never else "write"
         for k in range(size + 1):
-            mark = ' [unexplored="write"]' if k == size and at_bound == "unexplored" else ""
+            mark = f' [unexplored="{beyond}"]' if k == size and at_bound == "unexplored" else ""
             lines.append(f"  k{k}{mark};")
             if k < size or at_bound == "absorbs":
                 up = min(k + 1, size)
@@ -170,15 +187,35 @@ class ModelMaker:
         else:
             edges.append(("r", "?write", "m0"))
         edges.append(("m0", "!message", "k0"))
+        if disconnects:
+            edges += self.disconnections(size, written, says, never)
         for left, label, right in dict.fromkeys(edges):
             lines.append(f'  {left} -> {right} [label="{label}"];')
         return lines + ["}"]
+
+    def disconnections(self, size: int, written: bool, says: bool, never: bool) -> list[tuple]:
+        """The edges of `disconnect`, and those behind it: what is written is lost."""
+        edges = []
+        for at in [f"k{k}" for k in range(size + 1)] + ["r"]:
+            if at == f"k{size}" and (never or self.chance(0.3)):
+                continue  # it was never tried there, or is refused
+            after = "dr" if at == "r" else "d"
+            edges.append((at, "?disconnect", "c" + after if says else after))
+        if says:
+            edges += [("cd", "!cut", "d"), ("cdr", "!cut", "dr")]
+        for at in ("d", "dr"):
+            edges.append((at, "?write", "w" + at if written else at))
+            if written:
+                edges.append(("w" + at, "!written", at))
+        return edges + [("d", "?read", "dr")]
 
     def port_model(self, name: str) -> Known:
         """A port, in a file of its own."""
         written, tryread = self.chance(0.3), self.chance(0.4)
         at_bound = self.rng.choice(["unexplored", "absorbs", "refuses"])
-        self.write(name, self.port_lines(self.rng.randint(1, 2), written, tryread, at_bound))
+        disconnects = self.kind == "death" and self.chance(0.6)
+        size = self.rng.randint(1, 2)
+        self.write(name, self.port_lines(size, written, tryread, at_bound, disconnects))
         policy = ""
         if at_bound == "unexplored":
             policy = f", when_unexplored: {self.rng.choice(['stop', 'wait', 'wait', 'drop'])}"
@@ -218,9 +255,9 @@ class ModelMaker:
         """The models of the system."""
         for _ in range(count):
             name = self.new("m")
-            if self.has["builtins"] and self.chance(0.7):
+            if self.has["builtins"] and self.chance(0.3 if self.kind == "death" else 0.7):
                 known = self.built_in(name)
-            elif self.chance(0.35):
+            elif self.chance(0.9 if self.kind == "death" else 0.35):
                 known = self.port_model(name)
             else:
                 known = self.random_model(name)

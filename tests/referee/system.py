@@ -21,7 +21,7 @@ from language import (
 )
 from machine import Program
 from models import Automaton, Model, Queue, model_of
-from use import Instance, Topic
+from use import End, Instance, Topic, end_of
 
 KEYS = {"constants", "models", "topics", "procedures", "variables", "programs", "properties"}
 
@@ -189,13 +189,20 @@ class System:
             for index, scope in array:
                 model = self.model_at(name, description, scope)
                 ends: dict[int, dict] = {}
-                for actor, names in (description.get("ends") or {}).items():
-                    for k, program in enumerate(self.program_numbers(names, scope)):
+                mortal: list[End] = []
+                given = description.get("ends") or {}
+                for actor, names in sorted(given.items()):
+                    numbers = self.program_numbers(names, scope)
+                    for k, program in enumerate(numbers):
+                        if self.texts[program][4]:
+                            others = set(given) - {actor}
+                            mortal.append(end_of(model, program, actor, k, len(numbers), others))
                         own = ends.setdefault(program, {})
                         for action in model.input_names | model.output_names:
                             if model.actor(action) == actor:
                                 own[action] = action if k == 0 else f"{action}{k + 1}"
-                self.add_use(name, index, Instance(member_name(name, index), model, policy, ends))
+                full = member_name(name, index)
+                self.add_use(name, index, Instance(full, model, policy, ends, mortal))
 
     def read_topics(self) -> None:
         """Reads the topics."""
@@ -268,7 +275,10 @@ class System:
             first = compiler.compile(body, scope, outside)
             full = member_name(name, index)
             found.append(Program(self, number, full, compiler.nodes, first, may_die))
-            self.models_of.append({self.numbers[key] for key in compiler.models})
+            used = {self.numbers[key] for key in compiler.models}
+            if may_die:  # what its death changes, named in its text or not
+                used |= {k for k, use in enumerate(self.uses) if number in use.standing}
+            self.models_of.append(used)
         return found
 
     def refuse_values_that_nobody_gives(self) -> None:

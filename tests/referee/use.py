@@ -2,7 +2,8 @@
 
 Both answer, for a program by its number:
 
-    give(state, program, action)    -> ([(next state, event)], cut): cut if it was never tried
+    give(state, program, action)    -> ([(next state, event)], cut): cut if it was never tried; a
+                                       tuple of those by whom, where it is given to one of several
     due(state, program)             -> [(action, next state, event)], what the program may take
     pick(state, program, action)    -> ([(action, next state, events)], cut), input and output in
                                        one step, for an arm of a select
@@ -15,6 +16,7 @@ output is due.
 from __future__ import annotations
 
 import itertools
+from dataclasses import dataclass, replace
 from typing import Any
 
 from language import Refused
@@ -30,15 +32,85 @@ def taken(model: Model, state: State, action: Action, policy: str) -> tuple[list
     return model.steps(state, action), False
 
 
-class Instance:
-    """A model that stands in a system by itself; `ends` says which program has which end."""
+@dataclass(frozen=True)
+class End:
+    """An end whose program may die: what belongs to it, and `disconnect` if the model has it."""
 
-    def __init__(self, name: str, model: Model, policy: str, ends: dict[int, dict]) -> None:
+    program: int
+    inputs: frozenset
+    outputs: frozenset
+    disconnect: str | None
+
+
+def end_of(model: Model, program: int, actor: str, number: int, count: int, others: set) -> End:
+    """The end at this place (from 0) of those that this actor has."""
+
+    def at_place(name: str) -> bool:
+        ending = [k for k in range(1, count) if name.endswith(str(k + 1))]
+        return (ending or [0])[0] == number
+
+    name = "disconnect" if number == 0 else f"disconnect{number + 1}"
+    owner = model.actor(name) if name in model.input_names else None
+    has_it = owner is not None and owner not in others
+    actors = {actor, owner} if has_it else {actor}
+    inputs = {n for n in model.input_names if model.actor(n) in actors and at_place(n)}
+    outputs = {n for n in model.output_names if model.actor(n) in actors and at_place(n)}
+    return End(program, frozenset(inputs), frozenset(outputs), name if has_it else None)
+
+
+# What a model still owes to an end that is dead.
+NOTHING, THROWS_AWAY, DISCONNECTS = 0, 1, 2
+LOST = "lost"  # a model that was disconnected where that was never tried
+
+
+def left(model: Model, state: State, marks: tuple, ends: list[End], policy: str) -> list[tuple]:
+    """(state, marks) after what is due to dead ends was thrown away, and `disconnect` was taken."""
+    if state == LOST:
+        return [(state, marks)]
+    found: list[tuple] = []
+    for (name, _), after in model.outputs(state):
+        if any(mark and name in end.outputs for mark, end in zip(marks, ends)):
+            found += left(model, after, marks, ends, policy)
+    if found:
+        return list(dict.fromkeys(found))
+    for i, end in enumerate(ends):
+        if marks[i] != DISCONNECTS or model.outputs(state):
+            continue
+        after_it = marks[:i] + (THROWS_AWAY,) + marks[i + 1 :]
+        if model.unexplored(state, (end.disconnect, ())):
+            if policy == "wait":
+                continue
+            if policy == "stop":
+                return [(LOST, (NOTHING,) * len(ends))]
+            return left(model, state, after_it, ends, policy)
+        for after in model.steps(state, (end.disconnect, ())):
+            found += left(model, after, after_it, ends, policy)
+        if found:
+            return list(dict.fromkeys(found))
+    kept = tuple(
+        NOTHING
+        if mark == THROWS_AWAY and not model.reaches(state, set(end.outputs), set(end.inputs))
+        else mark
+        for mark, end in zip(marks, ends)
+    )
+    return [(state, kept)]
+
+
+class Instance:
+    """A model that stands in a system by itself; `ends` says which program has which end.
+
+    The state is (the model's state, what it owes to each end that may die)."""
+
+    def __init__(
+        self, name: str, model: Model, policy: str, ends: dict[int, dict], mortal: list[End]
+    ) -> None:
         self.name = name
         self.model = model
         self.policy = policy
-        self.initial = model.initial
+        self.mortal = mortal
+        self.initial = (model.initial, (NOTHING,) * len(mortal))
         self.ends = ends
+        self.standing = set(ends)
 
     def check_input(self, program: int, name: str) -> None:
         """Refuses an input that the model does not have."""
@@ -68,21 +140,43 @@ class Instance:
         """The event of this program with this model."""
         return (program, self.name, None, sign, self.renamed(program, action))
 
-    def give(self, state: State, program: int, action: Action) -> tuple[list, bool]:
-        after, cut = taken(self.model, state, self.renamed(program, action), self.policy)
-        return [(state, self.event(program, "?", action)) for state in after], cut
+    def left(self, state: State, marks: tuple) -> list[tuple]:
+        """The states after what is due to dead ends was thrown away."""
+        return left(self.model, state, marks, self.mortal, self.policy)
 
-    def due(self, state: State, program: int) -> list:
+    def give(self, state: tuple, program: int, action: Action) -> tuple[list, bool]:
+        inner, marks = state
+        if inner == LOST:
+            return [], True
+        given = self.renamed(program, action)
+        dropped = self.model.unexplored(inner, given)
+        after, cut = taken(self.model, inner, given, self.policy)
+        if not dropped:
+            marks = tuple(
+                NOTHING if mark == THROWS_AWAY and given[0] in end.inputs else mark
+                for mark, end in zip(marks, self.mortal)
+            )
+        event = self.event(program, "?", action)
+        found = [(state, event) for one in after for state in self.left(one, marks)]
+        return list(dict.fromkeys(found)), cut
+
+    def due(self, state: tuple, program: int) -> list:
+        inner, marks = state
+        if inner == LOST:
+            return []
         found = []
-        for action, after in self.model.outputs(state):
+        for action, after in self.model.outputs(inner):
             called = self.called(program, action)
             if called is not None:
-                found.append((called, after, self.event(program, "!", called)))
-        return found
+                event = self.event(program, "!", called)
+                found += [(called, one, event) for one in self.left(after, marks)]
+        return list(dict.fromkeys(found))
 
-    def pick(self, state: State, program: int, action: Action) -> tuple[list, bool]:
+    def pick(self, state: tuple, program: int, action: Action) -> tuple[list, bool]:
         given = self.renamed(program, action)
-        if self.model.unexplored(state, given) and not self.model.outputs(state):
+        if state[0] == LOST:
+            return [], True
+        if self.model.unexplored(state[0], given) and not self.model.outputs(state[0]):
             return [], self.policy == "stop"
         found = []
         for middle, event in self.give(state, program, action)[0]:
@@ -92,19 +186,28 @@ class Instance:
                         found.append((output, after, (event, other)))
         return found, False
 
-    def quiet(self, state: State, program: int, name: str) -> bool:
-        return not self.model.outputs(state)
+    def quiet(self, state: tuple, program: int, name: str) -> bool:
+        return state[0] == LOST or not self.model.outputs(state[0])
 
-    def died(self, state: State, program: int) -> State:
-        """The state after the program died."""
-        return state
+    def died(self, state: tuple, program: int) -> tuple[list, bool]:
+        """(the states after the program died, whether the run is cut there)."""
+        inner, marks = state
+        if inner == LOST or all(end.program != program for end in self.mortal):
+            return [state], False
+        marks = tuple(
+            mark if end.program != program else DISCONNECTS if end.disconnect else THROWS_AWAY
+            for mark, end in zip(marks, self.mortal)
+        )
+        found = self.left(inner, marks)
+        return [state for state in found if state[0] != LOST], any(s[0] == LOST for s in found)
 
 
 class Topic:
     """One model a reader; the writers' inputs go to all of them, or to one.
 
     The state is (the states of the readers' models, None where the reader died; the writers'
-    outputs collected from each; the writer that waits for them, where writers may die)."""
+    outputs collected from each; what each owes to a writer that died; the writer that may die and
+    made the last call, where there are others)."""
 
     def __init__(
         self,
@@ -120,13 +223,20 @@ class Topic:
         self.models = models
         self.writers = writers
         self.readers = readers
+        self.standing = writers | set(readers)
         self.policy = policy
         self.deliver_one = deliver_one
         self.mortal = mortal & writers
         if not all(model.has_actors for model in models):
             raise Refused(f"topic {name}: a model without actors")
+        returns = any(model.actor(n) == "writer" for model in models for n in model.output_names)
+        self.keeps_caller = returns and bool(self.mortal) and len(writers) > 1
+        self.ends = []
+        for model in models:
+            end = end_of(model, -1, "writer", 0, 1, {"reader"})
+            self.ends.append(replace(end, disconnect=end.disconnect if len(writers) == 1 else None))
         states = tuple(model.initial for model in models)
-        self.initial = (states, (None,) * len(models), None)
+        self.initial = (states, (None,) * len(models), (NOTHING,) * len(models), None)
 
     def of_writer(self, name: str) -> bool:
         """Whether an input or output is one of the writer's actor."""
@@ -149,98 +259,137 @@ class Topic:
             raise Refused(f"topic {self.name} has no output {name}")
         self.check_role(program, name)
 
+    def alive(self, state: tuple) -> list[int]:
+        """The readers that live."""
+        return [i for i, inner in enumerate(state[0]) if inner is not None]
+
     def written(self, state: tuple) -> Action | None:
         """The writers' output that the topic has due."""
-        states, collected, _ = state
+        _, collected, _, _ = state
         found = [output for output in collected if output is not None]
         if not found:
             return None
-        alive = [i for i in range(len(states)) if states[i] is not None]
-        if not self.deliver_one and any(collected[i] is None for i in alive):
+        if not self.deliver_one and any(collected[i] is None for i in self.alive(state)):
             return None
-        failed = [output for output in found if output[0] == "failed"]
+        failed = [output for output in found if output[0].startswith("failed")]
         return (failed or found)[0]
 
-    def settled(self, state: tuple) -> list[tuple]:
-        """The states after what came due for the writers was collected."""
-        states, collected, writer = state
-        for i, inner in enumerate(states):
-            if inner is None:
-                continue
-            outputs = self.models[i].outputs(inner)
-            due = [(o, t) for o, t in outputs if self.models[i].actor(o[0]) == "writer"]
-            if due:
-                found = []
-                for output, after in due:
-                    left = states[:i] + (after,) + states[i + 1 :]
-                    got = collected[:i] + (output,) + collected[i + 1 :]
-                    found += self.settled((left, got, writer))
-                return found
-        if writer == "dead" and self.written(state) is not None:
-            return [(states, (None,) * len(states), None)]
-        return [state]
+    @staticmethod
+    def with_reader(state: tuple, i: int, **new: Any) -> tuple:
+        """The state with something else of one reader."""
+        parts = []
+        for key, values in zip(("inner", "collected", "mark"), state):
+            parts.append(values[:i] + (new[key],) + values[i + 1 :] if key in new else values)
+        return (*parts, state[3])
 
-    def give(self, state: tuple, program: int, action: Action) -> tuple[list, bool]:
-        states, collected, writer = state
+    def settled(self, state: tuple) -> list[tuple]:
+        """The states after what came due for the writers was collected or thrown away."""
+        found = [state]
+        for i in range(len(self.models)):
+            found = [after for before in found for after in self.settled_at(before, i)]
+        return list(dict.fromkeys(found))
+
+    def settled_at(self, state: tuple, i: int) -> list[tuple]:
+        """The same of one reader's model."""
+        inner, mark = state[0][i], state[2][i]
+        model, end = self.models[i], self.ends[i]
+        if inner is None or inner == LOST:
+            return [state]
+        if not mark:
+            found = []
+            for output, after in model.outputs(inner):
+                if model.actor(output[0]) == "writer":
+                    later = self.with_reader(state, i, inner=after, collected=output)
+                    found += self.settled_at(later, i)
+            return found or [state]
+        return [
+            self.with_reader(state, i, inner=after, mark=kept, collected=None)
+            if after == LOST
+            else self.with_reader(state, i, inner=after, mark=kept)
+            for after, (kept,) in left(model, inner, (mark,), [end], self.policy)
+        ]
+
+    def taken(self, state: tuple, i: int, action: Action, tried: bool = False) -> tuple[list, bool]:
+        """The states of a reader's model after an input, with its mark; whether it is cut."""
+        inner, mark = state[0][i], state[2][i]
+        if inner == LOST:
+            return [], True
+        never = self.models[i].unexplored(inner, action)
+        after, cut = taken(self.models[i], inner, action, self.policy)
+        if never and tried:
+            after = []
+        is_call = action[0] in self.ends[i].inputs and not never
+        return [(one, NOTHING if is_call and mark == THROWS_AWAY else mark) for one in after], cut
+
+    def give(
+        self, state: tuple, program: int, action: Action, tried: bool = False
+    ) -> tuple[list, bool]:
+        """As above; `tried`: only where the input was tried."""
         if not self.of_writer(action[0]):
             i = self.readers.index(program)
-            after, cut = taken(self.models[i], states[i], action, self.policy)
+            if state[0][i] is None:
+                return [], False
+            after, cut = self.taken(state, i, action)
             event = (program, self.name, (self.readers[i],), "?", action)
-            return [
+            found = [
                 (settled, event)
-                for inner in after
-                for settled in self.settled((states[:i] + (inner,) + states[i + 1 :], *state[1:]))
-            ], cut
+                for inner, mark in after
+                for settled in self.settled(self.with_reader(state, i, inner=inner, mark=mark))
+            ]
+            return list(dict.fromkeys(found)), cut
         if self.written(state) is not None:
             return [], False
-        alive = [i for i in range(len(states)) if states[i] is not None]
-        options = {i: taken(self.models[i], states[i], action, self.policy) for i in alive}
-        owner = program if program in self.mortal else writer
-        found: list = []
+        alive = self.alive(state)
+        options = {i: self.taken(state, i, action, tried) for i in alive}
+        if self.keeps_caller:
+            state = (*state[:3], program if program in self.mortal else None)
+        found = []
 
-        def add(chosen: dict[int, State]) -> None:
-            inner = tuple(chosen.get(i, states[i]) for i in range(len(states)))
-            readers = tuple(self.readers[i] for i in chosen)
-            event = (program, self.name, readers, "?", action)
-            for settled in self.settled((inner, collected, owner)):
-                found.append((settled, event))
+        def add(chosen: dict[int, tuple]) -> None:
+            after = state
+            for i, (inner, mark) in chosen.items():
+                after = self.with_reader(after, i, inner=inner, mark=mark)
+            event = (program, self.name, tuple(self.readers[i] for i in chosen), "?", action)
+            found.extend((settled, event) for settled in self.settled(after))
 
         if self.deliver_one and alive:
             for i in alive:
                 for after in options[i][0]:
                     add({i: after})
-            return found, any(cut for _, cut in options.values())
+            cuts = tuple(self.readers[i] for i, (_, cut) in options.items() if cut)
+            return list(dict.fromkeys(found)), cuts
         if any(not after and not cut for after, cut in options.values()):
             return [], False
         if any(cut for _, cut in options.values()):
             return [], True
         for choice in itertools.product(*(options[i][0] for i in alive)):
             add(dict(zip(alive, choice)))
-        return found, False
+        return list(dict.fromkeys(found)), False
 
     def due(self, state: tuple, program: int) -> list:
-        states, collected, writer = state
         found = []
         if program in self.writers:
             output = self.written(state)
             if output is not None:
-                after = (states, (None,) * len(states), None)
+                after = (state[0], (None,) * len(self.models), state[2], None)
                 found.append((output, after, (program, self.name, None, "!", output)))
         if program in self.readers:
             i = self.readers.index(program)
-            if states[i] is not None:
-                for output, inner in self.models[i].outputs(states[i]):
+            if state[0][i] is not None and state[0][i] != LOST:
+                for output, inner in self.models[i].outputs(state[0][i]):
                     event = (program, self.name, (program,), "!", output)
-                    after = (states[:i] + (inner,) + states[i + 1 :], collected, writer)
+                    after = self.with_reader(state, i, inner=inner)
                     found += [(output, settled, event) for settled in self.settled(after)]
-        return found
+        return list(dict.fromkeys(found))
 
     def pick(self, state: tuple, program: int, action: Action) -> tuple[list, bool]:
         found: list = []
         writes = self.of_writer(action[0])
-        if self.policy == "drop" and self.was_never_tried(state, program, action):
-            return [], False
-        given, cut = self.give(state, program, action)
+        if not writes and self.policy == "drop":
+            i = self.readers.index(program)
+            if self.models[i].unexplored(state[0][i], action):
+                return [], False
+        given, cut = self.give(state, program, action, tried=True)
         for middle, event in given:
             for output, after, other in self.due(middle, program):
                 if self.of_writer(output[0]) == writes:
@@ -248,36 +397,35 @@ class Topic:
                         found.append((output, after, (event, other)))
         return found, cut
 
-    def was_never_tried(self, state: tuple, program: int, action: Action) -> bool:
-        """Whether a model to which the input would go never had it tried."""
-        states = state[0]
-        if self.of_writer(action[0]):
-            concerned = [i for i in range(len(states)) if states[i] is not None]
-        else:
-            concerned = [self.readers.index(program)]
-        return any(self.models[i].unexplored(states[i], action) for i in concerned)
-
     def quiet(self, state: tuple, program: int, name: str) -> bool:
-        states = state[0]
         if not self.of_writer(name):
             concerned = [self.readers.index(program)]
         elif self.written(state) is not None:
             return False
         else:
-            concerned = list(range(len(states)))
+            concerned = self.alive(state)
         return not any(
-            self.models[i].outputs(states[i]) for i in concerned if states[i] is not None
+            self.models[i].outputs(state[0][i])
+            for i in concerned
+            if state[0][i] is not None and state[0][i] != LOST
         )
 
-    def died(self, state: tuple, program: int) -> tuple:
-        """The state after the program died: its model leaves, what is due to it is thrown away."""
-        states, collected, writer = state
+    def died(self, state: tuple, program: int) -> tuple[list, bool]:
+        """(the states after the program died, whether the run is cut there): its model leaves, and
+        what is due to it is thrown away."""
         if program in self.readers:
             i = self.readers.index(program)
-            states = states[:i] + (None,) + states[i + 1 :]
-            collected = collected[:i] + (None,) + collected[i + 1 :]
-        if program == writer:
-            writer = "dead"
-            if self.written((states, collected, writer)) is not None:
-                collected, writer = (None,) * len(states), None
-        return (states, collected, writer)
+            state = self.with_reader(state, i, inner=None, collected=None, mark=NOTHING)
+        if program in self.writers and (not self.keeps_caller or state[3] == program):
+            for i in self.alive(state):
+                if state[0][i] == LOST:
+                    continue
+                mark = DISCONNECTS if self.ends[i].disconnect else THROWS_AWAY
+                state = self.with_reader(state, i, collected=None, mark=mark)
+            state = (*state[:3], None)
+        found = self.settled(state)
+        lost = [LOST in after[0] for after in found]
+        was_lost = LOST in state[0]
+        if was_lost:
+            return found, False
+        return [after for after, cut in zip(found, lost) if not cut], any(lost)

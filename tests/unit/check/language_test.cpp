@@ -276,6 +276,41 @@ TEST(Language, WhereProgramsCanOnlyDieIsADeadlock) {
   EXPECT_EQ(explored.deadlocks, 1u);
 }
 
+// Whether the writer comes to the error behind its statements.
+bool comes_behind(const std::string& models, const std::string& writer, const std::string& reader) {
+  const std::string text =
+      models + "programs:\n  w: \"var x: 0..1; " + writer + " x = 1 / x;\"\n  r: " + reader + "\n";
+  return !explore(system_from(text)).errors.empty();
+}
+
+TEST(Language, ADeadReadersModelLeavesTheTopic) {
+  const std::string topic =
+      "topics: {t: {writers: w, readers: [r], use: queue, with: {size: 1}}}\n";
+  const std::string reader = "{do: \"t.read -> message;\", may_die: ";
+  EXPECT_TRUE(comes_behind(topic, "repeat 2 { t.write; }", reader + "false}"));
+  EXPECT_FALSE(comes_behind(topic, "repeat 3 { t.write; }", reader + "false}"));
+  EXPECT_TRUE(comes_behind(topic, "repeat 3 { t.write; }", reader + "true}"));
+}
+
+TEST(Language, ArmsWriteToTopicsWhenAllModelsTakeIt) {
+  const std::string topic =
+      "topics: {t: {writers: w, readers: [r], use: queue, with: {size: 1}}}\n";
+  const std::string reader = "\"if * { } else { t.read -> message; }\"";
+  EXPECT_TRUE(comes_behind(topic, "select { on t.write { } }", reader));
+  EXPECT_FALSE(comes_behind(topic, "repeat 2 { t.write; } select { on t.write { } }", reader));
+  EXPECT_TRUE(comes_behind(
+      topic, "repeat 2 { t.write; } select { on t.write { stop; } otherwise { } }", reader));
+  EXPECT_FALSE(comes_behind(topic, "select { on t.write { stop; } otherwise { } }", reader));
+}
+
+TEST(Language, WhatIsDueToADeadEndIsThrownAway) {
+  const std::string queue = "models: {t: {use: queue, with: {size: 1}";
+  const std::string reader = "{do: \"t.read; t.read;\", may_die: true}";
+  EXPECT_FALSE(comes_behind(queue + "}}\n", "t.write; t.write;", reader));
+  EXPECT_TRUE(comes_behind(queue + ", ends: {reader: r}}}\n", "t.write; t.write;", reader));
+  EXPECT_FALSE(comes_behind(queue + ", ends: {reader: r}}}\n", "repeat 3 { t.write; }", reader));
+}
+
 TEST(Language, FormulasOverVariables) {
   const System system = system_from(
       "variables: \"var n: 0..3; var ok: bool;\"\n"

@@ -1,9 +1,8 @@
 // Models that a system file uses without a file: a mutex, a semaphore, a queue. They are written by
-// hand, and verdicts say so. And what becomes of a model that stands for one reader of a topic.
+// hand, and verdicts say so.
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -31,17 +30,5 @@ double queue_states(const QueueSize& queue);
 // A strict port: `write`; a `read` of an empty queue is taken and waits; `message` comes.
 // O(states).
 InterfaceAutomaton make_queue(const QueueSize& queue);
-
-// The model of one reader of a topic: outputs of the actor "writer" are collected in the step in
-// which they come due, and stay until the writer takes them from all readers' models; until then it
-// gives nothing else. Throws UsageError if the model does not name its actors.
-struct CollectedModel {
-  InterfaceAutomaton automaton;
-  std::vector<std::optional<Symbol>> collected;  // by state
-  std::vector<StateId> cleared;                  // by state: behind the taking
-};
-CollectedModel collect_writes(const InterfaceAutomaton& model);
-// Whether the actor "writer" has that input or output, which stands without values.
-bool is_of_writer(const InterfaceAutomaton& model, const std::string& name);
 
 }  // namespace maide

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "maide/base/invariant.hpp"
-#include "maide/check/language/built_in_models.hpp"
+#include "maide/check/language/model_ends.hpp"
 
 namespace maide::program_syntax {
 
@@ -34,7 +34,7 @@ std::uint32_t Evaluator::element(const Expression& leaf, const Values& values) c
 const Topic* Evaluator::written_topic(const ModelReference& model, const std::string& event,
                                       const Values& values) const {
   if (!model.is_topic) return nullptr;
-  const Topic& topic = topics_[element(model.leaf, values)];
+  const Topic& topic = names_.topics[element(model.leaf, values)];
   const InterfaceAutomaton& automaton = actions_.model(topic.readers.front().model).automaton;
   return is_of_writer(automaton, event) ? &topic : nullptr;
 }
@@ -43,7 +43,7 @@ void Evaluator::check_end(const ModelReference& model, const Event& event,
                           const Values& values) const {
   if (!model.is_topic) return;
   const bool writes = written_topic(model, event.name, values) != nullptr;
-  const Topic& topic = topics_[element(model.leaf, values)];
+  const Topic& topic = names_.topics[element(model.leaf, values)];
   if (topic.has_end(number_, writes)) return;
   throw EvaluationError{
       "this program is no " + std::string(writes ? "writer" : "reader") + " of " + topic.name,
@@ -53,10 +53,10 @@ void Evaluator::check_end(const ModelReference& model, const Event& event,
 std::uint32_t Evaluator::model_of(const ModelReference& model, const Values& values) const {
   const std::uint32_t number = element(model.leaf, values);
   if (!model.is_topic) return number;
-  for (const Topic::Reader& reader : topics_[number].readers) {
+  for (const Topic::Reader& reader : names_.topics[number].readers) {
     if (reader.program == number_) return reader.model;
   }
-  return topics_[number].readers.front().model;
+  return names_.topics[number].readers.front().model;
 }
 
 std::string Evaluator::text_of(Value value, ValueKind kind) const {
@@ -116,19 +116,22 @@ bool Evaluator::binds(const Event& pattern) {
                                                [](const auto& argument) { return argument.binds; });
 }
 
-std::vector<const Arm*> Evaluator::arms_of(std::uint32_t model, const std::vector<Arm>& arms,
-                                           const Values& values) const {
-  const Alphabet& outputs = actions_.model(model).automaton.outputs();
-  std::vector<const Arm*> result(outputs.size(), nullptr);
+const Arm* Evaluator::arm_for(const std::string& output, const std::vector<Arm>& arms,
+                              const Values& values) const {
   for (const bool takes_any : {false, true}) {
     for (const Arm& arm : arms) {
       if (arm.is_quiet || binds(arm.output) != takes_any) continue;
-      for (Symbol output = 0; output < outputs.size(); ++output) {
-        if (result[output] != nullptr) continue;
-        const std::string& name = outputs.name(output);
-        if (matches(arm.output, split_name(name), name, values)) result[output] = &arm;
-      }
+      if (matches(arm.output, split_name(output), output, values)) return &arm;
     }
+  }
+  return nullptr;
+}
+
+std::vector<const Arm*> Evaluator::arms_of(std::uint32_t model, const std::vector<Arm>& arms,
+                                           const Values& values) const {
+  std::vector<const Arm*> result;
+  for (const std::string& output : actions_.model(model).automaton.outputs().names()) {
+    result.push_back(arm_for(output, arms, values));
   }
   return result;
 }

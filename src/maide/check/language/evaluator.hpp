@@ -19,8 +19,8 @@ inline bool is_shared(const Expression& leaf) { return leaf.op == Expression::Op
 class Evaluator {
  public:
   // `number`: of the program. Keeps references.
-  Evaluator(std::uint32_t number, SharedActions& actions, const std::vector<Topic>& topics)
-      : number_(number), actions_(actions), topics_(topics) {}
+  Evaluator(std::uint32_t number, SharedActions& actions, const Names& names)
+      : number_(number), actions_(actions), names_(names) {}
 
  protected:
   // `shared`: values of shared variables; null: it reads none.
@@ -52,7 +52,10 @@ class Evaluator {
   bool matches(const Event& pattern, const NameParts& output, const std::string& symbol,
                const Values& values) const;
   static bool binds(const Event& pattern);
-  // By output symbol the arm that takes it: one that names its values before one that does not.
+  // The arm that takes the output: one that names its values before one that does not; or null.
+  const Arm* arm_for(const std::string& output, const std::vector<Arm>& arms,
+                     const Values& values) const;
+  // By output symbol of the model.
   std::vector<const Arm*> arms_of(std::uint32_t model, const std::vector<Arm>& arms,
                                   const Values& values) const;
   // The values after the output was taken. Throws EvaluationError: a value outside of its variable.
@@ -60,7 +63,7 @@ class Evaluator {
 
   std::uint32_t number_ = 0;  // of the program
   SharedActions& actions_;
-  const std::vector<Topic>& topics_;
+  const Names& names_;
 };
 
 }  // namespace maide::program_syntax

@@ -5,7 +5,7 @@
 
 #include "maide/base/text.hpp"
 #include "maide/base/text_cursor.hpp"
-#include "maide/check/language/built_in_models.hpp"
+#include "maide/check/language/model_ends.hpp"
 #include "maide/formats/names.hpp"
 
 namespace maide::program_syntax {

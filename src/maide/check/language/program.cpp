@@ -34,15 +34,15 @@ Program parse_program(const std::string& name, const ScalarText& text, System& s
   const program_syntax::Tree tree =
       program_syntax::parse(text, {system.models, names, system.words, number, {}, {}, {}});
   SharedActions actions(system);
-  return program_syntax::make_program(tree, {name, number, {}, false}, text, actions, {});
+  return program_syntax::make_program(tree, {name, number, {}, false}, text, actions, names);
 }
 
 namespace program_syntax {
 
 Program make_program(const Tree& tree, Unrolled program, const ScalarText& text,
-                     SharedActions& actions, const std::vector<Topic>& topics) {
+                     SharedActions& actions, const Names& names) {
   program.position = text.position(0);
-  Program made = unroll(tree, program, actions, topics);
+  Program made = unroll(tree, program, actions, names);
   made.unreachable = find_unreachable(tree, made.position.file);
   made.last_line = text.position(text.value().find_last_not_of(" \t\r\n")).line;
   return made;

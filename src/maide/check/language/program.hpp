@@ -37,6 +37,13 @@ struct ModelUse {
   auto operator<=>(const ModelUse&) const = default;
 };
 
+// What a model does in one of its states when a program's step uses it.
+struct ModelStep {
+  StateId target = 0;
+  bool is_beyond = false;  // an input where it was never tried
+  auto operator<=>(const ModelStep&) const = default;
+};
+
 struct ProgramEdge : ModelUse {
   ControlState target = 0;
   int line = 0, column = 0;  // in the system file

@@ -175,9 +175,9 @@ struct Unrolled {
   bool may_die = false;
 };
 Program unroll(const Tree& tree, const Unrolled& program, SharedActions& actions,
-               const std::vector<Topic>& topics);
+               const Names& names);
 // The same, with what is known from its text.
 Program make_program(const Tree& tree, Unrolled program, const ScalarText& text,
-                     SharedActions& actions, const std::vector<Topic>& topics);
+                     SharedActions& actions, const Names& names);
 
 }  // namespace maide::program_syntax

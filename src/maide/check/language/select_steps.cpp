@@ -1,5 +1,6 @@
 // Steps of `select`: each arm whose guard holds and whose model can take its part, and `otherwise`
 // or `timeout` where there is none.
+#include <algorithm>
 #include <functional>
 #include <map>
 #include <optional>
@@ -60,11 +61,8 @@ void Unroller::expand_arm(const Place& place, const SelectArm& arm, const Values
   } catch (const EvaluationError& error) {
     return add({}, {}, "when", error_state(error.text, error.line, error.column));
   }
-  if (written_topic(arm.model, arm.event.name, values) != nullptr) {
-    throw ParseError(
-        "a 'select' waits for what a topic's reader gets; writing in an arm is not "
-        "built yet",
-        at(arm.line, arm.column));
+  if (const Topic* topic = written_topic(arm.model, arm.event.name, values)) {
+    return expand_topic_arm(place, arm, *topic, values, add);
   }
   const std::uint32_t model = model_of(arm.model, values);
   const InterfaceAutomaton& automaton = actions_.model(model).automaton;
@@ -147,48 +145,125 @@ void Unroller::expand_otherwise(const Place& place, const Statement& statement,
   const bool is_timeout = waiting.kind == SelectArm::Kind::timeout;
   for (const auto& [conditions, guards] :
        outcomes_of(run, actions_, at(waiting.line, waiting.column), known)) {
-    auto uses = idle_uses(statement, guards, values);
-    if (!uses) continue;
-    for (const ModelUse& use : actions_.variables(conditions, {})) uses->push_back(use);
-    const ControlState target = settle(enter(*waiting.body, behind(place.frame)), values);
-    add_joint({is_timeout ? Joint::Role::timeout : Joint::Role::otherwise,
-               std::move(*uses),
-               {},
-               is_timeout ? "timeout" : "otherwise",
-               0},
-              target, waiting.line, waiting.column);
+    for (Uses& uses : idle_uses(statement, guards, values)) {
+      for (const ModelUse& use : actions_.variables(conditions, {})) uses.push_back(use);
+      const ControlState target = settle(enter(*waiting.body, behind(place.frame)), values);
+      add_joint({is_timeout ? Joint::Role::timeout : Joint::Role::otherwise,
+                 std::move(uses),
+                 {},
+                 is_timeout ? "timeout" : "otherwise",
+                 0},
+                target, waiting.line, waiting.column);
+    }
   }
 }
 
-std::optional<std::vector<ModelUse>> Unroller::idle_uses(const Statement& statement,
-                                                         const std::vector<std::int8_t>& guards,
-                                                         const Values& values) {
+std::vector<Uses> Unroller::idle_uses(const Statement& statement,
+                                      const std::vector<std::int8_t>& guards,
+                                      const Values& values) {
   std::map<std::uint32_t, std::vector<ModelUse>> by_model;
+  std::map<const Topic*, std::vector<WriteArm>> by_topic;
   for (std::size_t i = 0; i < guards.size(); ++i) {
     const SelectArm& arm = statement.select_arms[i];
     if (guards[i] == 0 || arm.kind == SelectArm::Kind::otherwise ||
         arm.kind == SelectArm::Kind::timeout) {
       continue;
     }
-    if (guards[i] < 0 || arm.kind == SelectArm::Kind::guard) return std::nullopt;
+    if (guards[i] < 0 || arm.kind == SelectArm::Kind::guard) return {};
     try {
+      const bool is_input = arm.kind == SelectArm::Kind::input;
+      if (const Topic* topic = written_topic(arm.model, arm.event.name, values)) {
+        check_arm(arm, values);
+        std::vector<WriteArm>& arms = by_topic[topic];
+        if (is_input) arms.push_back({name_of(arm.event, values), kind_of(arm)});
+        continue;
+      }
       const std::uint32_t model = model_of(arm.model, values);
       std::vector<ModelUse>& uses = by_model[model];
-      if (arm.kind == SelectArm::Kind::output) continue;  // quiescence says it
+      if (!is_input) continue;  // quiescence says it
       for (const InputWay& way : ways_of(arm, model, input_of(model, arm.event, values))) {
         uses.push_back(way.use);
       }
     } catch (const EvaluationError&) {
-      return std::nullopt;  // the arm is an error
+      return {};  // the arm is an error
     }
   }
-  std::vector<ModelUse> uses;
+  std::vector<Uses> ways{{}};
   for (auto& [model, taking] : by_model) {
     const auto idle = actions_.idle(model, taking);
-    if (!idle) return std::nullopt;
-    uses.push_back(*idle);
+    if (!idle) return {};
+    ways.front().push_back(*idle);
   }
-  return uses;
+  for (const auto& [topic, arms] : by_topic) ways = combine(ways, idle_of(*topic, arms));
+  return ways;
+}
+
+std::vector<Uses> Unroller::combine(const std::vector<Uses>& some,
+                                    const std::vector<Uses>& others) {
+  std::vector<Uses> result;
+  for (const Uses& one : some) {
+    for (const Uses& other : others) {
+      Uses together = one;
+      bool is_possible = true;
+      for (const ModelUse& use : other) {
+        const auto same =
+            std::find_if(together.begin(), together.end(),
+                         [&](const ModelUse& known) { return known.model == use.model; });
+        if (same == together.end()) {
+          together.push_back(use);
+        } else if (const auto both = actions_.both(*same, use)) {
+          *same = *both;
+        } else {
+          is_possible = false;
+        }
+      }
+      if (is_possible) result.push_back(std::move(together));
+    }
+  }
+  return result;
+}
+
+Unroller::WriteKind Unroller::kind_of(const SelectArm& arm) {
+  return arm.body ? WriteKind::bare_arm : WriteKind::arm_with_outputs;
+}
+
+template <typename Add>
+void Unroller::expand_topic_arm(const Place& place, const SelectArm& arm, const Topic& topic,
+                                const Values& values, const Add& add) {
+  const FrameId next = behind(place.frame);
+  if (arm.kind == SelectArm::Kind::output) {
+    for (Taking& way : takings(topic)) {
+      const std::string& name = way.output;
+      if (!matches(arm.event, split_name(name), name, values)) continue;
+      add(std::move(way.uses), std::move(way.events), topic.name + "!" + name,
+          take(arm.event, *arm.body, next, name, values));
+    }
+    return;
+  }
+  const std::string input = name_of(arm.event, values);
+  const std::string text = topic.name + "." + input;
+  bool has_way = arm.body != nullptr;
+  for (const Writing& way : writings(topic, input, kind_of(arm))) {
+    ControlState target = 0;
+    std::string whole = text;
+    if (way.is_beyond) {
+      target = control_state(place);
+    } else if (!way.output) {
+      target = settle(enter(*arm.body, next), values);
+    } else {
+      whole += " -> " + *way.output;
+      const Arm* of = arm_for(*way.output, arm.arms, values);
+      has_way = has_way || of != nullptr;
+      target = of != nullptr
+                   ? take(of->output, *of->body, next, *way.output, values)
+                   : error_state(whole + ": this 'select' has no arm for it", arm.line, arm.column);
+    }
+    add(way.uses, way.events, whole, target);
+  }
+  if (!has_way) {
+    throw ParseError("this arm's outputs never follow " + text + " at once",
+                     at(arm.line, arm.column));
+  }
 }
 
 }  // namespace maide::program_syntax

@@ -86,10 +86,6 @@ std::vector<InterfaceAutomaton::Transition> due(const InterfaceAutomaton& automa
   return result;
 }
 
-bool is_possible(const std::vector<std::vector<ModelStep>>& steps) {
-  return std::any_of(steps.begin(), steps.end(), [](const auto& at) { return !at.empty(); });
-}
-
 }  // namespace
 
 std::optional<ModelUse> SharedActions::input_and_output(std::uint32_t model, Symbol input,
@@ -118,7 +114,7 @@ std::optional<ModelUse> SharedActions::input_and_output(std::uint32_t model, Sym
     }
     return steps;
   });
-  if (!is_possible(this->model(model).actions[use.symbol].steps)) return std::nullopt;
+  if (!is_possible(use)) return std::nullopt;
   return use;
 }
 
@@ -133,42 +129,8 @@ std::optional<ModelUse> SharedActions::beyond(std::uint32_t model, Symbol input)
     }
     return steps;
   });
-  if (!is_possible(this->model(model).actions[use.symbol].steps)) return std::nullopt;
+  if (!is_possible(use)) return std::nullopt;
   return use;
-}
-
-ModelUse SharedActions::collected(const Topic::Reader& reader, Collected what, bool takes,
-                                  bool quiet) {
-  const InterfaceAutomaton& automaton = model(reader.model).automaton;
-  static constexpr const char* names[] = {"nothing written", "written", "failed",
-                                          "written or failed"};
-  const std::string name = std::string(names[static_cast<int>(what)]) +
-                           (takes ? ", and taken" : "") + (quiet ? ", nothing due" : "");
-  return action(reader.model, name, [&] {
-    std::vector<std::vector<ModelStep>> steps(automaton.size());
-    for (StateId state = 0; state < automaton.size(); ++state) {
-      const auto& output = reader.collected[state];
-      const bool has_failed = output && automaton.outputs().name(*output).starts_with("failed");
-      const bool is_so = what == Collected::nothing   ? !output
-                         : what == Collected::written ? output && !has_failed
-                         : what == Collected::failed  ? has_failed
-                                                      : output.has_value();
-      if (!is_so || (quiet && !automaton.is_quiescent(state))) continue;
-      steps[state] = {{takes ? reader.cleared[state] : state, false}};
-    }
-    return steps;
-  });
-}
-
-ModelUse SharedActions::collected(const Topic::Reader& reader, Symbol output) {
-  const InterfaceAutomaton& automaton = model(reader.model).automaton;
-  return action(reader.model, "takes " + automaton.outputs().name(output), [&] {
-    std::vector<std::vector<ModelStep>> steps(automaton.size());
-    for (StateId state = 0; state < automaton.size(); ++state) {
-      if (reader.collected[state] == output) steps[state] = {{reader.cleared[state], false}};
-    }
-    return steps;
-  });
 }
 
 std::optional<ModelUse> SharedActions::idle(std::uint32_t model,
@@ -192,8 +154,42 @@ std::optional<ModelUse> SharedActions::idle(std::uint32_t model,
     }
     return steps;
   });
-  if (!is_possible(instance.actions[idle.symbol].steps)) return std::nullopt;
+  if (!is_possible(idle)) return std::nullopt;
   return idle;
+}
+
+std::optional<ModelUse> SharedActions::both(const ModelUse& one, const ModelUse& other) {
+  const ModelInstance& instance = model(one.model);
+  const auto name_of = [&](const ModelUse& use) {
+    return use.kind == ModelUse::Kind::act ? instance.actions[use.symbol].name : "nothing due";
+  };
+  const ModelUse use = action(one.model, name_of(one) + ", and " + name_of(other), [&] {
+    std::vector<std::vector<ModelStep>> steps(instance.automaton.size());
+    for (StateId state = 0; state < instance.automaton.size(); ++state) {
+      const bool holds = !model_steps(instance, state, one).empty() &&
+                         !model_steps(instance, state, other).empty();
+      if (holds) steps[state] = {{state, false}};
+    }
+    return steps;
+  });
+  if (!is_possible(use)) return std::nullopt;
+  return use;
+}
+
+bool SharedActions::is_possible(const ModelUse& action) {
+  const auto [place, is_new] = possible_.try_emplace(action);
+  if (is_new) {
+    const auto& steps = model(action.model).actions[action.symbol].steps;
+    place->second =
+        std::any_of(steps.begin(), steps.end(), [](const auto& at) { return !at.empty(); });
+  }
+  return place->second;
+}
+
+bool SharedActions::are_possible(const std::vector<ModelUse>& uses) {
+  return std::all_of(uses.begin(), uses.end(), [&](const ModelUse& use) {
+    return use.kind != ModelUse::Kind::act || is_possible(use);
+  });
 }
 
 }  // namespace maide

@@ -61,19 +61,19 @@ class SharedActions {
                                            std::optional<Symbol> output);
   // Gives the input where it was never tried. None if there is no such place.
   std::optional<ModelUse> beyond(std::uint32_t model, Symbol input);
-  // Of a topic's reader's model, what of the writer's outputs was collected.
-  enum class Collected : std::uint8_t { nothing, written, failed, something };
-  // So it is; then it is taken, if `takes`. `quiet`: and no output is due.
-  ModelUse collected(const Topic::Reader& reader, Collected what, bool takes, bool quiet = false);
-  // That output was collected, and is taken.
-  ModelUse collected(const Topic::Reader& reader, Symbol output);
-
   // The model has no output due, and cannot take any of these uses. None if it always can.
   std::optional<ModelUse> idle(std::uint32_t model, const std::vector<ModelUse>& uses);
+  // Both conditions on one model. None if they hold together nowhere.
+  std::optional<ModelUse> both(const ModelUse& one, const ModelUse& other);
+  // Whether each model can be used so in some state; of actions, which are looked at once.
+  bool are_possible(const std::vector<ModelUse>& uses);
 
  private:
+  bool is_possible(const ModelUse& action);
+
   System& system_;
   std::vector<std::map<std::string, Symbol>> known_;  // by model
+  std::map<ModelUse, bool> possible_;                 // actions
 };
 
 // Whether the output is one of the actor that the input belongs to.

@@ -41,13 +41,6 @@ enum class WhenWeak : std::uint8_t {
   accept,        // it stands
 };
 
-// What a model does in one of its states when a program's step uses it.
-struct ModelStep {
-  StateId target = 0;
-  bool is_beyond = false;  // an input where it was never tried
-  auto operator<=>(const ModelStep&) const = default;
-};
-
 // A use of a model that is not one of its inputs or outputs alone: an input with the output that
 // follows at once, a condition on its state, an assignment to a shared variable.
 struct ModelAction {

@@ -176,7 +176,8 @@ void SystemReader::read_programs() {
     known.own = text.own;
     const program_syntax::Tree tree = program_syntax::parse(text.text, known);
     system_.programs.push_back(program_syntax::make_program(
-        tree, {text.name, number, {}, text.may_die}, text.text, actions, names_.topics));
+        tree, {text.name, number, {}, text.may_die}, text.text, actions, names_));
+    if (text.may_die) name_ends(system_.programs.back(), number);
   }
   find_own_variables();
 }

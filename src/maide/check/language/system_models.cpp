@@ -1,4 +1,4 @@
-// Models and topics of a system file, and what is written into queues.
+// Models of a system file, and what is written into queues.
 #include <algorithm>
 
 #include "maide/base/text.hpp"
@@ -15,7 +15,8 @@ void SystemReader::read_models(const YAML::Node& section) {
     const auto first = static_cast<std::uint32_t>(system_.models.size());
     names_.models.emplace(array.name, ModelName{first, array.dimensions, false, {}});
     ModelInstance model = read_model(array.name, key, value);
-    if (value["ends"]) names_.models.at(array.name).ends = read_ends(value["ends"]);
+    auto& ends = names_.models.at(array.name).ends;
+    if (value["ends"]) ends = read_ends(value["ends"]);
     for (std::uint64_t member = 0; member < count; ++member) {
       model.name = array.name + member_suffix(array.dimensions, member);
       if (model.source == ModelInstance::Source::built_in) {
@@ -23,12 +24,17 @@ void SystemReader::read_models(const YAML::Node& section) {
                       value);
       }
       system_.models.push_back(model);
+      if (!ends.empty()) {
+        const auto number = static_cast<std::uint32_t>(system_.models.size() - 1);
+        ends_of_.emplace(number, &ends);
+        add_ends(number);
+      }
     }
   }
 }
 
-std::map<std::string, std::vector<std::uint32_t>> SystemReader::read_ends(const YAML::Node& node) {
-  std::map<std::string, std::vector<std::uint32_t>> ends;
+SystemReader::Ends SystemReader::read_ends(const YAML::Node& node) {
+  Ends ends;
   for (const auto& [role, programs] : entries(node, "'ends'", {})) {
     ends.emplace(role.Scalar(), programs_named(programs, {}));
   }
@@ -182,7 +188,7 @@ void SystemReader::make_valued(std::uint32_t model) {
   queue.size.values = values;
   if (queue_states(queue.size) > static_cast<double>(max_queue_states)) fail_large_queue(model);
   system_.models[model].automaton = make_queue(queue.size);
-  collect_topic(model);
+  add_ends(model);
 }
 
 void SystemReader::fail_large_queue(std::uint32_t model) const {
@@ -195,151 +201,6 @@ void SystemReader::fail_large_queue(std::uint32_t model) const {
                        std::to_string(max_queue_states) +
                        " states: give it fewer values, or a smaller size",
                    instance.position);
-}
-
-void SystemReader::read_topics(const YAML::Node& section) {
-  for (const auto& [key, value] : entries(section, "'topics'", {})) {
-    const program_syntax::Declared array = declared(key);
-    const auto first = static_cast<std::uint32_t>(names_.topics.size());
-    names_.models.emplace(array.name, ModelName{first, array.dimensions, true, {}});
-    const std::uint64_t count = member_count(array.dimensions);
-    for (std::uint64_t member = 0; member < count; ++member) {
-      const std::string name = array.name + member_suffix(array.dimensions, member);
-      read_topic(name, indices_of(array, member), key, value);
-    }
-  }
-}
-
-std::vector<std::uint32_t> SystemReader::programs_named(const YAML::Node& node,
-                                                        const Indices& indices) {
-  if (node.IsSequence()) {
-    std::vector<std::uint32_t> all;
-    for (const YAML::Node& one : node) {
-      for (const std::uint32_t program : programs_named(one, indices)) {
-        if (std::find(all.begin(), all.end(), program) != all.end()) {
-          fail("program " + texts_[program].name + " is there twice", one);
-        }
-        all.push_back(program);
-      }
-    }
-    return all;
-  }
-  const ScalarText text = text_of(node);
-  scalar(node, "a program's name");
-  const std::string name = text.value().substr(0, text.value().find('['));
-  const auto array = program_arrays_.find(name);
-  if (array == program_arrays_.end()) fail("unknown program '" + name + "'", node);
-  std::vector<std::uint32_t> programs;
-  if (name.size() == text.value().size()) {
-    const auto count = static_cast<std::uint32_t>(member_count(array->second.dimensions));
-    for (std::uint32_t i = 0; i < count; ++i) programs.push_back(array->second.first + i);
-    return programs;
-  }
-  const std::vector<Value> place =
-      program_syntax::parse_member(text, context(indices), array->second.dimensions);
-  Expression leaf;
-  leaf.name = name;
-  leaf.dimensions = array->second.dimensions;
-  try {
-    return {array->second.first + element_of(leaf, place)};
-  } catch (const EvaluationError& error) {
-    fail(error.text, node);
-  }
-}
-
-void SystemReader::read_topic(const std::string& name, const Indices& indices,
-                              const YAML::Node& key, const YAML::Node& value) {
-  const Entries parts =
-      entries(value, "topic '" + name + "'",
-              {"writers", "readers", "file", "learn", "use", "with", "readers_with", "learning",
-               "when_unexplored", "when_weak", "deliver"});
-  const auto part = [&](std::string_view word) {
-    for (const auto& [other, node] : parts) {
-      if (other.Scalar() == word) return node;
-    }
-    return YAML::Node(YAML::NodeType::Undefined);
-  };
-  Topic topic;
-  topic.name = name;
-  for (const std::string_view word : {"writers", "readers"}) {
-    if (!part(word)) fail("topic '" + name + "' needs '" + std::string(word) + ":'", key);
-  }
-  for (const std::uint32_t writer : programs_named(part("writers"), indices)) {
-    topic.writers.insert(writer);
-  }
-  if (const YAML::Node deliver = part("deliver")) {
-    topic.delivers_one = one_of<bool>(deliver, "'deliver'", {{"one", true}, {"all", false}});
-  }
-  const std::vector<std::uint32_t> readers = programs_named(part("readers"), indices);
-  if (readers.empty() || topic.writers.empty()) fail("a topic has a writer and a reader", key);
-  for (const std::uint32_t reader : readers) {
-    if (texts_[reader].may_die) fail_mortal(reader, key);
-    topic.readers.push_back(make_reader(name, reader, indices, key, value, part("readers_with")));
-  }
-  for (const std::uint32_t writer : topic.writers) {
-    if (texts_[writer].may_die) fail_mortal(writer, key);
-  }
-  for (std::size_t i = 0; i < topic.readers.size(); ++i) {
-    topic_of_[topic.readers[i].model] = {names_.topics.size(), i};
-  }
-  names_.topics.push_back(std::move(topic));
-  for (const Topic::Reader& reader : names_.topics.back().readers) collect_topic(reader.model);
-}
-
-void SystemReader::fail_mortal(std::uint32_t program, const YAML::Node& key) const {
-  fail("'may_die' of programs at a topic, as " + texts_[program].name + " is, is not built yet",
-       key);
-}
-
-Topic::Reader SystemReader::make_reader(const std::string& topic, std::uint32_t program,
-                                        const Indices& indices, const YAML::Node& key,
-                                        const YAML::Node& value, const YAML::Node& own_options) {
-  if (system_.models.size() == max_components) fail("too many models", key);
-  YAML::Node options(YAML::NodeType::Map);
-  YAML::Node with(YAML::NodeType::Map);
-  for (const auto& [word, node] : entries(value, "topic '" + topic + "'", {})) {
-    const std::string name = word.Scalar();
-    if (name == "with") {
-      for (const auto& [option, setting] : entries(node, "'with'", {})) {
-        with[option.Scalar()] = setting;
-      }
-    } else if (name != "writers" && name != "readers" && name != "readers_with" &&
-               name != "deliver") {
-      options[name] = node;
-    }
-  }
-  if (own_options) {
-    for (const auto& [who, settings] : entries(own_options, "'readers_with'", {})) {
-      const std::vector<std::uint32_t> meant = programs_named(who, indices);
-      if (std::find(meant.begin(), meant.end(), program) == meant.end()) continue;
-      for (const auto& [option, setting] : entries(settings, "a reader's options", {})) {
-        with[option.Scalar()] = setting;
-      }
-    }
-  }
-  if (with.size() > 0) options["with"] = with;
-  ModelInstance model = read_model(topic + "[" + texts_[program].name + "]", key, options);
-  const auto number = static_cast<std::uint32_t>(system_.models.size());
-  if (model.source == ModelInstance::Source::built_in) {
-    make_built_in(model, number, indices, options);
-  }
-  system_.models.push_back(std::move(model));
-  return {program, number, {}, {}};
-}
-
-void SystemReader::collect_topic(std::uint32_t model) {
-  const auto place = topic_of_.find(model);
-  if (place == topic_of_.end()) return;
-  Topic::Reader& reader = names_.topics[place->second.first].readers[place->second.second];
-  ModelInstance& instance = system_.models[model];
-  try {
-    CollectedModel collected = collect_writes(instance.automaton);
-    instance.automaton = std::move(collected.automaton);
-    reader.collected = std::move(collected.collected);
-    reader.cleared = std::move(collected.cleared);
-  } catch (const UsageError& error) {
-    throw ParseError(error.what(), instance.position);
-  }
 }
 
 }  // namespace maide

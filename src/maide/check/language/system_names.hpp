@@ -12,6 +12,7 @@
 
 #include "maide/automata/interface_automaton.hpp"
 #include "maide/check/language/expression.hpp"
+#include "maide/check/language/program.hpp"
 #include "maide/check/language/scalar_text.hpp"
 
 namespace maide {
@@ -43,11 +44,24 @@ struct Topic {
     // behind its taking.
     std::vector<std::optional<Symbol>> collected;
     std::vector<StateId> cleared;
+    std::optional<StateId> gone;  // the state in which the reader has died; none if it may not
+    // By state: what the death of the writer does whose call has not returned; empty: nothing.
+    std::vector<std::vector<ModelStep>> writer_death;
+
+    bool has_returns() const {
+      return std::any_of(collected.begin(), collected.end(),
+                         [](const auto& output) { return output.has_value(); });
+    }
   };
   std::string name;
   std::set<std::uint32_t> writers;
   std::vector<Reader> readers;  // at least one
   bool delivers_one = false;    // a write goes to one of the models that take it
+  // The variable that says whose call has not returned, where there are several writers of which
+  // some may die. Its values: `nobody`, and a word for each of `mortal`.
+  std::optional<std::uint32_t> caller;
+  Value nobody = 0;
+  std::map<std::uint32_t, Value> mortal;  // writers that may die
 
   bool has_end(std::uint32_t program, bool writes) const {
     if (writes) return writers.contains(program);
@@ -72,6 +86,8 @@ struct Procedure {
 struct Names {
   std::map<std::string, ModelName> models;  // and topics
   std::vector<Topic> topics;
+  // What a program's death does to the models at whose ends it stands, by program, model and state.
+  std::map<std::uint32_t, std::map<std::uint32_t, std::vector<std::vector<ModelStep>>>> deaths;
   // Those under `variables:`: shared ones are models, others belong to one program.
   std::map<std::string, VariableName> variables;
   std::map<std::string, Expression> constants;

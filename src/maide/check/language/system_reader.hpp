@@ -2,6 +2,7 @@
 // of programs come first, for topics refer to them; texts of programs come last, for they name all.
 #pragma once
 
+#include <cstddef>
 #include <map>
 #include <memory>
 #include <set>
@@ -18,6 +19,8 @@
 namespace maide {
 
 inline constexpr std::size_t max_components = 10'000;  // models, and programs
+// Of a topic. A write is a step for each set of readers that live.
+inline constexpr std::ptrdiff_t max_mortal_readers = 8;
 
 class SystemReader : private YamlReader {
  public:
@@ -27,6 +30,7 @@ class SystemReader : private YamlReader {
 
  private:
   using Indices = std::map<std::string, Expression>;
+  using Ends = std::map<std::string, std::vector<std::uint32_t>>;  // programs, by actor
   program_syntax::Context context(Indices indices = {});
   // Models, programs, constants and variables share one space of names.
   void take_name(const std::string& name, const YAML::Node& key);
@@ -36,7 +40,7 @@ class SystemReader : private YamlReader {
   void read_procedures(const YAML::Node& section);
   void read_variables(const YAML::Node& section);
   void read_models(const YAML::Node& section);
-  std::map<std::string, std::vector<std::uint32_t>> read_ends(const YAML::Node& node);
+  Ends read_ends(const YAML::Node& node);
   ModelInstance read_model(const std::string& instance, const YAML::Node& key,
                            const YAML::Node& value);
   void make_built_in(ModelInstance& model, std::uint32_t number, const Indices& indices,
@@ -66,13 +70,19 @@ class SystemReader : private YamlReader {
   std::vector<std::uint32_t> programs_named(const YAML::Node& node, const Indices& indices);
   void read_topic(const std::string& name, const Indices& indices, const YAML::Node& key,
                   const YAML::Node& value);
-  [[noreturn]] void fail_mortal(std::uint32_t program, const YAML::Node& key) const;
+  // The variable that says whose call has not returned, where that matters.
+  void make_caller(Topic& topic, const YAML::Node& key);
   // The reader's model, with its own options.
   Topic::Reader make_reader(const std::string& topic, std::uint32_t program, const Indices& indices,
                             const YAML::Node& key, const YAML::Node& value,
                             const YAML::Node& own_options);
-  // What the writers get back is collected from the model, if it is of a topic's reader.
-  void collect_topic(std::uint32_t model);
+  // What becomes of the model because programs stand at its ends: it is a topic's reader's, or some
+  // of them may die.
+  void add_ends(std::uint32_t model);
+  // A program that may die is of the component of all models at whose ends it stands, named or not.
+  void name_ends(Program& program, std::uint32_t number) const;
+  void add_topic_ends(const Topic& topic, Topic::Reader& reader, ModelInstance& instance);
+  void add_model_ends(std::uint32_t model, const Ends& ends);
   // Which programs use which variables of the file, and which values are written into queues: found
   // by reading the programs until nothing new comes. Errors are found again afterwards.
   void collect();
@@ -102,6 +112,7 @@ class SystemReader : private YamlReader {
   std::map<std::string, ModelName> program_arrays_;  // `first` is a program
   // Of a reader's model its topic, and its place among the readers.
   std::map<std::uint32_t, std::pair<std::size_t, std::size_t>> topic_of_;
+  std::map<std::uint32_t, const Ends*> ends_of_;  // of models, those of names_
   bool has_new_values_ = false;
   std::set<std::string> own_;  // variables of the file that one program uses
   std::vector<VariableName> unused_variables_;

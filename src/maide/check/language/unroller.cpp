@@ -78,8 +78,33 @@ void Unroller::add_death(const Place& place) {
   Values values = program_.valuations[place.valuation];
   for (FrameId id = place.frame; id != no_frame;) id = leave(id, values);
   const ControlState end = control_state({no_frame, Phase::before, 0, intern_values(values), 0, 0});
-  add_joint({Joint::Role::death, {}, {}, program_.name + " dies", 0}, end, program_.position.line,
-            program_.position.column);
+  for (const Uses& uses : deaths()) {
+    add_joint({Joint::Role::death, uses, {}, program_.name + " dies", 0}, end,
+              program_.position.line, program_.position.column);
+  }
+}
+
+const std::vector<Uses>& Unroller::deaths() {
+  if (!deaths_.empty()) return deaths_;
+  deaths_.emplace_back();
+  if (const auto own = names_.deaths.find(number_); own != names_.deaths.end()) {
+    for (const auto& [model, steps] : own->second) {
+      deaths_.front().push_back(
+          actions_.action(model, program_.name + " dies", [&] { return steps; }));
+    }
+  }
+  for (const Topic& topic : names_.topics) {
+    const std::vector<Uses> ways = deaths_at(topic);
+    std::vector<Uses> all;
+    for (const Uses& before : deaths_) {
+      for (const Uses& way : ways) {
+        all.push_back(before);
+        all.back().insert(all.back().end(), way.begin(), way.end());
+      }
+    }
+    deaths_ = std::move(all);
+  }
+  return deaths_;
 }
 
 void Unroller::expand_choice(const Place& place, const Statement& statement, const Values& values) {
@@ -247,8 +272,8 @@ void Unroller::expand_atomic(const Place& place, const Statement& statement, con
 }
 
 Program unroll(const Tree& tree, const Unrolled& program, SharedActions& actions,
-               const std::vector<Topic>& topics) {
-  return Unroller(tree, program, actions, topics).run();
+               const Names& names) {
+  return Unroller(tree, program, actions, names).run();
 }
 
 }  // namespace maide::program_syntax

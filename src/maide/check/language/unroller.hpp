@@ -1,7 +1,8 @@
 // Unrolling of a program's syntax tree into its automaton: each control state is expanded once,
 // when it is first met, into the edges of the statement that it rests before. Walker says where
 // control rests behind an edge. Choices, assignments, conditions and `atomic` are in unroller.cpp;
-// inputs and outputs of models and topics in rendezvous.cpp; `select` in select_steps.cpp.
+// inputs and outputs of models in rendezvous.cpp, of topics in topic_steps.cpp; `select` in
+// select_steps.cpp.
 #pragma once
 
 #include <cstdint>
@@ -37,9 +38,8 @@ using Uses = std::vector<ModelUse>;
 class Unroller : public Walker {
  public:
   // Keeps references.
-  Unroller(const Tree& tree, const Unrolled& program, SharedActions& actions,
-           const std::vector<Topic>& topics)
-      : Walker(tree, program, actions, topics), may_die_(program.may_die) {}
+  Unroller(const Tree& tree, const Unrolled& program, SharedActions& actions, const Names& names)
+      : Walker(tree, program, actions, names), may_die_(program.may_die) {}
 
   Program run();
 
@@ -53,6 +53,8 @@ class Unroller : public Walker {
   void expand(const Place place);
   void expand(const Place& place, const Statement& statement);
   void add_death(const Place& place);
+  // What the program's death does to models: one of these.
+  const std::vector<Uses>& deaths();
   void expand_choice(const Place& place, const Statement& statement, const Values& values);
   void expand_any(const Place& place, const Statement& statement, const Values& values);
   // Where the value of an assignment is known: before its writing to a shared variable, or behind
@@ -79,17 +81,41 @@ class Unroller : public Walker {
 
   // ---- topics -----------------------------------------------------------------------------------
 
-  // The event with the models of all readers, or of one of them.
-  Uses events_of(const Topic& topic, ModelUse::Kind kind, const std::string& name,
-                 const Topic::Reader* only = nullptr) const;
-  // One step that is possible when the models of all readers take it; or one for each model.
-  void add_write(const Topic& topic, const Statement& statement, const std::string& input,
-                 ControlState target);
-  // The writer takes what was collected from all models, or from the one that it was given to.
-  void add_taking(const Topic& topic, const Arm& arm, const std::string& output,
-                  ControlState target);
-  // For a writer: no model has an output due, and what it wrote is not collected from all.
+  // A write of this program, and the taking of what is collected for it if that is due at once.
+  struct Writing {
+    Uses uses, events;
+    std::optional<std::string> output;  // that is taken
+    bool is_beyond = false;             // the input was never tried in some model
+  };
+  enum class WriteKind : std::uint8_t {
+    statement,
+    bare_arm,          // `on t.write { }`
+    arm_with_outputs,  // `on t.write -> written { }`: only where the output is due at once
+  };
+  const std::vector<Writing>& writings(const Topic& topic, const std::string& input,
+                                       WriteKind kind);
+  void add_writings(const Topic& topic, const std::string& input, WriteKind kind,
+                    const std::vector<bool>& living, std::vector<Writing>& writings);
+  // The writer takes what was collected.
+  struct Taking {
+    Uses uses, events;
+    std::string output;
+  };
+  std::vector<Taking> takings(const Topic& topic);
+  Uses taken_events(const Topic& topic, const std::string& output) const;
+  // For a writer: no model has an output due, and what it wrote is not collected.
   std::vector<Uses> quiet_of(const Topic& topic);
+  // That, and none of these arms can be taken: inputs, and whether they name outputs.
+  struct WriteArm {
+    std::string input;
+    WriteKind kind = WriteKind::bare_arm;
+  };
+  std::vector<Uses> idle_of(const Topic& topic, const std::vector<WriteArm>& arms);
+  // The variable that says whose call has not returned, set to this program or to nobody.
+  void set_caller(const Topic& topic, bool is_this, Uses& uses);
+  // The steps of this program's death with a topic at which it stands: one, or one for each thing
+  // that it may leave behind.
+  std::vector<Uses> deaths_at(const Topic& topic);
 
   // ---- select -----------------------------------------------------------------------------------
 
@@ -102,10 +128,16 @@ class Unroller : public Walker {
   // an output due.
   void expand_otherwise(const Place& place, const Statement& statement, const SelectArm& waiting,
                         const Values& values);
-  // None: some arm can be taken whatever the models do.
-  std::optional<std::vector<ModelUse>> idle_uses(const Statement& statement,
-                                                 const std::vector<std::int8_t>& guards,
-                                                 const Values& values);
+  // Each is one way in which that can be. None: some arm can be taken whatever the models do.
+  std::vector<Uses> idle_uses(const Statement& statement, const std::vector<std::int8_t>& guards,
+                              const Values& values);
+  // Both, each of some ways, where that is possible.
+  std::vector<Uses> combine(const std::vector<Uses>& some, const std::vector<Uses>& others);
+  static WriteKind kind_of(const SelectArm& arm);
+  // The steps of an arm that writes to a topic, or takes what was written.
+  template <typename Add>
+  void expand_topic_arm(const Place& place, const SelectArm& arm, const Topic& topic,
+                        const Values& values, const Add& add);
   // What an arm for an input does with its model in one of its steps.
   struct InputWay {
     ModelUse use;
@@ -115,6 +147,8 @@ class Unroller : public Walker {
   std::vector<InputWay> ways_of(const SelectArm& arm, std::uint32_t model, Symbol input);
 
   bool may_die_ = false;
+  std::map<std::tuple<const Topic*, std::string, WriteKind>, std::vector<Writing>> writings_;
+  std::vector<Uses> deaths_;  // empty: not known yet
   std::map<std::tuple<int, int, Value>, std::uint32_t> fair_ids_;
 };
 

@@ -71,8 +71,8 @@ bool is_inert(const Block& block) {
 }  // namespace
 
 Walker::Walker(const Tree& tree, const Unrolled& program, SharedActions& actions,
-               const std::vector<Topic>& topics)
-    : Evaluator(program.number, actions, topics), tree_(tree) {
+               const Names& names)
+    : Evaluator(program.number, actions, names), tree_(tree) {
   program_.name = program.name;
   program_.position = program.position;
   program_.labels = tree.labels;

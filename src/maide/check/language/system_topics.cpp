@@ -1,0 +1,277 @@
+// Topics of a system file, and what becomes of models because programs stand at their ends.
+#include <algorithm>
+
+#include "maide/check/language/expression_parser.hpp"
+#include "maide/check/language/model_ends.hpp"
+#include "maide/check/language/system_reader.hpp"
+
+namespace maide {
+
+void SystemReader::read_topics(const YAML::Node& section) {
+  for (const auto& [key, value] : entries(section, "'topics'", {})) {
+    const program_syntax::Declared array = declared(key);
+    const auto first = static_cast<std::uint32_t>(names_.topics.size());
+    names_.models.emplace(array.name, ModelName{first, array.dimensions, true, {}});
+    const std::uint64_t count = member_count(array.dimensions);
+    for (std::uint64_t member = 0; member < count; ++member) {
+      const std::string name = array.name + member_suffix(array.dimensions, member);
+      read_topic(name, indices_of(array, member), key, value);
+    }
+  }
+}
+
+std::vector<std::uint32_t> SystemReader::programs_named(const YAML::Node& node,
+                                                        const Indices& indices) {
+  if (node.IsSequence()) {
+    std::vector<std::uint32_t> all;
+    for (const YAML::Node& one : node) {
+      for (const std::uint32_t program : programs_named(one, indices)) {
+        if (std::find(all.begin(), all.end(), program) != all.end()) {
+          fail("program " + texts_[program].name + " is there twice", one);
+        }
+        all.push_back(program);
+      }
+    }
+    return all;
+  }
+  const ScalarText text = text_of(node);
+  scalar(node, "a program's name");
+  const std::string name = text.value().substr(0, text.value().find('['));
+  const auto array = program_arrays_.find(name);
+  if (array == program_arrays_.end()) fail("unknown program '" + name + "'", node);
+  std::vector<std::uint32_t> programs;
+  if (name.size() == text.value().size()) {
+    const auto count = static_cast<std::uint32_t>(member_count(array->second.dimensions));
+    for (std::uint32_t i = 0; i < count; ++i) programs.push_back(array->second.first + i);
+    return programs;
+  }
+  const std::vector<Value> place =
+      program_syntax::parse_member(text, context(indices), array->second.dimensions);
+  Expression leaf;
+  leaf.name = name;
+  leaf.dimensions = array->second.dimensions;
+  try {
+    return {array->second.first + element_of(leaf, place)};
+  } catch (const EvaluationError& error) {
+    fail(error.text, node);
+  }
+}
+
+void SystemReader::read_topic(const std::string& name, const Indices& indices,
+                              const YAML::Node& key, const YAML::Node& value) {
+  const Entries parts =
+      entries(value, "topic '" + name + "'",
+              {"writers", "readers", "file", "learn", "use", "with", "readers_with", "learning",
+               "when_unexplored", "when_weak", "deliver"});
+  const auto part = [&](std::string_view word) {
+    for (const auto& [other, node] : parts) {
+      if (other.Scalar() == word) return node;
+    }
+    return YAML::Node(YAML::NodeType::Undefined);
+  };
+  Topic topic;
+  topic.name = name;
+  for (const std::string_view word : {"writers", "readers"}) {
+    if (!part(word)) fail("topic '" + name + "' needs '" + std::string(word) + ":'", key);
+  }
+  for (const std::uint32_t writer : programs_named(part("writers"), indices)) {
+    topic.writers.insert(writer);
+  }
+  if (const YAML::Node deliver = part("deliver")) {
+    topic.delivers_one = one_of<bool>(deliver, "'deliver'", {{"one", true}, {"all", false}});
+  }
+  const std::vector<std::uint32_t> readers = programs_named(part("readers"), indices);
+  if (readers.empty() || topic.writers.empty()) fail("a topic has a writer and a reader", key);
+  for (const std::uint32_t reader : readers) {
+    topic.readers.push_back(make_reader(name, reader, indices, key, value, part("readers_with")));
+  }
+  const auto mortal_readers = std::count_if(
+      readers.begin(), readers.end(), [&](std::uint32_t reader) { return texts_[reader].may_die; });
+  if (mortal_readers > max_mortal_readers) {
+    fail("at most " + std::to_string(max_mortal_readers) + " readers of a topic may die, and of '" +
+             name + "' " + std::to_string(mortal_readers) + " may",
+         part("readers"));
+  }
+  for (std::size_t i = 0; i < topic.readers.size(); ++i) {
+    topic_of_[topic.readers[i].model] = {names_.topics.size(), i};
+  }
+  names_.topics.push_back(std::move(topic));
+  make_caller(names_.topics.back(), key);
+  for (const Topic::Reader& reader : names_.topics.back().readers) add_ends(reader.model);
+}
+
+void SystemReader::make_caller(Topic& topic, const YAML::Node& key) {
+  bool has_returns = false;
+  for (const Topic::Reader& reader : topic.readers) {
+    const InterfaceAutomaton& automaton = system_.models[reader.model].automaton;
+    for (const std::string& output : automaton.outputs().names()) {
+      has_returns = has_returns || is_of_writer(automaton, output);
+    }
+  }
+  for (const std::uint32_t writer : topic.writers) {
+    if (!texts_[writer].may_die) continue;
+    topic.mortal.emplace(writer, system_.words.intern(texts_[writer].name));
+  }
+  if (!has_returns || topic.mortal.empty() || topic.writers.size() == 1) return;
+  topic.nobody = system_.words.intern("nobody");
+  ModelInstance caller;
+  caller.name = topic.name + ".writer";
+  caller.source = ModelInstance::Source::variable;
+  caller.type.kind = ValueKind::word;
+  caller.type.words = {topic.nobody};
+  for (const auto& [writer, word] : topic.mortal) caller.type.words.push_back(word);
+  caller.automaton = InterfaceAutomaton({}, {}, caller.type.count());
+  caller.position = at(key);
+  topic.caller = static_cast<std::uint32_t>(system_.models.size());
+  system_.models.push_back(std::move(caller));
+}
+
+Topic::Reader SystemReader::make_reader(const std::string& topic, std::uint32_t program,
+                                        const Indices& indices, const YAML::Node& key,
+                                        const YAML::Node& value, const YAML::Node& own_options) {
+  if (system_.models.size() == max_components) fail("too many models", key);
+  YAML::Node options(YAML::NodeType::Map);
+  YAML::Node with(YAML::NodeType::Map);
+  for (const auto& [word, node] : entries(value, "topic '" + topic + "'", {})) {
+    const std::string name = word.Scalar();
+    if (name == "with") {
+      for (const auto& [option, setting] : entries(node, "'with'", {})) {
+        with[option.Scalar()] = setting;
+      }
+    } else if (name != "writers" && name != "readers" && name != "readers_with" &&
+               name != "deliver") {
+      options[name] = node;
+    }
+  }
+  if (own_options) {
+    for (const auto& [who, settings] : entries(own_options, "'readers_with'", {})) {
+      const std::vector<std::uint32_t> meant = programs_named(who, indices);
+      if (std::find(meant.begin(), meant.end(), program) == meant.end()) continue;
+      for (const auto& [option, setting] : entries(settings, "a reader's options", {})) {
+        with[option.Scalar()] = setting;
+      }
+    }
+  }
+  if (with.size() > 0) options["with"] = with;
+  ModelInstance model = read_model(topic + "[" + texts_[program].name + "]", key, options);
+  const auto number = static_cast<std::uint32_t>(system_.models.size());
+  if (model.source == ModelInstance::Source::built_in) {
+    make_built_in(model, number, indices, options);
+  }
+  system_.models.push_back(std::move(model));
+  return {program, number, {}, {}, {}, {}};
+}
+
+namespace {
+
+using Death = std::vector<std::vector<ModelStep>>;  // by state
+
+// What a death does to each state, and then another one.
+Death compose(const Death& one, const Death& other) {
+  Death both(one.size());
+  for (std::size_t state = 0; state < one.size(); ++state) {
+    for (const ModelStep& first : one[state]) {
+      for (const ModelStep& second : other[first.target]) {
+        const ModelStep step{second.target, first.is_beyond || second.is_beyond};
+        if (std::find(both[state].begin(), both[state].end(), step) == both[state].end()) {
+          both[state].push_back(step);
+        }
+      }
+    }
+  }
+  return both;
+}
+
+bool changes_nothing(const Death& death) {
+  for (StateId state = 0; state < death.size(); ++state) {
+    if (death[state] != std::vector<ModelStep>{{state, false}}) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+void SystemReader::add_ends(std::uint32_t model) {
+  ModelInstance& instance = system_.models[model];
+  try {
+    if (const auto place = topic_of_.find(model); place != topic_of_.end()) {
+      Topic& topic = names_.topics[place->second.first];
+      add_topic_ends(topic, topic.readers[place->second.second], instance);
+    } else if (const auto ends = ends_of_.find(model); ends != ends_of_.end()) {
+      add_model_ends(model, *ends->second);
+    }
+  } catch (const UsageError& error) {
+    throw ParseError(error.what(), instance.position);
+  }
+}
+
+void SystemReader::name_ends(Program& program, std::uint32_t number) const {
+  std::set<std::uint32_t> named(program.names.begin(), program.names.end());
+  for (const Topic& topic : names_.topics) {
+    if (!topic.has_end(number, true) && !topic.has_end(number, false)) continue;
+    for (const Topic::Reader& reader : topic.readers) named.insert(reader.model);
+  }
+  for (const auto& [model, ends] : ends_of_) {
+    for (const auto& [actor, programs] : *ends) {
+      if (std::find(programs.begin(), programs.end(), number) != programs.end()) {
+        named.insert(model);
+      }
+    }
+  }
+  program.names.assign(named.begin(), named.end());
+}
+
+void SystemReader::add_topic_ends(const Topic& topic, Topic::Reader& reader,
+                                  ModelInstance& instance) {
+  EndOptions options;
+  options.collects = true;
+  options.may_leave = texts_[reader.program].may_die;
+  options.when_unexplored = instance.when_unexplored;
+  if (!topic.mortal.empty()) {
+    options.ends.push_back(find_end(instance.automaton, "writer", 0, 1, {"reader"}));
+    if (topic.writers.size() > 1) options.ends.front().disconnect.reset();
+  }
+  EndedModel ended = with_ends(instance.automaton, options);
+  instance.automaton = std::move(ended.automaton);
+  reader.collected = std::move(ended.collected);
+  reader.cleared = std::move(ended.cleared);
+  reader.gone = ended.gone;
+  reader.writer_death.clear();
+  if (!ended.deaths.empty() && !changes_nothing(ended.deaths.front())) {
+    reader.writer_death = std::move(ended.deaths.front());
+  }
+}
+
+void SystemReader::add_model_ends(std::uint32_t model, const Ends& ends) {
+  ModelInstance& instance = system_.models[model];
+  EndOptions options;
+  options.when_unexplored = instance.when_unexplored;
+  std::vector<std::uint32_t> dying;  // by end
+  for (const auto& [actor, programs] : ends) {
+    std::set<std::string> others;
+    for (const auto& [other, at_other] : ends) {
+      if (other != actor) others.insert(other);
+    }
+    for (std::size_t place = 0; place < programs.size(); ++place) {
+      if (!texts_[programs[place]].may_die) continue;
+      options.ends.push_back(find_end(instance.automaton, actor, place, programs.size(), others));
+      dying.push_back(programs[place]);
+    }
+  }
+  if (dying.empty()) return;
+  EndedModel ended = with_ends(instance.automaton, options);
+  instance.automaton = std::move(ended.automaton);
+  for (const std::uint32_t program : dying) names_.deaths[program].erase(model);
+  for (std::size_t end = 0; end < dying.size(); ++end) {
+    auto& deaths = names_.deaths[dying[end]];
+    const auto [place, is_new] = deaths.try_emplace(model, ended.deaths[end]);
+    if (!is_new) place->second = compose(place->second, ended.deaths[end]);
+  }
+  for (const std::uint32_t program : dying) {
+    auto& deaths = names_.deaths[program];
+    const auto place = deaths.find(model);
+    if (place != deaths.end() && changes_nothing(place->second)) deaths.erase(place);
+  }
+}
+
+}  // namespace maide
