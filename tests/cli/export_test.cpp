@@ -101,6 +101,34 @@ TEST(Export, SystemsAsOtherLanguages) {
                "unknown format of systems 'cpp'; known are: promela, aut, smv, mcrl2");
 }
 
+// SPIN decides one component at a time.
+TEST(Export, OneComponentOfSeveral) {
+  const TempDir folder;
+  const std::string system = (folder.path() / "system.yaml").string();
+  const auto promela = [&](const std::string& component) {
+    return run_maide({"export", system, "--to", "promela", "--component", component});
+  };
+  write_file_atomically(system, R"(
+models:
+  lock[i in 0..4]: {use: mutex}
+programs:
+  robot[i in 0..4]: "loop { idle lock[i].lock; lock[i].unlock; }"
+)");
+  expect_error(run_maide({"export", system, "--to", "smv"}), 2,
+               "the system has 5 components, and smv takes one: --component PROGRAM says whose, "
+               "robot[0], robot[1], robot[2], ... (");
+  const SubprocessResult one = promela("robot[3]");
+  EXPECT_EQ(one.exit_status, 0) << one.err;
+  EXPECT_THAT(one.out, HasSubstr("byte model_lock_3_ = 0;"));
+  EXPECT_EQ(one.out.find("lock_2_"), std::string::npos);
+  EXPECT_EQ(run_maide({"export", system, "--to", "aut"}).exit_status, 0);
+  EXPECT_THAT(run_maide({"export", system, "--to", "aut", "--component", "robot[0]"}).out,
+              StartsWith("des (0, 2, 2)"));
+  expect_error(promela("robot[5]"), 2, "there is no program 'robot[5]'");
+  expect_error(run_maide({"export", model("port"), "--to", "smv", "--component", "x"}), 2,
+               "--component goes with a system");
+}
+
 TEST(Export, PropertiesAsAutomata) {
   const TempDir folder;
   const std::string system = small_system(folder);

@@ -5,10 +5,11 @@ the number of states, of transitions and of states without any: "states 12 steps
 
 Reads only that part of mCRL2: one sort of constants, processes that are sums of `action . Process`,
 and init allow(..., comm(..., parallel processes)). Whatever else there is, is an error. By mCRL2's
-semantics: parallel processes do actions alone or together; `comm` turns two halves with equal
-arguments into one action; what `allow` does not name cannot happen.
+semantics: parallel processes do actions alone or together; `comm` turns parts with equal arguments
+into one action; what `allow` does not name cannot happen.
 """
 
+import itertools
 import re
 import sys
 
@@ -44,8 +45,11 @@ def read(path):
     allow = re.fullmatch(r"allow\(\{(.*?)\},\s*(?:comm\(\{(.*?)\},\s*(.*)\)|(.*))\)", parts[4], re.S)
     meetings = {}
     for meeting in filter(None, (allow[2] or "").split(", ")):
-        left, right, result = re.fullmatch(r"(\w+) \| (\w+) -> (\w+)", meeting).groups()
-        meetings[frozenset((left, right))] = result
+        parts_of_it, result = re.fullmatch(r"(\w+(?: \| \w+)+) -> (\w+)", meeting).groups()
+        meetings[tuple(parts_of_it.split(" | "))] = result
+    every_part = [part for parts_of_it in meetings for part in parts_of_it]
+    if len(set(every_part)) != len(every_part):
+        sys.exit("a part of two actions")
     initial = tuple((allow[3] or allow[4]).split(" || "))
     for summands in processes.values():
         if any(target not in processes for _, _, target in summands):
@@ -54,17 +58,25 @@ def read(path):
 
 
 def successors(state, processes, allowed, meetings):
+    offers = {}
     for at, process in enumerate(state):
         for action, argument, target in processes[process]:
+            offers.setdefault(action, []).append((at, argument, target))
             if action in allowed:
                 yield action, argument, state[:at] + (target,) + state[at + 1:]
-            for other in range(at + 1, len(state)):
-                for second, second_argument, second_target in processes[state[other]]:
-                    result = meetings.get(frozenset((action, second)))
-                    if result in allowed and argument == second_argument:
-                        following = list(state)
-                        following[at], following[other] = target, second_target
-                        yield result, argument, tuple(following)
+    for parts, result in meetings.items():
+        if result not in allowed or any(part not in offers for part in parts):
+            continue
+        for chosen in itertools.product(*(offers[part] for part in parts)):
+            argument = chosen[0][1]
+            if len({at for at, _, _ in chosen}) < len(chosen):
+                continue
+            if any(other != argument for _, other, _ in chosen):
+                continue
+            following = list(state)
+            for at, _, target in chosen:
+                following[at] = target
+            yield result, argument, tuple(following)
 
 
 def explore(path):

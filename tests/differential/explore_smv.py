@@ -1,5 +1,5 @@
 """Explores what `maide export SYSTEM --to smv` writes, state by state, and prints for each file the
-number of states and of steps, and whether INVARSPEC holds: "states 12 steps 30 invariant true".
+number of states and of steps, and whether each INVARSPEC holds: "states 12 steps 30 invariant true".
 
     explore_smv.py FILE...
 
@@ -14,8 +14,8 @@ import sys
 
 class Module:
     def __init__(self):
-        self.range = self.initial = self.trans = self.invariant = None
-        self.define, self.instances, self.steps = {}, {}, None
+        self.range = self.initial = self.trans = None
+        self.define, self.instances, self.steps, self.invariants = {}, {}, None, []
 
 
 def python_of(text, prefix, names):
@@ -128,12 +128,12 @@ def read(path):
                         sys.exit(f"{left} is defined twice")
                     module.define[left] = right
                 else:
-                    module.invariant = entry
+                    module.invariants.append(entry)
     return modules
 
 
 def compiled(modules):
-    """Of each instance its variable, range, initial value and TRANS; main's TRANS; INVARSPEC."""
+    """Of each instance its variable, range, initial value and TRANS; main's TRANS; INVARSPECs."""
     main = modules["main"]
     steps = set(main.steps)
 
@@ -166,19 +166,19 @@ def compiled(modules):
             sys.exit(f"{of} has no initial state")
         instances.append((f"{instance}.{module.range[0]}", int(module.range[1]) + 1,
                           int(module.initial[1]), function(module.trans, instance + ".", module)))
-    return (instances, function(main.trans, "", main), function(main.invariant, "", main),
-            main.steps)
+    return (instances, function(main.trans, "", main),
+            [function(invariant, "", main) for invariant in main.invariants], main.steps)
 
 
 def explore(path):
-    instances, main, invariant, steps = compiled(read(path))
+    instances, main, invariants, steps = compiled(read(path))
     initial = tuple(instance[2] for instance in instances)
-    seen, open_states, count, holds = {initial}, [initial], 0, True
+    seen, open_states, count, hold = {initial}, [initial], 0, [True] * len(invariants)
     variables = [instance[0] for instance in instances]
     while open_states:
         state = open_states.pop()
         now = dict(zip(variables, state))
-        holds = holds and invariant(now, None, None)
+        hold = [held and invariant(now, None, None) for held, invariant in zip(hold, invariants)]
         successors = 0
         for step in steps:
             if not main(now, None, step):
@@ -200,7 +200,8 @@ def explore(path):
                     open_states.append(following)
         if successors == 0:
             sys.exit(f"no transition from {state}: the relation is not total")
-    print(f"states {len(seen)} steps {count} invariant {'true' if holds else 'false'}")
+    print(f"states {len(seen)} steps {count}",
+          *(f"invariant {'true' if held else 'false'}" for held in hold))
 
 
 for argument in sys.argv[1:]:

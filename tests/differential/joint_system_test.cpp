@@ -2,16 +2,12 @@
 #include <gtest/gtest.h>
 
 #include <map>
-#include <sstream>
 #include <vector>
 
 #include "explicit_checker.hpp"
 #include "joint_systems.hpp"
-#include "maide/base/error.hpp"
 #include "maide/check/explore/engine.hpp"
 #include "maide/check/explore/packed_system.hpp"
-#include "maide/check/export/promela_system.hpp"
-#include "maide/check/export/system_exporters.hpp"
 
 namespace maide {
 namespace {
@@ -304,27 +300,6 @@ TEST_P(JointSystems, FormulasAndReductions) {
   }
   EXPECT_GT(holds, 20);
   EXPECT_GT(violated, 20);
-}
-
-TEST_P(JointSystems, TheirGraphsAreExportedAndNothingElse) {
-  for (int compared = 0; compared < 20;) {
-    const System system = test::random_joint_system(random_);
-    const test::ExplicitChecker expected(system, node_limit);
-    if (!expected.is_complete()) continue;
-    ++compared;
-    std::ostringstream aut, none;
-    EXPECT_EQ(write_aut(aut, system, std::uint64_t{1} << 30, {}).states, expected.states());
-    const bool has_joint =
-        std::any_of(system.programs.begin(), system.programs.end(), [](const Program& program) {
-          return std::any_of(program.edges.begin(), program.edges.end(), [](const auto& edge) {
-            return edge.kind == ModelUse::Kind::joint || edge.kind == ModelUse::Kind::act;
-          });
-        });
-    if (!has_joint) continue;
-    EXPECT_THROW(write_promela(system), UsageError);
-    EXPECT_THROW(write_smv(none, system), UsageError);
-    EXPECT_THROW(write_mcrl2(none, system), UsageError);
-  }
 }
 
 INSTANTIATE_TEST_SUITE_P(Seeds, JointSystems, testing::Range(0, 6));

@@ -36,8 +36,9 @@ ModelInstance shared_variable(Random& random) {
 
 // An input with the output that follows at once, as an arm of a `select` has it.
 ModelAction input_with_output(const ModelInstance& model, Symbol input, Symbol output) {
-  ModelAction action{
-      model.automaton.inputs().name(input) + " -> " + model.automaton.outputs().name(output), {}};
+  ModelAction action{model.name + "." + model.automaton.inputs().name(input) + " -> " +
+                         model.automaton.outputs().name(output),
+                     {}};
   action.steps.resize(model.automaton.size());
   for (StateId at = 0; at < model.automaton.size(); ++at) {
     for (const ModelStep& given : model_steps(model, at, {Kind::give, 0, input})) {

@@ -1,5 +1,6 @@
 // Systems in other languages against their meaning (check/language/system.hpp): on random systems
-// with fixed seeds, in all three ways of meeting the bound, as many states, steps and deadlocks.
+// with fixed seeds, with joint steps and without, in all three ways of meeting the bound, as many
+// states, steps and deadlocks.
 // SMV and mCRL2 are explored by small readers of the part of these languages that the exports use
 // (explore_smv.py, explore_mcrl2.py), and by NuSMV and mCRL2 themselves where they are installed.
 #include <gmock/gmock.h>
@@ -8,11 +9,15 @@
 #include <deque>
 #include <map>
 #include <optional>
+#include <set>
 #include <sstream>
+#include <tuple>
 
+#include "joint_systems.hpp"
 #include "maide/base/error.hpp"
 #include "maide/base/file.hpp"
 #include "maide/base/subprocess.hpp"
+#include "maide/check/explore/step_action.hpp"
 #include "maide/check/export/system_exporters.hpp"
 #include "maide/workflow/open_system.hpp"
 #include "random_system.hpp"
@@ -24,8 +29,10 @@ constexpr std::size_t state_limit = 250;
 constexpr std::uint64_t memory = std::uint64_t{64} << 20;
 
 struct Graph {
-  std::size_t states = 0, steps = 0, dead = 0;  // dead: without a step
-  bool has_deadlock = false;
+  std::size_t states = 0, all_steps = 0;
+  std::size_t steps = 0;  // those that differ in what is done or what comes of it
+  std::size_t dead = 0;   // states without a step
+  bool has_deadlock = false, has_error = false, may_err = false;
 };
 
 // Straight from the meaning: a cut stays where it is. Nothing if there are too many states.
@@ -41,7 +48,14 @@ std::optional<Graph> explore(const System& system) {
   for (; !open.empty(); open.pop_front()) {
     if (seen.size() > state_limit) return std::nullopt;
     const auto steps = enabled_steps(system, open.front());
-    graph.steps += steps.size();
+    std::set<std::tuple<StepAction, std::vector<StateId>, ControlState>> distinct;
+    for (const Step& step : steps) {
+      const ControlState target = system.programs[step.program].edges[step.edge].target;
+      distinct.emplace(action_of(system, step), step.targets, target);
+    }
+    graph.all_steps += steps.size();
+    graph.steps += distinct.size();
+    graph.has_error = graph.has_error || is_error(system, open.front());
     graph.dead += steps.empty() ? 1 : 0;
     graph.has_deadlock = graph.has_deadlock || is_deadlock(system, open.front());
     for (const Step& step : steps) {
@@ -50,6 +64,11 @@ std::optional<Graph> explore(const System& system) {
     }
   }
   graph.states = seen.size();
+  for (const Program& program : system.programs) {
+    for (ControlState state = 0; state < program.states.size(); ++state) {
+      graph.may_err = graph.may_err || program.is_error(state);
+    }
+  }
   return graph;
 }
 
@@ -65,12 +84,17 @@ std::string run(const std::vector<std::string>& command) {
   return result.out;
 }
 
+// Every other system has joint steps, and half of these deaths, errors and places to rest.
 template <typename Compare>
 void for_random_systems(std::uint64_t seed, int count, Compare compare) {
   Random random(seed);
   int deadlocks = 0;
   for (int compared = 0; compared < count;) {
-    const System system = test::random_system(random);
+    const bool has_more = compared % 4 == 1;
+    const System system = compared % 2 == 0
+                              ? test::random_system(random)
+                              : test::random_joint_system(random, {1, 3, 3, 0.5, 0.5},
+                                                          {has_more, has_more, has_more, false});
     const std::optional<Graph> graph = explore(system);
     if (!graph || graph->states < 4) continue;
     ++compared;
@@ -87,10 +111,10 @@ TEST(SystemExport, AutIsTheStateGraph) {
     std::istringstream lines(text);
     std::string line;
     std::getline(lines, line);
-    EXPECT_EQ(line,
-              "des (0, " + std::to_string(graph.steps) + ", " + std::to_string(graph.states) + ")");
-    std::map<std::string, int> distinct;
-    while (std::getline(lines, line)) ++distinct[line];
+    EXPECT_EQ(line, "des (0, " + std::to_string(graph.all_steps) + ", " +
+                        std::to_string(graph.states) + ")");
+    std::set<std::string> distinct;
+    while (std::getline(lines, line)) distinct.insert(line);
     EXPECT_EQ(distinct.size(), graph.steps) << text;
   });
 }
@@ -103,7 +127,7 @@ void expect_explored(std::uint64_t seed, const std::string& format, Line expecte
   std::vector<std::string> command{
       "python3", MAIDE_SOURCE_DIR "/tests/differential/explore_" + format + ".py"};
   std::string expected;
-  for_random_systems(seed, 60, [&](const System& system, const Graph& graph) {
+  for_random_systems(seed, 80, [&](const System& system, const Graph& graph) {
     command.push_back((folder.path() / std::to_string(command.size())).string());
     write_file_atomically(command.back(), text_of(system, format));
     expected += expected_line(graph) + "\n";
@@ -117,7 +141,10 @@ std::string counts(const Graph& graph) {
 
 TEST(SystemExport, SmvHasTheSameStatesAndSteps) {
   expect_explored(52, "smv", [](const Graph& graph) {
-    return counts(graph) + " invariant " + (graph.has_deadlock ? "false" : "true");
+    const auto line = [](bool is_bad) {
+      return std::string(" invariant ") + (is_bad ? "false" : "true");
+    };
+    return counts(graph) + line(graph.has_deadlock) + (graph.may_err ? line(graph.has_error) : "");
   });
 }
 
@@ -135,7 +162,7 @@ TEST(SystemExport, NuSmvCountsTheSameStates) {
     write_file_atomically(file, text_of(system, "smv"));
     const std::string out = run({"NuSMV", "-r", file});
     EXPECT_THAT(out, testing::HasSubstr("reachable states: " + std::to_string(graph.states) + " "));
-    EXPECT_EQ(out.find("is false") != std::string::npos, graph.has_deadlock);
+    EXPECT_EQ(out.find("is false") != std::string::npos, graph.has_deadlock || graph.has_error);
   });
 }
 

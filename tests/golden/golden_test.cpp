@@ -3,9 +3,15 @@
 #include <gtest/gtest.h>
 
 #include <cstdlib>
+#include <filesystem>
+#include <map>
 #include <sstream>
+#include <string>
+#include <tuple>
 
 #include "maide/base/file.hpp"
+#include "maide/check/export/system_exporters.hpp"
+#include "maide/check/language/system_file.hpp"
 #include "maide/formats/exporters.hpp"
 #include "maide/formats/model_file.hpp"
 
@@ -70,6 +76,64 @@ INSTANTIATE_TEST_SUITE_P(
       for (char& letter : name) letter = letter == '-' ? '_' : letter;
       return name + "_" + std::string(std::get<1>(test.param));
     });
+
+// Whole systems: of single inputs and outputs, and with all that is more.
+const std::map<std::string, std::string> systems{{"relay", R"(
+models:
+  via: {file: strict-2.dot}
+  sync: {file: buffered-tryread.dot, when_unexplored: drop}
+programs:
+  planner: |
+    @go via.write; via.write;
+    if * { via.write; }
+    switch sync.tryread { message { } quiet { } }
+  tracker: "loop { via.read -> message; @done sync.write; }"
+)"},
+                                                 {"robot", R"(
+models:
+  via: {file: strict-1.dot}
+  lock: {use: mutex}
+topics:
+  image: {writers: camera, readers: [robot, logger], use: queue, with: {size: 1}}
+variables: "var n: 0..2; var paused: bool;"
+programs:
+  camera: "loop { image.write(go); }"
+  logger: "loop { idle image.read -> message(go); }"
+  planner: {do: "via.write; via.write; lock.lock; paused = true;", may_die: true}
+  robot: |
+    loop {
+      idle select {
+        when (!paused) on image.read -> message(go) { atomic { n = n + 1; } }
+        on via.read -> message { lock.lock; lock.unlock; }
+        otherwise { @bored skip; }
+      }
+    }
+)"}};
+
+class SystemGolden : public testing::TestWithParam<std::tuple<const char*, const char*>> {};
+
+TEST_P(SystemGolden, IsAsApproved) {
+  const std::string name = std::get<0>(GetParam()), format = std::get<1>(GetParam());
+  const System system =
+      parse_system(systems.at(name), name + ".yaml", [](const ModelRequest& request) {
+        return read_interface_automaton(std::filesystem::path(MAIDE_SOURCE_DIR "/tests/models") /
+                                        request.file);
+      });
+  std::ostringstream out;
+  find_system_exporter(format).write(out, system, {std::uint64_t{1} << 30, {}});
+  const std::string path =
+      MAIDE_SOURCE_DIR "/tests/golden/approved/" + name + "." + format + ".approved";
+  if (std::getenv("MAIDE_APPROVE") != nullptr) write_file_atomically(path, out.str());
+  EXPECT_EQ(out.str(), read_file(path)) << path;
+}
+
+INSTANTIATE_TEST_SUITE_P(Exports, SystemGolden,
+                         testing::Combine(testing::Values("relay", "robot"),
+                                          testing::Values("promela", "aut", "smv", "mcrl2")),
+                         [](const auto& test) {
+                           return std::string(std::get<0>(test.param)) + "_" +
+                                  std::get<1>(test.param);
+                         });
 
 TEST(Exporters, UnknownFormatsAreRefusedByName) {
   try {

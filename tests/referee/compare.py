@@ -1,8 +1,9 @@
 """Compares Maide with the referee, and shrinks the systems on which they differ.
 
-    compare.py --maide PATH [--seed S --count N --only KIND ...] [--keep FOLDER] [FILES ...]
+    compare.py --maide PATH [--seed S --count N --only KIND ...] [--spin] [--keep FOLDER] [FILES ...]
 
-Components, their counts (without reductions) and all verdicts (with each reduction) are compared. A
+Components, their counts (without reductions) and all verdicts (with each reduction) are compared.
+With --spin, so are SPIN's counts and verdicts on what Maide exports, wherever SPIN has the words. A
 system on which the two differ is kept, as it was made and shrunk, with what differs in `why.txt`.
 Exit status 1: some differ.
 """
@@ -29,21 +30,25 @@ REDUCTIONS = ["none", "calls", "order", "full"]
 class Comparison:
     """Compares one Maide with the referee."""
 
-    def __init__(self, maide: str, max_states: int, old: bool, skip: list[str]) -> None:
+    def __init__(
+        self, maide: str, max_states: int, old: bool, skip: list[str], spin: bool = False
+    ) -> None:
         self.maide = maide
+        self.spin = spin
+        self.told = {"verdicts": 0, "components": 0, "wordless": 0}  # by SPIN, or not
         self.max_states = max_states
         self.old = old  # a Maide that knows no components
         self.skip = set(skip)
 
-    def ask(self, path: Path, reduction: str) -> dict:
-        """Maide's answer; {"error"} if it refuses the file."""
-        command = [self.maide, "check", str(path), "--json", "--reduction", reduction]
+    def ask(self, path: Path, *options: str) -> dict:
+        """Maide's answer; {"error"} if it refuses the file or the property."""
+        command = [self.maide, "check", str(path), "--json", *options]
         try:
             done = subprocess.run(
-                command, capture_output=True, text=True, timeout=120, check=False, cwd=path.parent
+                command, capture_output=True, text=True, timeout=600, check=False, cwd=path.parent
             )
         except subprocess.TimeoutExpired:
-            return {"broken": "takes more than 120 s"}
+            return {"broken": "takes more than 600 s"}
         if done.returncode == 2:
             return {"error": done.stderr.strip()}
         try:
@@ -75,7 +80,7 @@ class Comparison:
             own[f"count{number}"] = {"always": f"!{end} || {end}"}
         trial = path.parent / "count.yaml"
         write(document, trial)
-        answer = self.ask(trial, "none")
+        answer = self.ask(trial, "--reduction", "none")
         trial.unlink()
         found = {}
         for entry in answer["properties"]:
@@ -91,7 +96,7 @@ class Comparison:
             return []
         found = []
         for reduction in REDUCTIONS:
-            theirs = self.ask(path, reduction)
+            theirs = self.ask(path, "--reduction", reduction)
             if "broken" in theirs:
                 return [("broken", f"Maide, reduction {reduction}: {theirs['broken']}")]
             if "error" in mine or "error" in theirs:
@@ -123,7 +128,58 @@ class Comparison:
                             f"(reduction {reduction})",
                         )
                     )
+        return found + (self.spin_differences(path, mine) if self.spin else [])
+
+    def spin_differences(self, path: Path, mine: dict) -> list[tuple[str, str]]:
+        """The same, of SPIN."""
+        found = []
+        for name, entry in mine["properties"].items():
+            if name == "stuck":
+                continue
+            theirs = self.ask(path, "--engine", "spin", "--property", name)
+            if "broken" in theirs:
+                return [("broken", f"Maide with SPIN, {name}: {theirs['broken']}")]
+            if "error" in theirs:
+                if "the engine spin" not in theirs["error"]:
+                    return [("refused by SPIN", f"{name}: {theirs['error']}")]
+                self.told["wordless"] += 1
+                continue
+            verdict = self.verdicts(theirs).get(name, "holds")
+            self.told["verdicts"] += 1
+            if verdict != entry["verdict"]:
+                kind = name if name in ("deadlock", "error") else "property"
+                found.append(
+                    (
+                        f"{kind} {entry['verdict']} {verdict} spin",
+                        f"{name}: referee {entry['verdict']}, SPIN {verdict}",
+                    )
+                )
+            if name == "deadlock" and verdict != "violated":
+                found += self.spin_count_differences(path, mine, theirs)
         return found
+
+    def spin_count_differences(
+        self, path: Path, mine: dict, theirs: dict
+    ) -> list[tuple[str, str]]:
+        """Differences in states, and in transitions where the export has no others.
+
+        At an error it has a step that stays, and deaths are there twice."""
+        has_more = mine["properties"].get("error", {}).get("verdict") == "violated"
+        has_more = has_more or "may_die" in path.read_text(encoding="utf-8")
+        size = 1 if has_more else 2
+        own = {
+            tuple(e["programs"]): (e["states"], e["transitions"])[:size]
+            for e in mine["components"]
+        }
+        other = {
+            tuple(sorted(name.replace(" ", "") for name in e["programs"])): (
+                e["states"],
+                e["transitions"],
+            )[:size]
+            for e in theirs["components"]
+        }
+        self.told["components"] += len(own)
+        return [] if own == other else [("SPIN's counts", f"referee {own}, SPIN {other}")]
 
     def count_differences(self, path: Path, mine: dict, theirs: dict) -> list[tuple[str, str]]:
         """Differences in components and their counts."""
@@ -240,12 +296,15 @@ def main() -> int:
     parser.add_argument("--count", type=int, default=50)
     parser.add_argument("--only", choices=KINDS, nargs="*", default=[])
     parser.add_argument("--max-states", type=int, default=5000)
+    parser.add_argument("--spin", action="store_true", help="compare SPIN's answers, too")
     parser.add_argument("--old", action="store_true", help="a Maide without components")
     parser.add_argument("--skip", nargs="*", default=[], help="properties that are not compared")
     parser.add_argument("--keep", type=Path, default=Path("differences"))
     parser.add_argument("files", nargs="*", type=Path)
     options = parser.parse_args()
-    comparison = Comparison(options.maide, options.max_states, options.old, options.skip)
+    comparison = Comparison(
+        options.maide, options.max_states, options.old, options.skip, options.spin
+    )
     differing = compared = 0
     with tempfile.TemporaryDirectory() as folder:
         paths: list[Path] = [path.absolute() for path in options.files]
@@ -273,6 +332,12 @@ def main() -> int:
             text = "\n".join(sentence for _, sentence in again)
             (kept / "why.txt").write_text(text + "\n", encoding="utf-8")
     print(f"{compared} compared, {differing} differ")
+    if options.spin:
+        told = comparison.told
+        print(
+            f"SPIN: {told['verdicts']} verdicts, the counts of {told['components']} components; "
+            f"no words for {told['wordless']} properties"
+        )
     return 1 if differing else 0
 
 

@@ -238,7 +238,7 @@ RunFunction set_up_check(CommandLine& line) {
       .required();
   line.add("--engine", arguments->engine,
            "What decides: native (Maide's own), or spin, the reference, which has no `stuck`, "
-           "no X and no strong fairness, and needs spin and a C compiler");
+           "no X, no strong fairness and no `fair`, and needs spin and a C compiler");
   line.add("--reduction", arguments->reduction,
            "What the engine native leaves out, where the property allows it: none; calls (states "
            "between an input and the output that answers it); order (of steps that do not "

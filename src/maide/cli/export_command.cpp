@@ -3,6 +3,7 @@
 // written as it comes.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <functional>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -11,7 +12,9 @@
 #include "maide/base/file.hpp"
 #include "maide/base/log.hpp"
 #include "maide/check/explore/check_system.hpp"
+#include "maide/check/export/step_rules.hpp"
 #include "maide/check/export/system_exporters.hpp"
+#include "maide/check/language/components.hpp"
 #include "maide/check/language/system_file.hpp"
 #include "maide/check/ltl/ltl_automaton.hpp"
 #include "maide/cli/command.hpp"
@@ -27,6 +30,7 @@ struct ExportArguments {
   std::string source;
   std::string format;
   std::string output;
+  std::string component;  // a program of it; empty: the whole system
   bool lossy = false;
   std::string property;  // whose automaton is written; empty: the model, or the system
   bool negated = false;
@@ -109,14 +113,45 @@ Export export_property(const ExportArguments& arguments, Context& context) {
           Json{{"states", automaton.states.size()}, {"transitions", transitions}}};
 }
 
+constexpr std::size_t most_components_named = 3;  // in a message
+
+// The component of that program; without one the whole system.
+Part find_part(const System& system, const SystemExporter& exporter, const std::string& program) {
+  const auto components = find_components(system);
+  if (program.empty()) {
+    if (components.size() < 2 || exporter.takes_components || !uses_second_edition(system)) {
+      return Part(system);
+    }
+    std::string first;
+    for (std::size_t i = 0; i < std::min(components.size(), most_components_named); ++i) {
+      first += (i == 0 ? "" : ", ") + system.programs[components[i].front()].name;
+    }
+    if (components.size() > most_components_named) first += ", ...";
+    throw UsageError(
+        fmt::format("the system has {} components, and {} takes one: --component "
+                    "PROGRAM says whose, {} ({})",
+                    components.size(), exporter.name, first, system.file));
+  }
+  for (const auto& component : components) {
+    for (const std::uint32_t index : component) {
+      if (system.programs[index].name == program) return Part(system, component);
+    }
+  }
+  throw UsageError(fmt::format("there is no program '{}' ({})", program, system.file));
+}
+
 Export export_system(const ExportArguments& arguments, Context& context) {
   const SystemExporter& exporter = find_system_exporter(arguments.format);
-  const System system = read_exported_system(arguments, context);
+  const auto whole = std::make_shared<const System>(read_exported_system(arguments, context));
+  const auto part = std::make_shared<const Part>(find_part(*whole, exporter, arguments.component));
+  const System& system = part->system();
   const SystemExportOptions options{arguments.memory_mib << 20, context.control()};
   const Json details{{"models", system.models.size()}, {"programs", system.programs.size()}};
   const std::string summary =
       fmt::format("{} models, {} programs", system.models.size(), system.programs.size());
-  return {[&exporter, system, options](std::ostream& out) { exporter.write(out, system, options); },
+  return {[&exporter, whole, part, options](std::ostream& out) {
+            exporter.write(out, part->system(), options);
+          },
           summary, details};
 }
 
@@ -134,6 +169,9 @@ Export make_export(const ExportArguments& arguments, Context& context) {
         "--property NAME");
   }
   if (arguments.negated && !is_hoa) throw UsageError("--negated goes with --to hoa");
+  if (!arguments.component.empty() && (is_hoa || !is_system(arguments.source))) {
+    throw UsageError("--component goes with a system (.yaml) that is written whole");
+  }
   if (is_hoa && !is_system(arguments.source)) {
     throw UsageError("a model has no properties; a system file (.yaml) has (" + arguments.source +
                      ")");
@@ -185,6 +223,11 @@ RunFunction set_up_export(CommandLine& line) {
            "With --to hoa: write the automaton of the runs on which this property holds");
   line.add_flag("--negated", arguments->negated,
                 "With --to hoa: of the runs on which it does not hold, as `never:` takes it");
+  line.add("--component", arguments->component,
+           "Of a system: only the programs and models that have something to do with this program. "
+           "Formats but aut need it if there are several components and a program has more than "
+           "single inputs, outputs and choices")
+      .value_name("PROGRAM");
   line.add("-o,--output", arguments->output, "The file to write; standard output if not given");
   line.add_flag("--lossy", arguments->lossy,
                 "Write a model to aut though that cannot carry what was never tried");

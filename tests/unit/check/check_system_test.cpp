@@ -23,7 +23,7 @@ class BreakingEngine : public Engine {
   bool is_out_of_memory = false;
 
   std::string name() const override { return "breaking"; }
-  std::string obstacle(const Property&) const override { return ""; }
+  std::string obstacle(const System&, const Property&) const override { return ""; }
   PropertyResult check(const System& system, const Property& property,
                        const EngineOptions& options) override {
     if (breaks_on.contains(property.name)) {

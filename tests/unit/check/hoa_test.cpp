@@ -129,7 +129,7 @@ TEST_F(Hoa, NeverIsAProperty) {
       EXPECT_EQ(find_flaw(other, other.properties[0], *result.trace), "");
       EXPECT_EQ(find_flaw(system, system.properties[0], *result.trace), "") << formula;
     }
-    EXPECT_NE(SpinEngine().obstacle(other.properties[0]), "");
+    EXPECT_NE(SpinEngine().obstacle(other, other.properties[0]), "");
     return result.verdict;
   };
   EXPECT_EQ(verdict("G (p@half -> F p@end)"), Verdict::holds);

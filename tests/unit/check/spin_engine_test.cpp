@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "maide/base/file.hpp"
+#include "maide/check/language/system_file.hpp"
 #include "systems.hpp"
 
 namespace maide {
@@ -179,17 +180,78 @@ TEST(SpinEngine, CutRunsViolateWithABadPrefixOnly) {
   EXPECT_EQ(check(system, system.properties[1]).verdict, Verdict::violated);
 }
 
+// A sender that may die, a receiver with a variable, and a shared one.
+System system_with_state(const std::string& receiver, const std::string& properties = "") {
+  return parse_system(
+      "models:\n  q: {use: queue, with: {size: 2}}\n"
+      "variables: 'var n: 0..2;'\n"
+      "programs:\n"
+      "  w: {do: 'var left: 0..3 = 3; while (left > 0) { q.write(left % 2); "
+      "left = left - 1; } n = 2;', may_die: true}\n"
+      "  r: '" +
+          receiver + "'\n" + properties,
+      "s.yaml");
+}
+
 TEST(SpinEngine, SaysWhatItCannotCheck) {
   const System system =
       test::system_of("  p: '@a via.write;'\n",
                       "  next: X p@a\n  strong: {ltl: F p@a, fairness: strong}\n  good: F p@a\n");
   const SpinEngine engine;
-  EXPECT_NE(engine.obstacle(system.properties[0]), "");
-  EXPECT_NE(engine.obstacle(system.properties[1]), "");
-  EXPECT_EQ(engine.obstacle(system.properties[2]), "");
+  EXPECT_NE(engine.obstacle(system, system.properties[0]), "");
+  EXPECT_NE(engine.obstacle(system, system.properties[1]), "");
+  EXPECT_EQ(engine.obstacle(system, system.properties[2]), "");
   Property stuck;
   stuck.kind = Property::Kind::stuck;
-  EXPECT_NE(engine.obstacle(stuck), "");
+  EXPECT_NE(engine.obstacle(system, stuck), "");
+  const System fair = system_with_state("if fair * { q.read; }",
+                                        "properties:\n  fair: F n == 2\n  safe: \"G n < 2\"\n"
+                                        "  any: {ltl: F n == 2, fairness: none}\n");
+  EXPECT_NE(engine.obstacle(fair, fair.properties[0]), "");
+  EXPECT_EQ(engine.obstacle(fair, fair.properties[1]), "");
+  EXPECT_EQ(engine.obstacle(fair, fair.properties[2]), "");
+}
+
+TEST(SpinEngine, DeathsErrorsAndRest) {
+  const System resting = system_with_state("loop { idle q.read -> message; }");
+  const PropertyResult holds = check(resting, test::deadlock_property());
+  EXPECT_EQ(holds.verdict, Verdict::holds);
+  EXPECT_EQ(holds.states, NativeEngine().check(resting, test::deadlock_property(), {}).states);
+  // The sender may have died; no step is left but that.
+  const System waiting = system_with_state("loop { q.read -> message; }");
+  const PropertyResult deadlock = check(waiting, test::deadlock_property());
+  EXPECT_EQ(deadlock.verdict, Verdict::violated);
+  ASSERT_TRUE(deadlock.trace);
+  EXPECT_EQ(find_flaw(waiting, test::deadlock_property(), *deadlock.trace), "");
+  Property error;
+  error.kind = Property::Kind::error;
+  const System failing =
+      system_with_state("loop { idle select { on q.read -> message(1) { n = n + 1; } } }");
+  const PropertyResult failed = check(failing, error);  // message(0) has no arm
+  EXPECT_EQ(failed.verdict, Verdict::violated);
+  ASSERT_TRUE(failed.trace);
+  EXPECT_EQ(failed.trace->steps.size(), 6u);
+  EXPECT_EQ(find_flaw(failing, error, *failed.trace), "");
+  EXPECT_EQ(check(failing, test::deadlock_property()).verdict, Verdict::holds);
+}
+
+TEST(SpinEngine, FormulasOverVariablesAndProgramsEvents) {
+  const System system = system_with_state("var x: 0..1; loop { idle q.read -> message(x); }",
+                                          "properties:\n"
+                                          "  counts_down: \"G (w.left < 3 -> G w.left < 3)\"\n"
+                                          "  both: \"G !(n == 2 && w.left > 0)\"\n"
+                                          "  compared: \"G (r.x <= w.left)\"\n"
+                                          "  own: \"G !w:q!message\"\n"
+                                          "  others: \"G !r:q!message\"\n"
+                                          "  may_die: \"F n == 2\"\n");
+  NativeEngine native;
+  for (const Property& property : system.properties) {
+    const PropertyResult result = check(system, property);
+    EXPECT_EQ(result.verdict, native.check(system, property, {}).verdict) << property.name;
+    const bool holds =
+        property.name == "counts_down" || property.name == "both" || property.name == "own";
+    EXPECT_EQ(result.verdict, holds ? Verdict::holds : Verdict::violated) << property.name;
+  }
 }
 
 TEST(SpinEngine, LimitsMakeTheVerdictInconclusive) {
@@ -234,6 +296,10 @@ TEST(SpinEngine, NamesOfAllKinds) {
   property.formula =
       parse_formula(ScalarText(formula, formula, {"f", 1, 1}), {system.programs, interfaces});
   property.fairness = Fairness::none;
+  EXPECT_EQ(check(system, test::deadlock_property()).verdict, Verdict::holds);
+  EXPECT_EQ(check(system, property).verdict, Verdict::violated);
+  // The same with models as variables, where names are those of C.
+  for (Program& program : system.programs) program.states[0].may_rest = true;
   EXPECT_EQ(check(system, test::deadlock_property()).verdict, Verdict::holds);
   EXPECT_EQ(check(system, property).verdict, Verdict::violated);
 }

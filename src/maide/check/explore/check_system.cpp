@@ -220,7 +220,7 @@ class Checker {
     report_.assumptions = state_assumptions(system_, uses_, properties_, report_.properties);
     if (leaves_out_stuck_) {
       report_.assumptions.push_back("stuck was not checked: " +
-                                    engine_.obstacle(find_property(system_, "stuck")));
+                                    engine_.obstacle(system_, find_property(system_, "stuck")));
     }
     return std::move(report_);
   }
@@ -277,7 +277,7 @@ class Checker {
     if (names.empty()) {
       properties_.push_back(find_property(system_, "deadlock"));
       const Property stuck = find_property(system_, "stuck");
-      leaves_out_stuck_ = !engine_.obstacle(stuck).empty();
+      leaves_out_stuck_ = !engine_.obstacle(system_, stuck).empty();
       if (!leaves_out_stuck_) properties_.push_back(stuck);
       if (has_error) properties_.push_back(find_property(system_, "error"));
       properties_.insert(properties_.end(), system_.properties.begin(), system_.properties.end());
@@ -285,7 +285,7 @@ class Checker {
       properties_.push_back(find_property(system_, "error"));
     }
     for (const Property& property : properties_) {
-      const std::string obstacle = engine_.obstacle(property);
+      const std::string obstacle = engine_.obstacle(system_, property);
       if (obstacle.empty()) continue;
       const std::string place = to_string(property.position);
       throw UsageError(fmt::format("property '{}': {}{}", property.name, obstacle,

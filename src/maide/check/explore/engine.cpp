@@ -344,7 +344,9 @@ SearchResult search_for(const System& plain, const Property& property, Reduction
 
 }  // namespace
 
-std::string NativeEngine::obstacle(const Property& /*property*/) const { return ""; }
+std::string NativeEngine::obstacle(const System& /*system*/, const Property& /*property*/) const {
+  return "";
+}
 
 PropertyResult NativeEngine::check(const System& system, const Property& property,
                                    const EngineOptions& options) {

@@ -64,8 +64,9 @@ class Engine {
  public:
   virtual ~Engine() = default;
   virtual std::string name() const = 0;
-  // What keeps this engine from checking the property, one line; "" if nothing does.
-  virtual std::string obstacle(const Property& property) const = 0;
+  // What keeps this engine from checking the property of that whole system, one line; "" if
+  // nothing does.
+  virtual std::string obstacle(const System& system, const Property& property) const = 0;
   // Decides the property, which must have no obstacle. Limits and interruptions make the verdict
   // inconclusive. Throws UsageError if the engine cannot work at all (a missing tool, a full disk).
   virtual PropertyResult check(const System& system, const Property& property,
@@ -82,7 +83,7 @@ std::unique_ptr<Engine> make_engine(const std::string& name);
 class NativeEngine : public Engine {
  public:
   std::string name() const override { return "native"; }
-  std::string obstacle(const Property& property) const override;
+  std::string obstacle(const System& system, const Property& property) const override;
   PropertyResult check(const System& system, const Property& property,
                        const EngineOptions& options) override;
   CutResult find_cut(const System& system, const EngineOptions& options) override;

@@ -54,32 +54,6 @@ StepAction action_of(const System& system, const Step& step) {
   return action;
 }
 
-std::vector<StateId> states_beyond(const InterfaceAutomaton& automaton, Symbol input) {
-  std::vector<StateId> states;
-  for (StateId state = 0; state < automaton.size(); ++state) {
-    if (automaton.is_quiescent(state) && is_beyond_learned(automaton, state, input)) {
-      states.push_back(state);
-    }
-  }
-  return states;
-}
-
-std::vector<StepAction> step_actions(const System& system) {
-  std::set<StepAction> actions;
-  for (std::uint32_t program = 0; program < system.programs.size(); ++program) {
-    for (const ProgramEdge& edge : system.programs[program].edges) {
-      StepAction action = action_of_edge(program, edge);
-      if (!actions.insert(action).second || edge.kind != Kind::give) continue;
-      const ModelInstance& model = system.models[edge.model];
-      if (model.when_unexplored == WhenUnexplored::wait) continue;
-      if (states_beyond(model.automaton, edge.symbol).empty()) continue;
-      action.is_beyond = true;
-      actions.insert(action);
-    }
-  }
-  return {actions.begin(), actions.end()};
-}
-
 bool is_cut(const System& system, const StepAction& action) {
   const auto stops = [&](std::uint32_t model) {
     return system.models[model].when_unexplored == WhenUnexplored::stop;
@@ -129,17 +103,20 @@ const std::string& ExportNames::of(const StepAction& action, const System& syste
   std::string_view program;
   if (of_program) program = system.programs[action.program].name;
   const std::string& symbol = symbol_name(action, system);
+  const std::string_view bound = !action.is_beyond        ? ""
+                                 : is_cut(system, action) ? "beyond"
+                                                          : "dropped";
   if (action.kind == Kind::choice) return of({program, "choose", symbol});
+  if (action.kind == Kind::joint) {
+    return of({program, "do", symbol, number_of_joint(action, system), bound});
+  }
   const std::string& model = system.models[action.model].name;
   switch (action.kind) {
     case Kind::quiet: return of({program, "quiet", model});
     case Kind::take: return of({program, "out", model, symbol});
-    default: break;
+    case Kind::act: return of({program, "do", model, symbol, bound});
+    default: return of({program, action.is_beyond ? bound : "in", model, symbol});
   }
-  const std::string_view what = !action.is_beyond        ? "in"
-                                : is_cut(system, action) ? "beyond"
-                                                         : "dropped";
-  return of({program, what, model, symbol});
 }
 
 }  // namespace maide

@@ -30,16 +30,8 @@ struct StepAction {
 
 StepAction action_of(const System& system, const Step& step);
 
-// Every action that the programs' texts have, in order; with `is_beyond` where the model has a
-// quiescent state in which that input was never tried, and does not wait there. No step is joint.
-// O(size).
-std::vector<StepAction> step_actions(const System& system);
-
 // The input was never tried, and the run is cut: an export stays where it is.
 bool is_cut(const System& system, const StepAction& action);
-
-// The quiescent states of the model in which the input was never tried.
-std::vector<StateId> states_beyond(const InterfaceAutomaton& automaton, Symbol input);
 
 // "planner via?write", "planner via!message", "planner via quiet", "planner if", "planner else",
 // "planner n = 3" (where another joint step of the program has the same text: with " #4" behind
@@ -52,7 +44,7 @@ class ExportNames {
  public:
   explicit ExportNames(std::span<const std::string_view> reserved) : identifiers_(reserved) {}
   const std::string& of(std::initializer_list<std::string_view> parts);
-  // Of a step's action: "in_via_write", and with `of_program` "planner_in_via_write".
+  // Of a step's action: "in_via_write", "do_n_3", and with `of_program` "planner_in_via_write".
   const std::string& of(const StepAction& action, const System& system, bool of_program);
 
  private:

@@ -1,62 +1,31 @@
-// A whole system as Promela, for SPIN (Holzmann, "The SPIN Model Checker", 2003). Each automaton is
-// a proctype. A model meets the programs on two rendezvous channels, its InChannel and its
-// OutChannel, as in the paper. `quiet` is an output that a quiescent model offers again and again.
-// An input beyond the bound is a message of its own, `beyond_write`; the purpose of the text
-// chooses what it does.
+// A whole system as Promela, for SPIN (Holzmann, "The SPIN Model Checker", 2003). Each program is a
+// proctype, whose labels are its control states. There are two forms.
 //
-// Invariant: one transition of the Promela is one step of the system. Every transition is a single
-// rendezvous or expression followed by gotos, which cost nothing, so it is atomic by itself.
-// (`atomic` could stand only where a rendezvous is received: a sender inside `atomic` takes its
-// goto as a step of its own.) So the states of the text with Purpose::deadlock, explored without
-// reduction, are those of the system and one more: the state before the processes are started.
+// A system of plain rendezvous has its models as processes, which meet the programs on channels, as
+// in the paper (promela_rendezvous.cpp). A system with more than that - shared variables, steps
+// with several models, arms of `select`, deaths, errors, programs at rest - has the state of each
+// model in a variable, and makes each step one `d_step` (promela_steps.cpp).
+//
+// Invariant: one transition of the Promela is one step of the system. So the states of the text,
+// explored without reduction, are those of the system, but for what PromelaSystem names.
 #pragma once
 
 #include <cstdint>
-#include <map>
-#include <set>
+#include <memory>
 #include <string>
-#include <string_view>
 #include <utility>
 #include <vector>
 
+#include "maide/check/export/step_rules.hpp"
 #include "maide/check/language/system.hpp"
-#include "maide/formats/names.hpp"
 
 namespace maide {
-
-// What the programs of a system use of each of its models. An export writes that much of a model,
-// and it tells whether a run may leave what was learned at all.
-struct ModelUsage {
-  struct Instance {
-    std::set<Symbol> inputs;   // that are given
-    std::set<Symbol> cutting;  // those of them that may be beyond what was learned, while the model
-                               // says `stop`, as far as its automaton alone tells
-    bool quiet = false;        // some program has an arm for it
-  };
-
-  explicit ModelUsage(const System& system);
-
-  std::vector<Instance> instances;  // by model
-  bool any_cut = false;             // else no run can be cut
-};
-
-// Names of a system as Promela identifiers. They are readable, distinct, and none of the words that
-// SPIN or the text of a system uses itself.
-class PromelaNames {
- public:
-  PromelaNames();
-  // The identifier of `name` with `prefix`; the same for the same pair.
-  const std::string& of(std::string_view prefix, std::string_view name);
-
- private:
-  std::map<std::pair<std::string, std::string>, std::string> known_;
-  Identifiers identifiers_;
-};
 
 struct PromelaOptions {
   enum class Purpose : std::uint8_t {
     deadlock,  // invalid end states are the system's deadlocks; a cut is a self-loop, so the states
                // are those of the system before any cut
+    error,     // an assertion fails at an error; else as `deadlock`, but for what end states are
     cut,       // an assertion fails where a run leaves what was learned
     ltl,       // a never claim for the property; a cut makes the rest of the run satisfy everything
   };
@@ -66,23 +35,35 @@ struct PromelaOptions {
 
 // Which transition stands in a line of the text.
 struct PromelaLine {
-  enum class Kind : std::uint8_t { none, program_edge, model_transition };
+  enum class Kind : std::uint8_t { none, program_edge, model_transition, step };
   Kind kind = Kind::none;
   std::uint32_t owner = 0;   // program or model instance
-  std::uint32_t index = 0;   // edge of the program
+  std::uint32_t index = 0;   // edge of the program; of a step: into PromelaSystem::steps
   StateId model_target = 0;  // of the model's transition
   bool is_beyond = false;    // the step goes beyond what was learned
 };
 
 struct PromelaSystem {
+  // A step in one line: StepRules::step_of() of these.
+  struct Step {
+    StepRule rule;
+    std::vector<std::uint32_t> ranks;
+  };
+
   std::string text;                // without the never claim
   std::vector<PromelaLine> lines;  // by line of the text, from 1; [0] is not used
   std::string claim;               // Purpose::ltl: the negated formula for `spin -f`
   std::size_t processes = 0;
+  std::shared_ptr<const StepRules> rules;  // of the form with steps, which it is written from
+  std::vector<Step> steps;
+  // The processes are started by a step of their own: there is one state more, before it.
+  bool has_start = false;
+  // Purposes deadlock and ltl: each state is there twice, before and after nobody dies any more.
+  bool is_doubled = false;
 };
 
-// Throws UsageError if the system has more symbols or processes than SPIN can have (250), or what
-// Promela has no form for (refuse_second_edition).
+// Throws UsageError if the system has more symbols, processes or states of a model than SPIN can
+// have, or the formula compares too many values.
 PromelaSystem write_promela(const System& system, const PromelaOptions& options = {});
 
 }  // namespace maide

@@ -28,20 +28,20 @@ std::uint64_t default_bytes() {
 }
 
 constexpr std::array<SystemExporter, 4> table{{
-    {"promela", "Promela, SPIN's language",
+    {"promela", "Promela, SPIN's language", false,
      [](std::ostream& out, const System& system, const SystemExportOptions&) {
        out << write_promela(system).text;
      }},
-    {"aut", "the graph of its states, for CADP, mCRL2 and LTSmin",
+    {"aut", "the graph of its states, for CADP, mCRL2 and LTSmin", true,
      [](std::ostream& out, const System& system, const SystemExportOptions& options) {
        write_aut(out, system, options.bytes != 0 ? options.bytes : default_bytes(),
                  options.control);
      }},
-    {"smv", "the language of NuSMV and nuXmv",
+    {"smv", "the language of NuSMV and nuXmv", false,
      [](std::ostream& out, const System& system, const SystemExportOptions&) {
        write_smv(out, system);
      }},
-    {"mcrl2", "mCRL2, the process algebra",
+    {"mcrl2", "mCRL2, the process algebra", false,
      [](std::ostream& out, const System& system, const SystemExportOptions&) {
        write_mcrl2(out, system);
      }},
@@ -53,36 +53,6 @@ std::span<const SystemExporter> system_exporters() { return table; }
 
 const SystemExporter& find_system_exporter(std::string_view name) {
   return find_row(system_exporters(), "format of systems", name);
-}
-
-void refuse_second_edition(const System& system, std::string_view language) {
-  const std::string no_single = ", which is no single input or output";
-  const auto refuse = [&](const Program& program, int line, const std::string& what) {
-    throw UsageError(fmt::format("the system cannot be written in {}: {} has {} ({}:{})", language,
-                                 program.name, what, system.file, line));
-  };
-  for (const Program& program : system.programs) {
-    for (const ProgramEdge& edge : program.edges) {
-      if (edge.kind == ProgramEdge::Kind::joint) {
-        refuse(program, edge.line,
-               "the step `" + program.joints[edge.symbol].text + "`" + no_single);
-      }
-      if (edge.kind == ProgramEdge::Kind::act) {
-        const ModelInstance& model = system.models[edge.model];
-        refuse(program, edge.line,
-               "the step `" + model.actions[edge.symbol].name + "`" + no_single);
-      }
-    }
-    for (const Program::State& state : program.states) {
-      if (state.error != 0) {
-        const ProgramError& error = program.errors[state.error];
-        refuse(program, error.position.line, "the error `" + error.text + "`");
-      }
-      if (state.may_rest) {
-        refuse(program, program.position.line, "a statement at which it may rest");
-      }
-    }
-  }
 }
 
 namespace {

@@ -1,7 +1,6 @@
 // The formats that whole systems are exported to: their table (`maide export SYSTEM --to NAME`),
 // and the writers of .aut, mCRL2 and SMV. Promela has a file of its own (promela_system.hpp). All
-// formats have the same steps: one rendezvous, one `quiet` or one choice is one transition. Systems
-// with joint steps go to .aut alone.
+// formats have the same steps: one step is one transition (step_rules.hpp).
 #pragma once
 
 #include <cstdint>
@@ -22,16 +21,15 @@ struct SystemExportOptions {
 struct SystemExporter {
   std::string_view name;  // as in --to
   std::string_view summary;
+  // Of a system with several components that uses the second edition, too: an error, which stops
+  // its component, stops them all there.
+  bool takes_components = false;
   void (*write)(std::ostream& out, const System& system, const SystemExportOptions& options);
 };
 
 std::span<const SystemExporter> system_exporters();
 // Throws UsageError "unknown format 'x' for a system; known are: ...".
 const SystemExporter& find_system_exporter(std::string_view name);
-
-// Throws UsageError for a system that has what the other language has no form for: steps that use
-// several models or a shared variable, errors, statements at which a program may rest.
-void refuse_second_edition(const System& system, std::string_view language);
 
 // ---- Aldebaran ----
 //
@@ -55,8 +53,10 @@ GraphSize write_aut(std::ostream& out, const System& system, std::uint64_t bytes
 // A whole system in mCRL2 (Groote & Mousavi, "Modeling and Analysis of Communicating Systems",
 // 2014): a process for each state of a component, and the components in parallel. A program's half
 // of a rendezvous, `p_in_via_write`, and the model's, `m_in_via_write`, communicate to
-// `in_via_write`, whose argument is the program. Only that is allowed, so one action is one step.
-// The states are those of the system before any cut: `beyond_via_write` changes nothing.
+// `in_via_write`, whose argument is the program. A step with several models has a part for each.
+// Only whole steps are allowed, so one action is one step. Where programs may come to an error, a
+// process `Running` takes part in every step until then. The states are those of the system before
+// any cut: `beyond_via_write` changes nothing.
 void write_mcrl2(std::ostream& out, const System& system);
 
 // ---- SMV ----
@@ -65,8 +65,8 @@ void write_mcrl2(std::ostream& out, const System& system);
 // variable of main, `step`, that says which of them move together. One transition is one step, and
 // the states are those of the system before any cut. Where nothing can happen, `step` is `idle` and
 // the last state repeats, because SMV wants total relations. A step beyond what was learned
-// (`beyond_...`) changes nothing. `INVARSPEC !deadlock` is the system's `deadlock`. Programs define
-// `ended` and `at_LABEL` for properties of one's own.
+// (`beyond_...`) changes nothing. `INVARSPEC !deadlock` is the system's `deadlock`, and `INVARSPEC
+// !is_error` its `error`. Programs define `ended` and `at_LABEL` for properties of one's own.
 void write_smv(std::ostream& out, const System& system);
 
 }  // namespace maide

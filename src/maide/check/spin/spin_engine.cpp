@@ -10,6 +10,7 @@
 #include "maide/base/file.hpp"
 #include "maide/base/subprocess.hpp"
 #include "maide/check/export/promela_system.hpp"
+#include "maide/check/language/components.hpp"
 
 namespace maide {
 namespace {
@@ -84,7 +85,7 @@ class Verification {
       // A step is at most two of pan's moves, and the processes have to be started.
       const std::size_t depth = 2 * trace.steps.size() + 2 * promela_.processes + 10;
       std::vector<std::string> command{"./pan", fmt::format("-m{}", depth), "-i", "-n"};
-      if (purpose_ != Purpose::deadlock) command.emplace_back("-E");
+      command.emplace_back(what_to_ignore());
       run(command, shortening_time);
       if (!fs::exists(trail, error)) return trace;
       Trace shorter = read_trace();
@@ -96,6 +97,18 @@ class Verification {
     }
   }
 
+  // What pan counted, as states and transitions of the system; with a claim, of its product with
+  // it.
+  std::uint64_t states(const PanOutput& output) const {
+    if (purpose_ == Purpose::ltl || output.states == 0) return output.states;
+    if (promela_.has_start) return output.states - 1;
+    return promela_.is_doubled ? output.states / 2 : output.states;
+  }
+  std::uint64_t transitions(const PanOutput& output) const {
+    // With steps alone pan counts one too much: the initial state as stored.
+    const bool is_exact = purpose_ != Purpose::ltl && promela_.rules && output.transitions > 0;
+    return is_exact ? output.transitions - 1 : output.transitions;
+  }
   double seconds() const { return seconds_; }
   std::uint64_t memory_mib() const { return memory_mib_; }
 
@@ -133,7 +146,7 @@ class Verification {
     throw UsageError(fmt::format("{} failed: {}", what, complaint(result)));
   }
 
-  // The never claim, which first lets the processes be started.
+  // The never claim, which first lets processes be started.
   std::string never_claim() {
     SubprocessResult result;
     if (promela_.claim.size() <= largest_claim) {
@@ -146,7 +159,8 @@ class Verification {
       throw UsageError(what_ +
                        " is too large for spin (once <-> and W are spelled out by U and R)");
     }
-    return "never {\n  true;\n" + result.out.substr(body + 1);
+    const std::string start = promela_.has_start ? "  true;\n" : "";
+    return "never {\n" + start + result.out.substr(body + 1);
   }
 
   void compile(const std::vector<std::string>& definitions) {
@@ -166,12 +180,15 @@ class Verification {
     run_tool({tools_.compiler, "-o", "pan", "pan.o"}, "a C compiler", "pan");
   }
 
+  // Assertions, or invalid end states.
+  const char* what_to_ignore() const { return purpose_ == Purpose::deadlock ? "-A" : "-E"; }
+
   PanOutput run_pan(std::vector<std::string> arguments,
                     std::optional<std::chrono::milliseconds> limit) {
     arguments.insert(arguments.begin(), "./pan");
     arguments.emplace_back("-n");
     if (purpose_ == Purpose::ltl) arguments.emplace_back("-a");
-    if (purpose_ != Purpose::deadlock) arguments.emplace_back("-E");
+    arguments.emplace_back(what_to_ignore());
     if (is_fair_) arguments.emplace_back("-f");
     const SubprocessResult result = run(arguments, limit);
     const auto output = parse_pan_output(result.out + result.err);
@@ -209,7 +226,25 @@ void require_sound(const System& system, const Property& property, const Trace& 
 
 }  // namespace
 
-std::string SpinEngine::obstacle(const Property& property) const {
+namespace {
+
+// A violation of a safety property shows on a prefix, and every prefix goes on to a fair run.
+bool depends_on_fairness(const Property& property) {
+  return property.kind == Property::Kind::ltl && property.fairness == Fairness::weak &&
+         !is_syntactically_safe(property.formula);
+}
+
+Purpose purpose_of(const Property& property) {
+  switch (property.kind) {
+    case Property::Kind::deadlock: return Purpose::deadlock;
+    case Property::Kind::error: return Purpose::error;
+    default: return Purpose::ltl;
+  }
+}
+
+}  // namespace
+
+std::string SpinEngine::obstacle(const System& system, const Property& property) const {
   if (property.kind == Property::Kind::stuck)
     return "the engine spin does not check 'stuck' (--engine native does)";
   if (property.kind == Property::Kind::never) {
@@ -221,6 +256,14 @@ std::string SpinEngine::obstacle(const Property& property) const {
   }
   if (property.fairness == Fairness::strong)
     return "the engine spin has no strong fairness (--engine native has)";
+  if (!depends_on_fairness(property)) return "";
+  for (const std::uint32_t index : programs_of(system, property, find_components(system))) {
+    for (const FairGroup& group : system.programs[index].fair_groups) {
+      if (!group.on_weak_runs) continue;
+      return "the engine spin has no `fair` choices, and " + system.programs[index].name +
+             " makes one (--engine native has)";
+    }
+  }
   return "";
 }
 
@@ -229,19 +272,15 @@ PropertyResult SpinEngine::check(const System& system, const Property& property,
   PropertyResult result;
   result.name = property.name;
   const bool is_ltl = property.kind == Property::Kind::ltl;
-  // A violation of a safety property shows on a prefix, and every prefix goes on to a fair run.
-  const bool is_fair =
-      is_ltl && property.fairness == Fairness::weak && !is_syntactically_safe(property.formula);
   const std::string place = to_string(property.position);
   const std::string what =
       fmt::format("property '{}'{}", property.name, place.empty() ? "" : " (" + place + ")");
   try {
-    Verification verification(options_, options, system,
-                              {is_ltl ? Purpose::ltl : Purpose::deadlock, property.formula},
-                              is_fair, what);
+    Verification verification(options_, options, system, {purpose_of(property), property.formula},
+                              depends_on_fairness(property), what);
     const PanOutput output = verification.search();
-    result.states = is_ltl || output.states == 0 ? output.states : output.states - 1;
-    result.transitions = output.transitions;
+    result.states = verification.states(output);
+    result.transitions = verification.transitions(output);
     result.peak_bytes = output.peak_bytes;
     result.seconds = verification.seconds();
     if (output.errors == 0) {
@@ -266,7 +305,7 @@ PropertyResult SpinEngine::check(const System& system, const Property& property,
 
 CutResult SpinEngine::find_cut(const System& system, const EngineOptions& options) {
   CutResult result;
-  if (!ModelUsage(system).any_cut) {
+  if (!StepRules(system).may_cut()) {
     result.verdict = Verdict::holds;
     return result;
   }

@@ -24,8 +24,8 @@ class SpinEngine : public Engine {
  public:
   explicit SpinEngine(SpinOptions options = {}) : options_(std::move(options)) {}
   std::string name() const override { return "spin"; }
-  // `stuck`, X and strong fairness are beyond it.
-  std::string obstacle(const Property& property) const override;
+  // `stuck`, X, strong fairness and `fair` are beyond it.
+  std::string obstacle(const System& system, const Property& property) const override;
   PropertyResult check(const System& system, const Property& property,
                        const EngineOptions& options) override;
   CutResult find_cut(const System& system, const EngineOptions& options) override;

@@ -1,10 +1,12 @@
 // From the lines that `spin -t -p` prints back to steps. Each transition stands in a line of its
-// own in the Promela, so a line number says all: a rendezvous is two of them.
-#include <cctype>
+// own in the Promela, so a line number says all: a rendezvous is two of them, a `d_step` is one
+// that may be printed several times.
 #include <cstdlib>
+#include <optional>
 #include <sstream>
 #include <stdexcept>
 #include <string_view>
+#include <utility>
 
 #include "maide/check/spin/spin_engine.hpp"
 
@@ -60,18 +62,23 @@ namespace {
 
 using Kind = PromelaLine::Kind;
 
-// The N of "  7:	proc  3 (name:1) system.pml:N (state 5)	[...]"; 0 for other lines.
-std::size_t source_line(const std::string& line) {
+// Where a line of the run says that a process moved.
+struct Place {
+  std::uint64_t move = 0;  // its number in the run: statements of one d_step have the same
+  std::size_t line = 0;    // of the text
+  bool operator==(const Place&) const = default;
+};
+
+// Of "  7:	proc  3 (name:1) system.pml:N (state 5)	[...]"; nothing for other lines.
+std::optional<Place> place_of(const std::string& line) {
   const std::size_t proc = line.find(":\tproc ");
   const std::size_t file = line.find(".pml:");
-  if (proc == std::string::npos || file == std::string::npos || file < proc) return 0;
-  if (line.find("(state ") == std::string::npos || line.find('[') == std::string::npos) return 0;
-  std::size_t number = 0;
-  for (std::size_t at = file + 5;
-       at < line.size() && std::isdigit(static_cast<unsigned char>(line[at])); ++at) {
-    number = number * 10 + static_cast<std::size_t>(line[at] - '0');
+  if (proc == std::string::npos || file == std::string::npos || file < proc) return std::nullopt;
+  if (line.find("(state ") == std::string::npos || line.find('[') == std::string::npos) {
+    return std::nullopt;
   }
-  return number;
+  return Place{std::strtoull(line.c_str(), nullptr, 10),
+               std::strtoull(line.c_str() + file + 5, nullptr, 10)};
 }
 
 bool is_alone(const PromelaLine& half, const System& system) {
@@ -95,42 +102,75 @@ Step join_halves(const PromelaLine& first, const PromelaLine& second, const Syst
           cuts(system.models[model.owner], met)};
 }
 
+// Collects the steps of a run.
+class RunReader {
+ public:
+  RunReader(const PromelaSystem& promela, const System& system)
+      : promela_(promela), system_(system), state_(initial_state(system)) {}
+
+  void begin_loop() { trace_.loop_start = trace_.steps.size(); }
+
+  // What another line of the run stands for. False: the run ends there.
+  bool read(const Place& place) {
+    const PromelaLine& meaning = promela_.lines[place.line];
+    if (meaning.kind == Kind::none) return true;
+    if (meaning.kind == Kind::step) {
+      if (last_ == place) return true;
+      last_ = place;
+      return read_step(promela_.steps[meaning.index]);
+    }
+    if (half_ != nullptr) return add(join_halves(*std::exchange(half_, nullptr), meaning, system_));
+    if (is_alone(meaning, system_)) return add({meaning.owner, meaning.index, {}, false, false});
+    half_ = &meaning;
+    return true;
+  }
+
+  Trace finish() {
+    if (half_ != nullptr) throw std::logic_error("the run of spin ends in half a rendezvous");
+    // A loop without steps: the run has ended and its last state repeats.
+    if (trace_.loop_start == trace_.steps.size()) trace_.loop_start.reset();
+    return std::move(trace_);
+  }
+
+ private:
+  bool read_step(const PromelaSystem::Step& found) {
+    const auto step = promela_.rules->step_of(found.rule, found.ranks, state_);
+    if (!step) throw std::logic_error("the run of spin shows a step that is not possible");
+    state_ = apply(system_, state_, *step);
+    return add(*step);
+  }
+
+  // A run that is cut, or comes to an error, ends there; what SPIN appends is of no meaning.
+  bool add(Step step) {
+    const Program& program = system_.programs[step.program];
+    const bool is_last = step.is_cut || program.is_error(program.edges[step.edge].target);
+    trace_.steps.push_back(std::move(step));
+    if (is_last) trace_.loop_start.reset();
+    return !is_last;
+  }
+
+  const PromelaSystem& promela_;
+  const System& system_;
+  GlobalState state_;  // of the form with steps
+  std::optional<Place> last_;
+  const PromelaLine* half_ = nullptr;
+  Trace trace_;
+};
+
 }  // namespace
 
 Trace read_spin_run(const std::string& text, const PromelaSystem& promela, const System& system) {
-  Trace trace;
-  const PromelaLine* half = nullptr;
+  RunReader reader(promela, system);
   std::istringstream lines(text);
   for (std::string line; std::getline(lines, line);) {
-    if (line.find("<<<START OF CYCLE>>>") != std::string::npos) {
-      trace.loop_start = trace.steps.size();
-    }
+    if (line.find("<<<START OF CYCLE>>>") != std::string::npos) reader.begin_loop();
     // What follows is the state at the end, in which lines stand for where processes are.
     if (line.find("trail ends after") != std::string::npos) break;
-    const std::size_t number = source_line(line);
-    if (number == 0 || number >= promela.lines.size()) continue;
-    const PromelaLine& meaning = promela.lines[number];
-    if (meaning.kind == Kind::none) continue;
-    if (half == nullptr) {
-      half = &meaning;
-      if (is_alone(*half, system)) {
-        trace.steps.push_back({half->owner, half->index, {}, false, false});
-        half = nullptr;
-      }
-      continue;
-    }
-    trace.steps.push_back(join_halves(*half, meaning, system));
-    half = nullptr;
-    // A run that is cut ends there; what SPIN appends is of no meaning.
-    if (trace.steps.back().is_cut) {
-      trace.loop_start.reset();
-      return trace;
-    }
+    const auto place = place_of(line);
+    if (!place || place->line >= promela.lines.size()) continue;
+    if (!reader.read(*place)) break;
   }
-  if (half != nullptr) throw std::logic_error("the run of spin ends in half a rendezvous");
-  // A loop without steps: the run has ended and its last state repeats.
-  if (trace.loop_start == trace.steps.size()) trace.loop_start.reset();
-  return trace;
+  return reader.finish();
 }
 
 }  // namespace maide
