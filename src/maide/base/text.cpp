@@ -114,6 +114,16 @@ std::string quote_shell_word(const std::string& word) {
   return quoted + "'";
 }
 
+namespace {
+
+std::string to_lower(std::string_view text) {
+  std::string lower(text);
+  for (char& c : lower) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  return lower;
+}
+
+}  // namespace
+
 // The "optimal string alignment" form of Damerau's distance: no letter is edited twice.
 std::size_t edit_distance(std::string_view a, std::string_view b) {
   std::vector<std::vector<std::size_t>> d(a.size() + 1, std::vector<std::size_t>(b.size() + 1));
@@ -137,7 +147,7 @@ std::string find_nearest(std::string_view name, std::span<const std::string> kno
   std::size_t best = std::max<std::size_t>(1, name.size() / 3) + 1;
   std::string nearest;
   for (const std::string& candidate : known) {
-    const std::size_t distance = edit_distance(name, candidate);
+    const std::size_t distance = edit_distance(to_lower(name), to_lower(candidate));
     // A name with every letter changed is another name, however short.
     if (distance < best && distance < std::max(name.size(), candidate.size())) {
       best = distance;

@@ -30,6 +30,7 @@ TEST(Suggest, IsSilentWhenNothingIsNear) {
   EXPECT_EQ(find_nearest("x", std::vector<std::string>{"y"}), "");
   EXPECT_EQ(did_you_mean("xyz", words), "");
   EXPECT_EQ(did_you_mean("hstory", words), "; did you mean 'history'?");
+  EXPECT_EQ(find_nearest("DEPTH", words), "depth");
 }
 
 }  // namespace

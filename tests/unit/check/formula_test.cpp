@@ -53,7 +53,8 @@ TEST_F(FormulaTest, ErrorsNameThePlace) {
             "expected program@label, model.input or model!output, not 'p' alone (f:1:1)");
   EXPECT_EQ(error("p@c"), "program p has no label 'c'; it has: a, b, end (f:1:3)");
   EXPECT_EQ(error("q@a"), "unknown program 'q'; there is: p, F (f:1:1)");
-  EXPECT_EQ(error("via.wirte"), "model via has no input 'wirte'; it has: write, read (f:1:5)");
+  EXPECT_EQ(error("via.wirte"),
+            "model via has no input 'wirte'; it has: write, read; did you mean 'write'? (f:1:5)");
   EXPECT_EQ(error("p!x"), "unknown model 'p'; there is: via, sync (f:1:1)");
   EXPECT_EQ(error("p@a)"), "this ')' closes nothing (f:1:4)");
   EXPECT_NE(error(std::string(100000, '(')).find("too deeply"), std::string::npos);

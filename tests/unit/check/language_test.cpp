@@ -7,6 +7,7 @@
 #include <map>
 #include <set>
 
+#include "maide/check/language/tokens.hpp"
 #include "systems.hpp"
 
 namespace maide {
@@ -356,6 +357,61 @@ TEST(Language, ErrorsNameThePlace) {
     const std::string message = error_in(program);
     EXPECT_NE(message.find(expected), std::string::npos) << program << "\n" << message;
   }
+}
+
+TEST(Language, UnknownNamesAreToldWhatThereIsAndNotTooMuch) {
+  const std::vector<std::string> many(30, "robot");
+  EXPECT_EQ(known_instead("x", {}), "none");
+  EXPECT_EQ(known_instead("dept", std::vector<std::string>{"depth", "size"}),
+            "depth, size; did you mean 'depth'?");
+  EXPECT_NE(known_instead("robit", many).find("robot, robot and 6 more; did you mean 'robot'?"),
+            std::string::npos);
+}
+
+TEST(Language, AWordThatBeginsNoStatementIsToldWhatDoes) {
+  const std::vector<std::pair<std::string, std::string>> cases{
+      {"loop { brek; }", "'brek' begins no statement; did you mean 'break'? (s.yaml:3:12)"},
+      {"Loop { if * { } }", "'Loop' begins no statement; did you mean 'loop'? (s.yaml:3:5)"},
+      {"var ready: bool; raedy;", "'raedy' begins no statement; did you mean 'ready'?"},
+      {"if * { skip; } elseif * { }", "'elseif' begins no statement; did you mean 'else if'?"},
+      {"select { timeout { } }", "a 'timeout' says how many milliseconds, as in `timeout 100 { }`"},
+      {"@ q.write;", "behind '@' stands the name of a label, and then a statement, as in `@here q"},
+      {"var x: int;", "a type is a range as `0..3`, `bool`, or words as `{idle, busy}`, and 'int'"},
+      {"skip; stop", "expected ';' after 'stop', not the end of the text (s.yaml:3:15)"},
+      {"goto x;",
+       "'goto' begins no statement: one gives an input (`model.input;`), sets a variable"},
+      {"otherwise { }", "'otherwise' begins an arm of a 'select', and this is none (s.yaml:3:5)"},
+      {"else { }", "'else' follows no 'if' block"},
+      {"quiet { }", "'quiet' is an arm of 'switch'"},
+      {"var n: 0..3; n++;", "'n' is a variable: a statement sets it, as in `n = e;` (s.yaml:3:18)"},
+      {"var n: 0..3; N = 1;", "unknown variable 'N'; did you mean 'n'?"},
+      {"var left: 0..3; left = letf;", "or word of a variable; did you mean 'left'? (s.yaml:3:28)"},
+  };
+  for (const auto& [program, expected] : cases) {
+    const std::string message = error_in(program);
+    EXPECT_NE(message.find(expected), std::string::npos) << program << "\n" << message;
+  }
+  EXPECT_NE(
+      test::error_of([] {
+        system_from("procedures: {eat(n): \"repeat n { if * { } }\"}\nprograms: {p: eat(2);}");
+      }).find("'eat' is a procedure: a statement calls it, as in `call eat(...);`"),
+      std::string::npos);
+}
+
+TEST(Language, SlipsAtModelsAndProceduresAreToldWhatToDo) {
+  const auto error = [](const std::string& programs) {
+    return test::error_of([&] {
+      system_from(
+          "models: {q: {use: queue, with: {size: 1}}}\nprocedures: {eat(m, k): \"repeat k { "
+          "m.write; }\"}\nprograms: {" +
+          programs + "}");
+    });
+  };
+  EXPECT_NE(error("p: \"q.read => message;\"").find("'=>' is no sign here: it is '->'"),
+            std::string::npos);
+  EXPECT_NE(error("p: \"call eat(q);\"").find("takes 2 arguments: eat(m, k)"), std::string::npos);
+  EXPECT_NE(error("a: q.write;, p: q.write(1);").find("is given 'write' with values elsewhere"),
+            std::string::npos);
 }
 
 TEST(Language, NamesAreOneSpace) {

@@ -134,7 +134,7 @@ TEST(SystemFile, ErrorsNameThePlace) {
       {models + "programs: {p: [1]}", "program 'p' must be a text (s.yaml:3:15)"},
       {models + "programs: {p: via.write;}\nprogams: {}\n",
        "a system file has no key 'progams'; it may have: constants, models, topics, "
-       "procedures, variables, programs, properties "
+       "procedures, variables, programs, properties; did you mean 'programs'? "
        "(s.yaml:4:1)"},
       {models + "programs: {p: via.write;, p: via.read;}", "'p' is there twice (s.yaml:3:27)"},
       {models + "programs: {p: {source: p.cpp, entry: \"P::run\"}}", "not built yet"},
@@ -156,9 +156,15 @@ TEST(SystemFile, ErrorsNameThePlace) {
       {models + "programs: {p: via.write;}\nproperties: {x: {ltl: !via!message}}",
        "put the formula in quotes"},
       {models + "programs: {p: via.write;}\nproperties:\n  x: \"G p@ende\"",
-       "program p has no label 'ende'; it has: end (s.yaml:5:11)"},
+       "program p has no label 'ende'; it has: end; did you mean 'end'? (s.yaml:5:11)"},
       {"a: b: c", "not YAML"},
-      {"a: [1", "not YAML"},
+      {"a: [1", "not YAML: a '[' is not closed, or a ',' is missing in it"},
+      {"programs: {p: via.write;", "a '{' is not closed, or a ',' is missing between its entries"},
+      {"programs:\n\tp: q.write;", "lines are indented with blanks, and here is a tab (s.yaml:2:"},
+      {"programs: p: q", "a text with ': ' in it is in quotes, and a key begins a line"},
+      {"models:\n  q: 1\n q2: 1", "this line is indented like none above it (s.yaml:3:2)"},
+      {"variables: {n: 0..2}\nprograms: {p: skip;}", "as in variables: \"var n: 0..3; var ok"},
+      {"constants: {n: 1.5}\nprograms: {p: skip;}", "numbers are whole, without a fraction"},
       {"a: 1\n---\nb: 2", "one YAML document (s.yaml:3:1)"},
       {std::string(100000, '['), "nested too deeply"},
   };

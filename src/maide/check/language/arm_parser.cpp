@@ -135,6 +135,9 @@ SelectArm ProgramParser::parse_select_arm() {
   if (tokens_.accept("timeout")) {
     arm.kind = Kind::timeout;
     const Token number = tokens_.peek();
+    if (number.is("{")) {
+      tokens_.fail("a 'timeout' says how many milliseconds, as in `timeout 100 { }`", number);
+    }
     if (expressions_.parse_constant("a time-out") < 0) {
       tokens_.fail("a time-out is some milliseconds", number);
     }

@@ -42,11 +42,13 @@ ModelReference EventParser::parse_model() {
 void EventParser::fail_unknown_model(const Token& name, bool is_unknown) {
   if (!is_unknown) tokens_.fail("'" + name.text + "' is no model", name);
   if (is_reserved(name)) tokens_.fail("'" + name.text + "' is a keyword here", name);
-  std::map<std::uint32_t, std::string> in_order;
-  for (const auto& [other, model] : context_.names.models) in_order.emplace(model.first, other);
-  std::string known;
-  for (const auto& [first, other] : in_order) known += (known.empty() ? "" : ", ") + other;
-  tokens_.fail("unknown model '" + name.text + "'; there is: " + (known.empty() ? "none" : known),
+  std::map<std::pair<bool, std::uint32_t>, std::string> in_order;
+  for (const auto& [other, model] : context_.names.models) {
+    in_order.emplace(std::pair(model.is_topic, model.first), other);
+  }
+  std::vector<std::string> known;
+  for (const auto& [first, other] : in_order) known.push_back(other);
+  tokens_.fail("unknown model '" + name.text + "'; there is: " + known_instead(name.text, known),
                name);
 }
 
@@ -102,20 +104,29 @@ Event EventParser::parse_event_name(const ModelReference& model, std::string_vie
 void EventParser::check_event(const ModelReference& model, const Event& event, const Token& name,
                               std::string_view what) {
   const ModelInstance& instance = this->instance(model);
-  if (context_.on_value && instance.source == ModelInstance::Source::built_in) return;
+  const bool is_built_in = instance.source == ModelInstance::Source::built_in;
+  if (context_.on_value && is_built_in) return;
   const Alphabet& alphabet =
       what == "input" ? instance.automaton.inputs() : instance.automaton.outputs();
   if (!event.has_arguments && alphabet.find(event.name)) return;
+  if (!event.has_arguments && is_built_in && what == "input") {
+    const bool has_values =
+        std::any_of(alphabet.names().begin(), alphabet.names().end(),
+                    [&](const std::string& other) { return split_name(other).name == event.name; });
+    if (has_values) {
+      tokens_.fail("model " + model.name() + " is given '" + event.name +
+                       "' with values elsewhere, so it takes it with values alone",
+                   name);
+    }
+  }
   const bool may_have_arguments = event.has_arguments || what == "output";
   for (const std::string& other : alphabet.names()) {
     const NameParts parts = split_name(other);
     if (may_have_arguments && !parts.arguments.empty() && parts.name == event.name) return;
   }
-  std::string known;
-  for (const std::string& other : alphabet.names()) known += (known.empty() ? "" : ", ") + other;
   tokens_.fail("model " + model.name() + " has no " + std::string(what) + " '" + event.name + "'" +
                    (event.has_arguments ? " with values" : "") +
-                   "; it has: " + (known.empty() ? "none" : known),
+                   "; it has: " + known_instead(event.name, alphabet.names()),
                name);
 }
 

@@ -224,6 +224,9 @@ Expression ExpressionParser::parse_primary() {
   }
   const SourcePosition place = tokens_.position(first);
   if (first.kind == Token::Kind::number) {
+    if (tokens_.peek().is(".") && tokens_.peek(1).kind == Token::Kind::number) {
+      tokens_.fail("numbers are whole, without a fraction", first);
+    }
     return make_constant(parse_integer(tokens_, first), ValueKind::integer);
   }
   if (first.is("true") || first.is("false")) {

@@ -1,5 +1,7 @@
 #include "maide/check/language/name_parser.hpp"
 
+#include "maide/base/text.hpp"
+
 namespace maide::program_syntax {
 namespace {
 
@@ -31,6 +33,10 @@ bool NameParser::is_reserved(const Token& word) {
          (word.kind == Token::Kind::identifier && contains(others, word.text));
 }
 
+std::vector<std::string> NameParser::statement_keywords() {
+  return {std::begin(openers), std::end(openers)};
+}
+
 void NameParser::expect_end() {
   if (tokens_.peek().kind != Token::Kind::end) {
     tokens_.fail("nothing may follow here, and there is " + to_string(tokens_.peek()),
@@ -47,6 +53,18 @@ const Binding* NameParser::find_binding(const std::string& name) const {
     if (work_.scopes[i].is_barrier) break;
   }
   return nullptr;
+}
+
+std::vector<std::string> NameParser::names_of_variables() const {
+  std::vector<std::string> names;
+  for (std::size_t i = work_.scopes.size(); i-- > 0;) {
+    for (const auto& [name, binding] : work_.scopes[i].names) {
+      if (binding.kind == Binding::Kind::variable) names.push_back(name);
+    }
+    if (work_.scopes[i].is_barrier) break;
+  }
+  for (const auto& [name, variable] : context_.names.variables) names.push_back(name);
+  return names;
 }
 
 std::optional<Binding> NameParser::find(const std::string& name) const {
@@ -88,8 +106,11 @@ Expression NameParser::resolve(const Token& name) {
     if (const auto word = context_.words.find(name.text)) {
       return make_constant(*word, ValueKind::word);
     }
+    std::vector<std::string> known = names_of_variables();
+    for (const auto& [constant, value] : context_.names.constants) known.push_back(constant);
     tokens_.fail("unknown name '" + name.text +
-                     "': there is no such variable, constant or word of a variable",
+                     "': there is no such variable, constant or word of a variable" +
+                     did_you_mean(name.text, known),
                  name);
   }
   if (binding->kind == Binding::Kind::model) {
@@ -164,6 +185,11 @@ ValueType NameParser::parse_type() {
     return type;
   }
   if (!tokens_.accept("{")) {
+    if (first.is_name() && !find(first.text)) {
+      tokens_.fail("a type is a range as `0..3`, `bool`, or words as `{idle, busy}`, and " +
+                       to_string(first) + " is none of it",
+                   first);
+    }
     const auto range = expressions_.parse_range("a bound of a variable");
     type.low = range.low;
     type.high = range.high;
@@ -247,7 +273,11 @@ void NameParser::declare_own() {
 std::pair<Expression, ValueType> NameParser::parse_target() {
   const Token name = tokens_.next();
   const auto binding = find(name.text);
-  if (!binding) tokens_.fail("unknown variable '" + name.text + "'", name);
+  if (!binding) {
+    tokens_.fail(
+        "unknown variable '" + name.text + "'" + did_you_mean(name.text, names_of_variables()),
+        name);
+  }
   if (binding->kind != Binding::Kind::variable) {
     tokens_.fail("'" + name.text + "' is no variable, and cannot be set", name);
   }

@@ -71,12 +71,15 @@ class NameParser {
   static bool begins_statement(const Token& word);
   // Those, and the keywords inside of statements.
   static bool is_reserved(const Token& word);
+  static std::vector<std::string> statement_keywords();
 
   void expect_end();
 
   // ---- names ------------------------------------------------------------------------------------
 
   const Binding* find_binding(const std::string& name) const;
+  // Variables that can be seen here, the program's own and the file's.
+  std::vector<std::string> names_of_variables() const;
   // What the name stands for, here or in the file; nothing of a name that is not known.
   std::optional<Binding> find(const std::string& name) const;
   void name_models(std::uint32_t first, const Dimensions& dimensions) const;

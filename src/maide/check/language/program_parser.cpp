@@ -161,13 +161,10 @@ void ProgramParser::parse_simple(const Token& first, Statement& statement) {
     check_atomic(*statement.body);
   } else if (accept_keyword("select")) {
     parse_select(first, statement);
-  } else if (is_keyword("else") || is_keyword("quiet")) {
-    tokens_.fail(
-        first.is("else") ? "this 'else' follows no 'if' block" : "'quiet' is an arm of 'switch'",
-        first);
   } else if (is_target()) {
     parse_assignment(statement);
   } else {
+    if (!tokens_.peek(1).is(".")) require_model(first);
     parse_give(statement);
     if (tokens_.accept("->")) statement.arms.push_back(parse_awaited(statement.model));
     expect_semicolon();
@@ -181,11 +178,47 @@ bool ProgramParser::is_target() const {
   return binding && binding->kind == Binding::Kind::variable;
 }
 
+void ProgramParser::require_model(const Token& first) const {
+  const auto fail = [&](const std::string& what) { tokens_.fail("'" + first.text + what, first); };
+  const auto binding = find(first.text);
+  if (first.kind == Token::Kind::identifier) {
+    if (first.is("else")) fail("' follows no 'if' block");
+    if (first.is("quiet")) fail("' is an arm of 'switch'");
+    if (is_reserved(first)) fail("' begins an arm of a 'select', and this is none");
+  }
+  if (binding) {
+    if (binding->kind == Binding::Kind::variable) {
+      fail("' is a variable: a statement sets it, as in `" + first.text + " = e;`");
+    }
+    if (binding->kind == Binding::Kind::constant) fail("' is a constant, and begins no statement");
+    return;
+  }
+  const auto& procedures = context_.names.procedures;
+  if (procedures.contains(first.text)) {
+    fail("' is a procedure: a statement calls it, as in `call " + first.text + "(...);`");
+  }
+  std::vector<std::string> known = statement_keywords();
+  known.emplace_back("else if");
+  for (const auto& [name, model] : context_.names.models) known.push_back(name);
+  for (std::string& name : names_of_variables()) known.push_back(std::move(name));
+  const std::string near = did_you_mean(first.text, known);
+  if (!near.empty()) fail("' begins no statement" + near);
+  fail(
+      "' begins no statement: one gives an input (`model.input;`), sets a variable (`x = e;`), or "
+      "begins with " +
+      join(statement_keywords()));
+}
+
 std::uint32_t ProgramParser::parse_label() {
   tokens_.expect("@", "before a label");
   const Token name = tokens_.next();
   if (!name.is_name()) {
     tokens_.fail("expected a label's name after '@', not " + to_string(name), name);
+  }
+  if (tokens_.peek().is(".") && name.kind == Token::Kind::identifier) {
+    tokens_.fail("behind '@' stands the name of a label, and then a statement, as in `@here " +
+                     name.text + ".input;`",
+                 name);
   }
   if (name.text == "end") {
     tokens_.fail("the label 'end' is taken: it holds when the program has ended", name);
@@ -345,9 +378,9 @@ void ProgramParser::parse_call(Statement& statement) {
   if (known == procedures.end()) {
     std::vector<std::string> names;
     for (const auto& [other, procedure] : procedures) names.push_back(other);
-    tokens_.fail("unknown procedure '" + name.text +
-                     "'; there is: " + (names.empty() ? "none" : join(names)),
-                 name);
+    tokens_.fail(
+        "unknown procedure '" + name.text + "'; there is: " + known_instead(name.text, names),
+        name);
   }
   if (contains(work_.calls, name.text)) {
     tokens_.fail(
@@ -382,7 +415,8 @@ void ProgramParser::parse_call(Statement& statement) {
 void ProgramParser::fail_argument_count(const Procedure& procedure, const Token& name) {
   tokens_.fail("procedure '" + name.text + "' takes " +
                    std::to_string(procedure.parameters.size()) +
-                   (procedure.parameters.size() == 1 ? " argument" : " arguments"),
+                   (procedure.parameters.size() == 1 ? " argument: " : " arguments: ") + name.text +
+                   "(" + join(procedure.parameters) + ")",
                name);
 }
 

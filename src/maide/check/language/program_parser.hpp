@@ -39,6 +39,8 @@ class ProgramParser : public EventParser {
   void parse_simple(const Token& first, Statement& statement);
   // The statement begins with a variable, and is not an input.
   bool is_target() const;
+  // Of a word that is no keyword and has no '.' behind it: throws unless it is a model's name.
+  void require_model(const Token& first) const;
   std::uint32_t parse_label();
   Expression parse_condition(const std::string& where);
   void parse_repeat(Statement& statement);

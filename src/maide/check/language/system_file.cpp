@@ -116,7 +116,9 @@ void SystemReader::read_procedures(const YAML::Node& section) {
 }
 
 void SystemReader::read_variables(const YAML::Node& section) {
-  scalar(section, "'variables'");
+  if (!section.IsScalar()) {
+    fail("'variables' must be a text, as in variables: \"var n: 0..3; var ok: bool;\"", section);
+  }
   const ScalarText text = text_of(section);
   for (VariableName& variable : program_syntax::parse_variables(text, context())) {
     const std::string name = variable.leaf.name;

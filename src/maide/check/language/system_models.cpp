@@ -66,7 +66,7 @@ ModelInstance SystemReader::read_model(const std::string& instance, const YAML::
     } else if (word == "with" || word == "learning") {
       auto& options = word == "with" ? request.with : request.learning;
       for (const auto& [option, setting] : entries(node, "'" + word + "'", {})) {
-        options.emplace_back(option.Scalar(), scalar(setting, "an option's value"));
+        options.emplace_back(option.Scalar(), option_value(setting));
       }
     } else {
       if (!from.empty()) fail("a model has one of 'file', 'learn' and 'use'", name);
@@ -102,6 +102,13 @@ ModelInstance SystemReader::read_model(const std::string& instance, const YAML::
     }
   }
   return model;
+}
+
+std::string SystemReader::option_value(const YAML::Node& setting) const {
+  std::string value = scalar(setting, "an option's value");
+  const auto constant = names_.constants.find(value);
+  if (constant == names_.constants.end() || setting.Tag() == "!") return value;  // in quotes
+  return to_string(constant->second.value, constant->second.kind, system_.words);
 }
 
 void SystemReader::make_built_in(ModelInstance& model, std::uint32_t number, const Indices& indices,

@@ -43,6 +43,8 @@ class SystemReader : private YamlReader {
   Ends read_ends(const YAML::Node& node);
   ModelInstance read_model(const std::string& instance, const YAML::Node& key,
                            const YAML::Node& value);
+  // As it is written, or the value of the constant of that name.
+  std::string option_value(const YAML::Node& setting) const;
   void make_built_in(ModelInstance& model, std::uint32_t number, const Indices& indices,
                      const YAML::Node& value);
   struct Queue {

@@ -4,6 +4,7 @@
 #include "maide/check/language/expression_parser.hpp"
 #include "maide/check/language/model_ends.hpp"
 #include "maide/check/language/system_reader.hpp"
+#include "maide/check/language/tokens.hpp"
 
 namespace maide {
 
@@ -38,7 +39,11 @@ std::vector<std::uint32_t> SystemReader::programs_named(const YAML::Node& node,
   scalar(node, "a program's name");
   const std::string name = text.value().substr(0, text.value().find('['));
   const auto array = program_arrays_.find(name);
-  if (array == program_arrays_.end()) fail("unknown program '" + name + "'", node);
+  if (array == program_arrays_.end()) {
+    std::vector<std::string> known;
+    for (const auto& [other, programs] : program_arrays_) known.push_back(other);
+    fail("unknown program '" + name + "'; there is: " + known_instead(name, known), node);
+  }
   std::vector<std::uint32_t> programs;
   if (name.size() == text.value().size()) {
     const auto count = static_cast<std::uint32_t>(member_count(array->second.dimensions));

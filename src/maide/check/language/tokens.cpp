@@ -1,5 +1,6 @@
 #include "maide/check/language/tokens.hpp"
 
+#include "maide/base/text.hpp"
 #include "maide/base/text_cursor.hpp"
 
 namespace maide {
@@ -46,17 +47,28 @@ std::string to_string(const Token& token) {
   }
 }
 
+std::string known_instead(std::string_view name, std::span<const std::string> known) {
+  constexpr std::size_t most_listed = 24;
+  if (known.empty()) return "none";
+  const std::size_t listed = std::min(known.size(), most_listed);
+  std::string text = join(known.first(listed));
+  if (listed < known.size()) text += " and " + std::to_string(known.size() - listed) + " more";
+  return text + did_you_mean(name, known);
+}
+
 TokenStream::TokenStream(const ScalarText& text, std::span<const std::string_view> symbols)
     : text_(text) {
   TextCursor cursor(text.value(), "", TextCursor::Columns::bytes);
+  std::size_t end = 0;  // of the last token: there something may be missing
   for (cursor.skip_blanks(); !cursor.at_end(); cursor.skip_blanks()) {
     if (cursor.accept("#") || cursor.accept("//")) {
       cursor.take_line();
     } else {
       tokens_.push_back(scan(text, cursor, symbols));
+      end = cursor.offset();
     }
   }
-  tokens_.push_back({Token::Kind::end, "", cursor.offset()});
+  tokens_.push_back({Token::Kind::end, "", end});
 }
 
 Token TokenStream::next() {
@@ -73,6 +85,7 @@ bool TokenStream::accept(std::string_view what) {
 
 void TokenStream::expect(std::string_view what, std::string_view where) {
   if (accept(what)) return;
+  if (peek().is("=") && peek(1).is(">")) fail("'=>' is no sign here: it is '->'", peek());
   fail("expected '" + std::string(what) + "' " + std::string(where) + ", not " + to_string(peek()),
        peek());
 }

@@ -50,4 +50,8 @@ class TokenStream {
 // How a token reads in a message: 'text', or "the end of the text".
 std::string to_string(const Token& token);
 
+// "depth, history; did you mean 'depth'?", "none": what there is, of many the first ones, where
+// `name` is none of it.
+std::string known_instead(std::string_view name, std::span<const std::string> known);
+
 }  // namespace maide

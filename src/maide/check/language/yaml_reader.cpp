@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <set>
 
+#include "maide/check/language/tokens.hpp"
+
 namespace maide {
 namespace {
 
@@ -31,6 +33,28 @@ void YamlReader::check_nesting() const {
   }
 }
 
+std::string YamlReader::in_plain_words(const std::string& message, int line) const {
+  const std::vector<std::string_view> lines = split_lines(text_);
+  if (line >= 0 && static_cast<std::size_t>(line) < lines.size()) {
+    const std::string_view text = lines[static_cast<std::size_t>(line)];
+    if (text.substr(0, text.find_first_not_of(" \t")).find('\t') != std::string_view::npos) {
+      return "lines are indented with blanks, and here is a tab";
+    }
+  }
+  constexpr std::pair<std::string_view, std::string_view> known[] = {
+      {"end of map flow not found", "a '{' is not closed, or a ',' is missing between its entries"},
+      {"end of sequence flow not found", "a '[' is not closed, or a ',' is missing in it"},
+      {"end of map not found", "this line is indented like none above it"},
+      {"illegal map value",
+       "a text with ': ' in it is in quotes, and a key begins a line or stands in braces"},
+      {"the referenced anchor is not defined", "a text that begins with '*' is in quotes"},
+  };
+  for (const auto& [theirs, ours] : known) {
+    if (message == theirs) return std::string(ours);
+  }
+  return message;
+}
+
 YAML::Node YamlReader::load() const {
   if (text_.size() > max_file_bytes) {
     throw ParseError("a system file has at most 4 MiB", {file_, 0, 0});
@@ -44,7 +68,8 @@ YAML::Node YamlReader::load() const {
     if (documents.size() > 1) fail("a system file is one YAML document", documents[1]);
     return documents[0];
   } catch (const YAML::Exception& error) {
-    throw ParseError("not YAML: " + error.msg, {file_, error.mark.line + 1, error.mark.column + 1});
+    throw ParseError("not YAML: " + in_plain_words(error.msg, error.mark.line),
+                     {file_, error.mark.line + 1, error.mark.column + 1});
   }
 }
 
@@ -59,7 +84,8 @@ YamlReader::Entries YamlReader::entries(const YAML::Node& node, const std::strin
     }
     const std::string& key = entry.first.Scalar();
     if (!known.empty() && std::find(known.begin(), known.end(), key) == known.end()) {
-      fail(what + " has no key '" + key + "'; it may have: " + join(known), entry.first);
+      fail(what + " has no key '" + key + "'; it may have: " + known_instead(key, known),
+           entry.first);
     }
     if (!seen.insert(key).second) fail("'" + key + "' is there twice", entry.first);
     result.emplace_back(entry.first, entry.second);

@@ -39,10 +39,13 @@ class YamlReader {
       if (name == word) return value;
       known.push_back(name);
     }
-    fail(what + " is one of " + join(known) + ", not '" + word + "'", node);
+    fail(what + " is one of " + join(known) + ", not '" + word + "'" + did_you_mean(word, known),
+         node);
   }
 
  private:
+  // What yaml-cpp says of the line, from 0, as somebody says it who knows what files look like.
+  std::string in_plain_words(const std::string& message, int line) const;
   // yaml-cpp recurses for each level; no system file has more than a handful.
   void check_nesting() const;
 

@@ -400,7 +400,9 @@ class Parser {
   [[noreturn]] void fail_unknown_program(const Token& owner) {
     std::vector<std::string> known;
     for (const Program& program : scope_.programs) known.push_back(program.name);
-    tokens_.fail("unknown program '" + owner.text + "'; there is: " + join(known), owner);
+    tokens_.fail(
+        "unknown program '" + owner.text + "'; there is: " + known_instead(owner.text, known),
+        owner);
   }
 
   Expression find_variable(std::uint32_t owner, const Token& name) {
@@ -427,7 +429,7 @@ class Parser {
     }
     if (found) return *found;
     tokens_.fail("program " + program.name + " has no variable '" + name.text +
-                     "'; it has: " + (known.empty() ? "none" : join(known)),
+                     "'; it has: " + known_instead(name.text, known),
                  name);
   }
 
@@ -439,16 +441,16 @@ class Parser {
     const auto place = std::find(program.labels.begin(), program.labels.end(), name.text);
     if (place == program.labels.end()) {
       tokens_.fail("program " + owner.text + " has no label '" + name.text +
-                       "'; it has: " + join_labels(program),
+                       "'; it has: " + known_instead(name.text, labels_of(program)),
                    name);
     }
     return {Atom::Kind::label, *index, static_cast<std::uint32_t>(place - program.labels.begin())};
   }
 
-  static std::string join_labels(const Program& program) {
+  static std::vector<std::string> labels_of(const Program& program) {
     std::vector<std::string> labels = program.labels;
     labels.emplace_back("end");
-    return join(labels);
+    return labels;
   }
 
   // "(3,go)" behind a name; "" if there are no values.
@@ -489,12 +491,13 @@ class Parser {
     if (found != nullptr) {
       const Alphabet& alphabet = is_input ? *found->inputs : *found->outputs;
       tokens_.fail("model " + owner.text + " has no " + (is_input ? "input '" : "output '") + text +
-                       "'; it has: " + (alphabet.empty() ? "none" : join(alphabet.names())),
+                       "'; it has: " + known_instead(text, alphabet.names()),
                    name);
     }
     std::vector<std::string> known;
     for (const ProgramInterface& model : scope_.models) known.push_back(model.name);
-    tokens_.fail("unknown model '" + owner.text + "'; there is: " + join(known), owner);
+    tokens_.fail(
+        "unknown model '" + owner.text + "'; there is: " + known_instead(owner.text, known), owner);
   }
 
   const ScalarText& text_;
