@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <filesystem>
 #include <map>
 #include <optional>
@@ -13,10 +14,12 @@
 #include <variant>
 
 #include "maide/base/error.hpp"
+#include "maide/base/invariant.hpp"
 #include "maide/base/numbers.hpp"
 #include "maide/base/text.hpp"
 #include "maide/check/explore/engine.hpp"
 #include "maide/check/language/system_file.hpp"
+#include "maide/check/language/yaml_reader.hpp"
 #include "maide/formats/model_file.hpp"
 #include "maide/workflow/open_system.hpp"
 
@@ -36,20 +39,61 @@ std::size_t offset_of(std::string_view text, int line, int column) {
   return std::min(text.size(), at + static_cast<std::size_t>(column - 1));
 }
 
+// Writes the number in the place of another; false if there is none.
+bool write_number(std::string& text, std::size_t begin, std::int64_t number) {
+  const std::size_t digits = begin < text.size() && text[begin] == '-' ? begin + 1 : begin;
+  const std::size_t end = std::min(text.find_first_not_of("0123456789", digits), text.size());
+  if (end <= digits) return false;
+  text.replace(begin, end - begin, std::to_string(number));
+  return true;
+}
+
 // Writes the count behind the keyword; false if it is not there.
 bool write_count(std::string& text, const Repeat& repeat) {
   constexpr std::string_view keyword = "repeat";
   const std::size_t begin = offset_of(text, repeat.line, repeat.column);
   if (text.compare(begin, keyword.size(), keyword) != 0) return false;
   const std::size_t number = text.find_first_not_of(blanks, begin + keyword.size());
-  if (number == std::string::npos) return false;
-  const std::size_t end = text.find_first_not_of("0123456789", number);
-  if (end == number || end == std::string::npos) return false;
-  text.replace(number, end - number, std::to_string(repeat.count));
-  return true;
+  return number != std::string::npos && write_number(text, number, repeat.count);
+}
+
+// The model that a request stands for in the system; of an array, any of its members. The system
+// was read with the same requests.
+const ModelInstance& instance_of(const System& system, const ModelRequest& request) {
+  return *std::find_if(system.models.begin(), system.models.end(), [&](const auto& candidate) {
+    return candidate.name == request.instance || candidate.name.starts_with(request.instance + "[");
+  });
+}
+
+using Options = std::vector<std::pair<std::string, std::string>>;
+
+// With which options each instance is learned, in the text as it was read.
+std::map<std::string, Options> options_of_instances(const System& system, const std::string& text) {
+  std::map<std::string, Options> result;
+  parse_system(text, system.file, [&](const ModelRequest& request) {
+    result[request.instance] = request.with;
+    return instance_of(system, request).automaton;
+  });
+  return result;
 }
 
 }  // namespace
+
+std::vector<NumberConstant> find_constants(const System& system) {
+  std::vector<NumberConstant> constants;
+  const auto source = system.sources.find(system.file);
+  if (source == system.sources.end()) return constants;
+  const YamlReader reader(source->second, system.file);
+  const YAML::Node section = reader.load()["constants"];
+  if (!section) return constants;
+  for (const auto& [key, value] : reader.entries(section, "'constants'", {})) {
+    const auto number = parse_number<std::int64_t>(value.Scalar());
+    if (!number || value.Tag() == "!") continue;  // it is in quotes
+    const SourcePosition place = reader.at(value);
+    constants.push_back({key.Scalar(), place.line, place.column, *number});
+  }
+  return constants;
+}
 
 std::vector<Repeat> find_repeats(const System& system) {
   std::vector<Repeat> repeats;
@@ -68,28 +112,39 @@ std::vector<Repeat> find_repeats(const System& system) {
   return repeats;
 }
 
-std::optional<System> make_variant(const System& system, const SystemVariant& variant) {
+std::optional<System> make_variant(const System& system, const SystemVariant& variant,
+                                   const ModelSource& learn) {
   const auto source = system.sources.find(system.file);
   if (source == system.sources.end()) return std::nullopt;
   std::string text = source->second;
   // From the end, so that places before stay right.
-  std::vector<Repeat> repeats = variant.repeats;
-  std::sort(repeats.begin(), repeats.end(), [](const Repeat& a, const Repeat& b) {
-    return std::pair(a.line, a.column) > std::pair(b.line, b.column);
-  });
-  for (const Repeat& repeat : repeats) {
+  const auto from_the_end = [](auto changes) {
+    std::sort(changes.begin(), changes.end(), [](const auto& a, const auto& b) {
+      return std::pair(a.line, a.column) > std::pair(b.line, b.column);
+    });
+    return changes;
+  };
+  MAIDE_CHECK(variant.repeats.empty() || variant.constants.empty());
+  for (const Repeat& repeat : from_the_end(variant.repeats)) {
     if (!write_count(text, repeat)) return std::nullopt;
   }
-  const ModelSource models = [&](const ModelRequest& request) {
-    const auto changed = variant.models.find(request.instance);
-    if (changed != variant.models.end()) return changed->second;
-    const auto model = std::find_if(
-        system.models.begin(), system.models.end(),
-        [&](const ModelInstance& candidate) { return candidate.name == request.instance; });
-    return model->automaton;
-  };
+  for (const NumberConstant& constant : from_the_end(variant.constants)) {
+    const std::size_t begin = offset_of(text, constant.line, constant.column);
+    if (!write_number(text, begin, constant.value)) return std::nullopt;
+  }
   try {
-    return parse_system(text, system.file, models);
+    std::map<std::string, Options> options;
+    if (!variant.constants.empty()) options = options_of_instances(system, source->second);
+    return parse_system(text, system.file, [&](const ModelRequest& request) {
+      const auto changed = variant.models.find(request.instance);
+      if (changed != variant.models.end()) return changed->second;
+      const auto known = options.find(request.instance);
+      if (known == options.end() || known->second == request.with || request.learn.empty()) {
+        return instance_of(system, request).automaton;
+      }
+      if (!learn) throw UsageError("no model was learned with these options");
+      return learn(request);
+    });
   } catch (const Error&) {
     return std::nullopt;
   }
@@ -101,6 +156,8 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t most_files = 50;   // model files beside those in use
 constexpr std::size_t most_repeats = 8;  // different numbers of repetitions
+constexpr std::size_t most_constants = 16;
+constexpr std::int64_t most_below = 16;  // values of a constant that are all checked
 constexpr std::uint64_t memory_mib = 1024;
 constexpr std::string_view raised = "+";  // OptionSpec::keeps_more
 
@@ -122,14 +179,19 @@ std::string describe_settings(const With& with, const With& before) {
 class ChangeSearch {
  public:
   ChangeSearch(const System& system, const CheckReport& before, const SuggestOptions& options)
-      : system_(system), options_(options), repeats_(find_repeats(system)) {
+      : system_(system),
+        options_(options),
+        repeats_(find_repeats(system)),
+        constants_(find_constants(system)) {
     for (const PropertyResult& result : before.properties) properties_.push_back(result.name);
     for (const Repeat& repeat : repeats_) burst_ = std::max(burst_, repeat.count);
+    if (constants_.size() > most_constants) constants_.clear();
   }
 
   Suggestions run() {
     try_other_models();
     for (const ModelInstance& model : system_.models) try_settings(model);
+    try_constants();
     try_fewer_repetitions();
     try_other_repetitions();
     return std::move(result_);
@@ -145,7 +207,7 @@ class ChangeSearch {
   Outcome check(const SystemVariant& variant) {
     Outcome outcome;
     if (options_.control.should_stop()) return outcome;
-    const std::optional<System> changed = make_variant(system_, variant);
+    const std::optional<System> changed = make_variant(system_, variant, options_.models);
     if (!changed) return outcome;
     ++result_.tried;
     CheckRequest request;
@@ -208,7 +270,7 @@ class ChangeSearch {
     for (const ModelInstance& instance : system_.models) {
       for (const auto& [name, automaton] : models) {
         if (name == instance.origin || automaton == instance.automaton) continue;
-        const Outcome outcome = check({{}, {{instance.name, automaton}}});
+        const Outcome outcome = check({{}, {{instance.name, automaton}}, {}});
         if (!outcome.holds) continue;
         found(fmt::format("{}: {} in place of {}", instance.name, name, instance.origin), outcome,
               "");
@@ -351,7 +413,66 @@ class ChangeSearch {
     request.learn = learned.name;
     request.position = instance.position;
     request.with.assign(learned.with.begin(), learned.with.end());
-    return check({{}, {{instance.name, options_.models(request)}}});
+    return check({{}, {{instance.name, options_.models(request)}}, {}});
+  }
+
+  // ---- Constants
+  // ----------------------------------------------------------------------------------
+
+  Outcome with_value(const NumberConstant& constant, std::int64_t value) {
+    NumberConstant changed = constant;
+    changed.value = value;
+    return check({{}, {}, {changed}});
+  }
+
+  // The nearest values below and above that are enough, of all constants the smallest change first.
+  void try_constants() {
+    std::multimap<std::int64_t, std::pair<std::string, Outcome>> found_by_change;
+    for (const NumberConstant& constant : constants_) {
+      std::int64_t most = 2 * std::max<std::int64_t>(constant.value, burst_);
+      for (const NumberConstant& other : constants_) most = std::max(most, other.value);
+      for (const std::int64_t end : {std::int64_t{1}, most}) {
+        const auto change = nearest_value(constant, end);
+        if (!change) continue;
+        const auto& [value, outcome] = *change;
+        found_by_change.emplace(std::abs(value - constant.value),
+                                std::pair(describe(constant, value), outcome));
+      }
+    }
+    for (const auto& [change, what] : found_by_change) found(what.first, what.second, "");
+  }
+
+  // On the way from the constant's value to `end`: the first value, in ever larger steps, with
+  // which everything holds, and then the nearest one up to there, as if all farther ones held, too.
+  std::optional<std::pair<std::int64_t, Outcome>> nearest_value(const NumberConstant& constant,
+                                                                std::int64_t end) {
+    const std::int64_t sign = end < constant.value ? -1 : 1;
+    const std::int64_t farthest = (end - constant.value) * sign;
+    std::int64_t low = 0, high = 0;  // distances: `low` is not enough, `high` is
+    Outcome best;
+    for (std::int64_t step = 1; low < farthest && !options_.control.should_stop(); step *= 2) {
+      high = std::min(low + step, farthest);
+      best = with_value(constant, constant.value + sign * high);
+      if (best.holds) break;
+      low = high;
+    }
+    if (!best.holds) return std::nullopt;
+    while (high - low > 1 && !options_.control.should_stop()) {
+      const std::int64_t middle = low + (high - low) / 2;
+      const Outcome outcome = with_value(constant, constant.value + sign * middle);
+      (outcome.holds ? high : low) = middle;
+      if (outcome.holds) best = outcome;
+    }
+    return std::pair(constant.value + sign * high, best);
+  }
+
+  std::string describe(const NumberConstant& constant, std::int64_t value) {
+    bool holds_below = value < constant.value && value <= most_below;
+    for (std::int64_t below = value - 1; holds_below && below >= 1; --below) {
+      holds_below = with_value(constant, below).holds;
+    }
+    return fmt::format("with {} {} {} it holds, in place of {} in line {}", constant.name,
+                       holds_below ? "<=" : "=", value, constant.value, constant.line);
   }
 
   std::vector<std::uint32_t> different_counts() const {
@@ -384,7 +505,7 @@ class ChangeSearch {
   void try_fewer_repetitions() {
     for (const std::uint32_t count : different_counts()) {
       const auto outcome_of = [&](std::uint32_t number) {
-        return check({with_count(count, number), {}});
+        return check({with_count(count, number), {}, {}});
       };
       if (count < 2) continue;
       Outcome best = outcome_of(1);
@@ -407,7 +528,7 @@ class ChangeSearch {
         if (count == repeat.count) continue;
         Repeat changed = repeat;
         changed.count = count;
-        const Outcome outcome = check({{changed}, {}});
+        const Outcome outcome = check({{changed}, {}, {}});
         if (outcome.holds) found(describe({changed}, repeat.count), outcome, "");
       }
     }
@@ -420,6 +541,7 @@ class ChangeSearch {
   const System& system_;
   const SuggestOptions& options_;
   std::vector<Repeat> repeats_;
+  std::vector<NumberConstant> constants_;
   std::uint32_t burst_ = 0;  // the largest number of repetitions
   std::vector<std::string> properties_;
   Suggestions result_;

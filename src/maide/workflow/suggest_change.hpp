@@ -1,7 +1,7 @@
 // Finds the smallest changes that remove a violation: another model for one connection, other
-// settings of a middleware, another number of repetitions in the programs. Nothing is guessed. A
-// change is named only after the native engine has checked the system with it and everything holds.
-// Models for other settings are learned for that.
+// settings of a middleware, another value of a constant, another number of repetitions in the
+// programs. Nothing is guessed. A change is named only after the native engine has checked the
+// system with it and everything holds. Models for other settings are learned for that.
 #pragma once
 
 #include <cstddef>
@@ -21,8 +21,9 @@ namespace maide {
 
 // ---- Variants ----
 //
-// A system with something changed: other numbers behind `repeat` in its text, another model behind
-// an instance. The rest stays as it was read; nothing is learned again.
+// A system with something changed: other numbers behind `repeat` and other constants in its text,
+// another model behind an instance. The rest stays as it was read. What is learned with an option
+// that is a constant's value is learned anew if that is another.
 
 // A `repeat` of a program.
 struct Repeat {
@@ -33,14 +34,27 @@ struct Repeat {
 // Those of the programs that stand in the system file, in the order of the file.
 std::vector<Repeat> find_repeats(const System& system);
 
+// A number under `constants:`.
+struct NumberConstant {
+  std::string name;
+  int line = 0, column = 0;  // of its value, in the system file
+  std::int64_t value = 0;
+};
+
+// Those that are written as numbers, in the order of the file.
+std::vector<NumberConstant> find_constants(const System& system);
+
 struct SystemVariant {
   std::vector<Repeat> repeats;                       // with their new counts
   std::map<std::string, InterfaceAutomaton> models;  // by instance
+  std::vector<NumberConstant> constants;             // with their new values
 };
 
 // Nothing if there is no such system: a model without an input that programs give, a `repeat` that
-// is not where it should be.
-std::optional<System> make_variant(const System& system, const SystemVariant& variant);
+// is not where it should be, a constant with which the file says nothing sensible. `learn` makes
+// the models that are learned with other options then; without it there are none.
+std::optional<System> make_variant(const System& system, const SystemVariant& variant,
+                                   const ModelSource& learn = {});
 
 struct SuggestOptions {
   ModelSource models;                                 // learns the models of other settings
@@ -56,9 +70,10 @@ struct Suggestions {
 
 // Tries, one at a time: the other models that lie beside those in use and the ones in use elsewhere
 // in the system; settings that keep more (depth, history, reliability, ...), the smallest number of
-// each that is enough; fewer repetitions wherever a number stands, the largest that is few enough;
-// one number in place of another. `before` is the report of the system as it is: the same
-// properties are checked. An interruption ends the search with what was found.
+// each that is enough; other values of constants, the nearest ones that are enough; fewer
+// repetitions wherever a number stands, the largest that is few enough; one number in place of
+// another. `before` is the report of the system as it is: the same properties are checked. An
+// interruption ends the search with what was found.
 Suggestions suggest_changes(const System& system, const CheckReport& before,
                             const SuggestOptions& options);
 

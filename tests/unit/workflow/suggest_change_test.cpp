@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "maide/check/explore/engine.hpp"
+#include "maide/check/language/system_file.hpp"
 
 namespace maide {
 namespace {
@@ -33,15 +34,15 @@ TEST(SystemVariant, HasOtherCountsAndModels) {
   ASSERT_EQ(repeats.size(), 2U);
   EXPECT_EQ(repeats[0].count, 6U);
   for (Repeat& repeat : repeats) repeat.count = 12;
-  const auto longer = make_variant(system, {repeats, {}});
+  const auto longer = make_variant(system, {repeats, {}, {}});
   ASSERT_TRUE(longer);
   EXPECT_EQ(find_repeats(*longer)[1].count, 12U);
   EXPECT_EQ(longer->models[0].automaton, system.models[0].automaton);
   // A model without the input that programs give is none for this system.
   InterfaceAutomaton other({"press"}, {"message"}, 1);
-  EXPECT_FALSE(make_variant(system, {{}, {{"via", other}}}));
+  EXPECT_FALSE(make_variant(system, {{}, {{"via", other}}, {}}));
   repeats[0].column += 1;
-  EXPECT_FALSE(make_variant(system, {repeats, {}}));
+  EXPECT_FALSE(make_variant(system, {repeats, {}, {}}));
 }
 
 TEST(SuggestChange, FindsTheModelAndTheBurstThatFits) {
@@ -60,6 +61,48 @@ TEST(SuggestChange, FindsTheNumberThatWasMeant) {
   const Suggestions found = suggest(read_system(folder + "case-study-2/90-100-100-size-1.yaml"));
   EXPECT_THAT(found.changes,
               Contains(StartsWith("`repeat 100` in place of `repeat 90` in line 8")));
+}
+
+// A burst of messages over a queue that keeps the last ones: none is lost if it fits.
+std::string burst_over(const std::string& constants, const std::string& model) {
+  return "constants: " + constants + "\nmodels: {via: " + model +
+         ", done: {use: queue, with: {size: 1}}}\nprograms:\n"
+         "  camera: loop { repeat burst { via.write; } done.read -> message; }\n"
+         "  tracker: loop { repeat burst { via.read -> message; } done.write; }\n";
+}
+
+TEST(SuggestChange, FindsTheConstantThatFits) {
+  const System system = parse_system(
+      burst_over("{d: 5, burst: 12, unused: 3}", "{use: queue, with: {depth: d}}"), "s.yaml");
+  ASSERT_EQ(find_constants(system).size(), 3U);
+  EXPECT_EQ(find_constants(system)[1].name, "burst");
+  EXPECT_EQ(find_constants(system)[1].column, 26);
+  const Suggestions found = suggest(system);
+  ASSERT_EQ(found.changes.size(), 2U) << testing::PrintToString(found.changes);
+  EXPECT_THAT(found.changes[0],  // the same change in size as the other
+              StartsWith("with d = 12 it holds, in place of 5 in line 1 (checked: "));
+  EXPECT_THAT(found.changes[1],
+              StartsWith("with burst <= 5 it holds, in place of 12 in line 1 (checked: "));
+}
+
+// A constant's name among the options of a system that is learned: it is learned with other values.
+TEST(SuggestChange, LearnsWithTheConstantsValue) {
+  std::vector<std::string> depths;
+  const ModelSource learn = [&](const ModelRequest& request) {
+    EXPECT_EQ(request.learn, "camera");
+    EXPECT_EQ(request.with.size(), 1U);
+    depths.push_back(request.with[0].second);
+    const System queue = parse_system(
+        "models: {q: {use: queue, with: {depth: " + depths.back() + "}}}\nprograms: {p: q.write;}",
+        "q.yaml");
+    return queue.models[0].automaton;
+  };
+  const System system = parse_system(
+      burst_over("{d: 2, burst: 3}", "{learn: camera, with: {depth: d}}"), "s.yaml", learn);
+  EXPECT_EQ(depths, std::vector<std::string>{"2"});
+  const Suggestions found = suggest(system, learn);
+  EXPECT_THAT(found.changes, Contains(StartsWith("with d = 3 it holds, in place of 2 in line 1")));
+  EXPECT_THAT(depths, Contains("3"));
 }
 
 }  // namespace
