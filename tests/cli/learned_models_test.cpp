@@ -54,6 +54,48 @@ TEST(LearnedModels, AreLearnedOnceAndKeptBesideTheSystem) {
   EXPECT_EQ(kept_models(folder), 2U);
 }
 
+TEST(LearnedModels, AreNotBelievedSilentlyWhenTheyWereEdited) {
+  const TempDir folder("check-test");
+  const std::string file = write_system(folder, "strict");
+  ASSERT_EQ(run_maide({"check", file, "--property", "deadlock"}).exit_status, 0);
+  for (const auto& entry : fs::directory_iterator(folder.path() / "maide-models")) {
+    if (entry.path().extension() != ".dot") continue;
+    std::string text = read_file(entry.path());
+    const std::string key = "checksum=\"";
+    EXPECT_NE(text.find(key), std::string::npos) << text;
+    text += "// a remark of mine\n\n";
+    if (entry.path().filename().string().starts_with("port_kind=strict")) {
+      const std::string key_of_tests = "tests=\"";
+      ASSERT_NE(text.find(key_of_tests), std::string::npos);
+      text.insert(text.find(key_of_tests) + key_of_tests.size(), "proved by hand; ");
+    }
+    write_file_atomically(entry.path(), text);
+  }
+  const SubprocessResult edited = run_maide({"check", file, "--property", "deadlock"});
+  EXPECT_THAT(edited.err, HasSubstr("was edited since it was learned; it is used, but its strength "
+                                    "is unknown"));
+  EXPECT_THAT(edited.err, HasSubstr("sync: learned before"));  // a remark is no edit
+  EXPECT_THAT(edited.out, HasSubstr("via: strength unknown"));
+}
+
+TEST(LearnedModels, WithoutAChecksumAreRead) {
+  const TempDir folder("check-test");
+  const std::string file = write_system(folder, "strict");
+  ASSERT_EQ(run_maide({"check", file, "--property", "deadlock"}).exit_status, 0);
+  for (const auto& entry : fs::directory_iterator(folder.path() / "maide-models")) {
+    if (entry.path().extension() != ".dot") continue;
+    std::string text = read_file(entry.path());
+    const std::size_t begin = text.find("checksum=\"");
+    ASSERT_NE(begin, std::string::npos);
+    text.erase(begin, text.find('\n', begin) - begin);
+    write_file_atomically(entry.path(), text);
+  }
+  const SubprocessResult old = run_maide({"check", file, "--property", "deadlock"});
+  EXPECT_EQ(old.exit_status, 0) << old.err;
+  EXPECT_THAT(old.err, Not(HasSubstr("edited")));
+  EXPECT_THAT(old.out, Not(HasSubstr("strength unknown")));
+}
+
 TEST(LearnedModels, AreLearnedForWhatIsSuggested) {
   const TempDir folder("check-test");
   const std::string file = write_system(folder, "buffered");

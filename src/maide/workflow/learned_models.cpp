@@ -164,9 +164,35 @@ InterfaceAutomaton learn(const ModelRequest& request, const Opened& opened,
   return std::move(*automaton);
 }
 
-std::optional<InterfaceAutomaton> read_kept(const std::filesystem::path& file) {
+// What a kept file says is hashed, and the hash stands in it. White space and comments do not
+// count.
+constexpr const char* checksum_key = "checksum";
+
+std::string checksum_of(const InterfaceAutomaton& automaton) {
+  InterfaceAutomaton plain = automaton;
+  plain.origin.erase(checksum_key);
+  std::ostringstream text;
+  write_dot(text, plain);
+  return fmt::format("{:016x}", hash_text(text.str()));
+}
+
+struct Kept {
+  InterfaceAutomaton automaton;
+  bool is_edited = false;  // since it was learned
+};
+
+// Of an edited model nobody knows how strong it is. A file without a checksum is believed.
+std::optional<Kept> read_kept(const std::filesystem::path& file) {
   if (!std::filesystem::exists(file)) return std::nullopt;
-  return read_interface_automaton(file);
+  Kept kept{read_interface_automaton(file)};
+  Origin& origin = kept.automaton.origin;
+  const auto checksum = origin.find(checksum_key);
+  if (checksum == origin.end()) return kept;
+  kept.is_edited = checksum->second != checksum_of(kept.automaton);
+  origin.erase(checksum);
+  if (!kept.is_edited) return kept;
+  for (const char* claim : {"strength", "tests"}) origin.erase(claim);
+  return kept;
 }
 
 bool is_weak(const InterfaceAutomaton& automaton) {
@@ -199,8 +225,10 @@ std::optional<Mealy> machine_of(const InterfaceAutomaton& kept, const Experiment
 void keep(const std::filesystem::path& file, const InterfaceAutomaton& automaton) {
   std::error_code failure;  // the write that follows says it better
   std::filesystem::create_directories(file.parent_path(), failure);
+  InterfaceAutomaton signed_one = automaton;
+  signed_one.origin[checksum_key] = checksum_of(automaton);
   std::ostringstream text;
-  write_dot(text, automaton);
+  write_dot(text, signed_one);
   write_file_atomically(file, text.str());
 }
 
@@ -235,12 +263,17 @@ ModelSource make_learning_source(LearnedModelsOptions options) {
       const SulInfo& system = opened.system.sul->info();
       ExperimentOptions experiment = read_learning(request, options.folder, opened.system);
       const auto before = read_kept(kept);
-      if (before && is_model_of(*before, system)) {
-        note(fmt::format("{}: learned before ({})", request.instance, kept.string()));
-        return *before;
+      if (before && is_model_of(before->automaton, system)) {
+        const std::string& name = request.instance;
+        note(before->is_edited
+                 ? fmt::format("{}: {} was edited since it was learned; it is used, but its "
+                               "strength is unknown (delete it to have the model learned again)",
+                               name, kept.string())
+                 : fmt::format("{}: learned before ({})", name, kept.string()));
+        return before->automaton;
       }
       if (before && !experiment.old_model) {
-        experiment.old_model = machine_of(*before, experiment, system);
+        experiment.old_model = machine_of(before->automaton, experiment, system);
       }
       note(fmt::format("{}: learning {}{}", request.instance, describe(request),
                        experiment.old_model ? ", starting from an earlier model" : ""));
@@ -260,12 +293,13 @@ Refinement refine_learned_model(const ModelRequest& request, const RefinementGoa
   try {
     const Opened opened = open(request, options);
     const SulInfo& system = opened.system.sul->info();
-    const auto before = read_kept(kept);
-    if (!before || !is_model_of(*before, system)) {
+    const auto file = read_kept(kept);
+    if (!file || !is_model_of(file->automaton, system)) {
       throw UsageError("the model to refine is not there any more");
     }
+    const InterfaceAutomaton& before = file->automaton;
     ExperimentOptions experiment = read_learning(request, options.folder, opened.system);
-    experiment.old_model = machine_of(*before, experiment, system);
+    experiment.old_model = machine_of(before, experiment, system);
     if (goal.tests_again) {
       experiment.test_method.clear();
       const TestCost budget = experiment.testing.budget;
@@ -273,13 +307,13 @@ Refinement refine_learned_model(const ModelRequest& request, const RefinementGoa
       experiment.testing.seed = goal.seed;
       experiment.testing.budget = budget;
     }
-    Words counterexamples = read_counterexamples(*before, kept.string());
+    Words counterexamples = read_counterexamples(before, kept.string());
     if (!goal.counterexample.empty()) counterexamples.push_back(goal.counterexample);
     const InterfaceAutomaton after =
         learn(request, opened, std::move(experiment), counterexamples, kept, options.control);
     keep(kept, after);
-    return {before->size(), after.size(), !compare(*before, after, options.control).same(),
-            is_weak(*before) && !is_weak(after), after.origin.at("tests")};
+    return {before.size(), after.size(), !compare(before, after, options.control).same(),
+            is_weak(before) && !is_weak(after), after.origin.at("tests")};
   } catch (const Error& error) {
     throw with_place(error, request);
   }
