@@ -65,8 +65,8 @@ TraceStyle trace_style(const std::string& format) {
   return style;
 }
 
-std::string describe(const System& system, const PropertyResult& result, std::size_t width,
-                     const TraceStyle& style) {
+std::string describe(const System& system, const CheckReport& report, const PropertyResult& result,
+                     std::size_t width, const TraceStyle& style) {
   std::ostringstream text;
   text << fmt::format("{:<{}}  {}  ({} states, {} transitions, {:.2f} s{})\n", result.name, width,
                       to_string(result.verdict), result.states, result.transitions, result.seconds,
@@ -75,6 +75,11 @@ std::string describe(const System& system, const PropertyResult& result, std::si
   if (result.trace) {
     const Shown shown = shown_part(system, result);
     const System& part = shown.part.system();
+    if (const PropertyResult* same = find_same_run(report, result)) {
+      const std::string again = explain_again(part, shown.property, shown.trace, *same);
+      text << wrap(again + ".", style.chart.width, 2);
+      return text.str();
+    }
     text << wrap(explain(part, shown.property, shown.trace) + ".", style.chart.width, 2);
     write_trace_text(text, part, shown.trace, style.format, style.chart);
   }
@@ -88,7 +93,7 @@ std::string describe(const System& system, const CheckReport& report, const Trac
   }
   std::string text;
   for (const PropertyResult& result : report.properties) {
-    text += describe(system, result, width, style);
+    text += describe(system, report, result, width, style);
   }
   if (!report.assumptions.empty()) text += "this rests on:\n";
   for (const std::string& assumption : report.assumptions) text += "  - " + assumption + "\n";

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "maide/base/invariant.hpp"
-#include "maide/check/explore/check_system.hpp"
 #include "maide/check/explore/model_words.hpp"
 #include "maide/check/explore/waiting.hpp"
 
@@ -250,21 +249,27 @@ class Sentence {
       return describe_waiting(system_, system_.programs[waiting.program], waiting.awaited);
     }
     const std::string& name = model(waiting).name;
-    const std::string number =
-        waiting.count > 0 ? fmt::format(" {} of {}", waiting.number, waiting.count) : "";
+    const std::string of_all = fmt::format("{} of {}", waiting.number, waiting.rounds);
+    const std::string in_round =
+        waiting.rounds == 0 || waiting.is_once_a_round
+            ? ""
+            : fmt::format(" in round {} of {}", waiting.round, waiting.rounds);
+    const std::string in_brackets = waiting.is_once_a_round ? " (" + of_all + ")" : in_round;
     std::string text = fmt::format("waits at line {} ", first.line);
     if (first.kind == Kind::give) {
       const std::string input = model(waiting).automaton.inputs().name(first.symbol);
-      text += fmt::format("to give {}.{}", name, input);
-      return number.empty() ? text : text + " (" + number.substr(1) + ")";
+      return text + fmt::format("to give {}.{}", name, input) + in_brackets;
     }
     if (is_about_messages(waiting)) {
-      return text + (number.empty() ? "for a message" : "for message" + number) + " from " + name;
+      const std::string which = waiting.rounds == 0 ? "a message"
+                                : waiting.is_once_a_round
+                                    ? "message " + of_all
+                                    : fmt::format("message {}", waiting.number);
+      return fmt::format("{}for {} from {}{}", text, which, name, in_round);
     }
     const auto outputs = awaited_outputs(waiting);
     if (outputs.empty()) return text + "until " + name + " is quiet";
-    text += "for " + output_names(waiting, outputs) + " of " + name;
-    return number.empty() ? text : text + " (" + number.substr(1) + ")";
+    return text + "for " + output_names(waiting, outputs) + " of " + name + in_brackets;
   }
 
   // The input that the step gives to the model.
@@ -548,6 +553,25 @@ class Sentence {
 
 std::string explain(const System& system, const Property& property, const Trace& trace) {
   return Sentence(system, trace).write(property);
+}
+
+const PropertyResult* find_same_run(const CheckReport& report, const PropertyResult& result) {
+  for (const PropertyResult& before : report.properties) {
+    if (&before == &result) break;
+    if (before.trace && before.programs == result.programs &&
+        before.trace->steps == result.trace->steps &&
+        before.trace->loop_start == result.trace->loop_start) {
+      return &before;
+    }
+  }
+  return nullptr;
+}
+
+std::string explain_again(const System& system, const Property& property, const Trace& trace,
+                          const PropertyResult& before) {
+  const std::string same = "the same run as " + before.name;
+  if (property.kind != Property::Kind::ltl) return same;
+  return describe_violation(system, property.formula, trace, replay(system, trace)) + ": " + same;
 }
 
 }  // namespace maide

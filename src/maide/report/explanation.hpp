@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "maide/check/explore/check_system.hpp"
 #include "maide/check/language/system.hpp"
 #include "maide/check/trace/trace.hpp"
 
@@ -24,5 +25,14 @@ std::string describe_violation(const System& system, const Formula& formula, con
 // was read and 5 were lost, ...". Without a full stop. `trace` is a counterexample for `property`.
 // O(steps x programs).
 std::string explain(const System& system, const Property& property, const Trace& trace);
+
+// The first of the results before this one, of the same report, that show the same run; null if
+// there is none.
+const PropertyResult* find_same_run(const CheckReport& report, const PropertyResult& result);
+
+// What is left to say of a property whose run was shown as that of `before`: "planner@sent holds
+// after step 7, but controller@done never holds from step 7 on: the same run as deadlock".
+std::string explain_again(const System& system, const Property& property, const Trace& trace,
+                          const PropertyResult& before);
 
 }  // namespace maide

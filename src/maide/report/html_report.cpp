@@ -147,12 +147,17 @@ void write_table(std::ostream& out, const CheckReport& report) {
   out << "</table>\n";
 }
 
-void write_counterexample(std::ostream& out, const System& system, const PropertyResult& result) {
+void write_counterexample(std::ostream& out, const System& system, const CheckReport& report,
+                          const PropertyResult& result) {
   out << fmt::format("<h2>{}: how it is violated</h2>\n", escape_markup(result.name));
   const Shown shown = shown_part(system, result);
   const System& part = shown.part.system();
-  const std::string sentence = explain(part, shown.property, shown.trace);
+  const PropertyResult* same = find_same_run(report, result);
+  const std::string sentence = same == nullptr
+                                   ? explain(part, shown.property, shown.trace)
+                                   : explain_again(part, shown.property, shown.trace, *same);
   out << fmt::format("<p class=\"why\">{}.</p>\n", escape_markup(sentence));
+  if (same != nullptr) return;
   write_sequence_chart_svg(out, make_trace_chart(part, shown.trace, ""));
   std::ostringstream text;
   write_trace_text(text, part, shown.trace, TraceFormat::steps);
@@ -178,7 +183,7 @@ void write_html_report(std::ostream& out, const System& system, const CheckRepor
     out << "</ul>\n";
   }
   for (const PropertyResult& result : report.properties) {
-    if (result.trace) write_counterexample(out, system, result);
+    if (result.trace) write_counterexample(out, system, report, result);
   }
   for (const ModelInstance& model : system.models) {
     const std::string picture = paint ? paint(model.automaton) : "";

@@ -227,9 +227,14 @@ Json program_names(const System& system, const std::vector<std::uint32_t>& progr
 Json report_to_json(const System& system, const CheckReport& report) {
   Json components = Json::array();
   for (const CheckReport::Component& component : report.components) {
+    Json verdicts = Json::object();
+    for (const auto& [property, verdict] : component.verdicts) {
+      verdicts[property] = to_string(verdict);
+    }
     components.push_back({{"programs", program_names(system, component.programs)},
                           {"states", component.states},
-                          {"transitions", component.transitions}});
+                          {"transitions", component.transitions},
+                          {"verdicts", std::move(verdicts)}});
   }
   Json properties = Json::array();
   for (const PropertyResult& result : report.properties) {
@@ -246,6 +251,9 @@ Json report_to_json(const System& system, const CheckReport& report) {
     if (result.trace) {
       const Shown shown = shown_part(system, result);
       entry["explanation"] = explain(shown.part.system(), shown.property, shown.trace);
+      if (const PropertyResult* same = find_same_run(report, result)) {
+        entry["same_run_as"] = same->name;
+      }
     }
     entry["component"] = result.programs.empty() ? Json() : program_names(system, result.programs);
     entry["trace"] = result.trace ? trace_to_json(system, *result.trace) : Json::array();

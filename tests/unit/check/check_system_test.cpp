@@ -4,9 +4,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <chrono>
 #include <new>
 #include <set>
 #include <stdexcept>
+#include <thread>
 
 #include "maide/check/explore/engine.hpp"
 #include "systems.hpp"
@@ -51,6 +53,68 @@ CheckReport check(BreakingEngine& engine, const std::vector<std::string>& proper
   CheckRequest request;
   request.properties = properties;
   return check_system(talking(), engine, request);
+}
+
+// Notes how much time each property has. Of `slow` it takes all, the first time.
+class SharingEngine : public Engine {
+ public:
+  std::vector<std::pair<std::string, double>> shares;  // in seconds
+  std::string slow;
+
+  std::string name() const override { return "sharing"; }
+  std::string obstacle(const Property&) const override { return ""; }
+  PropertyResult check(const System&, const Property& property,
+                       const EngineOptions& options) override {
+    using Clock = std::chrono::steady_clock;
+    const Clock::time_point end = options.control.deadline.value();
+    shares.emplace_back(property.name, std::chrono::duration<double>(end - Clock::now()).count());
+    PropertyResult result;
+    result.name = property.name;
+    result.verdict = Verdict::holds;
+    result.stays_within_learned = true;
+    if (property.name != slow) return result;
+    slow.clear();
+    std::this_thread::sleep_until(end);
+    result.verdict = Verdict::inconclusive;
+    return result;
+  }
+  CutResult find_cut(const System&, const EngineOptions&) override { return {}; }
+};
+
+TEST(CheckSystem, EachPropertyHasItsShareOfTheTime) {
+  SharingEngine engine;
+  CheckRequest request;
+  request.options.control.deadline = deadline_in(1000);
+  check_system(talking(), engine, request);
+  ASSERT_EQ(engine.shares.size(), 4U);
+  const std::vector<double> expected{250, 333, 500, 1000};  // the first took none
+  for (std::size_t i = 0; i < 4; ++i) EXPECT_NEAR(engine.shares[i].second, expected[i], 60);
+}
+
+TEST(CheckSystem, WhatOthersLeaveGoesToWhatWasNotDecided) {
+  SharingEngine engine;
+  engine.slow = "deadlock";
+  CheckRequest request;
+  request.options.control.deadline = deadline_in(2);
+  const CheckReport report = check_system(talking(), engine, request);
+  ASSERT_EQ(engine.shares.size(), 5U);
+  EXPECT_EQ(engine.shares.back().first, "deadlock");
+  EXPECT_GT(engine.shares.back().second, engine.shares.front().second);
+  EXPECT_EQ(report.properties.front().name, "deadlock");
+  EXPECT_EQ(report.verdict, Verdict::holds);
+}
+
+TEST(CheckSystem, OneCauseIsShownByOneRun) {
+  const System system = test::system_of("  a: via.read -> message;\n  b: skip;\n",
+                                        "  done: F a@end\n  asked: G !via.read\n");
+  NativeEngine engine;
+  const CheckReport report = check_system(system, engine, {});
+  ASSERT_EQ(report.properties.size(), 4U);
+  for (const std::size_t i : {0, 2, 3}) {
+    ASSERT_TRUE(report.properties[i].trace) << report.properties[i].name;
+    EXPECT_EQ(report.properties[i].trace->steps, report.properties[0].trace->steps);
+    EXPECT_FALSE(report.properties[i].trace->loop_start);
+  }
 }
 
 TEST(CheckSystem, AnInternalErrorHidesNoOtherVerdict) {

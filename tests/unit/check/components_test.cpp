@@ -59,6 +59,21 @@ TEST(Components, ADeadlockIsOneOfItsComponent) {
   EXPECT_EQ(deadlock.states, report.components[0].states + report.components[1].states);
 }
 
+TEST(Components, AViolationLeavesNoComponentOut) {
+  const System system = test::system_of("  a: via.read -> message;\n  b: sync.read -> message;\n");
+  const CheckReport report = check(system);
+  const PropertyResult& deadlock = result_of(report, "deadlock");
+  EXPECT_EQ(deadlock.verdict, Verdict::violated);
+  EXPECT_EQ(deadlock.programs, (std::vector<std::uint32_t>{0}));
+  EXPECT_EQ(deadlock.reason, "2 of 2 components violate it, and the first is shown");
+  ASSERT_EQ(report.components.size(), 2U);
+  for (const CheckReport::Component& component : report.components) {
+    EXPECT_EQ(component.states, 2U);
+    EXPECT_EQ(component.verdicts.at("deadlock"), Verdict::violated);
+    EXPECT_EQ(component.verdicts.at("stuck"), Verdict::holds);
+  }
+}
+
 // In the whole system the other pair could go on.
 TEST(Components, AClaimIsHeldAgainstItsComponent) {
   const System system = test::system_of(two_pairs, "", "wait");

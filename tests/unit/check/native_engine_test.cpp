@@ -56,6 +56,41 @@ TEST(NativeEngine, AProgramIsStuckWhileAnotherRunsOn) {
   EXPECT_EQ(find_flaw(system, stuck(), *result.trace), "");
 }
 
+// The search meets the long way round first.
+TEST(NativeEngine, ShowsAShortFairRun) {
+  const System system = test::system_of(
+      "  watchdog: loop { if * { repeat 40 { if * { } else { } } } else { } }\n"
+      "  dead: via.read -> message;\n",
+      "  served: F dead@end\n"
+      "  strongly: {ltl: F dead@end, fairness: strong}\n"
+      "  never_waits: \"G !watchdog@end && !X X X true\"\n");
+  std::vector<Property> properties{stuck()};
+  properties.insert(properties.end(), system.properties.begin(), system.properties.end());
+  for (const Property& property : properties) {
+    const PropertyResult result = check(system, property);
+    ASSERT_EQ(result.verdict, Verdict::violated) << property.name;
+    EXPECT_EQ(find_flaw(system, property, *result.trace), "") << property.name;
+    if (property.name == "never_waits") continue;
+    // Dead asks, and the watchdog goes the short way round.
+    EXPECT_EQ(result.trace->steps.size(), 2u) << property.name;
+    EXPECT_EQ(result.trace->loop_start, 1u) << property.name;
+  }
+}
+
+// Each program has to step on the cycle: two each, and one before it.
+TEST(NativeEngine, AShortRunIsFairToAll) {
+  const System system = test::system_of(
+      "  a: loop { if * { repeat 20 { if * { } else { } } } else { } }\n"
+      "  b: loop { if * { } else { repeat 20 { if * { } else { } } } }\n"
+      "  c: loop { if * { repeat 20 { if * { } else { } } } else { } }\n"
+      "  dead: via.read -> message;\n");
+  const PropertyResult result = check(system, stuck());
+  ASSERT_EQ(result.verdict, Verdict::violated);
+  EXPECT_EQ(find_flaw(system, stuck(), *result.trace), "");
+  EXPECT_EQ(result.trace->steps.size(), 4u);
+  EXPECT_EQ(result.trace->loop_start, 1u);
+}
+
 TEST(NativeEngine, AProgramThatHasEndedIsNotStuck) {
   const System system = test::system_of(
       "  planner: loop { sync.write; sync.read -> message; }\n"

@@ -84,6 +84,49 @@ TEST(Explanation, NamesTheCallThatHasNotReturned) {
       "has not returned; no other program would ever write to via");
 }
 
+TEST(Explanation, CountsWhatWasReadOfOneModelWhereALoopReadsOneOrAnother) {
+  const System either =
+      system_of("a: {file: strict-2.dot}, b: {file: strict-2.dot}",
+                "  p: a.write; b.write;\n"
+                "  q: repeat 3 { if * { a.read -> message; } else { b.read -> message; } }\n");
+  EXPECT_THAT(why_deadlock(either, test::run_in_turns(either, "0011111")),
+              testing::StartsWith("q waits at line 4 for message 2 from a in round 2 of 3; a holds "
+                                  "none: p wrote 1, and it was read; p has ended"));
+  const System changing = system_of(
+      "a: {file: strict-2.dot}, b: {file: strict-2.dot}",
+      "  p: a.write;\n"
+      "  q: 'var k: 0..3; repeat 3 { if (k < 2) { a.read -> message; } else { b.read -> message; } "
+      "k = k + 1; }'\n");
+  EXPECT_THAT(why_deadlock(changing, test::run_in_turns(changing, "0111")),
+              testing::StartsWith("q waits at line 4 for message 2 from a in round 2 of 3; "));
+  const System twice =
+      system_of("a: {file: strict-2.dot}",
+                "  p: a.write;\n"
+                "  q: repeat 3 { a.read -> message; if * { } else { a.read -> message; } }\n");
+  EXPECT_THAT(why_deadlock(twice, test::run_in_turns(twice, "01111")),
+              testing::StartsWith("q waits at line 4 for message 2 from a in round 2 of 3; "));
+}
+
+TEST(Explanation, SaysWhatOneRunShowsOnce) {
+  const System system =
+      system_of("a: {file: strict-2.dot}", "  p: a.read -> message;\n", "  done: F p@end\n");
+  NativeEngine engine;
+  const CheckReport report = check_system(system, engine, {});
+  const PropertyResult& deadlock = report.properties.front();
+  const PropertyResult& done = report.properties.back();
+  ASSERT_TRUE(done.trace);
+  EXPECT_EQ(find_same_run(report, deadlock), nullptr);
+  ASSERT_EQ(find_same_run(report, done), &deadlock);
+  const Shown shown = shown_part(system, done);
+  EXPECT_EQ(explain_again(shown.part.system(), shown.property, shown.trace, deadlock),
+            "p@end never holds: the same run as deadlock");
+  const Json json = report_to_json(system, report);
+  EXPECT_EQ(json["properties"][2]["same_run_as"], "deadlock");
+  EXPECT_FALSE(json["properties"][0].contains("same_run_as"));
+  EXPECT_EQ(json["properties"][2]["trace"], json["properties"][0]["trace"]);
+  EXPECT_EQ(json["components"][0]["verdicts"]["deadlock"], "violated");
+}
+
 // A fork that one takes, and the others wait for.
 InterfaceAutomaton fork_model() {
   InterfaceAutomaton fork({"take", "release"}, {"granted"}, 3);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <exception>
 #include <map>
 #include <memory>
@@ -74,6 +75,12 @@ class PartChecker {
     if (result.remarkable) result.remarkable = to_whole(part_, std::move(*result.remarkable));
     if (!part_.is_whole()) result.programs = part_.programs();
     return result;
+  }
+
+  // What could not be decided is looked for again when it is needed.
+  void forget_undecided() {
+    if (cut_ && cut_->verdict == Verdict::inconclusive) cut_.reset();
+    if (error_ && error_->verdict == Verdict::inconclusive) error_.reset();
   }
 
  private:
@@ -169,21 +176,27 @@ class Merger {
       whole_.remarkable = std::move(part.remarkable);
       whole_.programs = part.programs;
     }
+    ++count_;
+    if (part.verdict == Verdict::violated && ++violated_ > 1) return;
     if (part.verdict == Verdict::violated) {
       whole_.verdict = Verdict::violated;
       whole_.trace = std::move(part.trace);
       whole_.programs = std::move(part.programs);
       reasons_.clear();
       seen_.clear();
+    } else if (violated_ > 0) {
+      return;
     } else if (part.verdict == Verdict::inconclusive) {
       whole_.verdict = Verdict::inconclusive;
     }
     if (!part.reason.empty() && seen_.insert(part.reason).second) reasons_.push_back(part.reason);
   }
 
-  bool is_violated() const { return whole_.verdict == Verdict::violated; }
-
   PropertyResult take() {
+    if (violated_ > 1) {
+      reasons_.push_back(
+          fmt::format("{} of {} components violate it, and the first is shown", violated_, count_));
+    }
     const std::size_t more = reasons_.size() - std::min(reasons_.size(), most_reasons);
     if (more > 0) reasons_.resize(most_reasons);
     whole_.reason = join(reasons_, "; ");
@@ -193,6 +206,7 @@ class Merger {
 
  private:
   PropertyResult whole_;
+  std::size_t count_ = 0, violated_ = 0;  // components
   std::vector<std::string> reasons_;
   std::set<std::string> seen_;
 };
@@ -200,18 +214,25 @@ class Merger {
 class Checker {
  public:
   Checker(const System& system, Engine& engine, const CheckRequest& request)
-      : system_(system), engine_(engine), options_(request.options), uses_(find_uses(system)) {
+      : system_(system),
+        engine_(engine),
+        options_(request.options),
+        deadline_(request.options.control.deadline),
+        uses_(find_uses(system)) {
     select(request.properties);
     components_ = find_components(system);
-    for (const auto& component : components_) report_.components.push_back({component, 0, 0});
+    for (const auto& component : components_) report_.components.push_back({component, 0, 0, {}});
   }
 
   CheckReport run() {
-    for (const Property& property : properties_) {
-      options_.control.report({"checking", 0, 0, 0, report_.properties.size(), properties_.size()});
-      report_.properties.push_back(check(property));
-      state_remark(report_.properties.back());
+    std::vector<Late> late;
+    for (std::size_t at = 0; at < properties_.size(); ++at) {
+      const auto share = take_share(deadline_, properties_.size() - at);
+      report_.properties.push_back(check_next(at));
+      if (is_late(report_.properties.back())) late.push_back({at, share});
     }
+    check_again(late);
+    for (const PropertyResult& result : report_.properties) state_remark(result);
     for (const Verdict verdict : {Verdict::inconclusive, Verdict::violated}) {
       for (const PropertyResult& result : report_.properties) {
         if (result.verdict == verdict) report_.verdict = verdict;
@@ -226,6 +247,57 @@ class Checker {
   }
 
  private:
+  using Clock = std::chrono::steady_clock;
+  // A property that was not decided in the time that it had.
+  struct Late {
+    std::size_t property = 0;
+    Clock::duration share{};
+  };
+
+  // Gives the next of `count` things to do its share of the time until `end`.
+  Clock::duration take_share(const std::optional<Clock::time_point>& end, std::size_t count) {
+    if (!end) return {};
+    const Clock::time_point now = Clock::now();
+    const Clock::duration share = (*end - now) / static_cast<std::int64_t>(count);
+    options_.control.deadline = now + share;
+    return share;
+  }
+
+  bool is_late(const PropertyResult& result) const {
+    const RunControl& control = options_.control;
+    return result.verdict == Verdict::inconclusive && control.deadline &&
+           !control.stop.stop_requested() && Clock::now() >= *control.deadline;
+  }
+
+  void check_again(const std::vector<Late>& late) {
+    for (auto& [programs, checker] : checkers_) checker->forget_undecided();
+    for (std::size_t i = 0; i < late.size(); ++i) {
+      if (take_share(deadline_, late.size() - i) <= late[i].share) return;
+      report_.properties[late[i].property] = check_next(late[i].property);
+    }
+  }
+
+  PropertyResult check_next(std::size_t at) {
+    options_.control.report({"checking", 0, 0, 0, at, properties_.size()});
+    PropertyResult result = check(properties_[at]);
+    share_run(properties_[at], result);
+    return result;
+  }
+
+  // One cause is shown by one run.
+  void share_run(const Property& property, PropertyResult& result) const {
+    if (!result.trace) return;
+    for (const PropertyResult& before : report_.properties) {
+      if (before.name == result.name || !before.trace || before.programs != result.programs ||
+          before.trace->steps.size() > result.trace->steps.size()) {
+        continue;
+      }
+      if (!find_flaw_in_parts(system_, property, *before.trace).empty()) continue;
+      result.trace = before.trace;
+      return;
+    }
+  }
+
   bool is_of_each_component(const Property& property) const {
     return property.kind != Property::Kind::ltl && property.kind != Property::Kind::never &&
            components_.size() > 1;
@@ -236,9 +308,12 @@ class Checker {
       return check(property, programs_of(system_, property, components_));
     }
     Merger merger(property.name);
-    for (std::size_t i = 0; i < components_.size() && !merger.is_violated(); ++i) {
+    const auto end = options_.control.deadline;
+    for (std::size_t i = 0; i < components_.size(); ++i) {
+      take_share(end, components_.size() - i);
       merger.add(check(property, components_[i]));
     }
+    options_.control.deadline = end;
     return merger.take();
   }
 
@@ -259,7 +334,9 @@ class Checker {
       result = checker->check(property);
     }
     for (CheckReport::Component& component : report_.components) {
-      if (component.programs != programs || component.states > 0) continue;
+      if (component.programs != programs) continue;
+      if (!has_atoms) component.verdicts[property.name] = result.verdict;
+      if (component.states > 0) continue;
       component.states = result.states;
       component.transitions = result.transitions;
     }
@@ -318,7 +395,8 @@ class Checker {
 
   const System& system_;
   Engine& engine_;
-  const EngineOptions& options_;
+  EngineOptions options_;  // until the end of the share of what is checked
+  std::optional<Clock::time_point> deadline_;
   std::vector<InputUse> uses_;
   std::vector<Property> properties_;
   bool leaves_out_stuck_ = false;

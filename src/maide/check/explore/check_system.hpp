@@ -5,6 +5,7 @@
 // an error.
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -30,6 +31,8 @@ struct CheckReport {
     std::vector<std::uint32_t> programs;
     std::uint64_t states = 0,
                   transitions = 0;  // of the first property decided in each; 0: none was
+    // Of `deadlock`, `stuck` and `error`, those that were checked.
+    std::map<std::string, Verdict> verdicts;
   };
   std::vector<Component> components;
 };
@@ -37,7 +40,10 @@ struct CheckReport {
 // Throws UsageError, before anything is run, for a property that is not there or that the engine
 // cannot check; only `stuck` is left out silently - but for an assumption - unless it is asked for
 // by name. An interruption makes what is left inconclusive, and so does an error of Maide's own
-// with the one property that it struck.
+// with the one property that it struck. Until the deadline each property, and of it each component,
+// has its share of the time that is left; what ran out of its share and would get more than it had
+// is checked once more. Where a violation that was found before shows another property violated,
+// too, by a run that is not longer, both have that run.
 CheckReport check_system(const System& system, Engine& engine, const CheckRequest& request = {});
 
 // Of the command that made the report: a violation comes before an error of Maide's own.

@@ -16,6 +16,7 @@
 #include "maide/check/explore/fair_cycle.hpp"
 #include "maide/check/explore/merged_calls.hpp"
 #include "maide/check/explore/monitors.hpp"
+#include "maide/check/explore/short_lasso.hpp"
 #include "maide/check/spin/spin_engine.hpp"
 
 namespace maide {
@@ -243,6 +244,25 @@ SearchResult find_fair_cycle(const PackedSystem& system, const Monitor& monitor,
   return search;
 }
 
+// Puts a shorter run into the place of the one that was found, if there is one near the start.
+template <typename Monitor>
+void shorten(const PackedSystem& system, const Monitor& monitor, const Property& property,
+             const RunControl& control, SearchResult& search) {
+  if (search.end != SearchResult::End::found || !search.trace) return;
+  const auto is_good = [&](const Trace& trace) {
+    return find_flaw(system.system(), property, trace).empty();
+  };
+  try {
+    auto shorter = with_words(system.words(), [&](auto words) {
+      return ShortLasso<words.value, Monitor>(system, monitor, control)
+          .find(search.trace->steps.size(), is_good);
+    });
+    if (shorter) search.trace = std::move(shorter);
+  } catch (const std::bad_alloc&) {  // the longer one is a violation, too
+  } catch (const Interrupted&) {
+  }
+}
+
 // Programs, and marks, are bits of a word in the search for fair cycles.
 bool is_within_words(const System& system, unsigned marks) {
   return system.programs.size() <= most_marks && marks <= most_marks;
@@ -260,12 +280,19 @@ std::optional<SearchResult> search_for_stuck(const System& plain, const Property
     wanted.fairness = runs == StuckMonitor::Runs::strongly_fair ? Fairness::strong : Fairness::weak;
     return find_fair_cycle(system, StuckMonitor(system, runs), wanted, reduction, limits);
   };
+  const auto shortened = [&](SearchResult found) {
+    const bool is_strong = !system.has_too_many_groups();
+    const auto runs =
+        is_strong ? StuckMonitor::Runs::strongly_fair : StuckMonitor::Runs::weakly_fair;
+    shorten(system, StuckMonitor(system, runs), property, limits.control, found);
+    return found;
+  };
   SearchResult weak = search(StuckMonitor::Runs::weakly_fair);
   if (weak.end != SearchResult::End::found) return weak;
-  if (find_flaw(plain, property, *weak.trace).empty()) return weak;
+  if (find_flaw(plain, property, *weak.trace).empty()) return shortened(std::move(weak));
   if (system.has_too_many_groups()) return std::nullopt;
   SearchResult strong = search(StuckMonitor::Runs::strongly_fair);
-  if (strong.end != SearchResult::End::complete) return strong;
+  if (strong.end != SearchResult::End::complete) return shortened(std::move(strong));
   if (system.groups_on_weak_runs() != 0) {
     weak = search(StuckMonitor::Runs::weakly_fair_with_groups);
   }
@@ -293,8 +320,10 @@ std::optional<SearchResult> search_for_cycle(const System& plain, const Property
   const bool counts_groups =
       property.fairness == Fairness::strong || (is_weak && system.groups_on_weak_runs() != 0);
   if (counts_groups && system.has_too_many_groups()) return std::nullopt;
-  return find_fair_cycle(system, LtlMonitor(system, std::move(automaton), property.fairness),
-                         property, reduction, limits);
+  const LtlMonitor monitor(system, std::move(automaton), property.fairness);
+  SearchResult search = find_fair_cycle(system, monitor, property, reduction, limits);
+  shorten(system, monitor, property, limits.control, search);
+  return search;
 }
 
 bool needs_cycle(const Property& property) {

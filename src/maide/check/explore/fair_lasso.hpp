@@ -62,12 +62,7 @@ class FairParts {
     return std::nullopt;
   }
 
- private:
-  void look() {
-    if (++looked_at_ % limit_interval == 0) control_.check("the search for a fair cycle");
-  }
-
-  // Tarjan's components of a set of nodes (iterative; SIAM J. Comput. 1972).
+  // Tarjan's components of a sorted set of nodes (iterative; SIAM J. Comput. 1972).
   std::vector<Set> components_of(const Set& set) {
     struct Open {
       std::size_t place;
@@ -126,6 +121,11 @@ class FairParts {
     }
     MAIDE_CHECK(active.empty() && count == set.size());  // each node is in one component
     return result;
+  }
+
+ private:
+  void look() {
+    if (++looked_at_ % limit_interval == 0) control_.check("the search for a fair cycle");
   }
 
   const Graph& graph_;

@@ -435,7 +435,13 @@ class WaitingFinder {
     }
   }
 
-  // Each round of the innermost `repeat` does the awaited once: which one is it?
+  bool is_awaited_step(const ProgramEdge& edge) const {
+    return std::any_of(waiting_.awaited.begin(), waiting_.awaited.end(), [&](const auto& other) {
+      return edge.kind == other.kind && edge.model == other.model && edge.symbol == other.symbol;
+    });
+  }
+
+  // In which round of the innermost `repeat` it is, and how many of the awaited it has had there.
   void find_number() {
     const Program& program = own();
     const auto round_at = [&](std::size_t at) -> const Program::Round& {
@@ -443,11 +449,6 @@ class WaitingFinder {
     };
     const Program::Round& round = round_at(at_);
     if (round.count < 2) return;
-    const auto is_same = [&](const ProgramEdge& edge) {
-      return std::any_of(waiting_.awaited.begin(), waiting_.awaited.end(), [&](const auto& other) {
-        return edge.kind == other.kind && edge.model == other.model && edge.symbol == other.symbol;
-      });
-    };
     std::uint32_t done = 0, number = round.number;
     for (std::size_t step = at_; step-- > 0;) {
       if (trace_.steps[step].program != waiting_.program) continue;
@@ -456,11 +457,56 @@ class WaitingFinder {
                              before.outer == round.outer && before.number <= number;
       if (!is_within) break;
       number = before.number;
-      done += is_same(edge_of(system_, trace_.steps[step])) ? 1 : 0;
+      done += is_awaited_step(edge_of(system_, trace_.steps[step])) ? 1 : 0;
     }
-    if (done + 1 != round.number) return;
-    waiting_.number = round.number;
-    waiting_.count = round.count;
+    waiting_.round = round.number;
+    waiting_.rounds = round.count;
+    waiting_.number = done + 1;
+    waiting_.is_once_a_round = done + 1 == round.number && is_once_a_round(round);
+  }
+
+  // Whether control comes to the awaited once in each round of the loop, whichever way it goes.
+  bool is_once_a_round(const Program::Round& loop) const {
+    const Program& program = own();
+    std::vector<std::uint32_t> numbers(program.rounds.size());  // of the round around it; 0: none
+    for (std::size_t index = 1; index < numbers.size(); ++index) {
+      for (std::size_t at = index; at != 0; at = program.rounds[at].outer) {
+        const Program::Round& round = program.rounds[at];
+        if (round.line != loop.line || round.column != loop.column || round.outer != loop.outer) {
+          continue;
+        }
+        numbers[index] = round.number;
+        break;
+      }
+    }
+    const auto number = [&](ControlState state) { return numbers[program.states[state].round]; };
+    enum Way : std::uint8_t { before = 1, behind = 2 };  // the awaited step of the round
+    std::vector<std::uint8_t> seen(program.states.size());
+    std::vector<std::pair<ControlState, Way>> open;
+    const auto see = [&](ControlState state, Way way) {
+      if (number(state) == 0 || (seen[state] & way) != 0) return;
+      seen[state] |= way;
+      open.emplace_back(state, way);
+    };
+    see(0, before);
+    for (ControlState state = 0; state < program.states.size(); ++state) {
+      for (const ProgramEdge& edge : program.edges_of(state)) {
+        if (number(state) != number(edge.target)) see(edge.target, before);
+      }
+    }
+    while (!open.empty()) {
+      const auto [state, way] = open.back();
+      open.pop_back();
+      for (const ProgramEdge& edge : program.edges_of(state)) {
+        if (program.is_death(edge)) continue;
+        const bool is_it = is_awaited_step(edge);
+        if (is_it && way == behind) return false;
+        const bool leaves = number(state) != number(edge.target);
+        if (leaves && !is_it && way == before) return false;
+        if (!leaves) see(edge.target, is_it ? behind : way);
+      }
+    }
+    return true;
   }
 
   const System& system_;

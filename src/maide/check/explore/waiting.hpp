@@ -86,9 +86,11 @@ struct Waiting {
   // Programs, other than this one, that do what would help: that have it in their text, and of
   // those the ones that can still come to it from where they are.
   std::vector<std::uint32_t> helpers, reachable_helpers;
-  // The awaited thing is number `number` of `count` in a `repeat` that does it once a round (0:
-  // none).
-  std::uint32_t number = 0, count = 0;
+  // In a `repeat`, the program is in round `round` of `rounds`, and the awaited thing is the one
+  // with that number there; of `rounds` if each round does it once, whatever happens (0: no
+  // `repeat`).
+  std::uint32_t round = 0, rounds = 0, number = 0;
+  bool is_once_a_round = false;
 };
 
 // What keeps the program from stepping at position `at` of the run (`states` are replay()'s, of
