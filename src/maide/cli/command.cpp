@@ -116,6 +116,8 @@ std::span<const Command> command_table() {
               "maide export system.yaml --to aut -o system.aut\n"
               "maide export system.yaml --property acknowledged --to hoa",
               set_up_export},
+      Command{"format", "Lay out system files in one style",
+              "maide format system.yaml\nmaide format --check systems/*.yaml", set_up_format},
       Command{"view", "Draw a model, a system or a trace",
               "maide view strict-6.dot\nmaide view system.yaml -o system.html\n"
               "maide view deadlock.json -o deadlock.svg",

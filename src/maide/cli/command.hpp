@@ -125,6 +125,7 @@ RunFunction set_up_compare(CommandLine& line);
 RunFunction set_up_doctor(CommandLine& line);
 RunFunction set_up_check(CommandLine& line);
 RunFunction set_up_export(CommandLine& line);
+RunFunction set_up_format(CommandLine& line);
 RunFunction set_up_learn(CommandLine& line);
 RunFunction set_up_replay(CommandLine& line);
 RunFunction set_up_reproduce(CommandLine& line);

@@ -1,0 +1,63 @@
+"""Random systems laid out by `maide format`: nothing changes but blanks.
+
+    layout.py --maide PROGRAM --seed S --count N
+
+Makes N systems of each kind of generate.py. A second layout changes nothing, and the system's
+graph of states (`maide export --to aut`) is the same as before.
+"""
+
+from __future__ import annotations
+
+import argparse
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+from generate import KINDS
+
+
+def run(arguments: list[str]) -> subprocess.CompletedProcess:
+    """Runs a program and keeps what it says."""
+    return subprocess.run(arguments, capture_output=True, text=True, check=False)
+
+
+def graph(maide: str, path: Path) -> str:
+    """The system's graph of states, or why there is none, without the place."""
+    result = run([maide, "export", str(path), "--to", "aut"])
+    return result.stdout if result.returncode == 0 else result.stderr.split("(/")[0]
+
+
+def main() -> int:
+    """Compares all systems; tells the first that differ."""
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--maide", required=True)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--count", type=int, default=10)
+    options = parser.parse_args()
+    here = Path(__file__).parent
+    wrong = []
+    laid_out = 0
+    with tempfile.TemporaryDirectory() as folder:
+        for kind in KINDS:
+            arguments = [sys.executable, "-B", str(here / "generate.py"), "--seed",
+                         str(options.seed), "--count", str(options.count), "--only", kind,
+                         folder]  # fmt: skip
+            subprocess.run(arguments, check=True)
+        files = sorted(Path(folder).glob("*/system.yaml"))
+        for path in files:
+            before = graph(options.maide, path)
+            result = run([options.maide, "format", str(path)])
+            again = run([options.maide, "format", "--check", str(path)])
+            laid_out += 1 if result.stdout else 0
+            if result.returncode != 0 or again.returncode != 0:
+                wrong.append(f"{path.parent.name}: {result.stderr}{again.stdout}{again.stderr}")
+            elif graph(options.maide, path) != before:
+                wrong.append(f"{path.parent.name}: another system\n{path.read_text()}")
+    print(f"{len(files)} systems, {laid_out} of them laid out anew, {len(wrong)} wrong")
+    print("\n".join(wrong[:3]))
+    return 1 if wrong or laid_out == 0 or len(files) < options.count * len(KINDS) else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
