@@ -62,7 +62,7 @@ class SharingEngine : public Engine {
   std::string slow;
 
   std::string name() const override { return "sharing"; }
-  std::string obstacle(const Property&) const override { return ""; }
+  std::string obstacle(const System&, const Property&) const override { return ""; }
   PropertyResult check(const System&, const Property& property,
                        const EngineOptions& options) override {
     using Clock = std::chrono::steady_clock;

@@ -402,7 +402,7 @@ TEST(Language, SlipsAtModelsAndProceduresAreToldWhatToDo) {
   const auto error = [](const std::string& programs) {
     return test::error_of([&] {
       system_from(
-          "models: {q: {use: queue, with: {size: 1}}}\nprocedures: {eat(m, k): \"repeat k { "
+          "models: {q: {use: queue, with: {size: 1}}}\nprocedures: {'eat(m, k)': \"repeat k { "
           "m.write; }\"}\nprograms: {" +
           programs + "}");
     });
