@@ -5,6 +5,8 @@
 #include "maide/automata/compare.hpp"
 
 #include <algorithm>
+#include <functional>
+#include <iterator>
 #include <map>
 #include <numeric>
 #include <tuple>
@@ -12,6 +14,7 @@
 #include <utility>
 
 #include "maide/base/error.hpp"
+#include "maide/base/invariant.hpp"
 #include "maide/base/text.hpp"
 
 namespace maide {
@@ -72,7 +75,9 @@ class MealyComparison {
         const Symbol other = inputs_[input];
         if (other == unknown) continue;
         if (left_.output(left, input) != outputs_[right_.output(right, other)]) {
-          return word_to(next, input);
+          Word word = word_to(next, input);
+          MAIDE_CHECK(leads_to(word, left, right));
+          return word;
         }
         visit(left_.target(left, input), right_.target(right, other), next, input);
       }
@@ -100,7 +105,10 @@ class MealyComparison {
 
   void visit(StateId left, StateId right, std::size_t parent, Symbol last) {
     if (classes_.unite(left, static_cast<std::uint32_t>(left_.size()) + right)) {
+      // Breadth first: the words of later pairs are no shorter.
+      MAIDE_CHECK(queue_.empty() || (queue_.back().parent <= parent && parent < queue_.size()));
       queue_.push_back({left, right, parent, last});
+      MAIDE_CHECK(queue_.size() < left_.size() + right_.size());  // each pair joins two classes
     }
   }
 
@@ -108,6 +116,16 @@ class MealyComparison {
     Word word{last};
     for (; pair != 0; pair = queue_[pair].parent) word.push_back(queue_[pair].last);
     return {word.rbegin(), word.rend()};
+  }
+
+  // Whether the word without its last input leads to these states.
+  bool leads_to(const Word& word, StateId left, StateId right) const {
+    StateId left_state = left_.initial(), right_state = right_.initial();
+    for (std::size_t at = 0; at + 1 < word.size(); ++at) {
+      left_state = left_.target(left_state, word[at]);
+      right_state = right_.target(right_state, inputs_[word[at]]);
+    }
+    return left_state == left && right_state == right;
   }
 
   const Mealy& left_;
@@ -181,6 +199,8 @@ class SetTable {
   explicit SetTable(const InterfaceAutomaton& automaton) : automaton_(automaton) {}
 
   SetId intern(StateSet set) {
+    MAIDE_CHECK(!set.empty() && set.back() < automaton_.size());
+    MAIDE_CHECK(std::adjacent_find(set.begin(), set.end(), std::greater_equal<>()) == set.end());
     const auto [place, is_new] = numbers_.try_emplace(set, static_cast<SetId>(sets_.size()));
     if (is_new) sets_.push_back(std::move(set));
     return place->second;
@@ -235,6 +255,10 @@ class SetTable {
                          [](const auto& entry, Action wanted) { return entry.action < wanted; });
     auto end = begin;
     while (end != all.end() && end->action == action) ++end;
+    // An automaton keeps the transitions of a state in order, or the search above misses some.
+    MAIDE_CHECK(begin == all.begin() || std::prev(begin)->action < action);
+    MAIDE_CHECK(
+        std::none_of(end, all.end(), [&](const auto& way) { return way.action == action; }));
     return {begin, end};
   }
 
@@ -282,6 +306,7 @@ class PairExploration {
 
   void visit(SetId left, SetId right, std::size_t parent, std::size_t last) {
     const std::uint64_t key = (std::uint64_t{left} << 32) | right;
+    MAIDE_CHECK(queue_.empty() || (queue_.back().parent <= parent && parent < queue_.size()));
     if (seen_.insert(key).second) queue_.push_back({left, right, parent, last});
   }
 
@@ -310,7 +335,10 @@ class PairExploration {
       std::tie(right.enabled, right.refused) = right_sets_.quiescence(right_set);
       result.hard = hard_difference(place, "(quiescence)", left, right);
     }
-    if (!soft.empty()) result.soft.push_back({word_to(place), std::move(soft)});
+    if (soft.empty()) return;
+    std::vector<std::string> word = word_to(place);
+    MAIDE_CHECK(result.soft.empty() || result.soft.back().word.size() <= word.size());
+    result.soft.push_back({std::move(word), std::move(soft)});
   }
 
   HardDifference hard_difference(std::size_t place, const std::string& last,

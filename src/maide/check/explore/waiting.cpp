@@ -4,6 +4,8 @@
 #include <functional>
 #include <iterator>
 
+#include "maide/base/invariant.hpp"
+
 namespace maide {
 namespace {
 
@@ -78,6 +80,27 @@ bool is_awaited(const Awaited& awaited, Action action) {
   return !action.is_input() && contains_sorted(awaited.outputs, action.symbol);
 }
 
+// What can be had from the state by asking, if `counts` can be had from its successors; a number
+// beyond the states' stands for any.
+std::size_t count_from(const InterfaceAutomaton& automaton, const Awaited& awaited,
+                       const std::vector<std::size_t>& counts, StateId state) {
+  std::size_t count = 0;
+  for (const auto& transition : automaton.transitions(state)) {
+    if (!is_asked(awaited, transition)) continue;
+    const std::size_t more = is_awaited(awaited, transition.action) ? 1 : 0;
+    count = std::max(count, std::min(automaton.size() + 1, counts[transition.target] + more));
+  }
+  return count;
+}
+
+bool is_fixed_point(const InterfaceAutomaton& automaton, const Awaited& awaited,
+                    const std::vector<std::size_t>& counts) {
+  for (StateId state = 0; state < automaton.size(); ++state) {
+    if (count_from(automaton, awaited, counts, state) != counts[state]) return false;
+  }
+  return true;
+}
+
 // Inputs that somewhere raise what can be had.
 std::vector<Symbol> find_messages(const InterfaceAutomaton& automaton, const Awaited& awaited,
                                   const Levels& levels) {
@@ -129,6 +152,20 @@ MessageAccount::Loss::Which which_was_lost(const InterfaceAutomaton& automaton,
   return new_outputs.front() == *gap ? Which::oldest : Which::unknown;
 }
 
+// Whether each loss stands at a step of the run, behind the one before it, and counts no more than
+// was given.
+bool is_consistent(const MessageAccount& account, const Trace& trace) {
+  const auto& losses = account.losses;
+  const bool is_ordered =
+      std::adjacent_find(losses.begin(), losses.end(), [](const auto& one, const auto& next) {
+        return one.step >= next.step || one.given > next.given || one.taken > next.taken;
+      }) == losses.end();
+  return is_ordered && std::all_of(losses.begin(), losses.end(), [&](const auto& loss) {
+           return loss.step < trace.steps.size() && loss.count > 0 && loss.given <= account.given &&
+                  loss.taken <= account.taken;
+         });
+}
+
 }  // namespace
 
 std::size_t MessageAccount::lost() const {
@@ -169,16 +206,13 @@ std::vector<std::optional<std::size_t>> count_obtainable(const InterfaceAutomato
   while (!open.empty()) {
     const StateId state = open.back();
     open.pop_back();
-    std::size_t count = counts[state];
-    for (const auto& transition : automaton.transitions(state)) {
-      if (!is_asked(awaited, transition)) continue;
-      const std::size_t more = is_awaited(awaited, transition.action) ? 1 : 0;
-      count = std::max(count, std::min(most + 1, counts[transition.target] + more));
-    }
+    const std::size_t count = count_from(automaton, awaited, counts, state);
     if (count == counts[state]) continue;
+    MAIDE_CHECK(count > counts[state]);  // or it need not end
     counts[state] = count;
     open.insert(open.end(), sources[state].begin(), sources[state].end());
   }
+  MAIDE_CHECK(is_fixed_point(automaton, awaited, counts));
   std::vector<std::optional<std::size_t>> result;
   for (const std::size_t count : counts) {
     result.push_back(count > most ? std::nullopt : std::optional(count));
@@ -190,6 +224,7 @@ std::optional<MessageAccount> take_account(const System& system, const Trace& tr
                                            const std::vector<GlobalState>& states,
                                            const Awaited& awaited) {
   const InterfaceAutomaton& automaton = system.models[awaited.model].automaton;
+  MAIDE_CHECK(states.size() == trace.steps.size() + 1);
   const Levels levels = count_obtainable(automaton, awaited);
   MessageAccount account;
   account.messages = find_messages(automaton, awaited, levels);
@@ -231,6 +266,7 @@ std::optional<MessageAccount> take_account(const System& system, const Trace& tr
   const std::size_t first = levels[states.front().models[awaited.model]].value_or(0);
   account.held = levels[states.back().models[awaited.model]].value_or(0);
   if (first + account.given != account.taken + account.lost() + account.held) return std::nullopt;
+  MAIDE_CHECK(is_consistent(account, trace));
   return account;
 }
 
@@ -322,6 +358,7 @@ class WaitingFinder {
   Waiting run() {
     if (waiting_.reason == Reason::several) {
       find_users();
+      MAIDE_CHECK(is_consistent());
       return std::move(waiting_);
     }
     waiting_.due = outputs_due(automaton(), state_.models[waiting_.model]);
@@ -338,10 +375,24 @@ class WaitingFinder {
     }
     find_helpers();
     find_number();
+    MAIDE_CHECK(is_consistent());
     return std::move(waiting_);
   }
 
  private:
+  // Whether the parts of the answer agree: causes lie before the position, only what is due keeps
+  // the model from the rest, and the helpers are other programs.
+  bool is_consistent() const {
+    const Waiting& waiting = waiting_;
+    const bool is_due = waiting.reason == Reason::output_due;
+    const auto& helpers = waiting.helpers;
+    const auto& reachable = waiting.reachable_helpers;
+    return waiting.due.empty() != is_due && (!waiting.cause || *waiting.cause < at_) &&
+           (!waiting.account || waiting.reason == Reason::nothing_due) &&
+           std::includes(helpers.begin(), helpers.end(), reachable.begin(), reachable.end()) &&
+           !contains(helpers, waiting.program) && waiting.number <= waiting.count;
+  }
+
   const Program& own() const { return system_.programs[waiting_.program]; }
   const InterfaceAutomaton& automaton() const { return system_.models[waiting_.model].automaton; }
 
@@ -522,6 +573,8 @@ class WaitingFinder {
 Waiting find_waiting(const System& system, const Trace& trace,
                      const std::vector<GlobalState>& states, std::size_t at,
                      std::uint32_t program) {
+  MAIDE_CHECK(at < states.size() && at <= trace.steps.size());
+  MAIDE_CHECK(contains(blocked_programs(system, states[at]), program));
   return WaitingFinder(system, trace, states, at, program).run();
 }
 
@@ -551,6 +604,7 @@ std::vector<std::uint32_t> find_circle(const std::vector<Waiting>& waitings) {
                      [&](const Waiting& candidate) { return candidate.program == program; });
     if (waiting == waitings.end() || waiting->reachable_helpers.size() != 1) return {};
     path.push_back(program);
+    MAIDE_CHECK(path.size() <= waitings.size());
     program = waiting->reachable_helpers.front();
     if (program == path.front()) return path;
     if (contains(path, program)) return {};

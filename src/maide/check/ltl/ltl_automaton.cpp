@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <set>
 
+#include "maide/base/invariant.hpp"
+
 namespace maide {
 namespace {
 
@@ -56,6 +58,7 @@ class ComponentSearch {
         if (leave()) return true;
         continue;
       }
+      MAIDE_CHECK(call.low <= index_[call.node] && component_[call.node] == 0);
       const std::size_t edge = call.edge++;
       if (!graph_.is_edge(call.node, edge)) continue;
       const std::size_t target = graph_.target(call.node, edge);
@@ -65,6 +68,7 @@ class ComponentSearch {
         call.low = std::min(call.low, index_[target]);
       }
     }
+    MAIDE_CHECK(open_.empty());  // every component that was entered is closed
     return false;
   }
 
@@ -120,15 +124,39 @@ std::uint64_t LtlAutomaton::all_marks() const {
   return mark_count == 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << mark_count) - 1;
 }
 
+namespace {
+
+bool accepts_everything(const LtlAutomaton& automaton, std::uint32_t state) {
+  const auto& transitions = automaton.states[state];
+  return std::any_of(transitions.begin(), transitions.end(), [&](const auto& transition) {
+    return transition.target == state && transition.letter == Letter() &&
+           transition.marks == automaton.all_marks();
+  });
+}
+
+// Whether all letters, targets and marks are those of the automaton.
+bool is_well_formed(const LtlAutomaton& automaton) {
+  if (automaton.atoms.size() > max_automaton_atoms || automaton.mark_count > 64) return false;
+  const std::size_t count = automaton.atoms.size();
+  const std::uint64_t atoms = count == 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << count) - 1;
+  const auto is_state = [&](std::uint32_t state) { return state < automaton.states.size(); };
+  const auto is_good = [&](const LtlAutomaton::Transition& transition) {
+    const Letter& letter = transition.letter;
+    return ((letter.positive | letter.negative) & ~atoms) == 0 && !letter.is_contradiction() &&
+           is_state(transition.target) && (transition.marks & ~automaton.all_marks()) == 0;
+  };
+  return std::all_of(automaton.initial.begin(), automaton.initial.end(), is_state) &&
+         std::all_of(automaton.states.begin(), automaton.states.end(), [&](const auto& state) {
+           return std::all_of(state.begin(), state.end(), is_good);
+         });
+}
+
+}  // namespace
+
 std::uint32_t find_universal(const LtlAutomaton& automaton) {
+  MAIDE_CHECK(is_well_formed(automaton));  // every automaton comes here when it is made
   for (std::uint32_t state = 0; state < automaton.states.size(); ++state) {
-    const auto& transitions = automaton.states[state];
-    if (std::any_of(transitions.begin(), transitions.end(), [&](const auto& transition) {
-          return transition.target == state && transition.letter == Letter() &&
-                 transition.marks == automaton.all_marks();
-        })) {
-      return state;
-    }
+    if (accepts_everything(automaton, state)) return state;
   }
   return LtlAutomaton::no_state;
 }
@@ -182,6 +210,7 @@ std::vector<bool> find_waiting(const LtlAutomaton& automaton) {
 
 bool accepts(const LtlAutomaton& automaton, const std::vector<std::uint64_t>& valuations,
              std::size_t loop) {
+  MAIDE_CHECK(loop < valuations.size());
   const RunGraph graph(automaton, valuations, loop);
   ComponentSearch search(graph, automaton.all_marks());
   return std::any_of(automaton.initial.begin(), automaton.initial.end(), [&](std::uint32_t state) {

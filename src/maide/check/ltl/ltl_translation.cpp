@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "maide/base/error.hpp"
+#include "maide/base/invariant.hpp"
 #include "maide/check/ltl/ltl_automaton.hpp"
 
 namespace maide {
@@ -93,6 +94,7 @@ class Translation {
  private:
   struct Part {
     Formula formula;
+    std::uint32_t key = 0;
     std::vector<Move> moves;
     bool has_moves = false;
     unsigned mark = 0;
@@ -101,11 +103,13 @@ class Translation {
 
   // The same formula is the same part wherever it stands.
   std::uint32_t part_of(const Formula& formula) {
-    const auto [place, is_new] = part_ids_.emplace(key_of(formula), parts_.size());
+    const std::uint32_t key = key_of(formula);
+    const auto [place, is_new] = part_ids_.emplace(key, parts_.size());
     if (is_new) {
       if (parts_.size() == 64) throw UsageError("a formula has more than 64 temporal parts");
       Part part;
       part.formula = formula;
+      part.key = key;
       part.is_until = formula->op == Operator::until;
       if (part.is_until) part.mark = automaton_.mark_count++;
       parts_.push_back(std::move(part));
@@ -113,7 +117,7 @@ class Translation {
     return place->second;
   }
 
-  // Hash-consing: a number for each formula.
+  // Hash-consing: a number for each formula, greater than those of its parts.
   std::uint32_t key_of(const Formula& formula) {
     const std::uint32_t left = formula->left ? key_of(formula->left) : 0;
     const std::uint32_t right = formula->right ? key_of(formula->right) : 0;
@@ -149,6 +153,7 @@ class Translation {
 
   Letter letter_of(const Formula& atom, bool is_positive) const {
     const auto place = std::find(automaton_.atoms.begin(), automaton_.atoms.end(), atom->atom);
+    MAIDE_CHECK(place != automaton_.atoms.end());
     const std::uint64_t bit = std::uint64_t{1} << (place - automaton_.atoms.begin());
     return is_positive ? Letter{bit, 0} : Letter{0, bit};
   }
@@ -178,9 +183,22 @@ class Translation {
     }
   }
 
+  // Whether each of the parts is this part itself or could stand in its formula. That is what makes
+  // the alternating automaton very weak.
+  bool leads_down(Parts parts, std::size_t part) const {
+    for (std::size_t next = 0; next < parts_.size(); ++next) {
+      if ((parts >> next & 1) == 0 || next == part) continue;
+      if (parts_[next].key >= parts_[part].key) return false;
+    }
+    return true;
+  }
+
   const std::vector<Move>& moves_of_part(std::size_t part) {
     if (!parts_[part].has_moves) {
       std::vector<Move> moves = moves_of(parts_[part].formula);
+      MAIDE_CHECK(std::ranges::all_of(moves, [&](const Move& move) {
+        return !move.letter.is_contradiction() && leads_down(move.parts, part);
+      }));
       parts_[part].moves = std::move(moves);
       parts_[part].has_moves = true;
     }
@@ -300,6 +318,7 @@ class Translation {
                              automaton_.initial.end());
     for (std::uint32_t state = 0; state < becomes.size(); ++state) {
       merged_[state] = merged_[state] || becomes[state] != state;
+      MAIDE_CHECK(becomes[becomes[state]] == becomes[state]);  // it takes one step to get there
     }
   }
 

@@ -9,6 +9,7 @@
 #include <unordered_map>
 #include <utility>
 
+#include "maide/base/invariant.hpp"
 #include "maide/check/ltl/ltl_automaton.hpp"
 
 namespace maide {
@@ -31,6 +32,8 @@ struct LoopShares {
 LoopShares share_loop(const System& system, const Trace& trace,
                       const std::vector<GlobalState>& states) {
   LoopShares shares;
+  MAIDE_CHECK(states.size() == trace.steps.size() + 1);
+  MAIDE_CHECK(*trace.loop_start < trace.steps.size());
   shares.programs.resize(system.programs.size());
   for (const Program& program : system.programs) {
     shares.groups.emplace_back(std::max<std::size_t>(program.fair_groups.size(), 1));
@@ -104,6 +107,8 @@ struct Positions {
 Positions positions_of(const System& system, const Trace& trace,
                        const std::vector<GlobalState>& states) {
   const bool loops = trace.loop_start.has_value();
+  MAIDE_CHECK(states.size() == trace.steps.size() + 1);
+  MAIDE_CHECK(!loops || !states.back().is_cut);  // nothing follows a step that is cut
   Positions run;
   // A run that ends repeats its last state, without the event that led there.
   run.length = states.size() + (loops ? 0 : 1);
@@ -118,6 +123,7 @@ Positions positions_of(const System& system, const Trace& trace,
   if (states.back().is_cut || is_error(system, states.back())) {
     run.cut = std::max<std::size_t>(states.size() - 1, 1);
   }
+  MAIDE_CHECK(run.loop < run.length && (run.cut == never_cut || run.cut <= run.length));
   return run;
 }
 
@@ -370,6 +376,7 @@ class GreedyTurns {
     for (std::size_t at = 0; at < steps_.size(); ++at) {
       own_[steps_[at].program].push_back(at);
       for (const ModelUse& use : uses_of(system, steps_[at])) {
+        MAIDE_CHECK(use.model < last_of_model.size());
         const std::size_t last = std::exchange(last_of_model[use.model], at);
         if (last != none) needs_[at].push_back(last);
       }
@@ -390,6 +397,7 @@ class GreedyTurns {
         const std::size_t length = count_ready(program, next[program]);
         if (length > longest) best = program, longest = length;
       }
+      MAIDE_CHECK(longest > 0);  // the order of the run itself is one that the needs allow
       for (std::size_t i = 0; i < longest; ++i) {
         const std::size_t at = own_[best][next[best]++];
         is_taken_[at] = true;
@@ -421,10 +429,20 @@ class GreedyTurns {
   std::vector<bool> is_taken_;
 };
 
+// Whether the steps are those of the stretch, each program's in their order.
+bool is_reordering(const System& system, const std::vector<Step>& steps, const Stretch& stretch) {
+  std::vector<std::vector<std::uint32_t>> own(system.programs.size()), wanted(own.size());
+  for (const Step& step : steps) own[step.program].push_back(step.edge);
+  for (const Step& step : stretch.steps) wanted[step.program].push_back(step.edge);
+  return own == wanted;
+}
+
 std::vector<Step> reorder(const System& system, const std::vector<Atom>& atoms,
                           const Stretch& stretch, std::size_t most_nodes) {
-  if (auto steps = TurnSearch(system, atoms, stretch, most_nodes).run()) return *steps;
-  return GreedyTurns(system, atoms, stretch).run();
+  auto steps = TurnSearch(system, atoms, stretch, most_nodes).run();
+  if (!steps) steps = GreedyTurns(system, atoms, stretch).run();
+  MAIDE_CHECK(is_reordering(system, *steps, stretch));
+  return *steps;
 }
 
 }  // namespace
