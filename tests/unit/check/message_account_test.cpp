@@ -1,10 +1,11 @@
 // What a deadlocked program waits for, counted in messages.
+#include "maide/check/explore/message_account.hpp"
+
 #include <gtest/gtest.h>
 
 #include <deque>
 
 #include "maide/base/random.hpp"
-#include "maide/check/explore/waiting.hpp"
 #include "systems.hpp"
 
 namespace maide {
