@@ -364,7 +364,7 @@ TEST_F(CheckCommand, ProgramsDieWithMaideEvenIfItIsKilled) {
 TEST(Check, SpinChecksProgramsWithState) {
   const TempDir folder;
   const std::string path = (folder.path() / "select.yaml").string();
-  write_file_atomically(path, R"(models:
+  write_file_atomically(path, R"yaml(models:
   q: {use: queue, with: {size: 1}}
   lock: {use: mutex}
 programs:
@@ -372,10 +372,11 @@ programs:
   r: "var n: 0..1; select { on q.read -> message { n = 1; } }"
   other: "idle lock.unlock;"
 properties:
-  taken: "F (r.n == 1)" free
-                        : {ltl : "G !lock.unlock", fairness : none}) ");
-      const SubprocessResult result = run_maide({"check", path, "--engine", "spin", "--property",
-                                                 "deadlock", "--property", "free", "--json", "-q"});
+  taken: "F (r.n == 1)"
+  free: {ltl: "G !lock.unlock", fairness: none}
+)yaml");
+  const SubprocessResult result = run_maide({"check", path, "--engine", "spin", "--property",
+                                             "deadlock", "--property", "free", "--json", "-q"});
   EXPECT_EQ(result.exit_status, 0) << result.err;
   const Json answer = json_of(result);
   EXPECT_EQ(answer.at("components").size(), 2u);
