@@ -182,8 +182,8 @@ class FairCycleSearch {
     is_dead_.push_back(false);
     is_on_path_.push_back(true);
     const bool may_accept = !graph_.monitor().is_waiting(graph_.monitor_state(node));
-    roots_.push(
-        {number, active_.size(), 0, is_waiting(node) ? 0 : edge.marks_or_last, false, may_accept});
+    const bool has_last = order_ && !may_accept;
+    roots_.push({number, active_.size(), 0, has_last ? 0 : edge.marks_or_last, false, may_accept});
     active_.push(number);
     frames_.push({number, 0});
     result_.depth = std::max<std::uint64_t>(result_.depth, frames_.size());

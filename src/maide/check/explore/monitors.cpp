@@ -14,7 +14,8 @@ constexpr std::size_t most_values = std::size_t{1} << 22;
 
 }  // namespace
 
-PackedAtom::PackedAtom(const Atom& atom, const System& system) : atom_(atom), system_(&system) {
+PackedAtom::PackedAtom(const Atom& atom, const System& system)
+    : atom_(atom), system_(&system), is_event_(atom.is_event()) {
   if (is_event()) {
     for (std::uint32_t index = 0; index < system.programs.size(); ++index) {
       const Program& program = system.programs[index];
@@ -34,6 +35,9 @@ PackedAtom::PackedAtom(const Atom& atom, const System& system) : atom_(atom), sy
     });
   }
   fill_values();
+  if (fields_.size() == 1 && !fields_.front().is_model && !values_.empty()) {
+    owner_ = fields_.front().index;
+  }
 }
 
 void PackedAtom::add_field(bool is_model, std::uint32_t index) {

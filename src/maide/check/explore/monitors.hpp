@@ -24,12 +24,21 @@ class PackedAtom {
 
   // No event: the initial state, or one that repeats for ever.
   static constexpr std::uint32_t no_edge = ~std::uint32_t{0};
-  bool is_event() const { return atom_.is_event(); }
+  bool is_event() const { return is_event_; }
   // `state` was reached by `program` taking `edge`.
   template <std::size_t words>
   bool is_true(const PackedSystem& system, const PackedState<words>& state, std::size_t program,
                std::uint32_t edge) const {
-    if (is_event()) return edge != no_edge && by_edge_[program][edge];
+    if (is_event_) return edge != no_edge && by_edge_[program][edge];
+    if (owner_ != no_owner) return values_[system.control(state, owner_)];
+    return is_true_of_fields(system, state);
+  }
+
+ private:
+  static constexpr std::uint32_t no_owner = ~std::uint32_t{0};
+
+  template <std::size_t words>
+  bool is_true_of_fields(const PackedSystem& system, const PackedState<words>& state) const {
     if (values_.empty()) return maide::is_true(atom_, *system_, system.unpack(state), nullptr);
     std::size_t place = 0;
     for (const Field& field : fields_) {
@@ -40,7 +49,6 @@ class PackedAtom {
     return values_[place];
   }
 
- private:
   // A component of the state that the atom depends on.
   struct Field {
     bool is_model = false;
@@ -52,6 +60,8 @@ class PackedAtom {
 
   Atom atom_;
   const System* system_;
+  bool is_event_;
+  std::uint32_t owner_ = no_owner;  // the program on whose control state alone it depends
   std::vector<Field> fields_;
   std::vector<bool> values_;                // by the fields' values; none: too many
   std::vector<std::vector<bool>> by_edge_;  // of an event: by program, edge

@@ -141,6 +141,7 @@ void PackedSystem::add_action(const ModelUse& use) {
     Target target;
     if (steps.size() == 1) target = steps.front();
     if (steps.size() > 1) {
+      table.is_deterministic = false;
       target.state = several;
       target.code = static_cast<std::uint32_t>(several_.size()) & 0x7fffffff;
       several_.push_back(std::move(steps));
@@ -238,14 +239,11 @@ void PackedSystem::place_fields() {
 void PackedSystem::place_uses(const Program& program, const ProgramEdge& edge,
                               PackedEdge& compiled) {
   const auto uses = program.uses_of(edge);
-  if (uses.size() == 1) {
+  if (uses.empty()) return;
+  if (uses.size() == 1 && table_of(uses.front()).is_deterministic) {
     compiled.model = models_[uses.front().model];
     compiled.table = table_of(uses.front()).first;
-    MAIDE_CHECK(compiled.table != no_table);
-    return;
-  }
-  if (uses.empty()) {
-    compiled.table = first_joint;
+    MAIDE_CHECK(compiled.table < first_joint);
     return;
   }
   PackedJoint& joint = joints_.emplace_back();

@@ -95,15 +95,13 @@ class PackedSystem {
   // A program is at an error: nothing follows, and the steps there do not count.
   template <std::size_t words>
   bool is_error(const PackedState<words>& state) const {
-    for (const std::uint32_t program : erring_) {
-      const PackedProgram& compiled = programs_[program];
-      if (compiled.is_error[compiled.field.get(state)]) return true;
-    }
-    return false;
+    return has_errors() && is_any_at_error(state);
   }
   // Any control state, reached or not, is an error.
   bool has_errors() const { return !erring_.empty(); }
   bool has_deaths() const { return has_deaths_; }
+  // No step dies, comes to an error or belongs to a fair group.
+  bool has_plain_steps_only() const { return !has_errors() && !has_deaths_ && groups_ == 0; }
   bool is_death(std::size_t program, std::uint32_t edge) const {
     return has_deaths_ && programs_[program].is_death[edge];
   }
@@ -158,23 +156,15 @@ class PackedSystem {
       const PackedEdge& edge = compiled.edges[i];
       PackedState<words> next = state;
       next[compiled.field.word] += edge.control_change;
-      if (edge.table >= first_joint) {
+      if (edge.table >= first_joint) [[unlikely]] {
         take_joint(state, joints_[edge.table - first_joint], next, i, false, edge.code, visit);
         continue;
       }
       const std::uint32_t from = edge.model.get(state);
       const Target target = targets_[edge.table + from];
       if (target.state == none) continue;
-      if (target.state != several) {
-        next[edge.model.word] += (std::uint64_t{target.state} - from) << edge.model.shift;
-        visit(next, i, target.is_cut != 0, edge.code | target.code);
-        continue;
-      }
-      for (const Target& one : several_[target.code]) {
-        PackedState<words> branch = next;
-        branch[edge.model.word] += (std::uint64_t{one.state} - from) << edge.model.shift;
-        visit(branch, i, one.is_cut != 0, edge.code | one.code);
-      }
+      next[edge.model.word] += (std::uint64_t{target.state} - from) << edge.model.shift;
+      visit(next, i, target.is_cut != 0, edge.code | target.code);
     }
   }
 
@@ -198,6 +188,8 @@ class PackedSystem {
   static constexpr std::uint32_t several = none - 1;
   static constexpr std::uint32_t no_table = none;
   static constexpr std::uint32_t no_model = none;
+  // Of a choice, which uses a field of no bits: one target, which changes nothing.
+  static constexpr std::uint32_t choice_table = 0;
   static constexpr std::uint32_t first_joint = std::uint32_t{1} << 31;
 
   // What an action of a model does in one of its states.
@@ -208,13 +200,13 @@ class PackedSystem {
   };
   struct PackedEdge {
     PackedField model;
-    // Of the model's action: index into targets_. Of a step that does not use just one model:
-    // first_joint and an index into joints_.
-    std::uint32_t table = no_table;
+    // Of the model's action: index into targets_. Of a step that uses several models, or that may
+    // lead to several states of one: first_joint and an index into joints_.
+    std::uint32_t table = choice_table;
     std::uint32_t code = 0;            // program and place among the edges into the target
     std::uint64_t control_change = 0;  // shifted
   };
-  // One use of a step that uses several models, or none.
+  // One use of a step that uses several models, or leads to several states.
   struct PackedUse {
     PackedField model;
     std::uint32_t table = no_table;
@@ -246,8 +238,17 @@ class PackedSystem {
     std::uint32_t first = no_table;            // in targets_
     std::vector<std::vector<Source>> sources;  // by target state
     unsigned source_bits = 0;                  // tell which of them is meant
+    bool is_deterministic = true;              // leads to at most one state
   };
 
+  template <std::size_t words>
+  bool is_any_at_error(const PackedState<words>& state) const {
+    for (const std::uint32_t program : erring_) {
+      const PackedProgram& compiled = programs_[program];
+      if (compiled.is_error[compiled.field.get(state)]) return true;
+    }
+    return false;
+  }
   // Visits the step with each outcome of the uses from number `at` on.
   template <std::size_t words, typename Visit>
   void take_joint(const PackedState<words>& state, const PackedJoint& uses,
@@ -288,9 +289,9 @@ class PackedSystem {
   std::vector<PackedProgram> programs_;
   std::vector<PackedField> models_;
   PackedField monitor_;
-  std::vector<Target> targets_;
+  std::vector<Target> targets_{Target{0, 0, 0}};  // the first one is that of all choices
   std::vector<std::vector<Target>> several_;
-  std::vector<PackedJoint> joints_{{}};           // the first one is that of all choices
+  std::vector<PackedJoint> joints_;
   std::vector<std::vector<ActionTable>> tables_;  // by model, then by action_index()
   std::size_t words_ = 1;
   unsigned address_bits_ = 0, state_bits_ = 0, code_bits_ = 0;

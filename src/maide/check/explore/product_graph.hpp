@@ -141,13 +141,20 @@ class ProductGraph {
     found.enabled = 0;
     found.groups = 0;
     const State state = plain(node);
+    const bool is_plain = system_.has_plain_steps_only();
     for (std::size_t program = 0; program < system_.program_count(); ++program) {
       system_.for_each_step(
           state, program,
           [&](const State& next, std::uint32_t edge, bool is_cut, std::uint64_t code) {
-            if (!system_.is_death(program, edge)) found.enabled |= std::uint64_t{1} << program;
-            found.groups |= system_.group_of(program, edge);
-            if (is_cut || system_.is_error(next)) return;
+            const std::uint64_t bit = std::uint64_t{1} << program;
+            if (is_plain) {
+              found.enabled |= bit;
+            } else {
+              if (!system_.is_death(program, edge)) found.enabled |= bit;
+              found.groups |= system_.group_of(program, edge);
+              if (system_.is_error(next)) return;
+            }
+            if (is_cut) return;
             found.steps.push_back({next, edge, static_cast<std::uint32_t>(code),
                                    static_cast<std::uint16_t>(program)});
           });

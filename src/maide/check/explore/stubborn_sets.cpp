@@ -59,6 +59,11 @@ void StubbornSets::add_program(std::size_t index,
     }
     reduced.next.push_back(next);
   }
+  for (const std::uint32_t first : reduced.first) {
+    reduced.first_use.push_back(first < reduced.next.size()
+                                    ? reduced.next[first].first_use
+                                    : static_cast<std::uint32_t>(reduced.uses.size()));
+  }
   compute_future(program, reduced);
 }
 
@@ -110,16 +115,19 @@ StubbornSets::Now StubbornSets::look_at(std::size_t program) const {
   const ControlState at = control_[program];
   for (std::uint32_t i = reduced.first[at]; i < reduced.first[at + 1]; ++i) {
     const Next& next = reduced.next[i];
+    const auto uses = reduced.uses_of(next);
     std::uint32_t steps = 1;
-    bool is_visible = next.is_visible;
-    for (const Use& use : reduced.uses_of(next)) {
-      const Commutation& commutation = models_[use.model].commutation;
-      steps *= static_cast<std::uint32_t>(commutation.count(use.action, at_[use.model]));
-      is_visible = is_visible || (options_.cuts_are_visible &&
-                                  commutation.may_be_cut(use.action, at_[use.model]));
+    for (const Use& use : uses) {
+      steps *= static_cast<std::uint32_t>(
+          models_[use.model].commutation.count(use.action, at_[use.model]));
     }
+    if (steps == 0) continue;
     now.steps += steps;
-    if (steps > 0 && is_visible) now.is_visible = true;
+    now.is_visible =
+        now.is_visible || next.is_visible ||
+        (options_.cuts_are_visible && std::any_of(uses.begin(), uses.end(), [&](const Use& use) {
+           return models_[use.model].commutation.may_be_cut(use.action, at_[use.model]);
+         }));
   }
   return now;
 }
@@ -162,14 +170,12 @@ std::uint64_t StubbornSets::closure(std::size_t program) {
     open &= open - 1;
     const ReducedProgram& reduced = programs_[member];
     const ControlState at = control_[member];
-    for (std::uint32_t i = reduced.first[at]; i < reduced.first[at + 1]; ++i) {
-      for (const Use& use : reduced.uses_of(reduced.next[i])) {
-        const std::uint64_t added = disturbers(use, set);
-        if (added != 0 && options_.singletons) return 0;
-        MAIDE_CHECK((added & set) == 0);
-        set |= added;
-        open |= added;
-      }
+    for (std::uint32_t i = reduced.first_use[at]; i < reduced.first_use[at + 1]; ++i) {
+      const std::uint64_t added = disturbers(reduced.uses[i], set);
+      if (added != 0 && options_.singletons) return 0;
+      MAIDE_CHECK((added & set) == 0);
+      set |= added;
+      open |= added;
     }
   }
   return set;

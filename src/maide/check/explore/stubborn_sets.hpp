@@ -68,8 +68,9 @@ class StubbornSets {
     std::vector<std::uint32_t> first;  // in `next`, by control state, one more than states
     std::vector<Next> next;            // as Program::edges
     std::vector<Use> uses;
-    std::vector<std::uint32_t> models;  // that it uses
-    std::vector<std::uint64_t> future;  // actions that may come, by control state and `models`
+    std::vector<std::uint32_t> first_use;  // in `uses`, by control state, one more than states
+    std::vector<std::uint32_t> models;     // that it uses
+    std::vector<std::uint64_t> future;     // actions that may come, by control state and `models`
     std::span<const Use> uses_of(const Next& one) const {
       return std::span(uses).subspan(one.first_use, one.use_count);
     }
