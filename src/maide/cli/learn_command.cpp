@@ -99,6 +99,7 @@ struct LearnArguments {
   std::string start_from;
   std::string from_traces;
   std::string token_file;
+  std::vector<std::string> error_outputs;
   TestArguments tests;
   std::uint64_t max_experiments = 0;
   std::optional<double> time_limit;
@@ -130,6 +131,7 @@ ExperimentOptions experiment_options(const LearnArguments& arguments, const Meal
   options.cache_file = arguments.cache;
   options.max_experiments = arguments.max_experiments;
   options.vote = arguments.vote;
+  options.error_outputs = arguments.error_outputs;
   return options;
 }
 
@@ -415,6 +417,13 @@ RunFunction set_up_learn(CommandLine& line) {
   line.add("--purpose", arguments->purpose,
            "A learning purpose: an interface automaton (DOT) that says which inputs may be "
            "offered when; what it does not allow is never tried");
+  line.add("--error-output", arguments->error_outputs,
+           "An output that ends the session: behind it every input is answered by one and the "
+           "same output, so nothing is asked there but a sample; '*' stands for any characters; "
+           "may be given several times")
+      .one_each()
+      .no_default()
+      .value_name("NAME");
   line.add("--from-traces", arguments->from_traces,
            "A log of what the system did, a line of JSON a trace ([[\"input\", \"output\"], ...]), "
            "or a cache of --cache. Without SUL the model is learned from the log alone (RPNI); "

@@ -18,11 +18,13 @@
 #include "maide/base/numbers.hpp"
 #include "maide/base/text.hpp"
 #include "maide/base/version.hpp"
+#include "maide/conformance/method/error_output_test.hpp"
 #include "maide/conformance/method/known_words.hpp"
 #include "maide/conformance/method/test_chain.hpp"
 #include "maide/learn/cache/cache.hpp"
 #include "maide/learn/learner.hpp"
 #include "maide/learn/oracle/equivalence_oracle.hpp"
+#include "maide/learn/oracle/error_outputs.hpp"
 #include "maide/learn/oracle/observing_oracle.hpp"
 #include "maide/learn/oracle/sul_oracle.hpp"
 #include "maide/learn/passive/rpni.hpp"
@@ -154,6 +156,7 @@ class Run {
     result_.model.origin["tests"] = result_.guarantee;
     result_.model.origin["seed"] = std::to_string(options_.testing.seed);
     result_.model.origin["maide"] = version();
+    name_error_outputs();
     judge_strength();
     Statistics statistics = counter_.statistics();
     statistics.at(LearnPhase::confirmation) += slower_counts_;
@@ -171,17 +174,41 @@ class Run {
   }
 
   std::unique_ptr<EquivalenceOracle> make_tests() {
-    auto tests = method_.make({*cache_, &*cache_, options_.reference}, options_.testing);
+    auto tests = method_.make({oracle(), &*cache_, options_.reference}, options_.testing);
     if (known_words_.empty() && options_.traces == nullptr) return tests;
     std::vector<std::unique_ptr<EquivalenceOracle>> links;
-    if (!known_words_.empty()) links.push_back(std::make_unique<KnownWords>(*cache_, known_words_));
-    if (options_.traces != nullptr) {
-      auto traces = std::make_unique<LoggedTraces>(*cache_, *options_.traces);
+    if (!known_words_.empty()) {
+      links.push_back(std::make_unique<KnownWords>(oracle(), known_words_));
+    }
+    if (options_.traces != nullptr) {  // what a log shows behind an error output is asked
+      OutputOracle& asked = errors_ ? static_cast<OutputOracle&>(errors_->check) : *cache_;
+      auto traces = std::make_unique<LoggedTraces>(asked, *options_.traces);
       traces_ = traces.get();
       links.push_back(std::move(traces));
     }
     links.push_back(std::move(tests));
     return std::make_unique<ChainOracle>(std::move(links));
+  }
+
+  // What learner and tests ask.
+  OutputOracle& oracle() {
+    if (errors_) return errors_->oracle;
+    return *cache_;
+  }
+
+  void name_error_outputs() {
+    if (options_.error_outputs.empty()) return;
+    std::vector<std::string> names;
+    for (const std::string& name : options_.error_outputs) {
+      names.push_back(quote_shell_word(name));
+      const ErrorOutputs named({name});
+      const std::vector<std::string>& seen = cache_->outputs().names();
+      if (std::none_of(seen.begin(), seen.end(),
+                       [&](const std::string& output) { return named.contains(output); })) {
+        log_warning("no output was '" + name + "', which was to end the session");
+      }
+    }
+    result_.model.origin["error_outputs"] = join(names, " ");
   }
 
   const Mealy* old_model() const { return old_model_ ? &*old_model_ : nullptr; }
@@ -214,7 +241,7 @@ class Run {
   void identify_system() {
     if (options_.known_models.empty() || options_.old_model) return;
     counter_.set_phase(LearnPhase::learning);
-    const SingledOut single = single_out(options_.known_models, *cache_, control_);
+    const SingledOut single = single_out(options_.known_models, oracle(), control_);
     suspect_ = &options_.known_models[single.model];
     result_.identified = {"", options_.known_models.size(), single.words};
     old_model_ = suspect_->machine;
@@ -232,6 +259,8 @@ class Run {
   // False if it must be done again on a corrected cache.
   bool learn_once() {
     tested_ = {};
+    errors_.reset();
+    if (!options_.error_outputs.empty()) errors_.emplace(*cache_, options_.error_outputs);
     try {
       identify_system();
     } catch (const CacheCorrected&) {
@@ -242,8 +271,12 @@ class Run {
     }
     const auto tests = make_tests();
     ConfirmingTeacher confirming(*tests, *cache_);
-    PhasedTeacher teacher(options_.confirm ? confirming : *tests, counter_);
-    const auto learner = make_learner(algorithm_, *cache_, old_model(), control_, verifying_words_);
+    EquivalenceOracle& confirmed = options_.confirm ? confirming : *tests;
+    std::optional<ErrorOutputTest> with_errors;
+    if (errors_) with_errors.emplace(confirmed, errors_->check, options_.testing.seed);
+    PhasedTeacher teacher(with_errors ? *with_errors : confirmed, counter_);
+    const auto learner =
+        make_learner(algorithm_, oracle(), old_model(), control_, verifying_words_);
     counter_.set_phase(LearnPhase::learning);
     bool is_over = true;
     try {
@@ -318,6 +351,13 @@ class Run {
   PortioningOracle portioned_;
   std::optional<CacheFile> file_;
   std::optional<Cache> cache_;
+  struct ErrorOracles {
+    ErrorOracles(OutputOracle& system, const std::vector<std::string>& names)
+        : check(system, ErrorOutputs(names)), oracle(check) {}
+    ErrorOutputCheck check;
+    ErrorAwareOracle oracle;
+  };
+  std::optional<ErrorOracles> errors_;       // of the present run, if error outputs are known
   std::vector<Word> known_words_;            // each hypothesis is tested with these first
   std::optional<Mealy> old_model_;           // given, or what the log alone gives
   std::vector<Word> verifying_words_;        // of the old model
@@ -340,6 +380,9 @@ ExperimentResult run_experiment(OutputOracle& system, const ExperimentOptions& o
 
 ExperimentResult run_experiment(IaTranslator& translator, const ExperimentOptions& options,
                                 const RunControl& control) {
+  if (!options.error_outputs.empty() && translator.translation() == Translation::av) {
+    throw UsageError("outputs that end the session need the eager translation");
+  }
   ExperimentOptions completed = options;
   completed.fingerprint.merge(identify(translator));
   completed.on_cached_word = [&](const Word& inputs, const std::vector<std::string>& outputs) {

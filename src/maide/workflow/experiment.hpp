@@ -2,6 +2,8 @@
 //
 //   learner, teacher -> Cache -> PortioningOracle -> CountingOracle -> SulOracle -> the system
 //
+// Where outputs are known to end the session, an ErrorAwareOracle stands before the cache.
+//
 // A word that the system answers in two ways is asked again until a majority decides
 // (learn/oracle/vote.hpp). If an answer that learner or teacher have seen was wrong, both start
 // again on the corrected cache, which costs no word that is known.
@@ -52,7 +54,9 @@ struct ExperimentOptions {
   // Of the system, asked about where a hypothesis differs; an algorithm that can start from an old
   // model starts from what the log alone gives, if there is no better one.
   const TraceLog* traces = nullptr;
-  std::vector<Word> known_words;       // each hypothesis is tested with these first
+  std::vector<Word> known_words;  // each hypothesis is tested with these first
+  // Names of outputs that end the session, '*' for any characters (learn/oracle/error_outputs.hpp).
+  std::vector<std::string> error_outputs;
   bool confirm = false;                // ask each counterexample again before it is believed
   std::optional<SlowerSystem> slower;  // confirms the final model, where given
   // Told of each word in the cache file and its answer, before anything is asked.
@@ -83,7 +87,8 @@ struct Identification {
 
 struct ExperimentResult {
   // The last hypothesis; without states if the run ended before the first. `origin` says how it was
-  // made: "algorithm", "tests" (the guarantee), "seed", "maide" (the version), "strength".
+  // made: "algorithm", "tests" (the guarantee), "seed", "maide" (the version), "strength",
+  // "error_outputs".
   Mealy model;
   // Why the run ended before its end: Interrupted, WrapperError, NondeterminismError, ...; null:
   // the teacher found no counterexample to the model.

@@ -198,6 +198,8 @@ LearnedModel learn_nondeterministic(IaTranslator& translator, LearnedModel learn
     throw UsageError("nstar learns the eager translation");
   }
   if (options.traces != nullptr) throw UsageError("nstar cannot start from traces");
+  if (!options.error_outputs.empty())
+    throw UsageError("nstar knows no outputs that end the session");
   if (options.old_model || !options.known_models.empty()) {
     throw UsageError("nstar cannot start from an old model");
   }

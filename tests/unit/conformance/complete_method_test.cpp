@@ -31,6 +31,63 @@ IdentifierSuite make_suite(const Mealy& machine, const IdentifierMethod& method,
   return {machine, method.compute(machine, Random(0)), extra};
 }
 
+// A random machine in which output 0 ends the session: all such transitions lead to a state that
+// answers output 1 to everything.
+Mealy machine_with_end(Random& random) {
+  Mealy machine = random_mealy({.states = random.between(2, 7),
+                                .inputs = random.between(1, 3),
+                                .outputs = random.between(2, 4)},
+                               random);
+  const StateId end = machine.add_state();
+  for (StateId state = 0; state <= end; ++state) {
+    for (Symbol input = 0; input < machine.inputs().size(); ++input) {
+      if (state == end) {
+        machine.set_transition(state, input, 1, end);
+      } else if (machine.output(state, input) == 0) {
+        machine.set_transition(state, input, 0, end);
+      }
+    }
+  }
+  return minimize(machine);
+}
+
+// Its tests are those of the whole suite, cut behind the end of the session, and counted right.
+TEST(IdentifierSuite, LeavesOutWhatComesBehindTheEndOfASession) {
+  Random random(3);
+  std::size_t left_out = 0;
+  for (int i = 0; i < 60; ++i) {
+    const Mealy machine = machine_with_end(random);
+    std::vector<bool> is_error(machine.outputs().size());
+    is_error[0] = true;
+    const auto cut = [&](const std::vector<Word>& words) {
+      std::set<Word> result;
+      for (const Word& word : words) {
+        const Word outputs = machine.output_word(word);
+        const auto end = std::find(outputs.begin(), outputs.end(), 0);
+        const auto length = static_cast<std::size_t>(end - outputs.begin());
+        result.insert(head(word, std::min(length + 1, word.size())));
+      }
+      return result;
+    };
+    for (const IdentifierMethod& method : methods) {
+      for (std::size_t extra = 0; extra < 3; ++extra) {
+        IdentifierSuite whole = make_suite(machine, method, extra);
+        IdentifierSuite suite(machine, method.compute(machine, Random(0)), extra, is_error);
+        const std::vector<Word> all = list(whole), words = list(suite);
+        EXPECT_EQ(cut(words), cut(all)) << method.title;
+        EXPECT_EQ(words.size(), suite.size()) << method.title;
+        std::uint64_t symbols = 0;
+        for (const Word& word : words) symbols += word.size();
+        EXPECT_EQ(symbols, suite.symbols()) << method.title;
+        EXPECT_EQ(suite.complete_for(), extra);
+        EXPECT_LE(words.size(), all.size());
+        left_out += all.size() - words.size();
+      }
+    }
+  }
+  EXPECT_GT(left_out, 1000U);
+}
+
 TEST(IdentifierSuite, IsCountedBeforeItRuns) {
   Random random(1);
   for (int i = 0; i < 40; ++i) {

@@ -24,6 +24,33 @@ struct Loops {
   LoopingInputs inputs;
 };
 
+// Where only the end of a session leads, nothing loops; where another output leads there, too, it
+// is entered so.
+TEST(LoopingInputs, AreNotLookedForBehindTheEndOfASession) {
+  Mealy machine(Alphabet({"a", "b", "c"}), Alphabet({"ok", "end", "closed"}), 3);
+  for (Symbol input = 0; input < 3; ++input) {
+    machine.set_transition(0, input, 0, 0);
+    machine.set_transition(1, input, 0, 1);
+    machine.set_transition(2, input, 2, 2);
+  }
+  machine.set_transition(0, 0, 1, 2);
+  machine.set_transition(0, 1, 0, 1);
+  const StateIdentifiers identifiers = hads_identifiers.compute(machine, Random(0));
+  const std::vector<bool> is_error{false, true, false};
+  const LoopingInputs loops(machine, identifiers, is_error);
+  EXPECT_TRUE(loops.of(2).empty());
+  EXPECT_EQ(loops.of(1).size(), 3U);
+  EXPECT_EQ(LoopingInputs(machine, identifiers).of(2).size(), 3U);
+
+  machine.set_transition(1, 2, 0, 2);
+  const StateIdentifiers others = hads_identifiers.compute(machine, Random(0));
+  const LoopingInputs entered(machine, others, is_error);
+  EXPECT_EQ(entered.of(2).size(), 3U);
+  const auto start = std::ranges::find(entered.states(), 2U, &LoopingInputs::Start::state);
+  ASSERT_NE(start, entered.states().end());
+  EXPECT_EQ(start->access, (Word{1, 2}));
+}
+
 TEST(Chain, HoldsEveryWordOnce) {
   for (std::size_t letters = 1; letters <= 5; ++letters) {
     for (std::size_t order = 1; order <= 4; ++order) {

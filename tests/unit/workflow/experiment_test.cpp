@@ -82,6 +82,63 @@ TEST(Experiment, IsInterruptedWhileItUsesWhatIsKnown) {
   }
 }
 
+// A protocol of some states in which most inputs end the session.
+Mealy protocol(std::size_t states, std::size_t inputs) {
+  Random random(7);
+  Alphabet names;
+  for (std::size_t i = 0; i < inputs; ++i) names.intern("i" + std::to_string(i));
+  Mealy machine(names, Alphabet({"ok", "alert & closed", "closed", "hello"}), states + 1);
+  const auto end = static_cast<StateId>(states);
+  for (StateId state = 0; state <= end; ++state) {
+    for (Symbol input = 0; input < inputs; ++input) {
+      machine.set_transition(state, input, state == end || random.chance(0.1) ? 2 : 1, end);
+    }
+    if (state == end) continue;
+    const auto draw = [&] { return static_cast<Symbol>(random.below(inputs)); };
+    machine.set_transition(state, draw(), 3, static_cast<StateId>(random.below(state + 1)));
+    if (state + 1 < end) machine.set_transition(state, draw(), 0, state + 1);
+  }
+  return machine;
+}
+
+TEST(Experiment, EveryLearnerAndMethodSavesWhatComesBehindTheEndOfASession) {
+  const Mealy machine = protocol(9, 8);
+  for (const LearnerEntry& algorithm : deterministic_learners()) {
+    for (const char* method : {"standard", "wp:extra-states=1", "random-hads"}) {
+      ExperimentOptions options;
+      options.algorithm = algorithm.name;
+      options.test_method = method;
+      MealyOracle plain(machine), aware(machine);
+      const ExperimentResult whole = run_experiment(plain, options);
+      options.error_outputs = {"*closed"};
+      const ExperimentResult result = run_experiment(aware, options);
+      ASSERT_TRUE(result.is_complete()) << algorithm.name << " " << method;
+      EXPECT_FALSE(find_distinguishing_word(result.model, machine)) << algorithm.name;
+      EXPECT_LT(result.experiments, whole.experiments) << algorithm.name << " " << method;
+      EXPECT_LT(result.symbols, whole.symbols) << algorithm.name << " " << method;
+      EXPECT_EQ(result.is_weak(), whole.is_weak());
+      EXPECT_EQ(result.model.origin.at("error_outputs"), "'*closed'");
+      EXPECT_NE(result.guarantee.find("behind the outputs that end a session"), std::string::npos);
+    }
+  }
+}
+
+// Behind the end one of six inputs opens the session again.
+TEST(Experiment, AnOutputThatDoesNotEndTheSessionIsFoundOut) {
+  Mealy machine = protocol(5, 6);
+  const auto end = static_cast<StateId>(machine.size() - 1);
+  machine.set_transition(end, 3, 2, 0);
+  for (const std::uint64_t seed : {1, 2, 3}) {
+    ExperimentOptions options;
+    options.testing.seed = seed;
+    options.error_outputs = {"*closed"};
+    MealyOracle system(machine);
+    const ExperimentResult result = run_experiment(system, options);
+    ASSERT_FALSE(result.is_complete());
+    EXPECT_THROW(std::rethrow_exception(result.error), UsageError);
+  }
+}
+
 TEST(Experiment, PerfectOracleSendsNothing) {
   const Mealy reference = example_machine(1);
   MealyOracle system(reference);

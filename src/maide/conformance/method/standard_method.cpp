@@ -14,6 +14,7 @@
 #include "maide/conformance/suite/random_identifier_suite.hpp"
 #include "maide/conformance/suite/test_suite.hpp"
 #include "maide/learn/counterexample.hpp"
+#include "maide/learn/oracle/error_outputs.hpp"
 #include "maide/sul/ia_translation.hpp"
 
 namespace maide {
@@ -50,7 +51,8 @@ class StandardMethod::Query {
         hypothesis_(hypothesis),
         control_(control),
         identifiers_(hads_identifiers.compute(hypothesis, Random(options_.seed))),
-        loops_(hypothesis, identifiers_),
+        is_error_(find_error_outputs(hypothesis, method.oracle_)),
+        loops_(hypothesis, identifiers_, is_error_),
         left_(options_.budget),
         demand_(demand_of(hypothesis, options_.sizes, options_.strength)) {
     if (options_.max_tests) left_.words = std::min(left_.words, *options_.max_tests);
@@ -123,7 +125,7 @@ class StandardMethod::Query {
 
   std::optional<Word> run_base() {
     const std::size_t most = std::max(options_.extra_states, demand_.extra_states);
-    IdentifierSuite complete(hypothesis_, identifiers_, most);
+    IdentifierSuite complete(hypothesis_, identifiers_, most, is_error_);
     const std::size_t extra = choose_extra_states(complete, most);
     const TestCost paid = part_of_rest(2);
     const std::uint64_t complete_tests =
@@ -266,6 +268,7 @@ class StandardMethod::Query {
   const Mealy& hypothesis_;
   const RunControl& control_;
   StateIdentifiers identifiers_;
+  std::vector<bool> is_error_;  // by output, or empty
   LoopingInputs loops_;
   TestCost left_;
   StrengthDemand demand_;

@@ -4,12 +4,14 @@
 
 #include <algorithm>
 #include <numeric>
+#include <unordered_set>
 #include <utility>
 
 #include "maide/automata/alphabet.hpp"
 #include "maide/base/error.hpp"
 #include "maide/base/invariant.hpp"
 #include "maide/base/log.hpp"
+#include "maide/learn/oracle/error_outputs.hpp"
 
 namespace maide {
 namespace {
@@ -53,6 +55,46 @@ std::size_t find_difference(const Mealy& hypothesis, const Word& word, const Mea
   return 0;
 }
 
+// Tests end behind an output that ends the session, says the hypothesis: there is nothing to see
+// (learn/oracle/error_outputs.hpp). One that ends so as a test before it is none.
+class SessionEnds {
+ public:
+  SessionEnds(const Mealy& hypothesis, const OutputOracle& oracle)
+      : hypothesis_(hypothesis), is_error_(find_error_outputs(hypothesis, oracle)) {}
+
+  // False if another test has ended as this one does.
+  bool cut(Word& word) {
+    if (is_error_.empty()) return true;
+    StateId state = hypothesis_.initial();
+    for (std::size_t i = 0; i < word.size(); ++i) {
+      if (is_error_[hypothesis_.output(state, word[i])]) {
+        word.resize(i + 1);
+        return seen_.insert(word).second;
+      }
+      state = hypothesis_.target(state, word[i]);
+    }
+    return true;
+  }
+
+ private:
+  const Mealy& hypothesis_;
+  std::vector<bool> is_error_;  // by output, or empty
+  std::unordered_set<Word, WordHash> seen_;
+};
+
+// After so many in a row that are none, an endless suite has no test left.
+constexpr std::uint64_t most_left_out = 1'000'000;
+
+// The next test of a suite.
+bool next_test(TestSuite& suite, SessionEnds& ends, const RunControl& control, Word& word) {
+  for (std::uint64_t left_out = 0; left_out < most_left_out; ++left_out) {
+    if (!suite.next(word)) return false;
+    if (ends.cut(word)) return true;
+    if (left_out % 4096 == 0) control.check("the equivalence test");
+  }
+  return false;
+}
+
 }  // namespace
 
 std::optional<Word> TestRunner::run(TestSuite& suite, const Mealy& hypothesis,
@@ -64,6 +106,7 @@ std::optional<Word> TestRunner::run(TestSuite& suite, const Mealy& hypothesis,
   last_symbols_ = 0;
   last_was_complete_ = false;
   OutputMap outputs(hypothesis.outputs(), oracle_.outputs());
+  SessionEnds ends(hypothesis, oracle_);
   Progress progress;
   progress.phase = "testing";
   progress.states = hypothesis.size();
@@ -82,7 +125,8 @@ std::optional<Word> TestRunner::run(TestSuite& suite, const Mealy& hypothesis,
     std::uint64_t symbols = 0;
     while (batch.size() < options_.batch_size && symbols < batch_symbols &&
            last_tests_ + batch.size() < options_.max_tests &&
-           last_symbols_ + symbols < options_.max_symbols && suite.next(word)) {
+           last_symbols_ + symbols < options_.max_symbols &&
+           next_test(suite, ends, control, word)) {
       symbols += word.size();
       batch.emplace_back(word);
     }

@@ -7,35 +7,12 @@
 #include "maide/conformance/identify/separating_words.hpp"
 
 namespace maide {
-namespace {
-
-// Words that reach a state: how many, and their lengths together.
-struct Reaching {
-  std::uint64_t words = 0, length = 0;
-};
-
-// Of words that go on with one more input.
-std::vector<Reaching> extend(const Mealy& machine, const std::vector<Reaching>& reaching) {
-  std::vector<Reaching> further(machine.size());
-  for (StateId state = 0; state < machine.size(); ++state) {
-    if (reaching[state].words == 0) continue;
-    for (Symbol input = 0; input < machine.inputs().size(); ++input) {
-      Reaching& there = further[machine.target(state, input)];
-      there.words = saturating_sum(there.words, reaching[state].words);
-      there.length = saturating_sum(there.length,
-                                    saturating_sum(reaching[state].length, reaching[state].words));
-    }
-  }
-  return further;
-}
-
-}  // namespace
-
 IdentifierSuite::IdentifierSuite(const Mealy& hypothesis, StateIdentifiers identifiers,
-                                 std::size_t extra_states)
+                                 std::size_t extra_states, std::vector<bool> is_error)
     : hypothesis_(hypothesis),
       identifiers_(std::move(identifiers)),
       extra_states_(extra_states),
+      is_error_(std::move(is_error)),
       cover_(compute_state_cover(hypothesis)) {
   for (const Word& access : cover_) reached_.push_back(hypothesis.run(access));
   compute_transitions();
@@ -48,6 +25,7 @@ void IdentifierSuite::compute_transitions() {
   std::vector<const Word*> access_of(hypothesis_.size());
   for (std::size_t i = 0; i < cover_.size(); ++i) access_of[reached_[i]] = &cover_[i];
   for (std::uint32_t i = 0; i < cover_.size(); ++i) {
+    if (passes_error(cover_[i])) continue;
     for (Symbol input = 0; input < hypothesis_.inputs().size(); ++input) {
       const Word& next = *access_of[hypothesis_.target(reached_[i], input)];
       const bool is_access = next.size() == cover_[i].size() + 1 && next.back() == input &&
@@ -55,6 +33,32 @@ void IdentifierSuite::compute_transitions() {
       if (!is_access) transitions_.push_back({i, input});
     }
   }
+}
+
+bool IdentifierSuite::passes_error(const Word& word) const {
+  StateId state = hypothesis_.initial();
+  for (const Symbol input : word) {
+    if (ends_session(state, input)) return true;
+    state = hypothesis_.target(state, input);
+  }
+  return false;
+}
+
+// Of words that go on with one more input; `ended` counts those that end the session by it.
+std::vector<IdentifierSuite::Reaching> IdentifierSuite::extend(
+    const std::vector<Reaching>& reaching, Reaching& ended) const {
+  std::vector<Reaching> further(hypothesis_.size());
+  for (StateId state = 0; state < hypothesis_.size(); ++state) {
+    if (reaching[state].words == 0) continue;
+    for (Symbol input = 0; input < hypothesis_.inputs().size(); ++input) {
+      Reaching& there =
+          ends_session(state, input) ? ended : further[hypothesis_.target(state, input)];
+      there.words = saturating_sum(there.words, reaching[state].words);
+      there.length = saturating_sum(there.length,
+                                    saturating_sum(reaching[state].length, reaching[state].words));
+    }
+  }
+  return further;
 }
 
 void IdentifierSuite::compute_volumes() {
@@ -83,17 +87,22 @@ void IdentifierSuite::compute_volumes() {
   }
   for (std::size_t level = 1; level - 1 <= extra_states_; ++level) {
     add_tests(reaching, rest);
+    Reaching ended;
     if (level == 1) {
       reaching.assign(hypothesis_.size(), {});
       for (const auto& [access, input] : transitions_) {
-        Reaching& there = reaching[hypothesis_.target(reached_[access], input)];
+        Reaching& there = ends_session(reached_[access], input)
+                              ? ended
+                              : reaching[hypothesis_.target(reached_[access], input)];
         ++there.words;
         there.length += cover_[access].size() + 1;
       }
     } else {
-      reaching = extend(hypothesis_, reaching);
+      reaching = extend(reaching, ended);
     }
     add_tests(reaching, own);
+    volume.tests = saturating_sum(volume.tests, ended.words);
+    volume.symbols = saturating_sum(volume.symbols, ended.length);
     const bool is_countable = volume.tests != saturated && level <= most_levels;
     volumes_.push_back(is_countable ? volume : Volume{saturated, saturated});
     if (!is_countable) return;
@@ -152,16 +161,31 @@ bool IdentifierSuite::start_level() {
   return true;
 }
 
+// Nothing comes behind an input that ends the session; words that go on there are passed over.
 void IdentifierSuite::select_suffixes() {
+  static const std::vector<Word> nothing{Word{}};
+  suffix_ = 0;
   StateId state;
   if (level_ == 0) {
     state = reached_[base_];
   } else {
     const auto& [access, input] = transitions_[base_];
-    state = hypothesis_.run(hypothesis_.target(reached_[access], input), infix_);
+    bool is_over = ends_session(reached_[access], input);
+    state = hypothesis_.target(reached_[access], input);
+    std::size_t place = 0;
+    for (; place < infix_.size() && !is_over; ++place) {
+      is_over = ends_session(state, infix_[place]);
+      state = hypothesis_.target(state, infix_[place]);
+    }
+    if (is_over) {
+      const bool is_all = place == infix_.size() && pass_ == Pass::identifiers;
+      suffixes_ = is_all ? std::span<const Word>(nothing) : std::span<const Word>();
+      const auto last = static_cast<Symbol>(hypothesis_.inputs().size() - 1);
+      std::fill(infix_.begin() + static_cast<std::ptrdiff_t>(place), infix_.end(), last);
+      return;
+    }
   }
   suffixes_ = pass_ == Pass::rest ? identifiers_.rest_of(state) : identifiers_.of(state);
-  suffix_ = 0;
 }
 
 }  // namespace maide

@@ -10,7 +10,7 @@
 //
 // Tests come by level, few extra states first. So differences that lie near are found early, and a
 // suite that is cut off is complete for fewer extra states. Prefixes of other tests are left to the
-// cache.
+// cache. Where outputs are known to end the session nothing comes behind them in a test.
 #pragma once
 
 #include <algorithm>
@@ -27,7 +27,9 @@ namespace maide {
 class IdentifierSuite : public TestSuite {
  public:
   // Keeps a reference to `hypothesis`, which must be complete; the identifiers must be its own.
-  IdentifierSuite(const Mealy& hypothesis, StateIdentifiers identifiers, std::size_t extra_states);
+  // `is_error`: of each output whether it ends the session; empty: none does.
+  IdentifierSuite(const Mealy& hypothesis, StateIdentifiers identifiers, std::size_t extra_states,
+                  std::vector<bool> is_error = {});
 
   bool next(Word& word) override;
   std::optional<std::uint64_t> size() const override { return volumes_.back().tests; }
@@ -58,8 +60,18 @@ class IdentifierSuite : public TestSuite {
     Symbol input;
   };
 
+  // Words that reach a state: how many, and their lengths together.
+  struct Reaching {
+    std::uint64_t words = 0, length = 0;
+  };
+
   void compute_transitions();
   void compute_volumes();
+  bool passes_error(const Word& word) const;
+  std::vector<Reaching> extend(const std::vector<Reaching>& reaching, Reaching& ended) const;
+  bool ends_session(StateId state, Symbol input) const {
+    return !is_error_.empty() && is_error_[hypothesis_.output(state, input)];
+  }
   bool start_level();
   bool advance_access();
   void select_suffixes();
@@ -68,9 +80,10 @@ class IdentifierSuite : public TestSuite {
   const Mealy& hypothesis_;
   StateIdentifiers identifiers_;
   std::size_t extra_states_;
+  std::vector<bool> is_error_;           // by output, or empty
   std::vector<Word> cover_;              // P
   std::vector<StateId> reached_;         // by each word of P
-  std::vector<Transition> transitions_;  // P.I \ P
+  std::vector<Transition> transitions_;  // P.I \ P, but for what comes behind an error output
   std::vector<Volume> volumes_;          // up to each number of extra states, or to saturation
   // The test that comes next: a base, an infix, a suffix. Level 0 is P, level i is
   // (P.I \ P).I^(i-1).

@@ -27,15 +27,21 @@ void append(Word& word, Symbol input, std::size_t times) { word.insert(word.end(
 
 }  // namespace
 
-LoopingInputs::LoopingInputs(const Mealy& hypothesis, const StateIdentifiers& identifiers)
-    : hypothesis_(hypothesis), identifiers_(identifiers), loops_(hypothesis.size()) {
+LoopingInputs::LoopingInputs(const Mealy& hypothesis, const StateIdentifiers& identifiers,
+                             const std::vector<bool>& is_error)
+    : hypothesis_(hypothesis),
+      identifiers_(identifiers),
+      loops_(hypothesis.size()),
+      is_over_(hypothesis.size()) {
   const auto refused = hypothesis.outputs().find("refused");
   const auto untried = hypothesis.outputs().find("unexplored");
   for (Word& access : compute_state_cover(hypothesis)) {
     const StateId state = hypothesis.run(access);
     states_.push_back({std::move(access), state});
   }
+  if (!is_error.empty()) avoid_errors(is_error);
   for (const auto& [access, state] : states_) {
+    if (is_over_[state]) continue;
     for (Symbol input = 0; input < hypothesis.inputs().size(); ++input) {
       const auto [target, output] = hypothesis.row(state)[input];
       if (target == state && output != refused && output != untried) {
@@ -43,10 +49,36 @@ LoopingInputs::LoopingInputs(const Mealy& hypothesis, const StateIdentifiers& id
       }
     }
   }
-  find_ways();
+  find_ways(is_error);
 }
 
-void LoopingInputs::find_ways() {
+// Behind the end of a session is a state that no input leaves, so only words to such states pass an
+// error output, by their last input.
+void LoopingInputs::avoid_errors(const std::vector<bool>& is_error) {
+  const auto ends = [&](const Word& word) {
+    const StateId before = hypothesis_.run(head(word, word.size() - 1));
+    return is_error[hypothesis_.output(before, word.back())];
+  };
+  for (const Start& start : states_)
+    is_over_[start.state] = !start.access.empty() && ends(start.access);
+  for (Start& start : states_) {
+    if (!is_over_[start.state]) continue;
+    for (const auto& [access, source] : states_) {
+      for (Symbol input = 0; input < hypothesis_.inputs().size(); ++input) {
+        const auto [target, output] = hypothesis_.row(source)[input];
+        if (target != start.state || source == target || is_over_[source] || is_error[output])
+          continue;
+        start.access = access;
+        start.access.push_back(input);
+        is_over_[start.state] = false;
+        break;
+      }
+      if (!is_over_[start.state]) break;
+    }
+  }
+}
+
+void LoopingInputs::find_ways(const std::vector<bool>& is_error) {
   std::vector<const Word*> access_of(hypothesis_.size());
   for (const auto& [access, state] : states_) access_of[state] = &access;
   std::vector<std::uint64_t> uses(hypothesis_.outputs().size());
@@ -60,7 +92,8 @@ void LoopingInputs::find_ways() {
       const auto [target, output] = hypothesis_.row(state)[input];
       Word word = access;
       word.push_back(input);
-      if (target != state && *access_of[target] != word) {
+      const bool is_end = is_over_[state] || (!is_error.empty() && is_error[output]);
+      if (target != state && !is_end && *access_of[target] != word) {
         last[{target, output}] = {std::move(word), target};
       }
     }

@@ -12,7 +12,8 @@
 //   samples random words of the kinds that the others leave out: counts that show at one number
 //           only, cycles of two inputs, two counts at once
 //
-// An input loops in a state if it leads back there, and was neither refused nor left untried. After
+// An input loops in a state if it leads back there, and was neither refused nor left untried. In a
+// state that is entered by outputs that end the session alone, none does. After
 // the words of a chain or a sample every looping input is given once (the roll call), and then a
 // word that identifies the state.
 #pragma once
@@ -41,13 +42,16 @@ class LoopingInputs {
     StateId state;
   };
 
-  // Keeps references to both; `hypothesis` must be complete, the identifiers its own. O(n k).
-  LoopingInputs(const Mealy& hypothesis, const StateIdentifiers& identifiers);
+  // Keeps references to both; `hypothesis` must be complete, the identifiers its own. `is_error`:
+  // of each output whether it ends the session; empty: none does. O(n k).
+  LoopingInputs(const Mealy& hypothesis, const StateIdentifiers& identifiers,
+                const std::vector<bool>& is_error = {});
 
   const Mealy& hypothesis() const { return hypothesis_; }
   // Those that loop in a state, in the order of the alphabet.
   std::span<const Symbol> of(StateId state) const { return loops_[state]; }
-  // A shortest word to each state, the nearest first.
+  // A shortest word to each state, the nearest first; to a state behind the end of the session one
+  // that does not end it, where there is one.
   std::span<const Start> states() const { return states_; }
   // For each state and each output with which a transition leads there, one such transition that
   // does not end a word of `states`; those of outputs that few transitions have, first. What the
@@ -59,11 +63,13 @@ class LoopingInputs {
   void append_end(StateId state, std::uint64_t turn, Word& word) const;
 
  private:
-  void find_ways();
+  void avoid_errors(const std::vector<bool>& is_error);
+  void find_ways(const std::vector<bool>& is_error);
 
   const Mealy& hypothesis_;
   const StateIdentifiers& identifiers_;
   std::vector<std::vector<Symbol>> loops_;  // by state
+  std::vector<bool> is_over_;               // by state: only error outputs lead there
   std::vector<Start> states_, ways_;
 };
 
