@@ -37,12 +37,12 @@ class Queue : public maide::SystemInstance {
   // On the actor's own thread: blocks as long as the real call would.
   void call(std::string_view input) override {
     if (input == "write") {
-      const std::uint64_t number = written_ + 1;
+      const std::uint64_t number = sink_.content(written_ + 1);
       const auto* bytes = reinterpret_cast<const char*>(&number);
       while (::mq_send(queue_, bytes, sizeof number, 0) != 0) {
         if (errno != EAGAIN || !wait_for(POLLOUT)) return;
       }
-      written_ = number;
+      ++written_;
       sink_.report("written");
       return;
     }

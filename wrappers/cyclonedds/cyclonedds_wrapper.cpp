@@ -23,7 +23,7 @@ constexpr std::uint64_t words_per_domain = 5000;
 
 CycloneDdsWrapper::CycloneDdsWrapper() {
   description_.name = "cyclonedds";
-  description_.summary = "Eclipse Cyclone DDS: a writer and a reader of one topic, in one process";
+  description_.summary = "Eclipse Cyclone DDS: writers and readers of one topic, in one process";
   description_.versions = {{"cyclonedds", DDS_VERSION}, {"wrapper", "1"}};
   description_.options = dds::option_table();
   description_.options.push_back(
@@ -33,6 +33,7 @@ CycloneDdsWrapper::CycloneDdsWrapper() {
 
 SystemSetup CycloneDdsWrapper::configure(const OptionValues& options) {
   policies_ = dds::Policies::from(options);
+  counts_ = dds::end_counts(options);
   if (options.is("transport", "udp")) transport_ = Transport::udp;
   if (transport_ == Transport::udp && policies_.pushes_back()) {
     throw UsageError(
@@ -48,9 +49,9 @@ SystemSetup CycloneDdsWrapper::configure(const OptionValues& options) {
 std::unique_ptr<SystemInstance> CycloneDdsWrapper::reset(EventSink& sink) {
   if (++words_ % words_per_domain == 0) start_domains();
   if (retired_.size() >= most_retired) delete_retired();
-  retired_.push_back(
-      std::make_shared<Endpoints>(*domains_, "maide_" + std::to_string(words_), policies_));
-  return std::make_unique<dds::Connection>(retired_.back(), sink);
+  retired_.push_back(std::make_shared<Endpoints>(*domains_, "maide_" + std::to_string(words_),
+                                                 policies_, counts_));
+  return std::make_unique<dds::Connection>(retired_.back(), counts_, sink);
 }
 
 void CycloneDdsWrapper::delete_retired() {

@@ -1,15 +1,16 @@
-// The wrapper for Eclipse Cyclone DDS: `maide learn cyclonedds history=keep_last depth=10`. One
-// writer and one reader of one topic, in one process, with the QoS that the user names. The actor
-// `writer` calls dds_write; `reader` waits for data on a waitset and takes one sample (read), or
+// The wrapper for Eclipse Cyclone DDS: `maide learn cyclonedds history=keep_last depth=10`. Writers
+// and readers of one topic, in one process, with the QoS that the user names. The actor `writer`
+// calls dds_write; `reader` waits for data on a waitset and takes one sample (read), or
 // takes one if there is one (tryread).
 //
 // transport=none: the domain has no network at all; within a process Cyclone hands a sample to the
 // readers of its own domain from within dds_write, no protocol timer runs, and no socket is open.
-// transport=udp: two domains with the same number on the network, one for the writer and one for
-// the reader, which meet over RTPS on the loopback device alone. Wrappers side by side never meet,
-// and CYCLONEDDS_URI is not looked at.
+// transport=udp: two domains with the same number on the network, one for the writers and one
+// for the readers, which meet over RTPS on the loopback device alone. Wrappers side by side never
+// meet, and CYCLONEDDS_URI is not looked at.
 //
-// A reset keeps process, domain and participant; topic, writer and reader are fresh for each word.
+// A reset keeps process, domain and participant; topic, writers and readers are fresh for each
+// word.
 #pragma once
 
 #include <cstdint>
@@ -37,6 +38,7 @@ class CycloneDdsWrapper : public SystemWrapper {
 
   WrapperDescription description_;
   dds::Policies policies_;
+  dds::EndCounts counts_;
   std::uint64_t words_ = 0;
   Transport transport_ = Transport::none;
   std::optional<Domains> domains_;

@@ -15,16 +15,19 @@ void Connection::call(std::string_view input) {
   } else if (input == "tryread") {
     try_read();
   } else if (input == "disconnect") {
-    if (std::exchange(connected_, false)) ends_->disconnect();
+    const std::size_t reader = sink_.end();
+    if (std::exchange(connected_[reader], char{false}) != 0) ends_->disconnect(reader);
   } else if (input == "connect") {
-    if (!std::exchange(connected_, true)) ends_->connect();
+    const std::size_t reader = sink_.end();
+    if (std::exchange(connected_[reader], char{true}) == 0) ends_->connect(reader);
   } else {
     throw std::logic_error("no input '" + std::string(input) + "'");
   }
 }
 
 void Connection::write() {
-  if (!ends_->write(written_ + 1)) {
+  const auto number = static_cast<std::uint32_t>(sink_.content(written_ + 1));
+  if (!ends_->write(sink_.end(), number)) {
     sink_.report("failed");
     return;
   }
@@ -33,23 +36,25 @@ void Connection::write() {
 }
 
 void Connection::read() {
-  if (!connected_) {
+  const std::size_t reader = sink_.end();
+  if (connected_[reader] == 0) {
     sink_.report("unconnected");
     return;
   }
-  while (!stopped_ && !take_one()) ends_->wait_for_data();
+  while (!stopped_ && !take_one(reader)) ends_->wait_for_data(reader);
 }
 
 void Connection::try_read() {
-  if (!connected_) {
+  const std::size_t reader = sink_.end();
+  if (connected_[reader] == 0) {
     sink_.report("unconnected");
-  } else if (!take_one()) {
+  } else if (!take_one(reader)) {
     sink_.report("null");
   }
 }
 
-bool Connection::take_one() {
-  const std::optional<std::uint32_t> number = ends_->take();
+bool Connection::take_one(std::size_t reader) {
+  const std::optional<std::uint32_t> number = ends_->take(reader);
   if (number) sink_.message(*number);
   return number.has_value();
 }

@@ -1,5 +1,5 @@
-// One writer and one reader of a topic of their own, matched: what one word is played on, whatever
-// the vendor. Here is what each input means; a vendor's Endpoints make the calls.
+// Writers and readers of a topic of their own, matched: what one word is played on, whatever the
+// vendor. Here is what each input means; a vendor's Endpoints make the calls.
 //
 //   write       writes one sample: `written`, or `failed` if it found no room in time
 //   read        waits for a sample, without limit, and takes it: `message`
@@ -13,26 +13,33 @@
 #include <memory>
 #include <optional>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include "maide/wire/wrapper/system_wrapper.hpp"
 
 namespace maide::dds {
 
-// A writer and a reader of one vendor, made and matched. What fails, other than as described,
-// throws std::runtime_error. The writer and the reader are called from a thread each.
+// How many ends the options `writers` and `readers` ask for.
+struct EndCounts {
+  std::size_t writers = 1, readers = 1;
+};
+
+// Writers and readers of one vendor, made and matched, each with a number from 0. What fails, other
+// than as described, throws std::runtime_error. Each end is called from a thread of its own.
 class Endpoints {
  public:
   virtual ~Endpoints() = default;
   // False if it found no room in time; blocks as the policies say.
-  virtual bool write(std::uint32_t number) = 0;
+  virtual bool write(std::size_t writer, std::uint32_t number) = 0;
   // The number in the oldest sample there is, without waiting.
-  virtual std::optional<std::uint32_t> take() = 0;
+  virtual std::optional<std::uint32_t> take(std::size_t reader) = 0;
   // Blocks until there may be a sample to take, or stop().
-  virtual void wait_for_data() = 0;
-  // Deletes the reader; returns when the writer knows.
-  virtual void disconnect() = 0;
-  // Makes a reader; returns when it and the writer know each other.
-  virtual void connect() = 0;
+  virtual void wait_for_data(std::size_t reader) = 0;
+  // Deletes the reader; returns when all writers know.
+  virtual void disconnect(std::size_t reader) = 0;
+  // Makes the reader anew; returns when it and all writers know each other.
+  virtual void connect(std::size_t reader) = 0;
   // From another thread: waits end, now and later, and a blocked write finds room.
   virtual void stop() = 0;
   // SystemInstance::polls_in_vain.
@@ -42,8 +49,8 @@ class Endpoints {
 class Connection : public SystemInstance {
  public:
   // Others may keep `ends` longer than the connection lives, to delete them when that is cheap.
-  Connection(std::shared_ptr<Endpoints> ends, EventSink& sink)
-      : ends_(std::move(ends)), sink_(sink) {}
+  Connection(std::shared_ptr<Endpoints> ends, const EndCounts& counts, EventSink& sink)
+      : ends_(std::move(ends)), sink_(sink), connected_(counts.readers, char{true}) {}
 
   void call(std::string_view input) override;
   void shutdown() override;
@@ -53,12 +60,12 @@ class Connection : public SystemInstance {
   void write();
   void read();
   void try_read();
-  bool take_one();
+  bool take_one(std::size_t reader);
 
   const std::shared_ptr<Endpoints> ends_;
   EventSink& sink_;
-  std::uint32_t written_ = 0;  // only the writer's thread writes
-  bool connected_ = true;      // only the reader's thread connects
+  std::atomic<std::uint32_t> written_ = 0;
+  std::vector<char> connected_;  // by reader, whose thread alone connects it
   std::atomic<bool> stopped_ = false;
 };
 

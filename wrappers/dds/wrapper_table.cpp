@@ -26,7 +26,13 @@ std::vector<OptionSpec> option_table() {
        }) {
     table.push_back(std::move(row));
   }
+  for (OptionSpec& row : common_options::ends()) table.push_back(std::move(row));
   return table;
+}
+
+EndCounts end_counts(const OptionValues& options) {
+  return {static_cast<std::size_t>(options.number("writers")),
+          static_cast<std::size_t>(options.number("readers"))};
 }
 
 SystemSetup make_setup(const Policies& policies, const OptionValues& options) {

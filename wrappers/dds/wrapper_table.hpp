@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "dds/connection.hpp"
 #include "dds/policies.hpp"
 #include "maide/wire/wrapper/system_wrapper.hpp"
 
@@ -11,6 +12,8 @@ namespace maide::dds {
 
 // The QoS policies and the options of common_options that mean something here.
 std::vector<OptionSpec> option_table();
+
+EndCounts end_counts(const OptionValues& options);
 
 SystemSetup make_setup(const Policies& policies, const OptionValues& options);
 

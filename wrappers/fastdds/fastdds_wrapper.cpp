@@ -12,7 +12,7 @@ namespace maide::fastdds {
 
 FastDdsWrapper::FastDdsWrapper() {
   description_.name = "fastdds";
-  description_.summary = "eProsima Fast DDS: a writer and a reader of one topic, in one process";
+  description_.summary = "eProsima Fast DDS: writers and readers of one topic, in one process";
   description_.versions = {{"fastdds", FASTRTPS_VERSION_STR}, {"wrapper", "1"}};
   description_.options = dds::option_table();
   description_.options.push_back(
@@ -23,6 +23,7 @@ FastDdsWrapper::FastDdsWrapper() {
 
 SystemSetup FastDdsWrapper::configure(const OptionValues& options) {
   policies_ = dds::Policies::from(options);
+  counts_ = dds::end_counts(options);
   const Transport transport = options.is("transport", "udp") ? Transport::udp : Transport::none;
   timers_ = ProtocolTimers::from(options, transport);
   participants_ = std::make_unique<Participants>(transport);
@@ -34,8 +35,8 @@ SystemSetup FastDdsWrapper::configure(const OptionValues& options) {
 std::unique_ptr<SystemInstance> FastDdsWrapper::reset(EventSink& sink) {
   return std::make_unique<dds::Connection>(
       std::make_shared<Endpoints>(*participants_, "maide_" + std::to_string(++words_), policies_,
-                                  timers_),
-      sink);
+                                  timers_, counts_),
+      counts_, sink);
 }
 
 }  // namespace maide::fastdds

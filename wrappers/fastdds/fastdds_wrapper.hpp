@@ -1,5 +1,5 @@
-// The wrapper for eProsima Fast DDS: `maide learn fastdds history=keep_last depth=10`. One writer
-// and one reader of one topic, in one process, with the QoS that the user names. The actor `writer`
+// The wrapper for eProsima Fast DDS: `maide learn fastdds history=keep_last depth=10`. Writers
+// and readers of one topic, in one process, with the QoS that the user names. The actor `writer`
 // calls DataWriter::write; `reader` waits for data on a wait set and takes one sample (read), or
 // takes one if there is one (tryread).
 //
@@ -7,12 +7,13 @@
 // within write, and no socket is listened at. transport=udp: two participants with that shortcut
 // switched off, so that samples go the way that they go between processes, over the loopback.
 //
-// A reset keeps process and participants; topic, writer and reader are fresh for each word.
+// A reset keeps process and participants; topic, writers and readers are fresh for each word.
 #pragma once
 
 #include <cstdint>
 #include <memory>
 
+#include "dds/connection.hpp"
 #include "dds/policies.hpp"
 #include "maide/wire/wrapper/system_wrapper.hpp"
 #include "participants.hpp"
@@ -30,6 +31,7 @@ class FastDdsWrapper : public SystemWrapper {
  private:
   WrapperDescription description_;
   dds::Policies policies_;
+  dds::EndCounts counts_;
   ProtocolTimers timers_;
   std::uint64_t words_ = 0;
   std::unique_ptr<Participants> participants_;

@@ -137,7 +137,7 @@ std::vector<OptionSpec> ConnectionOptions::options() {
   OptionSpec size = common_options::size(3, 1000);
   size.least = 0;
   size.help += "; 0: as many as the broker keeps (QoS 1 and 2)";
-  return {
+  std::vector<OptionSpec> rows{
       OptionSpec::choice("qos", "0", {"0", "1", "2"},
                          "quality of service of what is published and subscribed to: at most "
                          "once, at least once, exactly once")
@@ -154,6 +154,8 @@ std::vector<OptionSpec> ConnectionOptions::options() {
       size,
       common_options::at_bound(),
   };
+  for (OptionSpec& row : common_options::ends()) rows.push_back(std::move(row));
+  return rows;
 }
 
 ConnectionOptions ConnectionOptions::from(const OptionValues& values, const BrokerLimits& limits) {
@@ -164,6 +166,12 @@ ConnectionOptions ConnectionOptions::from(const OptionValues& values, const Brok
   options.will = values.is("will", "yes");
   options.size = static_cast<std::size_t>(values.number("size"));
   options.absorbs_at_bound = values.is("at-bound", "absorb");
+  options.writers = static_cast<std::size_t>(values.number("writers"));
+  options.readers = static_cast<std::size_t>(values.number("readers"));
+  for (const std::string& input : values.list("inputs")) {
+    if (options.writers == 1 || !input.starts_with("writer_")) continue;
+    throw UsageError("option writers: with the input " + input + " there is one writer");
+  }
   if (options.size == 0 && capacity_of(options, limits).online == 0) {
     throw UsageError(
         options.qos == 0
@@ -204,7 +212,8 @@ SystemSetup connection_setup(const ConnectionOptions& options, const BrokerLimit
   if (options.size > 0 && (capacity == 0 || options.size < capacity)) {
     setup.purposes.push_back(InFlightPurpose(options, limits, tells_gaps).make());
     setup.bound =
-        fmt::format("at most {} message{} in flight", options.size, options.size == 1 ? "" : "s");
+        fmt::format("at most {} message{} in flight{}", options.size, options.size == 1 ? "" : "s",
+                    options.readers > 1 ? " to each reader" : "");
   }
   return setup;
 }

@@ -18,6 +18,7 @@ struct ConnectionOptions {
   bool will = false;          // of the writer
   std::size_t size = 0;       // messages in flight to learn for; 0: what the broker keeps
   bool absorbs_at_bound = false;
+  std::size_t writers = 1, readers = 1;
 
   // The rows of the wrapper's table that these come from.
   static std::vector<OptionSpec> options();

@@ -29,17 +29,21 @@ void stop(const Descriptor& event) { ::eventfd_write(event.get(), 1); }
 MqttConnection::MqttConnection(const Broker& broker, const std::string& name,
                                const ConnectionOptions& options, EventSink& sink)
     : options_(options), broker_(broker), name_(name), sink_(sink), stop_(make_stop_event()) {
-  ClientSettings writer = settings("writer");
-  writer.clean_session = true;
-  if (options_.will) {
-    writer.will_topic = name_;
-    writer.will = will_payload;
+  bool are_connected = true;
+  for (std::size_t i = 0; i < options_.writers; ++i) {
+    ClientSettings writer = settings("writer" + std::to_string(i));
+    writer.clean_session = true;
+    if (options_.will) {
+      writer.will_topic = name_;
+      writer.will = will_payload;
+    }
+    are_connected &= writers_.emplace_back(std::move(writer), stop_.get()).connect();
   }
-  writer_.emplace(std::move(writer), stop_.get());
-  reader_.emplace(settings("reader"), stop_.get());
-  if (!writer_->connect() || !reader_->connect() || !reader_->subscribe(name_)) {
-    throw std::runtime_error("the broker ended a connection at once");
+  for (std::size_t i = 0; i < options_.readers; ++i) {
+    MqttClient& reader = readers_.emplace_back(settings("reader" + std::to_string(i)), stop_.get());
+    are_connected = are_connected && reader.connect() && reader.subscribe(name_);
   }
+  if (!are_connected) throw std::runtime_error("the broker ended a connection at once");
 }
 
 MqttConnection::~MqttConnection() {
@@ -52,11 +56,11 @@ MqttConnection::~MqttConnection() {
 
 // What a session or a retained message would leave behind in the broker for ever.
 void MqttConnection::clean_up() {
-  writer_.reset();
-  reader_.reset();
+  writers_.clear();
+  readers_.clear();
   const Descriptor never = make_stop_event();
-  if (!options_.clean_session) {
-    ClientSettings forget = settings("reader");
+  for (std::size_t i = 0; i < options_.readers && !options_.clean_session; ++i) {
+    ClientSettings forget = settings("reader" + std::to_string(i));
     forget.clean_session = true;
     MqttClient(std::move(forget), never.get()).connect();
   }
@@ -68,7 +72,7 @@ void MqttConnection::clean_up() {
   }
 }
 
-ClientSettings MqttConnection::settings(const char* role) const {
+ClientSettings MqttConnection::settings(const std::string& role) const {
   ClientSettings settings;
   settings.host = broker_.host();
   settings.port = broker_.port();
@@ -86,24 +90,24 @@ void MqttConnection::call(std::string_view input) {
   } else if (input == "tryread") {
     read(false);
   } else if (input == "disconnect") {
-    sink_.report(reader_->disconnect() ? "disconnected" : "offline");
+    sink_.report(reader().disconnect() ? "disconnected" : "offline");
   } else if (input == "drop") {
-    sink_.report(reader_->drop() ? "disconnected" : "offline");
+    sink_.report(reader().drop() ? "disconnected" : "offline");
   } else if (input == "connect") {
     connect_reader();
   } else if (input == "writer_disconnect") {
-    sink_.report(writer_->disconnect() ? "writer_disconnected" : "failed");
+    sink_.report(writer().disconnect() ? "writer_disconnected" : "failed");
   } else if (input == "writer_drop") {
-    sink_.report(writer_->drop() ? "writer_disconnected" : "failed");
+    sink_.report(writer().drop() ? "writer_disconnected" : "failed");
   } else if (input == "writer_connect") {
-    if (writer_->is_connected() || writer_->connect()) sink_.report("writer_connected");
+    if (writer().is_connected() || writer().connect()) sink_.report("writer_connected");
   } else {
     throw std::logic_error(fmt::format("no input '{}'", input));
   }
 }
 
 void MqttConnection::write() {
-  if (!writer_->publish(name_, std::to_string(written_ + 1), options_.retain)) {
+  if (!writer().publish(name_, std::to_string(sink_.content(written_ + 1)), options_.retain)) {
     sink_.report("failed");
     return;
   }
@@ -112,7 +116,7 @@ void MqttConnection::write() {
 }
 
 void MqttConnection::read(bool wait) {
-  const std::optional<std::string> payload = reader_->receive(wait);
+  const std::optional<std::string> payload = reader().receive(wait);
   if (!payload) {
     sink_.report(wait ? "offline" : "null");
   } else if (*payload == will_payload) {
@@ -125,8 +129,8 @@ void MqttConnection::read(bool wait) {
 // A session that the broker still has is subscribed already.
 void MqttConnection::connect_reader() {
   const bool is_connected =
-      reader_->is_connected() ||
-      (reader_->connect() && (reader_->session_present() || reader_->subscribe(name_)));
+      reader().is_connected() ||
+      (reader().connect() && (reader().session_present() || reader().subscribe(name_)));
   sink_.report(is_connected ? "connected" : "offline");
 }
 

@@ -1,7 +1,9 @@
-// What one word is played on in the alphabet of a connection: a client that publishes to a topic of
-// its own and one that subscribes to it, as control programs use them.
+// What one word is played on in the alphabet of a connection: clients that publish to a topic of
+// their own and clients that subscribe to it, as control programs use them.
 #pragma once
 
+#include <atomic>
+#include <deque>
 #include <memory>
 #include <optional>
 #include <string>
@@ -26,10 +28,12 @@ class MqttConnection : public SystemInstance {
   void shutdown() override;
 
  private:
-  ClientSettings settings(const char* role) const;
+  ClientSettings settings(const std::string& role) const;
   void write();
   void read(bool wait);
   void connect_reader();
+  MqttClient& writer() { return writers_[sink_.end()]; }
+  MqttClient& reader() { return readers_[sink_.end()]; }
   void clean_up();
 
   const ConnectionOptions options_;
@@ -37,8 +41,8 @@ class MqttConnection : public SystemInstance {
   const std::string name_;
   EventSink& sink_;
   Descriptor stop_;
-  std::optional<MqttClient> writer_, reader_;
-  std::uint64_t written_ = 0;
+  std::deque<MqttClient> writers_, readers_;
+  std::atomic<std::uint64_t> written_ = 0;
 };
 
 }  // namespace maide::mqtt

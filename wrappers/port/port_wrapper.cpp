@@ -1,9 +1,11 @@
 #include "port_wrapper.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "reference_port.hpp"
@@ -11,37 +13,44 @@
 namespace maide::port {
 namespace {
 
-// A fresh connection between an actor that writes and one that reads.
+// A fresh connection from the actors that write to each one that reads.
 class PortInstance : public SystemInstance {
  public:
-  PortInstance(std::unique_ptr<Connection> connection, EventSink& sink)
-      : connection_(std::move(connection)), sink_(sink) {}
+  PortInstance(std::vector<std::unique_ptr<Connection>> connections, EventSink& sink)
+      : connections_(std::move(connections)), sink_(sink) {}
 
   void call(std::string_view input) override {
     if (input == "write") {
-      sink_.report(connection_->write(++written_) ? "written" : "failed");
+      sink_.report(write(sink_.content(++written_)) ? "written" : "failed");
     } else if (input == "read") {
-      if (const auto message = connection_->read()) sink_.message(*message);
+      if (const auto message = connections_[sink_.end()]->read()) sink_.message(*message);
     } else if (input == "tryread") {
-      const std::optional<Message> message = connection_->try_read();
+      const std::optional<Message> message = connections_[sink_.end()]->try_read();
       message ? sink_.message(*message) : sink_.report("null");
     } else if (input == "interrupt") {
-      connection_->interrupt();
+      for (const auto& connection : connections_) connection->interrupt();
       sink_.report("done");
     } else if (input == "resume") {
-      connection_->resume();
+      for (const auto& connection : connections_) connection->resume();
       sink_.report("resumed");
     } else {
       throw std::logic_error("no input '" + std::string(input) + "'");
     }
   }
 
-  void shutdown() override { connection_->close(); }
+  void shutdown() override {
+    for (const auto& connection : connections_) connection->close();
+  }
 
  private:
-  std::unique_ptr<Connection> connection_;
+  bool write(Message message) {
+    return std::all_of(connections_.begin(), connections_.end(),
+                       [&](const auto& connection) { return connection->write(message); });
+  }
+
+  const std::vector<std::unique_ptr<Connection>> connections_;  // by reader
   EventSink& sink_;
-  Message written_ = 0;  // only the writer's thread writes
+  std::atomic<Message> written_ = 0;
 };
 
 bool is_listed(const OptionValues& options, const char* key, const char* name) {
@@ -78,12 +87,14 @@ PortWrapper::PortWrapper() {
       common_options::size(3, 1'000'000),
       common_options::at_bound(),
   };
+  for (OptionSpec& row : common_options::ends()) description_.options.push_back(std::move(row));
 }
 
 SystemSetup PortWrapper::configure(const OptionValues& options) {
   kind_ = options.is("kind", "port")       ? Kind::port
           : options.is("kind", "buffered") ? Kind::buffered
                                            : Kind::strict;
+  readers_ = static_cast<std::size_t>(options.number("readers"));
   SystemSetup setup;
   setup.actors = {"writer", "reader"};
   setup.inputs = {{"write", "writer", {"written"}},
@@ -100,11 +111,15 @@ SystemSetup PortWrapper::configure(const OptionValues& options) {
 }
 
 std::unique_ptr<SystemInstance> PortWrapper::reset(EventSink& sink) {
-  if (kind_ == Kind::port) {
-    return std::make_unique<PortInstance>(std::make_unique<Port>(), sink);
+  std::vector<std::unique_ptr<Connection>> connections;
+  for (std::size_t reader = 0; reader < readers_; ++reader) {
+    if (kind_ == Kind::port) {
+      connections.push_back(std::make_unique<Port>());
+    } else {
+      connections.push_back(std::make_unique<BufferedPort>(kind_ == Kind::strict));
+    }
   }
-  return std::make_unique<PortInstance>(std::make_unique<BufferedPort>(kind_ == Kind::strict),
-                                        sink);
+  return std::make_unique<PortInstance>(std::move(connections), sink);
 }
 
 }  // namespace maide::port

@@ -1,6 +1,7 @@
 // The wrapper of the reference port: `maide learn port kind=strict size=3`.
 #pragma once
 
+#include <cstddef>
 #include <memory>
 
 #include "maide/wire/wrapper/system_wrapper.hpp"
@@ -18,6 +19,7 @@ class PortWrapper : public SystemWrapper {
   enum class Kind { port, buffered, strict };
   WrapperDescription description_;
   Kind kind_ = Kind::port;
+  std::size_t readers_ = 1;
 };
 
 }  // namespace maide::port

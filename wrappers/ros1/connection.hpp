@@ -1,4 +1,4 @@
-// One publisher and one subscriber of a topic of their own, connected: what one word is played on.
+// Publishers and subscribers of a topic of their own, connected: what one word is played on.
 #pragma once
 
 #include <ros/callback_queue.h>
@@ -34,23 +34,24 @@ class Connection : public SystemInstance {
   bool polls_in_vain() const override;
 
  private:
-  void connect();
-  void disconnect();
+  struct Subscriber {
+    std::unique_ptr<ros::CallbackQueue> callbacks;
+    std::unique_ptr<SubscriberEnd> end;  // none if disconnected
+    bool received = false;               // by the read that is going on
+  };
+  void connect(Subscriber& subscriber);
   void publish(std::size_t messages);
-  void read();
-  void try_read();
-  void receive(const std_msgs::UInt64ConstPtr& message);
+  void read(Subscriber& subscriber);
+  void try_read(Subscriber& subscriber);
 
   Node& node_;
   const Queues queues_;
   EventSink& sink_;
   IdleQueues& idle_;
   const std::string topic_;
-  std::unique_ptr<ros::CallbackQueue> callbacks_;
-  ros::Publisher publisher_;
-  std::unique_ptr<SubscriberEnd> subscriber_;
-  std::uint64_t published_ = 0;
-  bool received_ = false;  // by the read that is going on
+  std::vector<ros::Publisher> publishers_;
+  std::vector<Subscriber> subscribers_;
+  std::atomic<std::uint64_t> published_ = 0;
   std::atomic<bool> connecting_ = false;
   std::atomic<bool> stopped_ = false;
 };

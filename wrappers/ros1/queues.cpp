@@ -55,6 +55,8 @@ Queues Queues::from(const OptionValues& options) {
   queues.latch = options.is("latch", "true");
   if (options.is("transport", "intraprocess")) queues.transport = Transport::intraprocess;
   queues.burst = static_cast<std::size_t>(options.number("burst"));
+  queues.writers = static_cast<std::size_t>(options.number("writers"));
+  queues.readers = static_cast<std::size_t>(options.number("readers"));
 
   const auto size = static_cast<std::size_t>(options.number("size"));
   if (queues.subscriber == 0 && size == 0) {

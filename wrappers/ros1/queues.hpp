@@ -17,6 +17,7 @@ struct Queues {
   Transport transport = Transport::tcpros;
   bool latch = false;
   std::size_t burst = 10;  // messages that the input `burst` publishes
+  std::size_t writers = 1, readers = 1;
 
   // The rows of the wrapper's table that these come from.
   static std::vector<OptionSpec> options();

@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "maide/base/error.hpp"
+
 namespace maide::ros1 {
 namespace {
 
@@ -25,6 +27,7 @@ SystemSetup setup_for(const std::vector<std::string>& wanted) {
   };
   SystemSetup setup;
   setup.actors = {"writer", "reader"};
+  setup.of_reader = {"reader", "network", "control"};
   setup.inputs = {{"write", "writer", {}},
                   {"burst", "writer", {}},
                   {"read", "reader", {"message"}},
@@ -54,7 +57,7 @@ SystemSetup setup_for(const std::vector<std::string>& wanted) {
 
 Ros1Wrapper::Ros1Wrapper() {
   description_.name = "ros1";
-  description_.summary = "ROS 1: a publisher and a subscriber of one topic, in one process";
+  description_.summary = "ROS 1: publishers and subscribers of one topic, in one process";
   description_.versions = {
       {"ros1", fmt::format("{}.{}.{}", ROS_VERSION_MAJOR, ROS_VERSION_MINOR, ROS_VERSION_PATCH)},
       {"wrapper", "1"}};
@@ -72,13 +75,19 @@ Ros1Wrapper::Ros1Wrapper() {
        }) {
     description_.options.push_back(std::move(row));
   }
+  for (OptionSpec& row : common_options::ends()) description_.options.push_back(std::move(row));
 }
 
 SystemSetup Ros1Wrapper::configure(const OptionValues& options) {
   queues_ = Queues::from(options);
   node_ = &Node::start(options.text("master"));
 
-  SystemSetup setup = setup_for(options.list("inputs"));
+  const std::vector<std::string> inputs = options.list("inputs");
+  const bool has_values = !options.list_behind("payload", "values").empty();
+  if (has_values && std::find(inputs.begin(), inputs.end(), "burst") != inputs.end()) {
+    throw UsageError("option payload: with values there is no input burst");
+  }
+  SystemSetup setup = setup_for(inputs);
   setup.messages_come_again = queues_.latch;
   setup.processes = node_->processes();
   if (options.number("size") > 0) setup.in_flight.emplace().capacity = queues_.subscriber;

@@ -1,10 +1,11 @@
-// The wrapper for ROS 1: `maide learn ros1 queue_size=10`. One publisher and one subscriber of one
+// The wrapper for ROS 1: `maide learn ros1 queue_size=10`. Publishers and subscribers of one
 // topic, in one process, over TCPROS or through roscpp's shortcut. The actor `writer` calls
 // Publisher::publish; `reader` calls CallbackQueue::callOne on a queue of its own, waiting (read)
 // or not (tryread); `network` unsubscribes and subscribes again; `control` disables, enables
 // and clears the callback queue.
 //
-// A reset keeps process, node and master; topic, publisher and subscriber are fresh for each word.
+// A reset keeps process, node and master; topic, publishers and subscribers are fresh for each
+// word.
 #pragma once
 
 #include <memory>

@@ -50,7 +50,8 @@ void Connection::write(std::string_view input) {
   bool was_sent = false;
   {
     const Count writing(writing_);
-    was_sent = pair_->writer().write(++written_);
+    const auto place = static_cast<std::uint64_t>(++written_);
+    was_sent = pair_->writer().write(static_cast<std::int64_t>(sink_.content(place)));
   }
   if (input == "write") {
     sink_.report(was_sent ? "written" : "failed");

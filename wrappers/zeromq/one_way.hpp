@@ -1,11 +1,13 @@
-// PUSH and PULL, or PUB and SUB: the actor `writer` calls zmq_send, `reader` zmq_recv. The reader's
-// socket can be disconnected from the writer's, and connected again.
+// PUSH and PULL, or PUB and SUB: the actor `writer` calls zmq_send, `reader` zmq_recv. A reader's
+// socket can be disconnected from the writers', and connected again.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <memory>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "socket_pair.hpp"
 
@@ -15,7 +17,7 @@ class OneWay : public SocketPair {
  public:
   static SystemSetup setup(const SocketSettings& settings);
 
-  // Returns once both ends know of each other. Throws std::runtime_error, zmq::error_t.
+  // Returns once all ends know of each other. Throws std::runtime_error, zmq::error_t.
   OneWay(std::shared_ptr<SharedContext> context, const std::string& endpoint,
          const SocketSettings& settings, EventSink& sink);
 
@@ -25,8 +27,8 @@ class OneWay : public SocketPair {
   void write();
 
   EventSink& sink_;
-  std::uint64_t written_ = 0;
-  bool connected_ = true;
+  std::atomic<std::uint64_t> written_ = 0;
+  std::vector<char> connected_;  // by reader
 };
 
 }  // namespace maide::zeromq

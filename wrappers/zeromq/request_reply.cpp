@@ -37,26 +37,26 @@ void RequestReply::make_call(std::string_view input) {
 
 void RequestReply::call_as_client(std::string_view input) {
   if (input == "write") {
-    send(connecting_, requests_ + 1);
+    send(connecting_.front(), sink_.content(requests_ + 1));
     ++requests_;
     sink_.report("written");
     return;
   }
-  const auto number = receive(connecting_, input == "read");
+  const auto number = receive(connecting_.front(), input == "read");
   number ? sink_.message(*number) : sink_.report("null");
 }
 
 // A reply carries the number of its request.
 void RequestReply::call_as_server(std::string_view input) {
   if (input == "answer") {
-    send(binding_, accepted_);
+    send(binding_.front(), accepted_);
     sink_.report("answered");
     return;
   }
   if (input != "accept" && input != "tryaccept") {
     throw std::logic_error("no input '" + std::string(input) + "'");
   }
-  const auto number = receive(binding_, input == "accept");
+  const auto number = receive(binding_.front(), input == "accept");
   if (number) accepted_ = *number;
   sink_.report(number ? "accepted" : "none");
 }

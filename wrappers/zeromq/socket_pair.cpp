@@ -23,21 +23,36 @@ class Counted {
 
 SocketPair::SocketPair(std::shared_ptr<SharedContext> context, zmq::socket_type binding,
                        zmq::socket_type connecting, const SocketSettings& settings)
-    : context_(std::move(context)),
-      polls_(settings.polls),
-      binding_(context_->get(), binding),
-      connecting_(context_->get(), connecting) {
-  for (zmq::socket_t* socket : {&binding_, &connecting_}) {
-    socket->set(zmq::sockopt::linger, 0);
-    socket->set(zmq::sockopt::sndhwm, settings.sndhwm);
-    socket->set(zmq::sockopt::rcvhwm, settings.rcvhwm);
-  }
+    : context_(std::move(context)), polls_(settings.polls) {
+  const auto make = [&](std::size_t count, zmq::socket_type type) {
+    std::vector<zmq::socket_t> sockets;
+    for (std::size_t i = 0; i < count; ++i) {
+      zmq::socket_t& socket = sockets.emplace_back(context_->get(), type);
+      socket.set(zmq::sockopt::linger, 0);
+      socket.set(zmq::sockopt::sndhwm, settings.sndhwm);
+      socket.set(zmq::sockopt::rcvhwm, settings.rcvhwm);
+    }
+    return sockets;
+  };
+  binding_ = make(settings.writers, binding);
+  connecting_ = make(settings.readers, connecting);
 }
 
 void SocketPair::join(const std::string& endpoint) {
-  binding_.bind(endpoint);
-  address_ = binding_.get(zmq::sockopt::last_endpoint);
-  connecting_.connect(address_);
+  const bool is_named = endpoint.starts_with("inproc");
+  for (std::size_t i = 0; i < binding_.size(); ++i) {
+    binding_[i].bind(is_named ? endpoint + "-" + std::to_string(i) : endpoint);
+    addresses_.push_back(binding_[i].get(zmq::sockopt::last_endpoint));
+  }
+  for (zmq::socket_t& socket : connecting_) connect(socket);
+}
+
+void SocketPair::connect(zmq::socket_t& socket) {
+  for (const std::string& address : addresses_) socket.connect(address);
+}
+
+void SocketPair::disconnect(zmq::socket_t& socket) {
+  for (const std::string& address : addresses_) socket.disconnect(address);
 }
 
 // Either this call sees that the word is over, or shutdown() sees this call.

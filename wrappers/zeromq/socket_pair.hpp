@@ -1,5 +1,5 @@
-// Two connected sockets, and how to get their blocked calls back: what both kinds of instances are
-// made of. The first socket binds, the second connects.
+// Connected sockets, and how to get their blocked calls back: what both kinds of instances are made
+// of. Some bind, and each of the others connects to all of these.
 #pragma once
 
 #include <atomic>
@@ -8,6 +8,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 #include <zmq.hpp>
 
 #include "maide/wire/wrapper/system_wrapper.hpp"
@@ -23,14 +24,16 @@ class SocketPair : public SystemInstance {
   void shutdown() final;
 
  protected:
-  // Makes both sockets with their high-water marks; nothing is bound or connected yet.
+  // Makes the sockets with their high-water marks; nothing is bound or connected yet.
   SocketPair(std::shared_ptr<SharedContext> context, zmq::socket_type binding,
              zmq::socket_type connecting, const SocketSettings& settings);
 
-  // Binds one to `endpoint`, connects the other. What is sent may still find no peer.
+  // Binds some to `endpoint`, of inproc with their number behind it, and connects the others. What
+  // is sent may still find no peer.
   void join(const std::string& endpoint);
-  // Where the first is bound.
-  const std::string& address() const { return address_; }
+  // Of one of those that connect, with all that are bound.
+  void connect(zmq::socket_t& socket);
+  void disconnect(zmq::socket_t& socket);
 
   virtual void make_call(std::string_view input) = 0;
 
@@ -43,13 +46,13 @@ class SocketPair : public SystemInstance {
  private:
   // Before the sockets: they are closed first.
   std::shared_ptr<SharedContext> context_;
-  std::string address_;
+  std::vector<std::string> addresses_;  // where sockets are bound
   const bool polls_;
   std::atomic<int> calls_ = 0;  // under way
   std::atomic<bool> stopped_ = false;
 
  protected:
-  zmq::socket_t binding_, connecting_;
+  std::vector<zmq::socket_t> binding_, connecting_;
 };
 
 }  // namespace maide::zeromq

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <string>
+#include <utility>
 
 #include "maide/base/error.hpp"
 
@@ -33,6 +34,15 @@ void check(const SocketSettings& settings, const OptionValues& options) {
     throw UsageError("option send: plain needs floor=" + std::to_string(throttle_ms) +
                      ", because zmq_send hears of its peers only about once a millisecond");
   }
+  const bool has_more_ends = settings.writers > 1 || settings.readers > 1;
+  if (!one_way && has_more_ends) {
+    throw UsageError("options writers, readers: pattern=req-rep has one client and one server");
+  }
+  if (settings.pattern == Pattern::push_pull && settings.uses_tcp && settings.readers > 1) {
+    throw UsageError(
+        "option readers: over TCP a socket that pushes does not tell when all its readers are "
+        "there; say transport=inproc");
+  }
   if (!one_way) return;
   const auto size = static_cast<std::size_t>(options.number("size"));
   if (size == 0 && settings.capacity() == 0) {
@@ -53,7 +63,7 @@ void check(const SocketSettings& settings, const OptionValues& options) {
 }  // namespace
 
 std::vector<OptionSpec> SocketSettings::options() {
-  return {
+  std::vector<OptionSpec> rows{
       OptionSpec::choice("pattern", "push-pull", {"push-pull", "pub-sub", "req-rep"},
                          "the types of the two sockets"),
       OptionSpec::choice("transport", "inproc", {"inproc", "tcp"},
@@ -80,6 +90,8 @@ std::vector<OptionSpec> SocketSettings::options() {
       size_row(),
       common_options::at_bound(),
   };
+  for (OptionSpec& row : common_options::ends()) rows.push_back(std::move(row));
+  return rows;
 }
 
 SocketSettings SocketSettings::from(const OptionValues& options) {
@@ -93,6 +105,8 @@ SocketSettings SocketSettings::from(const OptionValues& options) {
   settings.waits = options.is("sndtimeo", "-1");
   settings.polls = options.is("send", "polled");
   settings.is_bounded = options.number("size") > 0;
+  settings.writers = static_cast<std::size_t>(options.number("writers"));
+  settings.readers = static_cast<std::size_t>(options.number("readers"));
   check(settings, options);
   return settings;
 }
@@ -104,7 +118,8 @@ std::size_t SocketSettings::room() const {
 }
 
 std::size_t SocketSettings::capacity() const {
-  return room() == 0 ? 0 : room() + (pushes_back() && waits ? 1 : 0);
+  const std::size_t pipes = writers * (pattern == Pattern::push_pull ? readers : 1);
+  return room() == 0 ? 0 : pipes * room() + (pushes_back() && waits ? writers : 0);
 }
 
 }  // namespace maide::zeromq

@@ -11,7 +11,7 @@ ZeroMqWrapper::ZeroMqWrapper() {
   int major = 0, minor = 0, patch = 0;
   zmq_version(&major, &minor, &patch);
   description_.name = "zeromq";
-  description_.summary = "ZeroMQ: two sockets of one pattern, in one process";
+  description_.summary = "ZeroMQ: sockets of one pattern, in one process";
   description_.versions = {{"zeromq", fmt::format("{}.{}.{}", major, minor, patch)},
                            {"wrapper", "1"}};
   description_.options = SocketSettings::options();

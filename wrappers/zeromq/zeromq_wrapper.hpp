@@ -1,6 +1,6 @@
-// The wrapper for ZeroMQ: `maide learn zeromq pattern=pub-sub sndhwm=1 rcvhwm=1`. Two sockets of
-// one pattern in one process, joined by inproc or by TCP on the loopback device; each is used by an
-// actor of its own. The writing socket binds, the reading one connects.
+// The wrapper for ZeroMQ: `maide learn zeromq pattern=pub-sub sndhwm=1 rcvhwm=1`. Sockets of one
+// pattern in one process, joined by inproc or by TCP on the loopback device; each is used by an
+// actor of its own. Writing sockets bind, reading ones connect.
 //
 // A reset keeps the context, and with it ZeroMQ's threads; sockets and endpoint are fresh for each
 // word. A word that ends within a blocked call takes its context with it: shutting a context down

@@ -18,6 +18,9 @@
 #include "maide/base/hash.hpp"
 #include "maide/base/json.hpp"
 #include "maide/base/numbers.hpp"
+#include "maide/base/random.hpp"
+#include "maide/base/text.hpp"
+#include "maide/check/language/built_in_models.hpp"
 #include "maide/formats/model_file.hpp"
 #include "maide/sul/ia_translation.hpp"
 #include "maide/workflow/learn_model.hpp"
@@ -25,6 +28,7 @@
 #include "maide/workflow/open_system.hpp"
 #include "maide/workflow/pacing.hpp"
 #include "maide/workflow/read_machine.hpp"
+#include "maide/workflow/valued_queue.hpp"
 
 namespace maide {
 namespace {
@@ -39,7 +43,9 @@ std::string describe(const ModelRequest& request) {
   for (const auto& [key, value] : request.learning) {
     if (key != start_from_key) learning += " " + key + "=" + value;
   }
-  return learning.empty() ? text : text + " (learning" + learning + ")";
+  if (!learning.empty()) text += " (learning" + learning + ")";
+  if (!request.values.empty()) text += " with the values " + join(request.values, " ");
+  return text;
 }
 
 bool is_of_tests(const std::string& key) {
@@ -251,36 +257,191 @@ std::filesystem::path kept_model_path(const std::filesystem::path& folder,
   return folder / learned_models_folder / fmt::format("{}-{:016x}.dot", name, hash_text(text));
 }
 
+namespace {
+
+void note(const LearnedModelsOptions& options, const std::string& line) {
+  if (options.note) options.note(line);
+}
+
+// The kept model of a request, or else a new one, which is kept.
+InterfaceAutomaton find_or_learn(const ModelRequest& request, const LearnedModelsOptions& options) {
+  const std::filesystem::path kept = kept_model_path(options.folder, request);
+  const Opened opened = open(request, options);
+  const SulInfo& system = opened.system.sul->info();
+  ExperimentOptions experiment = read_learning(request, options.folder, opened.system);
+  const auto before = read_kept(kept);
+  if (before && is_model_of(before->automaton, system)) {
+    const std::string& name = request.instance;
+    note(options, before->is_edited
+                      ? fmt::format("{}: {} was edited since it was learned; it is used, but its "
+                                    "strength is unknown (delete it to have the model learned "
+                                    "again)",
+                                    name, kept.string())
+                      : fmt::format("{}: learned before ({})", name, kept.string()));
+    return before->automaton;
+  }
+  if (before && !experiment.old_model) {
+    experiment.old_model = machine_of(before->automaton, experiment, system);
+  }
+  note(options, fmt::format("{}: learning {}{}", request.instance, describe(request),
+                            experiment.old_model ? ", starting from an earlier model" : ""));
+  InterfaceAutomaton automaton =
+      learn(request, opened, std::move(experiment), {}, kept, options.control);
+  keep(kept, automaton);
+  return automaton;
+}
+
+// ---- Values ----
+
+// Two values, and the depths at which a queue is learned with them.
+const std::vector<std::string> two_values{"go", "stop"};
+constexpr std::int64_t deepest_with_values = 3;
+constexpr std::size_t value_words = 300;  // that the model with the file's values is tried on
+constexpr std::uint64_t value_seed = 23;
+
+void set_option(ModelRequest& request, const std::string& key, const std::string& value) {
+  const auto known = std::find_if(request.with.begin(), request.with.end(),
+                                  [&](const auto& entry) { return same_key(entry.first, key); });
+  if (known == request.with.end()) {
+    request.with.emplace_back(key, value);
+  } else {
+    known->second = value;
+  }
+}
+
+ModelRequest with_payload(ModelRequest request, const std::vector<std::string>& values) {
+  request.values.clear();
+  set_option(request, "payload", payload_of(values));
+  return request;
+}
+
+// The same system with room for at most `depth` messages, as far as its options say how many.
+ModelRequest with_depth(ModelRequest request, const Opened& opened,
+                        const LearnedModelsOptions& options, std::int64_t depth) {
+  for (const OptionSpec& row : list_system_options(opened.spec, {}, options.control)) {
+    const bool is_room = row.keeps_more == "+" || row.key == "size" || row.key == "max-samples";
+    const auto& now = opened.system.sul->info().options;
+    const auto value = now.find(row.key);
+    if (!is_room || value == now.end()) continue;
+    const auto number = parse_number<std::int64_t>(value->second);
+    if (number && *number > depth) set_option(request, row.key, std::to_string(depth));
+  }
+  return request;
+}
+
+// The rule that explains what the system does with two values at small depths.
+LossRule find_loss_rule(const ModelRequest& plain, const Opened& opened,
+                        const LearnedModelsOptions& options) {
+  std::vector<LossRule> rules{LossRule::oldest, LossRule::newest};
+  std::string before;
+  for (std::int64_t depth = 1; depth <= deepest_with_values; ++depth) {
+    const ModelRequest small = with_depth(plain, opened, options, depth);
+    if (describe(small) == before) continue;  // it has no more room than that
+    before = describe(small);
+    const InterfaceAutomaton model = find_or_learn(small, options);
+    const InterfaceAutomaton valued = find_or_learn(with_payload(small, two_values), options);
+    std::erase_if(rules, [&](LossRule rule) {
+      const auto made = make_valued_queue(model, two_values, rule, max_queue_states);
+      return !made || !compare(valued, *made, options.control).same();
+    });
+    if (rules.empty()) {
+      throw UsageError(fmt::format(
+          "{} treats messages with values as no queue does, so each value must be learned: say "
+          "payload: 'values:...'",
+          describe(small)));
+    }
+  }
+  return rules.front();
+}
+
+// Plays random words on the system and throws at the first that it answers as the model does not.
+void try_values(const InterfaceAutomaton& model, const ModelRequest& request,
+                const LearnedModelsOptions& options) {
+  const Opened opened = open(with_payload(request, request.values), options);
+  Sul& sul = *opened.system.sul;
+  const Mealy machine = to_mealy(model, Translation::eager);
+  const Alphabet known = input_alphabet(sul.info());
+  std::vector<Symbol> writes, others, to_system;
+  for (Symbol input = 0; input < machine.inputs().size(); ++input) {
+    const std::string& name = machine.inputs().name(input);
+    const auto symbol = known.find(name);
+    if (!symbol) throw UsageError("the system has no input '" + name + "'");
+    to_system.push_back(*symbol);
+    (name.starts_with("write(") ? writes : others).push_back(input);
+  }
+  Random random(value_seed);
+  std::vector<Word> words(value_words);  // in the model's inputs
+  std::vector<SulQuery> batch;
+  for (Word& word : words) {
+    const std::size_t length = 4 + random.below(29);
+    Word asked;
+    for (std::size_t i = 0; i < length; ++i) {
+      const auto& from = others.empty() || random.below(2) == 0 ? writes : others;
+      word.push_back(from[random.below(from.size())]);
+      asked.push_back(to_system[word.back()]);
+    }
+    batch.push_back({std::move(asked), Translation::eager});
+  }
+  sul.run(
+      batch,
+      [&](std::size_t index, const SulAnswer& answer) {
+        const Word& word = words[index];
+        const Word expected = machine.output_word(word);
+        for (std::size_t i = 0; i < word.size(); ++i) {
+          const std::string seen = i < answer.steps.size()
+                                       ? mealy_output(answer.steps[i], Translation::eager)
+                                       : "nothing";
+          const std::string& output = machine.outputs().name(expected[i]);
+          if (seen == output) continue;
+          throw UsageError(fmt::format(
+              "with the values of the file {} is no queue: after {} one answers {}, and it {}",
+              describe(request),
+              to_string(Word(word.begin(), word.begin() + i + 1), machine.inputs()), output, seen));
+        }
+      },
+      options.control);
+}
+
+// The model of a queue with the values of the file (workflow/valued_queue.hpp).
+InterfaceAutomaton find_or_make_valued(const ModelRequest& request,
+                                       const LearnedModelsOptions& options) {
+  for (const std::string& value : request.values) {
+    if (value.find(',') == std::string::npos) continue;
+    throw UsageError("a message of " + request.learn + " carries one value, not (" + value + ")");
+  }
+  ModelRequest plain = request;
+  plain.values.clear();
+  const std::filesystem::path kept = kept_model_path(options.folder, request);
+  const Opened opened = open(plain, options);
+  const auto before = read_kept(kept);
+  if (before && is_model_of(before->automaton, opened.system.sul->info())) return before->automaton;
+  const InterfaceAutomaton model = find_or_learn(plain, options);
+  const LossRule rule = find_loss_rule(plain, opened, options);
+  auto made = make_valued_queue(model, request.values, rule, max_queue_states);
+  if (!made) {
+    throw UsageError(describe(plain) +
+                     " is no queue, so each value must be learned: say payload: 'values:...'");
+  }
+  try_values(*made, request, options);
+  const std::string how = fmt::format(
+      "values by the rule that {}, as with two values at depths up to {}; tried on {} words",
+      to_string(rule), deepest_with_values, value_words);
+  std::string& tests = made->origin["tests"];
+  tests += (tests.empty() ? "" : "; ") + how;
+  made->origin[std::string(values_key)] = payload_of(request.values);
+  note(options, fmt::format("{}: {}", request.instance, how));
+  keep(kept, *made);
+  return std::move(*made);
+}
+
+}  // namespace
+
 ModelSource make_learning_source(LearnedModelsOptions options) {
   return [options = std::move(options)](const ModelRequest& request) {
     if (request.learn.empty()) return read_requested_model(request);
-    const std::filesystem::path kept = kept_model_path(options.folder, request);
-    const auto note = [&](const std::string& line) {
-      if (options.note) options.note(line);
-    };
     try {
-      const Opened opened = open(request, options);
-      const SulInfo& system = opened.system.sul->info();
-      ExperimentOptions experiment = read_learning(request, options.folder, opened.system);
-      const auto before = read_kept(kept);
-      if (before && is_model_of(before->automaton, system)) {
-        const std::string& name = request.instance;
-        note(before->is_edited
-                 ? fmt::format("{}: {} was edited since it was learned; it is used, but its "
-                               "strength is unknown (delete it to have the model learned again)",
-                               name, kept.string())
-                 : fmt::format("{}: learned before ({})", name, kept.string()));
-        return before->automaton;
-      }
-      if (before && !experiment.old_model) {
-        experiment.old_model = machine_of(before->automaton, experiment, system);
-      }
-      note(fmt::format("{}: learning {}{}", request.instance, describe(request),
-                       experiment.old_model ? ", starting from an earlier model" : ""));
-      InterfaceAutomaton automaton =
-          learn(request, opened, std::move(experiment), {}, kept, options.control);
-      keep(kept, automaton);
-      return automaton;
+      return request.values.empty() ? find_or_learn(request, options)
+                                    : find_or_make_valued(request, options);
     } catch (const Error& error) {
       throw with_place(error, request);
     }

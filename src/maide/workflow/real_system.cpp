@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <optional>
 #include <set>
 #include <utility>
 #include <vector>
@@ -12,6 +13,7 @@
 #include "maide/sul/ia_translator.hpp"
 #include "maide/workflow/open_system.hpp"
 #include "maide/workflow/pacing.hpp"
+#include "maide/workflow/valued_queue.hpp"
 
 namespace maide {
 namespace {
@@ -71,13 +73,51 @@ std::vector<Symbol> match_inputs(const ModelInstance& instance, const SulInfo& i
   return inputs;
 }
 
-std::unique_ptr<RealSystem> open(const ModelInstance& instance, const ModelRequest& request,
-                                 const RealSystemOptions& options) {
-  SystemSpec spec = find_system_of(instance, request);
+// The topic whose reader's model it is.
+const TopicInstance* topic_of(const System& system, std::uint32_t model) {
+  for (const TopicInstance& topic : system.topics) {
+    for (const TopicInstance::Reader& reader : topic.readers) {
+      if (reader.model == model) return &topic;
+    }
+  }
+  return nullptr;
+}
+
+// The system of a whole topic: that of its readers' models, with as many ends as it has.
+SystemSpec find_system_of_topic(const System& system, const TopicInstance& topic,
+                                const ModelRequests& requests) {
+  std::optional<SystemSpec> spec;
+  for (const TopicInstance::Reader& reader : topic.readers) {
+    const ModelInstance& instance = system.models[reader.model];
+    SystemSpec its = find_system_of(instance, request_of(instance, requests));
+    if (spec && (its.text != spec->text || its.options != spec->options)) {
+      throw UsageError(fmt::format(
+          "topic {}: its readers have options of their own, and a system has the same for all ({})",
+          topic.name, to_string(instance.position)));
+    }
+    spec = std::move(its);
+  }
+  if (topic.writers.size() > 1) spec->options["writers"] = std::to_string(topic.writers.size());
+  if (topic.readers.size() > 1) spec->options["readers"] = std::to_string(topic.readers.size());
+  return *spec;
+}
+
+std::unique_ptr<RealSystem> open(const System& system, std::uint32_t index,
+                                 const ModelRequests& requests, const RealSystemOptions& options) {
+  const ModelInstance& instance = system.models[index];
+  const TopicInstance* topic = topic_of(system, index);
+  const ModelRequest& request = request_of(instance, requests);
+  SystemSpec spec = topic == nullptr ? find_system_of(instance, request)
+                                     : find_system_of_topic(system, *topic, requests);
   auto real = std::make_unique<RealSystem>();
-  real->instance = instance.name;
+  real->instance = topic == nullptr ? instance.name : topic->name;
   real->description = spec.text;
   for (const auto& [key, value] : request.with) real->description += " " + key + "=" + value;
+  if (!request.values.empty()) real->description += " payload=" + payload_of(request.values);
+  if (topic != nullptr) {
+    real->description +=
+        fmt::format(" writers={} readers={}", topic->writers.size(), topic->readers.size());
+  }
   if (request.learn.empty()) real->description += " as in " + instance.origin;
   SystemAccess access;
   access.translation = Translation::eager;
@@ -94,31 +134,12 @@ std::unique_ptr<RealSystem> open(const ModelInstance& instance, const ModelReque
     real->sul = std::move(opened.sul);
     real->jobs = opened.jobs;
   } catch (const UsageError& error) {
-    throw UsageError(fmt::format("model {}: {} ({})", instance.name, error.what(),
-                                 to_string(instance.position)));
+    throw UsageError(fmt::format("{} {}: {} ({})", topic == nullptr ? "model" : "topic",
+                                 real->instance, error.what(), to_string(instance.position)));
   }
   warn_of_other_version(instance, real->sul->info());
-  real->inputs = match_inputs(instance, real->sul->info());
+  if (topic == nullptr) real->inputs = match_inputs(instance, real->sul->info());
   return real;
-}
-
-// A step that does something with several models at once is a topic's: its readers' models are put
-// together, and no system is behind that.
-void refuse_topics(const System& system) {
-  for (const Program& program : system.programs) {
-    for (const Joint& joint : program.joints) {
-      for (const ModelUse& event : joint.events) {
-        const ModelUse& first = joint.events.front();
-        if (event.kind != first.kind || event.model == first.model) continue;
-        const ModelInstance& model = system.models[event.model];
-        if (model.source != ModelInstance::Source::file) continue;
-        throw UsageError(
-            fmt::format("model {} is one of several readers' of a topic, and such "
-                        "topics are not tried on real systems ({})",
-                        model.name, to_string(model.position)));
-      }
-    }
-  }
 }
 
 }  // namespace
@@ -130,11 +151,21 @@ ModelSource record_requests(ModelSource source, ModelRequests& requests) {
   };
 }
 
+const ModelRequest& request_of(const ModelInstance& instance, const ModelRequests& requests) {
+  auto place = requests.find(instance.name);
+  if (place == requests.end()) {
+    place = requests.find(instance.name.substr(0, instance.name.find('[')));
+  }
+  if (place == requests.end()) throw UsageError("nobody asked for model " + instance.name);
+  return place->second;
+}
+
 SystemSpec find_system_of(const ModelInstance& instance, const ModelRequest& request) {
   SystemSpec spec;
   if (!request.learn.empty()) {
     std::vector<std::string> key_values;
     for (const auto& [key, value] : request.with) key_values.push_back(key + "=" + value);
+    if (!request.values.empty()) key_values.push_back("payload=" + payload_of(request.values));
     spec = parse_system_spec(request.learn, key_values);
   } else {
     const std::string* sul = find_origin(instance, "sul");
@@ -157,20 +188,18 @@ SystemSpec find_system_of(const ModelInstance& instance, const ModelRequest& req
 std::vector<std::unique_ptr<RealSystem>> open_real_systems(const System& system,
                                                            const ModelRequests& requests,
                                                            const RealSystemOptions& options) {
-  refuse_topics(system);
   std::set<std::uint32_t> used;
   for (const Program& program : system.programs) {
     for (const ProgramEdge& edge : program.edges) {
       for (const ModelUse& use : program.uses_of(edge)) {
-        if (system.models[use.model].source == ModelInstance::Source::file) used.insert(use.model);
+        if (system.models[use.model].source != ModelInstance::Source::file) continue;
+        const TopicInstance* topic = topic_of(system, use.model);
+        used.insert(topic == nullptr ? use.model : topic->readers.front().model);
       }
     }
   }
   std::vector<std::unique_ptr<RealSystem>> real(system.models.size());
-  for (const std::uint32_t index : used) {
-    const ModelInstance& instance = system.models[index];
-    real[index] = open(instance, requests.at(instance.name), options);
-  }
+  for (const std::uint32_t index : used) real[index] = open(system, index, requests, options);
   return real;
 }
 

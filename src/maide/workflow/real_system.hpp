@@ -21,6 +21,9 @@ namespace maide {
 // What a system file asks for, by instance: filled as the file is read.
 using ModelRequests = std::map<std::string, ModelRequest>;
 
+// What was asked for the instance; of a member of an array, for the array. Throws UsageError.
+const ModelRequest& request_of(const ModelInstance& instance, const ModelRequests& requests);
+
 // Notes in `requests` what `source` is asked for. Keeps a reference to `requests`.
 ModelSource record_requests(ModelSource source, ModelRequests& requests);
 
@@ -29,12 +32,12 @@ ModelSource record_requests(ModelSource source, ModelRequests& requests);
 // that names the instance where there is none.
 SystemSpec find_system_of(const ModelInstance& instance, const ModelRequest& request);
 
-// An instance of a model and the system behind it.
+// An instance of a model, or a whole topic with all its ends, and the system behind it.
 struct RealSystem {
-  std::string instance;
+  std::string instance;     // or the topic
   std::string description;  // "cyclonedds history=keep_last, with floor=10"
   std::unique_ptr<Sul> sul;
-  std::vector<Symbol> inputs;  // of the model -> of the system
+  std::vector<Symbol> inputs;  // of the model -> of the system; none for a topic
   std::size_t jobs = 1;
 };
 
@@ -45,9 +48,9 @@ struct RealSystemOptions {
 };
 
 // Opens the systems of the models that some program uses, in the order of the models; null for the
-// others. A version that is not the one that was learned is a warning in the log. Throws UsageError
-// (also if a system has not all inputs of its model, and for a topic with several readers) and
-// WrapperError.
+// others. A topic's stands at the model of its first reader. A version that is not the one that was
+// learned is a warning in the log. Throws UsageError (also if a system has not all inputs of its
+// model, and for a topic whose readers have options of their own) and WrapperError.
 std::vector<std::unique_ptr<RealSystem>> open_real_systems(const System& system,
                                                            const ModelRequests& requests,
                                                            const RealSystemOptions& options);

@@ -87,7 +87,7 @@ class Refiner {
   // True if the model is another now; else the property is inconclusive, and says why.
   bool learn_from(const Deviation& deviation, PropertyResult& property) {
     const ModelInstance& instance = result_.system.models[deviation.model];
-    const ModelRequest& request = requests_.at(instance.name);
+    const ModelRequest& request = request_of(instance, requests_);
     const std::string difference = fmt::format(
         "the real system does not follow this counterexample: {}, after {}: expected "
         "{}, seen {}",
@@ -95,6 +95,11 @@ class Refiner {
     if (!deviation.refutes_model()) return doubt(property, difference);
     if (request.learn.empty()) {
       return doubt(property, difference + "; the model is a file, so it is not refined");
+    }
+    if (!request.values.empty()) {
+      return doubt(property, difference +
+                                 "; the model is made of one without values, so it is not "
+                                 "refined");
     }
     if (result_.rounds.size() >= options_.most_rounds) {
       return doubt(property, difference + fmt::format("; {} refinements were not enough",
@@ -125,8 +130,8 @@ class Refiner {
     std::set<std::filesystem::path> seen;  // instances that share a model
     bool is_stronger = false;
     for (const auto& [name, request] : requests_) {
-      if (request.learn.empty()) {
-        untested_.insert(name);
+      if (request.learn.empty() || !request.values.empty()) {
+        untested_.insert(name + (request.learn.empty() ? " is a file" : " was made with values"));
         continue;
       }
       const std::filesystem::path kept = kept_model_path(options_.models.folder, request);
@@ -172,7 +177,7 @@ class Refiner {
           fmt::format("{} was tested again on the real system after the verdict: {}", name, tests));
     }
     for (const std::string& name : untested_) {
-      report.assumptions.push_back(name + " is a file and was not tested");
+      report.assumptions.push_back(name + " and was not tested");
     }
   }
 

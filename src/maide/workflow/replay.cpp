@@ -11,8 +11,11 @@
 #include "maide/base/text.hpp"
 #include "maide/check/explore/check_system.hpp"
 #include "maide/check/explore/model_words.hpp"
+#include "maide/check/language/model_ends.hpp"
 #include "maide/check/trace/trace_file.hpp"
 #include "maide/sul/ia_translation.hpp"
+#include "maide/wire/wrapper/full_setup.hpp"
+#include "maide/workflow/replay_plan.hpp"
 
 namespace maide {
 namespace {
@@ -21,83 +24,6 @@ using Kind = ProgramEdge::Kind;
 using Actions = std::vector<std::deque<std::string>>;  // outputs due, by actor
 
 constexpr std::size_t runs_at_once = 16;  // between two looks at whether to stop
-
-const ProgramEdge& edge_of(const System& system, const Step& step) {
-  return system.programs[step.program].edges[step.edge];
-}
-
-std::span<const ModelUse> events_of(const System& system, const Step& step) {
-  return system.programs[step.program].events_of(edge_of(system, step));
-}
-
-// A step of the trace as it is played.
-struct Move {
-  std::size_t step = 0, round = 0;
-};
-
-// A call that the model does not take while the programs are in a deadlock.
-struct Probe {
-  std::uint32_t model = 0;
-  Symbol input = 0;
-};
-
-// What is played of one trace.
-struct Plan {
-  std::vector<GlobalState> states;  // along the trace
-  std::vector<Move> moves;
-  std::vector<Probe> probes;
-  std::vector<Word> words;  // by instance, in its model's inputs; the probes last
-};
-
-std::vector<Move> unroll(const Trace& trace, std::size_t loops) {
-  std::vector<Move> moves;
-  for (std::size_t step = 0; step < trace.steps.size(); ++step) moves.push_back({step, 0});
-  if (!trace.loop_start) return moves;
-  for (std::size_t round = 1; round < loops; ++round) {
-    for (std::size_t step = *trace.loop_start; step < trace.steps.size(); ++step) {
-      moves.push_back({step, round});
-    }
-  }
-  return moves;
-}
-
-// The calls that programs wait to make at the end and that the system is held to refuse. One that
-// was never tried, or that waits for an output to be taken, is an assumption and no observation.
-std::vector<Probe> find_probes(const System& system, const GlobalState& state,
-                               const std::vector<std::unique_ptr<RealSystem>>& real) {
-  std::vector<Probe> probes;
-  for (const std::uint32_t index : deadlocked_programs(system, state)) {
-    for (const ProgramEdge& edge : system.programs[index].edges_of(state.programs[index])) {
-      if (edge.kind != Kind::give || !real[edge.model]) continue;
-      const InterfaceAutomaton& automaton = system.models[edge.model].automaton;
-      const StateId at = state.models[edge.model];
-      if (!automaton.is_quiescent(at) || is_beyond_learned(automaton, at, edge.symbol)) continue;
-      const bool is_known = std::any_of(probes.begin(), probes.end(), [&](const Probe& probe) {
-        return probe.model == edge.model && probe.input == edge.symbol;
-      });
-      if (!is_known) probes.push_back({edge.model, edge.symbol});
-    }
-  }
-  return probes;
-}
-
-Plan make_plan(const System& system, const Trace& trace, std::size_t loops,
-               const std::vector<std::unique_ptr<RealSystem>>& real) {
-  Plan plan;
-  plan.states = replay(system, trace);
-  plan.moves = unroll(trace, loops);
-  plan.words.resize(system.models.size());
-  for (const Move& move : plan.moves) {
-    const Step& step = trace.steps[move.step];
-    if (step.is_beyond) continue;
-    for (const ModelUse& event : events_of(system, step)) {
-      if (event.kind == Kind::give) plan.words[event.model].push_back(event.symbol);
-    }
-  }
-  if (!trace.loop_start) plan.probes = find_probes(system, plan.states.back(), real);
-  for (const Probe& probe : plan.probes) plan.words[probe.model].push_back(probe.input);
-  return plan;
-}
 
 // Whether the automaton can emit all that is due, each actor's outputs in their order, and then has
 // no output left.
@@ -131,24 +57,33 @@ std::string describe_due(const InterfaceAutomaton& automaton, StateId state) {
   return text.empty() ? "quiet" : text;
 }
 
-// One real instance as it is seen along the trace.
-struct InstanceView {
+// One real system as it is seen along the trace.
+struct HostView {
   const SulAnswer* answer = nullptr;
   std::size_t next = 0;  // step of the answer
-  Actions due;           // outputs that it gave and no program took yet
+  // What it gave to a topic's writers and none took yet, in the names of one writer; by writer.
+  Actions written;
 };
 
 // Walks along a plan with the answers of the real systems.
 class Walk {
  public:
-  Walk(const System& system, const Trace& trace, const Plan& plan,
-       const std::vector<std::unique_ptr<RealSystem>>& real, const std::vector<SulAnswer>& answers)
-      : system_(system), trace_(trace), plan_(plan), real_(real), calls_(system.programs.size()) {
-    for (std::size_t model = 0; model < real.size(); ++model) {
-      InstanceView& view = views_.emplace_back();
-      if (!real[model]) continue;
-      view.answer = &answers[model];
-      view.due.resize(std::max<std::size_t>(real[model]->sul->info().actors.size(), 1));
+  Walk(const System& system, const Trace& trace, const Plan& plan, const Stage& stage,
+       const std::vector<SulAnswer>& answers)
+      : system_(system),
+        trace_(trace),
+        plan_(plan),
+        stage_(stage),
+        views_(answers.size()),
+        due_(answers.size()),
+        calls_(system.programs.size()) {
+    for (std::uint32_t model = 0; model < answers.size(); ++model) {
+      const RealSystem* real = stage.real(model);
+      if (real == nullptr) continue;
+      views_[model].answer = &answers[model];
+      due_[model].resize(std::max<std::size_t>(real->sul->info().actors.size(), 1));
+      const Seat& seat = stage.seat(model);
+      if (seat.topic != nullptr) views_[seat.host].written.resize(seat.topic->writers.size());
     }
   }
 
@@ -160,8 +95,9 @@ class Walk {
       ++run_.steps;
     }
     move_ = {trace_.steps.size(), 0};
+    std::vector<StateId> at = plan_.states.back().models;
     for (const Probe& probe : plan_.probes) {
-      test_end(probe);
+      test_end(probe, at);
       if (run_.deviation) break;
     }
     return std::move(run_);
@@ -174,14 +110,32 @@ class Walk {
 
   void deviate(Deviation::Kind kind, std::uint32_t model, std::string expected, std::string seen) {
     if (move_.round == 0 && move_.step < trace_.steps.size()) run_.seen.push_back(seen);
-    Deviation deviation{kind, move_.step, move_.round, model, std::move(expected), std::move(seen),
-                        {}};
-    const Word& word = plan_.words[model];
-    const std::size_t length = std::min(views_[model].next, word.size());
-    for (std::size_t i = 0; i < length; ++i) {
-      deviation.word.push_back(system_.models[model].automaton.inputs().name(word[i]));
+    const TopicInstance* topic = stage_.seat(model).topic;
+    const bool is_of_topic =
+        topic != nullptr && (topic->readers.size() > 1 || topic->writers.size() > 1);
+    run_.deviation = Deviation{kind,           move_.step,          move_.round,
+                               model,          std::move(expected), std::move(seen),
+                               word_of(model), is_of_topic};
+  }
+
+  // The inputs that the model got so far, those of the present move and of probes up to the one
+  // that was asked last included.
+  std::vector<std::string> word_of(std::uint32_t model) const {
+    std::vector<std::string> word;
+    const Alphabet& inputs = system_.models[model].automaton.inputs();
+    for (const Move& move : plan_.moves) {
+      if (move.round > move_.round || (move.round == move_.round && move.step > move_.step)) break;
+      const Step& step = trace_.steps[move.step];
+      for (const ModelUse& event : events_of(system_, step)) {
+        if (event.kind != Kind::give || event.model != model || step.is_beyond) continue;
+        word.push_back(inputs.name(event.symbol));
+      }
     }
-    run_.deviation = std::move(deviation);
+    for (std::size_t probe = 0; probe < probed_; ++probe) {
+      if (plan_.probes[probe].model != model) continue;
+      word.push_back(inputs.name(plan_.probes[probe].input));
+    }
+    return word;
   }
 
   void take(const Step& step) {
@@ -189,9 +143,8 @@ class Walk {
     // Of a `quiet` nothing is to be seen: what is not due in the model is not due here, for give()
     // has looked.
     std::string seen;
-    for (const ModelUse& event : events_of(system_, step)) {
-      if (step.is_beyond || !real_[event.model]) continue;
-      const auto text = event.kind == Kind::give ? give(step, event) : take_output(event);
+    for (const ModelUse& event : stage_.real_events(step)) {
+      const auto text = event.kind == Kind::give ? give(step, event) : take_output(step, event);
       if (!text) return;
       seen += (seen.empty() || text->empty() ? "" : "; ") + *text;
     }
@@ -202,38 +155,48 @@ class Walk {
   bool is_held_up(std::uint32_t program) {
     const auto& call = calls_[program];
     if (!call) return false;
-    const InstanceView& view = views_[call->model];
+    const HostView& view = views_[stage_.seat(call->model).host];
     const auto& busy = view.answer->steps[view.next - 1].busy;
-    const std::uint32_t actor = actor_of(call->model, call->input);
+    const Symbol input = stage_.input_of(program, *call);
+    const std::uint32_t actor = stage_.real(call->model)->sul->info().inputs[input].actor;
     if (std::find(busy.begin(), busy.end(), actor) == busy.end()) {
       calls_[program].reset();
       return false;
     }
-    const std::string name = system_.models[call->model].name + "." +
-                             system_.models[call->model].automaton.inputs().name(call->input);
+    const std::string name = describe_call(*call);
     deviate(Deviation::Kind::pending_call, call->model, name + " has returned",
             name + " still blocks");
     return true;
   }
 
-  std::uint32_t actor_of(std::uint32_t model, Symbol input) const {
-    return real_[model]->sul->info().inputs[real_[model]->inputs[input]].actor;
+  std::string describe_call(const ModelUse& call) const {
+    return system_.models[call.model].name + "." +
+           system_.models[call.model].automaton.inputs().name(call.symbol);
   }
 
   // Where the model is when it has taken the input: before the outputs that the step takes with it.
-  StateId after_input(const Step& step, const ModelUse& event) const {
+  // A model that the step does not use stays where it was.
+  StateId after_input(const Step& step, std::uint32_t model) const {
     const auto uses = system_.programs[step.program].uses_of(edge_of(system_, step));
     const auto use = std::find_if(uses.begin(), uses.end(), [&](const ModelUse& candidate) {
-      return candidate.model == event.model;
+      return candidate.model == model;
     });
+    const StateId before = plan_.states[move_.step].models[model];
+    if (use == uses.end()) return before;
     const StateId target = step.targets[static_cast<std::size_t>(use - uses.begin())];
     if (use->kind == Kind::give) return target;
-    const InterfaceAutomaton& automaton = system_.models[event.model].automaton;
-    for (const auto& given : automaton.transitions(plan_.states[move_.step].models[event.model])) {
-      if (given.action != Action{Action::Kind::input, event.symbol} || given.absorbed) continue;
+    const InterfaceAutomaton& automaton = system_.models[model].automaton;
+    const auto given_to = [&](const ModelUse& event) {
+      return event.kind == Kind::give && event.model == model;
+    };
+    const auto events = events_of(system_, step);
+    const auto input = std::find_if(events.begin(), events.end(), given_to);
+    if (input == events.end()) return target;
+    for (const auto& given : automaton.transitions(before)) {
+      if (given.action != Action{Action::Kind::input, input->symbol} || given.absorbed) continue;
       if (given.target == target) return target;
-      for (const ModelUse& taken : events_of(system_, step)) {
-        if (taken.kind != Kind::take || taken.model != event.model) continue;
+      for (const ModelUse& taken : events) {
+        if (taken.kind != Kind::take || taken.model != model) continue;
         for (const auto& output : automaton.transitions(given.target)) {
           if (output.action == Action{Action::Kind::output, taken.symbol} &&
               output.target == target) {
@@ -246,96 +209,192 @@ class Walk {
   }
 
   // What was seen; none if it deviates.
-  std::optional<std::string> give(const Step& step, const ModelUse& edge) {
-    InstanceView& view = views_[edge.model];
-    const InterfaceAutomaton& automaton = system_.models[edge.model].automaton;
-    const StateId expected = after_input(step, edge);
-    const SulStep* seen = next_answer(view);
-    const std::string text =
-        seen == nullptr ? "nothing: the system has ended" : mealy_output(*seen, Translation::eager);
+  std::optional<std::string> give(const Step& step, const ModelUse& event) {
+    const std::uint32_t host = stage_.seat(event.model).host;
+    const SulStep* seen = next_answer(host);
+    const std::string text = describe(seen);
     const bool is_taken = seen != nullptr && seen->status == StepStatus::taken;
-    if (is_taken) {
-      for (const Event& event : seen->events) view.due[event.actor].push_back(event.output);
-    }
-    if (is_taken && emits(automaton, expected, view.due)) {
-      remember_call(step.program, edge);
+    if (is_taken) note_events(host, *seen);
+    std::vector<StateId> expected;
+    const std::vector<std::uint32_t> models = stage_.models_of(host);
+    for (const std::uint32_t model : models) expected.push_back(after_input(step, model));
+    if (is_taken && is_as_expected(host, models, expected)) {
+      remember_call(step.program, event);
       return text;
     }
-    const StateId before = plan_.states[move_.step].models[edge.model];
+    const StateId before = plan_.states[move_.step].models[event.model];
+    const InterfaceAutomaton& automaton = system_.models[event.model].automaton;
     const auto transitions = automaton.transitions(before);
     const bool is_another =
-        is_taken &&
+        is_taken && models.size() == 1 &&
         std::any_of(transitions.begin(), transitions.end(), [&](const auto& transition) {
-          return transition.action == Action{Action::Kind::input, edge.symbol} &&
-                 !transition.absorbed && emits(automaton, transition.target, view.due);
+          return transition.action == Action{Action::Kind::input, event.symbol} &&
+                 !transition.absorbed && is_as_expected(host, models, {transition.target});
         });
-    deviate(is_another ? Deviation::Kind::other_answer : Deviation::Kind::output, edge.model,
-            describe_due(automaton, expected), text);
+    deviate(is_another ? Deviation::Kind::other_answer : Deviation::Kind::output, event.model,
+            describe_expected(models, expected), text);
     return std::nullopt;
   }
 
-  const SulStep* next_answer(InstanceView& view) {
+  static std::string describe(const SulStep* seen) {
+    return seen == nullptr ? "nothing: the system has ended"
+                           : mealy_output(*seen, Translation::eager);
+  }
+
+  const SulStep* next_answer(std::uint32_t host) {
+    HostView& view = views_[host];
     const std::size_t at = view.next++;
     return at < view.answer->steps.size() ? &view.answer->steps[at] : nullptr;
   }
 
-  void remember_call(std::uint32_t program, const ModelUse& edge) {
-    const InterfaceAutomaton& automaton = system_.models[edge.model].automaton;
+  // To each reader's model of a topic its own outputs, under the names that it has for them.
+  void note_events(std::uint32_t host, const SulStep& seen) {
+    for (const Event& event : seen.events) {
+      const TopicInstance* topic = stage_.seat(host).topic;
+      if (topic == nullptr || !note_of_topic(host, *topic, event)) {
+        due_[host][event.actor].push_back(event.output);
+      }
+    }
+  }
+
+  bool note_of_topic(std::uint32_t host, const TopicInstance& topic, const Event& event) {
+    for (std::size_t reader = 0; reader < topic.readers.size(); ++reader) {
+      const std::uint32_t model = topic.readers[reader].model;
+      const InterfaceAutomaton& automaton = system_.models[model].automaton;
+      for (const std::string& name : automaton.outputs().names()) {
+        if (is_of_writer(automaton, name)) {
+          for (std::size_t writer = 0; reader == 0 && writer < topic.writers.size(); ++writer) {
+            if (symbol_name(name, writer) != event.output) continue;
+            views_[host].written[writer].push_back(name);
+            return true;
+          }
+        } else if (symbol_name(name, reader) == event.output) {
+          due_[model][event.actor].push_back(name);
+          return true;
+        }
+      }
+    }
+    return false;
+  }
+
+  // Each model has due what the system gave; and a topic's writer what all readers' models say.
+  bool is_as_expected(std::uint32_t host, const std::vector<std::uint32_t>& models,
+                      const std::vector<StateId>& expected) const {
+    for (std::size_t i = 0; i < models.size(); ++i) {
+      if (!emits(system_.models[models[i]].automaton, expected[i], due_[models[i]])) return false;
+    }
+    std::vector<std::string> written;
+    for (const auto& queue : views_[host].written) {
+      written.insert(written.end(), queue.begin(), queue.end());
+    }
+    return stage_.seat(host).topic == nullptr || written == written_of(models, expected);
+  }
+
+  // What is due to a topic's writer in these states of the readers' models: at most one output.
+  std::vector<std::string> written_of(const std::vector<std::uint32_t>& models,
+                                      const std::vector<StateId>& states) const {
+    const TopicInstance& topic = *stage_.seat(models.front()).topic;
+    std::vector<std::string> collected;
+    for (std::size_t i = 0; i < models.size(); ++i) {
+      const auto symbol = topic.readers[i].collected[states[i]];
+      if (symbol) collected.push_back(system_.models[models[i]].automaton.outputs().name(*symbol));
+    }
+    if (collected.size() < (topic.delivers_one ? 1 : models.size())) return {};
+    const auto failed = std::find_if(collected.begin(), collected.end(),
+                                     [](const auto& name) { return name.starts_with("failed"); });
+    return {failed == collected.end() ? collected.front() : *failed};
+  }
+
+  std::string describe_expected(const std::vector<std::uint32_t>& models,
+                                const std::vector<StateId>& expected) const {
+    const TopicInstance* topic = stage_.seat(models.front()).topic;
+    std::string text;
+    if (topic != nullptr) text = join(written_of(models, expected), ",");
+    for (std::size_t i = 0; i < models.size(); ++i) {
+      const std::string due = describe_due(system_.models[models[i]].automaton, expected[i]);
+      if (due == "quiet") continue;
+      text += (text.empty() ? "" : ",") + due;
+      if (i > 0) text += " of " + system_.models[models[i]].name;
+    }
+    return text.empty() ? "quiet" : text;
+  }
+
+  void remember_call(std::uint32_t program, const ModelUse& event) {
+    const InterfaceAutomaton& automaton = system_.models[event.model].automaton;
     const auto& hidden = automaton.hidden_returns;
-    const std::string& name = automaton.inputs().name(edge.symbol);
+    const std::string& name = automaton.inputs().name(event.symbol);
     if (std::find(hidden.begin(), hidden.end(), name) == hidden.end()) return;
-    calls_[program] = Probe{edge.model, edge.symbol};
+    calls_[program] = event;
   }
 
   // The system has it due, unless it has the choice of its outputs and chose another.
-  std::optional<std::string> take_output(const ModelUse& edge) {
-    InstanceView& view = views_[edge.model];
-    const std::string& output = system_.models[edge.model].automaton.outputs().name(edge.symbol);
+  std::optional<std::string> take_output(const Step& step, const ModelUse& event) {
+    const Seat& seat = stage_.seat(event.model);
+    Actions& queues = stage_.is_of_writers(event) ? views_[seat.host].written : due_[event.model];
+    const std::string& output = system_.models[event.model].automaton.outputs().name(event.symbol);
     std::string due;
-    for (auto& queue : view.due) {
-      if (queue.empty()) continue;
-      if (queue.front() == output) {
-        queue.pop_front();
+    for (std::size_t i = 0; i < queues.size(); ++i) {
+      if (queues[i].empty()) continue;
+      const bool is_mine =
+          !stage_.is_of_writers(event) || i == stage_.writer_of(*seat.topic, step.program);
+      if (is_mine && queues[i].front() == output) {
+        queues[i].pop_front();
         return "";
       }
-      due += (due.empty() ? "" : ",") + queue.front();
+      due += (due.empty() ? "" : ",") + queues[i].front();
     }
-    deviate(Deviation::Kind::other_answer, edge.model, output, due.empty() ? "nothing due" : due);
+    deviate(Deviation::Kind::other_answer, event.model, output, due.empty() ? "nothing due" : due);
     return std::nullopt;
   }
 
-  // In the deadlock: the call must be refused, because its actor is still in an earlier one.
-  void test_end(const Probe& probe) {
-    const SulStep* seen = next_answer(views_[probe.model]);
-    if (seen == nullptr || seen->status == StepStatus::refused) return;
-    deviate(Deviation::Kind::deadlock, probe.model,
-            fmt::format("{}.{} is not possible", system_.models[probe.model].name,
-                        system_.models[probe.model].automaton.inputs().name(probe.input)),
-            mealy_output(*seen, Translation::eager));
+  // In the deadlock: the call does what its model says, which is not what its program waits for.
+  void test_end(const Probe& probe, std::vector<StateId>& at) {
+    ++probed_;
+    const std::uint32_t host = stage_.seat(probe.model).host;
+    const SulStep* seen = next_answer(host);
+    const std::vector<std::uint32_t> models = stage_.models_of(host);
+    std::vector<StateId> expected;
+    for (const std::uint32_t model : models) expected.push_back(at[model]);
+    if (probe.reachable.empty()) {
+      if (seen == nullptr || seen->status == StepStatus::refused) return;
+      return deviate(Deviation::Kind::deadlock, probe.model,
+                     describe_call({Kind::give, probe.model, probe.input}) + " is not possible",
+                     describe(seen));
+    }
+    const std::size_t place = stage_.seat(probe.model).reader;
+    if (seen != nullptr && seen->status == StepStatus::taken) {
+      note_events(host, *seen);
+      for (const StateId state : probe.reachable) {
+        expected[place] = at[probe.model] = state;
+        if (is_as_expected(host, models, expected)) return;
+      }
+    }
+    deviate(Deviation::Kind::deadlock, probe.model, describe_expected(models, expected),
+            describe(seen));
   }
 
   const System& system_;
   const Trace& trace_;
   const Plan& plan_;
-  const std::vector<std::unique_ptr<RealSystem>>& real_;
-  std::vector<InstanceView> views_;
-  std::vector<std::optional<Probe>> calls_;  // by program: its last call, if its return is hidden
+  const Stage& stage_;
+  std::vector<HostView> views_;  // by host
+  std::vector<Actions> due_;     // by model: outputs that its system gave and no program took yet
+  std::vector<std::optional<ModelUse>> calls_;  // by program: its last, if its return is hidden
+  std::size_t probed_ = 0;                      // probes that were asked
   Move move_;
   ReplayedRun run_;
 };
 
 // The words of some runs, on one instance: an answer for each.
-std::vector<SulAnswer> play(const RealSystem& real, std::size_t model, std::span<const Plan> plans,
+std::vector<SulAnswer> play(const RealSystem& real, std::size_t host, std::span<const Plan> plans,
                             const RunControl& control) {
   std::vector<SulAnswer> answers(plans.size());
   std::vector<SulQuery> batch;
   std::vector<std::size_t> run_of;
   for (std::size_t run = 0; run < plans.size(); ++run) {
-    const Word& inputs = plans[run].words[model];
-    if (inputs.empty()) continue;
-    Word word;
-    for (const Symbol input : inputs) word.push_back(real.inputs[input]);
-    batch.push_back({std::move(word), Translation::eager});
+    const Word& word = plans[run].words[host];
+    if (word.empty()) continue;
+    batch.push_back({word, Translation::eager});
     run_of.push_back(run);
   }
   real.sul->run(
@@ -372,12 +431,9 @@ std::set<std::uint32_t> find_met(const System& system, const Trace& trace,
   return met;
 }
 
-// A program waits for a step with real systems that no probe tries.
-bool is_untried(const System& system, const Program& program, const ProgramEdge& edge) {
-  const auto uses = program.uses_of(edge);
-  return edge.kind == Kind::joint && std::any_of(uses.begin(), uses.end(), [&](const auto& use) {
-           return system.models[use.model].source == ModelInstance::Source::file;
-         });
+// A mutex or a semaphore: it belongs to the programs, as a shared variable does.
+bool is_lock(const ModelInstance& model) {
+  return model.source == ModelInstance::Source::built_in && !model.automaton.inputs().find("read");
 }
 
 }  // namespace
@@ -394,7 +450,9 @@ Unplayed find_unplayed(const System& system, std::span<const Trace> traces) {
   unplayed.is_all = std::none_of(met.begin(), met.end(),
                                  [&](std::uint32_t model) { return is(model, Source::file); });
   if (!unplayed.is_all) {
-    std::erase_if(met, [&](std::uint32_t model) { return is(model, Source::variable); });
+    std::erase_if(met, [&](std::uint32_t model) {
+      return is(model, Source::variable) || is_lock(system.models[model]);
+    });
   }
   unplayed.models = describe_unreal(system, {met.begin(), met.end()});
   for (std::string& line : unplayed.models) line += ", and no real system is asked for that";
@@ -420,22 +478,20 @@ std::vector<std::string> find_assumptions(const System& system, const Trace& tra
   for (const std::uint32_t index : deadlocked_programs(system, states.back())) {
     const Program& program = system.programs[index];
     for (const ProgramEdge& edge : program.edges_of(states.back().programs[index])) {
-      if (is_untried(system, program, edge)) {
-        found.insert(fmt::format("{} waits at line {} for {}, which is not tried", program.name,
-                                 edge.line, describe_edge(system, program, edge)));
-      }
-      if (edge.kind != Kind::give) continue;
-      const ModelInstance& model = system.models[edge.model];
-      const StateId at = states.back().models[edge.model];
-      const std::string call = describe_edge(system, program, edge);
-      if (!model.automaton.is_quiescent(at)) {
-        found.insert(
-            fmt::format("{} waits with {} for somebody to take {}: so programs and models "
-                        "meet, whatever the real call would do",
-                        program.name, call, describe_due(model.automaton, at)));
-      } else if (is_beyond_learned(model.automaton, at, edge.symbol)) {
-        found.insert(fmt::format("{}'s {} at line {} was never tried there ({}), and waits",
-                                 program.name, call, edge.line, describe_bound(model)));
+      for (const ModelUse& event : program.events_of(edge)) {
+        const ModelInstance& model = system.models[event.model];
+        if (event.kind != Kind::give || model.source != ModelInstance::Source::file) continue;
+        const StateId at = states.back().models[event.model];
+        const std::string call = describe_edge(system, program, edge);
+        if (!model.automaton.is_quiescent(at)) {
+          found.insert(
+              fmt::format("{} waits with {} for somebody to take {}: so programs and models "
+                          "meet, whatever the real call would do",
+                          program.name, call, describe_due(model.automaton, at)));
+        } else if (is_beyond_learned(model.automaton, at, event.symbol)) {
+          found.insert(fmt::format("{}'s {} at line {} was never tried there ({}), and waits",
+                                   program.name, call, edge.line, describe_bound(model)));
+        }
       }
     }
   }
@@ -449,13 +505,14 @@ bool ends_in_deadlock(const System& system, const Trace& trace) {
 void play_on_real_system(const System& system, const std::vector<std::unique_ptr<RealSystem>>& real,
                          std::span<const Trace> traces, const ReplayOptions& options,
                          const std::function<void(std::size_t, ReplayedRun)>& sink) {
+  const Stage stage(system, real);
   for (std::size_t first = 0; first < traces.size(); first += runs_at_once) {
     options.control.check("replay");
     options.control.report({"replaying", 0, 0, 0, first, traces.size()});
     const std::size_t count = std::min(runs_at_once, traces.size() - first);
     std::vector<Plan> plans;
     for (std::size_t run = 0; run < count; ++run) {
-      plans.push_back(make_plan(system, traces[first + run], options.loops, real));
+      plans.push_back(make_plan(system, stage, traces[first + run], options.loops));
     }
     std::vector<std::vector<SulAnswer>> answers(count);  // by run, by instance
     for (std::size_t model = 0; model < real.size(); ++model) {
@@ -464,7 +521,7 @@ void play_on_real_system(const System& system, const std::vector<std::unique_ptr
       for (std::size_t run = 0; run < count; ++run) answers[run].push_back(std::move(its[run]));
     }
     for (std::size_t run = 0; run < count; ++run) {
-      sink(first + run, Walk(system, traces[first + run], plans[run], real, answers[run]).run());
+      sink(first + run, Walk(system, traces[first + run], plans[run], stage, answers[run]).run());
     }
   }
 }

@@ -1,7 +1,9 @@
 // Replays runs of a composed system on the real one: the middleware behind each model is driven
 // through its part of the run, and what it does is held against the run step by step.
 //
-//   Trace --------> a word for each model instance: the inputs that the programs give it, in order
+//   Trace --------> a word for each model instance and each topic, with all its ends: the inputs
+//   that
+//                   the programs give it, in order
 //                   (the loop of a lasso several times), and, for a deadlock, the calls that the
 //                   programs are left with
 //   words --------> the real systems (Sul), each step until quiescence
@@ -44,9 +46,12 @@ struct Deviation {
   std::uint32_t model = 0;
   std::string expected, seen;
   std::vector<std::string> word;  // inputs of the instance up to the one that went another way
+  bool is_of_topic = false;       // of one with several ends: put together of its readers' models
 
   // Such words are counterexamples to the instance's model.
-  bool refutes_model() const { return kind == Kind::output || kind == Kind::deadlock; }
+  bool refutes_model() const {
+    return !is_of_topic && (kind == Kind::output || kind == Kind::deadlock);
+  }
 };
 
 // One run on the real system.
@@ -68,10 +73,11 @@ struct ReplayOptions {
 std::vector<std::string> find_assumptions(const System& system, const Trace& trace);
 
 // The models that runs meet, in their steps or by what a program waits for in the end, and that
-// stand for no real system.
+// stand for no real system. Maide holds shared variables, mutexes and semaphores itself: they
+// belong to the programs. A queue that is written by hand stands for a connection that nobody asks.
 struct Unplayed {
   bool is_all = false;              // they meet no other models, so there is nothing real to ask
-  std::vector<std::string> models;  // a line for those of a kind; shared variables only if `is_all`
+  std::vector<std::string> models;  // a line for those of a kind; of queues alone unless `is_all`
 };
 // O(steps x programs x edges).
 Unplayed find_unplayed(const System& system, std::span<const Trace> traces);

@@ -22,6 +22,7 @@
 #include "maide/check/language/yaml_reader.hpp"
 #include "maide/formats/model_file.hpp"
 #include "maide/workflow/open_system.hpp"
+#include "maide/workflow/valued_queue.hpp"
 
 namespace maide {
 namespace {
@@ -287,6 +288,8 @@ class ChangeSearch {
   static std::optional<Learned> find_learned(const ModelInstance& instance) {
     const auto origin = instance.automaton.origin.find("sul");
     if (origin == instance.automaton.origin.end()) return std::nullopt;
+    // Another system has no model with these values yet.
+    if (instance.automaton.origin.contains(std::string(values_key))) return std::nullopt;
     Learned learned;
     try {
       for (const std::string& word : split_shell_words(origin->second)) {

@@ -25,6 +25,58 @@ std::vector<SulQuery> random_words(std::size_t inputs, std::size_t count, std::u
   return words;
 }
 
+std::string outputs_of(const SulAnswer& answer) {
+  std::string text;
+  for (const SulStep& step : answer.steps) {
+    text += (text.empty() ? "" : " ") + mealy_output(step, Translation::eager);
+  }
+  return text;
+}
+
+std::string play(const Options& options, const std::vector<std::string>& inputs) {
+  port::PortWrapper wrapper;
+  LocalSul sul(wrapper, options);
+  Word word;
+  for (const std::string& name : inputs) {
+    for (Symbol symbol = 0; symbol < sul.info().inputs.size(); ++symbol) {
+      if (sul.info().inputs[symbol].name == name) word.push_back(symbol);
+    }
+  }
+  EXPECT_EQ(word.size(), inputs.size());
+  std::string text;
+  const SulQuery query{std::move(word), Translation::eager};
+  sul.run({&query, 1}, [&](std::size_t, const SulAnswer& answer) { text = outputs_of(answer); },
+          {});
+  return text;
+}
+
+TEST(PortWrapper, HasSeveralEnds) {
+  const Options options{{"kind", "buffered"}, {"writers", "2"}, {"readers", "2"}};
+  port::PortWrapper wrapper;
+  const LocalSul sul(wrapper, options);
+  EXPECT_EQ(sul.info().actors,
+            (std::vector<std::string>{"writer", "writer2", "reader", "reader2"}));
+  EXPECT_EQ(sul.info().inputs.size(), 4u);
+  // The second reader has the message of the second writer, which overwrote the first one's.
+  EXPECT_EQ(play(options, {"write", "write2", "read2", "read2", "read"}),
+            "quiet quiet message2 quiet message");
+}
+
+TEST(PortWrapper, CarriesValues) {
+  EXPECT_EQ(play({{"kind", "strict"}, {"payload", "values:go,1-new"}},
+                 {"write(1-new)", "write(go)", "write(go)", "read", "read"}),
+            "quiet quiet quiet message(1-new) message(go)");
+  EXPECT_EQ(play({{"kind", "strict"}, {"payload", "values:a,b"}, {"readers", "2"}, {"size", "1"}},
+                 {"write(b)", "write(a)", "read2", "write(a)", "read", "write(a)"}),
+            "quiet unexplored message2(b) unexplored message(b) quiet");
+  port::PortWrapper wrapper;
+  const auto refuse = [&](const Options& options) { const LocalSul sul(wrapper, options); };
+  EXPECT_THROW(refuse({{"payload", "values:"}}), UsageError);
+  EXPECT_THROW(refuse({{"payload", "values:a,a"}}), UsageError);
+  EXPECT_THROW(refuse({{"payload", "values:a b"}}), UsageError);
+  EXPECT_THROW(refuse({{"payload", "gap"}, {"writers", "2"}}), UsageError);
+}
+
 class PortWrapperAnswers : public testing::TestWithParam<Options> {};
 
 TEST_P(PortWrapperAnswers, RandomWordsAsTheModelSays) {
@@ -99,6 +151,7 @@ std::string error_of(const Options& options) {
 TEST(PortWrapper, RejectsBadOptionsInOneLine) {
   EXPECT_EQ(error_of({{"depth", "1"}}),
             "unknown option 'depth'; known are: kind, inputs, observe, payload, size, at-bound, "
+            "writers, readers, "
             "quiescence, floor, step-limit");
   EXPECT_EQ(error_of({{"kind", "pipe"}}), "option kind=pipe: allowed is port|buffered|strict");
   EXPECT_EQ(error_of({{"size", "0"}}), "option size=0: allowed is 1..1000000");

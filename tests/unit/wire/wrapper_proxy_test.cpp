@@ -124,6 +124,7 @@ TEST(WrapperProxy, RejectedOptionsAreTheUsersMistake) {
   } catch (const UsageError& error) {
     EXPECT_STREQ(error.what(),
                  "unknown option 'knd'; known are: kind, inputs, observe, payload, size, at-bound, "
+                 "writers, readers, "
                  "quiescence, floor, step-limit; did you mean 'kind'?");
   }
 }

@@ -105,7 +105,7 @@ void EventParser::check_event(const ModelReference& model, const Event& event, c
                               std::string_view what) {
   const ModelInstance& instance = this->instance(model);
   const bool is_built_in = instance.source == ModelInstance::Source::built_in;
-  if (context_.on_value && is_built_in) return;
+  if (context_.on_value && (is_built_in || instance.is_learned)) return;
   const Alphabet& alphabet =
       what == "input" ? instance.automaton.inputs() : instance.automaton.outputs();
   if (!event.has_arguments && alphabet.find(event.name)) return;
@@ -181,7 +181,8 @@ Expression EventParser::parse_argument(const ModelReference& model) {
   const Token& first = tokens_.peek();
   const bool is_alone = tokens_.peek(1).is(",") || tokens_.peek(1).is(")");
   if (first.is_name() && is_alone && !first.is("true") && !first.is("false") && !find(first.text)) {
-    if (instance(model).source == ModelInstance::Source::built_in) {
+    const ModelInstance& its = instance(model);
+    if (its.source == ModelInstance::Source::built_in || its.is_learned) {
       return make_constant(context_.words.intern(tokens_.next().text), ValueKind::word);
     }
   }

@@ -70,6 +70,19 @@ struct ModelInstance {
   SourcePosition position;
 };
 
+// A topic of the file, for who plays runs on a real one: its steps are joint steps of these models.
+struct TopicInstance {
+  struct Reader {
+    std::uint32_t program = 0, model = 0;
+    // By state of the model: the output of the writer's actor that was collected.
+    std::vector<std::optional<Symbol>> collected;
+  };
+  std::string name;
+  std::vector<std::uint32_t> writers;  // programs
+  std::vector<Reader> readers;         // at least one
+  bool delivers_one = false;           // a write goes to one of the models that take it
+};
+
 enum class Fairness : std::uint8_t { none, weak, strong };
 
 // A property of the system file. `deadlock`, `stuck` and `error` are there without being written.
@@ -86,6 +99,7 @@ struct Property {
 struct System {
   std::string file;
   std::vector<ModelInstance> models;
+  std::vector<TopicInstance> topics;
   std::vector<Program> programs;
   std::vector<Property> properties;     // those of the file
   std::vector<std::string> remarks;     // one line each: what looks like an oversight

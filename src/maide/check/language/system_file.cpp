@@ -50,6 +50,7 @@ System SystemReader::read() {
   if (const YAML::Node procedures = section("procedures")) read_procedures(procedures);
   if (const YAML::Node variables = section("variables")) read_variables(variables);
   read_programs();
+  keep_topics();
   interfaces_ = system_.interfaces();
   if (const YAML::Node properties = section("properties")) read_properties(properties);
   remark_on_unused_models();
@@ -207,6 +208,7 @@ void SystemReader::collect() {
     }
     if (round == max_value_rounds) fail_growing_queue();
   }
+  learn_values();
   for (const auto& [name, programs] : users) {
     if (programs.size() != 1) continue;
     texts_[*programs.begin()].own.insert(name);

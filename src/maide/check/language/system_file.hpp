@@ -37,6 +37,9 @@ struct ModelRequest {
   // How it is learned, where that is not left to the defaults: names and values of options of
   // `maide learn`, in order.
   std::vector<std::pair<std::string, std::string>> learning;
+  // What programs write, "3" or "3,go", where the model is to carry these values: with `write(3)`
+  // in place of `write`. Empty: the model as it is learned.
+  std::vector<std::string> values;
   SourcePosition position;  // of `file:` or `learn:`
 };
 

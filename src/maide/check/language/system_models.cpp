@@ -29,6 +29,7 @@ void SystemReader::read_models(const YAML::Node& section) {
         ends_of_.emplace(number, &ends);
         add_ends(number);
       }
+      if (ends.empty()) note_learned(first + static_cast<std::uint32_t>(member));
     }
   }
 }
@@ -93,6 +94,7 @@ ModelInstance SystemReader::read_model(const std::string& instance, const YAML::
     model.is_learned = true;
   }
   model.automaton = source_(request);
+  last_request_ = request;
   if (model.automaton.size() == 0) fail("model '" + model.name + "' has no state", key);
   for (const Alphabet* alphabet : {&model.automaton.inputs(), &model.automaton.outputs()}) {
     for (const std::string& name : alphabet->names()) {
@@ -156,6 +158,17 @@ void SystemReader::make_built_in(ModelInstance& model, std::uint32_t number, con
   queues_.emplace(number, std::move(queue));
 }
 
+void SystemReader::note_learned(std::uint32_t model) {
+  const ModelInstance& instance = system_.models[model];
+  const InterfaceAutomaton& automaton = instance.automaton;
+  if (!instance.is_learned || !automaton.inputs().find("write")) return;
+  if (!automaton.outputs().find("message")) return;
+  Queue queue;
+  queue.learned = last_request_;
+  queue.learned->instance = instance.name;
+  queues_.emplace(model, std::move(queue));
+}
+
 void SystemReader::note_value(std::uint32_t model, const program_syntax::Event& input,
                               std::size_t place, const ValueType& type) {
   const auto queue = queues_.find(model);
@@ -193,9 +206,40 @@ void SystemReader::make_valued(std::uint32_t model) {
   }
   for (std::string& value : values) value += ")";
   queue.size.values = values;
+  if (queue.learned) {
+    const InterfaceAutomaton& known = system_.models[model].automaton;
+    const InterfaceAutomaton valued = make_queue({1, false, values});
+    std::vector<std::string> inputs = valued.inputs().names(), outputs = valued.outputs().names();
+    const auto add = [](std::vector<std::string>& names, const Alphabet& more) {
+      for (const std::string& name : more.names()) {
+        const std::string base = name.substr(0, name.find('('));
+        if (base == "write" || base == "message") continue;
+        if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+      }
+    };
+    add(inputs, known.inputs());
+    add(outputs, known.outputs());
+    InterfaceAutomaton names_alone(Alphabet(std::span<const std::string>(inputs)),
+                                   Alphabet(std::span<const std::string>(outputs)), 1);
+    names_alone.actors = known.actors;
+    queue.learned->values.clear();
+    for (const std::string& value : values) {
+      queue.learned->values.push_back(value.substr(1, value.size() - 2));
+    }
+    system_.models[model].automaton = std::move(names_alone);
+    return;
+  }
   if (queue_states(queue.size) > static_cast<double>(max_queue_states)) fail_large_queue(model);
   system_.models[model].automaton = make_queue(queue.size);
   add_ends(model);
+}
+
+void SystemReader::learn_values() {
+  for (const auto& [model, queue] : queues_) {
+    if (!queue.learned || queue.types.empty()) continue;
+    system_.models[model].automaton = source_(*queue.learned);
+    add_ends(model);
+  }
 }
 
 void SystemReader::fail_large_queue(std::uint32_t model) const {

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <map>
 #include <memory>
+#include <optional>
 #include <set>
 #include <string>
 #include <string_view>
@@ -49,13 +50,19 @@ class SystemReader : private YamlReader {
                      const YAML::Node& value);
   struct Queue {
     QueueSize size;
-    std::vector<ValueType> types;  // of what is written, by place; none: nothing has a value
+    std::vector<ValueType> types;         // of what is written, by place; none: nothing has a value
+    std::optional<ModelRequest> learned;  // the queue is a model that was learned without values
   };
   // What is written has a value of that type, too.
   void note_value(std::uint32_t model, const program_syntax::Event& input, std::size_t place,
                   const ValueType& type);
-  // The queue's automaton with all values that are written into it.
+  // A learned model that programs may write values into.
+  void note_learned(std::uint32_t model);
+  // The queue's automaton with all values that are written into it; of a learned one as yet only
+  // the names of its inputs and outputs.
   void make_valued(std::uint32_t model);
+  // The learned models with all values that are written into them.
+  void learn_values();
   [[noreturn]] void fail_large_queue(std::uint32_t model) const;
   struct ProgramText {
     std::string name;
@@ -85,6 +92,8 @@ class SystemReader : private YamlReader {
   void name_ends(Program& program, std::uint32_t number) const;
   void add_topic_ends(const Topic& topic, Topic::Reader& reader, ModelInstance& instance);
   void add_model_ends(std::uint32_t model, const Ends& ends);
+  // Topics as the system has them.
+  void keep_topics();
   // Which programs use which variables of the file, and which values are written into queues: found
   // by reading the programs until nothing new comes. Errors are found again afterwards.
   void collect();
@@ -110,6 +119,7 @@ class SystemReader : private YamlReader {
   Names names_;
   std::map<std::string, SourcePosition> taken_;
   std::map<std::uint32_t, Queue> queues_;  // by model
+  ModelRequest last_request_;              // of the model that was read last
   std::vector<ProgramText> texts_;
   std::map<std::string, ModelName> program_arrays_;  // `first` is a program
   // Of a reader's model its topic, and its place among the readers.

@@ -164,6 +164,7 @@ Topic::Reader SystemReader::make_reader(const std::string& topic, std::uint32_t 
     make_built_in(model, number, indices, options);
   }
   system_.models.push_back(std::move(model));
+  note_learned(number);
   return {program, number, {}, {}, {}, {}};
 }
 
@@ -195,6 +196,18 @@ bool changes_nothing(const Death& death) {
 }
 
 }  // namespace
+
+void SystemReader::keep_topics() {
+  for (const Topic& topic : names_.topics) {
+    TopicInstance& kept = system_.topics.emplace_back();
+    kept.name = topic.name;
+    kept.writers.assign(topic.writers.begin(), topic.writers.end());
+    kept.delivers_one = topic.delivers_one;
+    for (const Topic::Reader& reader : topic.readers) {
+      kept.readers.push_back({reader.program, reader.model, reader.collected});
+    }
+  }
+}
 
 void SystemReader::add_ends(std::uint32_t model) {
   ModelInstance& instance = system_.models[model];

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "maide/sul/sul.hpp"
+#include "maide/wire/wrapper/full_setup.hpp"
 #include "maide/wire/wrapper/system_wrapper.hpp"
 
 namespace maide {
@@ -24,15 +25,28 @@ struct EventTable {
   };
   std::map<std::string, Entry, std::less<>> events;
   std::string message_event;
-  bool tells_gaps = false;  // payload=gap
+  bool tells_gaps = false;          // payload=gap
+  std::vector<std::string> values;  // payload=values, by number
 };
 
 class StepRecorder : public EventSink {
  public:
   explicit StepRecorder(const EventTable& table) : table_(table) {}
 
+  // As long as it lives, its thread makes this call: what is reported is the event of its end.
+  class Caller {
+   public:
+    // Keeps references.
+    Caller(const StepRecorder& recorder, const InstanceCall& call);
+    ~Caller();
+    Caller(const Caller&) = delete;
+    Caller& operator=(const Caller&) = delete;
+  };
+
   void report(std::string_view event) override;
   void message(std::uint64_t number) override;
+  std::uint64_t content(std::uint64_t place) const override;
+  std::size_t end() const override;
   void crashed(std::string_view reason) override;
   // The wrapper itself failed: the word ends in an error.
   void failed(std::string_view reason);
@@ -47,12 +61,12 @@ class StepRecorder : public EventSink {
   void close();
 
  private:
-  void record(std::string_view event);  // with the mutex held
+  void record(const std::string& event);  // with the mutex held
 
   const EventTable& table_;
   mutable std::mutex mutex_;
   std::vector<Event> events_;
-  std::uint64_t last_number_ = 0;
+  std::map<std::size_t, std::uint64_t> last_numbers_;  // by the end that received them
   std::string crash_reason_, failure_;
   bool closed_ = false;
   std::atomic<std::chrono::steady_clock::time_point> last_event_{};

@@ -44,10 +44,15 @@ struct MessagesInFlight {
   std::vector<std::string> sends = {"write"};       // inputs that put a message into flight
   std::vector<std::string> receives = {"message"};  // events that take one out
   std::size_t capacity = 0;  // messages that the system itself keeps at most; 0: no limit
+  bool is_shared = false;    // of several readers, one gets a message; else each gets it
 };
 
 // What the system is once its options are set. Everything is listed; the SDK picks what
 // `inputs=` and `observe=` name.
+//
+// With the rows of common_options::ends() there may be several writers and readers. The setup
+// describes one writer and one reader all the same. The SDK adds the others: actors `writer2`,
+// inputs `write2`, events `message2`, each with a thread and a bound of its own.
 struct SystemSetup {
   struct Input {
     std::string name;
@@ -63,12 +68,15 @@ struct SystemSetup {
   std::vector<Input> inputs;
   std::vector<Event> events;
   // The event that EventSink::message reports; payload=gap replaces it by `next` and `gap` (and
-  // `old`, where messages can come again) everywhere, `observe=` and `returns` included.
+  // `old`, where messages can come again), and payload=values by `message(V)` for each value,
+  // everywhere, `observe=` and `returns` included.
   std::string message_event = "message";
   bool messages_come_again = false;
   std::optional<MessagesInFlight> in_flight;  // set it if the table has `size`
-  std::vector<LearningPurpose> purposes;      // further ones
-  std::string bound;                          // of the further ones, in words
+  // The actors that each further writer, or reader, has too.
+  std::vector<std::string> of_writer = {"writer"}, of_reader = {"reader"};
+  std::vector<LearningPurpose> purposes;  // further ones
+  std::string bound;                      // of the further ones, in words
   // The default of option `floor` with these options, if it is not the wrapper's usual one.
   std::optional<std::chrono::milliseconds> floor;
   // What `usual` stands for in `inputs=` and `observe=`, where the table's rows allow that word:
@@ -87,9 +95,14 @@ class EventSink {
   virtual ~EventSink() = default;
   // An event by its name in SystemSetup::events.
   virtual void report(std::string_view event) = 0;
-  // The message event. `number`: the message's place among those sent since the reset, from 1 (the
-  // wrapper writes it into the message); only payload=gap looks at it.
+  // The message event. `number` is what the message carries: content().
   virtual void message(std::uint64_t number) = 0;
+  // What a call writes into its message. `place`: the message's place among those sent since the
+  // reset, from 1. That it is, but for payload=values: there it is the number of the call's value.
+  virtual std::uint64_t content(std::uint64_t place) const = 0;
+  // Which of several writers, or readers, makes the call that this thread is in, from 0. What is
+  // reported within the call is an event of that end.
+  virtual std::size_t end() const = 0;
   // The system itself has died: the word ends here as a crash.
   virtual void crashed(std::string_view reason) = 0;
 };
@@ -101,6 +114,7 @@ class SystemInstance {
   virtual ~SystemInstance() = default;
   // Makes the call that `input` stands for, on its actor's own thread; blocks as the real call
   // does. Reports its return ("written") before it ends. An exception ends the word with an error.
+  // The input's name is that of the setup, whichever end (EventSink::end()) makes the call.
   virtual void call(std::string_view input) = 0;
   // From another thread: lets every blocked call return soon, now and for all later calls. What is
   // still reported is dropped. If a call stays blocked the process ends and is replaced.

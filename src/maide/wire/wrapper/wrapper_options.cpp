@@ -32,6 +32,26 @@ bool is_one_of(std::string_view value, const std::vector<std::string>& allowed) 
   return std::find(allowed.begin(), allowed.end(), value) != allowed.end();
 }
 
+// "values:a,b", where "values:V,..." is allowed: words of letters, digits, `_` and `-`.
+bool is_allowed_list(std::string_view value, const OptionSpec& spec) {
+  constexpr std::string_view any = "V,...";
+  constexpr std::string_view characters =
+      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-";
+  for (const std::string& allowed : spec.allowed) {
+    if (!allowed.ends_with(any)) continue;
+    const std::string_view prefix =
+        std::string_view(allowed).substr(0, allowed.size() - any.size());
+    if (!value.starts_with(prefix)) continue;
+    std::set<std::string> seen;
+    for (const std::string& item : split_list(value.substr(prefix.size()))) {
+      if (item.empty() || item.find_first_not_of(characters) != std::string::npos) return false;
+      if (!seen.insert(item).second) return false;
+    }
+    return !seen.empty();
+  }
+  return false;
+}
+
 bool is_in_range(std::string_view value, const OptionSpec& spec) {
   if (spec.most < spec.least) return false;
   const auto number = parse_number<std::int64_t>(value);
@@ -58,7 +78,8 @@ void check_value(const OptionSpec& spec, std::string_view value) {
   switch (spec.kind) {
     case OptionSpec::Kind::choice:
     case OptionSpec::Kind::integer:
-      if (!is_one_of(value, spec.allowed) && !is_in_range(value, spec)) {
+      if (!is_one_of(value, spec.allowed) && !is_in_range(value, spec) &&
+          !is_allowed_list(value, spec)) {
         reject(spec, value, "allowed is " + spec.describe_allowed());
       }
       return;
@@ -130,8 +151,14 @@ OptionSpec observe(std::vector<std::string> allowed, std::string default_value) 
 }
 
 OptionSpec payload() {
-  return OptionSpec::choice("payload", "none", {"none", "gap"},
-                            "gap: a message says whether one before it was lost (next, gap)");
+  return OptionSpec::choice("payload", "none", {"none", "gap", "values:V,..."},
+                            "gap: a message says whether one before it was lost (next, gap); "
+                            "values: messages carry one of these, as in write(V) and message(V)");
+}
+
+std::vector<OptionSpec> ends() {
+  return {OptionSpec::integer("writers", 1, 1, 4, "ends that write: write, write2, ..."),
+          OptionSpec::integer("readers", 1, 1, 4, "ends that read: read, read2, ...")};
 }
 
 OptionSpec size(std::int64_t default_value, std::int64_t most) {
@@ -205,6 +232,14 @@ std::int64_t OptionValues::number(std::string_view key) const {
 
 std::vector<std::string> OptionValues::list(std::string_view key) const {
   return split_list(text(key));
+}
+
+std::vector<std::string> OptionValues::list_behind(std::string_view key,
+                                                   std::string_view prefix) const {
+  const std::string& value = text(key);
+  if (!value.starts_with(prefix) || value.size() <= prefix.size()) return {};
+  if (value[prefix.size()] != ':') return {};
+  return split_list(std::string_view(value).substr(prefix.size() + 1));
 }
 
 std::string to_string(const std::vector<OptionSpec>& table) {

@@ -14,7 +14,9 @@ namespace maide {
 // One row of a wrapper's table of options.
 struct OptionSpec {
   enum class Kind : std::uint8_t {
-    choice,   // one of `allowed`; a whole number between least and most too, if most >= least
+    // One of `allowed`; a whole number between least and most too, if most >= least. An entry
+    // "values:V,..." allows "values:" and a list.
+    choice,
     list,     // some of `allowed`, separated by commas, none twice; may be empty if least is 0
     integer,  // a whole number between least and most, or one of `allowed`
     text,     // anything on one line
@@ -50,7 +52,8 @@ struct OptionSpec {
 namespace common_options {
 OptionSpec inputs(std::vector<std::string> allowed, std::string default_value = "write,read");
 OptionSpec observe(std::vector<std::string> allowed, std::string default_value = "message");
-OptionSpec payload();                                            // payload=none|gap
+OptionSpec payload();                                            // payload=none|gap|values:...
+std::vector<OptionSpec> ends();                                  // writers=N, readers=N
 OptionSpec size(std::int64_t default_value, std::int64_t most);  // size=N messages in flight
 OptionSpec at_bound();                                           // at-bound=refuse|absorb
 std::vector<OptionSpec> quiescence_rows(std::int64_t floor_ms);  // quiescence, floor, step-limit
@@ -74,6 +77,8 @@ class OptionValues {
   std::int64_t number(std::string_view key) const;
   std::vector<std::string> list(std::string_view key) const;
   bool is(std::string_view key, std::string_view value) const { return text(key) == value; }
+  // What stands behind "PREFIX:" in such a value of a choice, separated by commas; else nothing.
+  std::vector<std::string> list_behind(std::string_view key, std::string_view prefix) const;
 
   // By the table's own spelling of the keys.
   const std::map<std::string, std::string>& all() const { return values_; }

@@ -97,16 +97,18 @@ class WrapperSession::Stepper : public SteppedSystem {
 
   void start_call(Symbol input) {
     const SulInput& spec = session_.info_.inputs[input];
-    session_.actors_[spec.actor].start(
-        [instance = session_.instance_.get(), name = spec.name, recorder = session_.recorder_] {
-          try {
-            instance->call(name);
-          } catch (const std::exception& error) {
-            recorder->failed(error.what());
-          } catch (...) {
-            recorder->failed("unknown exception in " + name);
-          }
-        });
+    session_.actors_[spec.actor].start([instance = session_.instance_.get(),
+                                        call = session_.calls_[input],
+                                        recorder = session_.recorder_] {
+      const StepRecorder::Caller caller(*recorder, call);
+      try {
+        instance->call(call.input);
+      } catch (const std::exception& error) {
+        recorder->failed(error.what());
+      } catch (...) {
+        recorder->failed("unknown exception in " + call.input);
+      }
+    });
   }
 
   WrapperSession& session_;
@@ -139,14 +141,15 @@ const SulInfo& WrapperSession::configure(const std::map<std::string, std::string
     completed["floor"] = std::to_string(setup.floor->count());
     options_ = OptionValues(table_, completed);
   }
+  const FullSetup full(setup, options_);
   events_.message_event = setup.message_event;
   events_.tells_gaps = options_.has("payload") && options_.is("payload", "gap");
-  messages_come_again_ = setup.messages_come_again;
+  events_.values = full.values;
   info_.options = options_.all();
-  select_actors(setup);
-  select_events(setup);
-  select_inputs(setup);
-  select_bound(setup);
+  select_actors(full);
+  select_events(full, setup.usual_events);
+  select_inputs(full, setup);
+  select_bound(full, setup);
   QuiescenceSettings settings;
   settings.observed = options_.is("quiescence", "observed");
   if (!settings.observed) settings.delay = std::chrono::milliseconds(options_.number("quiescence"));
@@ -186,8 +189,8 @@ void WrapperSession::check_dying_processes() const {
   }
 }
 
-void WrapperSession::select_actors(const SystemSetup& setup) {
-  info_.actors = setup.actors;
+void WrapperSession::select_actors(const FullSetup& full) {
+  info_.actors = full.actors;
   for (const std::string& name : info_.actors) actors_.emplace_back(name);
 }
 
@@ -199,31 +202,23 @@ std::uint32_t WrapperSession::actor_index(const std::string& name) const {
   return static_cast<std::uint32_t>(found - info_.actors.begin());
 }
 
-std::vector<std::string> WrapperSession::observed_names(const std::string& event) const {
-  if (!events_.tells_gaps || event != events_.message_event) return {event};
-  if (messages_come_again_) return {"next", "gap", "old"};
-  return {"next", "gap"};
-}
-
-void WrapperSession::select_events(const SystemSetup& setup) {
-  const std::vector<std::string> observed = options_.has("observe")
-                                                ? names_of(options_, "observe", setup.usual_events)
-                                                : std::vector<std::string>();
-  for (const SystemSetup::Event& event : setup.events) {
+void WrapperSession::select_events(const FullSetup& full, const std::vector<std::string>& usual) {
+  const std::vector<std::string> observed =
+      options_.has("observe") ? names_of(options_, "observe", usual) : std::vector<std::string>();
+  for (const FullSetup::Event& event : full.events) {
     if (is_end_output(event.name) || is_reserved_output(event.name)) {
       throw std::logic_error(fmt::format(
           "the wrapper declares event '{}', a name with a meaning of its own", event.name));
     }
-    const bool is_observed = !options_.has("observe") || std::find(observed.begin(), observed.end(),
-                                                                   event.name) != observed.end();
-    for (const std::string& name : observed_names(event.name)) {
-      events_.events[name] = {actor_index(event.actor), is_observed};
-      if (is_observed) info_.outputs.push_back({name, actor_index(event.actor)});
-    }
+    const bool is_observed =
+        !options_.has("observe") ||
+        std::find(observed.begin(), observed.end(), event.reported) != observed.end();
+    events_.events[event.name] = {actor_index(event.actor), is_observed};
+    if (is_observed) info_.outputs.push_back({event.name, actor_index(event.actor)});
   }
 }
 
-void WrapperSession::select_inputs(const SystemSetup& setup) {
+void WrapperSession::select_inputs(const FullSetup& full, const SystemSetup& setup) {
   std::vector<std::string> wanted;
   if (options_.has("inputs")) {
     wanted = names_of(options_, "inputs", setup.usual_inputs);
@@ -231,48 +226,53 @@ void WrapperSession::select_inputs(const SystemSetup& setup) {
     for (const SystemSetup::Input& input : setup.inputs) wanted.push_back(input.name);
   }
   for (const std::string& name : wanted) {
-    const auto input =
-        std::find_if(setup.inputs.begin(), setup.inputs.end(),
-                     [&](const SystemSetup::Input& known) { return known.name == name; });
-    if (input == setup.inputs.end()) {
+    const std::size_t before = info_.inputs.size();
+    for (const FullSetup::Input& input : full.inputs) {
+      if (input.call.input != name) continue;
+      info_.inputs.push_back({input.name, actor_index(input.actor), input.returns});
+      calls_.push_back(input.call);
+    }
+    if (info_.inputs.size() == before) {
       throw UsageError(
           fmt::format("option inputs: there is no input '{}' with these options", name));
     }
-    SulInput selected{name, actor_index(input->actor), {}};
-    for (const std::string& event : input->returns) {
-      for (std::string& observed : observed_names(event)) selected.returns.push_back(observed);
-    }
-    info_.inputs.push_back(std::move(selected));
   }
 }
 
-void WrapperSession::select_bound(const SystemSetup& setup) {
-  purposes_ = setup.purposes;
+void WrapperSession::select_bound(const FullSetup& full, const SystemSetup& setup) {
+  for (const LearningPurpose& purpose : setup.purposes) {
+    for (LearningPurpose& one : full.purposes_for(purpose, false)) purposes_.push_back(one);
+  }
   info_.bound = setup.bound;
   if (!setup.in_flight || !options_.has("size")) return;
+  const MessagesInFlight& flight = *setup.in_flight;
   const auto size = static_cast<std::size_t>(options_.number("size"));
-  if (setup.in_flight->capacity != 0 && setup.in_flight->capacity <= size) return;  // never binds
+  if (flight.capacity != 0 && flight.capacity <= size) return;  // never binds
   std::vector<std::string> sends;
-  for (const SulInput& input : info_.inputs) {
-    const auto& all = setup.in_flight->sends;
-    if (std::find(all.begin(), all.end(), input.name) != all.end()) sends.push_back(input.name);
+  for (const std::string& name : flight.sends) {
+    const bool is_input = std::any_of(calls_.begin(), calls_.end(),
+                                      [&](const InstanceCall& call) { return call.input == name; });
+    if (is_input) sends.push_back(name);
   }
   std::vector<std::string> receives;
-  for (const std::string& event : setup.in_flight->receives) {
-    for (std::string& name : observed_names(event)) {
-      if (!events_.events.at(name).observed) {
-        throw UsageError(fmt::format(
-            "option observe: size={} counts messages in flight, so '{}' must be observed", size,
-            event));
-      }
-      receives.push_back(std::move(name));
+  for (const std::string& event : flight.receives) {
+    for (const FullSetup::Event& known : full.events) {
+      if (known.reported != event || events_.events.at(known.name).observed) continue;
+      throw UsageError(
+          fmt::format("option observe: size={} counts messages in flight, so '{}' must be observed",
+                      size, event));
     }
+    for (std::string& name : full.base_names(event)) receives.push_back(std::move(name));
   }
   const bool absorbs = options_.has("at-bound") && options_.is("at-bound", "absorb");
-  purposes_.push_back(LearningPurpose::in_flight(size, setup.in_flight->capacity, sends, receives,
-                                                 absorbs ? AtBound::absorb : AtBound::refuse));
+  const LearningPurpose counter = LearningPurpose::in_flight(
+      size, flight.capacity, sends, receives, absorbs ? AtBound::absorb : AtBound::refuse);
+  for (LearningPurpose& one : full.purposes_for(counter, flight.is_shared)) {
+    purposes_.push_back(std::move(one));
+  }
   if (!info_.bound.empty()) info_.bound += ", ";
-  info_.bound += fmt::format("at most {} message{} in flight", size, size == 1 ? "" : "s");
+  info_.bound += fmt::format("at most {} message{} in flight{}", size, size == 1 ? "" : "s",
+                             full.readers() > 1 && !flight.is_shared ? " to each reader" : "");
 }
 
 void WrapperSession::start_instance() {

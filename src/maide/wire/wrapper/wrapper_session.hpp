@@ -14,6 +14,7 @@
 #include "maide/sul/sul.hpp"
 #include "maide/wire/observe/quiescence.hpp"
 #include "maide/wire/wrapper/actor_thread.hpp"
+#include "maide/wire/wrapper/full_setup.hpp"
 #include "maide/wire/wrapper/step_recorder.hpp"
 #include "maide/wire/wrapper/system_wrapper.hpp"
 
@@ -74,13 +75,11 @@ class WrapperSession {
   void start_instance();
   bool is_prepared() const;
   void leave_instance_behind();
-  void select_actors(const SystemSetup& setup);
-  void select_events(const SystemSetup& setup);
-  void select_inputs(const SystemSetup& setup);
-  void select_bound(const SystemSetup& setup);
+  void select_actors(const FullSetup& full);
+  void select_events(const FullSetup& full, const std::vector<std::string>& usual);
+  void select_inputs(const FullSetup& full, const SystemSetup& setup);
+  void select_bound(const FullSetup& full, const SystemSetup& setup);
   std::uint32_t actor_index(const std::string& name) const;
-  // `message` as it is observed: itself, or next, gap, ...
-  std::vector<std::string> observed_names(const std::string& event) const;
 
   SystemWrapper& wrapper_;
   Watchdog* watchdog_;
@@ -88,7 +87,7 @@ class WrapperSession {
   OptionValues options_;
   SulInfo info_;
   EventTable events_;
-  bool messages_come_again_ = false;
+  std::vector<InstanceCall> calls_;  // by input
   std::vector<LearningPurpose> purposes_;
   std::vector<pid_t> processes_;
   std::unique_ptr<Quiescence> quiescence_;

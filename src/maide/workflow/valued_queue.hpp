@@ -1,0 +1,44 @@
+// A queue does not look at values. So its model with the values of a system file is made of three:
+// its model without values, which says how many messages there are; the rule which message is lost
+// when one is; and models with two values at small depths, which show that the rule is right. With
+// v values and depth d the model has as many states as words of v letters up to length d, and
+// nobody has to ask the system for all of them. What was made is then tried on the system with
+// those values.
+//
+// What is no queue in this sense is refused: a connection that gives messages again, one with
+// several ends, one whose order is not that of writing.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "maide/automata/interface_automaton.hpp"
+
+namespace maide {
+
+// Which message is lost when a write leaves fewer messages than were there before and the new one.
+enum class LossRule : std::uint8_t {
+  oldest,
+  newest,  // the one that is written
+};
+std::string_view to_string(LossRule rule);  // "the oldest is lost", "the newest is lost"
+
+// What the origin of such a model says of its values, under this key.
+inline constexpr std::string_view values_key = "values";
+
+// The option `payload` of a system whose messages carry these values: "values:go,stop".
+std::string payload_of(std::span<const std::string> values);
+
+// The model with `write(v)` and `message(v)` for each of `values` in place of `write` and
+// `message`: its states are those of `model`, each with the messages that are there, oldest first.
+// Nothing if the rule does not explain the model: it has no such symbols, or has more or fewer
+// messages than the rule says. Throws UsageError beyond `most_states`. O(states).
+std::optional<InterfaceAutomaton> make_valued_queue(const InterfaceAutomaton& model,
+                                                    std::span<const std::string> values,
+                                                    LossRule rule, std::size_t most_states);
+
+}  // namespace maide
