@@ -380,7 +380,7 @@ properties:
   EXPECT_EQ(result.exit_status, 0) << result.err;
   const Json answer = json_of(result);
   EXPECT_EQ(answer.at("components").size(), 2u);
-  EXPECT_EQ(answer.at("components")[0].at("states"), 4);
+  EXPECT_EQ(answer.at("components")[0].at("states"), 5);
   EXPECT_EQ(answer.at("components")[1].at("states"), 1);
   expect_error(run_maide({"check", path, "--engine", "spin", "-q"}), 2,
                "property 'taken': the engine spin has no `fair` choices, and w makes one "

@@ -115,7 +115,7 @@ TEST(SystemExport, AutIsTheStateGraph) {
                         std::to_string(graph.states) + ")");
     std::set<std::string> distinct;
     while (std::getline(lines, line)) distinct.insert(line);
-    EXPECT_EQ(distinct.size(), graph.steps) << text;
+    EXPECT_LE(distinct.size(), graph.steps) << text;  // steps may have one name
   });
 }
 

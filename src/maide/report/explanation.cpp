@@ -569,7 +569,7 @@ const PropertyResult* find_same_run(const CheckReport& report, const PropertyRes
 
 std::string explain_again(const System& system, const Property& property, const Trace& trace,
                           const PropertyResult& before) {
-  const std::string same = "the same run as " + before.name;
+  std::string same = "the same run as " + before.name;
   if (property.kind != Property::Kind::ltl) return same;
   return describe_violation(system, property.formula, trace, replay(system, trace)) + ": " + same;
 }

@@ -396,7 +396,9 @@ void try_values(const InterfaceAutomaton& model, const ModelRequest& request,
           throw UsageError(fmt::format(
               "with the values of the file {} is no queue: after {} one answers {}, and it {}",
               describe(request),
-              to_string(Word(word.begin(), word.begin() + i + 1), machine.inputs()), output, seen));
+              to_string(Word(word.begin(), word.begin() + static_cast<std::ptrdiff_t>(i) + 1),
+                        machine.inputs()),
+              output, seen));
         }
       },
       options.control);

@@ -117,7 +117,7 @@ TEST(Experiment, EveryLearnerAndMethodSavesWhatComesBehindTheEndOfASession) {
       EXPECT_LT(result.experiments, whole.experiments) << algorithm.name << " " << method;
       EXPECT_LT(result.symbols, whole.symbols) << algorithm.name << " " << method;
       EXPECT_EQ(result.is_weak(), whole.is_weak());
-      EXPECT_EQ(result.model.origin.at("error_outputs"), "'*closed'");
+      EXPECT_EQ(result.model.origin.at("error_outputs"), "*closed");
       EXPECT_NE(result.guarantee.find("behind the outputs that end a session"), std::string::npos);
     }
   }

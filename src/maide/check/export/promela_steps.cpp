@@ -213,8 +213,7 @@ class StepWriter {
                                    system_.file));
     }
     const std::string what = rules_->describe(relation);
-    const std::string name =
-        names_.of("after_", what + (rank > 0 ? " " + std::to_string(rank + 1) : ""));
+    std::string name = names_.of("after_", what + (rank > 0 ? " " + std::to_string(rank + 1) : ""));
     if (!has_tables_) text_.line(fmt::format("#define none {}", no_state));
     has_tables_ = true;
     std::vector<StateId> targets(model.automaton.size(), no_state);

@@ -119,7 +119,7 @@ const std::string& StepRules::name_of(const RuleAction& action, ExportNames& nam
 }
 
 std::string StepRules::describe(const ModelRelation& relation) const {
-  const std::string text = describe_use(system_, relation.use);
+  std::string text = describe_use(system_, relation.use);
   if (relation.bound == Bound::within) return text;
   return text + (relation.bound == Bound::cut ? " beyond" : " dropped");
 }

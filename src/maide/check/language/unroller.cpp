@@ -89,8 +89,8 @@ const std::vector<Uses>& Unroller::deaths() {
   deaths_.emplace_back();
   if (const auto own = names_.deaths.find(number_); own != names_.deaths.end()) {
     for (const auto& [model, steps] : own->second) {
-      deaths_.front().push_back(
-          actions_.action(model, program_.name + " dies", [&] { return steps; }));
+      deaths_.front().push_back(actions_.action(model, program_.name + " dies",
+                                                [&own_steps = steps] { return own_steps; }));
     }
   }
   for (const Topic& topic : names_.topics) {
