@@ -1,5 +1,5 @@
 // Checking programs that use models. A system file (docs/systems.md) names models, programs in a
-// small language, and properties; check() explores everything that they can do together.
+// small language, and properties. check() explores everything that they can do together.
 //
 //   const maide::Checked checked = maide::check("examples/case-study-1/strict-6.yaml");
 //   for (const maide::CheckedProperty& property : checked.properties) {
@@ -7,17 +7,17 @@
 //               << property.explanation << '\n';
 //   }
 //
-// A verdict is about the models: "violated" comes with a run that shows it, "holds" is as good as
+// A verdict is about the models. "violated" comes with a run that shows it. "holds" is as good as
 // the models, and `assumptions` says what it leans on. "inconclusive" is an answer, too: a limit
 // was reached, a run leaves what was learned, or a model is weak.
 //
-// Errors: ParseError (file:line:column) for the system file; UsageError for a property or an engine
-// that is not there; WrapperError where a model is to be learned and its system fails. Limits and
+// Errors: ParseError (file:line:column) for the system file. UsageError for a property or an engine
+// that is not there. WrapperError if a model is to be learned and its system fails. Limits and
 // interruptions are no errors: the properties that are left are inconclusive.
 //
-// Cost: time and memory grow with the states that are reachable, some 5 bytes each and a million a
-// second; formulas of LTL multiply them by the states of their automaton. Nothing is kept between
-// calls but the models that were learned, which lie beside the system file.
+// Cost: time and memory grow with the reachable states, some 5 bytes each and a million a second.
+// Formulas of LTL multiply the states by those of their automaton. Nothing is kept between calls
+// but the learned models, which lie beside the system file.
 //
 // For engines, traces and formulas themselves: maide/check/explore/check_system.hpp.
 #pragma once

@@ -19,9 +19,10 @@
 //   const maide::Learned learned = maide::learn_machine(machine);
 //
 // The long way. A learner asks output queries and makes hypotheses; an equivalence oracle looks for
+// The long way. A learner asks output queries and makes hypotheses. An equivalence oracle looks for
 // a word on which the hypothesis and the system differ. Decorators stand between them and the
-// system, and keep references, so that a stack is written from the system upwards and destroyed
-// from the top:
+// system, and keep references. So a stack is written from the system upwards and destroyed from the
+// top:
 //
 //   maide::SulOracle system{machine};   // plays words on the machine
 //   maide::Cache oracle{system};        // never plays the same word twice
@@ -29,20 +30,20 @@
 //   maide::WMethod teacher{oracle, {.extra_states = 2}};
 //   const maide::Mealy model = learn(learner, teacher);
 //
-// A run has three states: before start() a learner has no hypothesis; then it always has one; after
+// A run has three states. Before start() a learner has no hypothesis. Then it always has one. After
 // an exception it still has the last one. The system must answer the same word in the same way,
 // unless the algorithm is nstar.
 //
-// What "no counterexample" means is in EquivalenceOracle::guarantee(), in words, and in strength(),
-// in numbers: a model that the tests do not refute is not proved right. A model is weak if less was
-// tried than every model should withstand (maide/automata/strength.hpp).
+// "No counterexample" does not prove a model right. EquivalenceOracle::guarantee() says in words
+// what it means, and strength() in numbers. A model is weak if less was tried than every model
+// should withstand (maide/automata/strength.hpp).
 //
-// Errors: UsageError for names and values that are none, before anything is asked; WrapperError and
-// NondeterminismError where the system fails. learn_system() and learn_machine() keep what was
+// Errors: UsageError for names and values that do not exist, before anything is asked. WrapperError
+// and NondeterminismError if the system fails. learn_system() and learn_machine() keep what was
 // learned until then, see Learned::problem.
 //
 // Cost: L# asks at most k n^2 + (n - 1) (3 + log2(m + n)) words for n states, k inputs and
-// counterexamples of m inputs, and far fewer as a rule; the tests are most of the work
+// counterexamples of m inputs, and far fewer as a rule. The tests are most of the work
 // (docs/testing.md). Memory is that of the cache, some 10 bytes an input that was asked.
 #pragma once
 

@@ -68,12 +68,12 @@ struct IaComparison {
   bool differ_in_marks_alone() const { return !hard && !soft.empty(); }
 };
 
-// Compares what the automata enable and refuse after every word that both have, and whether they
-// may be quiescent there (a difference in quiescence alone is told by the last "action"
-// "(quiescence)"). Actions are matched by name; an input that only one has is refused by the other.
-// Words are shortest and then alphabet-least: inputs first, in left's order. Absorbed inputs count
-// as unexplored and are not followed. Pairs reached: at most n m for deterministic automata,
-// exponentially many else. Throws Interrupted.
+// Compares two automata after every word that both have: the actions they enable and refuse, and
+// whether they may be quiescent there. A difference in quiescence alone has the last "action"
+// "(quiescence)". Actions are matched by name. An input that only one automaton has is refused by
+// the other. Absorbed inputs count as unexplored and are not followed. The word is a shortest one,
+// and of those the alphabet-least: inputs first, in left's order. Cost: at most n m pairs for
+// deterministic automata, exponentially many otherwise. Throws Interrupted.
 IaComparison compare(const InterfaceAutomaton& left, const InterfaceAutomaton& right,
                      const RunControl& control = {});
 

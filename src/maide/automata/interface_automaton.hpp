@@ -2,8 +2,7 @@
 // Vaandrager (CONCUR 2010). The environment gives inputs (written ?a), the system emits outputs
 // (written !a).
 //
-// An input that is not possible has one of three reasons, and these stay apart all the way to a
-// verdict:
+// An input may be impossible for one of three reasons. They stay apart all the way to a verdict:
 //
 //   refused     no transition: the actor is busy, or an output is due
 //   unexplored  marked: it lies beyond the learning purpose's bound and was never tried

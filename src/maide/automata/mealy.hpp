@@ -59,8 +59,8 @@ class Mealy {
   std::span<const Cell> row(StateId from) const {
     return std::span(cells_).subspan(index(from, 0), inputs_.size());
   }
-  // A number for the row as it is now: wherever it is the same, in this machine later or in a copy
-  // of it, the row is the same. Setting a transition makes a new one.
+  // Identifies the contents of the row. Rows with the same number are the same, in this machine at
+  // any time and in its copies. Setting a transition makes a new number.
   std::uint64_t revision(StateId state) const { return revisions_[state]; }
   // Every state has a transition for every input. O(size x inputs).
   bool is_complete() const;
@@ -88,13 +88,13 @@ class Mealy {
 
 // ---- Moore machines and DFAs ----
 //
-// A Moore machine is a Mealy machine in which a transition's output is that of the state it leads
-// to. A DFA's outputs are "accept" and "reject". So any learner of Mealy machines learns them. The
-// output of the initial state is lost by that, because no input shows it. It stays in `origin`,
-// with the kind ("type": "moore" or "dfa").
+// In a Moore machine a transition's output is that of the state it leads to. A DFA's outputs are
+// "accept" and "reject". So both are Mealy machines, and any learner of these learns them. The
+// output of the initial state is lost, because no input shows it. It is kept in `origin`, with the
+// kind ("type": "moore" or "dfa").
 //
-// A minimal Mealy machine may have one state for two that differ in their own output alone.
-// split_states() makes two of it again, which gives the minimal Moore machine.
+// Two Moore states that differ in their own output alone are one state of the minimal Mealy
+// machine. split_states() makes two of it again. The result is the minimal Moore machine.
 
 inline constexpr const char* accepting_output = "accept";  // of a DFA's states
 inline constexpr const char* rejecting_output = "reject";

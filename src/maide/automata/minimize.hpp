@@ -1,12 +1,13 @@
 // Minimisation. Results keep only reachable states, numbered in breadth-first order from the
 // initial state 0.
 //
-// Mealy machines: partition refinement level by level (Moore, "Gedanken-experiments on sequential
-// machines", 1956). A level looks only at predecessors of the parts of blocks that the level before
-// split, of all parts but the largest (Hopcroft, "An n log n algorithm for minimizing states in a
-// finite automaton", 1971). Interface automata: the coarsest bisimulation that also respects what
-// was never tried (Kanellakis & Smolka, PODC 1983, by signatures). For a deterministic automaton
-// that is the minimal one.
+// Mealy machines: partition refinement, level by level (Moore, "Gedanken-experiments on sequential
+// machines", 1956). A level splits by the parts of the blocks that the level before split. It looks
+// only at their predecessors, and skips the largest part (Hopcroft, "An n log n algorithm for
+// minimizing states in a finite automaton", 1971).
+//
+// Interface automata: the coarsest bisimulation that also respects what was never tried (Kanellakis
+// & Smolka, PODC 1983, by signatures). For a deterministic automaton that is the minimal one.
 #pragma once
 
 #include <functional>
@@ -17,9 +18,9 @@
 
 namespace maide {
 
-// Called after `fresh` was split off from `block`. Steps count levels and inputs: with k inputs,
-// step l k + i splits states for which a shortest word that tells them apart has l + 1 inputs, and
-// i is the least input with which one begins.
+// Called after `fresh` was split off from `block`. Steps count levels and inputs. With k inputs,
+// step l k + i splits states whose shortest separating word has l + 1 inputs. Of all such words, i
+// is the least first input.
 using SplitObserver =
     std::function<void(Partition::Block block, Partition::Block fresh, std::size_t step)>;
 

@@ -26,11 +26,11 @@ struct RandomMealyOptions {
 // states. O(states x inputs).
 Mealy random_mealy(const RandomMealyOptions& options, Random& random);
 
-// The machine of another version: so many times, one of: a transition gets another output, a
-// transition gets another target, or a transition leads to a new state, a copy of its target with
-// one transition changed. Outputs are among those the machine has; a change may by chance change
-// nothing, and states may become unreachable. Throws UsageError for a machine without transitions.
-// O(states x inputs).
+// A mutant of the machine, as a stand-in for its next version. Makes `changes` changes. A change
+// gives a transition another output, gives it another target, or leads it to a new state: a copy of
+// its target with one transition changed. Outputs are among those that the machine has. A change
+// may by chance change nothing, and states may become unreachable. Throws UsageError for a machine
+// without transitions. O(states x inputs).
 Mealy mutate(const Mealy& machine, std::size_t changes, Random& random);
 
 struct RandomInterfaceAutomatonOptions {

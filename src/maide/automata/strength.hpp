@@ -1,7 +1,7 @@
 // What tests establish about a learned model, in four numbers. Only `extra_states` is a theorem (M.
-// P. Vasilevskii 1973; T. S. Chow 1978); the others say what was covered. A model that falls short
-// of its `StrengthDemand` in one of them is weak: something that hides behind a few rare inputs, or
-// behind a count, may be missing from it.
+// P. Vasilevskii 1973; T. S. Chow 1978). The others say what was covered. A model that falls short
+// of its `StrengthDemand` in one number is weak: it may lack behaviour that hides behind a few rare
+// inputs or behind a count.
 #pragma once
 
 #include <cstdint>
@@ -41,9 +41,9 @@ inline constexpr std::size_t extra_states_without_random = 3;
 // How often an input is repeated where the system names no size.
 inline constexpr std::size_t default_pumped = 64;
 
-// For a model of `states` states and `inputs` inputs: one extra state, chains of three inputs,
-// 2000 + 20 n k random tests, and pumps of twice the largest size that the system's options name,
-// or of 64 where they name none (0). O(1).
+// The demand on a model of `states` states and `inputs` inputs: one extra state, chains of three
+// inputs, 2000 + 20 n k random tests, and pumps of twice `largest_size`. That is the largest size
+// that the system's options name. If they name none (0), pumps have 64 inputs. O(1).
 StrengthDemand default_demand(std::size_t states, std::size_t inputs, std::size_t largest_size);
 
 // Where it falls short, as what is demanded there: "extra-states=1,pumped=64"; empty where nowhere,
@@ -56,8 +56,8 @@ std::string describe_shortfall(const Strength& strength, const StrengthDemand& d
 std::string to_string(const Strength& strength);
 Strength parse_strength(std::string_view text);
 
-// What a model's origin says of it under this key: to_string(strength), behind "weak: " if it fell
-// short of what is demanded of a model of its system, which a reader cannot work out: the file does
+// The key of the strength in a model's origin. The value is to_string(strength), behind "weak: " if
+// the model fell short of what is demanded. A reader cannot work that out, because the file does
 // not hold the sizes.
 inline constexpr std::string_view strength_key = "strength";
 struct StatedStrength {

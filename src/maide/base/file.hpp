@@ -1,6 +1,5 @@
-// Files and what is done with them: reading and writing whole files, descriptors and pipes, folders
-// for temporary files, and an output stream that hands its text on in pieces. A crash or a full
-// disk never leaves half a file behind.
+// Files: reading and writing whole files, descriptors and pipes, temporary folders, and an output
+// stream that hands its text on in pieces. A crash or a full disk never leaves half a file behind.
 #pragma once
 
 #include <cerrno>
@@ -36,8 +35,8 @@ void write_file_atomically(const std::filesystem::path& path, std::string_view c
 void write_file_atomically(const std::filesystem::path& path,
                            const std::function<void(std::ostream& out)>& write);
 
-// For work that is long and ends with a file: throws the error of write_file_atomically() now, as
-// far as it can be foreseen (no such folder, no permission, a folder). Writes nothing.
+// For long work that ends with a file: throws now the error that write_file_atomically() would
+// throw, as far as it can be foreseen (no such folder, no permission, a folder). Writes nothing.
 void check_can_write(const std::filesystem::path& path);
 
 // Whether both names are of one file, there or not.

@@ -18,9 +18,9 @@ constexpr std::uint64_t hash_step(std::uint64_t hash, std::uint64_t value) {
   return (hash ^ value) * 1099511628211ULL;
 }
 
-// The hash of what `hash` stands for, and then `value`, for tables whose places are some of its low
-// bits. The product moves bits up, the shift moves the upper half down: in a table of 2^b places
-// only the bits of the last value from 32 + b on say nothing of the place.
+// Extends `hash` by `value`. The result is good for tables that take a place from some of its low
+// bits: the product moves bits up, and the shift moves the upper half down. In a table of 2^b
+// places, the only bits without influence on the place are those of the last value from 32 + b on.
 constexpr std::uint64_t hash_mix(std::uint64_t hash, std::uint64_t value) {
   hash = (hash ^ value) * 0xd6e8feb86659fd93ULL;
   return hash ^ (hash >> 32);

@@ -3,10 +3,10 @@
 // with "internal error" (exit status 5). Errors of users and of systems are maide::Error, and never
 // this.
 //
-// On where MAIDE_CHECKS is defined: in the presets dev, asan and tsan. Elsewhere the condition is
-// compiled and not evaluated, so it must have no effect of its own. A check on a hot path costs
-// O(1), or no more than the step that it is about; what looks at a whole structure is
-// check_invariants() of its class, which is there in every build, and which tests call.
+// Checks are on where MAIDE_CHECKS is defined: in the presets dev, asan and tsan. Elsewhere the
+// condition is compiled and not evaluated, so it must have no effect of its own. A check on a hot
+// path costs O(1), or no more than the step that it is about. check_invariants() of a class looks
+// at the whole structure. It is there in every build, and tests call it.
 #pragma once
 
 namespace maide {

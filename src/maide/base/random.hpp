@@ -1,7 +1,7 @@
-// Random numbers that are the same everywhere: the standard library's distributions differ between
-// implementations, so a seed would not mean the same run. The generator is xoshiro256** 1.0,
+// Random numbers that are the same everywhere. (The standard library's distributions differ between
+// implementations, so a seed would not mean the same run.) The generator is xoshiro256** 1.0,
 // seeded by splitmix64 (Blackman & Vigna, "Scrambled linear pseudorandom number generators", ACM
-// TOMS 2021); bounded integers are drawn by rejection, so they carry no bias.
+// TOMS 2021). Bounded integers are drawn by rejection, so they carry no bias.
 #pragma once
 
 #include <cstddef>

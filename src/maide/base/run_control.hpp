@@ -52,9 +52,9 @@ struct RunControl {
   }
 };
 
-// Ctrl-C and `kill` as a stop token. The first SIGINT or SIGTERM asks for a clean stop; another one
-// ends the process at once (exit status 3), unless it comes within a quarter of a second:
-// timeout(1) signals the process and then its group, which is one request and not two.
+// Ctrl-C and `kill` as a stop token. The first SIGINT or SIGTERM asks for a clean stop. A later one
+// ends the process at once (exit status 3), unless it comes within a quarter of a second.
+// timeout(1) signals the process and then its group, and means one request.
 class Interrupt {
  public:
   // Installs the signal handlers. At most one in a process at a time (std::logic_error).

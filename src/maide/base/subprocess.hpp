@@ -1,6 +1,6 @@
 // Other programs: spin, cc, dot, wrappers. No shell is involved. A program gets a process group of
-// its own, so that Ctrl-C reaches Maide alone, which then ends the program and everything that it
-// started; and it dies with Maide, however Maide ends.
+// its own, so Ctrl-C reaches Maide alone. Maide then ends the program and everything that it
+// started. The program also dies if Maide dies, in whatever way.
 #pragma once
 
 #include <sys/types.h>

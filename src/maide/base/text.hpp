@@ -48,9 +48,9 @@ constexpr bool is_continuation(char byte) { return (static_cast<unsigned char>(b
 // ---- Text that others wrote ----
 //
 // What a wrapper says, or a name in a file, may hold control characters. A control character can
-// move the cursor, recolour or erase what stands there, even type. So each that is not white space
-// becomes '?' before a terminal gets the text; those of Unicode (U+0080 to U+009F) and bytes that
-// are no UTF-8 do, too. Text for a file or a program is not changed.
+// move the cursor, recolour or erase the text there, even type. So before a terminal gets the text,
+// '?' replaces every control character that is not white space, those of Unicode too (U+0080 to
+// U+009F), and every byte that is not UTF-8. Text for a file or a program is not changed.
 
 // Keeps lines and tabs.
 std::string printable(std::string_view text);
@@ -78,8 +78,8 @@ std::string quote_shell_word(const std::string& word);
 // The number of edits that turn `a` into `b`; O(|a| |b|).
 std::size_t edit_distance(std::string_view a, std::string_view b);
 
-// The nearest of `known` (the first of them in case of a tie), or "" if none is near: more than a
-// third of the name's letters, and more than one, would have to change.
+// The nearest of `known`, the first of them in case of a tie; "" if none is near. A name is near if
+// at most one letter has to change, or at most a third of the name's letters.
 std::string find_nearest(std::string_view name, std::span<const std::string> known);
 
 // "; did you mean 'depth'?", or "" if nothing is near. To be put behind an error message.

@@ -1,6 +1,6 @@
-// The frame of the command line. A command is a row of the table in command.cpp and a
-// function that declares its options; everything that commands share (help, --json, -v, -q, errors,
-// exit statuses, Ctrl-C) is done once, in run_command_line.cpp.
+// The frame of the command line. A command is a row of the table in command.cpp, and a function
+// that declares its options. Help, --json, -v, -q, errors, exit statuses and Ctrl-C are done once
+// for all commands, in run_command_line.cpp.
 //
 // A command's file looks like this:
 //
@@ -32,8 +32,8 @@
 #include "maide/base/run_control.hpp"
 #include "maide/cli/command_line.hpp"
 
-// What a command works with: the options that every command has, the stop token and progress line
-// for long work, and the two ways to give a result - text for people, or one JSON object.
+// What a command works with: the options that every command has, the stop token and the progress
+// line for long work, and two ways to give a result, text for people or one JSON object.
 
 namespace maide::cli {
 

@@ -81,9 +81,9 @@ class CommandLine {
   void set_footer(const std::string& text);
   std::string help() const;
 
-  // Parses what was typed behind the command. False: help was asked for. Throws UsageError for what
-  // does not fit, ended by `hint`: an unknown option with the nearest name, an option with an empty
-  // value (a variable of a script that is not set), and what the checks say.
+  // Parses the words behind the command. False: help was asked for. Throws UsageError, with `hint`
+  // at its end, for an unknown option (naming the nearest), for an option with an empty value (a
+  // variable of a script that is not set), and for what the checks refuse.
   bool parse(const std::vector<std::string>& typed, const std::string& hint);
 
  private:

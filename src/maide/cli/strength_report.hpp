@@ -1,5 +1,5 @@
 // What `maide learn` says of the strength of a model (automata/strength.hpp): in numbers as JSON,
-// in words for people, and, where the model is weak, what to type next.
+// in words for people. For a weak model it also says what to type next.
 #pragma once
 
 #include <cstdint>
@@ -18,17 +18,17 @@ void add_strength(Json& json, const LearnedModel& learned);
 // The first is empty for a model without a strength.
 std::string describe_strength(const LearnedModel& learned);
 
-// One line, for a weak model: that it is weak, what was not tried, what that would cost in words,
-// symbols and, at the speed of this run, time. Empty for any other model.
+// One line, for a weak model: that it is weak, what was not tried, and what that would cost in
+// words, symbols and time (at the speed of this run). Empty for any other model.
 std::string describe_weakness(const ExperimentResult& run);
 
 struct NextCommand {
   std::uint64_t effort = 1;  // of this run
   std::string model;         // the file that it wrote; "" if none
 };
-// The command line that was parsed, changed so that it goes on from a weak model: it
-// starts from the file, tests by the default method, and, if this run did, with the effort that
-// the missing tests need (ten times as much where their cost is unknown). Empty where no effort is
+// A command line that goes on from a weak model: the parsed one, changed. It starts from the
+// model's file and tests by the default method. If this run did so, too, it has the effort that the
+// missing tests need, or ten times this run's if their cost is unknown. Empty if no effort is
 // enough.
 std::string describe_next_command(const CommandLine& line, const ExperimentResult& run,
                                   const NextCommand& next);

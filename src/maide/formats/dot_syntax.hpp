@@ -16,8 +16,9 @@
 
 namespace maide {
 
-// Attributes lie in one arena as linked lists that share their tails, so that defaults cost nothing
-// for each node and edge that they apply to: a list is the place of its newest entry.
+// A list of attributes, by the place of its newest entry. All lists lie in one arena, as linked
+// lists that share their tails. So a default costs nothing for each node and edge that it applies
+// to.
 using DotAttributes = std::uint32_t;
 inline constexpr DotAttributes no_dot_attributes = ~DotAttributes{0};
 

@@ -1,7 +1,6 @@
-// What the readers of all file formats have in common: a graph whose edges carry labels becomes a
-// Mealy machine ("input / output") or an interface automaton ("?input", "!output"); which of the
-// two is seen from the labels. A Mealy machine with several answers to an input is
-// nondeterministic.
+// What the readers of all file formats have in common: making a model of a graph with labelled
+// edges. Labels like "input / output" make a Mealy machine. Labels like "?input" and "!output" make
+// an interface automaton. A Mealy machine with several answers to an input is nondeterministic.
 #pragma once
 
 #include <optional>
@@ -47,8 +46,8 @@ struct LabelledGraph {
   SourcePosition at(TextPlace place) const { return {file, place.line, place.column}; }
 };
 
-// Throws ParseError with its place for a label that is neither form, a symbol that the file does
-// not declare though it declares its alphabet, and for a Mealy machine that is incomplete, or
+// Throws ParseError with its place for a label of neither form, for a symbol that is missing from
+// an alphabet that the file declares, and for a Mealy machine that is incomplete or
 // nondeterministic and not observable (two transitions with the same input and output). Alphabets
 // that are not declared are in order of appearance.
 Model to_model(const LabelledGraph& graph);
@@ -57,8 +56,8 @@ Model to_model(const LabelledGraph& graph);
 std::string mealy_label(std::string_view input, std::string_view output);
 std::string action_label(const InterfaceAutomaton& automaton, Action action);
 
-// Whether a reader without other knowledge takes a graph with these labels for an interface
-// automaton: every label begins with ? or !, or one does and has no '/'; no labels: no.
+// True if these labels alone suggest an interface automaton: every label begins with ? or !, or one
+// does and has no '/'. False if there are no labels.
 bool looks_like_interface_automaton(const std::vector<std::string_view>& labels);
 
 }  // namespace maide

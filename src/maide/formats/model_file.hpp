@@ -1,5 +1,5 @@
-// Models in files: reading any of them by the extension of its name (.dot, .gv or .aut), and the
-// two formats that are both read and written, DOT and Aldebaran's .aut.
+// Models in files. read_model() reads any of them, by the extension of its name (.dot, .gv or
+// .aut). Two formats are both read and written: DOT, and Aldebaran's .aut.
 #pragma once
 
 #include <filesystem>
@@ -51,10 +51,10 @@ Model read_aut(std::string_view text, const std::string& file);
 
 enum class MarkLoss : bool { refuse, accept };
 
-// An interface automaton's unexplored inputs, absorbed edges and hidden returns cannot be written,
-// nor the output of a Moore machine before its first input: throws UsageError for a model that has
-// any, unless their loss is accepted. Unexplored inputs then look refused, absorbed edges look
-// tried.
+// The format has no place for an interface automaton's unexplored inputs, absorbed edges and hidden
+// returns, nor for the output of a Moore machine before its first input. Throws UsageError for a
+// model that has any of these, unless their loss is accepted. Then unexplored inputs look refused,
+// and absorbed edges look tried.
 void write_aut(std::ostream& out, const Model& model, MarkLoss marks = MarkLoss::refuse);
 
 // Which marks a model has, for messages: "unexplored inputs, absorbed edges"; empty for none.

@@ -1,5 +1,5 @@
-// Names of symbols in files. In attributes and labels a name is written as it is, or, if it
-// contains what separates names there, in double quotes with \" and \\ inside; every name
+// Names of symbols in files. In attributes and labels a name is written as it is. A name that
+// contains a separator of such lists is written in double quotes, with \" and \\ inside. Every name
 // round-trips. For formats that are programs, `Identifiers` makes legal and distinct identifiers of
 // names.
 #pragma once
@@ -40,8 +40,8 @@ class Identifiers {
   // `reserved`: keywords and other words that must not be given out.
   explicit Identifiers(std::span<const std::string_view> reserved);
 
-  // `wanted` if it is an identifier ([A-Za-z][A-Za-z0-9_]*) that is neither reserved nor given out
-  // before; else the nearest that is: other characters become '_', and a number is appended. The
+  // `wanted`, if it is an identifier ([A-Za-z][A-Za-z0-9_]*) that is neither reserved nor given out
+  // before. Otherwise the nearest one: other characters become '_', and a number is appended. The
   // same calls give the same identifiers.
   std::string unique(std::string_view wanted);
   // One for each name; `prefix` goes before each.

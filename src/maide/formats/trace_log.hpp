@@ -1,5 +1,5 @@
-// Logs of what a system did. A trace is a line, a JSON array of steps, each an input and its
-// output:
+// Logs of what a system did. A line is one trace: a JSON array of steps. A step is an input and its
+// output.
 //
 //   [["write", "quiet"], ["read", "message"]]
 //

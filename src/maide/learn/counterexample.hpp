@@ -1,7 +1,7 @@
-// The analysis of counterexamples that all learners share: cutting one where the outputs first
-// differ, and finding in it a suffix that tells two states apart which the hypothesis takes for one
-// (Rivest & Schapire, "Inference of finite automata using homing sequences", Information and
-// Computation 103, 1993).
+// The analysis of counterexamples that all learners share. It cuts a counterexample where the
+// outputs first differ. It finds a suffix that tells apart two states of the system that are one
+// state of the hypothesis (Rivest & Schapire, "Inference of finite automata using homing
+// sequences", Information and Computation 103, 1993).
 #pragma once
 
 #include <cstdint>
@@ -19,9 +19,9 @@ std::size_t first_mismatch(const Mealy& hypothesis, const Word& word, const Word
 std::size_t first_mismatch(const Mealy& hypothesis, StateId state, std::span<const Symbol> word,
                            std::span<const Symbol> outputs);
 
-// How a counterexample w of length m decomposes: for u = w[0..position), a = w[position] and
-// v = w[position+1..m), the words access(u) a and access(u a) lead the hypothesis to one state,
-// but v tells them apart in the system. v is never empty.
+// How a counterexample w of length m decomposes, with u = w[0..position), a = w[position] and v =
+// w[position+1..m). The words access(u) a and access(u a) lead the hypothesis to one state, but v
+// tells them apart in the system. v is never empty.
 struct Decomposition {
   std::size_t position = 0;
   std::uint64_t output_queries = 0;  // asked to find it, at most ceil(log2 m)

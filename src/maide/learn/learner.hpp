@@ -89,9 +89,9 @@ std::span<const LearnerEntry> deterministic_learners();
 const LearnerEntry& find_learner(std::string_view name);
 const LearnerEntry& find_deterministic_learner(std::string_view name);
 
-// A learner of the algorithm; it starts from `old_model`, a model of an earlier version of the
-// system, if that is not null and the algorithm can; then it asks `first_words` before all else
-// (see LSharp).
+// A learner of the algorithm. It starts from `old_model`, a model of an earlier version of the
+// system, if that is not null and the algorithm can do so. Then it asks `first_words` before all
+// else (see LSharp).
 std::unique_ptr<Learner> make_learner(const LearnerEntry& algorithm, OutputOracle& oracle,
                                       const Mealy* old_model, const RunControl& control = {},
                                       std::span<const Word> first_words = {});

@@ -1,6 +1,6 @@
-// A counterexample in one sentence of plain words: who waits for what, what became of it, and who
-// could still change that; and where a run breaks a formula. The sentence is made from facts alone
-// (check/explore/waiting.hpp), for any system: nothing is known here of particular middlewares.
+// A counterexample in one sentence of plain words: who waits for what, what became of the messages,
+// who could still change that, or where a run breaks a formula. The sentence is made from facts
+// alone (check/explore/waiting.hpp). It knows nothing of particular middlewares.
 #pragma once
 
 #include <string>
@@ -13,9 +13,9 @@
 namespace maide {
 
 // Where a run breaks a formula, in words: "planner@sent holds after step 7, but controller@done
-// never holds from then on". The idea: walk down the formula along the reasons for its value, to
-// the first position at which a temporal operator was broken, until something is left that a person
-// sees in the trace.
+// never holds from then on". The idea: walk down the formula along the reasons for its value. The
+// walk goes to the first position at which a temporal operator was broken, and ends at something
+// that a person sees in the trace.
 
 // A clause without a full stop. `trace` violates `formula`; `states` are replay()'s.
 std::string describe_violation(const System& system, const Formula& formula, const Trace& trace,

@@ -1,7 +1,7 @@
-// The result of a check as one HTML page that needs nothing else: verdicts, what they rest on, and
-// each counterexample in a sentence, as a message sequence chart, step by step and in the programs'
-// text, with pictures of the models. Escaped text and listings of programs, which other pages use,
-// are here too.
+// The result of a check as one HTML page that needs nothing else: the verdicts, what they rest on,
+// and pictures of the models. A counterexample is shown in a sentence, as a message sequence chart,
+// step by step, and in the programs' text. Escaped text and listings of programs, which other pages
+// use, are here, too.
 #pragma once
 
 #include <functional>
@@ -21,7 +21,7 @@ std::string escape_markup(std::string_view text);
 
 // ---- Listings ----
 //
-// The programs' text, with two kinds of lines marked: those where a program stands when a
+// The programs' text. Two kinds of lines are marked: those where a program stands when a
 // counterexample ends, and those that it repeats for ever.
 
 // Writes a <pre class="program"> for each program, with line numbers. Lines are <mark>s of class

@@ -1,6 +1,6 @@
-// Message sequence charts of counterexamples: a lane for each program and model, an arrow for each
-// rendezvous, and below each program what it waits for in the end. A chart is made from a trace and
-// its system, or from a trace file alone.
+// Message sequence charts of counterexamples. A chart has a lane for each program and model, and an
+// arrow for each rendezvous. Below each program stands what it waits for in the end. A chart is
+// made from a trace and its system, or from a trace file alone.
 #pragma once
 
 #include <string>

@@ -1,10 +1,10 @@
-// Words that end the system. A reproducible crash or hang is an observation like any other. The
-// step in which it happens has one event, `crash` or `hang`, by the actor of the input. What a
-// dying system still says is a race, so it is not looked at. Behind that step there is no system,
-// so nothing is taken any more.
+// Words that end the system. A reproducible crash or hang is an observation like any other. Its
+// step has one event, `crash` or `hang`, by the actor of the input. Other events of that step are
+// dropped, because what a dying system says is a race. Behind that step there is no system, so
+// nothing is taken any more.
 //
-// Here are the look of such a step, the answers to the rest of a query, and the memory of words
-// that are known to be fatal, which need not cost another process.
+// This file makes such a step and the answers to the rest of a query. It also remembers fatal
+// words, so that none of them costs another process.
 #pragma once
 
 #include <array>
@@ -29,8 +29,9 @@ bool is_fatal(WordEnd end);
 // Makes the last step of `answer`, whose `end` is fatal, what such a step is. Not without steps.
 void mark_fatal_step(SulAnswer& answer, const SulInfo& info);
 
-// Answers the rest of `query` behind a crash or a hang: every input is refused; under av Delta
-// takes the end's output first, which waits in the queue. Nothing changes for other answers.
+// Answers the rest of `query` behind a crash or a hang: every input is refused. Under av, Delta
+// first takes the output `crash` or `hang`, which waits in the queue. Other answers are not
+// changed.
 void answer_rest(SulAnswer& answer, const SulQuery& query, const SulInfo& info);
 
 // A word that ends the system, up to and with the input that does it.

@@ -67,17 +67,17 @@ class IaExpander {
 inline constexpr const char* delta_input = "Delta";
 
 // The interface automaton that `machine` stands for, minimal. `actors` gives the actor of each
-// output: one actor's outputs keep their order, those of different actors that are due at the same
-// time may be taken in any order. Outputs of no actor count as one actor's. Throws UsageError where
-// the machine breaks the translation's assumptions: a refusal or delta that changes the state, an
-// input that is taken while an output is due, outputs without end.
+// output. One actor's outputs keep their order. Outputs of different actors that are due at the
+// same time may be taken in any order. Outputs of no actor count as one actor's. Throws UsageError
+// if the machine breaks an assumption of the translation: a refusal or delta that changes the
+// state, an input that is taken while an output is due, outputs without end.
 InterfaceAutomaton to_interface_automaton(const Mealy& machine, Translation translation,
                                           std::span<const Actor> actors);
 
-// The same for a nondeterministic machine of the eager translation. The choice is the system's, and
-// is made when the input is taken: an input with several answers has several targets, each with the
-// outputs of one answer due; one without an answer is unexplored. Throws UsageError where an input
-// is at times refused, or beyond the bound, and at times taken.
+// The same for a nondeterministic machine of the eager translation. The system chooses when it
+// takes the input. So an input with several answers has several targets, each with the outputs of
+// one answer due. An input without an answer is unexplored. Throws UsageError for an input that is
+// taken at some times, and refused or beyond the bound at others.
 InterfaceAutomaton to_interface_automaton(const NondeterministicMealy& machine,
                                           std::span<const Actor> actors);
 

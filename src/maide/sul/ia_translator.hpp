@@ -46,10 +46,10 @@ class IaTranslator {
   const Alphabet& inputs() const { return inputs_; }    // the system's, and Delta last under av
   const Alphabet& outputs() const { return outputs_; }  // grows as outputs are seen
 
-  // Answers in the order of the queries, whatever the order in which the system gave them. A crash
-  // or a hang is an answer, too; what begins with a word that is known to end so is not run again,
-  // unless the very same word is asked once more (a vote).
-  // A word that was aborted throws WrapperError naming the word. O(batch) resets.
+  // Answers in the order of the queries, in whatever order the system answered them. A crash or a
+  // hang is an answer, too. A word that begins with a known fatal word is not run again, unless the
+  // very same word is asked once more (a vote). A word that was aborted throws WrapperError naming
+  // the word. O(batch) resets.
   std::vector<MealyAnswer> run(std::span<const Query> batch, const RunControl& control = {});
   // As above, but hands over what was answered when the call ends early by an exception.
   using PartialSink = std::function<void(std::size_t index, const MealyAnswer& answer)>;
@@ -57,8 +57,8 @@ class IaTranslator {
                                const PartialSink& on_early_end);
   // Words that end the system, each up to the input that does it, in the order in which they came.
   const std::vector<FatalWord>& fatal_words() const { return fatal_words_.list(translation_); }
-  // An answer that is known from elsewhere, by the names of its outputs: if it ends in a crash or a
-  // hang, it will not be run again.
+  // Takes an answer that is known from elsewhere, by the names of its outputs. If it ends in a
+  // crash or a hang, the word will not be run again.
   void remember(const Word& inputs, const std::vector<std::string>& outputs);
   // Symbol of an output that is known from elsewhere (a cache on disk).
   Symbol intern_output(std::string_view name) { return outputs_.intern(name); }

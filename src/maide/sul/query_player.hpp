@@ -1,7 +1,7 @@
-// Plays one query, step by step, on anything that can take one input at a time. This is the single
-// place that knows what a step means: busy actors refuse, learning purposes bound, outputs have a
-// canonical order, the av translation has a queue and Delta, and decision trees branch. Wrappers
-// (behind the wire) and simulated systems both use it.
+// Plays one query, step by step, on anything that can take one input at a time. Wrappers (behind
+// the wire) and simulated systems both use it. Only this code knows what a step means: busy actors
+// refuse, learning purposes bound, outputs have a canonical order, the av translation has a queue
+// and Delta, and decision trees branch.
 #pragma once
 
 #include <cstddef>

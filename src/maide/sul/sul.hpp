@@ -24,10 +24,10 @@ namespace maide {
 
 // ---- Queries ----
 //
-// A system is asked a word or a decision tree (an input, then a subtree for each output), so that
-// adaptive learners and tests do not pay a reset for each branch. Two levels share the shape.
-// `Query` speaks the learner's symbols (inputs and outputs of a Mealy machine). `SulQuery` names
-// the expected outputs by text, as they cross the wire.
+// A system is asked a word or a decision tree: an input, then a subtree for each output. With a
+// tree, adaptive learners and tests do not pay a reset for each branch. Queries exist on two
+// levels. `Query` speaks the learner's symbols (inputs and outputs of a Mealy machine). `SulQuery`
+// names the expected outputs by text, as they cross the wire.
 
 // Which Mealy machine stands for an interface automaton (design: "Translations").
 enum class Translation : std::uint8_t {
@@ -150,8 +150,8 @@ struct SulInfo {
   bool speaks_av = true;        // understands Delta
 };
 
-// What went wrong on the way and was put right: the system's process died, or did not end, and the
-// word in progress was asked again, without that being reproducible.
+// Failures that were put right: the system's process died, or did not end, and the word in progress
+// was asked again, and that did not happen again each time.
 struct SulIncidents {
   struct Death {
     std::string reason;  // "the wrapper was killed by signal 11 (Segmentation fault)"

@@ -35,9 +35,9 @@ class SulPool : public Sul {
   // Of all of them, also of those that were given up.
   SulIncidents incidents() const override;
 
-  // Runs every query on one of the systems. One that throws WrapperError is given up for good, and
-  // what it did not answer is asked of the others; the error of the last one is thrown. Any other
-  // exception, the sink's too, stops all of them. All are idle when the call ends.
+  // Runs every query on one of the systems. A system that throws WrapperError is given up for good,
+  // and the others are asked the rest of its queries. The error of the last system is thrown. Any
+  // other exception, the sink's too, stops all of them. All are idle when the call ends.
   void run(std::span<const SulQuery> batch, const SulAnswerSink& sink,
            const RunControl& control) override;
 

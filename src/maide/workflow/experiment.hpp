@@ -51,8 +51,9 @@ struct ExperimentOptions {
   // If there is none: models of which the system may have one. The one that it seems to have is the
   // old model.
   std::vector<KnownModel> known_models;
-  // Of the system, asked about where a hypothesis differs; an algorithm that can start from an old
-  // model starts from what the log alone gives, if there is no better one.
+  // A log of the system. The system is asked about each word on which a hypothesis and the log
+  // differ. An algorithm that can start from an old model starts from what the log alone gives, if
+  // there is no better one.
   const TraceLog* traces = nullptr;
   std::vector<Word> known_words;  // each hypothesis is tested with these first
   // Names of outputs that end the session, '*' for any characters (learn/oracle/error_outputs.hpp).
@@ -144,8 +145,9 @@ std::vector<std::size_t> find_sizes(const SulInfo& info);
 // What the tests of a hypothesis may cost by default: less on a real system than in memory.
 TestCost test_budget(bool is_in_memory);
 
-// Throws UsageError, with what there is, if neither the algorithm nor a method of `test_method` (as
-// `--algorithm` and `--eq` have them; "": the default) looks at the option of test_options().
+// Throws UsageError, with the options that exist, if neither the algorithm nor a method of
+// `test_method` looks at the option of test_options(). Names are those of `--algorithm` and `--eq`;
+// "" is the default.
 void require_test_option(const std::string& algorithm, const std::string& test_method,
                          std::string_view option);
 

@@ -62,15 +62,15 @@ struct SingledOut {
   std::uint64_t words = 0;  // asked
 };
 
-// Plays an adaptive distinguishing experiment of the models, word by word: each word leaves, at
-// worst, as few of them as any shortest word that tells two apart. There must be a model, and no
-// two that behave alike. Each word rules out one at least.
+// Plays an adaptive distinguishing experiment of the models, word by word. Each word rules out at
+// least one model. In the worst case it leaves as few of them as any shortest word that tells two
+// apart. There must be a model, and no two that behave alike.
 SingledOut single_out(const std::vector<KnownModel>& models, OutputOracle& oracle,
                       const RunControl& control = {});
 
-// The tests that hybrid ADS begins with, which no other machine of as many states passes, by length
-// of what they reach; but for those that others begin with. `old_model` needs all of `inputs`; none
-// if it lacks one. For LSharp's first words: the tests that follow ask them again, from the cache.
+// The tests that hybrid ADS begins with, by length of what they reach, without those that are
+// prefixes of others. No other machine of as many states passes them all. None if `old_model` lacks
+// one of `inputs`. For LSharp's first words: the tests that follow ask them again, from the cache.
 std::vector<Word> verifying_words(const Mealy& old_model, const Alphabet& inputs,
                                   std::uint64_t seed);
 

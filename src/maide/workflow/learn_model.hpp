@@ -1,6 +1,6 @@
-// From a system to its model: a learning run through the IA translator, the minimal Mealy machine
-// of it, and the interface automaton that the machine stands for. `maide learn`, `maide reproduce`
-// and system files with learned instances share it.
+// From a system to its model, in three steps: a learning run through the IA translator, its minimal
+// Mealy machine, and the interface automaton that the machine stands for. `maide learn`, `maide
+// reproduce` and system files with learned instances share it.
 #pragma once
 
 #include <cstddef>
@@ -38,10 +38,9 @@ std::string to_string(const SystemEnd& end);
 std::string to_string(std::span<const SystemEnd> ends);
 
 struct LearnedModel {
-  // The interface automaton (nondeterministic ones are learned with nstar); the Mealy machine where
-  // the system is a plain one, or where a run that
-  // ended early left no machine that an automaton stands for; nothing if it ended before the first
-  // hypothesis.
+  // An interface automaton (nstar learns nondeterministic ones). A Mealy machine if the system is a
+  // plain one, or if a run that ended early left a machine that no automaton stands for. Nothing if
+  // the run ended before the first hypothesis.
   std::optional<Model> model;
   Translation translation = Translation::eager;
   bool is_plain = false;         // the system is a plain Mealy machine: no translation

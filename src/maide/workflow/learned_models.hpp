@@ -25,11 +25,11 @@ struct LearnedModelsOptions {
   std::size_t jobs = 0;  // systems that are asked at once; 0: the default (default_jobs())
 };
 
-// Reads models that are files, reads kept models that were learned from the same system (options
-// and versions; it is opened to see), and learns the others, with the defaults of `maide learn`
-// where `learning:` says nothing else. That starts from the model that `start-from:` names there,
-// or else from the kept one of another version.
-// What goes wrong is an Error with its exit status and the place that asks for it.
+// Reads models that are files. Reads kept models, if they were learned from the same system: the
+// system is opened to compare options and versions. Learns the others, with the defaults of `maide
+// learn` where `learning:` says nothing else. Learning starts from the model that `start-from:`
+// names, or else from the kept model of another version. Throws an Error with its exit status and
+// the place in the file that asks for the model.
 ModelSource make_learning_source(LearnedModelsOptions options);
 
 // Where the model of a request is kept: the system, its options, and a hash of both.
@@ -51,9 +51,9 @@ struct Refinement {
   std::string tests;                                // what it is not refuted by now
 };
 
-// Learns the kept model of a request (`learn:`) again, from that model, what is known of its
-// system, the counterexamples of earlier refinements, and the goal; keeps the outcome in its place.
-// What was asked stays in the cache if the call ends early. Errors as above.
+// Learns the kept model of a request (`learn:`) again, and keeps the result in its place. It starts
+// from that model, what is known of its system, the counterexamples of earlier refinements, and the
+// goal. What was asked stays in the cache if the call ends early. Errors as above.
 Refinement refine_learned_model(const ModelRequest& request, const RefinementGoal& goal,
                                 const LearnedModelsOptions& options);
 

@@ -1,6 +1,6 @@
-// Learners x models, measured: what each learner asks, what of it reaches the system through the
-// cache, and the processor time. Models are known machines, so that what was learned can be
-// compared with them. Each run is wired as `maide learn` wires it:
+// Measures learners x models: the words that each learner asks, those that reach the system through
+// the cache, and the processor time. Models are known machines, so that the result can be compared
+// with them. Each run is wired as `maide learn` wires it:
 //
 //   learner, teacher -> CountingOracle (asked) -> Cache -> CountingOracle (sent) -> the machine
 //

@@ -81,9 +81,10 @@ struct OpenedSystem {
   std::size_t jobs = 1;            // how many there are
 };
 
-// Throws UsageError for a system or an option that does not exist, for too many jobs or fewer than
-// hosts, and for systems that are not the same; WrapperError if one cannot be reached or says
-// nothing sensible within 10 s. Later, those that fail are given up with a warning in the log.
+// Throws UsageError for a system or an option that does not exist, for too many jobs, for fewer
+// jobs than hosts, and for systems that differ. Throws WrapperError if a system cannot be reached
+// or says nothing sensible within 10 s. A system that fails later is given up with a warning in the
+// log.
 OpenedSystem open_system(const SystemSpec& spec, const SystemAccess& access = {},
                          const RunControl& control = {});
 

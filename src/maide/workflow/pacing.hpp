@@ -1,5 +1,5 @@
-// Between the cache and the system: cuts large batches into portions, so that a limit on the number
-// of words is kept exactly and somebody can watch the counts grow.
+// Between the cache and the system: cuts large batches into portions. So a limit on the number of
+// words is kept exactly, and the progress line sees the counts grow.
 #pragma once
 
 #include <cstdint>
@@ -53,8 +53,9 @@ struct SlowerSystem {
 std::map<std::string, std::string> longer_waits(const std::map<std::string, std::string>& options);
 
 // The wrapper of `spec`, which is open as `sul`, with longer waits, and with the learning purpose
-// of a file unless that is empty. Nothing for a simulation, for a system without waits, and for one
-// that runs by itself (tcp, exec): nobody knows whether a second one can run beside it.
+// of a file unless that is empty. Nothing for a simulation, for a system without waits, and for a
+// system that runs by itself (tcp, exec), because nobody knows whether a second one can run beside
+// it.
 std::optional<SlowerSystem> make_slower_system(const SystemSpec& spec, const SystemAccess& access,
                                                const Sul& sul, const std::filesystem::path& purpose,
                                                const RunControl& control);

@@ -1,7 +1,8 @@
-// Results of others that ours stand beside: those of the paper ("Reverse Engineering of Middleware
-// for Verification of Robot Control Architectures", Khalili, Natale, Tacchella, SIMPAR 2014), with
-// the systems of ours that correspond to them, and what other tools for learning automata ask. The
-// figures are in reproduce/*.yaml, which are compiled in; none was measured by this program.
+// Results of others that ours are compared with. The paper's are those of "Reverse Engineering of
+// Middleware for Verification of Robot Control Architectures" (Khalili, Natale, Tacchella, SIMPAR
+// 2014), with the systems of ours that correspond to them. Other tools' are what they ask to learn
+// automata. The figures are in reproduce/*.yaml, which are compiled in. None was measured by this
+// program.
 #pragma once
 
 #include <cstddef>
@@ -38,9 +39,9 @@ std::vector<ReproducedRow> table1_rows(const std::string& system);
 // The systems that have rows.
 std::vector<std::string> table1_systems();
 
-// Figure 3: the Mealy machines (eager) of a port whose waiting writer is interrupted, as one would
-// expect them and as the paper found YARP; over write, read and interrupt. "refused": the call
-// before has not returned.
+// Figure 3: eager Mealy machines of a port whose waiting writer is interrupted, over write, read
+// and interrupt. One is what one would expect, the other is what the paper found YARP to do.
+// "refused": the call before has not returned.
 Mealy expected_interrupt_model();
 Mealy paper_interrupt_model();
 

@@ -27,9 +27,9 @@ const ModelRequest& request_of(const ModelInstance& instance, const ModelRequest
 // Notes in `requests` what `source` is asked for. Keeps a reference to `requests`.
 ModelSource record_requests(ModelSource source, ModelRequests& requests);
 
-// The system that an instance stands for: what `learn:` names, or, for a file, the system that it
+// The system that an instance stands for: the one that `learn:` names, or the one that its file
 // says it was learned from (`sul`), with the options that it was learned with. Throws UsageError
-// that names the instance where there is none.
+// that names the instance if there is none.
 SystemSpec find_system_of(const ModelInstance& instance, const ModelRequest& request);
 
 // An instance of a model, or a whole topic with all its ends, and the system behind it.

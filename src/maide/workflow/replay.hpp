@@ -1,20 +1,18 @@
-// Replays runs of a composed system on the real one: the middleware behind each model is driven
-// through its part of the run, and what it does is held against the run step by step.
+// Replays runs of a composed system on the real one. The middleware behind each model is driven
+// through its part of the run. What it does is compared with the run, step by step.
 //
-//   Trace --------> a word for each model instance and each topic, with all its ends: the inputs
-//   that
-//                   the programs give it, in order
-//                   (the loop of a lasso several times), and, for a deadlock, the calls that the
-//                   programs are left with
-//   words --------> the real systems (Sul), each step until quiescence
-//   answers ------> a walk along the trace: every output must be due when a program takes it, and
-//                   nothing may be due that the model does not have
+//   Trace ----> words      one for each model instance, and for each topic with all its ends: the
+//                          inputs that the programs give it, in order; the loop of a lasso several
+//                          times; for a deadlock also the calls that the programs are left with
+//   words ----> answers    of the real systems (Sul), each step until quiescence
+//   answers --> a walk     along the trace: every output must be due when a program takes it, and
+//                          nothing may be due that the model does not have
 //
-// Programs are not run: Maide makes their calls. Instances share nothing but the programs, so each
-// is given its word without the pauses that the others' steps would make; an order between steps of
-// different instances is no part of what a model says.
+// Programs are not run: Maide makes their calls. Instances share nothing but the programs. So each
+// instance is given its word without the pauses that the steps of others would make. An order
+// between steps of different instances is no part of what a model says.
 //
-// The idea to run the counterexample before it is believed: Groce, Peled & Yannakakis, "Adaptive
+// The idea to run a counterexample before it is believed: Groce, Peled & Yannakakis, "Adaptive
 // model checking", TACAS 2002.
 #pragma once
 
@@ -68,8 +66,8 @@ struct ReplayOptions {
   RunControl control;
 };
 
-// What a run leaves open that no real system can answer, in words: calls that were never tried and
-// that `when_unexplored` decides, an output that no program takes.
+// What a run leaves open because no real system can answer it, in words: calls that were never
+// tried and that `when_unexplored` decides, and an output that no program takes.
 std::vector<std::string> find_assumptions(const System& system, const Trace& trace);
 
 // The models that runs meet, in their steps or by what a program waits for in the end, and that

@@ -1,7 +1,7 @@
 // Finds the smallest changes that remove a violation: another model for one connection, other
-// settings of a middleware, another value of a constant, another number of repetitions in the
-// programs. Nothing is guessed. A change is named only after the native engine has checked the
-// system with it and everything holds. Models for other settings are learned for that.
+// settings of a middleware, another value of a constant, another number of repetitions. A change is
+// named only after the native engine has checked the system with it and everything holds. Models
+// for other settings are learned for that.
 #pragma once
 
 #include <cstddef>
@@ -50,9 +50,9 @@ struct SystemVariant {
   std::vector<NumberConstant> constants;             // with their new values
 };
 
-// Nothing if there is no such system: a model without an input that programs give, a `repeat` that
-// is not where it should be, a constant with which the file says nothing sensible. `learn` makes
-// the models that are learned with other options then; without it there are none.
+// Nothing if there is no such system: its model lacks an input that programs give, its `repeat` is
+// not where it should be, or the file is wrong with that constant. `learn` makes the models that
+// are then learned with other options; without `learn` there are none.
 std::optional<System> make_variant(const System& system, const SystemVariant& variant,
                                    const ModelSource& learn = {});
 
@@ -68,12 +68,16 @@ struct Suggestions {
   std::size_t tried = 0;             // systems that were checked
 };
 
-// Tries, one at a time: the other models that lie beside those in use and the ones in use elsewhere
-// in the system; settings that keep more (depth, history, reliability, ...), the smallest number of
-// each that is enough; other values of constants, the nearest ones that are enough; fewer
-// repetitions wherever a number stands, the largest that is few enough; one number in place of
-// another. `before` is the report of the system as it is: the same properties are checked. An
-// interruption ends the search with what was found.
+// Tries these changes, one at a time:
+//
+//   other models: those beside the ones in use, and those in use elsewhere in the system
+//   settings that keep more (depth, history, reliability, ...), the smallest number that is enough
+//   other values of constants, the nearest ones that are enough
+//   fewer repetitions wherever a number stands, the largest number that is few enough
+//   one number of repetitions in place of another
+//
+// `before` is the report of the system as it is: the same properties are checked. An interruption
+// ends the search with what was found.
 Suggestions suggest_changes(const System& system, const CheckReport& before,
                             const SuggestOptions& options);
 

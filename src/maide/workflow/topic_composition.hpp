@@ -1,6 +1,6 @@
-// The model of a whole topic, put together from a model of each reader: what the engine does with a
-// topic (docs/systems.md), as one automaton. A model that was learned with all ends at once can be
-// compared with it, and shows whether a middleware's topic is made of its readers.
+// The model of a whole topic, put together from a model of each reader: one automaton that does
+// what the engine does with a topic (docs/systems.md). Comparing it with a model that was learned
+// with all ends at once shows whether a middleware's topic is made of its readers.
 //
 //   write, write2   go to the models of all readers, or to one that takes it
 //   read2           goes to the second reader's

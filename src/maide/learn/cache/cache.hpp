@@ -1,19 +1,20 @@
 // The cache between the learner and the system: a tree of execution traces (Margaria, Raffelt &
 // Steffen, "Knowledge-based relevance filtering for efficient system-level test-based model
 // generation", ISSE 2005). It is a transparent filter: answers are those of the system below, but
-// what is known never reaches the system. Known are words and prefixes of words asked before, words
-// that are prefixes of others of the same batch, and decision trees as far as the tree knows their
-// path.
+// what is known never reaches the system. Three kinds of queries are known: prefixes of words asked
+// before, prefixes of other words of the same batch, and decision trees as far as the tree knows
+// their path.
 //
 // A fresh answer that contradicts the tree is a NondeterminismError with both answers. After
 // hold_votes() the shortest prefix on which they differ is asked again instead, until a majority
-// decides (learn/oracle/vote.hpp). If the tree was wrong it is corrected, with the file: what was
-// observed behind a wrong answer is forgotten, because it belongs to another run of the system. If
-// the fresh answer was wrong the query is asked again.
+// decides (learn/oracle/vote.hpp). If the fresh answer was wrong, the query is asked again. If the
+// tree was wrong, it is corrected, with the file. The answers behind a wrong answer are forgotten,
+// because they belong to another run of the system.
 //
-// Invariants: outputs are numbered in the order in which answers are handed up, and the consistency
-// test knows only what was handed up, whatever a file held before or a system below answered first.
-// So a resumed run goes the way of an uninterrupted one, word for word.
+// Invariants: outputs are numbered in the order in which answers are handed up. The consistency
+// test knows only answers that were handed up. Neither depends on what a file held before, or on
+// what a system below answered first. So a resumed run goes the way of an uninterrupted one, word
+// for word.
 #pragma once
 
 #include <cstdint>
@@ -34,8 +35,8 @@ namespace maide {
 
 class CacheFile;
 
-// An answer that was handed up in this run turned out to be wrong, and is corrected: whoever asked
-// must begin again, which costs little, because the cache answers.
+// An answer that was handed up in this run was wrong, and is corrected. Whoever asked must begin
+// again. That costs little, because the cache answers.
 class CacheCorrected : public Error {
  public:
   explicit CacheCorrected(const std::string& word)

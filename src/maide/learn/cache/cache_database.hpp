@@ -3,9 +3,9 @@
 // of what was committed so far, and disturbs nobody.
 //
 // The copy is consistent without a lock. In WAL mode a page of the database file changes only by a
-// checkpoint, which takes it from the log. So the database, copied first, and the log, copied
-// behind it, make a whole, unless the log began anew between; its header would tell (SQLite,
-// "Write-Ahead Logging" and "WAL-mode File Format").
+// checkpoint, which takes it from the log. The database is copied first, the log behind it.
+// Together they make a whole, unless the log began anew in between, which its header would tell
+// (SQLite, "Write-Ahead Logging" and "WAL-mode File Format").
 #pragma once
 
 #include <filesystem>

@@ -1,7 +1,8 @@
-// The cache on disk: a SQLite database of the words that were run and their answers, written as the
-// run goes, so that a killed run resumes where it was. It belongs to one system: the fingerprint
-// that the caller gives (options, versions, translation) and the inputs must be the same when it is
-// opened again. One process at a time may write it; others can wait for it, or look at it.
+// The cache on disk: a SQLite database of the words that were run and their answers. It is written
+// as the run goes, so that a killed run resumes where it was. It belongs to one system: it can be
+// opened again only with the same inputs and the same fingerprint (options, versions, translation),
+// which the caller gives. One process at a time may write it. Others can wait for it, or look at
+// it.
 //
 // Transactions end with each batch. In WAL mode a kill loses at most the words of the batch in
 // flight. All errors are UsageErrors of one line that name the file.

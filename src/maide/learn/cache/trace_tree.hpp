@@ -4,8 +4,9 @@
 // chunks of memory that are not full yet).
 //
 // A node is known by the edge that leads to it. Its `link` is its only child, or the place of its
-// block. A block is a small hash table of children by input, of a power of two of slots, in which a
-// child lies at (input mod slots) or behind. A block as large as the alphabet is an array.
+// block. A block is a small hash table of children by input. The number of its slots is a power of
+// two, and a child lies at (input mod slots) or behind. A block as large as the alphabet is an
+// array.
 #pragma once
 
 #include <algorithm>
@@ -36,9 +37,9 @@ class TraceTree {
     if ((link & block_flag) == 0) return at(link).input == input ? link : none;
     return find_in_block(block(link & ~block_flag), input);
   }
-  // Follows several words from the root, as far as the tree knows each, and calls visit(i, node)
-  // for every node that word i comes to, in its order. In a large tree each step waits for memory;
-  // the words take turns, so that they wait together. O(their lengths) on average.
+  // Follows several words from the root, as far as the tree knows each. Calls visit(i, node) for
+  // every node that word i comes to, in the word's order. In a large tree each step waits for
+  // memory, so the words take turns and wait together. O(their lengths) on average.
   template <typename Visit>
   void walk_together(std::span<const std::span<const Symbol>> words, Visit&& visit) const;
 

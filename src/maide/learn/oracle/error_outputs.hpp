@@ -1,16 +1,17 @@
-// Error outputs: outputs that end a session, as the user knows them, such as "connection closed".
-// Behind one nothing is left to learn, so it need not be asked: every input is answered by one and
-// the same output, whatever it is (error-aware L#: Kruger, Junges & Rot, arXiv 2602.21674, 2026).
-// Most transitions of a protocol end the session, so most words of a learner and its tests go on
-// behind an end.
+// Error outputs end a session, such as "connection closed". The user names them. Behind one, every
+// input is answered by one and the same output, whatever that is, so nothing is left to learn and
+// nothing need be asked (error-aware L#: Kruger, Junges & Rot, arXiv 2602.21674, 2026). In a
+// protocol most transitions end the session, so most words of a learner and its tests go on behind
+// an end.
 //
-// That is an assumption, and nothing in the answers to shorter words shows that it is wrong. So
-// there are two oracles:
+// This is an assumption. No answer to a shorter word can show that it is wrong. So there are two
+// oracles:
 //
 //   ErrorOutputCheck  passes everything on, and throws where an answer refutes the assumption
 //   ErrorAwareOracle  stands on top of it, and answers what the assumption answers
 //
-// A word may be asked of the check alone, to find out (conformance/method/error_output_test.hpp).
+// To find out whether the assumption is right, a word is asked of the check alone
+// (conformance/method/error_output_test.hpp).
 #pragma once
 
 #include <map>

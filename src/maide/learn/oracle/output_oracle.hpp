@@ -1,7 +1,7 @@
 // Output queries, the first half of the teacher (Angluin 1987, "minimally adequate teacher").
 // Oracles are stacked as decorators that hold references: SulOracle (plays words on a system),
-// Cache, counters. All take batches. The answer to query i is element i whatever the parallelism
-// below, and new outputs are numbered in query order, so the same seed gives the same run.
+// Cache, counters. All take batches. The answer to query i is element i, whatever runs in parallel
+// below. New outputs are numbered in query order. So the same seed gives the same run.
 #pragma once
 
 #include <optional>
@@ -23,8 +23,8 @@ class OutputOracle {
   virtual const Alphabet& inputs() const = 0;
   virtual const Alphabet& outputs() const = 0;  // grows as outputs are seen
 
-  // Told, for each query of a batch that was answered, its place in the batch and the answer, when
-  // the call ends early by an exception; so nothing measured is lost.
+  // If the call ends early by an exception, this is told the place and the answer of each query
+  // that was answered. So nothing measured is lost.
   using PartialSink = IaTranslator::PartialSink;
 
   // Answers every query, in their order. Throws Interrupted, WrapperError or NondeterminismError;

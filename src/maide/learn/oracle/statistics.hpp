@@ -55,8 +55,9 @@ struct HypothesisCost {
   Statistics before;
 };
 
-// What each hypothesis took: to make it (learning, refinement) and then to test it (testing,
-// confirmation), up to the next one or to `end`, the costs of the whole run.
+// The costs of each hypothesis: of making it (learning, refinement) and then of testing it
+// (testing, confirmation). They go up to the next hypothesis, or to `end`, the costs of the whole
+// run.
 struct HypothesisShare {
   std::size_t states = 0;
   QueryCounts to_make, to_test;

@@ -1,15 +1,16 @@
-// Which of several answers to one input, after the same word, is the system's own when noise got
-// into some of them: the word is asked again until a majority decides. Wald's sequential
-// probability ratio test ("Sequential tests of statistical hypotheses", Annals of Mathematical
-// Statistics 16, 1945) of "an answer comes with probability 1 - e" against "with probability 1/2",
-// for e = 0.2.
+// Decides between several answers to one input after the same word, when noise got into some of
+// them. The word is asked again until a majority decides. The test is Wald's sequential probability
+// ratio test ("Sequential tests of statistical hypotheses", Annals of Mathematical Statistics 16,
+// 1945) of "an answer comes with probability 1 - e" against "with probability 1/2", for e = 0.2.
 //
-// What it establishes: as long as noise spoils less than half of the runs, and runs are
-// independent, a wrong answer is ever chosen with probability at most 1 - confidence, however often
-// one looks (Ville's inequality: the likelihood ratio is a supermartingale if the answer's
-// probability is at most 1/2, and so it is for all wrong answers together). An answer that comes
-// half of the time is no noise, and not chosen. e sets the speed alone: without further noise 10
-// runs decide at a confidence of 0.99, with a fifth of them spoilt 24 on average.
+// Guarantee: a wrong answer is ever chosen with probability at most 1 - confidence, however often
+// one looks. It holds as long as runs are independent and noise spoils less than half of them.
+// (Ville's inequality: the likelihood ratio is a supermartingale if the answer's probability is at
+// most 1/2, and that is true of all wrong answers together.) An answer that comes half of the time
+// is no noise, and not chosen.
+//
+// Cost: e sets the speed alone. At a confidence of 0.99, 10 runs decide without further noise, and
+// 24 on average if a fifth of them is spoilt.
 #pragma once
 
 #include <cstdint>

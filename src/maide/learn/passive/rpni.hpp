@@ -3,10 +3,10 @@
 // 1992) in the blue-fringe form with evidence (Lang, Pearlmutter & Price, "Results of the Abbadingo
 // One DFA learning competition and a new evidence-driven state merging algorithm", ICGI 1998).
 //
-// The *red* states are found. The *blue* ones are their children, still roots of trees. The blue
-// state of which the log shows most merges with the red one that shares most edges with it (the
-// evidence), or becomes red if it contradicts all of them. Heavy states come first, so that what is
-// merged with little evidence, perhaps wrongly, does not mislead the others.
+// The *red* states are found. The *blue* ones are their children, still roots of trees. The next
+// blue state is the one of which the log shows most. It merges with the red state that shares most
+// edges with it (the evidence), or becomes red if it contradicts all red states. Heavy states come
+// first, so that a wrong merge with little evidence does not mislead the others.
 //
 // Invariant: the red states and the trees below them answer every trace as the log does. A machine
 // whose log is rich enough is found exactly. Otherwise the result is one of many machines that

@@ -1,8 +1,8 @@
 // What a nondeterministic system was seen to do: a tree of traces, with how often each input was
-// given behind each. Learning assumes that every possible answer is seen if one asks often enough
-// ("complete testing", "all-weather conditions"). Here that is a number: an input is asked behind a
-// trace until an answer that comes at least once in ten times would have been missed with
-// probability at most 1 - confidence. For a confidence of 0.99 that is 44 times.
+// given behind each trace. Learning assumes that every possible answer is seen if one asks often
+// enough ("complete testing", "all-weather conditions"). Here "often enough" is a number. An answer
+// that comes at least once in ten times is then missed with probability at most 1 - confidence. For
+// a confidence of 0.99 an input is asked 44 times behind a trace.
 #pragma once
 
 #include <cstdint>

@@ -1,19 +1,19 @@
-// Learns observable nondeterministic Mealy machines, in the way of L* for them. A state is known by
-// a trace, and a cell of the table is the set of all answers to a suffix behind it. (El-Fakih,
+// Learns observable nondeterministic Mealy machines, in the way of L* for them. A trace stands for
+// a state. A cell of the table is the set of all answers to a suffix behind the trace. (El-Fakih,
 // Groz, Irfan, Shahbaz, ICTSS 2010; Pacharoen, Aoki, Bhateja, Surarerks, "Active learning of
 // nondeterministic finite state machines", Mathematical Problems in Engineering 2013. The problem
 // is that of Khalili & Tacchella's N*, "Learning nondeterministic Mealy machines", ICGI 2014; the
 // details are not theirs.)
 //
 // Answers are sampled (trace_samples.hpp), so a set may lack some. Two traces are therefore apart
-// only by evidence: behind both, along a suffix of the table, one shows an answer that the other
-// did not show though it was asked often enough.
+// only by evidence: along a suffix of the table, one shows an answer that the other did not show
+// though it was asked often enough.
 //
 // Invariants: the traces of the basis are pairwise apart, hold the empty one, and lie in one piece.
 // When new answers undo an evidence, the basis is built again from what is known. Suffixes are
-// added one at a time, the shortest of a counterexample first (Irfan, Oriat & Groz, "Angluin style
-// finite state machine inference with non-optimal counterexamples", MIIT 2010), so the set of
-// suffixes is suffix-closed.
+// added one at a time, the shortest of a counterexample first, so the set of suffixes is
+// suffix-closed (Irfan, Oriat & Groz, "Angluin style finite state machine inference with
+// non-optimal counterexamples", MIIT 2010).
 #pragma once
 
 #include <cstdint>

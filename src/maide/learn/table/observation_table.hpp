@@ -4,10 +4,10 @@
 // A cell T holds the outputs along its suffix.
 //
 // Invariants: every short row has all its extensions; no two short rows are equal, unless
+// Invariants: every short row has all its extensions. No two short rows are equal, unless
 // add_short_rows made them. Closed: every long row equals a short one. Consistent: extensions of
-// equal short rows are equal.
-// Query cost: one output query a cell, (|S| k + 1) |E| in all, and one for each row while there are
-// no columns; one batch for each filling round.
+// equal short rows are equal. Query cost: one output query a cell, (|S| k + 1) |E| in all. Without
+// columns, one query for each row. Each filling round is one batch.
 #pragma once
 
 #include <cstdint>

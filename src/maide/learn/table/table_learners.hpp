@@ -36,14 +36,13 @@ class TableLearner : public Learner {
 };
 
 // L*M, Angluin's L* for Mealy machines (Angluin, "Learning regular sets from queries and
-// counterexamples", Information and Computation 75, 1987; Niese, PhD thesis, Dortmund 2003): an
-// observation table that begins with the single inputs as columns, and whose counterexamples become
-// rows. All prefixes of a counterexample are made short rows; where two equal ones have different
-// extensions, a suffix tells them apart.
+// counterexamples", Information and Computation 75, 1987; Niese, PhD thesis, Dortmund 2003). The
+// observation table begins with the single inputs as columns. All prefixes of a counterexample
+// become short rows. Where two equal rows have different extensions, a suffix tells them apart.
 //
 // Invariant: E is suffix-closed, so the hypothesis agrees with a closed and consistent table. For n
-// states, k inputs and counterexamples of length m: at most
-// ((n + (n - 1) m) k + 1) (k + n - 1) + n output queries, at most n - 1 counterexamples.
+// states, k inputs and counterexamples of length m: at most ((n + (n - 1) m) k + 1) (k + n - 1) + n
+// output queries, at most n - 1 counterexamples.
 class LStar : public TableLearner {
  public:
   // Keeps a reference to `oracle`.
@@ -55,11 +54,10 @@ class LStar : public TableLearner {
 };
 
 // Rivest & Schapire's learner ("Inference of finite automata using homing sequences", Information
-// and Computation 103, 1993): binary search finds the one suffix of the counterexample that splits
-// a state, and only that becomes a column. There are no columns at first, so each is there for a
-// reason.
+// and Computation 103, 1993). Binary search finds the one suffix of the counterexample that splits
+// a state, and only that suffix becomes a column. The table begins without columns.
 //
-// E is not suffix-closed, so a hypothesis may contradict its own table: the same counterexample is
+// E is not suffix-closed, so a hypothesis may contradict its own table. The same counterexample is
 // handled again until the hypothesis agrees with it. For n states, k inputs and counterexamples of
 // length m: at most n k + (n k + 1) (n - 1) + (n - 1) (1 + ceil(log2 m)) output queries.
 class RivestSchapire : public TableLearner {
@@ -73,9 +71,9 @@ class RivestSchapire : public TableLearner {
 };
 
 // Suffix1by1 (Irfan, Oriat & Groz, "Angluin style finite state machine inference with non-optimal
-// counterexamples", MIIT 2010): an observation table that begins with the single inputs as columns.
-// The suffixes of a counterexample become columns in the order of their length, one at a time, and
-// only until the table shows a new state: a long counterexample costs no more than it must.
+// counterexamples", MIIT 2010). The observation table begins with the single inputs as columns. The
+// suffixes of a counterexample become columns one at a time, the shortest first, and only until the
+// table shows a new state. So a long counterexample costs no more than it must.
 //
 // Invariant: E is suffix-closed, so the hypothesis agrees with the table. The bounds are those of
 // L*M+.
@@ -89,14 +87,13 @@ class SuffixOneByOne : public TableLearner {
                                 const RunControl& control) override;
 };
 
-// L*M+ (Shahbaz, PhD thesis, Grenoble 2008; Shahbaz & Groz, "Inferring Mealy Machines", FM 2009):
-// an observation table that begins with the single inputs as columns and whose counterexamples
-// become suffixes. A counterexample u v, u its longest prefix that is a row, gives all non-empty
-// suffixes of v.
+// L*M+ (Shahbaz, PhD thesis, Grenoble 2008; Shahbaz & Groz, "Inferring Mealy Machines", FM 2009).
+// The observation table begins with the single inputs as columns. A counterexample is cut into u v,
+// where u is its longest prefix that is a row. All non-empty suffixes of v become columns.
 //
-// Invariant: E is suffix-closed, so the hypothesis agrees with the table and no word is a
-// counterexample twice. For n states, k inputs and counterexamples of length m: at most
-// (n k + 1) (k + (n - 1) m) + n output queries, at most n - 1 counterexamples.
+// Invariant: E is suffix-closed, so the hypothesis agrees with the table, and no word is a
+// counterexample twice. For n states, k inputs and counterexamples of length m: at most (n k + 1)
+// (k + (n - 1) m) + n output queries, at most n - 1 counterexamples.
 class LmPlus : public TableLearner {
  public:
   // Keeps a reference to `oracle`.

@@ -1,28 +1,28 @@
 // ADT (Frohme, "Active Automata Learning with Adaptive Distinguishing Sequences", FMICS 2019, arXiv
-// 1902.01139): a discrimination tree whose nodes hold adaptive experiments, so that many states are
-// told apart without a reset between. Answers are kept in an observation tree: nothing is asked
+// 1902.01139): a discrimination tree whose nodes hold adaptive experiments. Many states are told
+// apart without a reset in between. Answers are kept in an observation tree. So nothing is asked
 // twice, and the tree shows what tells states apart.
 //
-// A counterexample is decomposed by binary search (Rivest & Schapire) and splits a leaf. Its two
-// states are told apart, in this order,
+// A counterexample is decomposed by binary search (Rivest & Schapire) and splits a leaf. The two
+// states are told apart by the first of these that there is:
 //
-//   by a word that is known to do so after the experiment above, which goes on with it;
-//   by a distinguishing sequence that the hypothesis has for them after that experiment; meanwhile
-//     the transitions to the leaf wait, for they would be asked twice;
-//   by the shortest word that is known to do so, a new experiment after a reset.
+//   a word that is known to do so after the experiment above; it goes on with that experiment
+//   a distinguishing sequence that the hypothesis has for them after that experiment; meanwhile
+//     the transitions to the leaf wait, for they would be asked twice
+//   the shortest word that is known to do so: a new experiment, after a reset
 //
-// Once a counterexample has added a state, the tree is restructured by distinguishing sequences
-// that the hypothesis has now. A sequence goes on after the experiment above a node, for the states
-// below that node. Or it replaces the experiments there, if the resets that this spares outweigh
-// asking all transitions to these states again. The system is asked what it answers from each
-// state. Where the hypothesis is wrong, that is a counterexample which needs no equivalence query.
-// States that answer alike stay told apart by the old experiments.
+// Once a counterexample has added a state, the tree is restructured by distinguishing sequences of
+// the new hypothesis. A sequence goes on after the experiment above a node, for the states below
+// that node. Or it replaces the experiments there, if the resets that this spares outweigh asking
+// all transitions to these states again. The system is asked what it answers from each state. If
+// the hypothesis is wrong there, that is a counterexample that needs no equivalence query. States
+// that answer alike stay told apart by the old experiments.
 //
-// Invariant: between two equivalence queries each transition was asked all experiments above the
-// leaf it is at. So a counterexample adds a state. Restructuring comes later, for it could move the
-// transition that the counterexample shows, and nothing would be left to split. For n states and k
-// inputs at most n equivalence queries, and some k n^2 output queries, as with other discrimination
-// trees: restructuring adds some and spares others.
+// Invariant: between two equivalence queries each transition was asked all experiments above its
+// leaf. So a counterexample adds a state. Restructuring comes after that. Before, it could move the
+// transition that the counterexample shows, and nothing would be left to split. Cost for n states
+// and k inputs: at most n equivalence queries, and some k n^2 output queries, as with other
+// discrimination trees. Restructuring adds some and spares others.
 #pragma once
 
 #include <optional>
@@ -35,14 +35,15 @@
 
 namespace maide {
 
-// Adaptive distinguishing sequences of some states of a machine (Lee & Yannakakis, "Testing
-// finite-state machines: state identification and verification", IEEE ToC 1994): a decision tree
-// that each of them answers in its own way. Few sets of states have one: no two of them may become
-// one before they have answered differently.
+// An adaptive distinguishing sequence of some states of a machine is a decision tree that each of
+// them answers in its own way (Lee & Yannakakis, "Testing finite-state machines: state
+// identification and verification", IEEE ToC 1994). Few sets of states have one: no two of them may
+// become one state before they have answered differently.
 //
-// A shortest word that parts the states comes first, of several the one whose largest part is
-// smallest; then what parts each part; if one of them cannot be parted, the next word. That search
-// is exponential, so it ends after some effort: what it does not find may still be there.
+// The search takes a shortest word that parts the states. Of several it takes the one whose largest
+// part is smallest. It goes on with each part. If a part cannot be parted, it takes the next word.
+// This is exponential, so the search ends after some effort. A sequence that it does not find may
+// still exist.
 
 // For at least two states, none twice, of a complete machine. `effort`: sets of states to look at,
 // O(inputs states) each.

@@ -91,9 +91,9 @@ class DiscriminationTree {
   // answers. Below it, states that answer alike stay told apart by what did so before.
   void finalise(Node block, Inner inner, const std::function<Word(StateId)>& answer);
 
-  // The experiment above an inner node becomes one that goes on where the node hung: its states
-  // hang from what they answer to that; those that answer alike stay told apart by what did so
-  // before.
+  // Replaces the experiment above an inner node by one that goes on where the node hung. The states
+  // below the node then hang from their answers to it. States that answer alike stay told apart as
+  // they were before.
   void lengthen(Node node, DecisionTree experiment, const std::function<Word(StateId)>& answer);
 
   // Throws std::logic_error unless every state has its leaf, and every inner node a question and

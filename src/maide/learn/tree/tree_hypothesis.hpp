@@ -1,15 +1,15 @@
 // The hypothesis of learners with a discrimination tree: a spanning tree of access words, and for
-// every transition the place in the discrimination tree that it was *sifted* to. To sift a word is
-// to ask it with the suffix of a node; the answer says where it goes on. A word that takes a branch
-// which is not there has found a new state.
+// every transition a place in the discrimination tree, to which it was *sifted*. To sift a word is
+// to ask it with the suffix of a node. The answer says to which child it goes on. A word whose
+// answer has no child yet has found a new state.
 //
 // Transitions are sifted together, level by level, in batches, so that many systems can answer at
-// once. A node keeps the transitions that came to it: when a leaf is split, only these go on from
-// there. They stop at leaves and at the roots of blocks (discrimination_tree.hpp).
+// once. A node keeps the transitions that came to it. When a leaf is split, only these go on from
+// there. Transitions stop at leaves and at the roots of blocks (discrimination_tree.hpp).
 //
-// Invariant: access words are prefix-closed, access(q) takes the path to the leaf of q. A state
-// keeps its number, so that from one hypothesis to the next only what was learned changes. For n
-// states and k inputs at most n k (depth of the tree) output queries, and what splits need.
+// Invariant: access words are prefix-closed, and access(q) takes the path to the leaf of q. A state
+// keeps its number, so that from one hypothesis to the next only what was learned changes. Cost for
+// n states and k inputs: at most n k (depth of the tree) output queries, and those of splits.
 #pragma once
 
 #include <cstdint>
@@ -84,13 +84,15 @@ class TreeHypothesis {
   // transitions that go on from there answers otherwise, settle() finds it.
   void split(StateId state, DiscriminationTree::Inner inner, Word label);
 
-  // Makes word_to(from), which is at a leaf or in a block, the access word of a new state there,
-  // which nothing tells from the others yet: the leaf becomes a block. No output queries. The state
-  // is known to be another one, so that finalise() will part them. Afterwards settle().
+  // Makes word_to(from) the access word of a new state. The word is at a leaf or in a block, and
+  // nothing there tells it from the other words yet. The leaf becomes a block. No output queries.
+  // The caller knows that the state is another one, so that finalise() will part them. Call
+  // settle() afterwards.
   void promote(Transition from);
 
-  // The uppermost node on the way to the state's leaf whose suffix gets another answer after `word`
-  // than from the state; none if the word is sifted to that leaf. At most depth output queries.
+  // The uppermost node on the way to the state's leaf whose suffix is answered differently after
+  // `word` and from the state. None if the word is sifted to that leaf. At most depth output
+  // queries.
   std::optional<Node> find_disagreement(const Word& word, StateId state, const RunControl& control);
 
   // What a state answers to `input` and the suffix of `node`, which the transition has passed (or
@@ -129,9 +131,9 @@ class TreeHypothesis {
   void follow(Transition transition, const Word& outputs);
   void put(Transition transition, Node node);
   std::vector<Transition> take_coming(Node node);
-  // Moves what has come to the leaf of `state`, which has become an inner node: the spanning
-  // transitions of `state` and of `added`, unless there is none, to their leaves; the others go on,
-  // or stay.
+  // Moves the transitions that came to the leaf of `state`, which has become an inner node. The
+  // spanning transitions of `state` and of `added` (unless there is none) go to their leaves. The
+  // others go on, or stay.
   void go_on(Node inner, StateId state, StateId added, bool stay);
 
   OutputOracle& oracle_;

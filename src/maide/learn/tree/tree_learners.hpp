@@ -41,8 +41,8 @@ class TreeLearner : public Learner {
   // Sifts what a split left and makes the hypothesis.
   virtual void complete(const RunControl& control);
 
-  // Decomposes a word on which the machine differs from the system after its last input, and splits
-  // the leaf that its transition leads to by the suffix that is found.
+  // Decomposes a word whose last input the machine and the system answer differently. Splits the
+  // leaf that its transition leads to by the suffix that is found.
   bool split_by_suffix(std::span<const StateId> states, const Word& word, Symbol last_output,
                        bool temporary, const RunControl& control);
 
@@ -53,17 +53,18 @@ class TreeLearner : public Learner {
 
 // Kearns & Vazirani's learner ("An Introduction to Computational Learning Theory", 1994, chapter 8)
 // for Mealy machines. It looks for the place in a counterexample where the hypothesis goes astray:
-// the prefix up to there is sifted to the hypothesis' state, the next one is not. Binary search
-// finds one (Rivest & Schapire, Information and Computation 103, 1993). What tells the second
-// prefix from its state is a suffix x that the tree has already, so a x, for the input a between
-// them, tells the first prefix from its state; the counterexample's own suffixes are never used.
+// the prefix up to there is sifted to the hypothesis' state, and the prefix that is longer by one
+// input a is not. Binary search finds such a place (Rivest & Schapire, Information and Computation
+// 103, 1993). A suffix x in the tree tells the longer prefix from its state. So a x tells the
+// shorter prefix from its state, and becomes the suffix of the leaf. The counterexample's own
+// suffixes are never used.
 //
-// The leaf gets the suffix a x. A transition that answers otherwise than the state is a new one; if
-// there is none yet, the first prefix is sifted nowhere from now on, and the next place is an
-// earlier one. So access words stay prefix-closed, and discriminators grow by an input at a time.
+// A transition that answers otherwise than the state becomes a new state. If there is none yet, the
+// shorter prefix is sifted nowhere from then on, and the next place is an earlier one. So access
+// words stay prefix-closed, and discriminators grow by one input at a time.
 //
-// For n states, k inputs and counterexamples of length m: at most k n^2 + k n +
-// (n - 1) (n - 1) ceil(log2 m) + n output queries, at most n - 1 counterexamples.
+// For n states, k inputs and counterexamples of length m: at most k n^2 + k n + (n - 1) (n - 1)
+// ceil(log2 m) + n output queries, at most n - 1 counterexamples.
 class KearnsVazirani : public TreeLearner {
  public:
   // Keeps a reference to `oracle`. Throws UsageError if it has no inputs.
@@ -75,13 +76,14 @@ class KearnsVazirani : public TreeLearner {
 };
 
 // The observation pack (Howar, "Active Learning of Interface Programs", PhD thesis, Dortmund 2012)
-// on a discrimination tree: each state is asked only the suffixes that tell it from others. A
+// on a discrimination tree. A state is asked only the suffixes that tell it from others. A
 // counterexample is decomposed by binary search (Rivest & Schapire 1993) and splits one leaf by one
 // suffix.
 //
-// Suffixes are not closed, so the hypothesis may still be wrong about the counterexample: it is
-// handled again until they agree. For n states, k inputs and counterexamples of length m: at most
-// k n^2 + k n + (n - 1) (3 + ceil(log2 m)) output queries, at most n - 1 counterexamples.
+// Suffixes are not closed, so the hypothesis may still be wrong about the counterexample. The
+// counterexample is handled again until they agree. For n states, k inputs and counterexamples of
+// length m: at most k n^2 + k n + (n - 1) (3 + ceil(log2 m)) output queries, at most n - 1
+// counterexamples.
 class ObservationPack : public TreeLearner {
  public:
   // Keeps a reference to `oracle`. Throws UsageError if it has no inputs.

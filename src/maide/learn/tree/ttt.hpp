@@ -40,9 +40,9 @@ class FinalizingLearner : public TreeLearner {
 // under suffixes.
 //
 // A counterexample splits a leaf as in the observation pack (Rivest & Schapire), but only for a
-// time, until the block of such nodes is finalised. The hypothesis contradicts what is known where
-// no input leads the states of a block apart, or where a final node says otherwise than the
-// hypothesis predicts. That is a counterexample which needs no equivalence query.
+// time: the new nodes are a block that is to be finalised. The hypothesis contradicts what is known
+// if no input leads the states of a block apart, or if a final node says otherwise than the
+// hypothesis predicts. That is a counterexample that needs no equivalence query.
 //
 // Invariant: between two equivalence queries all nodes are final, and the hypothesis agrees with
 // all of them. For n states, k inputs and counterexamples of length m: at most k n^2 + k n + (n -
@@ -76,21 +76,21 @@ class Ttt : public FinalizingLearner {
 
 // TTT-lambda (Howar & Steffen, "Active Automata Learning as Black-Box Search and Lazy Partition
 // Refinement", in A Journey from Process Algebra via Timed Automata to Model Learning, 2022). A
-// counterexample only says which word becomes another access word, never by which suffix. Binary
-// search finds a transition whose word behaves otherwise than the state that it leads to. That word
-// and the access words of the state share a leaf from then on, a block without a suffix, and each
-// has transitions. If the counterexample ends with one input after them, no shorter suffix can
-// come, so that input splits the leaf.
+// counterexample only names another access word. It never adds a suffix. Binary search finds a
+// transition whose word behaves otherwise than the state that it leads to. That word then shares a
+// leaf with the access words of the state: a block without a suffix. Each of its words has
+// transitions. If the counterexample has one input behind them, no shorter suffix can come, so that
+// input splits the leaf.
 //
-// Otherwise the block is finalised where an input leads its states apart. Until then the hypothesis
-// is wrong about the rest of the counterexample after one of them. That shorter word is the next
-// counterexample, which needs no equivalence query. It is asked only if it is needed: most blocks
-// part as soon as the new transitions are sifted.
+// Otherwise the block is finalised as soon as an input leads its states apart. Until then the
+// hypothesis is wrong about the rest of the counterexample after one of them. That shorter word is
+// the next counterexample. It needs no equivalence query, and is asked only if it is needed: most
+// blocks part as soon as the new transitions are sifted.
 //
-// Invariant: access words are of different states of the system; between two equivalence queries
-// all nodes are final, each leaf has one access word. For n states, k inputs and counterexamples of
-// length m: at most k n^2 + k n + (n - 1) (3 + (n - 1) ceil(log2 m)) output queries, at most n - 1
-// counterexamples.
+// Invariant: access words are of different states of the system. Between two equivalence queries
+// all nodes are final, and each leaf has one access word. For n states, k inputs and
+// counterexamples of length m: at most k n^2 + k n + (n - 1) (3 + (n - 1) ceil(log2 m)) output
+// queries, at most n - 1 counterexamples.
 class TttLambda : public FinalizingLearner {
  public:
   // Keeps a reference to `oracle`. Throws UsageError if it has no inputs.

@@ -1,9 +1,10 @@
 // The wrapper as a Sul: the client's side of the protocol, over a child's pipes or TCP. It keeps
-// several words in flight. The wrapper's process may die at any moment. It is then replaced, and
-// the word in progress asked again, alone, until it is answered or its death is seen to be
-// reproducible, which is an answer too (wrapper_connection.hpp). Whatever else is wrong with the
-// wrapper is one clear WrapperError that names its endpoint. A proxy may be used from one thread at
-// a time.
+// several words in flight.
+//
+// The wrapper's process may die at any moment. It is then replaced, and the word in progress is
+// asked again, alone, until it is answered or its death proves reproducible. A reproducible death
+// is an answer, too (wrapper_connection.hpp). Anything else that is wrong with the wrapper is one
+// clear WrapperError that names its endpoint. A proxy may be used from one thread at a time.
 #pragma once
 
 #include <chrono>

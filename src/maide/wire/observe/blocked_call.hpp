@@ -1,12 +1,12 @@
-// The system call in which a thread sleeps, as /proc/.../syscall tells it, and whether it will end
-// by itself. What a thread waits for with a time limit lies in its own memory: of a futex
-// (condition variables, timed mutexes, semaphores) the limit is a point in time, and once that is
-// past the thread is about to run, though the timer's interrupt may be late by as long as its
-// processor is slow to wake: on a virtual machine beside others, longer than an observation takes.
-// The limits of poll, select and epoll_wait count from a beginning that nobody can see.
+// The system call in which a thread sleeps, as /proc/.../syscall tells it, and whether that call
+// will end by itself. A wait with a time limit has the limit in the thread's own memory. For a
+// futex (condition variables, timed mutexes, semaphores) the limit is a point in time. Once it is
+// past, the thread is about to run, even if its timer's interrupt is late. On a virtual machine
+// beside others the interrupt may be late by longer than an observation takes. For poll, select and
+// epoll_wait the limit counts from a beginning that nobody can see.
 //
-// A call may be remembered for as long as its thread has not run, for it cannot have made another;
-// whether the limit is past has to be asked each time.
+// A call may be remembered for as long as its thread has not run, because the thread cannot have
+// made another. Whether the limit is past has to be asked each time.
 #pragma once
 
 #include <sys/types.h>

@@ -1,6 +1,6 @@
 // Whether this kernel, and the container around this process, show what an observation reads
-// (docs/platforms.md). Each is tried, on this process and on a child, and not looked up by version:
-// a seccomp profile or a restriction of ptrace takes away what the kernel has.
+// (docs/platforms.md). Each feature is tried, on this process and on a child. A look at the
+// kernel's version would not do: a seccomp profile or a restriction of ptrace takes features away.
 #pragma once
 
 #include <string>

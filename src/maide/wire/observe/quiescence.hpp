@@ -1,11 +1,11 @@
-// Tells when a step has ended: when the system under learning does nothing more of its own accord.
-// Three things must hold. Every thread of its processes is asleep, at one instant. No bytes are on
-// their way in its sockets. The floor has passed that the wrapper declares for its protocol's
-// timers, which nobody can observe. A fixed delay remains for a middleware that polls. Load makes
-// an observation slower, never wrong; a fixed delay is wrong under load.
+// Tells when a step has ended, that is, when the system under learning does nothing more of its own
+// accord. Three things must hold. Every thread of its processes is asleep, at one instant. No bytes
+// are on their way in its sockets. The floor has passed that the wrapper declares for its
+// protocol's timers, which nobody can observe. For a middleware that polls, there is a fixed delay
+// instead. Load makes an observation slower, never wrong; a fixed delay is wrong under load.
 //
-// Invariant of an observed verdict: there was an instant, after the input and after the last event,
-// at which no thread of the system ran or was about to.
+// Invariant of an observed verdict: at some instant after the input and after the last event, no
+// thread of the system ran or was about to run.
 #pragma once
 
 #include <sys/types.h>

@@ -1,12 +1,14 @@
 // What is on its way in the sockets of the system's processes. A thread that waits for a socket is
-// woken when bytes arrive, so threads asleep say nothing about bytes that have not arrived yet.
-// Where both ends of a TCP connection are in sight, bytes are on their way when the one has sent
-// more than the other has received; elsewhere when they are not acknowledged, which TCP delays by
-// some 40 ms. Bytes that arrived and that nobody waits for are at rest.
+// woken when bytes arrive. So threads asleep say nothing about bytes that have not arrived yet. If
+// both ends of a TCP connection are in sight, bytes are on their way when one end has sent more
+// than the other has received. If only one end is, they are on their way when they are not
+// acknowledged, which TCP delays by some 40 ms. Bytes that arrived and that nobody waits for are at
+// rest.
 //
-// What kind of socket a number stands for is remembered from look to look, and trusted only where
-// an answer shows that it is the same one: a number may be closed and given to another at any time
-// between two looks. docs/design/quiescence.md says what is remembered, and why that is sound.
+// The kind of socket that a number stands for is remembered from look to look. A number may be
+// closed and given to another socket between two looks, so the memory is trusted only where an
+// answer shows that the socket is the same. docs/design/quiescence.md says what is remembered, and
+// why that is sound.
 #pragma once
 
 #include <sys/types.h>
@@ -59,13 +61,13 @@ class SocketScan {
   // Leaves a socket of the SDK's own out.
   void ignore(int descriptor) { ignored_.push_back(descriptor); }
 
-  // The sockets of that process too, where the kernel lets us look (Linux 5.6, and the right to
-  // trace it: a child's is given as a rule); false where it does not.
+  // Looks at the sockets of that process, too. False if the kernel does not allow it: Linux 5.6 and
+  // the right to trace the process are needed. That right is given for a child as a rule.
   bool watch_process(pid_t process);
 
-  // One system call for a descriptor that is none of the SDK's own, which is all for TCP; one more
-  // for another socket, two for a local one, two more for one in another process. Where bytes are
-  // not acknowledged, two for each end of that connection.
+  // Cost in system calls: one for a descriptor that is none of the SDK's own. That is all for TCP.
+  // One more for another socket, two for a local one, two more for one in another process. Two for
+  // each end of a connection whose bytes are not acknowledged.
   void take(SocketPicture& picture);
 
   // The same sockets again, if no thread of the system has run since take(): nobody else can open

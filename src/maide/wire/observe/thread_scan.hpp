@@ -1,15 +1,15 @@
 // Tells whether all threads of the system's processes are asleep at the same instant: those of this
-// process and of others that it is told to watch. No single call tells that to user space, so two
-// passes over the threads do. The first knows of each thread that it is blocked (the kernel prints
-// a thread's system call only once it is off its CPU and dequeued), and how often it was ever put
-// on a CPU. The second finds it still in state S and never run since. Then every thread slept at
-// each moment between the two passes. Reading the state twice would prove less: a thread that was
-// preempted on its way to sleep reads S.
+// process, and of others that it is told to watch. No single call tells that to user space, so two
+// passes over the threads do. The first pass knows of each thread that it is blocked, and how often
+// it was ever put on a CPU. (The kernel prints a thread's system call only once it is off its CPU
+// and dequeued.) The second pass finds it still in state S and never run since. Then every thread
+// slept at each moment between the two passes. Reading the state twice would prove less: a thread
+// that was preempted on its way to sleep reads S.
 //
-// What a thread was blocked in is remembered for as long as its run count stays the same, its state
-// never: a thread that is woken and has not run yet has an old count and a new state. The list of
-// threads is remembered for as long as the kernel counts as many and all of them are alive.
-// docs/design/quiescence.md says why no verdict is wrong for it.
+// The call in which a thread was blocked is remembered for as long as its run count stays the same.
+// Its state is never remembered: a thread that is woken and has not run yet has an old count and a
+// new state. The list of threads is remembered for as long as the kernel counts as many and all of
+// them are alive. docs/design/quiescence.md says why no verdict becomes wrong by that.
 #pragma once
 
 #include <sys/types.h>
@@ -45,9 +45,9 @@ class ThreadScan {
   // All threads of that process belong to the system too. As long as it is gone nothing is asleep.
   void watch_process(pid_t process);
 
-  // First pass: false if a thread is not asleep, or its time limit is past (blocked_call.hpp), or
-  // it sleeps only for a set time (nanosleep) and that is not `timed_sleep_is_rest`. Two system
-  // calls for each thread that ran of late, one for each process.
+  // First pass. False if a thread is not asleep, if its time limit is past (blocked_call.hpp), or
+  // if it sleeps only for a set time (nanosleep) and that is not `timed_sleep_is_rest`. Cost: two
+  // system calls for each thread that ran of late, one for each process.
   bool begin(bool timed_sleep_is_rest = false);
   // Second pass, after begin() said true: false if a thread has run since, is about to, has come or
   // gone. Two system calls a thread, one a process.

@@ -1,7 +1,7 @@
 // The protocol between Maide and a wrapper, version 1: one JSON object a line, in both directions,
-// pipelined. docs/protocol.md is its description; here are its messages as values, and their text.
-// Whatever comes from the other side is checked here: a decoded message is well-formed and speaks
-// only of inputs, actors and outputs that exist.
+// pipelined. docs/protocol.md describes it. Here are its messages as values, and their text. A
+// decoded message was checked: it is well-formed and speaks only of inputs, actors and outputs that
+// exist.
 #pragma once
 
 #include <cstddef>
@@ -55,8 +55,8 @@ struct Answer {
   std::uint64_t id = 0;
   SulAnswer answer;
 };
-// What a Run that asks for it hears before its answer, so that after a crash it is known how far
-// the word had come: the reset is done; a step is over.
+// A Run may ask for these messages before its answer: the reset is done; a step is over. After a
+// crash they tell how far the word had come.
 struct Ready {
   std::uint64_t id = 0;
 };

@@ -37,9 +37,9 @@ class Reception {
   Reception(int listener, const WrapperDescription& description, std::optional<std::string> token,
             ReceptionSettings settings = {});
 
-  // Waits until something happens, at most so long, for ever if there is no limit: takes new
-  // connections, reads, and drops those that are late, wrong or too many. Throws UsageError if the
-  // listener takes no connections any more. O(connections).
+  // Waits until something happens, at most so long, or for ever without a limit. Takes new
+  // connections, reads, and drops connections that are late, wrong or too many. Throws UsageError
+  // if the listener takes no connections any more. O(connections).
   void wait(std::optional<std::chrono::milliseconds> limit);
   // The client that has waited longest of those that are ready, if there is one.
   std::optional<AcceptedClient> take_ready();

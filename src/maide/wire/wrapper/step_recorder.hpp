@@ -1,6 +1,6 @@
-// Collects the events of one word, from any thread. It keeps those that are observed, under the
-// name under which they are, drops the others, and remembers when the last one came: any event,
-// observed or not, is a sign of life.
+// Collects the events of one word, from any thread. It keeps the observed events, under the names
+// that they have for the observer, and drops the others. It remembers when the last event came,
+// observed or not: any event is a sign of life.
 #pragma once
 
 #include <atomic>

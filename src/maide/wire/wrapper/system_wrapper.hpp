@@ -1,7 +1,9 @@
 // The SDK in which a wrapper for a middleware is written: the paper's System Wrapper. A wrapper is
-// one file: a class that describes itself and its options, says from the options which actors,
-// inputs and events there are, and makes fresh instances whose `call` is the real, blocking call.
-// The SDK does the rest: it gives every actor a thread of its own, collects events until the system
+// one file with a class. The class describes itself and its options. From the options it says which
+// actors, inputs and events there are. It makes fresh instances, whose `call` is the real, blocking
+// call.
+//
+// The SDK does the rest. It gives every actor a thread of its own, collects events until the system
 // is quiescent, drops those that are not observed, plays words and decision trees, and speaks the
 // protocol (docs/protocol.md). A wrapper ends with
 //
@@ -34,8 +36,9 @@ struct WrapperDescription {
   std::map<std::string, std::string> versions;  // wrapper, middleware: part of the fingerprint
   // Its own options and those of common_options that it supports; the SDK adds quiescence_rows.
   std::vector<OptionSpec> options;
-  // The default of option `floor`: how long after the last thing seen a timer of the middleware's
-  // protocol may still be due while every thread sleeps. 0 for systems without such timers.
+  // The default of option `floor`. A timer of the middleware's protocol may still be due while
+  // every thread sleeps; this is how long after the last thing seen. 0 for systems without such
+  // timers.
   std::chrono::milliseconds floor{0};
 };
 
@@ -67,9 +70,9 @@ struct SystemSetup {
   std::vector<std::string> actors;  // in the canonical order
   std::vector<Input> inputs;
   std::vector<Event> events;
-  // The event that EventSink::message reports; payload=gap replaces it by `next` and `gap` (and
-  // `old`, where messages can come again), and payload=values by `message(V)` for each value,
-  // everywhere, `observe=` and `returns` included.
+  // The event that EventSink::message reports. payload=gap replaces it by `next` and `gap`, and by
+  // `old` where messages can come again. payload=values replaces it by `message(V)` for each value.
+  // Both replace it everywhere, in `observe=` and `returns`, too.
   std::string message_event = "message";
   bool messages_come_again = false;
   std::optional<MessagesInFlight> in_flight;  // set it if the table has `size`
@@ -119,9 +122,10 @@ class SystemInstance {
   // From another thread: lets every blocked call return soon, now and for all later calls. What is
   // still reported is dropped. If a call stays blocked the process ends and is replaced.
   virtual void shutdown() = 0;
-  // A call that sleeps for a set time means "not quiescent yet". Some calls block by sleeping and
-  // looking, again and again; where the instance knows that such a call will find nothing until the
-  // next input, it says true. Asked from another thread while all threads sleep.
+  // True if the call that sleeps now will find nothing until the next input. A call that sleeps for
+  // a set time means "not quiescent yet". Some calls block by sleeping and looking, again and
+  // again; their sleep counts as rest if this says true. Asked from another thread while all
+  // threads sleep.
   virtual bool polls_in_vain() const { return false; }
 };
 

@@ -27,8 +27,8 @@ struct OptionSpec {
   std::vector<std::string> allowed;
   std::int64_t least = 0, most = -1;
   std::string help;  // one line, no full stop
-  // How the system is made to keep more messages, or to lose fewer: the value to set, "+" for a
-  // number to raise; "": not by this option. `maide check --suggest` tries these.
+  // The value by which the system keeps more messages or loses fewer, or "+" for a number to raise.
+  // "" if this option cannot do that. `maide check --suggest` tries these.
   std::string keeps_more{};
 
   static OptionSpec choice(std::string key, std::string default_value,

@@ -1,5 +1,5 @@
-// Stands between a SystemWrapper and whoever asks it questions, over the wire (wrapper_server.hpp)
-// or in the same process (`LocalSul`): sets the options, resets, gives each actor its thread, and
+// Connects a SystemWrapper with whoever asks it questions, over the wire (wrapper_server.hpp) or in
+// the same process (`LocalSul`). It sets the options, resets, gives each actor its thread, and
 // plays queries on the instance.
 #pragma once
 
