@@ -452,8 +452,8 @@ RunFunction set_up_bench(CommandLine& line) {
            "them, as in maide learn");
   line.add("--csv", arguments->csv, "Write a line for each run to this file");
   line.add_flag("--no-cache", arguments->no_cache,
-                "Ask the system every query; the processor time is then that of the learner, "
-                "tests and simulation");
+                "Ask the system every query. The processor time is then that of the learner, the "
+                "tests and the simulation");
   line.add("-j,--jobs", arguments->options.jobs,
            "How many runs at once; counts are the same, times may suffer. Default: one for "
            "each processor")

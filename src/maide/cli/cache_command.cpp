@@ -221,8 +221,8 @@ ExitStatus check(const CacheArguments& arguments, Context& context) {
 RunFunction set_up_cache(CommandLine& line) {
   auto arguments = std::make_shared<CacheArguments>();
   line.add("WHAT", arguments->what,
-           "show: what is in them; merge: several of the same system as one; check: whether "
-           "they are sound, and whether the system still answers so")
+           "show: what is in the files; merge: makes one of several files of the same system; "
+           "check: whether the files are sound, and whether the system still answers as they say")
       .required()
       .check([](const std::string& what) {
         if (what == "show" || what == "merge" || what == "check") return std::string();

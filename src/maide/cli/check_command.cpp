@@ -242,12 +242,12 @@ RunFunction set_up_check(CommandLine& line) {
   line.add("SYSTEM", arguments->system, "A system file (YAML): models, programs, properties")
       .required();
   line.add("--engine", arguments->engine,
-           "What decides: native (Maide's own), or spin, the reference, which has no `stuck`, "
-           "no X, no strong fairness and no `fair`, and needs spin and a C compiler");
+           "Which engine decides: native (Maide's own), or spin as a reference, which knows no "
+           "`stuck`, no X, no strong fairness and no `fair`. It needs spin and a C compiler");
   line.add("--reduction", arguments->reduction,
            "What the engine native leaves out, where the property allows it: none; calls (states "
-           "between an input and the output that answers it); order (of steps that do not "
-           "disturb one another, other orders); full (both, and states with a single step)")
+           "between an input and the output that answers it); order (all but one order of steps "
+           "that do not disturb one another); full (both, and states with a single step)")
       .value_name("NAME");
   line.add("--property", arguments->properties,
            "Check this property alone; may be given several times (default: deadlock, "
@@ -256,16 +256,17 @@ RunFunction set_up_check(CommandLine& line) {
       .one_each();
   line.add("--trace", arguments->trace, "Write the first counterexample to this file, as JSON");
   line.add("--trace-format", arguments->trace_format,
-           "How a counterexample is shown: chart, a message sequence chart (where it fits "
-           "the terminal), or steps, a line each")
+           "How a counterexample is shown: chart (a message sequence chart, if it fits the "
+           "terminal) or steps (a line each)")
       .one_of({"chart", "steps"})
       .value_name("FORMAT");
   line.add("--report", arguments->report,
            "Write a page with verdicts, charts and pictures of the models (FILE.html), or the "
            "chart of the first counterexample alone (FILE.svg)");
   line.add_flag("--suggest", arguments->suggest,
-                "After a violation, look for the smallest change that removes it: other models and "
-                "settings (learned where possible), other numbers of repetitions; each is checked");
+                "After a violation, look for the smallest change that removes it: other models, "
+                "other settings (learned where possible), other values of constants, other numbers "
+                "of repetitions. Each change is checked");
   line.add("--memory", arguments->memory_mib,
            "Most memory of a search, in MiB (default: three quarters of the machine's)")
       .between(1, std::uint64_t{1} << 30)
@@ -278,8 +279,9 @@ RunFunction set_up_check(CommandLine& line) {
       .no_default();
   add_jobs_option(line, arguments->jobs);
   line.add_flag("--refine", arguments->refine,
-                "Believe no verdict before the real system: replay counterexamples on it, test "
-                "models again where there is none, learn from what differs (models with `learn:`)");
+                "Believe no verdict before the real system was asked: replay a counterexample on "
+                "it, or test the models again if there is none. Models under `learn:` are learned "
+                "on where the system differs");
   line.add("--refinements", arguments->refinements,
            "Most refinements of --refine; then the verdict is inconclusive")
       .between(1, 1'000'000);

@@ -222,15 +222,16 @@ RunFunction set_up_export(CommandLine& line) {
   line.add("--property", arguments->property,
            "With --to hoa: write the automaton of the runs on which this property holds");
   line.add_flag("--negated", arguments->negated,
-                "With --to hoa: of the runs on which it does not hold, as `never:` takes it");
+                "With --to hoa: write the automaton of the runs on which it does not hold, as "
+                "`never:` takes it");
   line.add("--component", arguments->component,
-           "Of a system: only the programs and models that have something to do with this program. "
-           "Formats but aut need it if there are several components and a program has more than "
-           "single inputs, outputs and choices")
+           "Of a system: write only the component of this program, which is the programs and "
+           "models that it has something to do with. Formats other than aut need this if there are "
+           "several components and a program has more than single inputs, outputs and choices")
       .value_name("PROGRAM");
   line.add("-o,--output", arguments->output, "The file to write; standard output if not given");
   line.add_flag("--lossy", arguments->lossy,
-                "Write a model to aut though that cannot carry what was never tried");
+                "Write a model to aut even though aut cannot say what was never tried");
   line.add("--memory", arguments->memory_mib,
            "Most memory for a system's state graph (--to aut), in MiB (default: three quarters "
            "of the machine's)")

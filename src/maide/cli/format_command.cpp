@@ -46,9 +46,9 @@ ExitStatus run_format(const FormatArguments& arguments, Context& context) {
 
 RunFunction set_up_format(CommandLine& line) {
   auto arguments = std::make_shared<FormatArguments>();
-  line.add("SYSTEM", arguments->files, "System files (YAML), which are written anew").required();
+  line.add("SYSTEM", arguments->files, "System files (YAML), rewritten in place").required();
   line.add_flag("--check", arguments->only_check,
-                "Write nothing; exit with 1 if a file would be laid out anew");
+                "Write nothing; exit with 1 if a file would change");
   return [arguments](Context& context) { return run_format(*arguments, context); };
 }
 

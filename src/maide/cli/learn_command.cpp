@@ -348,23 +348,25 @@ ExitStatus learn(const LearnArguments& arguments, const CommandLine& line, Conte
 
 void add_limits(CommandLine& line, LearnArguments& arguments) {
   line.add("--max-experiments", arguments.max_experiments,
-           "Most words run on the system in all; 0: no limit");
+           "Most words to run on the system; 0: no limit");
   line.add("--time", arguments.time_limit, "Most seconds; then the last hypothesis is kept")
       .check(check_seconds);
 }
 
 void add_confirmation(CommandLine& line, LearnArguments& arguments) {
   line.add("--confirm", arguments.confirm,
-           "Whether each counterexample is asked again before it is believed, and the final "
-           "model with longer waits: yes or no (default: yes, for a simulated model no)")
+           "Whether to ask each counterexample again before it is believed, and to ask the final "
+           "model's words again with longer waits: yes or no (default: yes; for a simulated model "
+           "no)")
       .one_of({"yes", "no"});
   line.add("--confidence", arguments.vote.confidence,
-           "How sure a majority must be where a word is answered in several ways; wrong with "
-           "less than 1 minus this as long as noise spoils less than half of the answers")
+           "How sure a majority must be when a word is answered in several ways. It is wrong with "
+           "a probability of at most 1 minus this, as long as noise spoils less than half of the "
+           "answers")
       .number_between(0.5, 0.999999);
   line.add("--repeat", arguments.vote.most_attempts,
-           "Most times that a word is asked again until a majority decides; then the system "
-           "is nondeterministic (exit status 3)")
+           "How often a word is asked again, at most, until a majority decides. Without a majority "
+           "the system counts as nondeterministic (exit status 3)")
       .between(10, 100000);
 }
 
@@ -403,7 +405,7 @@ RunFunction set_up_learn(CommandLine& line) {
            "Options of the system; --list-options tells which it has")
       .no_default();
   line.add("-o,--output", arguments->output,
-           "Where the model goes, as DOT; without it, to standard output");
+           "The model's file (DOT); standard output if not given");
   line.add("--algorithm", arguments->algorithm, describe_entries(learners()));
   add_test_options(line, arguments->tests);
   line.add("--translation", arguments->translation,
@@ -415,11 +417,11 @@ RunFunction set_up_learn(CommandLine& line) {
   line.add("--plot", arguments->plot,
            "Draw the states of the hypothesis over the symbols given to the system (SVG)");
   line.add("--purpose", arguments->purpose,
-           "A learning purpose: an interface automaton (DOT) that says which inputs may be "
-           "offered when; what it does not allow is never tried");
+           "A learning purpose: an interface automaton (DOT) that says which inputs may be offered "
+           "when. What it does not allow is never tried");
   line.add("--error-output", arguments->error_outputs,
-           "An output that ends the session: behind it every input is answered by one and the "
-           "same output, so nothing is asked there but a sample; '*' stands for any characters; "
+           "An output that ends the session. Every input behind it is taken to be answered by one "
+           "and the same output, so only a sample is asked there. '*' stands for any characters; "
            "may be given several times")
       .one_each()
       .no_default()
@@ -429,10 +431,10 @@ RunFunction set_up_learn(CommandLine& line) {
            "or a cache of --cache. Without SUL the model is learned from the log alone (RPNI); "
            "with it the log shows counterexamples, and the system is asked about each");
   line.add("--start-from", arguments->start_from,
-           "A model of an earlier version of the system (DOT or Aldebaran): what still holds "
-           "of it saves queries with lsharp, and equivalence queries with all; the result "
-           "is the system's in any case. A folder: few words tell which of its models the "
-           "system has, or that it has none; then that is tested, or the system learned");
+           "A model of an earlier version of the system (DOT or Aldebaran). What still holds of it "
+           "saves queries with lsharp, and equivalence queries with every algorithm. The result is "
+           "the system's in any case. Or a folder of models: a few words tell which of them the "
+           "system has. That one is tested; if it is none of them, the system is learned");
   line.add("--token-file", arguments->token_file,
            "A file with the token of a listening wrapper (or set MAIDE_TOKEN)");
   add_limits(line, *arguments);

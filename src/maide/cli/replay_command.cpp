@@ -298,8 +298,8 @@ RunFunction set_up_replay(CommandLine& line) {
   line.add("--loops", arguments->loops, "How often the loop of an endless trace is played")
       .between(1, 1'000'000);
   line.add("--random", arguments->random_runs,
-           "In place of a trace: play so many random runs of the programs; each step is held "
-           "against the models")
+           "Play this many random runs of the programs in place of a trace, and compare each step "
+           "with the models")
       .no_default()
       .value_name("N")
       .between(1, 1'000'000);
