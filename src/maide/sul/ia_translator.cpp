@@ -148,10 +148,19 @@ void IaTranslator::remember(const Word& inputs, const std::vector<std::string>& 
   if (info().has_actors) fatal_words_.add(inputs, outputs, info(), translation_);
 }
 
+std::map<std::string, std::string> identifying_options(const SulInfo& info) {
+  std::map<std::string, std::string> options = info.options;
+  for (const char* ends : {"readers", "writers"}) {
+    const auto found = options.find(ends);
+    if (found != options.end() && found->second == "1") options.erase(found);
+  }
+  return options;
+}
+
 Origin describe_origin(const SulInfo& info) {
   Origin origin;
   origin["sul"] = quote_shell_word(info.name);
-  for (const auto& [key, value] : info.options) {
+  for (const auto& [key, value] : identifying_options(info)) {
     origin["sul"] += " " + quote_shell_word(key + "=" + value);
   }
   if (!info.bound.empty()) origin["bound"] = info.bound;

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <functional>
+#include <map>
 #include <optional>
 #include <span>
 #include <string>
@@ -30,6 +31,10 @@ struct MealyAnswer {
   std::chrono::microseconds system_duration{0};  // time in the steps, the reset not included
   std::chrono::microseconds settling{0};         // the part of it in which nothing came any more
 };
+
+// The options by which a model or a cache knows its system again: all but those that version 0.1
+// did not have, where they say what it did. So models and caches of 0.1 are of the same system.
+std::map<std::string, std::string> identifying_options(const SulInfo& info);
 
 // What a model learned from the system says of where it came from: "sul" (name and options),
 // "versions", and "bound" where there is one.

@@ -436,7 +436,7 @@ void require_test_option(const std::string& algorithm, const std::string& test_m
 
 Fingerprint identify(const IaTranslator& translator) {
   const SulInfo& info = translator.info();
-  Fingerprint result(info.options);
+  Fingerprint result(identifying_options(info));
   result["the system"] = info.name;
   result["the translation"] = to_string(translator.translation());
   if (!info.bound.empty()) result["the bound"] = info.bound;
