@@ -2,13 +2,14 @@
 
     layout.py --maide PROGRAM --seed S --count N
 
-Makes N systems of each kind of generate.py. A second layout changes nothing, and the system's
+Makes N systems of each kind of generate.py. A second layout changes nothing, and each component's
 graph of states (`maide export --to aut`) is the same as before.
 """
 
 from __future__ import annotations
 
 import argparse
+import json
 import subprocess
 import sys
 import tempfile
@@ -22,10 +23,19 @@ def run(arguments: list[str]) -> subprocess.CompletedProcess:
     return subprocess.run(arguments, capture_output=True, text=True, check=False)
 
 
-def graph(maide: str, path: Path) -> str:
-    """The system's graph of states, or why there is none, without the place."""
-    result = run([maide, "export", str(path), "--to", "aut"])
-    return result.stdout if result.returncode == 0 else result.stderr.split("(/")[0]
+def graphs(maide: str, path: Path) -> list[str]:
+    """The graph of states of each component, or why there is none, without the place."""
+    checked = run([maide, "check", "--json", str(path)])
+    try:
+        components = json.loads(checked.stdout)["components"]
+    except (json.JSONDecodeError, KeyError):
+        return [checked.stderr.split("(/")[0]]
+    written = []
+    for component in components:
+        program = component["programs"][0]
+        result = run([maide, "export", str(path), "--to", "aut", "--component", program])
+        written.append(result.stdout if result.returncode == 0 else result.stderr.split("(/")[0])
+    return written
 
 
 def main() -> int:
@@ -46,13 +56,13 @@ def main() -> int:
             subprocess.run(arguments, check=True)
         files = sorted(Path(folder).glob("*/system.yaml"))
         for path in files:
-            before = graph(options.maide, path)
+            before = graphs(options.maide, path)
             result = run([options.maide, "format", str(path)])
             again = run([options.maide, "format", "--check", str(path)])
             laid_out += 1 if result.stdout else 0
             if result.returncode != 0 or again.returncode != 0:
                 wrong.append(f"{path.parent.name}: {result.stderr}{again.stdout}{again.stderr}")
-            elif graph(options.maide, path) != before:
+            elif graphs(options.maide, path) != before:
                 wrong.append(f"{path.parent.name}: another system\n{path.read_text()}")
     print(f"{len(files)} systems, {laid_out} of them laid out anew, {len(wrong)} wrong")
     print("\n".join(wrong[:3]))
