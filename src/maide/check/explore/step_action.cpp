@@ -1,8 +1,11 @@
 #include "maide/check/explore/step_action.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <set>
 
+#include "maide/base/invariant.hpp"
 #include "maide/formats/names.hpp"
 
 namespace maide {
@@ -37,13 +40,19 @@ StepAction action_of_edge(std::uint32_t program, const ProgramEdge& edge) {
   return {program, edge.kind, has_model ? edge.model : 0, has_symbol ? edge.symbol : 0, false};
 }
 
-// What tells a joint step from another one of the program that has the same text.
-std::string number_of_joint(const StepAction& action, const System& system) {
-  const auto& joints = system.programs[action.program].joints;
-  const std::string& text = joints[action.symbol].text;
-  const bool is_only = std::count_if(joints.begin(), joints.end(),
-                                     [&](const Joint& joint) { return joint.text == text; }) == 1;
-  return is_only ? "" : " #" + std::to_string(action.symbol);
+// What is done, without who does it and whether that was never tried.
+std::string text_of(const StepAction& action, const System& system) {
+  const std::string& symbol = symbol_name(action, system);
+  const auto model = [&] { return shown_name(system.models[action.model].name); };
+  switch (action.kind) {
+    case Kind::give: return model() + "?" + shown_name(symbol);
+    case Kind::take: return model() + "!" + shown_name(symbol);
+    case Kind::quiet: return model() + " " + symbol;
+    case Kind::act:
+    case Kind::joint:
+    case Kind::choice: break;
+  }
+  return symbol;
 }
 
 }  // namespace
@@ -66,20 +75,28 @@ bool is_cut(const System& system, const StepAction& action) {
                      [&](const ModelUse& use) { return stops(use.model); });
 }
 
-std::string to_string(const StepAction& action, const System& system) {
-  std::string text = shown_name(system.programs[action.program].name) + " ";
-  const std::string& symbol = symbol_name(action, system);
-  switch (action.kind) {
-    case Kind::give: text += shown_name(system.models[action.model].name) + "?"; break;
-    case Kind::take: text += shown_name(system.models[action.model].name) + "!"; break;
-    case Kind::quiet: text += shown_name(system.models[action.model].name) + " "; break;
-    case Kind::act:
-    case Kind::joint:
-    case Kind::choice: break;
+ActionNames::ActionNames(const System& system) : system_(system) {
+  for (std::uint32_t index = 0; index < system.programs.size(); ++index) {
+    std::set<StepAction> actions;
+    for (const ProgramEdge& edge : system.programs[index].edges) {
+      actions.insert(action_of_edge(index, edge));
+    }
+    auto& texts = texts_.emplace_back();
+    for (const StepAction& action : actions) ++texts[text_of(action, system)];
   }
-  text += action.kind == Kind::give || action.kind == Kind::take ? shown_name(symbol) : symbol;
-  if (action.kind == Kind::joint) text += number_of_joint(action, system);
-  if (action.is_beyond) text += is_cut(system, action) ? " beyond" : " dropped";
+}
+
+std::string ActionNames::number_of_joint(const StepAction& action) const {
+  MAIDE_CHECK(action.kind == Kind::joint);
+  const std::string& text = symbol_name(action, system_);
+  return texts_[action.program].find(text)->second == 1 ? "" : fmt::format(" #{}", action.symbol);
+}
+
+std::string ActionNames::of(const StepAction& action) const {
+  std::string text =
+      shown_name(system_.programs[action.program].name) + " " + text_of(action, system_);
+  if (action.kind == Kind::joint) text += number_of_joint(action);
+  if (action.is_beyond) text += is_cut(system_, action) ? " beyond" : " dropped";
   return text;
 }
 
@@ -108,7 +125,7 @@ const std::string& ExportNames::of(const StepAction& action, const System& syste
                                                           : "dropped";
   if (action.kind == Kind::choice) return of({program, "choose", symbol});
   if (action.kind == Kind::joint) {
-    return of({program, "do", symbol, number_of_joint(action, system), bound});
+    return of({program, "do", symbol, actions_.number_of_joint(action), bound});
   }
   const std::string& model = system.models[action.model].name;
   switch (action.kind) {

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <compare>
+#include <cstddef>
 #include <cstdint>
 #include <initializer_list>
 #include <map>
@@ -33,21 +34,38 @@ StepAction action_of(const System& system, const Step& step);
 // The input was never tried, and the run is cut: an export stays where it is.
 bool is_cut(const System& system, const StepAction& action);
 
-// "planner via?write", "planner via!message", "planner via quiet", "planner if", "planner else",
-// "planner n = 3" (where another joint step of the program has the same text: with " #4" behind
-// it); behind an input that was never tried "beyond" (the run is cut there) or "dropped". Names
-// that are no identifiers are in double quotes.
-std::string to_string(const StepAction& action, const System& system);
+// The names of actions, no two alike: "planner via?write", "planner via!message", "planner via
+// quiet", "planner if", "planner else", "planner n = 3" (where another action of the program has
+// the same text: with " #4" behind it); behind an input that was never tried "beyond" (the run is
+// cut there) or "dropped". Names that are no identifiers are in double quotes.
+class ActionNames {
+ public:
+  // Keeps a reference. O(edges x log edges).
+  explicit ActionNames(const System& system);
+  std::string of(const StepAction& action) const;
+  // " #4" of a joint step whose text another action of the program has, too.
+  std::string number_of_joint(const StepAction& action) const;
+
+ private:
+  const System& system_;
+  // By program: how many of its actions have that text.
+  std::vector<std::map<std::string, std::size_t>> texts_;
+};
 
 // Identifiers of another language for names made of several parts; the same for the same parts.
 class ExportNames {
  public:
-  explicit ExportNames(std::span<const std::string_view> reserved) : identifiers_(reserved) {}
+  // Keeps a reference to the system.
+  ExportNames(const System& system, std::span<const std::string_view> reserved)
+      : actions_(system), identifiers_(reserved) {}
   const std::string& of(std::initializer_list<std::string_view> parts);
+  // The name for people, of any step (ActionNames).
+  std::string of(const StepAction& action) const { return actions_.of(action); }
   // Of a step's action: "in_via_write", "do_n_3", and with `of_program` "planner_in_via_write".
   const std::string& of(const StepAction& action, const System& system, bool of_program);
 
  private:
+  ActionNames actions_;
   std::map<std::vector<std::string>, std::string> known_;
   Identifiers identifiers_;
 };

@@ -16,7 +16,7 @@ namespace {
 class Writer {
  public:
   Writer(std::ostream& out, const System& system)
-      : out_(out), system_(system), rules_(system), names_(mcrl2_reserved()) {
+      : out_(out), system_(system), rules_(system), names_(system, mcrl2_reserved()) {
     for (const char* own : {"Program", "p", "Running", "Halted"}) names_.of({own});
     for (const Program& program : system.programs) {
       for (const Program::State& state : program.states) has_errors_ |= state.error != 0;

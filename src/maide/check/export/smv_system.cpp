@@ -45,7 +45,7 @@ std::vector<std::uint32_t> sources(const Moves& moves) {
 class Writer {
  public:
   Writer(std::ostream& out, const System& system)
-      : out_(out), system_(system), rules_(system), names_(smv_reserved()) {
+      : out_(out), system_(system), rules_(system), names_(system, smv_reserved()) {
     for (const char* own : {"step", "idle", "state", "control", "ended", "rests", "is_error",
                             "all_ended", "can_step", "can_go_on", "deadlock"}) {
       names_.of({own});
@@ -71,8 +71,7 @@ class Writer {
   void write() {
     out_ << "-- " << comment_text(system_.file) << "\n";
     for (const auto& [action, letter] : letters_) {
-      out_ << fmt::format("-- {}: {}\n", step_name(action),
-                          comment_text(to_string(action.action, system_)));
+      out_ << fmt::format("-- {}: {}\n", step_name(action), comment_text(names_.of(action.action)));
     }
     write_main();
     for (std::uint32_t model = 0; model < system_.models.size(); ++model) write_model(model);

@@ -108,7 +108,11 @@ template <std::size_t words>
 class GraphWriter {
  public:
   GraphWriter(const PackedSystem& packed, std::uint64_t bytes, const RunControl& control)
-      : packed_(packed), system_(packed.system()), bytes_(bytes), control_(control) {}
+      : packed_(packed),
+        system_(packed.system()),
+        bytes_(bytes),
+        control_(control),
+        names_(system_) {}
 
   GraphSize write(std::ostream& out) {
     states_.number_of(packed_.pack<words>(initial_state(system_)));
@@ -148,7 +152,7 @@ class GraphWriter {
 
   const std::string& label(const StepAction& action) {
     const auto [entry, is_new] = labels_.try_emplace(action);
-    if (is_new) entry->second = quote_dot_label(to_string(action, system_));
+    if (is_new) entry->second = quote_dot_label(names_.of(action));
     return entry->second;
   }
 
@@ -157,6 +161,7 @@ class GraphWriter {
   std::uint64_t bytes_;
   const RunControl& control_;
   NumberedStates<words> states_;
+  ActionNames names_;
   std::map<StepAction, std::string> labels_;
 };
 
