@@ -238,9 +238,13 @@ void keep(const std::filesystem::path& file, const InterfaceAutomaton& automaton
   write_file_atomically(file, text.str());
 }
 
+std::string with_name(const Error& error, const ModelRequest& request) {
+  return fmt::format("model {}: {}", request.instance, error.what());
+}
+
 Error with_place(const Error& error, const ModelRequest& request) {
-  return {error.status(), fmt::format("model {}: {} ({})", request.instance, error.what(),
-                                      to_string(request.position))};
+  return {error.status(),
+          fmt::format("{} ({})", with_name(error, request), to_string(request.position))};
 }
 
 }  // namespace
@@ -444,6 +448,8 @@ ModelSource make_learning_source(LearnedModelsOptions options) {
     try {
       return request.values.empty() ? find_or_learn(request, options)
                                     : find_or_make_valued(request, options);
+    } catch (const UsageError& error) {
+      throw UsageError(with_name(error, request));
     } catch (const Error& error) {
       throw with_place(error, request);
     }

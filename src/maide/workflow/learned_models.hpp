@@ -29,7 +29,8 @@ struct LearnedModelsOptions {
 // system is opened to compare options and versions. Learns the others, with the defaults of `maide
 // learn` where `learning:` says nothing else. Learning starts from the model that `start-from:`
 // names, or else from the kept model of another version. Throws an Error with its exit status and
-// the place in the file that asks for the model.
+// the place in the file that asks for the model; a UsageError is without a place, for the reader of
+// the system file adds it.
 ModelSource make_learning_source(LearnedModelsOptions options);
 
 // Where the model of a request is kept: the system, its options, and a hash of both.

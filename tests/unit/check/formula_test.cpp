@@ -50,7 +50,8 @@ TEST_F(FormulaTest, ErrorsNameThePlace) {
   EXPECT_EQ(error("(p@a"), "expected ')' for this '(', not the end of the text at f:1:5 (f:1:1)");
   EXPECT_EQ(error("p@a p@b"), "expected an operator, not 'p' (f:1:5)");
   EXPECT_EQ(error("p"),
-            "expected program@label, model.input or model!output, not 'p' alone (f:1:1)");
+            "expected program@label, model.input or model!output, not 'p' alone: no variable, "
+            "constant or word has this name (f:1:1)");
   EXPECT_EQ(error("p@c"), "program p has no label 'c'; it has: a, b, end (f:1:3)");
   EXPECT_EQ(error("q@a"), "unknown program 'q'; there is: p, F (f:1:1)");
   EXPECT_EQ(error("via.wirte"),

@@ -166,12 +166,75 @@ TEST(SystemFile, ErrorsNameThePlace) {
       {"variables: {n: 0..2}\nprograms: {p: skip;}", "as in variables: \"var n: 0..3; var ok"},
       {"constants: {n: 1.5}\nprograms: {p: skip;}", "numbers are whole, without a fraction"},
       {"a: 1\n---\nb: 2", "one YAML document (s.yaml:3:1)"},
-      {std::string(100000, '['), "nested too deeply"},
+      {std::string(100000, '['), "nested too deeply (s.yaml:1:101)"},
+      {"constants: {n: 1 / 0}\nprograms: {p: skip;}",
+       "this constant has no value: it divides by zero"},
+      {"models:\n  q: {use: queue, with: {size: 1}, ends: {writr: p}}\nprograms: {p: q.write;}",
+       "model q has no end 'writr'; it has: writer, reader; did you mean 'writer'? (s.yaml:2:43)"},
   };
   for (const auto& [text, expected] : cases) {
     const std::string message = error(text);
     EXPECT_NE(message.find(expected), std::string::npos) << text.substr(0, 200) << "\n" << message;
   }
+}
+
+// What other languages write is named at its place, in programs and in formulas.
+TEST(SystemFile, OperatorsOfOtherLanguagesAreNamed) {
+  const auto in_program = [](const std::string& statement) {
+    return error("models: {via: {file: strict-2.dot}}\nprograms:\n  p: |\n    var b: bool;\n    " +
+                 statement + "\n");
+  };
+  const auto in_formula = [](const std::string& formula) {
+    return error(
+        "models: {via: {file: strict-2.dot}}\nvariables: \"var n: 0..1; var b: bool;\"\n"
+        "programs: {p: via.write; n = 1; b = true;, r: n = 0; b = false;}\nproperties:\n  x: \"" +
+        formula + "\"\n");
+  };
+  EXPECT_EQ(in_program("if (b and b) { via.write; }"),
+            "'and' is no sign here: it is '&&' (s.yaml:5:11)");
+  EXPECT_EQ(in_program("if (b or b) { via.write; }"),
+            "'or' is no sign here: it is '||' (s.yaml:5:11)");
+  EXPECT_EQ(in_program("if (not b) { via.write; }"),
+            "'not' is no sign here: it is '!' (s.yaml:5:9)");
+  EXPECT_EQ(in_program("if (b = true) { via.write; }"),
+            "'=' is no sign here: it is '==' (s.yaml:5:11)");
+  EXPECT_EQ(in_program("b = b and b; via.write;"),
+            "'and' is no sign here: it is '&&' (s.yaml:5:11)");
+  EXPECT_EQ(in_program("if (b) { via.write; } elif (b) { via.write; }"),
+            "'elif' begins no statement; it is 'else if' (s.yaml:5:27)");
+  EXPECT_EQ(in_formula("G (b => b)"), "'=>' is no sign here: it is '->' (s.yaml:5:12)");
+  EXPECT_EQ(in_formula("G (b and b)"), "'and' is no sign here: it is '&&' (s.yaml:5:12)");
+  EXPECT_EQ(in_formula("b or b"), "'or' is no sign here: it is '||' (s.yaml:5:9)");
+  EXPECT_EQ(in_formula("G not b"), "'not' is no sign here: it is '!' (s.yaml:5:9)");
+  EXPECT_EQ(in_formula("F (n = 1)"), "'=' is no sign here: it is '==' (s.yaml:5:12)");
+  EXPECT_EQ(in_formula("b until p@end"), "'until' is no sign here: it is 'U' (s.yaml:5:9)");
+  EXPECT_EQ(in_formula("always b"), "'always' is no sign here: it is 'G' (s.yaml:5:7)");
+  EXPECT_EQ(in_formula("G (b == TRUE)"), "'TRUE' is no sign here: it is 'true' (s.yaml:5:15)");
+  EXPECT_EQ(in_formula("G m"),
+            "expected program@label, model.input or model!output, not 'm' alone: no variable, "
+            "constant or word has this name (s.yaml:5:9)");
+}
+
+// The names of other languages' operators are free.
+TEST(SystemFile, ModelsAndProgramsMayBeCalledLikeOperatorsOfOtherLanguages) {
+  EXPECT_EQ(error("models: {and: {file: strict-2.dot}}\nprograms: {not: and.write;}\n"
+                  "properties: {x: \"F and.write && F not@end\"}\n"),
+            "");
+}
+
+// A source knows systems and options, and the reader their places.
+TEST(SystemFile, UsageErrorsOfModelsStandAtTheOptionThatTheyName) {
+  const auto with_source = [](const std::string& message) {
+    return test::error_of([&] {
+      parse_system(
+          "models:\n  q: {learn: prt, with: {depth: 1, kid: strict}}\nprograms: {p: q.write;}",
+          "s.yaml", [&](const ModelRequest&) -> InterfaceAutomaton { throw UsageError(message); });
+    });
+  };
+  EXPECT_EQ(with_source("unknown system 'prt'"), "unknown system 'prt' (s.yaml:2:14)");
+  EXPECT_EQ(with_source("unknown option 'kid'"), "unknown option 'kid' (s.yaml:2:36)");
+  EXPECT_EQ(with_source("option kid=strict: allowed is port"),
+            "option kid=strict: allowed is port (s.yaml:2:36)");
 }
 
 TEST(SystemFile, TextsThatAreCutOffAreErrorsOrSystems) {

@@ -46,7 +46,10 @@ class DeclarationParser : public NameParser {
   Expression parse_constant() {
     const Token first = tokens_.peek();
     Expression value = expressions_.parse();
-    if (!value.is_constant()) tokens_.fail("a constant is known at once", first);
+    if (!value.is_constant()) {
+      tokens_.fail("this constant has no value: it divides by zero, or is too large for 64 bits",
+                   first);
+    }
     expect_end();
     return value;
   }

@@ -233,6 +233,9 @@ Expression ExpressionParser::parse_primary() {
     return make_constant(first.is("true") ? 1 : 0, ValueKind::boolean);
   }
   if (!first.is_name()) tokens_.fail("expected an expression, not " + to_string(first), first);
+  if (first.is("not") && (tokens_.peek().is_name() || tokens_.peek().is("("))) {
+    tokens_.fail_foreign(first);
+  }
   Expression named = resolve_(first);
   named.line = place.line;
   named.column = place.column;

@@ -197,6 +197,9 @@ void ProgramParser::require_model(const Token& first) const {
   if (procedures.contains(first.text)) {
     fail("' is a procedure: a statement calls it, as in `call " + first.text + "(...);`");
   }
+  if (first.is("elif") || first.is("elsif") || first.is("elseif")) {
+    fail("' begins no statement; it is 'else if'");
+  }
   std::vector<std::string> known = statement_keywords();
   known.emplace_back("else if");
   for (const auto& [name, model] : context_.names.models) known.push_back(name);
@@ -242,6 +245,7 @@ Expression ProgramParser::parse_condition(const std::string& where) {
   tokens_.expect("(", where);
   const Token first = tokens_.peek();
   Expression condition = expressions_.parse();
+  if (!tokens_.peek().is(")")) tokens_.fail_foreign(tokens_.peek());
   require(condition, ValueKind::boolean, "a condition", tokens_.position(first));
   tokens_.expect(")", "behind a condition");
   return condition;

@@ -1,9 +1,12 @@
 // Models of a system file, and what is written into queues.
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "maide/base/text.hpp"
 #include "maide/check/language/expression_parser.hpp"
 #include "maide/check/language/system_reader.hpp"
+#include "maide/check/language/tokens.hpp"
 
 namespace maide {
 
@@ -23,6 +26,7 @@ void SystemReader::read_models(const YAML::Node& section) {
         make_built_in(model, first + static_cast<std::uint32_t>(member), indices_of(array, member),
                       value);
       }
+      if (member == 0) check_ends(model, value["ends"]);
       system_.models.push_back(model);
       if (!ends.empty()) {
         const auto number = static_cast<std::uint32_t>(system_.models.size() - 1);
@@ -40,6 +44,19 @@ SystemReader::Ends SystemReader::read_ends(const YAML::Node& node) {
     ends.emplace(role.Scalar(), programs_named(programs, {}));
   }
   return ends;
+}
+
+void SystemReader::check_ends(const ModelInstance& model, const YAML::Node& ends) const {
+  std::vector<std::string> actors;
+  for (const Actor& actor : model.automaton.actors) actors.push_back(actor.name);
+  if (!ends || actors.empty()) return;
+  for (const auto& entry : ends) {
+    const std::string& role = entry.first.Scalar();
+    if (std::find(actors.begin(), actors.end(), role) != actors.end()) continue;
+    fail(fmt::format("model {} has no end '{}'; it has: {}", model.name, role,
+                     known_instead(role, actors)),
+         entry.first);
+  }
 }
 
 ModelInstance SystemReader::read_model(const std::string& instance, const YAML::Node& key,
@@ -93,7 +110,7 @@ ModelInstance SystemReader::read_model(const std::string& instance, const YAML::
     model.origin = request.learn;
     model.is_learned = true;
   }
-  model.automaton = source_(request);
+  model.automaton = ask_source(request, value);
   last_request_ = request;
   if (model.automaton.size() == 0) fail("model '" + model.name + "' has no state", key);
   for (const Alphabet* alphabet : {&model.automaton.inputs(), &model.automaton.outputs()}) {
@@ -104,6 +121,26 @@ ModelInstance SystemReader::read_model(const std::string& instance, const YAML::
     }
   }
   return model;
+}
+
+InterfaceAutomaton SystemReader::ask_source(const ModelRequest& request,
+                                            const YAML::Node& model) const {
+  try {
+    return source_(request);
+  } catch (const UsageError& error) {
+    const std::string message = error.what();
+    SourcePosition place = request.position;
+    for (const char* word : {"with", "learning"}) {
+      if (!model.IsMap() || !model[word]) continue;
+      for (const auto& [key, value] : entries(model[word], "", {})) {
+        for (const std::string& named : {"'" + key.Scalar() + "'", key.Scalar() + "=",
+                                         key.Scalar() + ": ", "'" + value.Scalar() + "'"}) {
+          if (message.find(named) != std::string::npos) place = at(key);
+        }
+      }
+    }
+    throw ParseError(message, place);
+  }
 }
 
 std::string SystemReader::option_value(const YAML::Node& setting) const {
@@ -237,7 +274,7 @@ void SystemReader::make_valued(std::uint32_t model) {
 void SystemReader::learn_values() {
   for (const auto& [model, queue] : queues_) {
     if (!queue.learned || queue.types.empty()) continue;
-    system_.models[model].automaton = source_(*queue.learned);
+    system_.models[model].automaton = ask_source(*queue.learned, YAML::Node());
     add_ends(model);
   }
 }

@@ -42,8 +42,13 @@ class SystemReader : private YamlReader {
   void read_variables(const YAML::Node& section);
   void read_models(const YAML::Node& section);
   Ends read_ends(const YAML::Node& node);
+  // Each is one of the model's actors, where it names actors.
+  void check_ends(const ModelInstance& model, const YAML::Node& ends) const;
   ModelInstance read_model(const std::string& instance, const YAML::Node& key,
                            const YAML::Node& value);
+  // The model that the request asks for. A UsageError has its place: the option that it names, or
+  // else the system.
+  InterfaceAutomaton ask_source(const ModelRequest& request, const YAML::Node& model) const;
   // As it is written, or the value of the constant of that name.
   std::string option_value(const YAML::Node& setting) const;
   void make_built_in(ModelInstance& model, std::uint32_t number, const Indices& indices,

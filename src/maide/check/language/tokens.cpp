@@ -1,5 +1,9 @@
 #include "maide/check/language/tokens.hpp"
 
+#include <fmt/format.h>
+
+#include <utility>
+
 #include "maide/base/text.hpp"
 #include "maide/base/text_cursor.hpp"
 
@@ -86,8 +90,19 @@ bool TokenStream::accept(std::string_view what) {
 void TokenStream::expect(std::string_view what, std::string_view where) {
   if (accept(what)) return;
   if (peek().is("=") && peek(1).is(">")) fail("'=>' is no sign here: it is '->'", peek());
+  if (!peek().is("=") && !peek(1).is(".")) fail_foreign(peek());
   fail("expected '" + std::string(what) + "' " + std::string(where) + ", not " + to_string(peek()),
        peek());
+}
+
+void TokenStream::fail_foreign(const Token& token) const {
+  static constexpr std::pair<std::string_view, std::string_view> foreign[] = {
+      {"=>", "->"}, {"implies", "->"}, {"iff", "<->"}, {"and", "&&"}, {"AND", "&&"},
+      {"or", "||"}, {"OR", "||"},      {"not", "!"},   {"NOT", "!"},  {"=", "=="}};
+  for (const auto& [theirs, ours] : foreign) {
+    if (token.kind == Token::Kind::quoted || token.text != theirs) continue;
+    fail(fmt::format("'{}' is no sign here: it is '{}'", theirs, ours), token);
+  }
 }
 
 void TokenStream::fail(const std::string& message, const Token& token) const {

@@ -36,8 +36,10 @@ class TokenStream {
   Token next();
   // Consumes the next token if it is this operator or keyword.
   bool accept(std::string_view what);
-  // Consumes it, or throws "expected 'what' after ..., not ...".
+  // Consumes it, or throws "expected 'what' after ..., not ...", or what fail_foreign() says.
   void expect(std::string_view what, std::string_view where);
+  // Throws if the token is an operator of other languages: "'and' is no sign here: it is '&&'".
+  void fail_foreign(const Token& token) const;
   SourcePosition position(const Token& token) const { return text_.position(token.offset); }
   [[noreturn]] void fail(const std::string& message, const Token& token) const;
 

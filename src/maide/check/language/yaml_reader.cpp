@@ -24,12 +24,16 @@ void YamlReader::fail(const std::string& message, const YAML::Node& node) const 
 }
 
 void YamlReader::check_nesting() const {
-  int depth = 0, line = 1;
+  int depth = 0, line = 1, column = 0;
   for (const char c : text_) {
-    if (c == '\n') ++line;
+    ++column;
+    if (c == '\n') {
+      ++line;
+      column = 0;
+    }
     if (c == '[' || c == '{') ++depth;
     if (c == ']' || c == '}') depth = std::max(0, depth - 1);
-    if (depth > max_depth) throw ParseError("brackets nested too deeply", {file_, line, 0});
+    if (depth > max_depth) throw ParseError("brackets nested too deeply", {file_, line, column});
   }
 }
 

@@ -1,5 +1,7 @@
 // Recursive descent over formulas; the grammar stands in formula.hpp. A word `F`, `G`, ... is the
 // operator unless `@` or `.` follows it: `F !a!b` is "finally not", a model named F is quoted.
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "maide/base/text.hpp"
@@ -13,8 +15,8 @@ namespace {
 using Operator = FormulaNode::Operator;
 
 constexpr std::string_view symbols[] = {
-    "<->", "->", "[]", "<>", "&&", "||", "==", "!=", "<=", ">=", "..", "&", "|", "!", "(",
-    ")",   "@",  ".",  "<",  ">",  "+",  "-",  "*",  "/",  "%",  "[",  "]", ",", ":"};
+    "<->", "->", "=>", "[]", "<>", "&&", "||", "==", "!=", "<=", ">=", "..", "&", "|", "!", "(",
+    ")",   "@",  ".",  "<",  ">",  "+",  "-",  "*",  "/",  "%",  "[",  "]",  ",", ":", "="};
 constexpr int max_nesting = 200;  // the parser and all walks over formulas recurse
 constexpr int max_size = 2000;
 constexpr double max_expanded_size = 10'000;  // of the normal form, in which each <-> doubles
@@ -66,6 +68,7 @@ class Parser {
     Formula formula = parse_equivalence();
     const Token& rest = tokens_.peek();
     if (rest.is(")")) tokens_.fail("this ')' closes nothing", rest);
+    fail_foreign(rest);
     if (rest.kind != Token::Kind::end) {
       tokens_.fail("expected an operator, not " + to_string(rest), rest);
     }
@@ -93,6 +96,18 @@ class Parser {
     if (++nesting_ > max_nesting) {
       tokens_.fail("the formula is nested too deeply", tokens_.peek());
     }
+  }
+
+  void fail_foreign(const Token& token) const {
+    static constexpr std::pair<std::string_view, std::string_view> foreign[] = {
+        {"until", "U"},      {"release", "R"},   {"next", "X"},     {"always", "G"},
+        {"globally", "G"},   {"finally", "F"},   {"TRUE", "true"},  {"True", "true"},
+        {"eventually", "F"}, {"FALSE", "false"}, {"False", "false"}};
+    for (const auto& [theirs, ours] : foreign) {
+      if (token.kind == Token::Kind::quoted || token.text != theirs) continue;
+      tokens_.fail(fmt::format("'{}' is no sign here: it is '{}'", theirs, ours), token);
+    }
+    tokens_.fail_foreign(token);
   }
 
   bool accept_either(std::string_view one, std::string_view other) {
@@ -299,6 +314,7 @@ class Parser {
       Operand inner = parse_operand();
       inner.first = token;
       if (!tokens_.accept(")")) {
+        fail_foreign(tokens_.peek());
         tokens_.fail("expected ')' for this '(', not " + to_string(tokens_.peek()) + " at " +
                          to_string(tokens_.position(tokens_.peek())),
                      token);
@@ -317,6 +333,7 @@ class Parser {
       return {nullptr, make_constant(parse_integer(tokens_, token), ValueKind::integer), token};
     }
     if (!token.is_name()) {
+      fail_foreign(token);
       tokens_.fail("expected a formula, not " + to_string(token), token);
     }
     const Token& next = tokens_.peek();
@@ -326,6 +343,7 @@ class Parser {
     }
     if (!names_owner) {
       if (const auto variable = parse_variable(token)) return {nullptr, *variable, token};
+      if (!tokens_.peek().is("[")) fail_foreign(token);
     }
     return parse_owned(token);
   }
@@ -356,9 +374,9 @@ class Parser {
     const Token separator = tokens_.next();
     if (separator.is(":")) return parse_of_program(owner);
     if (!separator.is("@") && !separator.is(".") && !separator.is("!")) {
-      tokens_.fail(
-          "expected program@label, model.input or model!output, not " + to_string(owner) + " alone",
-          owner);
+      tokens_.fail("expected program@label, model.input or model!output, not " + to_string(owner) +
+                       " alone: no variable, constant or word has this name",
+                   owner);
     }
     Token name = tokens_.next();
     if (!name.is_name()) {
