@@ -29,8 +29,9 @@ class PackedAtom {
   template <std::size_t words>
   bool is_true(const PackedSystem& system, const PackedState<words>& state, std::size_t program,
                std::uint32_t edge) const {
+    if (owner_ != no_owner) [[likely]]
+      return values_[system.control(state, owner_)];
     if (is_event_) return edge != no_edge && by_edge_[program][edge];
-    if (owner_ != no_owner) return values_[system.control(state, owner_)];
     return is_true_of_fields(system, state);
   }
 

@@ -149,22 +149,42 @@ class PackedSystem {
   // is no error: the state
   // afterwards, the index of its edge, whether the run is cut there, and the step's code.
   template <std::size_t words, typename Visit>
-  void for_each_step(const PackedState<words>& state, std::size_t program, Visit&& visit) const {
+  [[gnu::always_inline]] void for_each_step(const PackedState<words>& state, std::size_t program,
+                                            Visit&& visit) const {
     const PackedProgram& compiled = programs_[program];
     const ControlState at = compiled.field.get(state);
     for (std::uint32_t i = compiled.first_edge[at]; i < compiled.first_edge[at + 1]; ++i) {
       const PackedEdge& edge = compiled.edges[i];
       PackedState<words> next = state;
       next[compiled.field.word] += edge.control_change;
-      if (edge.table >= first_joint) [[unlikely]] {
-        take_joint(state, joints_[edge.table - first_joint], next, i, false, edge.code, visit);
-        continue;
+      std::uint64_t code = edge.code;
+      bool is_cut = false;
+      std::uint64_t more = 0;  // outcomes of a joint step
+      const auto take_next_of_joint = [&] {
+        const Taken<words> taken = take_joint(state, compiled, edge, --more);
+        next = taken.next;
+        code = taken.code;
+        is_cut = taken.is_cut;
+      };
+      if (edge.table < first_joint) [[likely]] {
+        const std::uint32_t from = edge.model.get(state);
+        const Target target = targets_[edge.table + from];
+        if (target.state == none) continue;
+        next[edge.model.word] += (std::uint64_t{target.state} - from) << edge.model.shift;
+        code |= target.code;
+        is_cut = target.is_cut != 0;
+      } else {
+        more = count_outcomes(state, edge);
+        if (more == 0) continue;
+        take_next_of_joint();
       }
-      const std::uint32_t from = edge.model.get(state);
-      const Target target = targets_[edge.table + from];
-      if (target.state == none) continue;
-      next[edge.model.word] += (std::uint64_t{target.state} - from) << edge.model.shift;
-      visit(next, i, target.is_cut != 0, edge.code | target.code);
+      // The only call of `visit`: so it is compiled into the loop.
+      while (true) {
+        visit(next, i, is_cut, code);
+        if (more == 0) [[likely]]
+          break;
+        take_next_of_joint();
+      }
     }
   }
 
@@ -249,27 +269,49 @@ class PackedSystem {
     }
     return false;
   }
-  // Visits the step with each outcome of the uses from number `at` on.
-  template <std::size_t words, typename Visit>
-  void take_joint(const PackedState<words>& state, const PackedJoint& uses,
-                  const PackedState<words>& begun, std::uint32_t edge, bool is_cut,
-                  std::uint64_t code, Visit&& visit, std::size_t at = 0) const {
-    if (at == uses.size()) {
-      visit(begun, edge, is_cut, code);
-      return;
+  // Ways in which a joint step can be taken: the product of what each use can lead to.
+  template <std::size_t words>
+  [[gnu::noinline]] std::uint64_t count_outcomes(const PackedState<words>& state,
+                                                 const PackedEdge& edge) const {
+    std::uint64_t count = 1;
+    for (const PackedUse& use : joints_[edge.table - first_joint]) {
+      const Target& target = targets_[use.table + use.model.get(state)];
+      if (target.state == none) return 0;
+      if (target.state == several) count *= several_[target.code].size();
     }
-    const PackedUse& use = uses[at];
-    const std::uint32_t from = use.model.get(state);
-    const auto take = [&](const Target& target) {
-      PackedState<words> next = begun;
-      next[use.model.word] += (std::uint64_t{target.state} - from) << use.model.shift;
-      take_joint(state, uses, next, edge, is_cut || target.is_cut != 0,
-                 code | (std::uint64_t{target.code} << use.code_shift), visit, at + 1);
-    };
-    const Target target = targets_[use.table + from];
-    if (target.state == none) return;
-    if (target.state != several) return take(target);
-    for (const Target& one : several_[target.code]) take(one);
+    return count;
+  }
+  // The joint step with its outcome number `left`, counted from the last one; the last use varies
+  // fastest.
+  template <std::size_t words>
+  struct Taken {
+    PackedState<words> next;
+    std::uint64_t code = 0;
+    bool is_cut = false;
+  };
+  template <std::size_t words>
+  [[gnu::noinline]] Taken<words> take_joint(const PackedState<words>& state,
+                                            const PackedProgram& program, const PackedEdge& edge,
+                                            std::uint64_t left) const {
+    Taken<words> taken{state, edge.code, false};
+    taken.next[program.field.word] += edge.control_change;
+    const PackedJoint& uses = joints_[edge.table - first_joint];
+    for (std::size_t at = uses.size(); at > 0; --at) {
+      const PackedUse& use = uses[at - 1];
+      const std::uint32_t from = use.model.get(state);
+      Target target = targets_[use.table + from];
+      MAIDE_CHECK(target.state != none);
+      if (target.state == several) {
+        const std::vector<Target>& steps = several_[target.code];
+        target = steps[steps.size() - 1 - left % steps.size()];
+        left /= steps.size();
+      }
+      taken.next[use.model.word] += (std::uint64_t{target.state} - from) << use.model.shift;
+      taken.code |= std::uint64_t{target.code} << use.code_shift;
+      taken.is_cut = taken.is_cut || target.is_cut != 0;
+    }
+    MAIDE_CHECK(left == 0);
+    return taken;
   }
 
   std::size_t action_index(const ModelUse& use) const;
