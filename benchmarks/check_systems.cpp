@@ -59,7 +59,8 @@ SystemText grasping(unsigned n) {
       n / 10 * 9, n, n);
   return {fmt::format("grasping-{}", n),
           yaml + response("F (p1@end && p2@end && p3@end)"),
-          {first, second}};
+          {first, second},
+          ""};
 }
 
 SystemText philosophers(unsigned count) {
@@ -76,7 +77,8 @@ SystemText philosophers(unsigned count) {
   }
   return {fmt::format("philosophers-{}", count),
           yaml + programs + response("G F phil0@eating && G F phil0@hungry -> G F phil0@waiting"),
-          {model}};
+          {model},
+          ""};
 }
 
 SystemText pipeline(unsigned stages, unsigned size) {
@@ -95,7 +97,7 @@ SystemText pipeline(unsigned stages, unsigned size) {
                   size, stages - 1);
   return {fmt::format("pipeline-{}-{}", stages, size),
           yaml + response("G F camera@waits -> G F last@done"),
-          stages > 0 && size != 2 ? std::vector{model, window} : std::vector{window}};
+          stages > 0 && size != 2 ? std::vector{model, window} : std::vector{window}, ""};
 }
 
 SystemText token_ring(unsigned stations, unsigned size) {
@@ -114,7 +116,45 @@ SystemText token_ring(unsigned stations, unsigned size) {
   return {
       fmt::format("token-ring-{}-{}", stations, size),
       yaml + programs + response("G F station0@holds && G F station1@holds -> G F station0@passes"),
-      {mailbox, sensor}};
+      {mailbox, sensor},
+      ""};
+}
+
+SystemText robots(unsigned count) {
+  const std::string yaml = fmt::format(
+      "constants: {{n: {}}}\n"
+      "models:\n"
+      "  map: {{use: mutex}}\n"
+      "  via[i in 0..n - 1]: {{use: queue, with: {{size: 2}}}}\n"
+      "  reply[i in 0..n - 1]: {{use: queue, with: {{size: 1}}}}\n"
+      "programs:\n"
+      "  planner[i in 0..n - 1]: |\n"
+      "    loop {{ map.lock; repeat 2 {{ via[i].write; }} map.unlock; reply[i].read -> message; "
+      "}}\n"
+      "  relay[i in 0..n - 1]: |\n"
+      "    loop {{ repeat 2 {{ via[i].read -> message; }} map.lock; map.unlock; reply[i].write; "
+      "}}\n",
+      count);
+  const std::string promela = fmt::format(
+      "#define N {}\n"
+      "chan via[N] = [2] of {{ bit }};\n"
+      "chan reply[N] = [1] of {{ bit }};\n"
+      "bool locked;\n"
+      "active [N] proctype planner() {{\n"
+      "  do\n"
+      "  :: d_step {{ !locked -> locked = true }};\n"
+      "     via[_pid]!0; via[_pid]!0; locked = false; reply[_pid]?_\n"
+      "  od\n"
+      "}}\n"
+      "active [N] proctype relay() {{\n"
+      "  do\n"
+      "  :: via[_pid - N]?_; via[_pid - N]?_;\n"
+      "     d_step {{ !locked -> locked = true }};\n"
+      "     locked = false; reply[_pid - N]!0\n"
+      "  od\n"
+      "}}\n",
+      count);
+  return {fmt::format("robots-{}", count), yaml, {}, promela};
 }
 
 std::filesystem::path write_system(const SystemText& system, const std::filesystem::path& folder) {

@@ -17,6 +17,7 @@ struct SystemText {
   std::string name;
   std::string yaml;  // has the property `response`, LTL without fairness, which holds
   std::vector<ModelText> models;
+  std::string promela;  // the same as one would write it for SPIN; "": nobody did
 };
 
 // Case study 2 of the paper, the row 90*: two producers of 9n/10 and n messages, a consumer of n
@@ -33,6 +34,11 @@ SystemText pipeline(unsigned stages, unsigned size);
 // Stations that hand on a token over mailboxes of one message; who holds it reads what its sensor
 // wrote into a queue of `size` meanwhile.
 SystemText token_ring(unsigned stations, unsigned size);
+
+// Robots that share one map. The planner of each holds it while it sends two messages, and waits
+// for the reply. Its relay reads both, takes the map, gives it back and replies. Without
+// `response`, with `promela`.
+SystemText robots(unsigned count);
 
 // Writes the file and its models into `folder`; returns the file.
 std::filesystem::path write_system(const SystemText& system, const std::filesystem::path& folder);
