@@ -238,8 +238,8 @@ TEST(Language, ValuesAreCarriedByQueues) {
   EXPECT_EQ(explore(system).deadlocks, 0u);
   EXPECT_NE(test::error_of([] {
               system_from(
-                  "models: {q: {use: queue, with: {size: 9}}}\n"
-                  "programs: {a: \"var x: 0..99; q.write(x);\"}");
+                  "models: {q: {use: queue, with: {size: 9}, ends: {writer: [a]}}}\n"
+                  "programs: {a: {do: \"var x: 0..99; q.write(x);\", may_die: true}}");
             }).find("queue 'q' with the values 0..99 has more than 200000 states"),
             std::string::npos);
 }

@@ -15,6 +15,7 @@ std::string describe_bound(const ModelInstance& model) {
     return model.name + " was learned up to a bound that its file does not name";
   }
   const std::string& text = bound->second;
+  if (model.is_grown) return fmt::format("{} was made with the {}", model.name, text);
   const bool is_number = !text.empty() && std::all_of(text.begin(), text.end(),
                                                       [](char c) { return c >= '0' && c <= '9'; });
   if (!is_number) return fmt::format("{} was learned for {}", model.name, text);
@@ -27,6 +28,10 @@ std::string describe_built_in(const ModelInstance& model) {
   if (automaton.inputs().find("lock")) return "a mutex";
   if (automaton.inputs().find("acquire")) {
     return fmt::format("a semaphore of count {}", automaton.size() - 1);
+  }
+  for (const std::string kind : {"size", "depth"}) {
+    const auto number = automaton.origin.find(kind);
+    if (number != automaton.origin.end()) return "a queue of " + kind + " " + number->second;
   }
   // The reader asks last; what is before it writes.
   std::size_t size = 0;

@@ -3,7 +3,9 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "maide/automata/interface_automaton.hpp"
@@ -30,5 +32,39 @@ double queue_states(const QueueSize& queue);
 // A strict port: `write`; a `read` of an empty queue is taken and waits; `message` comes.
 // O(states).
 InterfaceAutomaton make_queue(const QueueSize& queue);
+
+// A queue whose states get their numbers as they are met, for one that has too many to make them
+// all. A state is what the queue holds and what its reader waits for; what follows it is worked out
+// when it is asked for.
+class GrowingQueue {
+ public:
+  explicit GrowingQueue(QueueSize queue);
+
+  // The names and the initial state, which nothing follows yet.
+  InterfaceAutomaton start() const;
+  // Adds to the automaton, which start() made, what follows `state`. Nothing the second time.
+  void expand(InterfaceAutomaton& automaton, StateId state);
+  // And what follows the messages that are due then.
+  void expand_with_messages(InterfaceAutomaton& automaton, StateId state);
+  // The automaton with those of its states that are marked, each expanded, and the messages due
+  // behind them. All else is one state, in which no input was ever tried.
+  InterfaceAutomaton cut_down(const InterfaceAutomaton& automaton,
+                              const std::vector<bool>& reached) const;
+
+ private:
+  // What is kept, oldest first, and what the reader has: nothing, a read that waits, or the message
+  // with that number.
+  using Kept = std::pair<Word, Symbol>;
+  static constexpr Symbol idle = ~Symbol{0}, waiting = idle - 1;
+
+  StateId state_of(InterfaceAutomaton& automaton, Kept kept);
+  bool is_due(StateId state) const { return met_[state].second < letters_; }
+
+  QueueSize queue_;
+  Symbol letters_ = 1;
+  std::map<Kept, StateId> states_;
+  std::vector<Kept> met_;
+  std::vector<bool> is_expanded_;
+};
 
 }  // namespace maide

@@ -14,6 +14,32 @@ ModelUse SharedActions::action(std::uint32_t model, const std::string& name,
   return {ModelUse::Kind::act, model, place->second};
 }
 
+ModelUse SharedActions::action(std::uint32_t model, const std::string& name, StepsOfState steps) {
+  ModelInstance& instance = system_.models[model];
+  const std::size_t known = instance.actions.size();
+  const ModelUse use = action(model, name, [&] {
+    std::vector<std::vector<ModelStep>> made;
+    for (StateId state = 0; state < instance.automaton.size(); ++state) {
+      made.push_back(steps(state));
+    }
+    return made;
+  });
+  if (instance.is_grown && instance.actions.size() > known) {
+    growing_[model].push_back(std::move(steps));
+    MAIDE_CHECK(growing_[model].size() == instance.actions.size());
+  }
+  return use;
+}
+
+void SharedActions::make_steps(std::uint32_t model, StateId state) {
+  ModelInstance& instance = system_.models[model];
+  for (std::size_t action = 0; action < instance.actions.size(); ++action) {
+    auto& steps = instance.actions[action].steps;
+    if (steps.size() < instance.automaton.size()) steps.resize(instance.automaton.size());
+    steps[state] = growing_.at(model)[action](state);
+  }
+}
+
 ModelUse SharedActions::variable(std::uint32_t model, const std::vector<bool>* values,
                                  std::optional<Value> value) {
   const ModelInstance& variable = this->model(model);
@@ -99,17 +125,17 @@ std::optional<ModelUse> SharedActions::input_and_output(std::uint32_t model, Sym
     const ModelStep step{target, false};
     if (std::find(to.begin(), to.end(), step) == to.end()) to.push_back(step);
   };
-  const ModelUse use = action(model, name, [&] {
-    std::vector<std::vector<ModelStep>> steps(automaton.size());
-    for (StateId state = 0; state < automaton.size(); ++state) {
-      if (!automaton.is_quiescent(state)) continue;
-      for (const auto& given : automaton.transitions(state)) {
-        if (!given.action.is_input() || given.action.symbol != input || given.absorbed) continue;
-        const auto follows = due(automaton, given.target, input);
-        if (!output && follows.empty()) add(steps[state], given.target);
-        for (const auto& taken : follows) {
-          if (output && taken.action.symbol == *output) add(steps[state], taken.target);
-        }
+  const bool is_grown = this->model(model).is_grown;
+  if (is_grown && output && !is_of_same_actor(automaton, input, *output)) return std::nullopt;
+  const ModelUse use = action(model, name, [&automaton, input, output, add](StateId state) {
+    std::vector<ModelStep> steps;
+    if (!automaton.is_quiescent(state)) return steps;
+    for (const auto& given : automaton.transitions(state)) {
+      if (!given.action.is_input() || given.action.symbol != input || given.absorbed) continue;
+      const auto follows = due(automaton, given.target, input);
+      if (!output && follows.empty()) add(steps, given.target);
+      for (const auto& taken : follows) {
+        if (output && taken.action.symbol == *output) add(steps, taken.target);
       }
     }
     return steps;
@@ -120,16 +146,14 @@ std::optional<ModelUse> SharedActions::input_and_output(std::uint32_t model, Sym
 
 std::optional<ModelUse> SharedActions::beyond(std::uint32_t model, Symbol input) {
   const InterfaceAutomaton& automaton = this->model(model).automaton;
-  const ModelUse use = action(model, automaton.inputs().name(input) + ", never tried there", [&] {
-    std::vector<std::vector<ModelStep>> steps(automaton.size());
-    for (StateId state = 0; state < automaton.size(); ++state) {
-      if (automaton.is_quiescent(state) && is_beyond_learned(automaton, state, input)) {
-        steps[state] = {{state, true}};
-      }
-    }
-    return steps;
-  });
-  if (!is_possible(use)) return std::nullopt;
+  const auto is_beyond = [&automaton, input](StateId state) {
+    return automaton.is_quiescent(state) && is_beyond_learned(automaton, state, input);
+  };
+  const ModelUse use = action(
+      model, automaton.inputs().name(input) + ", never tried there", [is_beyond](StateId state) {
+        return is_beyond(state) ? std::vector<ModelStep>{{state, true}} : std::vector<ModelStep>{};
+      });
+  if (!is_possible_now(use)) return std::nullopt;
   return use;
 }
 
@@ -144,15 +168,12 @@ std::optional<ModelUse> SharedActions::idle(std::uint32_t model,
     if (use.kind == Kind::give) name += instance.automaton.inputs().name(use.symbol);
     if (use.kind == Kind::take) name += "!" + instance.automaton.outputs().name(use.symbol);
   }
-  const ModelUse idle = action(model, "none of: " + name, [&] {
-    std::vector<std::vector<ModelStep>> steps(instance.automaton.size());
-    for (StateId state = 0; state < instance.automaton.size(); ++state) {
-      const bool can = std::any_of(uses.begin(), uses.end(), [&](const ModelUse& use) {
-        return !model_steps(instance, state, use).empty();
-      });
-      if (!can && instance.automaton.is_quiescent(state)) steps[state] = {{state, false}};
-    }
-    return steps;
+  const ModelUse idle = action(model, "none of: " + name, [&instance, uses](StateId state) {
+    const bool can = std::any_of(uses.begin(), uses.end(), [&](const ModelUse& use) {
+      return !model_steps(instance, state, use).empty();
+    });
+    const bool is_idle = !can && instance.automaton.is_quiescent(state);
+    return is_idle ? std::vector<ModelStep>{{state, false}} : std::vector<ModelStep>{};
   });
   if (!is_possible(idle)) return std::nullopt;
   return idle;
@@ -163,20 +184,21 @@ std::optional<ModelUse> SharedActions::both(const ModelUse& one, const ModelUse&
   const auto name_of = [&](const ModelUse& use) {
     return use.kind == ModelUse::Kind::act ? instance.actions[use.symbol].name : "nothing due";
   };
-  const ModelUse use = action(one.model, name_of(one) + ", and " + name_of(other), [&] {
-    std::vector<std::vector<ModelStep>> steps(instance.automaton.size());
-    for (StateId state = 0; state < instance.automaton.size(); ++state) {
-      const bool holds = !model_steps(instance, state, one).empty() &&
-                         !model_steps(instance, state, other).empty();
-      if (holds) steps[state] = {{state, false}};
-    }
-    return steps;
-  });
+  const ModelUse use = action(
+      one.model, name_of(one) + ", and " + name_of(other), [&instance, one, other](StateId state) {
+        const bool holds = !model_steps(instance, state, one).empty() &&
+                           !model_steps(instance, state, other).empty();
+        return holds ? std::vector<ModelStep>{{state, false}} : std::vector<ModelStep>{};
+      });
   if (!is_possible(use)) return std::nullopt;
   return use;
 }
 
 bool SharedActions::is_possible(const ModelUse& action) {
+  return model(action.model).is_grown || is_possible_now(action);
+}
+
+bool SharedActions::is_possible_now(const ModelUse& action) {
   const auto [place, is_new] = possible_.try_emplace(action);
   if (is_new) {
     const auto& steps = model(action.model).actions[action.symbol].steps;

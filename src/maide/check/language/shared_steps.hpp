@@ -49,6 +49,11 @@ class SharedActions {
   // The action with that name, which says all of it; `steps` makes it.
   ModelUse action(std::uint32_t model, const std::string& name,
                   const std::function<std::vector<std::vector<ModelStep>>()>& steps);
+  // The same, made state by state. Of a model that grows only where it is asked for.
+  using StepsOfState = std::function<std::vector<ModelStep>(StateId)>;
+  ModelUse action(std::uint32_t model, const std::string& name, StepsOfState steps);
+  // Makes the steps in that state of all actions of a model that grows.
+  void make_steps(std::uint32_t model, StateId state);
   // The variable has one of the values (null: any), and afterwards `value` (none: the same).
   ModelUse variable(std::uint32_t model, const std::vector<bool>* values,
                     std::optional<Value> value);
@@ -56,7 +61,8 @@ class SharedActions {
   std::vector<ModelUse> variables(const Conditions& conditions, const SharedValues& writes);
 
   // Gives the input and takes the output of the same actor that is due at once (none: there is
-  // none). None if that is possible nowhere.
+  // none). None if that is possible nowhere; here and below, a model that grows may come to where
+  // it is.
   std::optional<ModelUse> input_and_output(std::uint32_t model, Symbol input,
                                            std::optional<Symbol> output);
   // Gives the input where it was never tried. None if there is no such place.
@@ -70,10 +76,12 @@ class SharedActions {
 
  private:
   bool is_possible(const ModelUse& action);
+  bool is_possible_now(const ModelUse& action);
 
   System& system_;
-  std::vector<std::map<std::string, Symbol>> known_;  // by model
-  std::map<ModelUse, bool> possible_;                 // actions
+  std::vector<std::map<std::string, Symbol>> known_;            // by model
+  std::map<ModelUse, bool> possible_;                           // actions
+  std::map<std::uint32_t, std::vector<StepsOfState>> growing_;  // by model, by action
 };
 
 // Whether the output is one of the actor that the input belongs to.

@@ -77,6 +77,18 @@ void add_steps(const System& system, const GlobalState& state, std::span<const M
   }
 }
 
+// Appends the steps of that program.
+void add_steps(const System& system, const GlobalState& state, std::uint32_t index,
+               std::vector<Step>& steps) {
+  const Program& program = system.programs[index];
+  const Program::State& control = program.states[state.programs[index]];
+  for (std::uint32_t offset = 0; offset < control.edge_count; ++offset) {
+    const std::uint32_t edge = control.first_edge + offset;
+    add_steps(system, state, program.uses_of(program.edges[edge]), {index, edge, {}, false, false},
+              steps);
+  }
+}
+
 }  // namespace
 
 bool is_possible(const System& system, const GlobalState& state, const Step& step) {
@@ -96,14 +108,15 @@ std::vector<Step> enabled_steps(const System& system, const GlobalState& state) 
   std::vector<Step> steps;
   if (state.is_cut || is_error(system, state)) return steps;
   for (std::uint32_t index = 0; index < system.programs.size(); ++index) {
-    const Program& program = system.programs[index];
-    const Program::State& control = program.states[state.programs[index]];
-    for (std::uint32_t offset = 0; offset < control.edge_count; ++offset) {
-      const std::uint32_t edge = control.first_edge + offset;
-      add_steps(system, state, program.uses_of(program.edges[edge]),
-                {index, edge, {}, false, false}, steps);
-    }
+    add_steps(system, state, index, steps);
   }
+  return steps;
+}
+
+std::vector<Step> enabled_steps(const System& system, const GlobalState& state,
+                                std::uint32_t program) {
+  std::vector<Step> steps;
+  if (!state.is_cut) add_steps(system, state, program, steps);
   return steps;
 }
 

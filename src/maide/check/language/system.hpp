@@ -63,6 +63,8 @@ struct ModelInstance {
   std::vector<ModelAction> actions;
   Source source = Source::file;
   ValueType type;  // of a variable
+  // Of a queue that has too many states to make them all: it has those that programs reach.
+  bool is_grown = false;
   WhenUnexplored when_unexplored = WhenUnexplored::stop;
   WhenWeak when_weak = WhenWeak::inconclusive;
   std::string origin;       // the file, or what it was learned from; for messages
@@ -134,6 +136,9 @@ GlobalState initial_state(const System& system);
 // Every step that is possible in `state`, in a fixed order. None if the run is cut. O(programs x
 // edges).
 std::vector<Step> enabled_steps(const System& system, const GlobalState& state);
+// Those of one program, whatever errors others have come to. None if the run is cut.
+std::vector<Step> enabled_steps(const System& system, const GlobalState& state,
+                                std::uint32_t program);
 // Whether its program can take the step, whatever errors others have come to: those of another
 // component do not stop it.
 bool is_possible(const System& system, const GlobalState& state, const Step& step);

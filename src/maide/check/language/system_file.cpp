@@ -19,8 +19,8 @@ constexpr std::size_t max_properties = 1000;
 }  // namespace
 
 SystemReader::SystemReader(std::string_view text, const std::string& file,
-                           const ModelSource& source)
-    : YamlReader(text, file), source_(source) {
+                           const ModelSource& source, const QueueLimits& limits)
+    : YamlReader(text, file), source_(source), limits_(limits) {
   system_.file = file;
   system_.sources.emplace(file, text);
 }
@@ -171,7 +171,21 @@ void SystemReader::declare_programs(const YAML::Node& section) {
 void SystemReader::read_programs() {
   if (!queues_.empty() || !names_.variables.empty()) collect();
   make_shared_variables();
-  SharedActions actions(system_);
+  {
+    SharedActions actions(system_);
+    make_programs(actions);
+    if (!growing_.empty()) grow_queues(system_, actions, growing_, limits_);
+  }
+  if (!growing_.empty()) {
+    system_.programs.clear();
+    for (ModelInstance& model : system_.models) model.actions.clear();
+    SharedActions actions(system_);
+    make_programs(actions);
+  }
+  find_own_variables();
+}
+
+void SystemReader::make_programs(SharedActions& actions) {
   for (std::uint32_t number = 0; number < texts_.size(); ++number) {
     const ProgramText& text = texts_[number];
     program_syntax::Context known = context(text.indices);
@@ -182,7 +196,6 @@ void SystemReader::read_programs() {
         tree, {text.name, number, {}, text.may_die}, text.text, actions, names_));
     if (text.may_die) name_ends(system_.programs.back(), number);
   }
-  find_own_variables();
 }
 
 void SystemReader::collect() {

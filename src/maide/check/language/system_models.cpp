@@ -188,11 +188,21 @@ void SystemReader::make_built_in(ModelInstance& model, std::uint32_t number, con
   Queue queue;
   queue.size.size = static_cast<std::uint32_t>(size.value);
   queue.size.drops_oldest = name.Scalar() == "depth";
-  if (queue_states(queue.size) > static_cast<double>(max_queue_states)) {
-    fail("this queue has more than " + std::to_string(max_queue_states) + " states", node);
-  }
-  model.automaton = make_queue(queue.size);
+  make_queue_of(model, number, queue.size);
   queues_.emplace(number, std::move(queue));
+}
+
+void SystemReader::make_queue_of(ModelInstance& model, std::uint32_t number,
+                                 const QueueSize& size) {
+  model.is_grown = queue_states(size) > static_cast<double>(limits_.states);
+  growing_.erase(number);
+  if (model.is_grown) {
+    // What is behind its bound was left out by us, and is no place where nothing can happen.
+    model.when_unexplored = WhenUnexplored::stop;
+    model.automaton = growing_.emplace(number, GrowingQueue(size)).first->second.start();
+  } else {
+    model.automaton = make_queue(size);
+  }
 }
 
 void SystemReader::note_learned(std::uint32_t model) {
@@ -266,8 +276,7 @@ void SystemReader::make_valued(std::uint32_t model) {
     system_.models[model].automaton = std::move(names_alone);
     return;
   }
-  if (queue_states(queue.size) > static_cast<double>(max_queue_states)) fail_large_queue(model);
-  system_.models[model].automaton = make_queue(queue.size);
+  make_queue_of(system_.models[model], model, queue.size);
   add_ends(model);
 }
 
@@ -283,12 +292,15 @@ void SystemReader::fail_large_queue(std::uint32_t model) const {
   const ModelInstance& instance = system_.models[model];
   std::string types;
   for (const ValueType& type : queues_.at(model).types) {
-    types += (types.empty() ? "" : ", ") + to_string(type, system_.words);
+    types += (types.empty() ? " with the values " : ", ") + to_string(type, system_.words);
   }
-  throw ParseError("queue '" + instance.name + "' with the values " + types + " has more than " +
-                       std::to_string(max_queue_states) +
-                       " states: give it fewer values, or a smaller size",
-                   instance.position);
+  throw ParseError(
+      "queue '" + instance.name + "'" + types + " has more than " + std::to_string(limits_.states) +
+          " states: give it fewer values, or a smaller size" +
+          (instance.is_grown ? " (only a queue that is no topic's, and whose ends cannot die, may "
+                               "have more)"
+                             : ""),
+      instance.position);
 }
 
 }  // namespace maide

@@ -14,6 +14,7 @@
 
 #include "maide/check/language/built_in_models.hpp"
 #include "maide/check/language/program_syntax.hpp"
+#include "maide/check/language/queue_growth.hpp"
 #include "maide/check/language/system_file.hpp"
 #include "maide/check/language/yaml_reader.hpp"
 
@@ -25,7 +26,8 @@ inline constexpr std::ptrdiff_t max_mortal_readers = 8;
 
 class SystemReader : private YamlReader {
  public:
-  SystemReader(std::string_view text, const std::string& file, const ModelSource& source);
+  SystemReader(std::string_view text, const std::string& file, const ModelSource& source,
+               const QueueLimits& limits = {});
 
   System read();
 
@@ -68,6 +70,8 @@ class SystemReader : private YamlReader {
   void make_valued(std::uint32_t model);
   // The learned models with all values that are written into them.
   void learn_values();
+  // A queue of the file: the automaton with all its states, or one that grows.
+  void make_queue_of(ModelInstance& model, std::uint32_t number, const QueueSize& size);
   [[noreturn]] void fail_large_queue(std::uint32_t model) const;
   struct ProgramText {
     std::string name;
@@ -79,6 +83,8 @@ class SystemReader : private YamlReader {
   // Names and texts, which topics refer to.
   void declare_programs(const YAML::Node& section);
   void read_programs();
+  // Parses their texts; actions of models are made as they are needed.
+  void make_programs(SharedActions& actions);
   void read_topics(const YAML::Node& section);
   // A program's number for each that the text names: "a", "a[2]", or all members of "a".
   std::vector<std::uint32_t> programs_named(const YAML::Node& node, const Indices& indices);
@@ -120,11 +126,13 @@ class SystemReader : private YamlReader {
   // Atoms that hold nowhere, for the program never ends, or never comes to the label.
   void remark_on_idle_atoms();
   const ModelSource& source_;
+  QueueLimits limits_;
   System system_;
   Names names_;
   std::map<std::string, SourcePosition> taken_;
-  std::map<std::uint32_t, Queue> queues_;  // by model
-  ModelRequest last_request_;              // of the model that was read last
+  std::map<std::uint32_t, Queue> queues_;          // by model
+  std::map<std::uint32_t, GrowingQueue> growing_;  // by model: of queues_, those that are large
+  ModelRequest last_request_;                      // of the model that was read last
   std::vector<ProgramText> texts_;
   std::map<std::string, ModelName> program_arrays_;  // `first` is a program
   // Of a reader's model its topic, and its place among the readers.

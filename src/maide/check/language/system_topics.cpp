@@ -213,6 +213,7 @@ void SystemReader::add_ends(std::uint32_t model) {
   ModelInstance& instance = system_.models[model];
   try {
     if (const auto place = topic_of_.find(model); place != topic_of_.end()) {
+      if (instance.is_grown) fail_large_queue(model);
       Topic& topic = names_.topics[place->second.first];
       add_topic_ends(topic, topic.readers[place->second.second], instance);
     } else if (const auto ends = ends_of_.find(model); ends != ends_of_.end()) {
@@ -277,6 +278,7 @@ void SystemReader::add_model_ends(std::uint32_t model, const Ends& ends) {
     }
   }
   if (dying.empty()) return;
+  if (instance.is_grown) fail_large_queue(model);
   EndedModel ended = with_ends(instance.automaton, options);
   instance.automaton = std::move(ended.automaton);
   for (const std::uint32_t program : dying) names_.deaths[program].erase(model);

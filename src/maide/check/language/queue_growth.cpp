@@ -1,0 +1,104 @@
+#include "maide/check/language/queue_growth.hpp"
+
+#include <algorithm>
+#include <deque>
+#include <set>
+#include <string>
+#include <unordered_set>
+#include <utility>
+#include <vector>
+
+#include "maide/base/hash.hpp"
+#include "maide/check/language/components.hpp"
+
+namespace maide {
+namespace {
+
+std::uint64_t hash_of(const GlobalState& state) {
+  std::uint64_t sum = 0;
+  for (const StateId model : state.models) sum = hash_mix(sum, model);
+  for (const ControlState program : state.programs) sum = hash_mix(sum, program);
+  return sum;
+}
+
+class Growth {
+ public:
+  Growth(System& system, SharedActions& actions, std::map<std::uint32_t, GrowingQueue>& queues,
+         const QueueLimits& limits)
+      : system_(system), actions_(actions), queues_(queues), limits_(limits) {}
+
+  void run() {
+    for (const auto& component : find_components(system_)) search(component);
+    for (const auto& [model, queue] : queues_) {
+      ModelInstance& instance = system_.models[model];
+      std::vector<bool>& reached = reached_[model];
+      reached.resize(instance.automaton.size());
+      if (!reached[instance.automaton.initial()]) reach(model, instance.automaton.initial());
+      reached.resize(instance.automaton.size());
+      instance.automaton = queue.cut_down(instance.automaton, reached);
+      instance.automaton.origin["bound"] =
+          std::to_string(std::count(reached.begin(), reached.end(), true)) +
+          " states that were met first";
+    }
+  }
+
+ private:
+  // Visits the states of the component, breadth-first.
+  void search(const std::vector<std::uint32_t>& programs) {
+    std::set<std::uint32_t> growing;
+    for (const std::uint32_t program : programs) {
+      for (const std::uint32_t model : models_of(system_.programs[program])) {
+        if (queues_.contains(model)) growing.insert(model);
+      }
+    }
+    if (growing.empty()) return;
+    std::deque<GlobalState> open{initial_state(system_)};
+    std::unordered_set<std::uint64_t> seen{hash_of(open.front())};
+    while (!open.empty() && seen.size() < limits_.searched) {
+      const GlobalState state = std::move(open.front());
+      open.pop_front();
+      for (const std::uint32_t model : growing) {
+        if (!reach(model, state.models[model])) return;
+      }
+      const bool is_error = std::any_of(programs.begin(), programs.end(), [&](auto program) {
+        return system_.programs[program].is_error(state.programs[program]);
+      });
+      if (is_error) continue;
+      for (const std::uint32_t program : programs) {
+        for (const Step& step : enabled_steps(system_, state, program)) {
+          if (step.is_cut) continue;
+          GlobalState next = apply(system_, state, step);
+          if (seen.insert(hash_of(next)).second) open.push_back(std::move(next));
+        }
+      }
+    }
+  }
+
+  // A run comes to that state of the queue. False if it has too many.
+  bool reach(std::uint32_t model, StateId state) {
+    InterfaceAutomaton& automaton = system_.models[model].automaton;
+    std::vector<bool>& reached = reached_[model];
+    if (reached.size() < automaton.size()) reached.resize(automaton.size());
+    if (reached[state]) return true;
+    if (automaton.size() > limits_.met_states) return false;
+    queues_.at(model).expand_with_messages(automaton, state);
+    actions_.make_steps(model, state);
+    reached[state] = true;
+    return true;
+  }
+
+  System& system_;
+  SharedActions& actions_;
+  std::map<std::uint32_t, GrowingQueue>& queues_;
+  const QueueLimits& limits_;
+  std::map<std::uint32_t, std::vector<bool>> reached_;  // by model, by state
+};
+
+}  // namespace
+
+void grow_queues(System& system, SharedActions& actions,
+                 std::map<std::uint32_t, GrowingQueue>& queues, const QueueLimits& limits) {
+  Growth(system, actions, queues, limits).run();
+}
+
+}  // namespace maide

@@ -1,0 +1,34 @@
+// Which states of its large queues a system's programs bring them to. A queue over v values that
+// holds n has some 2 v^n states, of which programs mostly reach few. So a large queue is an
+// automaton given by functions (GrowingQueue), whose states are numbered as a search of the system
+// meets them. Afterwards it is an automaton like all others, and engines, reductions, exports and
+// traces need not know.
+//
+// Invariant: in a state that was not met no input was tried. So a run that comes to one, because
+// the search gave up, is cut there, and the verdict says so.
+// Cost: that of visiting all states of the components that have such a queue, once, before anything
+// is checked; without reductions, and with 64 bits kept of each.
+#pragma once
+
+#include <cstdint>
+#include <map>
+
+#include "maide/check/language/built_in_models.hpp"
+#include "maide/check/language/shared_steps.hpp"
+#include "maide/check/language/system.hpp"
+
+namespace maide {
+
+// What is large, and how far the search goes.
+struct QueueLimits {
+  std::uint64_t states = max_queue_states;  // of a queue that is made whole
+  std::uint64_t met_states = 1'000'000;     // of a queue that grows
+  std::uint64_t searched = 2'000'000;       // states of a component
+};
+
+// Grows the queues, by model, which are as GrowingQueue::start() made them, and cuts them down to
+// what was met. The system's programs were made with `actions`, and have to be made anew.
+void grow_queues(System& system, SharedActions& actions,
+                 std::map<std::uint32_t, GrowingQueue>& queues, const QueueLimits& limits);
+
+}  // namespace maide
