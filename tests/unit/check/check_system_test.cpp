@@ -196,6 +196,54 @@ TEST(CheckSystem, AVerdictThatHoldsRestsOnTimeOuts) {
   EXPECT_EQ(without, std::vector<std::string>{"q is written by hand (a queue of size 1)"});
 }
 
+// A receiver that listens with a time-out, and what is remarked of it. The models are `q`, a queue,
+// and `via`, which was learned for two messages.
+std::vector<std::string> remarks_of(const std::string& receiver, const std::string& others,
+                                    const std::string& when_unexplored = "stop") {
+  NativeEngine engine;
+  return check_system(parse_system("models:\n  q: {use: queue, with: {size: 1}}\n"
+                                   "  via: {file: strict-2.dot, when_unexplored: " +
+                                       when_unexplored + "}\nprograms:\n  receiver: |\n    " +
+                                       receiver + "\n" + others,
+                                   "system.yaml", test::test_model),
+                      engine)
+      .remarks;
+}
+
+TEST(CheckSystem, RemarksWhomOnlyATimeOutWakes) {
+  const std::string listens = "loop { select { on q.read -> message { } timeout 10 { } } }";
+  const std::vector<std::string> woken{
+      "only its time-out wakes receiver from some point on: it waits at line 6 in a select for "
+      "q.read -> message, and nothing of that can come again"};
+  EXPECT_EQ(remarks_of(listens, "  sender: q.write;\n"), woken);
+  EXPECT_EQ(remarks_of(listens, "  sender: {do: \"loop { q.write; }\", may_die: true}\n"), woken);
+  EXPECT_EQ(remarks_of("select { on q.read -> message { } timeout 10 { } }",
+                       "  sender: \"if * { q.write; }\"\n"),
+            woken);
+  // It may come again, a pause waits for nothing, and who is idle may wait in vain.
+  const std::vector<std::string> none;
+  EXPECT_EQ(remarks_of(listens, "  sender: \"loop { if * { q.write; } }\"\n"), none);
+  EXPECT_EQ(remarks_of("loop { select { timeout 10 { } } }", "  sender: q.write;\n"), none);
+  EXPECT_EQ(remarks_of("loop { idle select { on q.read -> message { } timeout 10 { } } }",
+                       "  sender: q.write;\n"),
+            none);
+}
+
+// Who makes come what it waits for, once it was woken, does not wait in vain.
+TEST(CheckSystem, ATimeOutThatIsFollowedByARetryIsNotRemarked) {
+  EXPECT_EQ(remarks_of("loop { select { on q.read -> message { } timeout 10 { q.write; } } }",
+                       "  other: skip;\n"),
+            std::vector<std::string>{});
+}
+
+// Nobody knows what comes beyond what was learned.
+TEST(CheckSystem, BeyondWhatWasLearnedAnythingMayWake) {
+  const std::string listens = "loop { select { on q.read -> message { } timeout 10 { } } }";
+  const std::string sender = "  sender: \"repeat 3 { via.write; } q.write;\"\n";
+  EXPECT_EQ(remarks_of(listens, sender, "stop"), std::vector<std::string>{});
+  EXPECT_EQ(remarks_of(listens, sender, "wait").size(), 1U);
+}
+
 // A formula is false at the only position that a run has which begins at an error.
 TEST(CheckSystem, TheFirstPositionCountsWhereARunBeginsAtAnError) {
   const System system = parse_system(

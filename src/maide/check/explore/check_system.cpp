@@ -17,6 +17,7 @@
 #include "maide/base/error.hpp"
 #include "maide/base/text.hpp"
 #include "maide/check/explore/assumptions.hpp"
+#include "maide/check/explore/lone_time_outs.hpp"
 #include "maide/check/explore/model_words.hpp"
 #include "maide/check/trace/trace.hpp"
 
@@ -233,6 +234,7 @@ class Checker {
     }
     check_again(late);
     for (const PropertyResult& result : report_.properties) state_remark(result);
+    state_lone_time_outs();
     for (const Verdict verdict : {Verdict::inconclusive, Verdict::violated}) {
       for (const PropertyResult& result : report_.properties) {
         if (result.verdict == verdict) report_.verdict = verdict;
@@ -392,6 +394,32 @@ class Checker {
                       program.name, program.edges_of(at).front().line));
     }
   }
+
+  // Whose waiting only a time-out ends: who would be stuck without it. So `stuck` is what is asked,
+  // and about as many states are searched as were for it.
+  void state_lone_time_outs() {
+    const auto stuck = std::find_if(report_.properties.begin(), report_.properties.end(),
+                                    [](const auto& result) { return result.name == "stuck"; });
+    if (stuck == report_.properties.end() || !has_time_outs(system_)) return;
+    SearchLimits limits;
+    limits.bytes = memory_limit_mib(options_) << 20;
+    limits.states = std::max(most_lone_states, stuck->states);
+    limits.control = options_.control;
+    limits.control.deadline = deadline_;
+    for (const auto& programs : components_) {
+      const Part part =
+          programs.size() == system_.programs.size() ? Part(system_) : Part(system_, programs);
+      for (const LoneTimeOut& lone : find_lone_time_outs(part.system(), limits)) {
+        const Program& program = part.system().programs[lone.program];
+        report_.remarks.push_back(
+            fmt::format("only its time-out wakes {} from some point on: it {}, and nothing of that "
+                        "can come again",
+                        program.name, describe_waiting(part.system(), program, lone.arms)));
+      }
+    }
+  }
+
+  static constexpr std::uint64_t most_lone_states = std::uint64_t{1} << 20;
 
   const System& system_;
   Engine& engine_;
