@@ -81,15 +81,20 @@ namespace {
 
 class Planner {
  public:
-  Planner(const ObservationTree& tree, std::deque<Word>* witnesses)
-      : tree_(tree), witnesses_(witnesses), first_answer_(tree.input_count()) {}
+  Planner(const ObservationTree& tree, KnownWitnesses& known)
+      : tree_(tree),
+        known_(known),
+        first_answer_(tree.input_count()),
+        children_by_input_(tree.input_count()) {
+    if (std::exchange(known_.tree_size, tree.size()) != tree.size()) known_.searches.clear();
+  }
 
   // Parts that are likely to be met come first, until there are `most_inputs`; but those before the
   // first that tells some apart are always there.
   DecisionTree plan(std::vector<WeightedNode> candidates, std::size_t most_inputs) {
     DecisionTree result;
     std::priority_queue<Part> parts;
-    const auto add = [&](std::size_t place, Group group, Word witness) {
+    const auto add = [&](std::size_t place, Group group, Witness witness) {
       if (group.candidates.size() < 2) return;
       double weight = 0;
       for (const WeightedNode& candidate : group.candidates) weight += candidate.weight;
@@ -114,9 +119,10 @@ class Planner {
       MAIDE_CHECK(!groups.empty());
       has_split = has_split || groups.size() > 1;
       // What is left of a word that tells some of all apart still does, as long as all are there.
-      Word rest;
-      if (groups.size() == 1 && !part.witness.empty() && part.witness.front() == *input) {
-        rest.assign(part.witness.begin() + 1, part.witness.end());
+      Witness rest;
+      if (groups.size() == 1 && !part.witness.word.empty() && part.witness.word.front() == *input) {
+        rest.word.assign(part.witness.word.begin() + 1, part.witness.word.end());
+        rest.is_shortest = part.witness.is_shortest;
       }
       for (Group& group : groups) add(place, std::move(group), rest);
     }
@@ -129,11 +135,17 @@ class Planner {
   // long words are known of every state, and few tell some apart.
   static constexpr std::size_t most_witness_nodes = 4096;
   static constexpr std::size_t most_witnesses = 64;
+  static constexpr std::size_t most_searches = 4096;  // kept
 
   // Suspects that gave the same output, as the nodes they came to.
   struct Group {
     Symbol output;
     std::vector<WeightedNode> candidates;
+  };
+  // A word that tells some of a group apart; empty: none was looked for, or there is none.
+  struct Witness {
+    Word word;
+    bool is_shortest = false;
   };
   // What is to be asked after an output at a place in the result.
   struct Part {
@@ -141,7 +153,7 @@ class Planner {
     std::size_t number;
     std::size_t place;
     Group group;
-    Word witness;  // tells some of the group apart; empty: none was looked for
+    Witness witness;
     bool operator<(const Part& other) const {
       return std::pair(weight, other.number) < std::pair(other.weight, number);
     }
@@ -155,12 +167,15 @@ class Planner {
 
   // Of the inputs that tell some apart at once the one of least estimated cost, one that is known
   // from all candidates if there is any: the others may need another query. If none tells some
-  // apart, the first of a shortest word that does, which `witness` then is.
-  std::optional<Symbol> choose_input(const std::vector<WeightedNode>& candidates, Word& witness) {
+  // apart, the first of a shortest word that does, which `witness` then is. As long as a shortest
+  // word has several inputs, no single one tells any apart.
+  std::optional<Symbol> choose_input(const std::vector<WeightedNode>& candidates,
+                                     Witness& witness) {
+    if (witness.is_shortest && witness.word.size() > 1) return witness.word.front();
     const auto first_of_witness = [&]() -> std::optional<Symbol> {
-      if (witness.empty()) witness = choose_witness(candidates);
-      if (witness.empty()) return std::nullopt;
-      return witness.front();
+      if (witness.word.empty()) witness = choose_witness(candidates);
+      if (witness.word.empty()) return std::nullopt;
+      return witness.word.front();
     };
     if (candidates.size() == 2) {
       const std::optional<Symbol> input = tell_apart(candidates[0].node, candidates[1].node);
@@ -252,28 +267,26 @@ class Planner {
 
   // A word that tells two candidates apart, a shortest one unless that lies deep; empty if there is
   // none. Once some are told apart, what lies deep is left to another query.
-  Word choose_witness(const std::vector<WeightedNode>& candidates) {
-    std::size_t nodes = most_witness_nodes;
-    Word witness = find_witness(candidates, nodes);
-    const bool is_walked = nodes > 0;
-    if (!witness.empty() || is_walked || !must_split_) return witness;
-    if (witnesses_ != nullptr) {
-      for (const Word& known : *witnesses_) {
-        if (tells_apart(known, candidates)) return known;
-      }
-    }
-    nodes = std::numeric_limits<std::size_t>::max();
-    witness = find_witness(candidates, nodes);
-    if (witnesses_ != nullptr && !witness.empty()) {
-      witnesses_->push_front(witness);
-      if (witnesses_->size() > most_witnesses) witnesses_->pop_back();
-    }
-    return witness;
-  }
-
-  bool tells_apart(const Word& word, const std::vector<WeightedNode>& candidates) {
+  Witness choose_witness(const std::vector<WeightedNode>& candidates) {
     std::vector<ObservationTree::Node> nodes;
     for (const WeightedNode& candidate : candidates) nodes.push_back(candidate.node);
+    if (known_.searches.size() >= most_searches) known_.searches.clear();
+    const auto [found, is_new] = known_.searches.try_emplace(nodes);
+    if (is_new) found->second = find_witness(nodes, most_witness_nodes);
+    if (!found->second.was_cut || !must_split_) return {found->second.witness, true};
+    for (const Word& word : known_.deep) {
+      if (tells_apart(word, nodes)) return {word, false};
+    }
+    Word witness = find_witness(std::move(nodes), std::numeric_limits<std::size_t>::max()).witness;
+    if (!witness.empty()) {
+      known_.deep.push_front(witness);
+      if (known_.deep.size() > most_witnesses) known_.deep.pop_back();
+    }
+    return {std::move(witness), true};
+  }
+
+  // Whether some of the nodes answer the word differently.
+  bool tells_apart(const Word& word, std::vector<ObservationTree::Node> nodes) const {
     for (const Symbol input : word) {
       std::size_t kept = 0;
       for (const ObservationTree::Node node : nodes) {
@@ -288,50 +301,69 @@ class Planner {
     return false;
   }
 
-  // A shortest word. All are walked together, so it costs the trees below them and not the square
-  // of their number. Empty if none is found among the next `nodes_left` nodes, which it counts; 0:
-  // there were more.
-  Word find_witness(const std::vector<WeightedNode>& candidates, std::size_t& nodes_left) {
+  // A shortest word, of these the least. All are walked together, so it costs the trees below them
+  // and not the square of their number. Cut if there are more than `most_nodes` nodes.
+  KnownWitnesses::Search find_witness(std::vector<ObservationTree::Node> nodes,
+                                      std::size_t most_nodes) {
     struct Place {
       std::size_t parent;
       Symbol input;            // from the parent's nodes
       std::size_t begin, end;  // of nodes, to which one word leads, with the same outputs
     };
-    std::vector<ObservationTree::Node> nodes;
-    for (const WeightedNode& candidate : candidates) nodes.push_back(candidate.node);
     std::vector<Place> queue{{0, 0, 0, nodes.size()}};
-    std::vector<std::pair<Symbol, ObservationTree::Node>> children;
     for (std::size_t next = 0; next < queue.size(); ++next) {
       const Place place = queue[next];
-      if (place.end - place.begin >= nodes_left) {
-        nodes_left = 0;
-        return {};
-      }
-      nodes_left -= place.end - place.begin;
-      children.clear();
-      for (std::size_t i = place.begin; i < place.end; ++i) {
-        tree_.for_each_child(nodes[i], [&](ObservationTree::Node child) {
-          children.emplace_back(tree_.input(child), child);
-        });
-      }
-      std::sort(children.begin(), children.end());
-      for (std::size_t begin = 0, end = 0; begin < children.size(); begin = end) {
-        const auto [input, node] = children[begin];
-        for (end = begin + 1; end < children.size() && children[end].first == input; ++end) {
-          if (tree_.output(children[end].second) == tree_.output(node)) continue;
-          Word witness{input};
-          for (std::size_t at = next; at != 0; at = queue[at].parent) {
-            witness.push_back(queue[at].input);
-          }
-          std::reverse(witness.begin(), witness.end());
-          return witness;
+      if (place.end - place.begin >= most_nodes) return {{}, true};
+      most_nodes -= place.end - place.begin;
+      if (const auto input =
+              look_below(std::span(nodes).subspan(place.begin, place.end - place.begin))) {
+        Word witness{*input};
+        for (std::size_t at = next; at != 0; at = queue[at].parent) {
+          witness.push_back(queue[at].input);
         }
-        if (end - begin < 2) continue;
-        queue.push_back({next, input, nodes.size(), nodes.size() + end - begin});
-        for (std::size_t i = begin; i < end; ++i) nodes.push_back(children[i].second);
+        std::reverse(witness.begin(), witness.end());
+        return {std::move(witness), false};
+      }
+      // By input; one that is known from one node alone tells nothing.
+      std::sort(inputs_below_.begin(), inputs_below_.end());
+      std::size_t end = nodes.size();
+      for (const Symbol input : inputs_below_) {
+        Below& below = children_by_input_[input];
+        if (below.count < 2) continue;
+        below.place = end;
+        end += below.count;
+        queue.push_back({next, input, below.place, end});
+      }
+      nodes.resize(end);
+      for (const auto& [input, child] : children_) {
+        Below& below = children_by_input_[input];
+        if (below.count > 1) nodes[below.place++] = child;
       }
     }
     return {};
+  }
+
+  // Into children_ those of these nodes, and how often each input leads to one. Returns the least
+  // input that some of the nodes answer differently, if there is any.
+  std::optional<Symbol> look_below(std::span<const ObservationTree::Node> nodes) {
+    for (const Symbol input : inputs_below_) children_by_input_[input].count = 0;
+    inputs_below_.clear();
+    children_.clear();
+    std::optional<Symbol> least;
+    for (const ObservationTree::Node node : nodes) {
+      tree_.for_each_child(node, [&](ObservationTree::Node child) {
+        const Symbol input = tree_.input(child), output = tree_.output(child);
+        Below& below = children_by_input_[input];
+        if (below.count++ == 0) {
+          inputs_below_.push_back(input);
+          below.output = output;
+        } else if (below.output != output && (!least || input < *least)) {
+          least = input;
+        }
+        children_.emplace_back(input, child);
+      });
+    }
+    return least;
   }
 
   std::vector<Group> group_by_output(const std::vector<WeightedNode>& candidates,
@@ -349,6 +381,12 @@ class Planner {
     return groups;
   }
 
+  // The children by one input of the nodes that are looked below.
+  struct Below {
+    std::size_t count = 0;
+    Symbol output = 0;      // of the first of them
+    std::size_t place = 0;  // where the next of them goes
+  };
   struct Count {
     Symbol output;
     std::size_t candidates;
@@ -356,11 +394,14 @@ class Planner {
   };
 
   const ObservationTree& tree_;
-  std::deque<Word>* witnesses_;  // may be null
+  KnownWitnesses& known_;
   std::size_t parts_made_ = 0;
   bool must_split_ = true;
   std::vector<Answer> unsorted_, answers_;
   std::vector<std::size_t> first_answer_;  // by input: where its answers begin, then end
+  std::vector<Below> children_by_input_;
+  std::vector<Symbol> inputs_below_;  // those that have children there
+  std::vector<std::pair<Symbol, ObservationTree::Node>> children_;
   std::vector<Count> outputs_;
   std::vector<double> symbols_left_;            // by number of candidates
   std::vector<std::uint32_t> place_of_output_;  // in outputs_, if it is there
@@ -370,8 +411,10 @@ class Planner {
 
 DecisionTree find_adaptive_sequence(const ObservationTree& tree,
                                     std::vector<WeightedNode> candidates, std::size_t most_inputs,
-                                    std::deque<Word>* witnesses) {
-  return Planner(tree, witnesses).plan(std::move(candidates), most_inputs);
+                                    KnownWitnesses* known) {
+  KnownWitnesses nothing;
+  return Planner(tree, known == nullptr ? nothing : *known)
+      .plan(std::move(candidates), most_inputs);
 }
 
 }  // namespace maide

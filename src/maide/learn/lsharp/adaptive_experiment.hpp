@@ -3,10 +3,13 @@
 // outputs up to one without a branch; no outcome is a prefix of another.
 #pragma once
 
+#include <cstdint>
 #include <deque>
 #include <span>
+#include <unordered_map>
 #include <vector>
 
+#include "maide/automata/alphabet.hpp"
 #include "maide/automata/mealy.hpp"
 #include "maide/learn/lsharp/observation_tree.hpp"
 #include "maide/sul/sul.hpp"
@@ -46,17 +49,30 @@ struct WeightedNode {
   double weight;  // proportional to the probability that it is meant; positive
 };
 
+// What the plans for one observation tree have in common.
+struct KnownWitnesses {
+  // Words that told some candidates apart: they are tried where a shortest such word lies deep.
+  std::deque<Word> deep;
+  // What the search for a shortest one came to, by the candidates' nodes. Valid as long as the tree
+  // has `tree_size` nodes: plans for the queries of one batch split into the same groups.
+  struct Search {
+    Word witness;
+    bool was_cut = false;  // too many nodes were left to look at
+  };
+  std::unordered_map<std::vector<ObservationTree::Node>, Search, WordHash> searches;
+  std::size_t tree_size = 0;
+};
+
 // The decision tree for `candidates`; without nodes if no two of them are apart. Every path through
 // it tells at least two candidates apart, if its last output is a known one. It has no more than
 // `most_inputs` inputs, those that are likely to be asked, unless it takes more to tell any apart.
 // O(inputs x candidates x length), and the trees below the candidates for each input that tells
 // none apart.
 //
-// `witnesses` are words that told some apart before: they are tried where a shortest such word lies
-// deep, and those that are found there are added. It may be null.
+// `known` is used and added to; null: nothing is kept.
 DecisionTree find_adaptive_sequence(const ObservationTree& tree,
                                     std::vector<WeightedNode> candidates,
                                     std::size_t most_inputs = ~std::size_t{0},
-                                    std::deque<Word>* witnesses = nullptr);
+                                    KnownWitnesses* known = nullptr);
 
 }  // namespace maide

@@ -185,15 +185,37 @@ void FrontierClasses::watch(StateId state, Class at) {
   MAIDE_CHECK(at != root && states_[state] != ObservationTree::none);
   const std::size_t place = records_[at].place;
   if (watchers_[state].size() <= place) watchers_[state].resize(place + 1);
-  std::vector<Watcher>& watchers = watchers_[state][place];
-  if (watchers.size() == watchers.capacity()) {
-    std::ranges::sort(watchers);
-    watchers.erase(std::unique(watchers.begin(), watchers.end()), watchers.end());
-    std::erase_if(watchers, [&](const Watcher& old) { return !is_present(old, state, place); });
-    watchers.reserve(std::max<std::size_t>(4, 2 * watchers.size()));
-    MAIDE_CHECK(watchers.size() < watchers.capacity());
+  Watchers& watchers = watchers_[state][place];
+  std::vector<Watcher>& all = watchers.all;
+  if (all.size() == all.capacity()) {
+    std::ranges::sort(all);
+    all.erase(std::unique(all.begin(), all.end()), all.end());
+    std::erase_if(all, [&](const Watcher& old) { return !is_present(old, state, place); });
+    all.reserve(std::max<std::size_t>(4, 2 * all.size()));
+    MAIDE_CHECK(all.size() < all.capacity());
+    watchers.summarise();
   }
-  watchers.push_back({at, records_[at].input, records_[at].output});
+  watchers.add({at, records_[at].input, records_[at].output});
+}
+
+void FrontierClasses::Watchers::add(const Watcher& watcher) {
+  all.push_back(watcher);
+  note_output(watcher);
+}
+
+void FrontierClasses::Watchers::note_output(const Watcher& watcher) {
+  Symbol& output = outputs[watcher.input % outputs.size()];
+  output = output == no_output || output == watcher.output ? watcher.output : several;
+}
+
+void FrontierClasses::Watchers::summarise() {
+  outputs.fill(no_output);
+  for (const Watcher& watcher : all) note_output(watcher);
+}
+
+bool FrontierClasses::Watchers::may_differ(Symbol input, Symbol output) const {
+  const Symbol known = outputs[input % outputs.size()];
+  return known != no_output && known != output;
 }
 
 // The record of a class that was given up may be used again, for another one.
@@ -260,9 +282,10 @@ void FrontierClasses::refute(StateId state, std::span<const Symbol> inputs,
   std::vector<Class> refuted;
   const std::size_t end = std::min(inputs.size(), watchers_[state].size());
   for (std::size_t place = known; place < end; ++place) {
+    Watchers& watchers = watchers_[state][place];
+    if (!watchers.may_differ(inputs[place], outputs[place])) continue;
     refuted.clear();
-    std::vector<Watcher>& watchers = watchers_[state][place];
-    for (const Watcher& watcher : watchers) {
+    for (const Watcher& watcher : watchers.all) {
       if (watcher.input != inputs[place] || watcher.output == outputs[place]) continue;
       if (is_present(watcher, state, place) && lies_along(watcher.at, inputs, outputs)) {
         refuted.push_back(watcher.at);
@@ -270,7 +293,8 @@ void FrontierClasses::refute(StateId state, std::span<const Symbol> inputs,
     }
     if (refuted.empty()) continue;
     for (const Class at : refuted) remove_candidate(at, state);
-    std::erase_if(watchers, [&](const Watcher& old) { return !is_present(old, state, place); });
+    std::erase_if(watchers.all, [&](const Watcher& old) { return !is_present(old, state, place); });
+    watchers.summarise();
   }
 }
 
@@ -374,9 +398,10 @@ void FrontierClasses::check_class(Class at, const ObservationTree& tree) const {
   const Word word = last_word(at);
   for (const StateId state : record.candidates) {
     MAIDE_CHECK_ALWAYS(has_candidate(record.parent, state));
-    const std::vector<Watcher>& watchers = watchers_.at(state).at(record.place);
+    const Watchers& watchers = watchers_.at(state).at(record.place);
     const Watcher watcher{at, record.input, record.output};
-    MAIDE_CHECK_ALWAYS(std::ranges::find(watchers, watcher) != watchers.end());
+    MAIDE_CHECK_ALWAYS(std::ranges::find(watchers.all, watcher) != watchers.all.end());
+    MAIDE_CHECK_ALWAYS(watchers.may_differ(record.input, record.output + 1));
   }
   for (const StateId state : records_[record.parent].candidates) {
     const ObservationTree::Node node = tree.find(states_[state], word);

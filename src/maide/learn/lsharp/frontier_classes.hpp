@@ -13,6 +13,7 @@
 // up.
 #pragma once
 
+#include <array>
 #include <compare>
 #include <cstdint>
 #include <span>
@@ -111,6 +112,22 @@ class FrontierClasses {
     Symbol input, output;
     auto operator<=>(const Watcher&) const = default;
   };
+  // Those of one state and place. A word that becomes known passes very many places, and at most of
+  // them every class has the word's own output: a summary tells so without a look at the classes.
+  struct Watchers {
+    static constexpr Symbol no_output = ~Symbol{0}, several = no_output - 1;
+
+    void add(const Watcher& watcher);
+    void note_output(const Watcher& watcher);
+    void summarise();  // after some were removed
+    // False only if none has this input and another output.
+    bool may_differ(Symbol input, Symbol output) const;
+
+    std::vector<Watcher> all;
+    // Of those whose input has this remainder: the one output they have.
+    std::array<Symbol, 8> outputs = {no_output, no_output, no_output, no_output,
+                                     no_output, no_output, no_output, no_output};
+  };
 
   Class find_or_add(Class parent, std::uint32_t place, Symbol input, Symbol output,
                     const ObservationTree& tree);
@@ -130,10 +147,10 @@ class FrontierClasses {
   std::vector<Record> records_;
   std::vector<Class> unused_;  // records to use again
   std::unordered_map<Edge, Class, EdgeHash> children_;
-  std::vector<ObservationTree::Node> states_;                // by state
-  std::vector<std::vector<std::vector<Watcher>>> watchers_;  // by state and place
-  std::vector<Class> class_;                                 // by member
-  std::vector<Member> next_, before_;                        // by member: lists of each class
+  std::vector<ObservationTree::Node> states_;    // by state
+  std::vector<std::vector<Watchers>> watchers_;  // by state and place
+  std::vector<Class> class_;                     // by member
+  std::vector<Member> next_, before_;            // by member: lists of each class
   std::vector<Member> isolated_;
   std::vector<Class> open_;
   // While a member moves: where the last word of a new class leads from its candidates, in order.

@@ -10,7 +10,6 @@
 #include "maide/base/error.hpp"
 #include "maide/base/invariant.hpp"
 #include "maide/learn/counterexample.hpp"
-#include "maide/learn/lsharp/adaptive_experiment.hpp"
 #include "maide/learn/oracle/observing_oracle.hpp"
 
 namespace maide {

@@ -38,13 +38,13 @@
 #pragma once
 
 #include <cstdint>
-#include <deque>
 #include <optional>
 #include <span>
 #include <unordered_map>
 #include <vector>
 
 #include "maide/learn/learner.hpp"
+#include "maide/learn/lsharp/adaptive_experiment.hpp"
 #include "maide/learn/lsharp/apartness.hpp"
 #include "maide/learn/lsharp/frontier_hypothesis.hpp"
 #include "maide/learn/lsharp/old_model.hpp"
@@ -125,7 +125,7 @@ class LSharp : public Learner {
   std::uint64_t estimate_expires_ = 0;  // at this number of output queries
   std::optional<DecisionTree> common_plan_;
   std::unordered_map<std::vector<StateId>, DecisionTree, WordHash> plans_;  // by candidates
-  std::deque<Word> witnesses_;  // long ones that told states apart
+  KnownWitnesses witnesses_;
   std::uint64_t output_queries_ = 0;
 
   std::optional<StateMatching> matching_;  // if there is an old model
