@@ -38,6 +38,16 @@ TEST_P(HidingLaws, MachinesAreMinimalAndTheSameForTheSameSeed) {
   EXPECT_THROW(find_hiding("nowhere"), UsageError);
 }
 
+// The parts of a machine find inputs that do nothing yet, or do without.
+TEST_P(HidingLaws, FourInputsAreEnough) {
+  Random random(5);
+  for (int i = 0; i < 300; ++i) {
+    const Mealy machine = hiding_mealy(hiding(), 4 + random.below(40), 4, random);
+    EXPECT_TRUE(machine.is_complete());
+    EXPECT_EQ(machine.inputs().size(), 4U);
+  }
+}
+
 TEST_P(HidingLaws, NoModelIsSilentlyWrong) {
   Random random(11);
   int weak = 0, machines = 12;

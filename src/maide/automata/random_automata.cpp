@@ -167,12 +167,20 @@ class Builder {
   Symbol any_input() { return static_cast<Symbol>(random_.below(machine_.inputs().size())); }
   StateId any_state() { return static_cast<StateId>(random_.below(machine_.size())); }
   Symbol any_output() { return static_cast<Symbol>(random_.below(machine_.outputs().size())); }
-  // One that does nothing in a state; there must be two.
+  bool is_idle(StateId state, Symbol input) const {
+    return machine_.target(state, input) == state && machine_.output(state, input) == ok;
+  }
+  std::size_t count_idle_inputs(StateId state) const {
+    std::size_t count = 0;
+    for (Symbol input = 0; input < machine_.inputs().size(); ++input) {
+      count += is_idle(state, input) ? 1 : 0;
+    }
+    return count;
+  }
+  // One that does nothing in a state; there must be one.
   Symbol any_idle_input(StateId state) {
     Symbol input = any_input();
-    while (machine_.target(state, input) != state || machine_.output(state, input) != ok) {
-      input = any_input();
-    }
+    while (!is_idle(state, input)) input = any_input();
     return input;
   }
   Symbol other_input(Symbol input) {
@@ -233,13 +241,17 @@ class Builder {
   static constexpr Symbol ok = 0, yes = 1, no = 2;
 
  private:
-  // One that does nothing there yet.
+  // One that does nothing there yet, if there is one.
   Symbol free_input(StateId state, StateId first, bool forgives) {
-    while (true) {
-      const Symbol input = any_input();
-      const StateId target = machine_.target(state, input);
-      if (target == state || (!forgives && target == first)) return input;
-    }
+    const auto is_free = [&](StateId target) {
+      return target == state || (!forgives && target == first);
+    };
+    const auto row = machine_.row(state);
+    const bool is_any_free = std::any_of(
+        row.begin(), row.end(), [&](const auto& transition) { return is_free(transition.target); });
+    Symbol input = any_input();
+    while (is_any_free && !is_free(row[input].target)) input = any_input();
+    return input;
   }
 
   Random& random_;
@@ -258,7 +270,8 @@ Mealy make_locks(Builder builder, std::size_t states, std::size_t length) {
   return builder.finish();
 }
 
-// From a state on: a count, which other inputs leave or not, and what shows at its end.
+// From a state on, where two inputs do nothing: a count, which other inputs leave or not, and what
+// shows at its end.
 StateId add_counter(Builder& builder, StateId from, std::size_t repeats, Random& random) {
   const Symbol counted = builder.any_idle_input(from);
   Symbol shows = builder.any_idle_input(from);
@@ -286,7 +299,8 @@ Mealy make_counters(Builder builder, std::size_t states, Random& random) {
   const StateId full = add_counter(builder, 0, first, random);
   if (random.chance(0.3)) {
     const StateId from = random.chance(0.5) ? full : StateId{0};
-    add_counter(builder, from, random.between(3, std::max<std::size_t>(most / 2, 4)), random);
+    const std::size_t second = random.between(3, std::max<std::size_t>(most / 2, 4));
+    if (builder.count_idle_inputs(from) >= 2) add_counter(builder, from, second, random);
   }
   return builder.finish();
 }
