@@ -88,10 +88,6 @@ TEST(CommandLine, SuggestsCommandsAndOptions) {
   expect_error(run_maide({"help", "nothing"}), 2, "unknown command 'nothing'");
 }
 
-TEST(CommandLine, LaterCommandsAreSaidToBeMissing) {
-  expect_error(run_maide({"test", "x", "--y"}), 2, "'test' is not part of this version");
-}
-
 TEST(CommandLine, RefusesWhatItDoesNotExpect) {
   expect_error(run_maide({"doctor", "x"}), 2,
                "unexpected argument 'x' (see 'maide doctor --help')");

@@ -109,6 +109,11 @@ std::span<const Command> command_table() {
       Command{"compare", "Tell whether two models are the same, and what tells them apart",
               "maide compare port.dot strict-1.dot\nmaide compare old.dot new.dot --json",
               set_up_compare},
+      Command{"test", "Tell whether a running system does what a model says",
+              "maide test strict-3.dot\n"
+              "maide test via.dot cyclonedds history=keep_last depth=1 --junit via.xml\n"
+              "maide test strict-3.dot --time 60 --json",
+              set_up_test},
       Command{"export", "Write a model or a system in another tool's language",
               "maide export port.dot --to promela -o port.pml\n"
               "maide export strict-6.dot --to aut --lossy\n"

@@ -129,6 +129,7 @@ RunFunction set_up_format(CommandLine& line);
 RunFunction set_up_learn(CommandLine& line);
 RunFunction set_up_replay(CommandLine& line);
 RunFunction set_up_reproduce(CommandLine& line);
+RunFunction set_up_test(CommandLine& line);
 RunFunction set_up_view(CommandLine& line);
 
 // The options that several commands have, so that they read the same everywhere.

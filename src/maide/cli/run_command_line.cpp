@@ -52,16 +52,10 @@ std::string footer(const Command& command) {
 }
 
 const Command& find_command(const std::string& name) {
-  // Commands that the design names and later versions will have.
-  static const std::vector<std::string> planned{"test"};
   std::vector<std::string> names;
   for (const Command& command : command_table()) {
     if (command.name == name) return command;
     names.emplace_back(command.name);
-  }
-  if (std::find(planned.begin(), planned.end(), name) != planned.end()) {
-    throw UsageError("'" + name + "' is not part of this version of maide (" +
-                     std::string(version()) + ")");
   }
   throw UsageError((name.starts_with("-") ? "unknown option '" : "unknown command '") + name + "'" +
                    did_you_mean(name, names) + " (see 'maide --help')");
