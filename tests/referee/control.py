@@ -115,7 +115,8 @@ class Compiler:
         first = self.sequence(body, inner, own, end)
         self.number(first)
         self.number(end)  # it is kept even where the text never comes to it
-        self.refuse_idle_loops()
+        if self.system.knows_shared:
+            self.refuse_idle_loops()
         return first
 
     def number(self, first: Node) -> None:

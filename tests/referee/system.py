@@ -60,10 +60,12 @@ class System:
         self.expects_values: set[str] = set()
         self.gives_values: set[str] = set()
         self.shared: list[Variable] = []
+        self.knows_shared = False
         self.compile()  # tells which variables are shared
         self.shared = [v for v in self.variables if len(v.users) > 1]
         for variable in self.shared:
             variable.shared = True
+        self.knows_shared = True
         self.programs = self.compile()
         self.refuse_values_that_nobody_gives()
         self.components = self.find_components()

@@ -350,6 +350,9 @@ TEST(Language, ErrorsNameThePlace) {
       {"var a[k in 0..2]: bool; a = true;", "'a' is an array: say which member, as in a[0]"},
       {"var a[k in 0..2]: bool; a[0, 1] = true;", "'a' has 1 index, not 2"},
       {"loop { var x: 0..1; x = 1 - x; }", "would go round for ever without a step"},
+      {"loop { if (0 != 2) { continue; } q.read; }", "would go round for ever without a step"},
+      {"loop { if (1 == 2) { q.read; } else { continue; } break; }",
+       "would go round for ever without a step"},
       {"var x: 0..99999999999999999999;", "does not fit into 64 bits"},
       {"var x: 0..1; x = any -9223372036854775807..9223372036854775807;", "more than 10000 values"},
   };
@@ -373,7 +376,7 @@ TEST(Language, AWordThatBeginsNoStatementIsToldWhatDoes) {
       {"loop { brek; }", "'brek' begins no statement; did you mean 'break'? (s.yaml:3:12)"},
       {"Loop { if * { } }", "'Loop' begins no statement; did you mean 'loop'? (s.yaml:3:5)"},
       {"var ready: bool; raedy;", "'raedy' begins no statement; did you mean 'ready'?"},
-      {"if * { skip; } elseif * { }", "'elseif' begins no statement; did you mean 'else if'?"},
+      {"if * { skip; } elseif * { }", "'elseif' begins no statement; it is 'else if'"},
       {"select { timeout { } }", "a 'timeout' says how many milliseconds, as in `timeout 100 { }`"},
       {"@ q.write;", "behind '@' stands the name of a label, and then a statement, as in `@here q"},
       {"var x: int;", "a type is a range as `0..3`, `bool`, or words as `{idle, busy}`, and 'int'"},

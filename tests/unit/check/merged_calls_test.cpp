@@ -124,6 +124,20 @@ TEST(MergedCalls, WhoWaitsInTheEndHasGivenItsInput) {
   EXPECT_TRUE(is_deadlock(system, replay(system, *result.trace).back()));
 }
 
+// What may die still, may die there; that it does is not waited for.
+TEST(MergedCalls, WhoWaitsInTheEndHasGivenItsInputWhereOthersMayDie) {
+  const System system = box_system(4, mailbox(), R"yaml(variables: 'var go: bool;'
+programs:
+  p: box.read -> message; go = true;
+  q: 'if * { stop; } box.write;'
+  r: {may_die: true, do: 'select { when go { } }'}
+)yaml");
+  const PropertyResult result = check(system, test::deadlock_property(), Reduction::calls);
+  ASSERT_EQ(result.verdict, Verdict::violated);
+  EXPECT_EQ(result.reduction, Reduction::calls);
+  EXPECT_TRUE(is_deadlock(system, replay(system, *result.trace).back()));
+}
+
 TEST(MergedCalls, NotWhereAFormulaTellsTheStepsApart) {
   const std::string next = "properties:\n  next: {ltl: 'G (image[0].read -> X !image[0].write)'}\n";
   const System with_next = robots(1, next);

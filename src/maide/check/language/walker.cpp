@@ -44,20 +44,49 @@ bool steps(const Statement& statement) {
   }
 }
 
-// Some statement of the block may take a step, or leave it.
-bool may_step(const Block& block) {
-  return std::any_of(block.statements.begin(), block.statements.end(), [](const Statement& s) {
-    using Kind = Statement::Kind;
-    if (steps(s) || s.kind == Kind::stop || s.kind == Kind::leave ||
-        s.kind == Kind::leave_procedure) {
-      return true;
+// What control may do in a block, whatever the values of variables are.
+struct Ways {
+  bool step = false;  // take a step, or leave the loop
+  bool end = true;    // come to the end of the block without
+};
+
+Ways ways_through(const Block& block);
+
+Ways ways_through(const Statement& statement) {
+  using Kind = Statement::Kind;
+  const Kind kind = statement.kind;
+  if (steps(statement) || kind == Kind::stop || kind == Kind::leave ||
+      kind == Kind::leave_procedure) {
+    return {true, false};
+  }
+  if (kind == Kind::next_round) return {false, false};
+  const bool is_known = statement.expression && statement.expression->is_constant();
+  const bool is_zero = is_known && statement.expression->value == 0;
+  if (kind == Kind::when) {
+    const Ways then = is_zero ? Ways{false, false} : ways_through(*statement.body);
+    Ways otherwise;
+    if (is_known && !is_zero) {
+      otherwise.end = false;
+    } else if (statement.otherwise) {
+      otherwise = ways_through(*statement.otherwise);
     }
-    bool any = false;
-    for_each_block(s, [&](const Block& inner) { any = any || may_step(inner); });
-    const bool never =
-        s.kind == Kind::repeat && s.expression->is_constant() && s.expression->value == 0;
-    return any && !never;
-  });
+    return {then.step || otherwise.step, then.end || otherwise.end};
+  }
+  Ways ways;
+  if (kind == Kind::repeat && is_zero) return ways;
+  for_each_block(statement,
+                 [&](const Block& inner) { ways.step = ways.step || ways_through(inner).step; });
+  return ways;
+}
+
+Ways ways_through(const Block& block) {
+  Ways ways;
+  for (const Statement& statement : block.statements) {
+    if (!ways.end) break;
+    const Ways next = ways_through(statement);
+    ways = {ways.step || next.step, next.end};
+  }
+  return ways;
 }
 
 // Nothing but labels: one round of it is as good as many.
@@ -94,7 +123,7 @@ void Walker::check_loops(const Block& block) {
     const bool is_endless = statement.kind == Kind::loop || (statement.kind == Kind::repeat_while &&
                                                              statement.expression->is_constant() &&
                                                              statement.expression->value != 0);
-    if (is_endless && !may_step(*statement.body)) {
+    if (is_endless && !ways_through(*statement.body).step) {
       throw ParseError(
           "this loop would go round for ever without a step: nothing in it gives "
           "an input, waits or chooses",
