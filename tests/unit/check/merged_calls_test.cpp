@@ -130,7 +130,7 @@ TEST(MergedCalls, WhoWaitsInTheEndHasGivenItsInputWhereOthersMayDie) {
 programs:
   p: box.read -> message; go = true;
   q: 'if * { stop; } box.write;'
-  r: {may_die: true, do: 'select { when go { } }'}
+  r: {may_die: true, do: 'select { when (go) { } }'}
 )yaml");
   const PropertyResult result = check(system, test::deadlock_property(), Reduction::calls);
   ASSERT_EQ(result.verdict, Verdict::violated);
