@@ -10,6 +10,7 @@
 
 #include "maide/automata/random_automata.hpp"
 #include "maide/conformance/method/complete_method.hpp"
+#include "maide/learn/counterexample.hpp"
 #include "suite_words.hpp"
 
 namespace maide {
@@ -208,6 +209,50 @@ TEST(GrowthSuite, GoesOnWhereARowIsSeen) {
   EXPECT_NE(std::find(words.begin(), words.end(), once), words.end());
   GrowthSuite none(loops.inputs, {}, 5);
   EXPECT_TRUE(list(none).empty());
+}
+
+// Input 0 leads through a row of states, 1 does nothing, 2 leads back.
+Mealy row_machine(StateId states) {
+  Mealy machine(Alphabet({"a", "b", "c"}), Alphabet({"ok", "full"}), states);
+  const StateId last = states - 1;
+  for (StateId state = 0; state < states; ++state) {
+    machine.set_transition(state, 0, 0, std::min(state + 1, last));
+    machine.set_transition(state, 1, 0, state);
+    machine.set_transition(state, 2, state == last ? 1 : 0, 0);
+  }
+  return machine;
+}
+
+TEST(LadderSuite, CountsEveryLoopUpAroundARow) {
+  const Mealy machine = row_machine(5);
+  const Loops loops(machine);
+  LadderSuite suite(loops.inputs, 64);
+  std::set<std::tuple<StateId, Symbol, std::size_t, Symbol>> seen;  // in a state: a, so often, b
+  Word word;
+  while (suite.next(word)) {
+    const std::vector<StateId> states = states_along(machine, word);
+    for (std::size_t i = 0; i < word.size(); ++i) {
+      if (i > 0 && word[i - 1] == word[i] && states[i - 1] == states[i]) continue;
+      std::size_t end = i;
+      while (end < word.size() && word[end] == word[i] && states[end] == states[i]) ++end;
+      if (end < word.size()) seen.emplace(states[i], word[i], end - i, word[end]);
+    }
+  }
+  for (const StateId state : {StateId{0}, StateId{4}}) {
+    for (const Symbol loop : loops.inputs.of(state)) {
+      for (Symbol follower = 0; follower < 3; ++follower) {
+        for (std::size_t times = 1; times <= 64 && follower != loop; ++times) {
+          EXPECT_TRUE(seen.contains({state, loop, times, follower}))
+              << state << ": " << times << " times " << loop << ", then " << follower;
+        }
+      }
+    }
+  }
+  EXPECT_FALSE(seen.contains({2, 1, 24, 2}));  // inside of the row
+
+  const Mealy short_row = row_machine(3);
+  const Loops none(short_row);
+  EXPECT_FALSE(LadderSuite(none.inputs, 64).next(word));
 }
 
 TEST(LoopSampler, IsTheSameForTheSameSeedAndEndsWithoutLoops) {

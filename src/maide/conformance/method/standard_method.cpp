@@ -27,8 +27,8 @@ constexpr std::uint64_t few_random_tests = 200;
 // Inputs that may be spent on a guess, beside the tests of a hypothesis that is small.
 constexpr std::uint64_t growth_symbols = 2000;
 // Samples cost at most this share of what the suites before them cost, unless the hypothesis is
-// tiny; chains behind other ways likewise.
-constexpr std::uint64_t share_of_samples = 24, share_of_ways = 12;
+// tiny; chains behind other ways and ladders likewise.
+constexpr std::uint64_t share_of_samples = 24, share_of_ways = 12, share_of_ladders = 2;
 // Chains are drawn again as long as all of a state are of so many inputs on average.
 constexpr std::uint64_t cheap_chain = 1000;
 // Counterexamples of at most so many inputs beyond an access word are not shortened.
@@ -253,6 +253,8 @@ class StandardMethod::Query {
     ChainSuite ways(loops_, loops_.ways(), std::max<std::size_t>(strength_.chained, 1),
                     ChainSuite::short_piece, method_.random_.split());
     if (auto word = ask(ways, {left_.words, before / share_of_ways})) return word;
+    LadderSuite ladders(loops_, demand_.pumped);
+    if (auto word = ask(ladders, {left_.words, before / share_of_ladders})) return word;
     LoopSampler sampler(loops_, demand_.pumped, method_.random_.split());
     // A hypothesis of very few states is the likeliest to miss something.
     const std::size_t states = hypothesis_.size();

@@ -10,7 +10,8 @@
 //             most of the random tests: queues of the middleware have some 20 states and 5 inputs
 //   chains    in every state every word of three inputs that loop there
 //   pumps     in every state every looping input repeated, then each other input
-//   samples   chains behind other ways into a state, and what chains and pumps leave out
+//   samples   chains behind other ways into a state; ladders, where something is counted; and what
+//             chains and pumps leave out
 //
 // So the cheap suites run for every hypothesis. The dear ones run only for those that nothing cheap
 // refutes: as a rule, the last. `strength()` says how far they came. `cost_of_missing()` says what

@@ -112,6 +112,98 @@ void LoopingInputs::append_end(StateId state, std::uint64_t turn, Word& word) co
   word.insert(word.end(), last.begin(), last.end());
 }
 
+namespace {
+
+// An input leads through new states one after the other, as where something is counted.
+struct Row {
+  Symbol input;
+  std::size_t start;  // of its first state
+  std::vector<StateId> states;
+};
+
+std::vector<Row> find_rows(const LoopingInputs& loops) {
+  constexpr std::size_t shortest_row = 4;
+  const Mealy& hypothesis = loops.hypothesis();
+  std::vector<Row> rows;
+  for (Symbol input = 0; input < hypothesis.inputs().size(); ++input) {
+    std::vector<bool> is_inside(hypothesis.size());  // of a row that began before
+    for (std::size_t start = 0; start < loops.states().size(); ++start) {
+      const StateId first = loops.states()[start].state;
+      if (is_inside[first]) continue;
+      std::vector<StateId> row{first};
+      is_inside[first] = true;
+      for (StateId next = hypothesis.target(first, input); !is_inside[next];
+           next = hypothesis.target(next, input)) {
+        is_inside[next] = true;
+        row.push_back(next);
+      }
+      if (row.size() >= shortest_row) rows.push_back({input, start, std::move(row)});
+    }
+  }
+  return rows;
+}
+
+// a, aa, aaa, ..., each with b behind it.
+struct Ladder {
+  Symbol rung, follower;
+  std::size_t shortest, longest;
+};
+
+constexpr std::size_t short_ladder = 24;
+constexpr std::uint64_t ladder_stride = 7919;  // a prime, so that all pairs are passed
+
+std::uint64_t count_ladder_pairs(const LoopingInputs& loops, StateId state) {
+  return loops.of(state).size() * loops.hypothesis().inputs().size();
+}
+
+Ladder make_ladder(const LoopingInputs& loops, StateId state, std::uint64_t pair, bool is_long,
+                   std::size_t most_repeats) {
+  const std::span<const Symbol> letters = loops.of(state);
+  pair %= count_ladder_pairs(loops, state);
+  const std::size_t middle = std::min(short_ladder, most_repeats);
+  return {letters[pair % letters.size()], static_cast<Symbol>(pair / letters.size()),
+          is_long ? std::min(middle + 1, most_repeats) : 1, is_long ? most_repeats : middle};
+}
+
+// A shortest word from one state to another; nothing if there is none. O(n k).
+std::optional<Word> find_path(const Mealy& machine, StateId from, StateId to) {
+  struct Step {
+    StateId before;
+    Symbol input;
+  };
+  std::vector<std::optional<Step>> entered(machine.size());
+  std::vector<StateId> queue{from};
+  for (std::size_t next = 0; next < queue.size() && queue[next] != to; ++next) {
+    for (Symbol input = 0; input < machine.inputs().size(); ++input) {
+      const StateId target = machine.target(queue[next], input);
+      if (target == from || entered[target]) continue;
+      entered[target] = Step{queue[next], input};
+      queue.push_back(target);
+    }
+  }
+  Word path;
+  for (StateId at = to; at != from; at = entered[at]->before) {
+    if (!entered[at]) return std::nullopt;
+    path.push_back(entered[at]->input);
+  }
+  std::ranges::reverse(path);
+  return path;
+}
+
+// Behind each follower comes `back`, the way to the same state again; false if there is none, or
+// the word gets too long.
+bool append_ladder(const Ladder& ladder, const std::optional<Word>& back, Word& word) {
+  for (std::size_t times = ladder.shortest; times <= ladder.longest; ++times) {
+    append(word, ladder.rung, times);
+    word.push_back(ladder.follower);
+    if (!back || word.size() + back->size() > longest_test / 2) return false;
+    word.insert(word.end(), back->begin(), back->end());
+  }
+  return true;
+}
+
+}  // namespace
+
 // Hierholzer's algorithm on the graph whose nodes are the words of order - 1 letters, whose edges
 // are those of `order`: a node's edges are taken in an order that is drawn for it.
 Word draw_chain(std::span<const Symbol> letters, std::size_t order, Random random) {
@@ -305,34 +397,62 @@ void GrowthSuite::guess_sizes(const LoopingInputs& loops, std::span<const std::s
   }
 }
 
-// A row: an input leads through at least `shortest_row` new states one after the other.
 void GrowthSuite::guess_rows(const LoopingInputs& loops) {
-  constexpr std::size_t shortest_row = 3;
   const Mealy& hypothesis = loops.hypothesis();
   const Symbol inputs = static_cast<Symbol>(hypothesis.inputs().size());
-  for (Symbol input = 0; input < inputs; ++input) {
-    std::vector<bool> is_inside(hypothesis.size());  // of a row that began before
-    for (const auto& [access, first] : loops.states()) {
-      if (is_inside[first]) continue;
-      std::vector<StateId> row{first};
-      is_inside[first] = true;
-      for (StateId next = hypothesis.target(first, input); !is_inside[next];
-           next = hypothesis.target(next, input)) {
-        is_inside[next] = true;
-        row.push_back(next);
+  for (const auto& [input, start, row] : find_rows(loops)) {
+    const Word& access = loops.states()[start].access;
+    for (Symbol follower = 0; follower < inputs; ++follower) {
+      if (follower == input) continue;
+      std::size_t taken_back = 0;
+      for (std::size_t i = 1; i < row.size(); ++i) {
+        if (hypothesis.target(row[i], follower) == row[i - 1]) ++taken_back;
       }
-      if (row.size() <= shortest_row) continue;
-      for (Symbol follower = 0; follower < inputs; ++follower) {
-        if (follower == input) continue;
-        std::size_t taken_back = 0;
-        for (std::size_t i = 1; i < row.size(); ++i) {
-          if (hypothesis.target(row[i], follower) == row[i - 1]) ++taken_back;
-        }
-        const bool takes_back = 2 * taken_back > row.size();
-        add(access, input, 2 * row.size(), follower, takes_back ? 2 * row.size() + 1 : 1);
-      }
+      const bool takes_back = 2 * taken_back > row.size();
+      add(access, input, 2 * row.size(), follower, takes_back ? 2 * row.size() + 1 : 1);
     }
   }
+}
+
+LadderSuite::LadderSuite(const LoopingInputs& loops, std::size_t most_repeats)
+    : loops_(loops), most_repeats_(std::clamp<std::size_t>(most_repeats, 2, highest_ladder)) {
+  const std::vector<Row> rows = find_rows(loops);
+  if (rows.empty()) return;
+  std::vector<bool> is_inside(loops.hypothesis().size());
+  for (const Row& row : rows) {
+    for (std::size_t i = 1; i + 1 < row.states.size(); ++i) is_inside[row.states[i]] = true;
+  }
+  for (std::size_t start = 0; start < loops.states().size(); ++start) {
+    const StateId state = loops.states()[start].state;
+    if (is_inside[state] || loops.of(state).empty()) continue;
+    starts_.push_back(start);
+    most_pairs_ = std::max(most_pairs_, count_ladder_pairs(loops, state));
+  }
+}
+
+// The starts take turns, so that each comes as far as the others.
+bool LadderSuite::next(Word& word) {
+  while (number_ < 2 * most_pairs_ && !starts_.empty()) {
+    const std::size_t start = turn_;
+    const std::uint64_t number = number_;
+    if (++turn_ == starts_.size()) {
+      turn_ = 0;
+      ++number_;
+    }
+    const auto& [access, state] = loops_.states()[starts_[start]];
+    const std::uint64_t pairs = count_ladder_pairs(loops_, state);
+    const bool is_long = number >= most_pairs_;
+    const std::uint64_t own = is_long ? number - most_pairs_ : number;
+    if (own >= pairs) continue;
+    word = access;
+    const Ladder ladder =
+        make_ladder(loops_, state, start + ladder_stride * own, is_long, most_repeats_);
+    const Mealy& hypothesis = loops_.hypothesis();
+    const auto back = find_path(hypothesis, hypothesis.target(state, ladder.follower), state);
+    if (append_ladder(ladder, back, word)) loops_.append_end(state, number, word);
+    return true;
+  }
+  return false;
 }
 
 LoopSampler::LoopSampler(const LoopingInputs& loops, std::size_t most_repeats, Random random)
@@ -357,20 +477,6 @@ LoopSampler::Letters LoopSampler::draw_letters(std::span<const Symbol> loops) {
   Letters letters{draw(), draw(), 0};
   letters.follower = static_cast<Symbol>(random_.below(loops_.hypothesis().inputs().size()));
   return letters;
-}
-
-// Every pair of letters once with short ladders, which cost least for what they may find, before
-// one comes again with a long one.
-LoopSampler::Ladder LoopSampler::next_ladder(std::size_t start, std::span<const Symbol> loops) {
-  constexpr std::uint64_t stride = 7919;  // a prime, so that all pairs are passed
-  const std::uint64_t pairs = loops.size() * loops_.hypothesis().inputs().size();
-  const std::uint64_t number = ladders_[start]++;
-  const std::uint64_t pair = (start + stride * number) % pairs;
-  const std::size_t middle = std::min(short_ladder, most_repeats_);
-  MAIDE_CHECK(pair / loops.size() < loops_.hypothesis().inputs().size());
-  const bool is_long = number / pairs % 2 == 1;
-  return {loops[pair % loops.size()], static_cast<Symbol>(pair / loops.size()),
-          is_long ? std::min(middle + 1, most_repeats_) : 1, is_long ? most_repeats_ : middle};
 }
 
 // Kinds take turns; so do states, by rounds.
@@ -400,13 +506,15 @@ bool LoopSampler::next(Word& word) {
         break;
       }
       [[fallthrough]];
-    case Kind::ladder: {  // a, aa, aaa, ..., each with b behind it, as long as b stays
-      const Ladder ladder = next_ladder(start, loops);
-      for (std::size_t times = ladder.shortest; times <= ladder.longest; ++times) {
-        append(word, ladder.rung, times);
-        word.push_back(ladder.follower);
-        if (loops_.hypothesis().target(state, ladder.follower) != state) return true;
-      }
+    case Kind::ladder: {
+      // Every pair of letters once with short ladders, which cost least for what they may find,
+      // before one comes again with a long one.
+      const std::uint64_t number = ladders_[start]++;
+      const bool is_long = number / count_ladder_pairs(loops_, state) % 2 == 1;
+      const Ladder ladder =
+          make_ladder(loops_, state, start + ladder_stride * number, is_long, most_repeats_);
+      const bool stays = loops_.hypothesis().target(state, ladder.follower) == state;
+      if (!append_ladder(ladder, stays ? std::optional(Word()) : std::nullopt, word)) return true;
       break;
     }
     case Kind::pump:

@@ -9,6 +9,7 @@
 //   pumps   in every state every looping input, repeated, and then each other input
 //   growth  where an input led through a row of states, as where something is counted: the guess
 //           that the row goes on
+//   ladders a, aa, aaa, ..., each with another input behind it, in the states around such a row
 //   samples random words of the kinds that the others leave out: counts that show at one number
 //           only, cycles of two inputs, two counts at once
 //
@@ -158,6 +159,28 @@ class GrowthSuite : public TestSuite {
   std::size_t next_ = 0;
 };
 
+// Where an input led through a row of at least four states something is counted, and something else
+// may be: beside it, or behind its last state. So this suite plays ladders in all states that do
+// not lie inside of a row. A ladder is a, aa, aaa, ..., each with b behind it and the way back: it
+// finds a count that shows at one number only. It is played for every looping a and every b to 24
+// repeats, and then for all of them on from there. Empty if there is no row.
+class LadderSuite : public TestSuite {
+ public:
+  // Inputs are repeated as often as is said, but at most 128 times. Keeps a reference.
+  LadderSuite(const LoopingInputs& loops, std::size_t most_repeats);
+
+  bool next(Word& word) override;
+  std::optional<std::uint64_t> size() const override { return std::nullopt; }
+
+ private:
+  const LoopingInputs& loops_;
+  std::size_t most_repeats_;
+  std::vector<std::size_t> starts_;  // those outside of rows, where inputs loop
+  std::uint64_t most_pairs_ = 0;     // of letters, in one of them
+  std::size_t turn_ = 0;             // in starts_
+  std::uint64_t number_ = 0;         // of the ladder in each
+};
+
 class LoopSampler : public TestSuite {
  public:
   // Endless, unless no input loops. Inputs are repeated as often as is said, but at most 128 times:
@@ -175,13 +198,6 @@ class LoopSampler : public TestSuite {
     Symbol first, second, follower;
   };
   Letters draw_letters(std::span<const Symbol> loops);
-  struct Ladder {
-    Symbol rung, follower;
-    std::size_t shortest, longest;
-  };
-  static constexpr std::size_t short_ladder = 24;
-  Ladder next_ladder(std::size_t start, std::span<const Symbol> loops);
-
   const LoopingInputs& loops_;
   std::size_t most_repeats_;
   Random random_;
