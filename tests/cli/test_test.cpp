@@ -74,6 +74,7 @@ TEST(Test, AMutantDiffersInAShortestWord) {
   const SubprocessResult differs = run_maide({"test", two, "sim:" + three});
   EXPECT_EQ(differs.exit_status, 1) << differs.err;
   EXPECT_THAT(differs.out, StartsWith("Differs: after x, x: the model gives 1, the system 0\n"));
+  EXPECT_THAT(differs.out, HasSubstr("  tests      but for these differences: "));
   const SubprocessResult perfect = run_maide({"test", two, "sim:" + three, "--eq", "perfect"});
   EXPECT_EQ(perfect.exit_status, 1) << perfect.err;
 }
