@@ -302,10 +302,9 @@ class ConformanceRun {
       judge_strength(tests->strength());
       return false;
     }
-    std::optional<Word> shorter = ask_again(*word);
-    if (!shorter) return false;  // of `perfect`, which does not ask: it is known already
-    *shorter = shorten(*std::move(shorter));
-    report(*shorter);
+    const std::optional<Word> differs = ask_again(*word);
+    if (!differs) return false;  // of `perfect`, which does not ask: it is known already
+    report(shorten(*differs));
     if (result_.unsteady.size() >= most_unsteady) {
       throw Error(ExitStatus::inconclusive,
                   fmt::format("the system answers otherwise when it waits longer, in {} words",
