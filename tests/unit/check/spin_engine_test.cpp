@@ -235,6 +235,19 @@ TEST(SpinEngine, DeathsErrorsAndRest) {
   EXPECT_EQ(check(failing, test::deadlock_property()).verdict, Verdict::holds);
 }
 
+// Each reader of a topic has a queue, some with a state more: where a program died.
+TEST(SpinEngine, TablesOfTheSamePurposeHaveNamesOfTheirOwn) {
+  const System system = parse_system(R"yaml(topics:
+  t: {writers: [p, q], readers: [p, q], use: queue, with: {depth: 1}}
+programs:
+  p: {may_die: true, do: "switch t.write { quiet { } }"}
+  q: {may_die: true, do: skip;}
+)yaml",
+                                     "system.yaml", {});
+  const PropertyResult result = check(system, test::deadlock_property());
+  EXPECT_EQ(result.verdict, NativeEngine().check(system, test::deadlock_property(), {}).verdict);
+}
+
 TEST(SpinEngine, FormulasOverVariablesAndProgramsEvents) {
   const System system = system_with_state("var x: 0..1; loop { idle q.read -> message(x); }",
                                           "properties:\n"
