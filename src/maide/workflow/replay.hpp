@@ -1,12 +1,14 @@
 // Replays runs of a composed system on the real one. The middleware behind each model is driven
 // through its part of the run. What it does is compared with the run, step by step.
 //
-//   Trace ----> words      one for each model instance, and for each topic with all its ends: the
-//                          inputs that the programs give it, in order; the loop of a lasso several
-//                          times; for a deadlock also the calls that the programs are left with
-//   words ----> answers    of the real systems (Sul), each step until quiescence
-//   answers --> a walk     along the trace: every output must be due when a program takes it, and
-//                          nothing may be due that the model does not have
+//   Trace ----> words      One for each model instance, and for each topic with all its ends. It
+//   has
+//                          the inputs that the programs give there, in order. The loop of a lasso
+//                          is in it several times. For a deadlock the calls that the programs are
+//                          left with follow.
+//   words ----> answers    Of the real systems (Sul), each step until quiescence.
+//   answers --> a walk     Along the trace. Every output must be due when a program takes it.
+//                          Nothing may be due that the model does not have.
 //
 // Programs are not run: Maide makes their calls. Instances share nothing but the programs. So each
 // instance is given its word without the pauses that the steps of others would make. An order

@@ -70,11 +70,11 @@ struct Suggestions {
 
 // Tries these changes, one at a time:
 //
-//   other models: those beside the ones in use, and those in use elsewhere in the system
-//   settings that keep more (depth, history, reliability, ...), the smallest number that is enough
-//   other values of constants, the nearest ones that are enough
-//   fewer repetitions wherever a number stands, the largest number that is few enough
-//   one number of repetitions in place of another
+//   Other models: those beside the ones in use, and those in use elsewhere in the system.
+//   Settings that keep more (depth, history, reliability, ...): the smallest number that is enough.
+//   Other values of constants: the nearest ones that are enough.
+//   Fewer repetitions wherever a number stands: the largest number that is few enough.
+//   One number of repetitions in place of another.
 //
 // `before` is the report of the system as it is: the same properties are checked. An interruption
 // ends the search with what was found.

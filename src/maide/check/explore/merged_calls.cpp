@@ -405,14 +405,7 @@ Trace MergedCalls::expand(const Trace& trace) const {
     }
     expand(step, state, expanded);
   }
-  // The death of a program that may die is no step that one waits for.
-  const std::vector<Step> left = enabled_steps(merged_, reduced);
-  const bool is_over =
-      !trace.loop_start && std::all_of(left.begin(), left.end(), [&](const Step& step) {
-        const Program& program = merged_.programs[step.program];
-        return program.is_death(program.edges[step.edge]);
-      });
-  if (is_over && !is_error(plain_, state)) {
+  if (!trace.loop_start && is_over(merged_, reduced) && !is_error(plain_, state)) {
     give_what_was_put_off(steps, state, expanded, given);
   }
   return expanded;

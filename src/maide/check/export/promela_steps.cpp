@@ -213,9 +213,9 @@ class StepWriter {
                                    system_.file));
     }
     const std::string what = rules_->describe(relation);
-    std::string told = what + (rank > 0 ? " " + std::to_string(rank + 1) : "");
-    while (!told_.insert(told).second) told += "_";  // of another model, say
-    std::string name = names_.of("after_", told);
+    // Tables of several models may be for the same.
+    std::string name =
+        names_.another("after_", what + (rank > 0 ? " " + std::to_string(rank + 1) : ""));
     if (!has_tables_) text_.line(fmt::format("#define none {}", no_state));
     has_tables_ = true;
     std::vector<StateId> targets(model.automaton.size(), no_state);
@@ -493,8 +493,7 @@ class StepWriter {
   PromelaNames names_;
   PromelaText text_;
   bool has_errors_ = false, has_deaths_ = false, has_cuts_ = false, has_events_ = false;
-  bool knows_deaths_ = false;   // the text has them as steps that nobody has to take
-  std::set<std::string> told_;  // what the tables are for
+  bool knows_deaths_ = false;  // the text has them as steps that nobody has to take
   bool has_tables_ = false;
   std::vector<std::vector<Move>> moves_;                    // by relation, rank
   std::vector<Atom> atoms_;                                 // of the formula

@@ -45,10 +45,14 @@ PromelaNames::PromelaNames() : identifiers_(reserved_words()) {}
 const std::string& PromelaNames::of(std::string_view prefix, std::string_view name) {
   const auto [entry, is_new] =
       known_.try_emplace({std::string(prefix), std::string(name)}, std::string());
-  if (!is_new) return entry->second;
+  if (is_new) entry->second = another(prefix, name);
+  return entry->second;
+}
+
+std::string PromelaNames::another(std::string_view prefix, std::string_view name) {
   std::string word = std::string(prefix) + std::string(name.substr(0, longest_name));
   if (may_have_a_meaning(word)) word.insert(0, "n_");
-  return entry->second = identifiers_.unique(word);
+  return identifiers_.unique(word);
 }
 
 std::string promela_comment(std::string text) {

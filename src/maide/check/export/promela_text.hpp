@@ -22,6 +22,8 @@ class PromelaNames {
   PromelaNames();
   // The identifier of `name` with `prefix`; the same for the same pair.
   const std::string& of(std::string_view prefix, std::string_view name);
+  // One that no other call gives.
+  std::string another(std::string_view prefix, std::string_view name);
 
  private:
   std::map<std::pair<std::string, std::string>, std::string> known_;

@@ -163,14 +163,15 @@ bool is_error(const System& system, const GlobalState& state) {
   return false;
 }
 
-bool is_deadlock(const System& system, const GlobalState& state) {
-  if (state.is_cut || is_error(system, state)) return false;
+bool is_over(const System& system, const GlobalState& state) {
   const std::vector<Step> steps = enabled_steps(system, state);
-  if (std::any_of(steps.begin(), steps.end(), [&](const Step& step) {
-        return !system.programs[step.program].is_death(edge_of(system, step));
-      })) {
-    return false;
-  }
+  return std::all_of(steps.begin(), steps.end(), [&](const Step& step) {
+    return system.programs[step.program].is_death(edge_of(system, step));
+  });
+}
+
+bool is_deadlock(const System& system, const GlobalState& state) {
+  if (state.is_cut || is_error(system, state) || !is_over(system, state)) return false;
   for (std::size_t index = 0; index < system.programs.size(); ++index) {
     const Program& program = system.programs[index];
     const ControlState at = state.programs[index];

@@ -148,7 +148,9 @@ GlobalState apply(const System& system, const GlobalState& state, const Step& st
 std::vector<ModelUse> uses_beyond(const System& system, const GlobalState& state, const Step& step);
 // The step beyond that model's bounds cuts the run.
 bool cuts(const ModelInstance& model, const ModelStep& step);
-// Nothing can happen but deaths, and some program neither has ended nor may rest. A cut run is no
+// No step is left, or deaths alone.
+bool is_over(const System& system, const GlobalState& state);
+// It is over there, and some program neither has ended nor may rest. A cut run is no
 // deadlock, nor is an error.
 bool is_deadlock(const System& system, const GlobalState& state);
 bool has_ended(const System& system, const GlobalState& state);
