@@ -47,6 +47,8 @@ class Node:
             return [self.yes, self.no]
         if self.kind == "choose":
             return list(self.outcomes)
+        if self.kind == "start":
+            return [arm for _, arm in self.arms]
         if self.kind == "take":
             return [arm for _, arm in self.arms] + ([self.quiet] if self.quiet else [])
         if self.kind == "select":
@@ -54,7 +56,7 @@ class Node:
             for arm in self.arms:
                 found += [arm.next] if arm.outputs is None else [n for _, n in arm.outputs]
             return found
-        return [] if self.kind == "end" else [self.next]
+        return [] if self.kind in ("end", "finish") else [self.next]
 
 
 @dataclass
@@ -106,6 +108,7 @@ class Compiler:
         self.file = file
         self.models: set[tuple[str, tuple]] = set()
         self.nodes: list[Node] = []
+        self.in_callback = False
 
     def compile(self, body: list[Statement], scope: Scope, outside: tuple[Variable, ...]) -> Node:
         """The first node of a program; `outside` are variables of the file that it alone uses."""
@@ -118,6 +121,52 @@ class Compiler:
         if self.system.knows_shared:
             self.refuse_idle_loops()
         return first
+
+    def compile_callback(self, text: Any, outside: tuple[Variable, ...]) -> Node:
+        """The node at which a callback waits to be started; its code ends before `finish`."""
+        frame = Frame(text.scope, outside)
+        start = Node("start", frame, (text.full_name(), 0), model=None, input=None)
+        self.in_callback = True
+        end = Node("finish", frame)
+        inner = replace(frame, stop=end, back=end)
+        if text.kind == "takes":
+            taken = text.what
+            start.model = self.model(frame, taken["model"])
+            name = start.model[0]
+            if not all(is_constant(index) for index in start.model[1]):
+                raise Refused(f"{text.full_name()}: what it takes has an index that changes")
+            start.input = taken["input"]
+            start.arguments = tuple(frame.scope.constant(a) for a in taken["arguments"])
+            if start.input is not None:
+                self.system.check_input(self.program, name, start.input)
+                start.has_outputs = self.system.has_outputs(name, start.input)
+        elif text.kind != "timer":
+            start.model = self.system.service_number(text)
+        start.arms = [self.outcome(*arm, start.model, inner, end) for arm in text.arms]
+        self.number(start)
+        self.number(end)
+        if self.system.knows_shared:
+            self.refuse_idle_loops()
+        return start
+
+    def outcome(
+        self, pattern: tuple | None, body: list, model: tuple, frame: Frame, end: Node
+    ) -> tuple:
+        """(what may come, resolved, the first node of its code); without a pattern, anything."""
+        own = [Variable(name, None) for name in pattern_names(pattern)]
+        inner = self.with_variables(replace(frame, scope=Scope(frame.scope)), own)
+        first = self.block(body, inner, end)
+        if pattern is None:
+            return (None, None), first
+        self.system.check_output(self.program, model[0], pattern[0])
+        if pattern[1] is not None:
+            self.system.expects_values.add(model[0])
+        return self.pattern(inner, pattern), first
+
+    def refuse_reading(self, model: str, name: str, is_input: bool) -> None:
+        """Refuses what a callback may receive through its executor alone."""
+        if self.in_callback and self.system.is_received(model, name, is_input):
+            raise Refused(f"a callback gets {name} of {model} through its executor: 'takes'")
 
     def number(self, first: Node) -> None:
         """Numbers the nodes and keeps them, for control states."""
@@ -231,6 +280,8 @@ class Compiler:
 
     def statement(self, statement: Statement, frame: Frame, after: Node) -> Node:
         """The first node of a statement, behind which control goes on at `after`."""
+        if self.in_callback and getattr(statement, "idle", False):
+            raise Refused("a callback does not rest")
         return getattr(self, "compile_" + statement.kind)(statement, frame, after)
 
     def compile_label(self, statement: Statement, frame: Frame, after: Node) -> Node:
@@ -420,6 +471,7 @@ class Compiler:
         """The fields of a node that gives an input."""
         model = self.model(frame, statement.model)
         self.system.check_input(self.program, model[0], statement.input)
+        self.refuse_reading(model[0], statement.input, True)
         arguments = [self.local(frame, argument) for argument in statement.arguments]
         if arguments:
             self.system.gives_values.add(model[0])
@@ -428,6 +480,7 @@ class Compiler:
     def checked(self, frame: Frame, model: tuple, pattern: tuple) -> tuple:
         """A resolved pattern of an output that this program may take from the model."""
         self.system.check_output(self.program, model[0], pattern[0])
+        self.refuse_reading(model[0], pattern[0], False)
         if pattern[1] is not None:
             self.system.expects_values.add(model[0])
         return self.pattern(frame, pattern)
@@ -492,6 +545,7 @@ class Compiler:
             arguments: list = []
             if arm.input is not None:
                 self.system.check_input(self.program, model[0], arm.input)
+                self.refuse_reading(model[0], arm.input, True)
                 arguments = [self.local(frame, argument) for argument in arm.arguments]
                 if arguments:
                     self.system.gives_values.add(model[0])

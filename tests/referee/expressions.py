@@ -29,6 +29,7 @@ class Variable:
     kind: tuple | None  # ("range", low, high), ("bool",), ("words", [...]), None: any value
     indices: list[range] = field(default_factory=list)
     shared: bool = False
+    stays: bool = False  # local to callbacks that never run together, kept between their runs
     users: set[int] = field(default_factory=set)
     initial: Any = None
 

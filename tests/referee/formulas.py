@@ -11,6 +11,7 @@ from graph import Component, State
 from language import Parser, Refused
 from ltl import FALSE, TRUE, Formula, negated
 from system import System
+from use import Topic
 
 BOOLEAN = {"&&", "||", "->", "<->"}
 COMPARISONS = {"==", "!=", "<", "<=", ">", ">="}
@@ -79,6 +80,9 @@ class FormulaParser(Parser):
             return ("num", value == "true")
         reference = self.reference()
         program = None
+        if self.sees(".") and self.sees("@", ":", ahead=2):  # a node's callback
+            self.accept(".")
+            reference = (f"{reference[0]}.{self.name()}", reference[1])
         if self.accept(":"):
             program, reference = reference, self.reference()
         if self.accept("@"):
@@ -125,9 +129,9 @@ def parse_formula(text: str, origin: str) -> tuple[list, tuple]:
 
 @dataclass(frozen=True)
 class Label:
-    """Whether a program stands before a label, or at its end."""
+    """Whether a program, or one of a node's copies of callbacks, is before a label, or ended."""
 
-    program: int
+    programs: frozenset[int]
     label: str
 
 
@@ -135,9 +139,9 @@ class Label:
 class Event:
     """Whether the last step was this one."""
 
-    program: int | None
+    programs: frozenset[int] | None
     use: str
-    reader: int | None
+    readers: frozenset[int] | None
     sign: str
     name: str
     values: tuple | None
@@ -145,14 +149,14 @@ class Event:
     def matches(self, event: tuple) -> bool:
         """Whether it is that event."""
         program, use, readers, sign, action = event
-        return (
-            self.program in (None, program)
+        return bool(
+            (self.programs is None or program in self.programs)
             and use == self.use
             and sign == self.sign
             and action[0] == self.name
             and self.values in (None, action[1])
             and readers != ()  # a write that no reader's model was given
-            and (self.reader is None or readers is not None and self.reader in readers)
+            and (self.readers is None or readers is not None and self.readers & set(readers))
         )
 
 
@@ -180,18 +184,34 @@ class Formulas:
         self.atoms.append(atom)
         return ("atom", len(self.atoms) - 1)
 
-    def program(self, reference: tuple) -> int:
-        """The program that a reference names."""
+    def node(self, reference: tuple) -> Any:
+        """The node that a reference names, or None."""
         name, indices = reference
         index = tuple(self.scope.constant(i) for i in indices)
-        for number, (other, at, *_) in enumerate(self.system.texts):
-            if other == name and at == index:
-                self.programs.add(number)
-                return number
-        raise Refused(f"no program {name}{list(index)}")
+        return self.system.node_of.get((name.split(".")[0], index), (None,))[0]
 
-    def use(self, reference: tuple) -> tuple[str, int | None]:
-        """The model or topic that a reference names, and the reader, if it names one."""
+    def program(self, reference: tuple) -> frozenset[int]:
+        """The programs that a reference names: one, or the copies of a node or of a callback."""
+        name, indices = reference
+        index = tuple(self.scope.constant(i) for i in indices)
+        found = frozenset(
+            number
+            for number, text in enumerate(self.system.texts)
+            if text.name == name and text.index == index
+        )
+        node = self.node(reference)
+        if node is not None:
+            callback = name.partition(".")[2]
+            found = frozenset(
+                n for c in node.callbacks if callback in ("", c.name) for n in c.numbers
+            )
+        if not found:
+            raise Refused(f"no program {name}{list(index)}")
+        self.programs |= found
+        return found
+
+    def use(self, reference: tuple) -> tuple[str, frozenset[int] | None]:
+        """The model or topic that a reference names, and the readers, if it names some."""
         name, indices = reference
         meaning = self.scope.find(name)
         if meaning is None or meaning[0] != "model":
@@ -201,6 +221,7 @@ class Formulas:
         if len(indices) == arity + 1:
             text = indices[-1]
             reader = self.program((text[1], text[2] if text[0] == "index" else []))
+            indices = indices[:-1]
         index = tuple(self.scope.constant(i) for i in indices[:arity])
         number = self.system.numbers.get((name, index))
         if number is None:
@@ -208,7 +229,14 @@ class Formulas:
         for program, used in enumerate(self.system.models_of):
             if number in used:
                 self.programs.add(program)
-        return self.system.uses[number].name, reader
+        use = self.system.uses[number]
+        if reader is not None:
+            if not isinstance(use, Topic):
+                raise Refused(f"{use.name} has no readers")
+            reader = frozenset(use.reader_of[p] for p in reader if p in use.reader_of)
+            if not reader:
+                raise Refused(f"no reader of {use.name}")
+        return use.name, reader
 
     def event(
         self, program: tuple | None, reference: tuple, sign: str, name: str, values: Any
@@ -249,6 +277,8 @@ class Formulas:
                 return ("R", right, ("or", left, right))
             return ({"&&": "and", "||": "or"}.get(node[1], node[1]), left, right)
         if kind == "label":
+            if node[2] == "end" and self.node(node[1]) is not None:
+                raise Refused("a node has no end")
             return self.number(Label(self.program(node[1]), node[2]))
         if kind == "event":
             return self.event(node[1], node[2], node[3], node[4], node[5])
@@ -264,10 +294,9 @@ class Formulas:
         if kind == "bin":
             return ("bin", node[1], self.leaf(node[2]), self.leaf(node[3]))
         if kind == "dot":
-            return ("local", self.program(node[2]), node[3], ())
+            return self.field(node[2], node[3], ())
         if kind == "field":
-            indices = tuple(self.leaf(i) for i in node[3])
-            return ("local", self.program(node[1]), node[2], indices)
+            return self.field(node[1], node[2], tuple(self.leaf(i) for i in node[3]))
         if kind == "num":
             return ("value", node[1])
         name = node[1]
@@ -277,6 +306,17 @@ class Formulas:
             self.programs.update(meaning[1].users)
             return ("global", meaning[1], indices)
         return self.scope.resolve(node)
+
+    def field(self, reference: tuple, name: str, indices: tuple) -> tuple:
+        """A variable of a program or of a node."""
+        programs = self.program(reference)
+        node = self.node(reference)
+        if node is None:
+            return ("local", next(iter(programs)), name, indices)
+        for variable in node.variables:
+            if variable.name == name:
+                return ("global", variable, indices)
+        raise Refused(f"node {node.full_name} has no variable {name}")
 
 
 class Letter:
@@ -293,14 +333,18 @@ class Letter:
         if isinstance(atom, Event):
             return any(atom.matches(event) for event in self.events)
         if isinstance(atom, Label):
-            program, control = self.at(atom.program)
-            if not isinstance(control[0], int):
-                return False
-            return atom.label in control[1] or atom.label == "end" and program.has_ended(control)
+            return any(self.is_before(number, atom.label) for number in atom.programs)
         try:
             return bool(self.value(atom.expression))
         except (Mistake, LookupError):
             return False
+
+    def is_before(self, number: int, label: str) -> bool:
+        """Whether a program is before a label, or at its end."""
+        program, control = self.at(number)
+        if not isinstance(control[0], int):
+            return False
+        return label in control[1] or label == "end" and program.has_ended(control)
 
     def at(self, number: int) -> tuple:
         """A program and its control state."""
@@ -318,7 +362,7 @@ class Letter:
         position = [self.value(i) for i in node[2 if kind == "global" else 3]]
         if kind == "global":
             variable = node[1]
-            if variable.shared:
+            if variable.shared or variable.stays:
                 whole = self.state.world[1][self.system.shared.index(variable)]
             elif not variable.users:
                 whole = variable.initial

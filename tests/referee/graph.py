@@ -52,6 +52,7 @@ class Component:
     def __init__(self, system: Any, numbers: list[int], max_states: int) -> None:
         self.programs: list[Program] = [system.programs[n] for n in numbers]
         self.numbers = numbers
+        self.callbacks = [p for p in self.programs if p.first_of_callback]
         self.states: list[State] = []
         self.transitions = 0
         self.known: dict[tuple, int] = {}

@@ -41,6 +41,8 @@ class Step:
 class Program:
     """A program, compiled, that moves in the worlds of a system."""
 
+    first_of_callback = False  # whether it is the first copy of a callback
+
     def __init__(
         self, system: Any, number: int, name: str, nodes: list[Node], first: Node, may_die: bool
     ) -> None:
@@ -50,7 +52,7 @@ class Program:
         self.nodes = nodes
         self.first = first
         self.may_die = may_die
-        self.end = next(node for node in nodes if node.kind == "end")
+        self.end = next(node for node in nodes if node.kind in ("end", "finish"))
         self.labels = {node.label for node in nodes if node.kind == "label"}
         self.can_err = True
 
@@ -150,6 +152,14 @@ class Program:
 
     # --- steps
 
+    def values_at(self, node: Node, control: Control, world: World) -> dict:
+        """The values of the variables in scope."""
+        return dict(zip(node.scope, control[2]))
+
+    def settled(self, control: Control, world: World) -> tuple[Control, World]:
+        """Where control comes to stand, and the world with what is kept there."""
+        return control, world
+
     def steps(self, control: Control, world: World) -> list[Step]:
         """All steps that the program can make."""
         if is_error(control):
@@ -157,7 +167,7 @@ class Program:
         node = self.nodes[control[0]]
         if node.kind == "end":
             return []
-        values = dict(zip(node.scope, control[2]))
+        values = self.values_at(node, control, world)
         found = getattr(self, "steps_" + node.kind)(node, control, values, world)
         if self.may_die:
             found = found + self.deaths(values, world)
@@ -180,7 +190,8 @@ class Program:
         self, label: tuple, node: Node, values: dict, world: World, kept: Any = None, **more: Any
     ) -> Step:
         """A step after which control goes on at the node."""
-        return Step(self.number, label, self.arrive(node, values, kept), world, **more)
+        control, world = self.settled(self.arrive(node, values, kept), world)
+        return Step(self.number, label, control, world, **more)
 
     def mistake(
         self, label: tuple, place: Any, why: Mistake | str, world: World, **more: Any
@@ -219,7 +230,7 @@ class Program:
     def matched(self, arms: list, action: tuple, values: dict) -> tuple[Node, list] | None:
         """The arm that an output belongs to, and what it sets: (variable, value)."""
         for (name, items), node in arms:
-            if name != action[0]:
+            if name is not None and name != action[0]:  # a callback may take whatever comes
                 continue
             if items is None:
                 return node, []

@@ -63,6 +63,8 @@ class Referee:
                 for program, control in zip(component.programs, state.controls):
                     if not program.rests(control):
                         return True
+                if any(c.has_something(state.world) for c in component.callbacks):
+                    return True
         return False
 
     def has_stuck(self, component: Component) -> bool:
@@ -79,7 +81,24 @@ class Referee:
             runs = FairRuns(component.states, edges, frozenset(), "strong", component.numbers)
             if runs.exists(nodes):
                 return True
-        return False
+        return any(self.is_starved(component, callback) for callback in component.callbacks)
+
+    @staticmethod
+    def is_starved(component: Component, callback: Any) -> bool:
+        """Whether a callback has something again and again, and no copy of it steps any more."""
+        copies = set(callback.text.numbers)
+        mark = frozenset(["something"])
+        edges = []
+        for state in component.states:
+            marks = mark if callback.has_something(state.world) else frozenset()
+            edges.append([Edge(edge.target, edge.step, marks) for edge in state.edges])
+        nodes = {
+            number
+            for number, state in enumerate(component.states)
+            if not state.failed and not state.enabled & copies
+        }
+        runs = FairRuns(component.states, edges, mark, "strong", component.numbers)
+        return runs.exists(nodes)
 
     def error(self) -> dict:
         """Whether a program makes a mistake."""
@@ -193,7 +212,7 @@ class Referee:
         return {
             "components": [
                 {
-                    "programs": sorted(program.name for program in component.programs),
+                    "programs": sorted({p.name for p in component.programs if p.name}),
                     "states": len(component.states),
                     "transitions": component.transitions,
                 }

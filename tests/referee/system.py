@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import os
-from typing import Any
+from typing import Any, NamedTuple
 
 import yaml
 
 from control import Compiler
-from expressions import Mistake, Scope, Value, Variable, declared, evaluate, members, words_in
+from expressions import Mistake, Scope, Value, Variable, declared, members, words_in
 from language import (
     Parser,
     Refused,
@@ -21,9 +21,36 @@ from language import (
 )
 from machine import Program
 from models import Automaton, Model, Queue, model_of
+from nodes import Callback, CallbackText, Executor, Look, NodeText, can_run_together
+from read_nodes import (
+    add_client_callbacks,
+    add_services,
+    callbacks_at,
+    check_serving,
+    number_callbacks,
+    read_node_variables,
+    read_nodes,
+    service_members,
+)
+from services import Service
 from use import End, Instance, Topic, end_of
 
-KEYS = {"constants", "models", "topics", "procedures", "variables", "programs", "properties"}
+KEYS = {
+    "constants", "models", "topics", "services", "procedures", "variables", "programs",
+    "executors", "nodes", "properties",
+}  # fmt: skip
+
+
+class Text(NamedTuple):
+    """What moves: a program; a copy of a callback; an executor that looks."""
+
+    name: str | None
+    index: tuple
+    scope: Scope
+    body: list[Statement]
+    may_die: bool = False
+    callback: CallbackText | None = None
+    executor: Executor | None = None
 
 
 def member_name(name: str, index: tuple) -> str:
@@ -46,15 +73,30 @@ class System:
         self.file = Scope(words=set())
         for name, value in (self.document.get("constants") or {}).items():
             self.add_name(name, ("value", self.number(value, self.file)))
+        self.array_ranges: dict[str, list[range]] = {}
         self.texts = self.read_programs()
+        self.node_of: dict[tuple[str, tuple], tuple[NodeText, dict, dict]] = {}
+        self.nodes = read_nodes(self)
+        if not self.texts and not self.nodes:
+            raise Refused("no programs")
+        services = service_members(self)
+        add_client_callbacks(self, services)
+        self.add_copies()
         self.procedures = self.read_procedures()
         self.variables = self.read_variables()
-        self.uses: list[Instance | Topic] = []
+        read_node_variables(self)
+        self.uses: list[Instance | Topic | Service | Executor] = []
         self.numbers: dict[tuple[str, tuple], int] = {}
-        self.array_ranges: dict[str, list[range]] = {}
         self.weak: list[str] = []
         self.read_models()
         self.read_topics()
+        add_services(self, services)
+        check_serving(self)
+        for text in self.texts:
+            executor = text.callback.node.executor if text.callback else None
+            if executor is not None and executor.use < 0:
+                executor.use = len(self.uses)
+                self.uses.append(executor)
         self.collect_words()
         self.given: set[tuple[int, str, str]] = set()
         self.expects_values: set[str] = set()
@@ -62,9 +104,11 @@ class System:
         self.shared: list[Variable] = []
         self.knows_shared = False
         self.compile()  # tells which variables are shared
-        self.shared = [v for v in self.variables if len(v.users) > 1]
-        for variable in self.shared:
-            variable.shared = True
+        for variable in self.variables:
+            variable.shared = self.is_shared(variable)
+            of_callbacks = any(self.texts[n].callback for n in variable.users)
+            variable.stays = of_callbacks and not variable.shared
+        self.shared = [v for v in self.variables if v.shared or v.stays]
         self.knows_shared = True
         self.programs = self.compile()
         self.refuse_values_that_nobody_gives()
@@ -96,8 +140,8 @@ class System:
             found.append((index, scope))
         return name, found
 
-    def read_programs(self) -> list[tuple[str, tuple, Scope, list[Statement], bool]]:
-        """(name, index, scope, text, whether it may die) of each program."""
+    def read_programs(self) -> list[Text]:
+        """The programs of the file."""
         found = []
         for header, text in (self.document.get("programs") or {}).items():
             may_die = False
@@ -106,11 +150,33 @@ class System:
             name, array = self.array(header)
             body = parse_program(text, f"program {name}")
             for index, scope in array:
-                found.append((name, index, scope, body, may_die))
+                found.append(Text(name, index, scope, body, may_die))
             self.add_name(name, ("program", name))
-        if not found:
-            raise Refused("no programs")
         return found
+
+    def add_copies(self) -> None:
+        """Adds the copies of callbacks to what moves, and the executors that look."""
+        number_callbacks(self, len(self.texts))
+        executors: dict[Executor, None] = {}
+        for node in self.nodes:
+            executors[node.executor] = None
+            for callback in node.callbacks:
+                body = [statement for _, arm in callback.arms for statement in arm]
+                copy = Text(None, (), callback.scope, body, callback=callback)
+                self.texts += [copy] * len(callback.numbers)
+        for executor in executors:
+            if executor.rounds:
+                self.texts.append(Text(None, (), self.file, [], executor=executor))
+
+    def is_shared(self, variable: Variable) -> bool:
+        """Whether two programs that can run at the same time use it."""
+        users = sorted(variable.users)
+        return any(
+            can_run_together(self.texts[one].callback, self.texts[other].callback)
+            for one in users
+            for other in users
+            if one < other
+        )
 
     def read_procedures(self) -> dict[str, tuple[list[str], list[Statement]]]:
         """The parameters and the text of each procedure."""
@@ -130,23 +196,28 @@ class System:
         found = []
         text = self.document.get("variables")
         for statement in parse_declarations(text, "variables") if text else []:
-            self.file.words.update(words_in([statement]))
-            variable = declared(self.file, statement)
-            whole = variable.all_least()
-            if statement.value is not None:
-                for index in members(variable.indices):
-                    scope = Scope(self.file)
-                    for (name, _, _), value in zip(statement.ranges, index):
-                        scope.names[name] = ("value", value)
-                    try:
-                        value = scope.constant(statement.value)
-                        whole = variable.written(whole, list(index), value)
-                    except Mistake as mistake:
-                        raise Refused(str(mistake)) from mistake
-            variable.initial = whole
+            variable = self.variable_of(statement, self.file)
             self.add_name(variable.name, ("variable", variable))
             found.append(variable)
         return found
+
+    def variable_of(self, statement: Statement, outer: Scope) -> Variable:
+        """The variable that is declared outside of programs, with its value at first."""
+        self.file.words.update(words_in([statement]))
+        variable = declared(outer, statement)
+        whole = variable.all_least()
+        if statement.value is not None:
+            for index in members(variable.indices):
+                scope = Scope(outer)
+                for (name, _, _), value in zip(statement.ranges, index):
+                    scope.names[name] = ("value", value)
+                try:
+                    value = scope.constant(statement.value)
+                    whole = variable.written(whole, list(index), value)
+                except Mistake as mistake:
+                    raise Refused(str(mistake)) from mistake
+        variable.initial = whole
+        return variable
 
     def program_numbers(self, names: Any, scope: Scope) -> list[int]:
         """The programs that a list of names means; the name of an array means all members."""
@@ -156,15 +227,49 @@ class System:
             index = tuple(scope.constant(i) for i in indices)
             matching = [
                 number
-                for number, (other, at, *_) in enumerate(self.texts)
-                if other == name and (not indices or at == index)
+                for number, text_of in enumerate(self.texts)
+                if text_of.name == name and (not indices or text_of.index == index)
             ]
             if not matching:
                 raise Refused(f"no program {text}")
             found += matching
         return found
 
-    def add_use(self, name: str, index: tuple, use: Instance | Topic) -> None:
+    def ends(self, names: Any, scope: Scope) -> list[frozenset[int]]:
+        """The programs at each end that a list names: a node is one end."""
+        found = []
+        for text in [names] if isinstance(names, str) else names:
+            callbacks = callbacks_at(self, text, scope)
+            if callbacks is None:
+                found += [frozenset([n]) for n in self.program_numbers(text, scope)]
+                continue
+            for node in dict.fromkeys(c.node for c in callbacks):
+                found.append(frozenset(n for c in callbacks if c.node is node for n in c.numbers))
+        return found
+
+    def readers(self, names: Any, scope: Scope, topic: str, index: tuple) -> list[frozenset[int]]:
+        """The readers of a topic: of a node, each callback that takes from it."""
+        found = []
+        for text in [names] if isinstance(names, str) else names:
+            callbacks = callbacks_at(self, text, scope)
+            if callbacks is None:
+                found += [frozenset([n]) for n in self.program_numbers(text, scope)]
+                continue
+            taking = [c for c in callbacks if self.takes_from(c, topic, index)]
+            if not taking:
+                raise Refused(f"{text} takes nothing from {topic}")
+            found += [frozenset(c.numbers) for c in taking]
+        return found
+
+    @staticmethod
+    def takes_from(callback: CallbackText, topic: str, index: tuple) -> bool:
+        """Whether a callback is a subscription of this topic."""
+        if callback.kind != "takes":
+            return False
+        name, indices = callback.what["model"]
+        return name == topic and tuple(callback.scope.constant(i) for i in indices) == index
+
+    def add_use(self, name: str, index: tuple, use: Instance | Topic | Service) -> None:
         """Gives a model or topic its number."""
         self.numbers[(name, index)] = len(self.uses)
         self.uses.append(use)
@@ -194,9 +299,9 @@ class System:
                 mortal: list[End] = []
                 given = description.get("ends") or {}
                 for actor, names in sorted(given.items()):
-                    numbers = self.program_numbers(names, scope)
-                    for k, program in enumerate(numbers):
-                        if self.texts[program][4]:
+                    numbers = self.ends(names, scope)
+                    for k, program in ((k, p) for k, end in enumerate(numbers) for p in end):
+                        if self.texts[program].may_die:
                             others = set(given) - {actor}
                             mortal.append(end_of(model, program, actor, k, len(numbers), others))
                         own = ends.setdefault(program, {})
@@ -208,19 +313,19 @@ class System:
 
     def read_topics(self) -> None:
         """Reads the topics."""
-        mortal = {number for number, text in enumerate(self.texts) if text[4]}
+        mortal = {number for number, text in enumerate(self.texts) if text.may_die}
         for header, description in (self.document.get("topics") or {}).items():
             name, array = self.declare_array(header)
             for index, scope in array:
-                writers = set(self.program_numbers(description["writers"], scope))
-                readers = self.program_numbers(description["readers"], scope)
-                own = {}
+                writers = {p for end in self.ends(description["writers"], scope) for p in end}
+                readers = self.readers(description["readers"], scope, name, index)
+                own: dict[frozenset, dict] = {}
                 for reader, options in (description.get("readers_with") or {}).items():
-                    for number in self.program_numbers(reader, scope):
-                        own[number] = options
+                    for end in self.readers(reader, scope, name, index):
+                        own[end] = options
                 models = []
-                for reader in readers:
-                    options = {**(description.get("with") or {}), **own.get(reader, {})}
+                for end in readers:
+                    options = {**(description.get("with") or {}), **own.get(end, {})}
                     models.append(self.model_at(name, {**description, "with": options}, scope))
                 policy = description.get("when_unexplored", "stop")
                 one = description.get("deliver") == "one"
@@ -231,13 +336,12 @@ class System:
 
     def collect_words(self) -> None:
         """Notes the words that types and models list."""
-        for _, _, _, body, _ in self.texts:
-            self.file.words.update(words_in(body))
+        for text in self.texts:
+            self.file.words.update(words_in(text.body))
         for _, body in self.procedures.values():
             self.file.words.update(words_in(body))
         for use in self.uses:
-            models = use.models if isinstance(use, Topic) else [use.model]
-            for model in models:
+            for model in models_of(use):
                 if isinstance(model, Automaton):
                     self.file.words.update(model.words)
 
@@ -271,25 +375,68 @@ class System:
         """All programs; which of the file's variables are shared must be known."""
         found = []
         self.models_of: list[set[int]] = []
-        for number, (name, index, scope, body, may_die) in enumerate(self.texts):
-            outside = tuple(v for v in self.variables if v.users == {number})
+        for number, text in enumerate(self.texts):
+            if text.executor is not None:
+                found.append(Look(self, number, text.executor))
+                self.models_of.append({text.executor.use})
+                continue
             compiler = Compiler(self, number, self.file)
-            first = compiler.compile(body, scope, outside)
-            full = member_name(name, index)
-            found.append(Program(self, number, full, compiler.nodes, first, may_die))
+            if text.callback is not None:
+                outside = tuple(v for v in self.variables if v.stays and number in v.users)
+                first = compiler.compile_callback(text.callback, outside)
+                found.append(Callback(self, number, text.callback, compiler.nodes, first))
+                self.models_of.append(self.used_by(text.callback, compiler))
+                continue
+            outside = tuple(v for v in self.variables if v.users == {number})
+            first = compiler.compile(text.body, text.scope, outside)
+            full = member_name(text.name, text.index)
+            found.append(Program(self, number, full, compiler.nodes, first, text.may_die))
             used = {self.numbers[key] for key in compiler.models}
-            if may_die:  # what its death changes, named in its text or not
+            if text.may_die:  # what its death changes, named in its text or not
                 used |= {k for k, use in enumerate(self.uses) if number in use.standing}
             self.models_of.append(used)
         return found
+
+    def used_by(self, callback: CallbackText, compiler: Compiler) -> set[int]:
+        """The models that a callback uses, its executor and its node's services among them."""
+        used = {self.numbers[key] for key in compiler.models} | {callback.node.executor.use}
+        for k, use in enumerate(self.uses):
+            if isinstance(use, Service) and callback.numbers[0] in use.standing:
+                used.add(k)
+        return used
+
+    def has_outputs(self, name: str, given: str) -> bool:
+        """Whether outputs of the same actor as this input are there."""
+        for (base, _), number in self.numbers.items():
+            if base == name:
+                for model in models_of(self.uses[number]):
+                    if any(model.same_actor(given, output) for output in model.output_names):
+                        return True
+        return False
+
+    def service_number(self, callback: CallbackText) -> int:
+        """The service of a callback that serves, or gets answers."""
+        return self.numbers[callback.what]
+
+    def is_received(self, name: str, action: str, is_input: bool) -> bool:
+        """Whether an input or output is one with which programs receive something."""
+        for (base, _), number in self.numbers.items():
+            if base != name:
+                continue
+            use = self.uses[number]
+            if isinstance(use, Topic):
+                return not use.of_writer(action)
+            if isinstance(use, Service):
+                return action in ("receive", "serve") if is_input else action == "request"
+        return is_input and action in ("read", "receive", "serve")
 
     def refuse_values_that_nobody_gives(self) -> None:
         """Refuses an output with values of a queue to which only bare messages are written."""
         for (name, _), number in self.numbers.items():
             use = self.uses[number]
-            models = use.models if isinstance(use, Topic) else [use.model]
+            models = models_of(use)
             if name in self.expects_values - self.gives_values:
-                if all(isinstance(model, Queue) for model in models):
+                if models and all(isinstance(model, Queue) for model in models):
                     raise Refused(f"{name} has no message with values")
 
     def find_components(self) -> list[list[int]]:
@@ -304,7 +451,7 @@ class System:
                         group[i] = new
 
         for use in range(len(self.uses)):
-            join([p for p in range(len(group)) if use in self.models_of[p]])
+            join([p for p, used in enumerate(self.models_of) if use in used])
         for variable in self.shared:
             join(sorted(variable.users))
         return [[p for p in range(len(group)) if group[p] == g] for g in sorted(set(group))]
@@ -318,15 +465,13 @@ class System:
                 return True
             for (base, _), number in self.numbers.items():
                 use = self.uses[number]
-                models = use.models if isinstance(use, Topic) else [use.model]
-                if base == name and any(given in model.hidden_returns for model in models):
+                hidden = [given in model.hidden_returns for model in models_of(use)]
+                if base == name and any(hidden):
                     return True
         return False
 
 
-def evaluated(expression: tuple, values: Any) -> Value | None:
-    """The value of an expression of a formula; None where a variable is out of scope."""
-    try:
-        return evaluate(expression, values)
-    except (Mistake, TypeError, KeyError):
-        return None
+def models_of(use: Any) -> list[Model]:
+    """The models that stand in a file or are built in."""
+    return [use.model] if isinstance(use, Instance) else use.models
+

@@ -205,6 +205,8 @@ class Instance:
 class Topic:
     """One model a reader; the writers' inputs go to all of them, or to one.
 
+    A reader is a program, or all copies of a callback; in events it is its place in the list.
+
     The state is (the states of the readers' models, None where the reader died; the writers'
     outputs collected from each; what each owes to a writer that died; the writer that may die and
     made the last call, where there are others)."""
@@ -214,7 +216,7 @@ class Topic:
         name: str,
         models: list[Model],
         writers: set[int],
-        readers: list[int],
+        readers: list[frozenset[int]],
         policy: str,
         deliver_one: bool,
         mortal: set[int],
@@ -223,7 +225,8 @@ class Topic:
         self.models = models
         self.writers = writers
         self.readers = readers
-        self.standing = writers | set(readers)
+        self.reader_of = {p: i for i, programs in enumerate(readers) for p in programs}
+        self.standing = writers | set(self.reader_of)
         self.policy = policy
         self.deliver_one = deliver_one
         self.mortal = mortal & writers
@@ -244,7 +247,7 @@ class Topic:
 
     def check_role(self, program: int, name: str) -> None:
         """Refuses a program that is not among those that may do this."""
-        if program not in (self.writers if self.of_writer(name) else self.readers):
+        if program not in (self.writers if self.of_writer(name) else self.reader_of):
             raise Refused(f"topic {self.name}: this program may not use {name}")
 
     def check_input(self, program: int, name: str) -> None:
@@ -326,11 +329,11 @@ class Topic:
     ) -> tuple[list, bool]:
         """As above; `tried`: only where the input was tried."""
         if not self.of_writer(action[0]):
-            i = self.readers.index(program)
+            i = self.reader_of[program]
             if state[0][i] is None:
                 return [], False
             after, cut = self.taken(state, i, action)
-            event = (program, self.name, (self.readers[i],), "?", action)
+            event = (program, self.name, (i,), "?", action)
             found = [
                 (settled, event)
                 for inner, mark in after
@@ -349,14 +352,14 @@ class Topic:
             after = state
             for i, (inner, mark) in chosen.items():
                 after = self.with_reader(after, i, inner=inner, mark=mark)
-            event = (program, self.name, tuple(self.readers[i] for i in chosen), "?", action)
+            event = (program, self.name, tuple(chosen), "?", action)
             found.extend((settled, event) for settled in self.settled(after))
 
         if self.deliver_one and alive:
             for i in alive:
                 for after in options[i][0]:
                     add({i: after})
-            cuts = tuple(self.readers[i] for i, (_, cut) in options.items() if cut)
+            cuts = tuple(i for i, (_, cut) in options.items() if cut)
             return list(dict.fromkeys(found)), cuts
         if any(not after and not cut for after, cut in options.values()):
             return [], False
@@ -373,11 +376,11 @@ class Topic:
             if output is not None:
                 after = (state[0], (None,) * len(self.models), state[2], None)
                 found.append((output, after, (program, self.name, None, "!", output)))
-        if program in self.readers:
-            i = self.readers.index(program)
+        if program in self.reader_of:
+            i = self.reader_of[program]
             if state[0][i] is not None and state[0][i] != LOST:
                 for output, inner in self.models[i].outputs(state[0][i]):
-                    event = (program, self.name, (program,), "!", output)
+                    event = (program, self.name, (i,), "!", output)
                     after = self.with_reader(state, i, inner=inner)
                     found += [(output, settled, event) for settled in self.settled(after)]
         return list(dict.fromkeys(found))
@@ -386,7 +389,7 @@ class Topic:
         found: list = []
         writes = self.of_writer(action[0])
         if not writes and self.policy == "drop":
-            i = self.readers.index(program)
+            i = self.reader_of[program]
             if self.models[i].unexplored(state[0][i], action):
                 return [], False
         given, cut = self.give(state, program, action, tried=True)
@@ -399,7 +402,7 @@ class Topic:
 
     def quiet(self, state: tuple, program: int, name: str) -> bool:
         if not self.of_writer(name):
-            concerned = [self.readers.index(program)]
+            concerned = [self.reader_of[program]]
         elif self.written(state) is not None:
             return False
         else:
@@ -413,8 +416,8 @@ class Topic:
     def died(self, state: tuple, program: int) -> tuple[list, bool]:
         """(the states after the program died, whether the run is cut there): its model leaves, and
         what is due to it is thrown away."""
-        if program in self.readers:
-            i = self.readers.index(program)
+        if program in self.reader_of:
+            i = self.reader_of[program]
             state = self.with_reader(state, i, inner=None, collected=None, mark=NOTHING)
         if program in self.writers and (not self.keeps_caller or state[3] == program):
             for i in self.alive(state):

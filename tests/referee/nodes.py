@@ -1,0 +1,353 @@
+"""Nodes and executors: what they are in the file, and the programs that they stand for.
+
+Each copy of a callback is a program that stands at its start until it is started. An executor with
+rounds is a program, too, whose only step is to look. Which callbacks run, and what is left of the
+last look, is the state of the executor, among those of the models.
+"""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import dataclass, field
+from typing import Any
+
+from control import Node
+from expressions import Scope, Variable
+from language import Parser, Refused, parse_program
+from machine import Control, Program, Step, World
+
+KINDS = ("timer", "takes", "serves", "client")  # in this order in a round
+
+
+@dataclass(eq=False)
+class CallbackText:
+    """A callback as the file says it, in one node of an array."""
+
+    node: NodeText
+    name: str
+    kind: str
+    what: Any  # the input or output that it takes; the service's (name, indices)
+    arms: list  # [(pattern or None, statements)]
+    group: tuple[str, bool]  # its name, and whether it is exclusive
+    scope: Scope
+    numbers: list[int] = field(default_factory=list)  # its copies, as programs
+    has_code: bool = False  # of a client: it takes the answers, and hands none over
+
+    def full_name(self) -> str:
+        """`detector.on_image`."""
+        return f"{self.node.full_name}.{self.name}"
+
+
+@dataclass(eq=False)
+class NodeText:
+    """A node, one of an array perhaps."""
+
+    name: str
+    index: tuple
+    full_name: str
+    executor: Executor
+    scope: Scope
+    callbacks: list[CallbackText] = field(default_factory=list)
+    variables: list[Variable] = field(default_factory=list)
+
+    def numbers(self) -> frozenset[int]:
+        """The programs that it stands for."""
+        return frozenset(n for callback in self.callbacks for n in callback.numbers)
+
+
+class Executor:
+    """An executor; its state is (the programs that run, what is left of the last look)."""
+
+    models: list = []
+    weak = False
+    standing: set = set()
+    initial: tuple = ((), ())
+
+    def __init__(self, name: str, threads: int, rounds: bool) -> None:
+        self.name = name
+        self.threads = threads
+        self.rounds = rounds
+        self.callbacks: list[CallbackText] = []  # in the order of a round
+        self.use = -1  # its number among the models
+
+    def died(self, state: tuple, program: int) -> tuple[list, bool]:
+        """No death changes it."""
+        return [state], False
+
+
+def executor_of(name: str, description: dict, number: Any) -> Executor:
+    """The executor that an entry of the file describes."""
+    kind = description.get("kind", "single")
+    if not set(description) <= {"kind", "threads", "order"} or kind not in ("single", "multi"):
+        raise Refused(f"executor {name}: {description}")
+    order = description.get("order", "any")
+    if order not in ("any", "rounds") or kind == "multi" and "order" in description:
+        raise Refused(f"executor {name}: order {order}")
+    if (kind == "multi") != ("threads" in description):
+        raise Refused(f"executor {name}: threads stand at 'multi', and only there")
+    threads = number(description["threads"]) if kind == "multi" else 1
+    if threads < 1:
+        raise Refused(f"executor {name}: {threads} threads")
+    return Executor(name, threads, order == "rounds")
+
+
+def parse_taken(text: str, origin: str) -> dict:
+    """What a callback takes: `m.input`, `m.input -> output` or `m!output`."""
+    parser = Parser(text, origin)
+    model = parser.reference()
+    if parser.accept("!"):
+        taken = {"model": model, "input": None, "arguments": [], "pattern": parser.pattern()}
+    else:
+        taken = parser.given(model)
+        taken["pattern"] = parser.pattern() if parser.accept("->") else None
+    parser.end()
+    return taken
+
+
+def parse_pattern(text: str, origin: str) -> tuple:
+    """An output with what it binds."""
+    parser = Parser(str(text), origin)
+    pattern = parser.pattern()
+    parser.end()
+    return pattern
+
+
+def callback_of(node: NodeText, name: str, description: dict, groups: dict) -> CallbackText:
+    """The callback that an entry of a node describes."""
+    origin = f"callback {node.name}.{name}"
+    kinds = [kind for kind in KINDS if kind in description]
+    if len(kinds) != 1 or not set(description) <= {kinds[0], "group", "do"}:
+        raise Refused(f"{origin}: it takes, serves or has a timer")
+    kind = kinds[0]
+    group = group_of(description.get("group"), groups, origin)
+    what, pattern = description[kind], None
+    if kind == "takes":
+        what = parse_taken(what, origin)
+        pattern = what["pattern"]
+    elif kind == "serves":
+        what = Parser(what, origin).reference()
+    code = description.get("do", "skip;")
+    if isinstance(code, dict):
+        if kind != "takes" or pattern is not None:
+            raise Refused(f"{origin}: only what it takes can have outcomes")
+        arms = [
+            (parse_pattern(output, origin), parse_program(text, f"{origin} {output}"))
+            for output, text in code.items()
+        ]
+    else:
+        arms = [(pattern, parse_program(code, origin))]
+    return CallbackText(node, name, kind, what, arms, group, Scope(node.scope))
+
+
+def group_of(name: str | None, groups: dict, origin: str) -> tuple[str, bool]:
+    """The group, and whether it is exclusive; a node has one of its own."""
+    if name is None:
+        return ("", True)
+    if name not in groups or groups[name] not in ("exclusive", "reentrant"):
+        raise Refused(f"{origin}: no group {name}")
+    return (name, groups[name] == "exclusive")
+
+
+def can_run_together(one: CallbackText | None, other: CallbackText | None) -> bool:
+    """Whether two programs, copies of callbacks where given, can run at the same time."""
+    if one is None or other is None or one.node.executor is not other.node.executor:
+        return True
+    same_group = one.node is other.node and one.group == other.group and one.group[1]
+    return one.node.executor.threads > 1 and not same_group
+
+
+class Callback(Program):
+    """A copy of a callback."""
+
+    def __init__(
+        self, system: Any, number: int, text: CallbackText, nodes: list[Node], first: Node
+    ) -> None:
+        super().__init__(system, number, text.node.full_name, nodes, first, False)
+        self.text = text
+        self.first_of_callback = number == text.numbers[0]
+        self.executor = text.node.executor
+        self.stays = tuple(v for v in self.end.scope if v.stays)
+
+    # --- variables that stay between runs
+
+    def values_at(self, node: Node, control: Control, world: World) -> dict:
+        values = super().values_at(node, control, world)
+        for variable in self.stays:
+            values[variable] = world[1][self.system.shared.index(variable)]
+        return values
+
+    def settled(self, control: Control, world: World) -> tuple[Control, World]:
+        if control[0] == "error":
+            return control, self.without_locals(world)
+        scope, values, kept = self.nodes[control[0]].scope, list(control[2]), list(world[1])
+        for variable in self.stays:
+            at = scope.index(variable)
+            kept[self.system.shared.index(variable)] = values[at]
+            values[at] = None
+        return (*control[:2], tuple(values), *control[3:]), (world[0], tuple(kept))
+
+    def mistake(
+        self, label: tuple, place: Any, why: Any, world: World, **more: Any
+    ) -> Step:
+        return super().mistake(label, place, why, self.without_locals(world), **more)
+
+    def without_locals(self, world: World) -> World:
+        """The world without the local variables of what runs in turn with this callback."""
+        kept = list(world[1])
+        for at, variable in enumerate(self.system.shared):
+            users = [self.system.texts[n].callback for n in variable.users]
+            if variable.stays and not can_run_together(users[0], self.text):
+                kept[at] = None
+        return world[0], tuple(kept)
+
+    def start(self) -> Control:
+        """It stands at its start."""
+        return (self.first.number, frozenset(), (None,) * len(self.first.scope), None)
+
+    def is_free(self, control: Control) -> bool:
+        """Whether it has not started."""
+        return control[0] == self.first.number
+
+    def rests(self, control: Control) -> bool:
+        """Whether a copy that has started may stand here for ever."""
+        return super().rests(control) or control[0] == self.first.number
+
+    # --- the start and the end
+
+    def takes(self, world: World) -> tuple[list, bool]:
+        """What there is for it: [(output or None, model's number, its state, events)], cut."""
+        kind, models = self.text.kind, world[0]
+        if kind == "timer":
+            return [(None, None, None, ())], False
+        if kind == "takes":
+            number = self.model(self.first.model, lambda v: None)
+            use, state = self.system.uses[number], models[number]
+            if self.first.input is None:
+                due = use.due(state, self.number)
+                due = [one for one in due if self.matched(self.first.arms, one[0], {})]
+                return [(out, number, after, (event,)) for out, after, event in due], False
+            given = (self.first.input, self.first.arguments)
+            if not self.first.has_outputs:
+                after_all, cut = use.give(state, self.number, given)
+                return [(None, number, after, (event,)) for after, event in after_all], bool(cut)
+            picked, cut = use.pick(state, self.number, given)
+            return [(out, number, after, events) for out, after, events in picked], bool(cut)
+        number = self.first.model
+        service, state = self.system.uses[number], models[number]
+        if kind == "serves":
+            if not service.has_request(state):
+                return [], False
+            return [(None, number, *service.served_by(state, self.number))], False
+        i = service.client_of[self.number]
+        if not service.has_answer(state, i):
+            return [], False
+        return [(None, number, *service.received_by(state, i, self.number))], False
+
+    def has_something(self, world: World) -> bool:
+        """Whether there is something for it."""
+        found, cut = self.takes(world)
+        return bool(found) or cut
+
+    def after_start(self, world: World) -> World | None:
+        """The world after it got a thread; None if it cannot start."""
+        executor = self.executor
+        running, left = world[0][executor.use]
+        if len(running) >= executor.threads:
+            return None
+        if next(n for n in self.text.numbers if n not in running) != self.number:
+            return None
+        if self.text.group[1]:
+            for other in running:
+                text = self.system.texts[other].callback
+                if text.node is self.text.node and text.group == self.text.group:
+                    return None
+        if executor.rounds:
+            at = next_of(self.system, left, world)
+            if at is None or left[at] != self.text.numbers[0]:
+                return None
+            left = left[at + 1 :]
+        state = (tuple(sorted((*running, self.number))), left)
+        return self.with_model(world, executor.use, state)
+
+    def steps_start(self, node: Node, control: Control, values: dict, world: World) -> list[Step]:
+        running = world[0][self.executor.use][0]
+        if all(n in running for n in self.text.numbers):
+            return []
+        started = self.after_start(world)
+        if started is None:
+            return []
+        ways, cut = self.takes(world)
+        found = []
+        for output, number, state, events in ways:
+            after = started if number is None else self.with_model(started, number, state)
+            label = ("start", output)
+            if output is None:
+                found.append(self.step(label, node.arms[0][1], values, after, events=events))
+                continue
+            step = self.took(label, node.place, node.arms, output, values, after, events=events)
+            if step is None:
+                why = f"no arm for {output}"
+                step = self.mistake(label, node.place, why, after, events=events)
+            found.append(step)
+        return found + self.cuts(("start",), cut)
+
+    def steps_finish(self, node: Node, control: Control, values: dict, world: World) -> list[Step]:
+        executor = self.executor
+        running, left = world[0][executor.use]
+        running = tuple(n for n in running if n != self.number)
+        world = self.with_model(world, executor.use, (running, left))
+        for number, use in enumerate(self.system.uses):
+            if hasattr(use, "forgotten"):
+                state = use.forgotten(world[0][number], self.number)
+                world = self.with_model(world, number, state)
+        return [self.step(("end",), self.first, values, world)]
+
+
+def next_of(system: Any, left: tuple, world: World) -> int | None:
+    """Which of what a look found is started next: the first that has something."""
+    for at, number in enumerate(left):
+        if system.programs[number].has_something(world):
+            return at
+    return None
+
+
+class Look:
+    """An executor that looks, as a program."""
+
+    first_of_callback = False
+
+    def __init__(self, system: Any, number: int, executor: Executor) -> None:
+        self.system = system
+        self.number = number
+        self.name = None
+        self.executor = executor
+
+    def start(self) -> Control:
+        """It is always at the same place."""
+        return ("looks",)
+
+    def rests(self, control: Control) -> bool:
+        """It need not look."""
+        return True
+
+    def steps(self, control: Control, world: World) -> list[Step]:
+        """A look, for each set of timers that may be due."""
+        running, left = world[0][self.executor.use]
+        if running or next_of(self.system, left, world) is not None:
+            return []
+        there = [c for c in self.executor.callbacks if self.is_there(c, world)]
+        timers = [c for c in there if c.kind == "timer"]
+        found = []
+        for due in itertools.product((False, True), repeat=len(timers)):
+            is_due = dict(zip(timers, due))
+            seen = tuple(c.numbers[0] for c in there if is_due.get(c, True))
+            if not seen:
+                continue
+            state = (running, seen)
+            after = Program.with_model(world, self.executor.use, state)
+            found.append(Step(self.number, ("look", due), control, after, arm=("look", due)))
+        return found
+
+    def is_there(self, callback: CallbackText, world: World) -> bool:
+        """Whether there is something for a callback."""
+        return self.system.programs[callback.numbers[0]].has_something(world)

@@ -1,0 +1,266 @@
+"""Services: two topics with numbers, requests to the server and answers to all clients.
+
+A Service answers what a program may do with it, as in use.py. Its state is
+
+    (requests, server, served, clients)
+
+    requests  those that wait, the oldest first; None if the server died
+    server    FREE, WAITS (a `serve` that found nothing), or the request that is due to it
+    served    of each slot the request that was served last and not answered, or None
+    clients   of each (answers, how it stands): FREE, WAITS or DUE for a program; for a node the
+              programs to which an answer was handed over; None if the client died
+
+A request is (number of the client, who asked). An answer in a client's queue is STRANGER or who
+asked: OWN where that is a program; in a node the copy of a callback whose run made the request, if
+it was the last one of that run and the run goes on, or else NOBODY.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from language import Refused
+from models import Action
+
+FREE, WAITS, DUE = "free", "waits", "due"
+OWN, NOBODY, STRANGER = "own", "nobody", "stranger"
+INPUTS = {"send": "client", "receive": "client", "serve": "server", "answer": "server"}
+OUTPUTS = {"request": "server", "answer": "client"}
+
+
+@dataclass(frozen=True)
+class Client:
+    """A client: its programs (all copies of all callbacks of a node)."""
+
+    programs: frozenset[int]
+    is_node: bool = False
+    hands_over: bool = False  # answers go to the callback that asked
+
+
+class Service:
+    """A service, as two topics with keep-last queues."""
+
+    models: list = []
+    weak = False
+
+    def __init__(
+        self,
+        name: str,
+        depth: int,
+        server: frozenset[int],
+        clients: list[Client],
+        slots: tuple[int, ...] = (),
+    ) -> None:
+        if depth < 1:
+            raise Refused(f"service {name}: a depth below 1")
+        self.name = name
+        self.depth = depth
+        self.server = server
+        self.clients = clients
+        self.client_of = {p: i for i, client in enumerate(clients) for p in client.programs}
+        self.standing = set(server) | set(self.client_of)
+        self.slots = slots  # the copies that have one of their own
+        at_first = [((), frozenset() if client.is_node else FREE) for client in clients]
+        self.initial = ((), FREE, (None,) * max(1, len(slots)), tuple(at_first))
+
+    # --- who may do what
+
+    def check(self, program: int, name: str, roles: dict[str, str]) -> None:
+        """Refuses what the service does not have, or not for this program."""
+        if name not in roles:
+            raise Refused(f"service {self.name} has no {name}")
+        if program not in (self.server if roles[name] == "server" else self.client_of):
+            raise Refused(f"service {self.name}: this program may not use {name}")
+
+    def check_input(self, program: int, name: str) -> None:
+        """Refuses an input that the service does not have, or not for this program."""
+        self.check(program, name, INPUTS)
+        if name == "answer" and self.slots and program not in self.slots:
+            raise Refused(f"service {self.name}: what runs several times at once answers itself")
+
+    def check_output(self, program: int, name: str) -> None:
+        """Refuses an output that the service does not have, or not for this program."""
+        self.check(program, name, OUTPUTS)
+        if name == "answer" and program in self.client_of:
+            client = self.clients[self.client_of[program]]
+            if client.is_node and not client.hands_over:
+                raise Refused(f"service {self.name}: the client's own code takes the answers")
+
+    # --- changes of the state
+
+    def event(self, program: int, sign: str, name: str) -> tuple:
+        """The event of this program with the service."""
+        return (program, self.name, None, sign, (name, ()))
+
+    def kept(self, entries: tuple) -> tuple:
+        """The newest entries, as many as the depth."""
+        return entries[-self.depth :]
+
+    @staticmethod
+    def with_client(state: tuple, i: int, answers: tuple, stands: Any) -> tuple:
+        """The state with another queue of one client."""
+        clients = state[3]
+        return (*state[:3], clients[:i] + ((answers, stands),) + clients[i + 1 :])
+
+    def forgotten(self, state: tuple, program: int) -> tuple:
+        """The state after nobody waits any more for what this copy of a callback asked for."""
+        i = self.client_of.get(program)
+        if i is None or not self.clients[i].is_node or state[3][i] is None:
+            return state
+
+        def older(request: Any) -> Any:
+            return (i, NOBODY) if request == (i, program) else request
+
+        requests, server, served, clients = state
+        requests = None if requests is None else tuple(map(older, requests))
+        answers, over = clients[i]
+        answers = tuple(NOBODY if who == program else who for who in answers)
+        state = (requests, older(server), tuple(map(older, served)), clients)
+        return self.with_client(state, i, answers, over - {program})
+
+    def sent(self, state: tuple, program: int) -> tuple:
+        """The state after a request."""
+        state = self.forgotten(state, program)
+        requests, server, served, clients = state
+        i = self.client_of[program]
+        client = self.clients[i]
+        who = OWN if not client.is_node else program if client.hands_over else NOBODY
+        if requests is None:
+            return state
+        if server == WAITS:
+            return (requests, (i, who), served, clients)
+        return (self.kept(requests + ((i, who),)), server, served, clients)
+
+    def slot(self, program: int) -> int:
+        """Where it is kept what this program served."""
+        return self.slots.index(program) if self.slots else 0
+
+    def with_served(self, state: tuple, program: int, request: tuple | None) -> tuple:
+        """The state after a program served a request, or answered it."""
+        at = self.slot(program)
+        served = state[2][:at] + (request,) + state[2][at + 1 :]
+        return (*state[:2], served, state[3])
+
+    def answered(self, state: tuple, program: int) -> tuple:
+        """The state after the request that was served last was answered, to all clients."""
+        asking, who = state[2][self.slot(program)]
+        state = self.with_served(state, program, None)
+        for i, client in enumerate(state[3]):
+            if client is None:
+                continue
+            answers, stands = client
+            if stands != WAITS:
+                entry = who if i == asking else STRANGER
+                state = self.with_client(state, i, self.kept(answers + (entry,)), stands)
+            elif i == asking:
+                state = self.with_client(state, i, answers, DUE)
+        return state
+
+    @staticmethod
+    def own_answers(answers: tuple) -> tuple:
+        """The queue from its first answer that is not a stranger's."""
+        while answers and answers[0] == STRANGER:
+            answers = answers[1:]
+        return answers
+
+    # --- what programs do
+
+    def give(self, state: tuple, program: int, action: Action) -> tuple[list, bool]:
+        """The states after an input."""
+        requests, server, served, clients = state
+        name = action[0]
+        after = None
+        if action[1]:
+            return [], False
+        if name == "send" and server in (FREE, WAITS):
+            after = self.sent(state, program)
+        elif name == "serve" and server == FREE and requests is not None:
+            if requests:
+                after = (requests[1:], requests[0], served, clients)
+            else:
+                after = (requests, WAITS, served, clients)
+        elif name == "answer" and served[self.slot(program)] is not None:
+            if all(client is None or client[1] != DUE for client in clients):
+                after = self.answered(state, program)
+        elif name == "receive":
+            i = self.client_of[program]
+            if clients[i] is not None and clients[i][1] == FREE:
+                answers = self.own_answers(clients[i][0])
+                after = self.with_client(state, i, answers[1:], DUE if answers else WAITS)
+        return [] if after is None else [(after, self.event(program, "?", name))], False
+
+    def due(self, state: tuple, program: int) -> list:
+        """What the program may take."""
+        requests, server, _, clients = state
+        found: list = []
+        if program in self.server and server not in (FREE, WAITS):
+            event = self.event(program, "!", "request")
+            after = self.with_served((requests, FREE, *state[2:]), program, server)
+            found.append((("request", ()), after, event))
+        i = self.client_of.get(program)
+        if i is not None and clients[i] is not None:
+            answers, stands = clients[i]
+            after = None
+            if stands == DUE:
+                after = self.with_client(state, i, answers, FREE)
+            elif self.clients[i].is_node and program in stands:
+                after = self.with_client(state, i, answers, stands - {program})
+            if after is not None:
+                found.append((("answer", ()), after, self.event(program, "!", "answer")))
+        return found
+
+    def pick(self, state: tuple, program: int, action: Action) -> tuple[list, bool]:
+        """Input and output in one step."""
+        expected = {"serve": "request", "receive": "answer"}.get(action[0])
+        found = []
+        for middle, event in self.give(state, program, action)[0]:
+            for output, after, other in self.due(middle, program):
+                if output[0] == expected:
+                    found.append((output, after, (event, other)))
+        return found, False
+
+    def quiet(self, state: tuple, program: int, name: str) -> bool:
+        """Whether nothing is due where this belongs: at the server, or at the clients."""
+        if name in ("send", "serve", "request"):
+            return state[1] in (FREE, WAITS)
+        if name == "receive" or program not in self.server:
+            return all(output[0] != "answer" for output, _, _ in self.due(state, program))
+        return all(client is None or client[1] != DUE for client in state[3])
+
+    def died(self, state: tuple, program: int) -> tuple[list, bool]:
+        """The states after a program died."""
+        if program in self.server:
+            state = (None, FREE, self.initial[2], state[3])
+        i = self.client_of.get(program)
+        if i is not None:
+            clients = state[3]
+            state = (*state[:3], clients[:i] + (None,) + clients[i + 1 :])
+        return [state], False
+
+    # --- what the executor of a node does
+
+    def has_request(self, state: tuple) -> bool:
+        """Whether there is something for the callback of a server."""
+        return bool(state[0])
+
+    def served_by(self, state: tuple, program: int) -> tuple[tuple, tuple]:
+        """The state after a callback took the oldest request, and the events."""
+        request, rest = state[0][0], state[0][1:]
+        events = (self.event(program, "?", "serve"), self.event(program, "!", "request"))
+        return self.with_served((rest, *state[1:]), program, request), events
+
+    def has_answer(self, state: tuple, i: int) -> bool:
+        """Whether there is something for the callback of a client."""
+        return bool(self.own_answers(state[3][i][0]))
+
+    def received_by(self, state: tuple, i: int, program: int) -> tuple[tuple, tuple]:
+        """The state after a client's callback took its oldest own answer, and the events."""
+        answers, over = state[3][i]
+        answers = self.own_answers(answers)
+        events = [self.event(program, "?", "receive")]
+        if not self.clients[i].hands_over:
+            events.append(self.event(program, "!", "answer"))
+        elif answers[0] != NOBODY:
+            over = over | {answers[0]}
+        return self.with_client(state, i, answers[1:], over), tuple(events)
