@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import re
 import shutil
 import subprocess
 import sys
@@ -21,7 +22,7 @@ from pathlib import Path
 
 import yaml
 
-from generate import KINDS, generate
+from generate import KINDS, NEW_KINDS, generate
 from referee import judge
 
 REDUCTIONS = ["none", "calls", "order", "full"]
@@ -76,8 +77,9 @@ class Comparison:
         document = yaml.safe_load(path.read_text(encoding="utf-8"))
         own = document["properties"] = {}
         for number, component in enumerate(mine["components"]):
-            end = f"{component['programs'][0]}@end"
-            own[f"count{number}"] = {"always": f"!{end} || {end}"}
+            atom = atom_of(document, component["programs"])
+            if atom is not None:
+                own[f"count{number}"] = {"always": f"!{atom} || {atom}"}
         trial = path.parent / "count.yaml"
         write(document, trial)
         answer = self.ask(trial, "--reduction", "none")
@@ -183,9 +185,24 @@ class Comparison:
             if names != set(own):
                 return [("components", f"referee {sorted(own)}, Maide {sorted(names)}")]
         other = self.counts(path, mine)
+        own = {names: counts for names, counts in own.items() if names in other}
         if own != other:
             return [("counts", f"referee {own}, Maide {other}")]
         return []
+
+
+def atom_of(document: dict, names: list[str]) -> str | None:
+    """An atom of the component of these programs and nodes, None if none is found."""
+    headers = [header.split("[")[0] for header in document.get("nodes") or {}]
+    for name in names:
+        if name.split("[")[0] not in headers:
+            return f"{name}@end"
+    for name in names:
+        entry = (document["nodes"]).get(name) or {}
+        label = re.search(r"@(\w+)", str(entry.get("callbacks") or {}))
+        if label:
+            return f"{name}@{label.group(1)}"
+    return None
 
 
 class Literal(str):
@@ -219,7 +236,9 @@ def smaller_texts(text: str) -> Iterable[str]:
 
 def smaller(document: dict) -> Iterable[dict]:
     """The document with something left out."""
-    for section in ("properties", "programs", "models", "topics", "procedures"):
+    sections = ("properties", "programs", "nodes", "models", "topics", "services", "executors",
+                "procedures")  # fmt: skip
+    for section in sections:
         for name in document.get(section) or {}:
             rest = {k: v for k, v in document[section].items() if k != name}
             copy = {**document, section: rest}
@@ -235,6 +254,9 @@ def smaller(document: dict) -> Iterable[dict]:
                 if less.strip():
                     value = {**text, "do": less} if isinstance(text, dict) else less
                     yield {**document, section: {**document[section], name: value}}
+    for name, node in (document.get("nodes") or {}).items():
+        for less in smaller_nodes(node):
+            yield {**document, "nodes": {**document["nodes"], name: less}}
     if "variables" in document:
         yield {k: v for k, v in document.items() if k != "variables"}
     for name, entry in (document.get("models") or {}).items():
@@ -242,6 +264,31 @@ def smaller(document: dict) -> Iterable[dict]:
             if key in entry:
                 less = {k: v for k, v in entry.items() if k != key}
                 yield {**document, "models": {**document["models"], name: less}}
+
+
+def smaller_nodes(node: dict) -> Iterable[dict]:
+    """The node with something left out."""
+    for key in ("executor", "groups", "clients", "variables"):
+        if key in node:
+            yield {k: v for k, v in node.items() if k != key}
+    for section in ("clients", "callbacks"):
+        entries = node.get(section) or {}
+        for name, entry in entries.items():
+            yield {**node, section: {k: v for k, v in entries.items() if k != name}}
+            if not isinstance(entry, dict):
+                continue
+            smaller_entries = [{k: v for k, v in entry.items() if k != "group"}]
+            code = entry.get("do", "")
+            if isinstance(code, str):
+                texts = smaller_texts(code.replace("} else", "}\nelse"))
+                smaller_entries += [{**entry, "do": less} for less in texts if less.strip()]
+                smaller_entries += [{**entry, "do": "skip;"}] * (code.strip() != "skip;")
+            else:
+                for output, text in code.items():
+                    smaller_entries.append({**entry, "do": text})
+            for less in smaller_entries:
+                if less != entry:
+                    yield {**node, section: {**entries, name: less}}
 
 
 def write(document: dict, path: Path) -> None:
@@ -283,7 +330,7 @@ def main() -> int:
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--count", type=int, default=50)
-    parser.add_argument("--only", choices=KINDS, nargs="*", default=[])
+    parser.add_argument("--only", choices=KINDS + NEW_KINDS, nargs="*", default=[])
     parser.add_argument("--max-states", type=int, default=5000)
     parser.add_argument("--spin", action="store_true", help="compare SPIN's answers, too")
     parser.add_argument("--old", action="store_true", help="a Maide without components")

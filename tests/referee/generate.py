@@ -13,15 +13,16 @@ import re
 from pathlib import Path
 
 from random_models import Known, Place
-from random_texts import TextMaker
+from random_nodes import NodeMaker
 
 KINDS = [
     "section5", "variables", "shared", "select", "arrays", "error", "values", "topics",
     "components", "builtins", "mixed", "death",
 ]  # fmt: skip
+NEW_KINDS = ["services", "nodes"]
 
 
-class Generator(TextMaker):
+class Generator(NodeMaker):
     """Makes one system."""
 
     # --- properties
@@ -63,6 +64,10 @@ class Generator(TextMaker):
         self.declared = ()
         lines = self.declarations(place) if self.has["variables"] else []
         own = place.numbers
+        if self.kind in NEW_KINDS and self.chance(0.65):
+            lines = self.plain_program()
+            self.atoms += [f"{name}@{label}" for label in self.labels] + [f"{name}@end"]
+            return lines
         if any(known.valued and known.valued[0] == "go" for known in self.usable):
             lines.append(f"var {self.new('w')}: {{go, halt}};")
         if self.chance(0.7):
@@ -152,10 +157,18 @@ class Generator(TextMaker):
         self.procedures = []
         self.topics_of: dict[str, list[Known]] = {}
         self.declared: tuple = ()
+        self.clients_of: dict[str, list[str]] = {}
         count = rng.randint(2, 3) if self.kind != "components" else rng.randint(2, 4)
+        if self.kind == "nodes":
+            count = rng.randint(1, 2)
         names = [f"p{k}" for k in range(count)]
         topics = self.make_topics(names) if self.has["topics"] else []
-        if self.kind != "topics":
+        if self.kind == "services":
+            topics = self.make_services(names)
+        nodes = self.node_system(names) if self.kind == "nodes" else []
+        if self.kind == "services" and self.chance(0.3):
+            self.make_models(1)
+        elif self.kind not in ("topics", "services", "nodes"):
             self.make_models(rng.randint(1, 2) if self.kind != "components" else 3)
         if self.kind == "death":
             self.give_ends(names)
@@ -184,9 +197,13 @@ class Generator(TextMaker):
             size = rng.randint(2, 3) if self.has["arrays"] and self.chance(0.4) else 0
             if name in self.topics_of:
                 size = 0
+            if self.kind == "services" and self.is_client_alone(name) and self.chance(0.3):
+                size = 2
             programs += self.entry(name, size)
         programs += self.writers(programs)
         lines = []
+        if nodes:
+            return "\n".join(nodes + programs + self.properties()) + "\n"
         if self.models:
             lines.append("models:")
             for known in self.models:
@@ -195,6 +212,10 @@ class Generator(TextMaker):
         lines += topics if len(topics) > 1 else []
         lines += shared + procedures + programs + self.properties()
         return "\n".join(lines) + "\n"
+
+    def is_client_alone(self, name: str) -> bool:
+        """Whether a program is at no service's server end, so that it may be an array."""
+        return all("serve" not in known.inputs for known in self.topics_of.get(name, []))
 
     def writers(self, programs: list[str]) -> list[str]:
         """Programs that write values to the models to which none of the others does."""
@@ -240,7 +261,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--count", type=int, default=10)
-    parser.add_argument("--only", choices=KINDS, default="section5")
+    parser.add_argument("--only", choices=KINDS + NEW_KINDS, default="section5")
     parser.add_argument("folder", type=Path)
     options = parser.parse_args()
     for number in range(options.count):

@@ -55,7 +55,8 @@ class ModelMaker:
         self.has = {
             "variables": kind in ("variables", "arrays", "error", "values") or everything,
             "shared": kind in ("shared", "components") or everything,
-            "select": kind in ("select", "topics", "builtins", "death") or everything,
+            "select": kind in ("select", "topics", "builtins", "death", "services", "nodes")
+            or everything,
             "arrays": kind == "arrays" or everything,
             "errors": kind == "error" or everything and rng.random() < 0.2,
             "values": kind == "values" or everything,

@@ -1,0 +1,384 @@
+"""Random services, executors and nodes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from random_models import Known, Place
+from random_texts import TextMaker
+
+SERVER = {"serve": {"request"}, "answer": set()}
+CLIENT = {"send": set(), "receive": {"answer"}}
+
+
+@dataclass
+class Callback:
+    """A callback of a random node."""
+
+    name: str
+    head: str  # `takes: "t0.read"` and the like
+    group: str | None
+    serves: str | None = None
+    outcomes: bool = False  # whether its code is one for each output
+
+
+@dataclass
+class Node:
+    """A random node."""
+
+    name: str
+    callbacks: list[Callback] = field(default_factory=list)
+    writes: list[str] = field(default_factory=list)
+    asks: list[str] = field(default_factory=list)  # the services of which it is a client
+    own_code: set[str] = field(default_factory=set)
+    slots: bool = False  # the callback that serves may run several times at once
+    numbers: list[tuple] = field(default_factory=list)
+    groups: dict[str, str] = field(default_factory=dict)
+    reentrant_copies: int = 1
+
+
+class NodeMaker(TextMaker):
+    """Makes services and nodes."""
+
+    # --- services between programs
+
+    def make_services(self, names: list[str]) -> list[str]:
+        """Services, as lines, whose servers and clients are among the programs."""
+        lines = ["services:"]
+        for _ in range(1 if self.chance(0.7) else 2):
+            name = self.new("f")
+            server = self.rng.choice(names)
+            others = [n for n in names if n != server] or names
+            clients = self.rng.sample(others, self.rng.randint(1, len(others)))
+            if self.chance(0.1) and server not in clients:
+                clients.append(server)
+            lines.append(self.service_line(name, server, clients))
+            self.note_service(name, server, clients)
+        return lines
+
+    def service_line(self, name: str, server: str, clients: list[str]) -> str:
+        """The entry of a service."""
+        depth = f", with: {{depth: {self.rng.randint(1, 2)}}}"
+        return f"  {name}: {{server: {server}, clients: [{', '.join(clients)}]{depth}}}"
+
+    def note_service(self, name: str, server: str, clients: list[str]) -> None:
+        """Notes what programs may do with a service."""
+        known = Known(name, "", ["serve", "answer"], ["request"], SERVER)
+        self.topics_of.setdefault(server, []).append(known)
+        for client in clients:
+            known = Known(name, "", ["send", "receive"], ["answer"], CLIENT)
+            self.topics_of.setdefault(client, []).append(known)
+        self.clients_of[name] = clients
+        self.atoms += [f"{name}.{i}" for i in ("send", "serve", "answer", "receive")]
+        self.atoms += [f"{name}!request", f"{name}!answer"]
+
+    def exchange(self, known: Known, place: Place) -> list[str]:
+        """A call or a served request, as a program writes it; with more or less of it."""
+        rng = self.rng
+        label = self.new("l")
+        self.labels.append(label)
+        idle = "idle " if self.chance(0.5) else ""
+        if "serve" in known.inputs:
+            lines = [f"@{label} {idle}{known.name}.serve -> request;", f"{known.name}.answer;"]
+            if self.chance(0.25):
+                lines.insert(0, f"{known.name}.serve -> request;")
+        else:
+            lines = [f"{known.name}.send;", f"@{label} {known.name}.receive -> answer;"]
+            if self.chance(0.25):
+                lines.insert(0, f"{known.name}.send;")
+            if self.chance(0.2):
+                lines[-1] = f"{known.name}.receive;"
+                lines.append(f"@{label} wait {known.name} -> answer;")
+        if self.chance(0.1):
+            lines.pop(rng.randrange(len(lines)))
+        if self.chance(0.2) and place.depth > 0:
+            lines += self.block(Place(**{**place.__dict__, "depth": 0}), 1, 1)
+        return lines
+
+    def stepping(self, place: Place) -> list[str]:
+        known = [k for k in self.usable if k.follows in (SERVER, CLIENT)]
+        if known and self.chance(0.6):
+            return self.exchange(self.rng.choice(known), place)
+        return super().stepping(place)
+
+    def plain_round(self) -> list[str]:
+        """What a server, client, writer or reader does, without mistakes."""
+        known = self.rng.choice(self.usable)
+        label = self.new("l")
+        self.labels.append(label)
+        other = [] if self.chance(0.8) else self.plain_round()
+        if "serve" in known.inputs:
+            idle = "idle " if self.chance(0.8) else ""
+            serve = f"@{label} {idle}{known.name}.serve -> request;"
+            return [serve, *other, f"{known.name}.answer;"]
+        if "send" in known.inputs:
+            receive = f"@{label} {known.name}.receive -> answer;"
+            if self.chance(0.2):
+                receive = f"select {{ on {known.name}.receive -> answer {{ }} timeout 9 {{ }} }}"
+            return [f"{known.name}.send;", *other, receive]
+        if "lock" in known.inputs:
+            return [f"@{label} {known.name}.lock;", *other, f"{known.name}.unlock;"]
+        if "read" in known.inputs and ("write" not in known.inputs or self.chance(0.5)):
+            idle = "idle " if self.chance(0.7) else ""
+            return [f"@{label} {idle}{known.name}.read -> message;", *other]
+        return [f"@{label} {known.name}.{self.rng.choice(known.inputs)};", *other]
+
+    def plain_program(self) -> list[str]:
+        """A program that mostly goes on for ever, at each end at which it stands."""
+        lines = []
+        for known in self.usable:
+            saved, self.usable = self.usable, [known]
+            if "lock" not in known.inputs or self.chance(0.3):
+                lines += self.plain_round()
+            self.usable = saved
+        if len(lines) < 2 or self.chance(0.3):
+            lines += self.plain_round()
+        if self.chance(0.25):
+            return [f"repeat {self.rng.randint(1, 3)} {{", *lines, "}"]
+        return ["loop {", *lines, "}"] if self.chance(0.9) else lines
+
+    # --- nodes
+
+    def make_nodes(self, programs: list[str]) -> list[str]:
+        """Executors, nodes, topics and services between them and the programs, as lines."""
+        rng = self.rng
+        self.rounds = False
+        executors = {}
+        for _ in range(rng.randint(1, 2)):
+            name = self.new("e")
+            executors[name] = rng.choice(
+                ["{kind: single}", "{kind: single, order: any}", "{kind: single, order: rounds}",
+                 "{kind: single, order: rounds}", "{kind: multi, threads: 2}",
+                 "{kind: multi, threads: 2}", "{kind: multi, threads: 2}",
+                 "{kind: multi, threads: 3}"]
+            )  # fmt: skip
+        self.nodes = [Node(self.new("n")) for _ in range(rng.randint(1, 2))]
+        chosen = {}
+        for node in self.nodes:
+            chosen[node.name] = rng.choice([*executors, *executors, None])
+            text = executors.get(chosen[node.name], "")
+            node.reentrant_copies = int(text[-2]) if "threads" in text else 1
+            for kind in ("exclusive", "reentrant"):
+                if self.chance(0.6):
+                    node.groups[self.new("g")] = kind
+        topics = self.topics_between(programs)
+        services = self.services_between(programs)
+        for node in self.nodes:
+            if self.chance(0.35) or not node.callbacks and not node.asks:
+                head = f"timer: {rng.randint(1, 9)}"
+                node.callbacks.append(Callback(self.new("b"), head, self.group(node)))
+            rng.shuffle(node.callbacks)
+        lines = topics if len(topics) > 1 else []
+        lines += services if len(services) > 1 else []
+        lines += ["executors:", *(f"  {name}: {text}" for name, text in executors.items())]
+        lines.append("nodes:")
+        for node in self.nodes:
+            lines += self.node_lines(node, chosen[node.name])
+        return lines
+
+    def group(self, node: Node) -> str | None:
+        """A group of the node, or its own."""
+        return self.rng.choice([None, *node.groups])
+
+    def topics_between(self, programs: list[str]) -> list[str]:
+        """Topics with queues, as lines."""
+        rng = self.rng
+        lines = ["topics:"]
+        names = programs + [node.name for node in self.nodes]
+        for _ in range(rng.randint(0, 2) if self.chance(0.3) else 1):
+            name = self.new("t")
+            writers = rng.sample(names, 1 if self.chance(0.7) else 2) if len(names) > 1 else names
+            readers = rng.sample(names, rng.randint(1, min(2, len(names))))
+            kind = rng.choice(["size", "depth", "depth"])
+            source = f"use: queue, with: {{{kind}: {1 if self.chance(0.75) else 2}}}"
+            lines.append(
+                f"  {name}: {{writers: [{', '.join(writers)}], readers: [{', '.join(readers)}], "
+                f"{source}}}"
+            )
+            for node in self.nodes:
+                if node.name in readers:
+                    for _ in range(2 if self.chance(0.12) else 1):
+                        self.add_subscription(node, name)
+                if node.name in writers:
+                    node.writes.append(name)
+            for program in programs:
+                inputs = ["write"] * (program in writers) + ["read"] * (program in readers)
+                outputs = ["message"] if program in readers else []
+                if inputs:
+                    follows = {"read": {"message"}, "write": set()}
+                    self.topics_of.setdefault(program, []).append(
+                        Known(name, "", inputs, outputs, follows)
+                    )
+            self.atoms += [f"{name}.write", f"{name}!message"]
+            self.atoms += [f"{name}[{reader}]!message" for reader in readers]
+        return lines
+
+    def add_subscription(self, node: Node, topic: str) -> None:
+        """A callback that takes from a topic."""
+        callback = Callback(self.new("b"), "", self.group(node))
+        form = self.rng.random()
+        if form < 0.4:
+            callback.head = f'takes: "{topic}.read -> message"'
+        else:
+            callback.head = f"takes: {topic}.read"
+            callback.outcomes = form > 0.8
+        node.callbacks.append(callback)
+
+    def services_between(self, programs: list[str]) -> list[str]:
+        """Services whose ends are programs and nodes, as lines."""
+        rng = self.rng
+        lines = ["services:"]
+        names = programs + [node.name for node in self.nodes] * 2
+        for _ in range(rng.choice([0, 1, 1, 1, 2])):
+            name = self.new("f")
+            server = rng.choice(names)
+            others = sorted(set(names) - {server})
+            clients = rng.sample(others, 1 if self.chance(0.7) else min(2, len(others)))
+            node_of = {node.name: node for node in self.nodes}
+            if server in node_of and self.chance(0.3) and server not in clients:
+                clients.append(server)  # it calls itself
+            lines.append(self.service_line(name, server, clients))
+            self.note_service(name, server, clients)
+            for client in clients:
+                if client in node_of:
+                    node_of[client].asks.append(name)
+            if server in node_of:
+                node = node_of[server]
+                group = self.group(node)
+                callback = Callback(self.new("b"), f"serves: {name}", group, serves=name)
+                node.callbacks.append(callback)
+        return lines
+
+    def node_lines(self, node: Node, executor: str | None) -> list[str]:
+        """The entry of a node."""
+        lines = [f"  {node.name}:"]
+        if executor is not None:
+            lines.append(f"    executor: {executor}")
+        if node.groups:
+            groups = ", ".join(f"{name}: {kind}" for name, kind in node.groups.items())
+            lines.append(f"    groups: {{{groups}}}")
+        if self.chance(0.5):
+            node.numbers = [(self.new("s"), 0, 1) for _ in range(1 if self.chance(0.8) else 2)]
+            text = " ".join(f"var {name}: 0..{high};" for name, _, high in node.numbers)
+            lines.append(f'    variables: "{text}"')
+            self.atoms += [f"{node.name}.{name} == 1" for name, _, _ in node.numbers]
+        entries = []
+        for service in node.asks:
+            group = self.group(node)
+            if self.chance(0.15):
+                node.own_code.add(service)
+                inner = f"group: {group}, " if group else ""
+                code = " ".join(self.code(node, None, 1))
+                entries.append(f"      {service}: {{{inner}do: \"{code}\"}}")
+            elif group:
+                entries.append(f"      {service}: {group}")
+        if entries:
+            lines += ["    clients:", *entries]
+        lines.append("    callbacks:" if node.callbacks else "    callbacks: {}")
+        for callback in node.callbacks:
+            lines.append(f"      {callback.name}:")
+            lines.append(f"        {callback.head}")
+            if callback.group:
+                lines.append(f"        group: {callback.group}")
+            code = self.code(node, callback, self.rng.randint(1, 3))
+            if callback.outcomes:
+                lines += ["        do:", "          message: |"]
+                lines += [f"            {line}" for line in code]
+            else:
+                lines += ["        do: |", *(f"          {line}" for line in code)]
+        return lines
+
+    def code(self, node: Node, callback: Callback | None, count: int) -> list[str]:
+        """The code of a callback."""
+        lines = []
+        if callback is not None and callback.serves and self.chance(0.4):
+            lines.append(f"{callback.serves}.answer;")
+        for _ in range(count):
+            lines += self.action(node, callback, 1)
+        if callback is not None and callback.serves and len(lines) <= count and self.chance(0.9):
+            if not any(line.endswith(f"{callback.serves}.answer;") for line in lines):
+                lines.append(f"{callback.serves}.answer;")
+        return lines
+
+    def labelled(self, node: Node, callback: Callback | None, line: str) -> str:
+        """The statement with a label before it."""
+        label = self.new("l")
+        self.atoms.append(f"{node.name}@{label}")
+        if callback is not None and self.chance(0.6):
+            self.atoms.append(f"{node.name}.{callback.name}@{label}")
+        return f"@{label} {line}"
+
+    def action(self, node: Node, callback: Callback | None, depth: int) -> list[str]:
+        """A few statements of a callback."""
+        rng = self.rng
+        waits = [s for s in node.asks if s not in node.own_code]
+        options = ["skip", "label"]
+        options += ["write"] * 2 * bool(node.writes) + ["send"] * bool(node.asks)
+        options += ["call"] * 6 * bool(waits) + ["select"] * 2 * bool(waits)
+        options += ["mutex"] * bool(self.models)
+        options += ["assign"] * 3 * bool(node.numbers + self.shared_numbers)
+        options += (["if", "choose", "local"] + ["test"] * bool(node.numbers)) * (depth > 0)
+        options += ["return"] * self.chance(0.1)
+        kind = rng.choice(options)
+        if kind == "label":
+            return [self.labelled(node, callback, "skip;")]
+        if kind == "write":
+            line = f"{rng.choice(node.writes)}.write;"
+            return [self.labelled(node, callback, line) if self.chance(0.4) else line]
+        if kind == "send":
+            return [f"{rng.choice(node.asks)}.send;"]
+        if kind == "call":
+            service = rng.choice(waits)
+            sends = [f"{service}.send;"] * (2 if self.chance(0.1) else 1)
+            return [*sends, self.labelled(node, callback, f"wait {service} -> answer;")]
+        if kind == "select":
+            service = rng.choice(waits)
+            other = rng.choice(["timeout 5", "otherwise"])
+            inner = " ".join(self.action(node, callback, 0))
+            sends = [f"{service}.send;"] * self.chance(0.8)
+            return [*sends, f"select {{ on {service}!answer {{ }} {other} {{ {inner} }} }}"]
+        if kind == "mutex":
+            model = rng.choice(self.models)
+            take, give = model.inputs
+            inner = self.action(node, callback, 0) if self.chance(0.5) else []
+            lines = [f"{model.name}.{take};", *inner, f"{model.name}.{give};"]
+            if self.chance(0.1):
+                lines.pop(rng.randrange(len(lines)))
+            return lines
+        if kind == "assign":
+            name, _, high = rng.choice(node.numbers * 2 + self.shared_numbers)
+            mod = high + 1 if self.chance(0.93) else high + 2
+            line = rng.choice([f"{name} = ({name} + 1) % {mod};", f"{name} = {high};",
+                               f"{name} = 0;"])  # fmt: skip
+            return [f"atomic {{ {line} }}" if self.chance(0.15) else line]
+        if kind in ("if", "test", "choose"):
+            test = "*"
+            if kind == "choose" and self.chance(0.5):
+                test = "fair *"
+            if kind == "test":
+                name, _, high = rng.choice(node.numbers)
+                test = f"({name} == {rng.randint(0, high)})"
+            inner = " ".join(self.action(node, callback, 0))
+            other = " ".join(self.action(node, callback, 0)) if self.chance(0.5) else ""
+            return [f"if {test} {{ {inner} }}" + (f" else {{ {other} }}" if other else "")]
+        if kind == "local":
+            name = self.new("v")
+            inner = " ".join(self.action(node, callback, 0))
+            return [f"var {name}: 0..1 = any 0..1;", f"if ({name} == 1) {{ {inner} }}"]
+        return ["return;" if kind == "return" else "skip;"]
+
+    def node_system(self, programs: list[str]) -> list[str]:
+        """What stands in the file before the programs."""
+        lines = []
+        if self.chance(0.3):
+            name = self.new("m")
+            inputs = ["lock", "unlock"]
+            known = Known(name, "{use: mutex}", inputs, [], {i: set() for i in inputs})
+            self.models.append(known)
+            lines += ["models:", f"  {name}: {{use: mutex}}"]
+        if self.chance(0.3):
+            variable = (self.new("s"), 0, 1)
+            self.shared_numbers.append(variable)
+            lines.append(f'variables: "var {variable[0]}: 0..1;"')
+            self.atoms.append(f"{variable[0]} == 1")
+        return lines + self.make_nodes(programs)
