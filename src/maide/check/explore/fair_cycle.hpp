@@ -121,13 +121,14 @@ class FairCycleSearch {
     std::uint64_t marks_or_last = 0;
   };
   struct Root {
+    std::uint64_t marks = 0;     // inside the component
+    std::uint64_t incoming = 0;  // of the edge by which it was entered
     Number node = 0;
-    std::size_t first_active = 0;  // of the component's nodes, in active_
-    std::uint64_t marks = 0;       // inside the component
-    std::uint64_t incoming = 0;    // of the edge by which it was entered
-    bool has_edge = false;         // inside the component
-    bool may_accept = true;        // the monitor does not wait
+    Number first_active = 0;  // of the component's nodes, in active_, which has no more than these
+    bool has_edge = false;    // inside the component
+    bool may_accept = true;   // the monitor does not wait
   };
+  static_assert(sizeof(Root) <= 4 * sizeof(std::uint64_t));
   // An edge of the node that is expanded.
   struct Successor {
     Edge edge;
@@ -183,7 +184,8 @@ class FairCycleSearch {
     is_on_path_.push_back(true);
     const bool may_accept = !graph_.monitor().is_waiting(graph_.monitor_state(node));
     const bool has_last = order_ && !may_accept;
-    roots_.push({number, active_.size(), 0, has_last ? 0 : edge.marks_or_last, false, may_accept});
+    const auto first_active = static_cast<Number>(active_.size());
+    roots_.push({0, has_last ? 0 : edge.marks_or_last, number, first_active, false, may_accept});
     active_.push(number);
     frames_.push({number, 0});
     result_.depth = std::max<std::uint64_t>(result_.depth, frames_.size());

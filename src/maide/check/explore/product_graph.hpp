@@ -137,27 +137,10 @@ class ProductGraph {
     return plain;
   }
   void find_steps(const State& node, Steps& found) const {
-    found.steps.clear();
-    found.enabled = 0;
-    found.groups = 0;
-    const State state = plain(node);
-    const bool is_plain = system_.has_plain_steps_only();
-    for (std::size_t program = 0; program < system_.program_count(); ++program) {
-      system_.for_each_step(
-          state, program,
-          [&](const State& next, std::uint32_t edge, bool is_cut, std::uint64_t code) {
-            const std::uint64_t bit = std::uint64_t{1} << program;
-            if (is_plain) {
-              found.enabled |= bit;
-            } else {
-              if (!system_.is_death(program, edge)) found.enabled |= bit;
-              found.groups |= system_.group_of(program, edge);
-              if (system_.is_error(next)) return;
-            }
-            if (is_cut) return;
-            found.steps.push_back({next, edge, static_cast<std::uint32_t>(code),
-                                   static_cast<std::uint16_t>(program)});
-          });
+    if (system_.has_plain_steps_only()) {
+      find_steps_as<true>(node, found);
+    } else {
+      find_steps_as<false>(node, found);
     }
   }
   // Who could step in the node's state, of those that the monitor wants to do so on the cycle.
@@ -238,6 +221,30 @@ class ProductGraph {
   }
 
  private:
+  // `is_plain`: no step dies, comes to an error or belongs to a fair group.
+  template <bool is_plain>
+  void find_steps_as(const State& node, Steps& found) const {
+    found.steps.clear();
+    found.enabled = 0;
+    found.groups = 0;
+    const State state = plain(node);
+    for (std::size_t program = 0; program < system_.program_count(); ++program) {
+      const std::uint64_t bit = std::uint64_t{1} << program;
+      system_.for_each_step(
+          state, program,
+          [&](const State& next, std::uint32_t edge, bool is_cut, std::uint64_t code) {
+            if (is_plain || !system_.is_death(program, edge)) found.enabled |= bit;
+            if constexpr (!is_plain) {
+              found.groups |= system_.group_of(program, edge);
+              if (system_.is_error(next)) return;
+            }
+            if (is_cut) return;
+            found.steps.push_back({next, edge, static_cast<std::uint32_t>(code),
+                                   static_cast<std::uint16_t>(program)});
+          });
+    }
+  }
+
   const PackedSystem& system_;
   const Monitor& monitor_;
   StateTable<words> table_;
