@@ -96,6 +96,7 @@ INSTANTIATE_TEST_SUITE_P(
         Observed{"ros1", "ros1", {{"queue_size", "0"}, {"size", "3"}}, "strict-3"},
         Observed{"cyclonedds", "cyclonedds", {{"history", "keep_all"}, {"size", "3"}}, "strict-3"},
         Observed{"fastdds", "fastdds", {{"history", "keep_all"}, {"size", "3"}}, "strict-3"},
+        Observed{"ros2", "ros2", {{"history", "keep_all"}, {"size", "3"}}, "strict-3"},
         Observed{"yarp", "yarp", {{"kind", "strict"}, {"size", "3"}}, "strict-3"}),
     [](const auto& tested) { return tested.param.name; });
 

@@ -1,0 +1,122 @@
+// Configurations of ROS 2's topics and services, and the model that each must have.
+#pragma once
+
+#include <cstddef>
+#include <ostream>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "connection_models.hpp"
+#include "ros2_model.hpp"
+#include "wrapper_checks.hpp"
+
+namespace maide::test {
+
+struct Ros2TopicCase {
+  std::string name;
+  SystemOptions options;
+  ConnectionModel model;
+  std::size_t states;  // of the minimal machine
+};
+
+inline void PrintTo(const Ros2TopicCase& tested, std::ostream* out) { *out << tested.name; }
+
+inline SystemOptions ros2_reading(SystemOptions options) {
+  options["inputs"] = "write,tryread";
+  options["payload"] = "gap";
+  options["observe"] = "message,null";
+  return options;
+}
+
+// A subscription that is dropped and made anew, with what the publisher keeps for it.
+inline Ros2TopicCase ros2_late_joiner(const std::string& durability, std::size_t states) {
+  Ros2TopicCase made{durability,
+                     {{"depth", "2"},
+                      {"durability", durability},
+                      {"inputs", "write,tryread,unsubscribe,subscribe"},
+                      {"payload", "gap"},
+                      {"observe", "message,null,unsubscribed"}},
+                     {2, WhenFull::drop_oldest, true, true},
+                     states};
+  if (durability == "transient_local") made.model.replayed = 2;
+  made.model.read_alone = "unsubscribed";
+  return made;
+}
+
+// The subscription's depth alone decides what is kept, whatever else is set.
+inline std::vector<Ros2TopicCase> ros2_topic_cases() {
+  std::vector<Ros2TopicCase> all;
+  for (std::size_t n = 1; n <= 4; ++n) {
+    const std::string depth = std::to_string(n);
+    all.push_back({"keep_last_" + depth,
+                   ros2_reading({{"depth", depth}}),
+                   {n, WhenFull::drop_oldest, true},
+                   n + 2});
+  }
+  const std::vector<std::pair<std::string, SystemOptions>> of_two = {
+      {"of_two_contexts", {{"contexts", "2"}}},
+      {"intraprocess", {{"intraprocess", "on"}}},
+      {"spin_some", {{"take", "some"}}},
+      {"taken_directly", {{"take", "direct"}}},
+      {"best_effort", {{"reliability", "best_effort"}}},
+      {"kept_for_nobody", {{"durability", "transient_local"}}},
+      {"short_publisher", {{"pub_depth", "1"}}},
+      {"long_publisher", {{"pub_depth", "9"}}},
+  };
+  for (const auto& [name, more] : of_two) {
+    SystemOptions options = more;
+    options["depth"] = "2";
+    all.push_back({name, ros2_reading(options), {2, WhenFull::drop_oldest, true}, 4});
+  }
+  all.push_back(
+      {"depth_0_is_1", ros2_reading({{"depth", "0"}}), {1, WhenFull::drop_oldest, true}, 3});
+  all.push_back({"system_default_of_cyclone_is_1",
+                 ros2_reading({{"history", "system_default"}}),
+                 {1, WhenFull::drop_oldest, true},
+                 3});
+  all.push_back(ros2_late_joiner("volatile", 8));
+  all.push_back(ros2_late_joiner("transient_local", 18));
+  return all;
+}
+
+struct Ros2ServiceCase {
+  std::string name;
+  Ros2Service service;
+  std::vector<std::string> inputs;
+  std::size_t states;  // of the minimal machine
+
+  SystemOptions options() const {
+    SystemOptions all{{"kind", "service"},
+                      {"depth", std::to_string(service.depth)},
+                      {"clients", std::to_string(service.clients)},
+                      {"payload", service.tells_gaps ? "gap" : "none"}};
+    for (const std::string& input : inputs) {
+      all["inputs"] += (all["inputs"].empty() ? "" : ",") + input;
+    }
+    return all;
+  }
+};
+
+inline void PrintTo(const Ros2ServiceCase& tested, std::ostream* out) { *out << tested.name; }
+
+inline std::vector<Ros2ServiceCase> ros2_service_cases() {
+  const std::vector<std::string> one{"send", "handle", "tryreceive"};
+  const std::vector<std::string> served{"send", "tryserve", "handle", "tryreceive"};
+  const std::vector<std::string> restarted{"send", "handle", "tryreceive", "stop", "start"};
+  const std::vector<std::string> two{"send", "handle", "tryreceive", "send2", "tryreceive2"};
+  const std::vector<std::string> strangers{"ask", "wait", "call"};
+  return {
+      {"depth_1", {1, 1, true}, one, 9},
+      {"depth_2", {2, 1, true}, one, 25},
+      {"served_and_not_answered", {1, 1, true}, served, 15},
+      {"restarted", {1, 1, true}, restarted, 18},
+      {"two_clients", {1, 2, false}, two, 9},
+      {"two_clients_gap", {1, 2, true}, two, 81},
+      {"strangers_1", {1, 2, false}, strangers, 3},
+      {"strangers_10", {10, 2, false}, strangers, 12},
+      {"strangers_restarted", {2, 2, false}, {"ask", "wait", "call", "stop", "start"}, 8},
+  };
+}
+
+}  // namespace maide::test
