@@ -39,8 +39,9 @@ class Refiner {
   void read_and_check() {
     requests_.clear();
     real_.clear();
-    result_.system = parse_system(
-        text_, path_.string(), record_requests(make_learning_source(options_.models), requests_));
+    result_.system =
+        parse_system(text_, path_.string(),
+                     record_requests(make_learning_source(options_.models), requests_), control());
     options_.models.note = {};  // where models come from is told once
     result_.report = check_system(result_.system, engine_, request_);
     confirmed_.clear();

@@ -114,7 +114,7 @@ std::vector<Repeat> find_repeats(const System& system) {
 }
 
 std::optional<System> make_variant(const System& system, const SystemVariant& variant,
-                                   const ModelSource& learn) {
+                                   const ModelSource& learn, const RunControl& control) {
   const auto source = system.sources.find(system.file);
   if (source == system.sources.end()) return std::nullopt;
   std::string text = source->second;
@@ -136,7 +136,7 @@ std::optional<System> make_variant(const System& system, const SystemVariant& va
   try {
     std::map<std::string, Options> options;
     if (!variant.constants.empty()) options = options_of_instances(system, source->second);
-    return parse_system(text, system.file, [&](const ModelRequest& request) {
+    const ModelSource asked = [&](const ModelRequest& request) {
       const auto changed = variant.models.find(request.instance);
       if (changed != variant.models.end()) return changed->second;
       const auto known = options.find(request.instance);
@@ -145,7 +145,8 @@ std::optional<System> make_variant(const System& system, const SystemVariant& va
       }
       if (!learn) throw UsageError("no model was learned with these options");
       return learn(request);
-    });
+    };
+    return parse_system(text, system.file, asked, control);
   } catch (const Error&) {
     return std::nullopt;
   }
@@ -208,7 +209,8 @@ class ChangeSearch {
   Outcome check(const SystemVariant& variant) {
     Outcome outcome;
     if (options_.control.should_stop()) return outcome;
-    const std::optional<System> changed = make_variant(system_, variant, options_.models);
+    const std::optional<System> changed =
+        make_variant(system_, variant, options_.models, options_.control);
     if (!changed) return outcome;
     ++result_.tried;
     CheckRequest request;

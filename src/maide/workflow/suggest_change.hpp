@@ -54,7 +54,7 @@ struct SystemVariant {
 // not where it should be, or the file is wrong with that constant. `learn` makes the models that
 // are then learned with other options; without `learn` there are none.
 std::optional<System> make_variant(const System& system, const SystemVariant& variant,
-                                   const ModelSource& learn = {});
+                                   const ModelSource& learn = {}, const RunControl& control = {});
 
 struct SuggestOptions {
   ModelSource models;                                 // learns the models of other settings

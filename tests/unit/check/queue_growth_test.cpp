@@ -5,10 +5,14 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <chrono>
+#include <stop_token>
 #include <string>
 #include <vector>
 
+#include "maide/base/error.hpp"
 #include "maide/base/random.hpp"
+#include "maide/base/run_control.hpp"
 #include "maide/check/explore/check_system.hpp"
 #include "maide/check/explore/engine.hpp"
 #include "maide/check/language/system_reader.hpp"
@@ -19,8 +23,9 @@ namespace {
 
 constexpr QueueLimits grows_all{0, 1'000'000, 2'000'000};
 
-System read(const std::string& text, const QueueLimits& limits = {}) {
-  return SystemReader(text, "s.yaml", test::test_model, limits).read();
+System read(const std::string& text, const QueueLimits& limits = {},
+            const RunControl& control = {}) {
+  return SystemReader(text, "s.yaml", test::test_model, limits, control).read();
 }
 
 CheckReport check(const System& system, Reduction reduction) {
@@ -162,6 +167,21 @@ TEST(QueueGrowth, WhoGivesUpSaysSo) {
       "programs:\n  a: \"var k: 0..7; k = any 0..7; q.write(k); if (k == 3) { k = 8; }\"\n",
       {200'000, 5, 2'000'000});
   EXPECT_EQ(check(wrong, Reduction::none).verdict, Verdict::violated);
+}
+
+// When time is up the queue has the states that were met, and the verdict says that others were
+// not. Who is told to stop makes no system.
+TEST(QueueGrowth, TimeAndStopEndTheSearch) {
+  RunControl late;
+  late.deadline = std::chrono::steady_clock::now();
+  const System system = read(counting, {}, late);
+  EXPECT_LE(system.models[0].automaton.size(), 12u);
+  EXPECT_EQ(check(system, Reduction::none).verdict, Verdict::inconclusive);
+  std::stop_source source;
+  source.request_stop();
+  RunControl stopped;
+  stopped.stop = source.get_token();
+  EXPECT_THROW(read(counting, {}, stopped), Interrupted);
 }
 
 TEST(QueueGrowth, ATopicsQueueIsMadeWhole) {

@@ -24,8 +24,8 @@ std::uint64_t hash_of(const GlobalState& state) {
 class Growth {
  public:
   Growth(System& system, SharedActions& actions, std::map<std::uint32_t, GrowingQueue>& queues,
-         const QueueLimits& limits)
-      : system_(system), actions_(actions), queues_(queues), limits_(limits) {}
+         const QueueLimits& limits, const RunControl& control)
+      : system_(system), actions_(actions), queues_(queues), limits_(limits), control_(control) {}
 
   void run() {
     for (const auto& component : find_components(system_)) search(component);
@@ -54,7 +54,7 @@ class Growth {
     if (growing.empty()) return;
     std::deque<GlobalState> open{initial_state(system_)};
     std::unordered_set<std::uint64_t> seen{hash_of(open.front())};
-    while (!open.empty() && seen.size() < limits_.searched) {
+    while (!open.empty() && seen.size() < limits_.searched && may_go_on()) {
       const GlobalState state = std::move(open.front());
       open.pop_front();
       for (const std::uint32_t model : growing) {
@@ -74,6 +74,13 @@ class Growth {
     }
   }
 
+  // False when time is up. A clock is read for many states at once.
+  bool may_go_on() {
+    if (looked_at_++ % look_interval != 0 || !control_.should_stop()) return true;
+    if (control_.stop.stop_requested()) control_.check("the search for states of queues");
+    return false;
+  }
+
   // A run comes to that state of the queue. False if it has too many.
   bool reach(std::uint32_t model, StateId state) {
     InterfaceAutomaton& automaton = system_.models[model].automaton;
@@ -87,18 +94,23 @@ class Growth {
     return true;
   }
 
+  static constexpr std::uint64_t look_interval = 256;  // states
+
   System& system_;
   SharedActions& actions_;
   std::map<std::uint32_t, GrowingQueue>& queues_;
   const QueueLimits& limits_;
+  const RunControl& control_;
+  std::uint64_t looked_at_ = 0;                         // states, of all components
   std::map<std::uint32_t, std::vector<bool>> reached_;  // by model, by state
 };
 
 }  // namespace
 
 void grow_queues(System& system, SharedActions& actions,
-                 std::map<std::uint32_t, GrowingQueue>& queues, const QueueLimits& limits) {
-  Growth(system, actions, queues, limits).run();
+                 std::map<std::uint32_t, GrowingQueue>& queues, const QueueLimits& limits,
+                 const RunControl& control) {
+  Growth(system, actions, queues, limits, control).run();
 }
 
 }  // namespace maide

@@ -13,6 +13,7 @@
 #include <cstdint>
 #include <map>
 
+#include "maide/base/run_control.hpp"
 #include "maide/check/language/built_in_models.hpp"
 #include "maide/check/language/shared_steps.hpp"
 #include "maide/check/language/system.hpp"
@@ -27,8 +28,10 @@ struct QueueLimits {
 };
 
 // Grows the queues, by model, which are as GrowingQueue::start() made them, and cuts them down to
-// what was met. The system's programs were made with `actions`, and have to be made anew.
+// what was met. The system's programs were made with `actions`, and have to be made anew. Gives up
+// when the control's time is up; throws Interrupted when it is told to stop.
 void grow_queues(System& system, SharedActions& actions,
-                 std::map<std::uint32_t, GrowingQueue>& queues, const QueueLimits& limits);
+                 std::map<std::uint32_t, GrowingQueue>& queues, const QueueLimits& limits,
+                 const RunControl& control);
 
 }  // namespace maide

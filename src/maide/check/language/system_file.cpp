@@ -19,8 +19,8 @@ constexpr std::size_t max_properties = 1000;
 }  // namespace
 
 SystemReader::SystemReader(std::string_view text, const std::string& file,
-                           const ModelSource& source, const QueueLimits& limits)
-    : YamlReader(text, file), source_(source), limits_(limits) {
+                           const ModelSource& source, const QueueLimits& limits, RunControl control)
+    : YamlReader(text, file), source_(source), limits_(limits), control_(std::move(control)) {
   system_.file = file;
   system_.sources.emplace(file, text);
 }
@@ -174,7 +174,7 @@ void SystemReader::read_programs() {
   {
     SharedActions actions(system_);
     make_programs(actions);
-    if (!growing_.empty()) grow_queues(system_, actions, growing_, limits_);
+    if (!growing_.empty()) grow_queues(system_, actions, growing_, limits_, control_);
   }
   if (!growing_.empty()) {
     system_.programs.clear();
@@ -437,14 +437,15 @@ InterfaceAutomaton read_requested_model(const ModelRequest& request) {
                    request.position);
 }
 
-System parse_system(std::string_view text, const std::string& file, const ModelSource& source) {
-  return SystemReader(text, file, source).read();
+System parse_system(std::string_view text, const std::string& file, const ModelSource& source,
+                    const RunControl& control) {
+  return SystemReader(text, file, source, {}, control).read();
 }
 
 System read_system(const std::filesystem::path& path, const ModelSource& source,
                    const RunControl& control) {
   const std::string text = read_file(path, control);
-  return parse_system(text, path.string(), source);
+  return parse_system(text, path.string(), source, control);
 }
 
 }  // namespace maide

@@ -50,8 +50,11 @@ InterfaceAutomaton read_requested_model(const ModelRequest& request);
 
 // Parses the text of a system file; `file` is for messages and the folder of its models. Throws
 // ParseError (file:line:column) for everything that is not as it should be, unknown keys included.
+// The search for the states of large queues (queue_growth.hpp) gives up when the control's time is
+// up; its stop token interrupts it (throws Interrupted).
 System parse_system(std::string_view text, const std::string& file,
-                    const ModelSource& source = read_requested_model);
+                    const ModelSource& source = read_requested_model,
+                    const RunControl& control = {});
 
 // Reads and parses. Throws UsageError if the file cannot be read. A pipe is waited for until
 // `control` says stop (throws Interrupted).

@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "maide/base/run_control.hpp"
 #include "maide/check/language/built_in_models.hpp"
 #include "maide/check/language/program_syntax.hpp"
 #include "maide/check/language/queue_growth.hpp"
@@ -27,7 +28,7 @@ inline constexpr std::ptrdiff_t max_mortal_readers = 8;
 class SystemReader : private YamlReader {
  public:
   SystemReader(std::string_view text, const std::string& file, const ModelSource& source,
-               const QueueLimits& limits = {});
+               const QueueLimits& limits = {}, RunControl control = {});
 
   System read();
 
@@ -127,6 +128,7 @@ class SystemReader : private YamlReader {
   void remark_on_idle_atoms();
   const ModelSource& source_;
   QueueLimits limits_;
+  RunControl control_;
   System system_;
   Names names_;
   std::map<std::string, SourcePosition> taken_;
