@@ -100,8 +100,10 @@ class PackedSystem {
   // Any control state, reached or not, is an error.
   bool has_errors() const { return !erring_.empty(); }
   bool has_deaths() const { return has_deaths_; }
-  // No step dies, comes to an error or belongs to a fair group.
-  bool has_plain_steps_only() const { return !has_errors() && !has_deaths_ && groups_ == 0; }
+  // No step dies, comes to an error, belongs to a fair group, or uses several models.
+  bool has_plain_steps_only() const {
+    return !has_errors() && !has_deaths_ && groups_ == 0 && joints_.empty();
+  }
   bool is_death(std::size_t program, std::uint32_t edge) const {
     return has_deaths_ && programs_[program].is_death[edge];
   }
@@ -148,7 +150,8 @@ class PackedSystem {
   // Calls `visit(next, edge, is_cut, code)` for each step that `program` can take, in a state that
   // is no error: the state
   // afterwards, the index of its edge, whether the run is cut there, and the step's code.
-  template <std::size_t words, typename Visit>
+  // `is_plain`: the system has_plain_steps_only().
+  template <bool is_plain = false, std::size_t words, typename Visit>
   [[gnu::always_inline]] void for_each_step(const PackedState<words>& state, std::size_t program,
                                             Visit&& visit) const {
     const PackedProgram& compiled = programs_[program];
@@ -166,7 +169,7 @@ class PackedSystem {
         code = taken.code;
         is_cut = taken.is_cut;
       };
-      if (edge.table < first_joint) [[likely]] {
+      if (is_plain || edge.table < first_joint) [[likely]] {
         const std::uint32_t from = edge.model.get(state);
         const Target target = targets_[edge.table + from];
         if (target.state == none) continue;
@@ -181,7 +184,7 @@ class PackedSystem {
       // The only call of `visit`: so it is compiled into the loop.
       while (true) {
         visit(next, i, is_cut, code);
-        if (more == 0) [[likely]]
+        if (is_plain || more == 0) [[likely]]
           break;
         take_next_of_joint();
       }

@@ -221,7 +221,7 @@ class ProductGraph {
   }
 
  private:
-  // `is_plain`: no step dies, comes to an error or belongs to a fair group.
+  // `is_plain`: the system has plain steps only.
   template <bool is_plain>
   void find_steps_as(const State& node, Steps& found) const {
     found.steps.clear();
@@ -230,7 +230,7 @@ class ProductGraph {
     const State state = plain(node);
     for (std::size_t program = 0; program < system_.program_count(); ++program) {
       const std::uint64_t bit = std::uint64_t{1} << program;
-      system_.for_each_step(
+      system_.template for_each_step<is_plain>(
           state, program,
           [&](const State& next, std::uint32_t edge, bool is_cut, std::uint64_t code) {
             if (is_plain || !system_.is_death(program, edge)) found.enabled |= bit;
