@@ -92,6 +92,23 @@ TEST(MergedCalls, ARobotHasAThirdOfItsStates) {
   EXPECT_EQ(result.states, 8u);
 }
 
+// What is done again and again is one kind of call. Each kind is an action of the model, and a
+// model with more than 64 actions is left alone by the reductions that follow.
+TEST(MergedCalls, RoundsOfARepeatAreOneKindOfCall) {
+  const System system = parse_system(
+      "models:\n  q: {use: queue, with: {size: 2}}\nprograms:\n  a: \"repeat 40 { q.write; }\"\n"
+      "  b: \"repeat 40 { q.read -> message; }\"\n",
+      "rounds.yaml");
+  const MergedCalls merged(system, {});
+  EXPECT_FALSE(merged.is_empty());
+  EXPECT_LE(merged.system().models[0].actions.size(), 2u);
+  const System robot = robots(1);
+  EXPECT_TRUE(MergedCalls::has_calls(robot));
+  EXPECT_FALSE(MergedCalls::has_calls(parse_system(
+      "models:\n  q: {use: queue, with: {size: 2}}\nprograms:\n  a: \"loop { q.write; }\"\n",
+      "s.yaml")));
+}
+
 TEST(MergedCalls, FourRobotsInOneSearch) {
   const System four = robots(4);
   EXPECT_EQ(check(four, test::deadlock_property(), Reduction::none).states, 331'776u);

@@ -169,7 +169,9 @@ template <typename Search>
 auto search_with_calls(const System& system, const std::optional<CallRules>& rules,
                        const EngineOptions& options, Search&& search) {
   std::optional<MergedCalls> merged;
-  if (rules && merges_calls(options.reduction)) merged.emplace(system, *rules);
+  if (rules && merges_calls(options.reduction) && MergedCalls::has_calls(system)) {
+    merged.emplace(system, *rules);
+  }
   if (!merged || merged->is_empty()) return search(system, options.reduction, limits_of(options));
   auto result = search(merged->system(), options.reduction, limits_of(options));
   const auto expand = [&](SearchResult& found) {

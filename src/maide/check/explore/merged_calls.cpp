@@ -122,6 +122,16 @@ void add_new(std::vector<ModelUse>& to, const ModelUse& use) {
   if (std::find(to.begin(), to.end(), use) == to.end()) to.push_back(use);
 }
 
+// An input behind which the program does nothing but wait for answers, none of which is an error.
+bool may_merge(const Program& program, ControlState at, const ProgramEdge& give) {
+  if (give.kind != Kind::give || give.target == at) return false;
+  const auto answers = program.edges_of(give.target);
+  return !answers.empty() && std::all_of(answers.begin(), answers.end(), [&](const auto& answer) {
+    return (answer.kind == Kind::take || answer.kind == Kind::quiet) &&
+           answer.model == give.model && !program.is_error(answer.target);
+  });
+}
+
 }  // namespace
 
 // ---- The reduced system -------------------------------------------------------------------------
@@ -145,18 +155,30 @@ MergedCalls::MergedCalls(const System& system, const CallRules& rules)
   for (std::uint32_t program = 0; program < count; ++program) rebuild(program);
 }
 
+bool MergedCalls::has_calls(const System& system) {
+  return std::ranges::any_of(system.programs, [](const Program& program) {
+    for (ControlState at = 0; at < program.states.size(); ++at) {
+      for (const ProgramEdge& edge : program.edges_of(at)) {
+        if (may_merge(program, at, edge)) return true;
+      }
+    }
+    return false;
+  });
+}
+
 void MergedCalls::merge_calls_of(std::uint32_t index, const CallRules& rules) {
   const Program& program = plain_.programs[index];
   const auto is_seen = [&](std::uint32_t edge) {
     return !rules.visible.empty() && rules.visible[index][edge];
   };
-  // By input, control state behind it, and whether it may be put off.
-  std::map<std::tuple<ModelUse, ControlState, bool>, std::uint32_t> known;
+  // By input, answers, and whether it may be put off: what a program does in each round of a
+  // `repeat` is one kind of call, and few kinds are few actions of the model.
+  std::map<std::tuple<ModelUse, std::vector<ModelUse>, bool>, std::uint32_t> known;
   for (ControlState at = 0; at < program.states.size(); ++at) {
     const Program::State& state = program.states[at];
     for (std::uint32_t edge = state.first_edge; edge < state.first_edge + state.edge_count;
          ++edge) {
-      if (!may_merge(index, at, edge)) continue;
+      if (!may_merge(program, at, program.edges[edge])) continue;
       const ControlState behind = program.edges[edge].target;
       const Program::State& awaits = program.states[behind];
       bool is_answer_seen = false;
@@ -167,32 +189,23 @@ void MergedCalls::merge_calls_of(std::uint32_t index, const CallRules& rules) {
       const bool may_put_off =
           !is_seen(edge) && state.edge_count == 1 && state.may_rest == awaits.may_rest;
       const ModelUse& give = program.edges[edge];
-      const auto [place, is_new] = known.try_emplace({give, behind, may_put_off}, none);
-      if (is_new) place->second = find_group(index, give, behind, may_put_off, rules.is_fair);
+      std::vector<ModelUse> answers;
+      for (const ProgramEdge& answer : program.edges_of(behind)) add_new(answers, answer);
+      const auto [place, is_new] = known.try_emplace({give, answers, may_put_off}, none);
+      if (is_new) {
+        place->second = find_group(index, give, std::move(answers), may_put_off, rules.is_fair);
+      }
       group_of_[index][edge] = place->second;
     }
   }
 }
 
-// An input behind which the program does nothing but wait for answers, none of which is an error.
-bool MergedCalls::may_merge(std::uint32_t index, ControlState at, std::uint32_t edge) const {
-  const Program& program = plain_.programs[index];
-  const ProgramEdge& give = program.edges[edge];
-  if (give.kind != Kind::give || give.target == at) return false;
-  const auto answers = program.edges_of(give.target);
-  return !answers.empty() && std::all_of(answers.begin(), answers.end(), [&](const auto& answer) {
-    return (answer.kind == Kind::take || answer.kind == Kind::quiet) &&
-           answer.model == give.model && !program.is_error(answer.target);
-  });
-}
-
 std::uint32_t MergedCalls::find_group(std::uint32_t program, const ModelUse& give,
-                                      ControlState behind, bool may_put_off, bool is_fair) {
+                                      std::vector<ModelUse> answers, bool may_put_off,
+                                      bool is_fair) {
   Group group;
   group.give = give;
-  for (const ProgramEdge& answer : plain_.programs[program].edges_of(behind)) {
-    add_new(group.answers, answer);
-  }
+  group.answers = std::move(answers);
   const auto own = uses_[program].find(give.model);
   if (own == uses_[program].end()) return none;  // control never comes there
   std::vector<ModelUse> others;

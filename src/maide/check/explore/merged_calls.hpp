@@ -28,6 +28,8 @@ class MergedCalls {
   // Keeps a reference. O(states x actions of others) for each kind of call.
   MergedCalls(const System& system, const CallRules& rules);
 
+  // Some program gives an input and then only waits for its answer. O(edges).
+  static bool has_calls(const System& system);
   // No call could be merged.
   bool is_empty() const { return groups_.empty(); }
   // With the same programs, models and control states; with other edges, and more actions of
@@ -60,9 +62,8 @@ class MergedCalls {
   };
 
   void merge_calls_of(std::uint32_t program, const CallRules& rules);
-  bool may_merge(std::uint32_t program, ControlState at, std::uint32_t edge) const;
-  std::uint32_t find_group(std::uint32_t program, const ModelUse& give, ControlState behind,
-                           bool may_put_off, bool is_fair);
+  std::uint32_t find_group(std::uint32_t program, const ModelUse& give,
+                           std::vector<ModelUse> answers, bool may_put_off, bool is_fair);
   std::uint32_t add_call(const ModelUse& give, const ModelUse& answer,
                          const std::vector<bool>& is_due);
   std::uint32_t add_rest(const Group& group);
