@@ -278,7 +278,7 @@ class Program:
                              self.with_model(world, number, after), events=(event,))
             if step is not None:
                 found.append(step)
-        if node.quiet is not None and use.quiet(state, self.number, node.input):
+        if node.quiet is not None and use.quiet(state, self.number, node.input, True):
             found.append(self.step((number, "quiet"), node.quiet, values, world))
         return found
 
@@ -396,7 +396,8 @@ class Program:
                 continue
             found += self.steps_arm(arm, mark, number, (arm.input, arguments), values, world)
             name = arm.input if arm.input is not None else arm.outputs[0][0][0]
-            if not self.system.uses[number].quiet(world[0][number], self.number, name):
+            use, is_input = self.system.uses[number], arm.input is not None
+            if not use.quiet(world[0][number], self.number, name, is_input):
                 something_due = True
         if node.other is not None and not found and not something_due:
             found.append(self.step(("otherwise",), node.other, values, world))

@@ -126,7 +126,9 @@ def callback_of(node: NodeText, name: str, description: dict, groups: dict) -> C
         pattern = what["pattern"]
     elif kind == "serves":
         what = Parser(what, origin).reference()
-    code = description.get("do", "skip;")
+    if "do" not in description:
+        raise Refused(f"{origin}: no 'do'")
+    code = description["do"]
     if isinstance(code, dict):
         if kind != "takes" or pattern is not None:
             raise Refused(f"{origin}: only what it takes can have outcomes")
@@ -192,13 +194,15 @@ class Callback(Program):
         return super().mistake(label, place, why, self.without_locals(world), **more)
 
     def without_locals(self, world: World) -> World:
-        """The world without the local variables of what runs in turn with this callback."""
+        """The world without what an error drops: the local variables of all callbacks that run in
+        turn with this one, and what is left of the last look."""
         kept = list(world[1])
         for at, variable in enumerate(self.system.shared):
             users = [self.system.texts[n].callback for n in variable.users]
             if variable.stays and not can_run_together(users[0], self.text):
                 kept[at] = None
-        return world[0], tuple(kept)
+        running, _ = world[0][self.executor.use]
+        return self.with_model((world[0], tuple(kept)), self.executor.use, (running, ()))
 
     def start(self) -> Control:
         """It stands at its start."""

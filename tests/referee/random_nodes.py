@@ -76,7 +76,6 @@ class NodeMaker(TextMaker):
         """A call or a served request, as a program writes it; with more or less of it."""
         rng = self.rng
         label = self.new("l")
-        self.labels.append(label)
         idle = "idle " if self.chance(0.5) else ""
         if "serve" in known.inputs:
             lines = [f"@{label} {idle}{known.name}.serve -> request;", f"{known.name}.answer;"]
@@ -91,6 +90,8 @@ class NodeMaker(TextMaker):
                 lines.append(f"@{label} wait {known.name} -> answer;")
         if self.chance(0.1):
             lines.pop(rng.randrange(len(lines)))
+        if any(f"@{label} " in line for line in lines):
+            self.labels.append(label)
         if self.chance(0.2) and place.depth > 0:
             lines += self.block(Place(**{**place.__dict__, "depth": 0}), 1, 1)
         return lines
@@ -105,8 +106,14 @@ class NodeMaker(TextMaker):
         """What a server, client, writer or reader does, without mistakes."""
         known = self.rng.choice(self.usable)
         label = self.new("l")
-        self.labels.append(label)
         other = [] if self.chance(0.8) else self.plain_round()
+        lines = self.plain_lines(known, label, other)
+        if any(f"@{label} " in line for line in lines):
+            self.labels.append(label)
+        return lines
+
+    def plain_lines(self, known: Known, label: str, other: list[str]) -> list[str]:
+        """What it does with one service or model, and in between something else."""
         if "serve" in known.inputs:
             idle = "idle " if self.chance(0.8) else ""
             serve = f"@{label} {idle}{known.name}.serve -> request;"
@@ -302,9 +309,11 @@ class NodeMaker(TextMaker):
 
     def labelled(self, node: Node, callback: Callback | None, line: str) -> str:
         """The statement with a label before it."""
+        if callback is None:
+            return line
         label = self.new("l")
         self.atoms.append(f"{node.name}@{label}")
-        if callback is not None and self.chance(0.6):
+        if self.chance(0.6):
             self.atoms.append(f"{node.name}.{callback.name}@{label}")
         return f"@{label} {line}"
 
@@ -364,7 +373,8 @@ class NodeMaker(TextMaker):
         if kind == "local":
             name = self.new("v")
             inner = " ".join(self.action(node, callback, 0))
-            return [f"var {name}: 0..1 = any 0..1;", f"if ({name} == 1) {{ {inner} }}"]
+            choice = f"var {name}: 0..1; {name} = any 0..1;"
+            return [choice, f"if ({name} == 1) {{ {inner} }}"]
         return ["return;" if kind == "return" else "skip;"]
 
     def node_system(self, programs: list[str]) -> list[str]:

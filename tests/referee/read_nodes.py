@@ -150,7 +150,7 @@ def client_callback(system: Any, node: NodeText, name: str, index: tuple) -> Cal
         )
         callback.has_code = "do" in entry
     else:
-        callback = callback_of(node, full, {"client": name}, groups)
+        callback = callback_of(node, full, {"client": name, "do": "skip;"}, groups)
         callback.group = group_of(entry, groups, full)
     callback.what = (name, index)
     return callback

@@ -220,11 +220,11 @@ class Service:
                     found.append((output, after, (event, other)))
         return found, False
 
-    def quiet(self, state: tuple, program: int, name: str) -> bool:
+    def quiet(self, state: tuple, program: int, name: str, is_input: bool) -> bool:
         """Whether nothing is due where this belongs: at the server, or at the clients."""
         if name in ("send", "serve", "request"):
             return state[1] in (FREE, WAITS)
-        if name == "receive" or program not in self.server:
+        if name == "receive" or not is_input:
             return all(output[0] != "answer" for output, _, _ in self.due(state, program))
         return all(client is None or client[1] != DUE for client in state[3])
 

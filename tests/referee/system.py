@@ -77,11 +77,11 @@ class System:
         self.texts = self.read_programs()
         self.node_of: dict[tuple[str, tuple], tuple[NodeText, dict, dict]] = {}
         self.nodes = read_nodes(self)
-        if not self.texts and not self.nodes:
-            raise Refused("no programs")
         services = service_members(self)
         add_client_callbacks(self, services)
         self.add_copies()
+        if not self.texts:
+            raise Refused("no programs")
         self.procedures = self.read_procedures()
         self.variables = self.read_variables()
         read_node_variables(self)

@@ -7,7 +7,8 @@ Both answer, for a program by its number:
     due(state, program)             -> [(action, next state, event)], what the program may take
     pick(state, program, action)    -> ([(action, next state, events)], cut), input and output in
                                        one step, for an arm of a select
-    quiet(state, program, name)     whether nothing is due where this input or output belongs
+    quiet(state, program, name, is_input)
+                                    whether nothing is due where this input or output belongs
 
 An event is (program, name, readers or None, "?" or "!", action). A model takes no input while an
 output is due.
@@ -186,7 +187,7 @@ class Instance:
                         found.append((output, after, (event, other)))
         return found, False
 
-    def quiet(self, state: tuple, program: int, name: str) -> bool:
+    def quiet(self, state: tuple, program: int, name: str, is_input: bool) -> bool:
         return state[0] == LOST or not self.model.outputs(state[0])
 
     def died(self, state: tuple, program: int) -> tuple[list, bool]:
@@ -400,7 +401,7 @@ class Topic:
                         found.append((output, after, (event, other)))
         return found, cut
 
-    def quiet(self, state: tuple, program: int, name: str) -> bool:
+    def quiet(self, state: tuple, program: int, name: str, is_input: bool) -> bool:
         if not self.of_writer(name):
             concerned = [self.reader_of[program]]
         elif self.written(state) is not None:
