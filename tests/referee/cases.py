@@ -2,10 +2,10 @@
 
     cases.py [--maide PROGRAM] [--write FOLDER]
 
-The rows of the table of calls inside of callbacks that were measured on rclcpp, answers of strangers
-that push out one's own, updates that are lost, and looks of an executor that are stale. The referee
-must give these verdicts, and Maide the same components, counts and verdicts. Exit status 1: it, or
-the referee, has another one.
+The rows of the table of calls inside of callbacks that were measured on rclcpp, answers of
+strangers that push out one's own, updates that are lost, and looks of an executor that are stale.
+The referee must give these verdicts, and Maide the same components, counts and verdicts. Exit
+status 1: it, or the referee, has another one.
 """
 
 from __future__ import annotations

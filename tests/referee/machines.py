@@ -1,4 +1,4 @@
-"""Learned machines of rclcpp, computed from the referee's rules: their sizes must be those measured.
+"""Machines of rclcpp, computed from the referee's rules: their sizes must be those measured.
 
     machines.py
 
@@ -193,7 +193,7 @@ class ExecutorMachine:
         writes = " ".join(f"{name}.write;" for name in names)
         lines += ["programs:", f"  world: {writes}"]
         lines += ["nodes:", "  n:", "    executor: main", "    callbacks:"]
-        lines += [f"      on_{name}: {{takes: {name}.read}}" for name in names]
+        lines += [f"      on_{name}: {{takes: {name}.read, do: skip;}}" for name in names]
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / "system.yaml"
             path.write_text("\n".join(lines) + "\n", encoding="utf-8")
