@@ -7,6 +7,7 @@
 
 #include "maide/automata/compare.hpp"
 #include "ros2_cases.hpp"
+#include "ros2_executor_cases.hpp"
 
 namespace maide {
 namespace {
@@ -52,6 +53,24 @@ std::vector<test::Ros2ServiceCase> learned_services() {
 
 INSTANTIATE_TEST_SUITE_P(Services, Ros2LearnedService, testing::ValuesIn(learned_services()),
                          [](const auto& tested) { return tested.param.name; });
+
+TEST(Ros2LearnedExecutor, IsTheModel) {
+  for (const test::Ros2ExecutorCase& tested : test::ros2_executor_cases()) {
+    if (tested.name != "once" && tested.name != "forever" && tested.name != "timer_some") continue;
+    const Mealy learned = test::learn_system("ros2", tested.options()).machine;
+    EXPECT_EQ(learned.size(), tested.states) << tested.name;
+    EXPECT_FALSE(find_difference(test::make_ros2_executor(tested.executor), learned).has_value())
+        << tested.name;
+  }
+}
+
+TEST(Ros2LearnedCall, HasTheSizeOfTheModel) {
+  for (const test::Ros2NestedCase& tested : test::ros2_nested_cases()) {
+    if (tested.name != "single" && tested.name != "multi_client_apart") continue;
+    EXPECT_EQ(test::learn_system("ros2", tested.options()).machine.size(), tested.states)
+        << tested.name;
+  }
+}
 
 class Ros2Automaton : public testing::TestWithParam<test::PortCase> {};
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "ros2_cases.hpp"
+#include "ros2_executor_cases.hpp"
 
 namespace maide {
 namespace {
@@ -35,6 +36,14 @@ std::vector<Case> cases() {
   }
   for (const test::Ros2ServiceCase& each : test::ros2_service_cases()) {
     if (each.name == "depth_1") chosen.push_back({"service", each.options(), each.states});
+  }
+  for (const test::Ros2ExecutorCase& each : test::ros2_executor_cases()) {
+    if (each.name == "once") chosen.push_back({"executor", each.options(), each.states});
+  }
+  for (const test::Ros2NestedCase& each : test::ros2_nested_cases()) {
+    if (each.name == "multi_reentrant") {
+      chosen.push_back({"nested", each.options(), each.states});
+    }
   }
   return chosen;
 }

@@ -1,6 +1,7 @@
 #include "ros2_wrapper.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <rclcpp/version.h>
 
 #include <algorithm>
@@ -29,15 +30,19 @@ void append(std::vector<std::string>& names, const std::vector<std::string>& mor
 
 OptionSpec inputs_row() {
   std::vector<std::string> names{usual, "write", "read", "tryread", "unsubscribe", "subscribe"};
-  append(names, service_inputs());
+  for (const auto& more : {service_inputs(), executor_inputs(), nested_inputs()}) {
+    append(names, more);
+  }
   OptionSpec row = common_options::inputs(std::move(names), usual);
-  row.help += "; usual: write,read of a topic, send,serve,answer,receive of a service";
+  row.help += "; usual: write,read of a topic, send,serve,answer,receive of a service, else all";
   return row;
 }
 
 OptionSpec observe_row() {
   std::vector<std::string> names{usual, "message", "null", "unsubscribed", "written"};
-  append(names, service_events());
+  for (const auto& more : {service_events(), executor_events(), nested_events()}) {
+    append(names, more);
+  }
   OptionSpec row = common_options::observe(std::move(names), usual);
   row.help += "; usual: message of a topic, all of the other kinds";
   return row;
@@ -50,36 +55,49 @@ OptionSpec size_row() {
   return row;
 }
 
-// Options that mean something with one kind alone.
-struct RowsOfKind {
-  const char* kind;
-  std::vector<std::string> keys;
+// Options that mean something with some kinds alone.
+struct RowsOfKinds {
+  std::vector<std::string> kinds, keys;
 };
 
-std::vector<RowsOfKind> rows_by_kind() {
-  RowsOfKind topic{"topic", {"history", "reliability", "durability", "size", "writers", "readers"}};
-  for (const OptionSpec& row : TopicSettings::options()) topic.keys.push_back(row.key);
-  for (const OptionSpec& row : qos_options()) {
-    if (row.key.starts_with("pub-") || row.key.starts_with("sub-")) topic.keys.push_back(row.key);
-  }
-  RowsOfKind service{"service", {}};
-  for (const OptionSpec& row : ServiceSettings::options()) service.keys.push_back(row.key);
-  return {std::move(topic), std::move(service)};
+std::vector<std::string> keys_of(const std::vector<OptionSpec>& rows) {
+  std::vector<std::string> keys;
+  for (const OptionSpec& row : rows) keys.push_back(row.key);
+  return keys;
+}
+
+std::vector<RowsOfKinds> rows_by_kinds() {
+  RowsOfKinds topic{{"topic"}, {"take", "size", "writers", "readers"}};
+  append(topic.keys, keys_of(qos_options()));
+  std::erase(topic.keys, "depth");
+  return {std::move(topic),
+          {{"topic", "service", "executor"}, {"depth"}},
+          {{"topic", "executor"}, {"intraprocess"}},
+          {{"topic", "service"}, {"payload"}},
+          {{"executor", "nested"}, keys_of(ExecutorSettings::options())},
+          {{"service"}, keys_of(ServiceSettings::options())},
+          {{"executor"}, keys_of(ExecutorKindSettings::options())},
+          {{"nested"}, keys_of(NestedSettings::options())}};
 }
 
 }  // namespace
 
 Ros2Wrapper::Ros2Wrapper() {
   description_.name = "ros2";
-  description_.summary = "ROS 2: topics and services of rclcpp, in one process";
+  description_.summary = "ROS 2: topics, services and executors of rclcpp, in one process";
   description_.versions = {{"ros2", "rclcpp " RCLCPP_VERSION_STR}, {"wrapper", "1"}};
   std::vector<OptionSpec>& table = description_.options;
-  table = {OptionSpec::choice("kind", "topic", {"topic", "service"}, "what is learned"),
+  table = {OptionSpec::choice("kind", "topic", {"topic", "service", "executor", "nested"},
+                              "what is learned: publishers and subscriptions, a service, what an "
+                              "executor runs, a synchronous call in a callback"),
            OptionSpec::choice("rmw", "cyclonedds", {"cyclonedds", "fastrtps"},
                               "the middleware under rclcpp")};
   append(table, qos_options());
   append(table, TopicSettings::options());
   append(table, ServiceSettings::options());
+  append(table, ExecutorSettings::options());
+  append(table, ExecutorKindSettings::options());
+  append(table, NestedSettings::options());
   table.push_back(OptionSpec::integer(
       "contexts", 1, 1, 2, "contexts of rclcpp; 2: what sends and what receives have one each"));
   table.push_back(inputs_row());
@@ -92,14 +110,15 @@ Ros2Wrapper::Ros2Wrapper() {
 
 // Such an option would silently do nothing.
 void Ros2Wrapper::refuse_options_of_other_kinds(const OptionValues& options) const {
-  for (const RowsOfKind& rows : rows_by_kind()) {
-    if (options.is("kind", rows.kind)) continue;
+  const auto contains = [](const std::vector<std::string>& names, const std::string& name) {
+    return std::find(names.begin(), names.end(), name) != names.end();
+  };
+  for (const RowsOfKinds& rows : rows_by_kinds()) {
+    if (contains(rows.kinds, options.text("kind"))) continue;
     for (const OptionSpec& row : description_.options) {
-      const bool is_of_kind =
-          std::find(rows.keys.begin(), rows.keys.end(), row.key) != rows.keys.end();
-      if (!is_of_kind || options.is(row.key, row.default_value)) continue;
-      throw UsageError(
-          fmt::format("option {}: it means something with kind={} only", row.key, rows.kind));
+      if (!contains(rows.keys, row.key) || options.is(row.key, row.default_value)) continue;
+      throw UsageError(fmt::format("option {}: it means something with kind={} only", row.key,
+                                   fmt::join(rows.kinds, ", ")));
     }
   }
 }
@@ -110,9 +129,15 @@ SystemSetup Ros2Wrapper::configure(const OptionValues& options) {
   if (options.is("kind", "topic")) {
     topic_ = TopicSettings::from(options);
     setup = topic_setup(*topic_, options);
-  } else {
+  } else if (options.is("kind", "service")) {
     service_ = ServiceSettings::from(options);
     setup = service_setup(*service_);
+  } else if (options.is("kind", "executor")) {
+    executor_ = ExecutorKindSettings::from(options);
+    setup = executor_setup(*executor_);
+  } else {
+    nested_ = NestedSettings::from(options);
+    setup = nested_setup(*nested_);
   }
   prepare_process(options.text("rmw"));
   nodes_.emplace(static_cast<std::size_t>(options.number("contexts")));
@@ -121,7 +146,9 @@ SystemSetup Ros2Wrapper::configure(const OptionValues& options) {
 
 std::unique_ptr<SystemInstance> Ros2Wrapper::reset(EventSink& sink) {
   if (topic_) return std::make_unique<Topic>(*nodes_, *topic_, sink);
-  return std::make_unique<Service>(*nodes_, *service_, sink);
+  if (service_) return std::make_unique<Service>(*nodes_, *service_, sink);
+  if (executor_) return std::make_unique<ExecutorKind>(*nodes_, *executor_, sink);
+  return std::make_unique<Nested>(*nodes_, *nested_, sink);
 }
 
 }  // namespace maide::ros2

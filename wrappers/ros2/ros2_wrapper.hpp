@@ -3,6 +3,8 @@
 //
 //   kind=topic     publishers and subscriptions (topic.hpp)
 //   kind=service   a server and one or two clients (service.hpp)
+//   kind=executor  what an executor runs, and in which order (executor.hpp)
+//   kind=nested    a synchronous call inside a callback (nested.hpp)
 //
 // The process stays by itself: it has a domain of its own, Cyclone DDS has no network, and the
 // others stay on the loopback device. A reset keeps the contexts and makes new names.
@@ -11,7 +13,9 @@
 #include <memory>
 #include <optional>
 
+#include "executor.hpp"
 #include "maide/wire/wrapper/system_wrapper.hpp"
+#include "nested.hpp"
 #include "nodes.hpp"
 #include "service.hpp"
 #include "topic.hpp"
@@ -31,6 +35,8 @@ class Ros2Wrapper : public SystemWrapper {
   WrapperDescription description_;
   std::optional<TopicSettings> topic_;  // the settings of the kind that is learned
   std::optional<ServiceSettings> service_;
+  std::optional<ExecutorKindSettings> executor_;
+  std::optional<NestedSettings> nested_;
   std::optional<Nodes> nodes_;
 };
 

@@ -1,0 +1,312 @@
+#include "ros2_executor_model.hpp"
+
+#include <algorithm>
+#include <compare>
+#include <deque>
+#include <map>
+#include <numeric>
+#include <optional>
+#include <stdexcept>
+#include <utility>
+
+#include "maide/automata/minimize.hpp"
+
+namespace maide::test {
+namespace {
+
+// Outputs of a step, as an answer spells them.
+std::string joined(const std::vector<std::string>& events) {
+  std::string text;
+  for (const std::string& event : events) text += (text.empty() ? "" : ",") + event;
+  return text.empty() ? "quiet" : text;
+}
+
+// The machine whose states are reached from `first` by steps; minimal.
+template <typename Content, typename Step>
+Mealy explore(const Content& first, const std::vector<std::string>& inputs, const Step& step) {
+  Mealy mealy(Alphabet(inputs), {}, 1);
+  std::vector<Content> contents{first};
+  std::map<Content, StateId> numbers{{first, 0}};
+  for (StateId state = 0; state < contents.size(); ++state) {
+    for (Symbol input = 0; input < inputs.size(); ++input) {
+      Content content = contents[state];
+      const std::string output = step(content, inputs[input]);
+      const auto [entry, is_new] = numbers.try_emplace(content, mealy.size());
+      if (is_new) {
+        mealy.add_state();
+        contents.push_back(content);
+      }
+      mealy.set_transition(state, input, mealy.intern_output(output), entry->second);
+    }
+  }
+  return minimize(mealy);
+}
+
+// Of each callback, in the order in which they are run.
+struct Work {
+  std::vector<std::size_t> pending, running;
+  std::vector<char> seen;  // ready at the last look, and not begun since
+  auto operator<=>(const Work&) const = default;
+};
+
+class Rule {
+ public:
+  // `groups` by callback; "reentrant" is none.
+  Rule(std::size_t threads, std::vector<std::string> groups)
+      : threads_(threads), groups_(std::move(groups)) {}
+
+  Work idle() const {
+    const std::size_t count = groups_.size();
+    return {std::vector<std::size_t>(count), std::vector<std::size_t>(count),
+            std::vector<char>(count)};
+  }
+
+  void look(Work& work) const {
+    for (std::size_t callback = 0; callback < groups_.size(); ++callback) {
+      work.seen[callback] = work.pending[callback] > 0 && is_free(work, callback) ? 1 : 0;
+    }
+  }
+
+  // Begins the next callback, if there is one and a thread for it.
+  std::optional<std::size_t> begin(Work& work) const {
+    const std::size_t busy =
+        std::accumulate(work.running.begin(), work.running.end(), std::size_t{0});
+    if (busy == threads_) return std::nullopt;
+    if (const auto callback = begin_seen(work)) return callback;
+    look(work);
+    return begin_seen(work);
+  }
+
+ private:
+  bool is_free(const Work& work, std::size_t callback) const {
+    if (groups_[callback] == "reentrant") return true;
+    for (std::size_t other = 0; other < groups_.size(); ++other) {
+      if (groups_[other] == groups_[callback] && work.running[other] > 0) return false;
+    }
+    return true;
+  }
+
+  std::optional<std::size_t> begin_seen(Work& work) const {
+    for (std::size_t callback = 0; callback < groups_.size(); ++callback) {
+      if (work.seen[callback] == 0 || !is_free(work, callback)) continue;
+      work.seen[callback] = 0;
+      --work.pending[callback];
+      ++work.running[callback];
+      return callback;
+    }
+    return std::nullopt;
+  }
+
+  const std::size_t threads_;
+  const std::vector<std::string> groups_;
+};
+
+// The callbacks of kind=executor, and what makes each ready.
+struct Callbacks {
+  std::vector<std::string> inputs, events;
+  std::vector<std::size_t> most_pending;
+
+  void add(const std::string& input, const std::string& event, std::size_t count,
+           std::size_t depth) {
+    for (std::size_t number = 1; number <= count; ++number) {
+      inputs.push_back(input + std::to_string(number));
+      events.push_back(event + std::to_string(number));
+      most_pending.push_back(depth);
+    }
+  }
+};
+
+Callbacks callbacks_of(const Ros2Executor& executor) {
+  Callbacks all;
+  all.add("due", "timer", executor.timers, 1);
+  if (!executor.intraprocess) all.add("arrive", "sub", executor.subscriptions, executor.depth);
+  all.add("request", "service", executor.services, executor.depth);
+  if (executor.intraprocess) all.add("arrive", "sub", executor.subscriptions, executor.depth);
+  return all;
+}
+
+// In the wrapper's order, whatever the order of running.
+std::vector<std::string> inputs_of(const Ros2Executor& executor) {
+  Ros2Executor usual = executor;
+  usual.intraprocess = false;
+  const Callbacks callbacks = callbacks_of(usual);
+  std::vector<std::string> inputs = callbacks.inputs;
+  if (executor.spin != "forever") {
+    inputs.emplace_back("spin");
+  } else {
+    for (const std::string& event : callbacks.events) inputs.push_back("end_" + event);
+  }
+  return inputs;
+}
+
+std::string spin(const Rule& rule, Work& work, const std::string& how,
+                 const std::vector<std::string>& events) {
+  std::vector<std::string> ran;
+  if (how == "some") rule.look(work);
+  const auto has_seen = [&] { return std::count(work.seen.begin(), work.seen.end(), 1) > 0; };
+  while (how == "all" || ran.empty() || (how == "some" && has_seen())) {
+    const auto callback = rule.begin(work);
+    if (!callback) break;
+    work.running[*callback] = 0;
+    ran.push_back(events[*callback]);
+  }
+  return ran.empty() ? "nothing" : joined(ran);
+}
+
+std::string begin_all(const Rule& rule, Work& work, const std::vector<std::string>& events) {
+  std::vector<std::string> began;
+  while (const auto callback = rule.begin(work)) began.push_back(events[*callback]);
+  return joined(began);
+}
+
+// A caller's callback, and what is under way between client and server: who asked.
+struct Calls {
+  enum class Phase { idle, triggered, held, waiting };
+  Work work;
+  std::vector<Phase> callers;
+  std::vector<std::size_t> asked;  // the how manyth request of each it waits for
+  std::deque<std::pair<std::size_t, std::size_t>> requests, answers;
+  auto operator<=>(const Calls&) const = default;
+};
+
+class NestedMachine {
+ public:
+  explicit NestedMachine(const Ros2Nested& nested)
+      : nested_(nested),
+        server_(nested.callers),
+        client_(nested.callers + 1),
+        rule_(nested.threads, groups_of(nested)) {}
+
+  Calls first() const {
+    return {rule_.idle(),
+            std::vector<Calls::Phase>(nested_.callers, Calls::Phase::idle),
+            std::vector<std::size_t>(nested_.callers),
+            {},
+            {}};
+  }
+
+  std::string step(Calls& calls, const std::string& input) const {
+    using Phase = Calls::Phase;
+    const auto is_in = [&](Phase phase) {
+      return std::find(calls.callers.begin(), calls.callers.end(), phase) != calls.callers.end();
+    };
+    if (input == "look")
+      return !is_in(Phase::waiting) ? "idle" : is_in(Phase::held) ? "waits" : "hangs";
+    const std::string name = input.substr(0, input.size() - 1);
+    const std::size_t caller = input.back() == '2' ? 1 : 0;
+    Phase& phase = calls.callers[caller];
+    std::vector<std::string> events;
+    if (name == "trigger" && phase == Phase::idle) {
+      phase = Phase::triggered;
+      ++calls.work.pending[caller];
+    } else if (name == "call" && phase == Phase::held) {
+      ask(calls, caller, events);
+    } else if (name == "timeout" && phase == Phase::waiting) {
+      end(calls, caller, "timed_out", events);
+    } else {
+      return "unexplored";
+    }
+    settle(calls, events);
+    // In the order of the actors: the first callback's outputs come first.
+    std::stable_sort(events.begin(), events.end(), [](const auto& left, const auto& right) {
+      return left.back() < right.back();
+    });
+    return joined(events);
+  }
+
+ private:
+  static std::vector<std::string> groups_of(const Ros2Nested& nested) {
+    std::vector<std::string> groups(nested.callers, nested.caller_group);
+    groups.push_back(nested.server_group);
+    groups.push_back(nested.client_group);
+    return groups;
+  }
+
+  void ask(Calls& calls, std::size_t caller, std::vector<std::string>& events) const {
+    if (nested_.spins) return end(calls, caller, "exception", events);
+    calls.callers[caller] = Calls::Phase::waiting;
+    calls.asked[caller] = 1 - calls.asked[caller];
+    const std::pair request{caller, calls.asked[caller]};
+    if (nested_.server_group == "elsewhere") return answer(calls, request);
+    calls.requests.push_back(request);
+    ++calls.work.pending[server_];
+  }
+
+  void answer(Calls& calls, const std::pair<std::size_t, std::size_t>& request) const {
+    calls.answers.push_back(request);
+    ++calls.work.pending[client_];
+  }
+
+  void end(Calls& calls, std::size_t caller, const std::string& how,
+           std::vector<std::string>& events) const {
+    events.push_back(how + std::to_string(caller + 1));
+    calls.callers[caller] = Calls::Phase::idle;
+    calls.work.running[caller] = 0;
+  }
+
+  void settle(Calls& calls, std::vector<std::string>& events) const {
+    while (const auto callback = rule_.begin(calls.work)) {
+      if (*callback < nested_.callers) {
+        calls.callers[*callback] = Calls::Phase::held;
+        events.push_back("began" + std::to_string(*callback + 1));
+        continue;
+      }
+      calls.work.running[*callback] = 0;
+      auto& queue = *callback == server_ ? calls.requests : calls.answers;
+      const auto front = queue.front();
+      queue.pop_front();
+      if (*callback == server_) {
+        answer(calls, front);
+      } else if (calls.callers[front.first] == Calls::Phase::waiting &&
+                 calls.asked[front.first] == front.second) {
+        end(calls, front.first, "returned", events);
+      }
+    }
+  }
+
+  const Ros2Nested nested_;
+  const std::size_t server_, client_;  // callbacks
+  const Rule rule_;
+};
+
+}  // namespace
+
+Mealy make_ros2_executor(const Ros2Executor& executor) {
+  const Callbacks callbacks = callbacks_of(executor);
+  std::vector<std::string> groups = callbacks.events;
+  if (executor.groups != "own") std::fill(groups.begin(), groups.end(), executor.groups);
+  const Rule rule(executor.threads, groups);
+  const auto step = [&](Work& work, const std::string& input) -> std::string {
+    if (input == "spin") return spin(rule, work, executor.spin, callbacks.events);
+    const auto ready = std::find(callbacks.inputs.begin(), callbacks.inputs.end(), input);
+    if (ready != callbacks.inputs.end()) {
+      const auto callback = static_cast<std::size_t>(ready - callbacks.inputs.begin());
+      std::size_t& pending = work.pending[callback];
+      pending = std::min(pending + 1, callbacks.most_pending[callback]);
+    } else {
+      const auto ended =
+          std::find(callbacks.events.begin(), callbacks.events.end(), input.substr(4));
+      std::size_t& running =
+          work.running.at(static_cast<std::size_t>(ended - callbacks.events.begin()));
+      if (running > 0) --running;
+    }
+    return executor.spin == "forever" ? begin_all(rule, work, callbacks.events) : "quiet";
+  };
+  return explore(rule.idle(), inputs_of(executor), step);
+}
+
+Mealy make_ros2_nested(const Ros2Nested& nested) {
+  std::vector<std::string> inputs;
+  for (std::size_t caller = 1; caller <= nested.callers; ++caller) {
+    for (const char* input : {"trigger", "call", "timeout"}) {
+      inputs.push_back(input + std::to_string(caller));
+    }
+  }
+  inputs.emplace_back("look");
+  const NestedMachine machine(nested);
+  return explore(machine.first(), inputs, [&](Calls& calls, const std::string& input) {
+    return machine.step(calls, input);
+  });
+}
+
+}  // namespace maide::test
