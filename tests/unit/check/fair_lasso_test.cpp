@@ -15,8 +15,8 @@ struct Counters {
       "  a: repeat 200 { if * {} }\n"
       "  b: repeat 100 { if * {} }\n");
   PackedSystem system{plain, node_number_bits, 3};
-  StuckMonitor monitor{system, StuckMonitor::Runs::weakly_fair};
-  ProductGraph<1, StuckMonitor> graph{system, monitor};
+  StuckMonitor<> monitor{system, StuckRuns::weakly_fair};
+  ProductGraph<1, StuckMonitor<>> graph{system, monitor};
 
   Counters() {
     for (const auto& node : graph.first_nodes()) graph.insert(node);

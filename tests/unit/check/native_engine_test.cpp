@@ -138,24 +138,56 @@ TEST(NativeEngine, ARunThatIsCutProvesNothingMore) {
 }
 
 // Fairness is a bit for each program: beyond a word of them there is no verdict, and no wrong one.
-TEST(NativeEngine, TooManyProgramsAreInconclusive) {
-  const auto system_of_size = [](int programs) {
-    std::string text = "  busy: loop { sync.write; sync.read -> message; }\n";
-    for (int i = 1; i < programs; ++i) text += "  p" + std::to_string(i) + ": skip;\n";
-    return test::system_of(text, "  first: G F sync.write\n  never: F !(G F sync.write)\n");
-  };
-  const System most = system_of_size(63);
-  EXPECT_EQ(check(most, stuck()).verdict, Verdict::holds);
-  EXPECT_EQ(check(most, most.properties[0]).verdict, Verdict::holds);
-  EXPECT_EQ(check(most, most.properties[1]).verdict, Verdict::violated);
-  const System larger = system_of_size(65);
-  EXPECT_EQ(check(larger, test::deadlock_property()).verdict, Verdict::holds);
-  EXPECT_EQ(check(larger, stuck()).verdict, Verdict::inconclusive);
-  for (const Property& property : larger.properties) {
-    const PropertyResult result = check(larger, property);
-    EXPECT_EQ(result.verdict, Verdict::inconclusive);
-    EXPECT_THAT(result.reason, HasSubstr("at most 64 programs"));
+// A ring in which one token goes round, and `spin`, which runs for ever: one component of that many
+// programs. `last` is the body of the last station, which has read the token.
+System ring_of(int programs, const std::string& last, const std::string& properties) {
+  const std::string end = std::to_string(programs - 2), before = std::to_string(programs - 3);
+  return parse_system(
+      "models:\n  box[i in 0.." + end + "]: {use: queue, with: {size: 1}}\n" +
+          "  own: {use: queue, with: {size: 1}}\n" + "variables: \"var n: 0..1;\"\nprograms:\n" +
+          "  first: \"box[0].write; loop { box[" + end +
+          "].read -> message; if (n == 1) { } box[0].write; }\"\n" + "  s[i in 1.." + before +
+          "]: \"loop { box[i - 1].read -> message; @has box[i].write; }\"\n" +
+          "  last: \"loop { box[" + before + "].read -> message; @has " + last + " box[" + end +
+          "].write; }\"\n" + "  spin: \"loop { n = 1 - n; }\"\n" + "properties:\n" + properties,
+      "ring.yaml");
+}
+
+// Programs and marks are bits of one word, and of several beyond 64 programs. The verdicts do not
+// depend on it.
+TEST(NativeEngine, MoreProgramsThanBitsOfAWord) {
+  const std::string formulas =
+      "  comes: {ltl: \"G F s[2]@has\", fairness: weak}\n"
+      "  stays: {ltl: \"F G !s[2]@has\", fairness: strong}\n"
+      "  leaves: {ltl: \"F G !s[2]@has\", fairness: weak}\n"
+      "  none: {ltl: \"G F s[2]@has\", fairness: none}\n";
+  const std::vector<Verdict> expected{Verdict::holds, Verdict::violated, Verdict::violated,
+                                      Verdict::violated};
+  const std::vector<Verdict> if_kept{Verdict::violated, Verdict::holds, Verdict::holds,
+                                     Verdict::violated};
+  for (const int programs : {6, 64, 65, 66, 90}) {
+    SCOPED_TRACE(programs);
+    const System ring = ring_of(programs, "", formulas);
+    ASSERT_EQ(ring.programs.size(), static_cast<std::size_t>(programs));
+    EXPECT_EQ(check(ring, stuck()).verdict, Verdict::holds);
+    // The last station keeps the token, and all others but `spin` wait for ever.
+    const System kept = ring_of(programs, "loop { own.write; own.read -> message; }", formulas);
+    EXPECT_EQ(check(kept, stuck()).verdict, Verdict::violated);
+    for (std::size_t i = 0; i < expected.size(); ++i) {
+      EXPECT_EQ(check(ring, ring.properties[i]).verdict, expected[i]) << ring.properties[i].name;
+      EXPECT_EQ(check(kept, kept.properties[i]).verdict, if_kept[i]) << ring.properties[i].name;
+    }
   }
+}
+
+TEST(NativeEngine, TooManyProgramsAreInconclusive) {
+  std::string text = "  busy: loop { sync.write; sync.read -> message; }\n";
+  for (int i = 1; i < 1025; ++i) text += "  p" + std::to_string(i) + ": loop { sync.write; }\n";
+  const System large = test::system_of(text, "  first: G F sync.write\n");
+  EXPECT_EQ(check(large, test::deadlock_property()).verdict, Verdict::holds);
+  const PropertyResult result = check(large, large.properties[0]);
+  EXPECT_EQ(result.verdict, Verdict::inconclusive);
+  EXPECT_THAT(result.reason, HasSubstr("at most 1024 programs"));
 }
 
 // Programs that count, apart from one another: 101^4 states.

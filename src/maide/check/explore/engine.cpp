@@ -228,17 +228,30 @@ Formula negation_of(const Formula& formula) {
   return std::make_shared<const FormulaNode>(std::move(node));
 }
 
+// Calls `work` as with_words() does. Searches with wide sets are compiled for large states alone.
+template <typename Monitor>
+constexpr bool uses_wide_bits = std::is_same_v<typename Monitor::Bits, WideBits>;
+template <typename Monitor, typename Work>
+auto with_words_for(const PackedSystem& system, Work&& work) {
+  if constexpr (uses_wide_bits<Monitor>) {
+    return work(std::integral_constant<std::size_t, PackedSystem::most_words>());
+  } else {
+    return with_words(system.words(), work);
+  }
+}
+
 template <typename Monitor>
 SearchResult find_fair_cycle(const PackedSystem& system, const Monitor& monitor,
                              const Property& property, Reduction reduction,
                              const SearchLimits& limits) {
   std::optional<ReductionRules> rules;
-  if (leaves_out_orders(reduction) && !system.has_deaths() && system.group_count() == 0) {
+  if (leaves_out_orders(reduction) && !system.has_deaths() && system.group_count() == 0 &&
+      system.program_count() <= most_reduced_programs) {
     rules = rules_for_cycle(system.system(), property);
   }
   std::optional<StubbornSets> sets;
   if (rules) sets.emplace(system, std::move(rules->sets));
-  SearchResult search = with_words(system.words(), [&](auto words) {
+  SearchResult search = with_words_for<Monitor>(system, [&](auto words) {
     return FairCycleSearch<words.value, Monitor>(system, monitor, limits, sets ? &*sets : nullptr)
         .run();
   });
@@ -246,10 +259,12 @@ SearchResult find_fair_cycle(const PackedSystem& system, const Monitor& monitor,
   return search;
 }
 
-// Puts a shorter run into the place of the one that was found, if there is one near the start.
+// Puts a shorter run into the place of the one that was found, if there is one near the start. Not
+// with wide sets: ways round past so many needs are not compared.
 template <typename Monitor>
-void shorten(const PackedSystem& system, const Monitor& monitor, const Property& property,
-             const RunControl& control, SearchResult& search) {
+requires(!uses_wide_bits<Monitor>) void shorten(const PackedSystem& system, const Monitor& monitor,
+                                                const Property& property, const RunControl& control,
+                                                SearchResult& search) {
   if (search.end != SearchResult::End::found || !search.trace) return;
   const auto is_good = [&](const Trace& trace) {
     return find_flaw(system.system(), property, trace).empty();
@@ -265,67 +280,77 @@ void shorten(const PackedSystem& system, const Monitor& monitor, const Property&
   }
 }
 
-// Programs, and marks, are bits of a word in the search for fair cycles.
-bool is_within_words(const System& system, unsigned marks) {
-  return system.programs.size() <= most_marks && marks <= most_marks;
-}
+template <typename Monitor>
+requires(uses_wide_bits<Monitor>) void shorten(const PackedSystem&, const Monitor&, const Property&,
+                                               const RunControl&, SearchResult&) {}
 
 // Whoever is stuck starves on runs that are weakly fair, too, and those are found faster. So they
 // are looked for first, and strong fairness matters only where there are some. If strongly fair
-// runs leave nobody stuck, one that starves on weakly fair runs is only remarked. Nothing if the
-// system is too large for it.
-std::optional<SearchResult> search_for_stuck(const System& plain, const Property& property,
-                                             Reduction reduction, const SearchLimits& limits) {
+// runs leave nobody stuck, one that starves on weakly fair runs is only remarked.
+template <typename Bits>
+SearchResult search_for_stuck(const System& plain, const Property& property, Reduction reduction,
+                              const SearchLimits& limits) {
   const PackedSystem system(plain, node_number_bits, plain.programs.size() + 1);
-  const auto search = [&](StuckMonitor::Runs runs) {
+  const auto search = [&](StuckRuns runs) {
     Property wanted = property;
-    wanted.fairness = runs == StuckMonitor::Runs::strongly_fair ? Fairness::strong : Fairness::weak;
-    return find_fair_cycle(system, StuckMonitor(system, runs), wanted, reduction, limits);
+    wanted.fairness = runs == StuckRuns::strongly_fair ? Fairness::strong : Fairness::weak;
+    return find_fair_cycle(system, StuckMonitor<Bits>(system, runs), wanted, reduction, limits);
   };
   const auto shortened = [&](SearchResult found) {
-    const bool is_strong = !system.has_too_many_groups();
-    const auto runs =
-        is_strong ? StuckMonitor::Runs::strongly_fair : StuckMonitor::Runs::weakly_fair;
-    shorten(system, StuckMonitor(system, runs), property, limits.control, found);
+    const StuckMonitor<Bits> monitor(system, StuckRuns::strongly_fair);
+    shorten(system, monitor, property, limits.control, found);
     return found;
   };
-  SearchResult weak = search(StuckMonitor::Runs::weakly_fair);
+  SearchResult weak = search(StuckRuns::weakly_fair);
   if (weak.end != SearchResult::End::found) return weak;
   if (find_flaw(plain, property, *weak.trace).empty()) return shortened(std::move(weak));
-  if (system.has_too_many_groups()) return std::nullopt;
-  SearchResult strong = search(StuckMonitor::Runs::strongly_fair);
+  SearchResult strong = search(StuckRuns::strongly_fair);
   if (strong.end != SearchResult::End::complete) return shortened(std::move(strong));
-  if (system.groups_on_weak_runs() != 0) {
-    weak = search(StuckMonitor::Runs::weakly_fair_with_groups);
-  }
+  if (system.has_groups_on_weak_runs()) weak = search(StuckRuns::weakly_fair_with_groups);
   strong.bytes = std::max(strong.bytes, weak.bytes);
   if (weak.end == SearchResult::End::found) strong.remarkable = std::move(weak.trace);
   return strong;
 }
 
+template <typename Bits>
+SearchResult search_for_run(const System& plain, const Property& property, LtlAutomaton automaton,
+                            Reduction reduction, const SearchLimits& limits) {
+  const PackedSystem system(plain, node_number_bits, automaton.states.size());
+  const LtlMonitor<Bits> monitor(system, std::move(automaton), property.fairness);
+  SearchResult search = find_fair_cycle(system, monitor, property, reduction, limits);
+  shorten(system, monitor, property, limits.control, search);
+  return search;
+}
+
 // Nothing if the system is too large for it.
 std::optional<SearchResult> search_for_cycle(const System& plain, const Property& property,
                                              Reduction reduction, const SearchLimits& limits) {
-  const auto programs = static_cast<unsigned>(plain.programs.size());
+  const std::size_t programs = plain.programs.size();
+  std::size_t bits = programs;
+  std::size_t groups = 0;
+  for (const Program& program : plain.programs) {
+    groups += std::max<std::size_t>(program.fair_groups.size(), 1) - 1;
+  }
+  bits = std::max(bits, groups);
   if (property.kind == Property::Kind::stuck) {
-    if (!is_within_words(plain, programs)) return std::nullopt;
-    return search_for_stuck(plain, property, reduction, limits);
+    if (bits <= bit_count_of<std::uint64_t>) {
+      return search_for_stuck<std::uint64_t>(plain, property, reduction, limits);
+    }
+    if (bits > bit_count_of<WideBits>) return std::nullopt;
+    return search_for_stuck<WideBits>(plain, property, reduction, limits);
   }
   LtlAutomaton automaton = property.kind == Property::Kind::never
                                ? *property.never
                                : translate(negation_of(property.formula));
-  const bool is_weak = property.fairness == Fairness::weak;
-  if (!is_within_words(plain, automaton.mark_count + (is_weak ? programs : 0))) {
-    return std::nullopt;
+  const std::size_t marks =
+      automaton.mark_count + (property.fairness == Fairness::weak ? programs : 0);
+  bits = std::max(bits, marks);
+  if (bits <= bit_count_of<std::uint64_t>) {
+    return search_for_run<std::uint64_t>(plain, property, std::move(automaton), reduction, limits);
   }
-  const PackedSystem system(plain, node_number_bits, automaton.states.size());
-  const bool counts_groups =
-      property.fairness == Fairness::strong || (is_weak && system.groups_on_weak_runs() != 0);
-  if (counts_groups && system.has_too_many_groups()) return std::nullopt;
-  const LtlMonitor monitor(system, std::move(automaton), property.fairness);
-  SearchResult search = find_fair_cycle(system, monitor, property, reduction, limits);
-  shorten(system, monitor, property, limits.control, search);
-  return search;
+  // The automaton's own marks are bits of a word.
+  if (bits > bit_count_of<WideBits> || automaton.mark_count >= 64) return std::nullopt;
+  return search_for_run<WideBits>(plain, property, std::move(automaton), reduction, limits);
 }
 
 bool needs_cycle(const Property& property) {
@@ -395,8 +420,8 @@ PropertyResult NativeEngine::check(const System& system, const Property& propert
     if (!cycle) {
       result.reason = fmt::format(
           "the engine native takes at most {} programs, together with the formula's "
-          "eventualities, and as many arms and fair choices, where fairness matters",
-          most_marks);
+          "eventualities, and as many arms and fair choices",
+          bit_count_of<WideBits>);
       return result;
     }
     search = std::move(*cycle);

@@ -79,7 +79,7 @@ template <std::size_t words, typename Monitor>
 class FairCycleSearch {
  public:
   // `system` was made with node_number_bits of payload and the monitor's states. `sets`: null takes
-  // every step.
+  // every step; of at most 64 programs.
   FairCycleSearch(const PackedSystem& system, const Monitor& monitor, const SearchLimits& limits,
                   StubbornSets* sets = nullptr)
       : graph_(system, monitor), limits_(limits), sets_(sets) {
@@ -104,6 +104,7 @@ class FairCycleSearch {
   using State = typename Graph::State;
   using Edge = typename Graph::Edge;
   using Number = typename Graph::Number;
+  using Bits = typename Graph::Bits;
 
   using Address = typename Graph::Address;
   using Step = typename Graph::Steps::One;
@@ -118,17 +119,17 @@ class FairCycleSearch {
     State target;
     // To a node in which the monitor waits: what the step leaves out. Else its marks, but none from
     // where the monitor waits: no cycle passes there.
-    std::uint64_t marks_or_last = 0;
+    Bits marks_or_last{};
   };
   struct Root {
-    std::uint64_t marks = 0;     // inside the component
-    std::uint64_t incoming = 0;  // of the edge by which it was entered
+    Bits marks{};     // inside the component
+    Bits incoming{};  // of the edge by which it was entered
     Number node = 0;
     Number first_active = 0;  // of the component's nodes, in active_, which has no more than these
     bool has_edge = false;    // inside the component
     bool may_accept = true;   // the monitor does not wait
   };
-  static_assert(sizeof(Root) <= 4 * sizeof(std::uint64_t));
+  static_assert(sizeof(Root) <= 2 * sizeof(Bits) + 2 * sizeof(std::uint64_t));
   // An edge of the node that is expanded.
   struct Successor {
     Edge edge;
@@ -165,7 +166,7 @@ class FairCycleSearch {
       open_.pop();
       --frames_.top().open;
       if (!open_.empty()) graph_.prefetch(graph_.address_of(open_.top().target));
-      if (!enter(edge)) merge(known_, is_waiting(edge.target) ? 0 : edge.marks_or_last);
+      if (!enter(edge)) merge(known_, is_waiting(edge.target) ? Bits{} : edge.marks_or_last);
       if (is_over_) return true;
     }
     // The whole of what was found is in components that are complete.
@@ -185,7 +186,8 @@ class FairCycleSearch {
     const bool may_accept = !graph_.monitor().is_waiting(graph_.monitor_state(node));
     const bool has_last = order_ && !may_accept;
     const auto first_active = static_cast<Number>(active_.size());
-    roots_.push({0, has_last ? 0 : edge.marks_or_last, number, first_active, false, may_accept});
+    roots_.push(
+        {{}, has_last ? Bits{} : edge.marks_or_last, number, first_active, false, may_accept});
     active_.push(number);
     frames_.push({number, 0});
     result_.depth = std::max<std::uint64_t>(result_.depth, frames_.size());
@@ -207,7 +209,8 @@ class FairCycleSearch {
     graph_.find_steps(node, steps_);
     successors_.clear();
     if (is_waiting(node)) {
-      find_successors_in_order(node, (*order_)[static_cast<std::uint32_t>(incoming.marks_or_last)]);
+      find_successors_in_order(
+          node, (*order_)[static_cast<std::uint32_t>(lowest_word(incoming.marks_or_last))]);
     } else {
       find_reduced_successors(node);
     }
@@ -218,7 +221,7 @@ class FairCycleSearch {
         open_.push({edge.target, marks_or_last(node, edge)});
         ++frames_.top().open;
       } else {
-        merge(successor.number, is_waiting(node) ? 0 : edge.marks);
+        merge(successor.number, is_waiting(node) ? Bits{} : edge.marks);
         if (is_over_) return;
       }
     }
@@ -227,8 +230,8 @@ class FairCycleSearch {
   bool is_waiting(const State& node) const {
     return order_ && graph_.monitor().is_waiting(graph_.monitor_state(node));
   }
-  std::uint64_t marks_or_last(const State& node, const Edge& edge) const {
-    if (!is_waiting(edge.target)) return is_waiting(node) ? 0 : edge.marks;
+  Bits marks_or_last(const State& node, const Edge& edge) const {
+    if (!is_waiting(edge.target)) return is_waiting(node) ? Bits{} : edge.marks;
     if (!edge.is_step || graph_.monitor_state(edge.target) != graph_.monitor_state(node)) {
       return StepOrder::first_state;
     }
@@ -236,13 +239,10 @@ class FairCycleSearch {
   }
 
   void find_reduced_successors(const State& node) {
-    std::uint64_t programs = ~std::uint64_t{0};
-    if (sets_ != nullptr) {
-      const std::uint64_t selected = sets_->select(graph_.plain(node));
-      if (sets_->is_reduced()) programs = selected;
-    }
+    if (sets_ == nullptr) return find_successors(node, [](const Step&) { return true; });
+    const std::uint64_t programs = sets_->select(graph_.plain(node));
+    if (!sets_->is_reduced()) return find_successors(node, [](const Step&) { return true; });
     find_successors(node, [&](const Step& step) { return (programs >> step.program & 1) != 0; });
-    if (programs == ~std::uint64_t{0}) return;
     if (std::any_of(successors_.begin(), successors_.end(), [&](const Successor& successor) {
           return successor.number != Graph::no_node && is_on_path_[successor.number];
         })) {
@@ -272,7 +272,7 @@ class FairCycleSearch {
   }
 
   // An edge from the top to a node that is known.
-  void merge(Number known, std::uint64_t marks) {
+  void merge(Number known, Bits marks) {
     if (is_dead_[known]) return;
     while (roots_.top().node > known) {
       marks |= roots_.top().marks | roots_.top().incoming;

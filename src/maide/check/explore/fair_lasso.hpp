@@ -27,6 +27,7 @@ template <typename Graph>
 class FairParts {
  public:
   using Number = typename Graph::Number;
+  using Share = typename Graph::Share;
   using Set = std::vector<Number>;  // sorted
 
   FairParts(const Graph& graph, const RunControl& control) : graph_(graph), control_(control) {}
@@ -38,7 +39,7 @@ class FairParts {
     while (!open.empty()) {
       const Set set = std::move(open.back());
       open.pop_back();
-      std::uint64_t marks = 0;
+      typename Graph::Bits marks{};
       Share able, stepped;
       bool has_edge = false;
       for (const Number member : set) {
@@ -149,6 +150,7 @@ class FairLasso {
  public:
   using Number = typename Graph::Number;
   using Edge = typename Graph::Edge;
+  using Share = typename Graph::Share;
   using Set = std::vector<Number>;  // sorted
 
   // Of the graph's nodes now. Keeps references. Throws std::bad_alloc.
@@ -181,7 +183,7 @@ class FairLasso {
     Trace trace = prefix_to(members, &start);
     const Share wanted = wanted_steps(members);
     std::vector<Edge> loop;
-    std::uint64_t marks = 0;
+    typename Graph::Bits marks{};
     Share stepped;
     Number at = start;
     const auto take = [&](const Edge& edge) {
@@ -193,7 +195,7 @@ class FairLasso {
       return marks == graph_.all_marks() && wanted.without(stepped).is_empty();
     };
     const auto is_useful = [&](const Edge& edge) {
-      return is_done() || (edge.marks & ~marks) != 0 ||
+      return is_done() || !is_none(edge.marks & ~marks) ||
              !(graph_.share_of(edge) & wanted.without(stepped)).is_empty();
     };
     // At least one edge, and then whatever is missing; then home.

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "maide/base/invariant.hpp"
-#include "maide/base/numbers.hpp"
+#include "maide/check/explore/bits.hpp"
 #include "maide/check/explore/packed_system.hpp"
 #include "maide/check/explore/product_graph.hpp"
 #include "maide/check/ltl/ltl_automaton.hpp"
@@ -117,21 +117,27 @@ class Condition {
 };
 
 // Under weak fairness each program has a mark: it steps, or cannot.
-inline std::uint64_t weakly_fair_marks(std::size_t programs, std::size_t stepping,
-                                       std::uint64_t enabled) {
-  const std::uint64_t all = low_bits(static_cast<unsigned>(programs));
-  return all & (~enabled | (std::uint64_t{1} << stepping));
+template <typename Bits>
+Bits weakly_fair_marks(std::size_t programs, std::size_t stepping, const Bits& enabled) {
+  return first_bits<Bits>(programs) & (~enabled | bit_of<Bits>(stepping));
 }
 
-// Runs that the automaton accepts. Reads the letter of a state when it is entered.
+// Runs that the automaton accepts. Reads the letter of a state when it is entered. Marks of
+// programs come behind those of the automaton.
+template <typename BitSet = std::uint64_t>
 class LtlMonitor {
  public:
+  using Bits = BitSet;
+
   // Keeps a reference to `packed`.
   LtlMonitor(const PackedSystem& packed, LtlAutomaton automaton, Fairness fairness)
       : packed_(packed), automaton_(std::move(automaton)), fairness_(fairness) {
     MAIDE_CHECK(automaton_.atoms.size() <= 64);  // a letter is a word of bits
+    MAIDE_CHECK(automaton_.mark_count <= 64);
     for (const Atom& atom : automaton_.atoms) atoms_.emplace_back(atom, packed.system());
     is_waiting_ = find_waiting(automaton_);
+    if (fairness == Fairness::weak) groups_ = packed.template groups_on_weak_runs<Bits>();
+    if (fairness == Fairness::strong) groups_ = first_bits<Bits>(packed.group_count());
   }
 
   unsigned marks() const {
@@ -140,11 +146,7 @@ class LtlMonitor {
   }
   std::uint32_t universal() const { return automaton_.universal; }
   bool is_strong() const { return fairness_ == Fairness::strong; }
-  std::uint64_t groups() const {
-    if (fairness_ == Fairness::none) return 0;
-    if (fairness_ == Fairness::weak) return packed_.groups_on_weak_runs();
-    return low_bits(static_cast<unsigned>(packed_.group_count()));
-  }
+  const Bits& groups() const { return groups_; }
   bool is_waiting(std::uint32_t at) const { return is_waiting_[at]; }
   bool may_wait() const {
     return std::find(is_waiting_.begin(), is_waiting_.end(), true) != is_waiting_.end();
@@ -153,24 +155,23 @@ class LtlMonitor {
   template <typename State, typename Follow>
   void start(const State& state, Follow&& follow) const {
     for (const std::uint32_t at : automaton_.initial) {
-      read(valuation(state, 0, PackedAtom::no_edge), at, 0, follow);
+      read(valuation(state, 0, PackedAtom::no_edge), at, Bits{}, follow);
     }
   }
   template <typename State, typename Follow>
-  void step(const State& next, std::size_t program, std::uint32_t edge, std::uint64_t enabled,
+  void step(const State& next, std::size_t program, std::uint32_t edge, const Bits& enabled,
             std::uint32_t at, Follow&& follow) const {
-    std::uint64_t fair = 0;
+    Bits fair{};
     if (fairness_ == Fairness::weak) {
-      fair = weakly_fair_marks(packed_.program_count(), program, enabled) << automaton_.mark_count;
+      fair = moved_up(weakly_fair_marks(packed_.program_count(), program, enabled),
+                      automaton_.mark_count);
     }
     read(valuation(next, program, edge), at, fair, follow);
   }
   template <typename State, typename Follow>
   void stay(const State& state, std::uint32_t at, Follow&& follow) const {
-    const std::uint64_t fair =
-        marks() == automaton_.mark_count ? 0 : ~std::uint64_t{0} << automaton_.mark_count;
-    const std::uint64_t all = low_bits(marks());
-    read(valuation(state, 0, PackedAtom::no_edge), at, fair & all, follow);
+    const Bits fair = first_bits<Bits>(marks()) & ~first_bits<Bits>(automaton_.mark_count);
+    read(valuation(state, 0, PackedAtom::no_edge), at, fair, follow);
   }
 
  private:
@@ -183,7 +184,7 @@ class LtlMonitor {
     return valuation;
   }
   template <typename Follow>
-  void read(std::uint64_t valuation, std::uint32_t at, std::uint64_t marks, Follow&& follow) const {
+  void read(std::uint64_t valuation, std::uint32_t at, const Bits& marks, Follow&& follow) const {
     MAIDE_CHECK(at < automaton_.states.size());
     for (const LtlAutomaton::Transition& transition : automaton_.states[at]) {
       if (transition.letter.allows(valuation)) follow(transition.target, transition.marks | marks);
@@ -193,34 +194,41 @@ class LtlMonitor {
   const PackedSystem& packed_;
   LtlAutomaton automaton_;
   Fairness fairness_;
+  Bits groups_{};
   std::vector<PackedAtom> atoms_;
   std::vector<bool> is_waiting_;  // by state
+};
+
+// Runs on which programs may be stuck.
+enum class StuckRuns : std::uint8_t {
+  weakly_fair,  // to programs
+  weakly_fair_with_groups,
+  strongly_fair,  // to programs and all groups
 };
 
 // Fair runs on which some program, that has not ended and may not rest, never steps again while
 // others run on. State 0 waits; state 1+p has guessed that program p has made its last step, and on
 // strongly fair runs, that it can never step again.
+template <typename BitSet = std::uint64_t>
 class StuckMonitor {
  public:
-  enum class Runs : std::uint8_t {
-    weakly_fair,  // to programs
-    weakly_fair_with_groups,
-    strongly_fair,  // to programs and all groups
-  };
+  using Bits = BitSet;
+
   // Keeps a reference.
-  StuckMonitor(const PackedSystem& packed, Runs runs) : packed_(packed), runs_(runs) {}
+  StuckMonitor(const PackedSystem& packed, StuckRuns runs) : packed_(packed), runs_(runs) {
+    if (runs == StuckRuns::weakly_fair_with_groups) {
+      groups_ = packed.template groups_on_weak_runs<Bits>();
+    }
+    if (is_strong()) groups_ = first_bits<Bits>(packed.group_count());
+  }
 
   std::size_t states() const { return packed_.program_count() + 1; }
   unsigned marks() const {
     return is_strong() ? 0 : static_cast<unsigned>(packed_.program_count());
   }
   std::uint32_t universal() const { return no_monitor_state; }
-  bool is_strong() const { return runs_ == Runs::strongly_fair; }
-  std::uint64_t groups() const {
-    if (runs_ == Runs::weakly_fair) return 0;
-    if (runs_ == Runs::weakly_fair_with_groups) return packed_.groups_on_weak_runs();
-    return low_bits(static_cast<unsigned>(packed_.group_count()));
-  }
+  bool is_strong() const { return runs_ == StuckRuns::strongly_fair; }
+  const Bits& groups() const { return groups_; }
   bool is_waiting(std::uint32_t at) const { return at == 0; }
   bool may_wait() const { return true; }
 
@@ -230,13 +238,13 @@ class StuckMonitor {
     guess(state, follow);
   }
   template <typename State, typename Follow>
-  void step(const State& next, std::size_t program, std::uint32_t, std::uint64_t enabled,
+  void step(const State& next, std::size_t program, std::uint32_t, const Bits& enabled,
             std::uint32_t at, Follow&& follow) const {
     if (at == 0) {
       follow(0, 0);
       guess(next, follow);
     } else if (is_strong()) {
-      if (program != at - 1 && (enabled >> (at - 1) & 1) == 0) follow(at, 0);
+      if (program != at - 1 && !has_bit(enabled, at - 1)) follow(at, 0);
     } else if (program != at - 1) {
       follow(at, weakly_fair_marks(packed_.program_count(), program, enabled));
     }
@@ -255,7 +263,8 @@ class StuckMonitor {
   }
 
   const PackedSystem& packed_;
-  Runs runs_;
+  StuckRuns runs_;
+  Bits groups_{};
 };
 
 }  // namespace maide

@@ -76,12 +76,13 @@ void PackedSystem::add_program(const Program& program) {
 }
 
 void PackedSystem::add_groups(const Program& program, PackedProgram& packed) {
-  packed.groups.assign(program.edges.size(), 0);
-  for (std::uint32_t group = 1; group < program.fair_groups.size(); ++group, ++groups_) {
-    const std::uint64_t bit = std::uint64_t{1} << groups_ % 64;
-    if (program.fair_groups[group].on_weak_runs) weak_groups_ |= bit;
+  packed.groups.assign(program.edges.size(), no_group);
+  for (std::uint32_t group = 1; group < program.fair_groups.size(); ++group) {
+    const auto number = static_cast<std::uint32_t>(weak_groups_.size());
+    weak_groups_.push_back(program.fair_groups[group].on_weak_runs);
+    has_weak_groups_ = has_weak_groups_ || weak_groups_.back();
     for (std::size_t i = 0; i < program.edges.size(); ++i) {
-      if (program.fair_group_of(program.edges[i]) == group) packed.groups[i] = bit;
+      if (program.fair_group_of(program.edges[i]) == group) packed.groups[i] = number;
     }
   }
 }

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "maide/base/invariant.hpp"
+#include "maide/check/explore/bits.hpp"
 #include "maide/check/explore/state_table.hpp"
 #include "maide/check/language/system.hpp"
 
@@ -102,7 +103,7 @@ class PackedSystem {
   bool has_deaths() const { return has_deaths_; }
   // No step dies, comes to an error, belongs to a fair group, or uses several models.
   bool has_plain_steps_only() const {
-    return !has_errors() && !has_deaths_ && groups_ == 0 && joints_.empty();
+    return !has_errors() && !has_deaths_ && weak_groups_.empty() && joints_.empty();
   }
   bool is_death(std::size_t program, std::uint32_t edge) const {
     return has_deaths_ && programs_[program].is_death[edge];
@@ -118,33 +119,41 @@ class PackedSystem {
     return can;
   }
 
-  // Fair groups of all programs (FairGroup), by number; each a bit of a word if there are at most
-  // 64.
-  std::size_t group_count() const { return groups_; }
-  std::uint64_t groups_on_weak_runs() const { return weak_groups_; }
-  // There are more than bits of a word for them.
-  bool has_too_many_groups() const { return groups_ > 64; }
+  // Fair groups of all programs (FairGroup), by number.
+  std::size_t group_count() const { return weak_groups_.size(); }
+  // Those that are fair on weakly fair runs, too.
+  bool has_groups_on_weak_runs() const { return has_weak_groups_; }
+  template <typename Bits>
+  Bits groups_on_weak_runs() const {
+    Bits groups{};
+    for (std::size_t group = 0; group < weak_groups_.size(); ++group) {
+      if (weak_groups_[group]) groups |= bit_of<Bits>(group);
+    }
+    return groups;
+  }
   // Programs, by bit, that cannot step in the middle of that step of another program, though they
   // may be able to before and after it: it is a call (merged_calls.hpp) to the model that they wait
-  // for. At most 64 programs.
+  // for.
   bool has_calls() const { return !users_.empty(); }
-  template <std::size_t words>
-  std::uint64_t locked_out(const PackedState<words>& state, std::size_t program,
-                           std::uint32_t edge) const {
-    std::uint64_t locked = 0;
+  template <typename Bits, std::size_t words>
+  Bits locked_out(const PackedState<words>& state, std::size_t program, std::uint32_t edge) const {
+    Bits locked{};
     const std::uint32_t model = programs_[program].called[edge];
-    if (model == no_model) return 0;
+    if (model == no_model) return locked;
     for (const User& user : users_[model]) {
       if (user.program != program && user.uses[control(state, user.program)]) {
-        locked |= std::uint64_t{1} << user.program;
+        locked |= bit_of<Bits>(user.program);
       }
     }
     return locked;
   }
 
-  // The bit of the edge's group; 0: none.
-  std::uint64_t group_of(std::size_t program, std::uint32_t edge) const {
-    return groups_ == 0 ? 0 : programs_[program].groups[edge];
+  // The bit of the edge's group, if it has one.
+  template <typename Bits>
+  Bits group_of(std::size_t program, std::uint32_t edge) const {
+    if (weak_groups_.empty()) return Bits{};
+    const std::uint32_t group = programs_[program].groups[edge];
+    return group == no_group ? Bits{} : bit_of<Bits>(group);
   }
 
   // Calls `visit(next, edge, is_cut, code)` for each step that `program` can take, in a state that
@@ -211,6 +220,7 @@ class PackedSystem {
   static constexpr std::uint32_t several = none - 1;
   static constexpr std::uint32_t no_table = none;
   static constexpr std::uint32_t no_model = none;
+  static constexpr std::uint32_t no_group = none;
   // Of a choice, which uses a field of no bits: one target, which changes nothing.
   static constexpr std::uint32_t choice_table = 0;
   static constexpr std::uint32_t first_joint = std::uint32_t{1} << 31;
@@ -244,7 +254,7 @@ class PackedSystem {
     std::vector<std::vector<std::uint32_t>> edges_into;  // by control state
     std::vector<bool> may_stay, is_error;                // by control state
     std::vector<bool> is_death;                          // by edge
-    std::vector<std::uint64_t> groups;                   // by edge: the bit of its fair group
+    std::vector<std::uint32_t> groups;                   // by edge: its fair group, or no_group
     std::vector<std::uint32_t> called;  // by edge: the model of a call, or no_model; if has_calls()
   };
   // A program, and whether it uses a model, by control state.
@@ -343,8 +353,8 @@ class PackedSystem {
   unsigned program_bits_ = 0, into_bits_ = 0;
   bool has_cuts_ = false, has_deaths_ = false;
   std::vector<std::uint32_t> erring_;  // programs with errors
-  std::size_t groups_ = 0;
-  std::uint64_t weak_groups_ = 0;
+  std::vector<bool> weak_groups_;      // by fair group: whether it is fair on weakly fair runs
+  bool has_weak_groups_ = false;
   std::vector<std::vector<User>> users_;  // by model; none without calls
 };
 

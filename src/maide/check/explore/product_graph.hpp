@@ -2,10 +2,11 @@
 // what may follow each. A monitor watches a run; it says what may follow in the middle of the
 // search:
 //   std::size_t states() const;            0..states()-1
-//   unsigned marks() const;                at most 64
+//   Bits                                   of programs, marks and groups: std::uint64_t or WideBits
+//   unsigned marks() const;                at most as many as Bits has
 //   std::uint32_t universal() const;       a state in which every run is accepted, or no state
 //   bool is_strong() const;                programs that can step again and again on the cycle do
-//   std::uint64_t groups() const;          so are the steps of these fair groups, by bit
+//   Bits groups() const;                   so are the steps of these fair groups, by bit
 //   bool is_waiting(state) const;          whatever happens it may stay there; no cycle with every
 //                                          mark passes there, and what it goes to depends on the
 //                                          system's next state alone
@@ -14,10 +15,11 @@
 //   void step(next, program, edge, enabled programs, monitor state, follow)
 //   void stay(state, monitor state, follow)     nothing can happen any more; may follow nothing
 // The marks of what start() follows count for nothing: no cycle passes there. `enabled programs`:
-// those that could step instead, by bit; at most 64 programs. With marks for weak fairness those
+// those that could step instead, by bit. With marks for weak fairness those
 // that could not in the middle of the step, which is a call, are left out.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <limits>
 #include <new>
@@ -25,21 +27,20 @@
 #include <vector>
 
 #include "maide/base/invariant.hpp"
-#include "maide/base/numbers.hpp"
+#include "maide/check/explore/bits.hpp"
 #include "maide/check/explore/packed_system.hpp"
 
 namespace maide {
 
 inline constexpr std::uint32_t no_monitor_state = ~std::uint32_t{0};
-// Marks of a monitor, and programs of a system: bits of a word. Who asks for more is refused.
-inline constexpr unsigned most_marks = 64;
 // Of a product's nodes, in the table.
 inline constexpr unsigned node_number_bits = 32;
 
 // Who can do something, or does: programs and fair groups, by bit.
+template <typename Bits>
 struct Share {
-  std::uint64_t programs = 0, groups = 0;
-  bool is_empty() const { return programs == 0 && groups == 0; }
+  Bits programs{}, groups{};
+  bool is_empty() const { return is_none(programs) && is_none(groups); }
   Share operator|(const Share& other) const {
     return {programs | other.programs, groups | other.groups};
   }
@@ -55,12 +56,14 @@ template <std::size_t words, typename Monitor>
 class ProductGraph {
  public:
   using State = PackedState<words>;
+  using Bits = typename Monitor::Bits;
+  using Share = maide::Share<Bits>;
   using Number = std::uint32_t;
   static constexpr Number no_node = ~Number{0};  // nor has a node the number before
 
   struct Edge {
     State target;
-    std::uint64_t marks = 0;
+    Bits marks{};
     std::uint32_t code = 0;  // of the step
     std::uint32_t edge = 0;  // of the program
     std::uint16_t program = 0;
@@ -74,22 +77,22 @@ class ProductGraph {
       std::uint32_t code = 0;
       std::uint16_t program = 0;
     };
-    std::vector<One> steps;     // but for those that cut the run, or come to an error
-    std::uint64_t enabled = 0;  // programs that can do more than die, those steps among them
-    std::uint64_t groups = 0;   // fair groups of which a step is possible
+    std::vector<One> steps;  // but for those that cut the run, or come to an error
+    Bits enabled{};          // programs that can do more than die, those steps among them
+    Bits groups{};           // fair groups of which a step is possible
   };
 
   // `system` was made with node_number_bits of payload and the monitor's states.
   ProductGraph(const PackedSystem& system, const Monitor& monitor)
       : system_(system), monitor_(monitor), table_(system.address_bits(), node_number_bits) {
-    if (monitor.marks() > most_marks || system.program_count() > most_marks) {
+    if (std::max<std::size_t>(monitor.marks(), system.program_count()) > bit_count_of<Bits>) {
       throw std::logic_error("too many marks or programs for a search for fair cycles");
     }
   }
 
   const PackedSystem& system() const { return system_; }
   const Monitor& monitor() const { return monitor_; }
-  std::uint64_t all_marks() const { return low_bits(monitor_.marks()); }
+  Bits all_marks() const { return first_bits<Bits>(monitor_.marks()); }
   std::size_t size() const { return table_.size(); }
   std::uint32_t monitor_state(const State& node) const { return system_.monitor().get(node); }
 
@@ -151,22 +154,14 @@ class ProductGraph {
   // Who steps by the edge.
   Share share_of(const Edge& edge) const {
     if (!edge.is_step) return {};
-    return {std::uint64_t{1} << edge.program, system_.group_of(edge.program, edge.edge)};
+    return {bit_of<Bits>(edge.program), system_.template group_of<Bits>(edge.program, edge.edge)};
   }
-  Share wanted() const { return {monitor_.is_strong() ? ~std::uint64_t{0} : 0, monitor_.groups()}; }
+  Share wanted() const { return {monitor_.is_strong() ? ~Bits{} : Bits{}, monitor_.groups()}; }
   // The monitor wants more of a cycle than its marks.
   bool wants_more() const { return !wanted().is_empty(); }
 
-  // Calls `visit(edge)` for what may follow the node by steps of `programs`, or by none at all.
-  template <typename Visit>
-  void for_each_edge(const State& node, const Steps& found, std::uint64_t programs,
-                     Visit&& visit) const {
-    const auto is_wanted = [&](const typename Steps::One& step) {
-      return (programs >> step.program & 1) != 0;
-    };
-    for_each_wanted_edge(node, found, is_wanted, visit);
-  }
-  // By the steps for which `is_wanted(step)`, or by none at all.
+  // Calls `visit(edge)` for what may follow the node by the steps for which `is_wanted(step)`, or
+  // by none at all.
   template <typename IsWanted, typename Visit>
   void for_each_wanted_edge(const State& node, const Steps& found, IsWanted&& is_wanted,
                             Visit&& visit) const {
@@ -174,17 +169,19 @@ class ProductGraph {
     const bool looks_into_calls = system_.has_calls() && !monitor_.is_strong();
     for (const auto& step : found.steps) {
       if (!is_wanted(step)) continue;
-      std::uint64_t enabled = found.enabled;
-      if (looks_into_calls) enabled &= ~system_.locked_out(node, step.program, step.edge);
+      Bits enabled = found.enabled;
+      if (looks_into_calls) {
+        enabled &= ~system_.template locked_out<Bits>(node, step.program, step.edge);
+      }
       monitor_.step(step.next, step.program, step.edge, enabled, watching,
-                    [&](std::uint32_t state, std::uint64_t marks) {
+                    [&](std::uint32_t state, const Bits& marks) {
                       State target = step.next;
                       system_.monitor().set(target, state);
                       visit(Edge{target, marks, step.code, step.edge, step.program, true});
                     });
     }
-    if (found.enabled != 0) return;
-    monitor_.stay(plain(node), watching, [&](std::uint32_t state, std::uint64_t marks) {
+    if (!is_none(found.enabled)) return;
+    monitor_.stay(plain(node), watching, [&](std::uint32_t state, const Bits& marks) {
       State target = node;
       system_.monitor().set(target, state);
       visit(Edge{target, marks, 0, 0, 0, false});
@@ -194,7 +191,8 @@ class ProductGraph {
   template <typename Visit>
   void for_each_edge(Number number, Visit&& visit) const {
     find_steps(nodes_[number], scratch_);
-    for_each_edge(nodes_[number], scratch_, ~std::uint64_t{0}, visit);
+    const auto is_any = [](const typename Steps::One&) { return true; };
+    for_each_wanted_edge(nodes_[number], scratch_, is_any, visit);
   }
 
   std::vector<State> first_nodes() const {
@@ -202,7 +200,7 @@ class ProductGraph {
     const State initial = system_.pack<words>(initial_state(system_.system()));
     // Of a run that begins at an error there is one position, and nothing is known of what follows.
     const bool is_error = system_.is_error(initial);
-    monitor_.start(initial, [&](std::uint32_t state, std::uint64_t) {
+    monitor_.start(initial, [&](std::uint32_t state, const Bits&) {
       if (is_error && state != monitor_.universal()) return;
       State node = initial;
       system_.monitor().set(node, state);
@@ -225,17 +223,17 @@ class ProductGraph {
   template <bool is_plain>
   void find_steps_as(const State& node, Steps& found) const {
     found.steps.clear();
-    found.enabled = 0;
-    found.groups = 0;
+    found.enabled = {};
+    found.groups = {};
     const State state = plain(node);
     for (std::size_t program = 0; program < system_.program_count(); ++program) {
-      const std::uint64_t bit = std::uint64_t{1} << program;
+      const Bits bit = bit_of<Bits>(program);
       system_.template for_each_step<is_plain>(
           state, program,
           [&](const State& next, std::uint32_t edge, bool is_cut, std::uint64_t code) {
             if (is_plain || !system_.is_death(program, edge)) found.enabled |= bit;
             if constexpr (!is_plain) {
-              found.groups |= system_.group_of(program, edge);
+              found.groups |= system_.template group_of<Bits>(program, edge);
               if (system_.is_error(next)) return;
             }
             if (is_cut) return;

@@ -24,6 +24,7 @@
 
 namespace maide {
 
+// For monitors whose bits are one word.
 template <std::size_t words, typename Monitor>
 class ShortLasso {
  public:
@@ -55,7 +56,7 @@ class ShortLasso {
     Number target = 0;
     std::uint32_t code = 0;   // of the step
     std::uint64_t needs = 0;  // that it meets, by bit; before that is known, its marks
-    Share share;
+    typename Graph::Share share;
     bool is_step = false;
   };
   struct Node {
@@ -131,7 +132,7 @@ class ShortLasso {
   // many.
   bool number_needs(Part& part) {
     const std::uint64_t marks = graph_.all_marks();
-    Share wanted;
+    typename Graph::Share wanted;
     if (graph_.wants_more()) {
       for (const Number member : part.members) wanted = wanted | graph_.able(member);
     }
