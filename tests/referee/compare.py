@@ -193,13 +193,14 @@ class Comparison:
 
 def atom_of(document: dict, names: list[str]) -> str | None:
     """An atom of the component of these programs and nodes, None if none is found."""
-    headers = [header.split("[")[0] for header in document.get("nodes") or {}]
+    nodes = (document.get("nodes") or {}).items()
+    entries = {header.split("[")[0]: entry for header, entry in nodes}
     for name in names:
-        if name.split("[")[0] not in headers:
+        if name.split("[")[0] not in entries:
             return f"{name}@end"
     for name in names:
-        entry = (document["nodes"]).get(name) or {}
-        label = re.search(r"@(\w+)", str(entry.get("callbacks") or {}))
+        entry = entries[name.split("[")[0]]
+        label = re.search(r"@(\w+) ", str(entry.get("callbacks") or {}))
         if label:
             return f"{name}@{label.group(1)}"
     return None

@@ -183,12 +183,12 @@ def service(depth: int, inputs: list[str], clients: int = 1, one_open: bool = Fa
 
 
 class ExecutorMachine:
-    """A single-threaded executor of subscriptions of depth 1, each with a topic of its own."""
+    """A single-threaded executor of subscriptions, each with a topic of its own."""
 
-    def __init__(self, subscriptions: int) -> None:
+    def __init__(self, subscriptions: int, depth: int) -> None:
         names = [f"t{k}" for k in range(subscriptions)]
         lines = ["executors: {main: {kind: single, order: rounds}}", "topics:"]
-        options = "writers: world, readers: n, use: queue, with: {depth: 1}"
+        options = f"writers: world, readers: n, use: queue, with: {{depth: {depth}}}"
         lines += [f"  {name}: {{{options}}}" for name in names]
         writes = " ".join(f"{name}.write;" for name in names)
         lines += ["programs:", f"  world: {writes}"]
@@ -231,9 +231,9 @@ class ExecutorMachine:
         return given, self.callbacks[0].with_model(world, number, state)
 
 
-def executor(subscriptions: int, spin: str) -> int:
+def executor(subscriptions: int, spin: str, depth: int = 1) -> int:
     """An executor's machine."""
-    machine = ExecutorMachine(subscriptions)
+    machine = ExecutorMachine(subscriptions, depth)
     return minimal_size(machine.start, machine.step, [*machine.inputs, spin])
 
 
@@ -249,6 +249,9 @@ MACHINES: list[tuple[str, Callable[[], int], int]] = [
      lambda: service(10, ["ask", "receive", "call"], 2, True), 12),
     *((f"executor of {k} subscriptions, spin once", lambda k=k: executor(k, "spin once"),
        2 * 3 ** (k - 1)) for k in (1, 2, 3, 4)),
+    *((f"executor of {k} subscriptions of depth {d}, spin once",
+       lambda k=k, d=d: executor(k, "spin once", d), (d + 1) * (2 * d + 1) ** (k - 1))
+      for k, d in ((2, 2), (3, 2), (2, 10))),
     ("executor of 2 subscriptions, spin some", lambda: executor(2, "spin some"), 4),
     ("executor of 3 subscriptions, spin some", lambda: executor(3, "spin some"), 8),
 ]  # fmt: skip

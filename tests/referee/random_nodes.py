@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+import random
 
 from random_models import Known, Place
 from random_texts import TextMaker
@@ -19,7 +20,8 @@ class Callback:
     head: str  # `takes: "t0.read"` and the like
     group: str | None
     serves: str | None = None
-    outcomes: bool = False  # whether its code is one for each output
+    outcomes: list[str] = field(default_factory=list)  # if its code is one for each output
+    value: str | None = None  # the variable that it binds
 
 
 @dataclass
@@ -27,14 +29,17 @@ class Node:
     """A random node."""
 
     name: str
+    size: int = 0  # of an array
     callbacks: list[Callback] = field(default_factory=list)
-    writes: list[str] = field(default_factory=list)
+    writes: list[str] = field(default_factory=list)  # statements
     asks: list[str] = field(default_factory=list)  # the services of which it is a client
     own_code: set[str] = field(default_factory=set)
-    slots: bool = False  # the callback that serves may run several times at once
     numbers: list[tuple] = field(default_factory=list)
     groups: dict[str, str] = field(default_factory=dict)
-    reentrant_copies: int = 1
+
+    def member(self, rng: random.Random) -> str:
+        """A member of the array, or the node."""
+        return f"{self.name}[{rng.randrange(self.size)}]" if self.size else self.name
 
 
 class NodeMaker(TextMaker):
@@ -128,7 +133,8 @@ class NodeMaker(TextMaker):
         if "read" in known.inputs and ("write" not in known.inputs or self.chance(0.5)):
             idle = "idle " if self.chance(0.7) else ""
             return [f"@{label} {idle}{known.name}.read -> message;", *other]
-        return [f"@{label} {known.name}.{self.rng.choice(known.inputs)};", *other]
+        given = self.input_text(known, self.rng.choice(known.inputs), known.name, Place(0))
+        return [f"@{label} {given};", *other]
 
     def plain_program(self) -> list[str]:
         """A program that mostly goes on for ever, at each end at which it stands."""
@@ -149,7 +155,6 @@ class NodeMaker(TextMaker):
     def make_nodes(self, programs: list[str]) -> list[str]:
         """Executors, nodes, topics and services between them and the programs, as lines."""
         rng = self.rng
-        self.rounds = False
         executors = {}
         for _ in range(rng.randint(1, 2)):
             name = self.new("e")
@@ -163,11 +168,11 @@ class NodeMaker(TextMaker):
         chosen = {}
         for node in self.nodes:
             chosen[node.name] = rng.choice([*executors, *executors, None])
-            text = executors.get(chosen[node.name], "")
-            node.reentrant_copies = int(text[-2]) if "threads" in text else 1
+            node.size = 2 if self.chance(0.1) else 0
             for kind in ("exclusive", "reentrant"):
                 if self.chance(0.6):
                     node.groups[self.new("g")] = kind
+        models = self.models_between()
         topics = self.topics_between(programs)
         services = self.services_between(programs)
         for node in self.nodes:
@@ -175,7 +180,7 @@ class NodeMaker(TextMaker):
                 head = f"timer: {rng.randint(1, 9)}"
                 node.callbacks.append(Callback(self.new("b"), head, self.group(node)))
             rng.shuffle(node.callbacks)
-        lines = topics if len(topics) > 1 else []
+        lines = models + (topics if len(topics) > 1 else [])
         lines += services if len(services) > 1 else []
         lines += ["executors:", *(f"  {name}: {text}" for name, text in executors.items())]
         lines.append("nodes:")
@@ -188,7 +193,7 @@ class NodeMaker(TextMaker):
         return self.rng.choice([None, *node.groups])
 
     def topics_between(self, programs: list[str]) -> list[str]:
-        """Topics with queues, as lines."""
+        """Topics, most of them with queues, as lines."""
         rng = self.rng
         lines = ["topics:"]
         names = programs + [node.name for node in self.nodes]
@@ -196,8 +201,7 @@ class NodeMaker(TextMaker):
             name = self.new("t")
             writers = rng.sample(names, 1 if self.chance(0.7) else 2) if len(names) > 1 else names
             readers = rng.sample(names, rng.randint(1, min(2, len(names))))
-            kind = rng.choice(["size", "depth", "depth"])
-            source = f"use: queue, with: {{{kind}: {1 if self.chance(0.75) else 2}}}"
+            known, source = self.topic_model(name)
             lines.append(
                 f"  {name}: {{writers: [{', '.join(writers)}], readers: [{', '.join(readers)}], "
                 f"{source}}}"
@@ -205,31 +209,98 @@ class NodeMaker(TextMaker):
             for node in self.nodes:
                 if node.name in readers:
                     for _ in range(2 if self.chance(0.12) else 1):
-                        self.add_subscription(node, name)
+                        self.add_subscription(node, known)
                 if node.name in writers:
-                    node.writes.append(name)
+                    node.writes += self.writing(known)
             for program in programs:
-                inputs = ["write"] * (program in writers) + ["read"] * (program in readers)
-                outputs = ["message"] if program in readers else []
-                if inputs:
-                    follows = {"read": {"message"}, "write": set()}
-                    self.topics_of.setdefault(program, []).append(
-                        Known(name, "", inputs, outputs, follows)
-                    )
+                self.note_ends(program, known, program in writers, program in readers)
             self.atoms += [f"{name}.write", f"{name}!message"]
-            self.atoms += [f"{name}[{reader}]!message" for reader in readers]
+            for reader in readers:
+                members = [node.member(rng) for node in self.nodes if node.name == reader]
+                self.atoms.append(f"{name}[{(members or [reader])[0]}]!message")
         return lines
 
-    def add_subscription(self, node: Node, topic: str) -> None:
-        """A callback that takes from a topic."""
+    def note_ends(self, program: str, known: Known, writes: bool, reads: bool) -> None:
+        """Notes what a program may do with a topic."""
+        inputs = ["write"] * writes + [i for i in known.inputs if i != "write"] * reads
+        outputs = [o for o in known.outputs if o == "written"] * writes
+        outputs += [o for o in known.outputs if o != "written"] * reads
+        if inputs:
+            mine = Known(known.name, "", inputs, outputs, known.follows, valued=known.valued)
+            self.topics_of.setdefault(program, []).append(mine)
+
+    def topic_model(self, name: str) -> tuple[Known, str]:
+        """The model of a topic's readers, and what the file says of it."""
+        rng = self.rng
+        if self.chance(0.75):
+            kind = rng.choice(["size", "depth", "depth"])
+            known = self.port_known(name, "", False, False)
+            if self.chance(0.25):
+                known.valued = ["0", "1"]
+            source = f"use: queue, with: {{{kind}: {1 if self.chance(0.75) else 2}}}"
+            return known, source
+        written, tryread = self.chance(0.5), self.chance(0.5)
+        at_bound = rng.choice(["unexplored", "absorbs", "refuses"])
+        self.write(name, self.port_lines(1, written, tryread, at_bound))
+        source = f"file: {name}.dot"
+        if at_bound == "unexplored":
+            source += f", when_unexplored: {rng.choice(['stop', 'wait', 'drop'])}"
+        return self.port_known(name, "", written, tryread), source
+
+    def writing(self, known: Known) -> list[str]:
+        """Statements that write to a topic."""
+        if known.valued:
+            return [f"{known.name}.write({value});" for value in known.valued]
+        if "written" in known.outputs:
+            return [f"{known.name}.write -> written;", f"{known.name}.write;",
+                    f"switch {known.name}.write {{ written {{ }} quiet {{ }} }}"]  # fmt: skip
+        return [f"{known.name}.write;"]
+
+    def add_subscription(self, node: Node, known: Known) -> None:
+        """A callback that takes from a topic, or a model."""
         callback = Callback(self.new("b"), "", self.group(node))
+        given = self.rng.choice([i for i in known.inputs if i != "write" and known.follows[i]])
+        follows = sorted(known.follows[given])
         form = self.rng.random()
-        if form < 0.4:
-            callback.head = f'takes: "{topic}.read -> message"'
+        if known.valued and form < 0.6:
+            callback.value = self.new("r")
+            callback.head = f'takes: "{known.name}.{given} -> message(var {callback.value})"'
+        elif form < 0.35 and len(follows) == 1 or form < 0.05:
+            callback.head = f'takes: "{known.name}.{given} -> {follows[0]}"'
         else:
-            callback.head = f"takes: {topic}.read"
-            callback.outcomes = form > 0.8
+            callback.head = f"takes: {known.name}.{given}"
+            if form > 0.7:
+                callback.outcomes = follows if self.chance(0.95) else follows[:1]
         node.callbacks.append(callback)
+
+    def models_between(self) -> list[str]:
+        """Models that callbacks and programs use, as lines."""
+        lines = []
+        roll = self.rng.random()
+        name = self.new("m")
+        if roll < 0.25:
+            inputs = ["lock", "unlock"]
+            known = Known(name, "{use: mutex}", inputs, [], {i: set() for i in inputs})
+        elif roll < 0.35:
+            known = self.built_in(name)
+        elif roll < 0.5:
+            known = self.random_model(name)
+        else:
+            return []
+        self.models.append(known)
+        lines.append(f"  {name}: {known.entry}")
+        takers = [i for i in known.inputs if i != "write" and known.follows[i]]
+        node = self.rng.choice(self.nodes)
+        if takers and self.chance(0.7):
+            self.add_subscription(node, known)
+        elif known.outputs and "read" not in known.inputs:
+            output = self.rng.choice(known.outputs)
+            callback = Callback(self.new("b"), f'takes: "{name}!{output}"', self.group(node))
+            node.callbacks.append(callback)
+        for other in self.nodes:
+            if known.inputs != ["lock", "unlock"] and self.chance(0.6):
+                other.writes += [f"{name}.{i};" for i in known.inputs if i != "read"]
+        return ["models:", *lines]
 
     def services_between(self, programs: list[str]) -> list[str]:
         """Services whose ends are programs and nodes, as lines."""
@@ -239,6 +310,8 @@ class NodeMaker(TextMaker):
         for _ in range(rng.choice([0, 1, 1, 1, 2])):
             name = self.new("f")
             server = rng.choice(names)
+            if any(node.name == server and node.size for node in self.nodes):
+                server = programs[0]
             others = sorted(set(names) - {server})
             clients = rng.sample(others, 1 if self.chance(0.7) else min(2, len(others)))
             node_of = {node.name: node for node in self.nodes}
@@ -258,7 +331,7 @@ class NodeMaker(TextMaker):
 
     def node_lines(self, node: Node, executor: str | None) -> list[str]:
         """The entry of a node."""
-        lines = [f"  {node.name}:"]
+        lines = [f"  {node.name}[i in 0..{node.size - 1}]:" if node.size else f"  {node.name}:"]
         if executor is not None:
             lines.append(f"    executor: {executor}")
         if node.groups:
@@ -268,7 +341,8 @@ class NodeMaker(TextMaker):
             node.numbers = [(self.new("s"), 0, 1) for _ in range(1 if self.chance(0.8) else 2)]
             text = " ".join(f"var {name}: 0..{high};" for name, _, high in node.numbers)
             lines.append(f'    variables: "{text}"')
-            self.atoms += [f"{node.name}.{name} == 1" for name, _, _ in node.numbers]
+            member = node.member(self.rng)
+            self.atoms += [f"{member}.{name} == 1" for name, _, _ in node.numbers]
         entries = []
         for service in node.asks:
             group = self.group(node)
@@ -287,11 +361,14 @@ class NodeMaker(TextMaker):
             lines.append(f"        {callback.head}")
             if callback.group:
                 lines.append(f"        group: {callback.group}")
-            code = self.code(node, callback, self.rng.randint(1, 3))
             if callback.outcomes:
-                lines += ["        do:", "          message: |"]
-                lines += [f"            {line}" for line in code]
+                lines.append("        do:")
+                for output in callback.outcomes:
+                    code = self.code(node, callback, self.rng.randint(1, 2))
+                    lines.append(f"          {output}: |")
+                    lines += [f"            {line}" for line in code]
             else:
+                code = self.code(node, callback, self.rng.randint(1, 3))
                 lines += ["        do: |", *(f"          {line}" for line in code)]
         return lines
 
@@ -312,8 +389,8 @@ class NodeMaker(TextMaker):
         if callback is None:
             return line
         label = self.new("l")
-        self.atoms.append(f"{node.name}@{label}")
-        if self.chance(0.6):
+        self.atoms.append(f"{node.member(self.rng)}@{label}")
+        if self.chance(0.6) and not node.size:
             self.atoms.append(f"{node.name}.{callback.name}@{label}")
         return f"@{label} {line}"
 
@@ -324,7 +401,8 @@ class NodeMaker(TextMaker):
         options = ["skip", "label"]
         options += ["write"] * 2 * bool(node.writes) + ["send"] * bool(node.asks)
         options += ["call"] * 6 * bool(waits) + ["select"] * 2 * bool(waits)
-        options += ["mutex"] * bool(self.models)
+        options += ["mutex"] * any("lock" in known.inputs for known in self.models)
+        options += ["value"] * 3 * bool(callback is not None and callback.value)
         options += ["assign"] * 3 * bool(node.numbers + self.shared_numbers)
         options += (["if", "choose", "local"] + ["test"] * bool(node.numbers)) * (depth > 0)
         options += ["return"] * self.chance(0.1)
@@ -332,7 +410,7 @@ class NodeMaker(TextMaker):
         if kind == "label":
             return [self.labelled(node, callback, "skip;")]
         if kind == "write":
-            line = f"{rng.choice(node.writes)}.write;"
+            line = rng.choice(node.writes)
             return [self.labelled(node, callback, line) if self.chance(0.4) else line]
         if kind == "send":
             return [f"{rng.choice(node.asks)}.send;"]
@@ -346,8 +424,11 @@ class NodeMaker(TextMaker):
             inner = " ".join(self.action(node, callback, 0))
             sends = [f"{service}.send;"] * self.chance(0.8)
             return [*sends, f"select {{ on {service}!answer {{ }} {other} {{ {inner} }} }}"]
+        if kind == "value":
+            inner = " ".join(self.action(node, callback, 0))
+            return [f"if ({callback.value} == {rng.randint(0, 1)}) {{ {inner} }}"]
         if kind == "mutex":
-            model = rng.choice(self.models)
+            model = next(known for known in self.models if "lock" in known.inputs)
             take, give = model.inputs
             inner = self.action(node, callback, 0) if self.chance(0.5) else []
             lines = [f"{model.name}.{take};", *inner, f"{model.name}.{give};"]
@@ -381,14 +462,11 @@ class NodeMaker(TextMaker):
         """What stands in the file before the programs."""
         lines = []
         if self.chance(0.3):
-            name = self.new("m")
-            inputs = ["lock", "unlock"]
-            known = Known(name, "{use: mutex}", inputs, [], {i: set() for i in inputs})
-            self.models.append(known)
-            lines += ["models:", f"  {name}: {{use: mutex}}"]
-        if self.chance(0.3):
             variable = (self.new("s"), 0, 1)
             self.shared_numbers.append(variable)
             lines.append(f'variables: "var {variable[0]}: 0..1;"')
             self.atoms.append(f"{variable[0]} == 1")
-        return lines + self.make_nodes(programs)
+        lines += self.make_nodes(programs)
+        if not self.clients_of and self.chance(0.25):
+            self.has["die"] = True
+        return lines
