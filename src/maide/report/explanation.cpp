@@ -510,10 +510,11 @@ class Sentence {
     std::vector<std::uint32_t> running;
     std::vector<std::string> clauses;
     for (std::uint32_t index = 0; index < steps.size(); ++index) {
-      const bool is_end = system_.programs[index].is_end(states_.back().programs[index]);
+      const Program& program = system_.programs[index];
+      const ControlState at = states_.back().programs[index];
       if (steps[index]) {
         running.push_back(index);
-      } else if (!is_end) {
+      } else if (!program.is_end(at) && !program.states[at].may_rest) {
         clauses.push_back(describe_standstill(index));
       }
     }

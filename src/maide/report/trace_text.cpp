@@ -216,9 +216,17 @@ void write_trace_text(std::ostream& out, const System& system, const Trace& trac
 
 namespace {
 
+// Of programs, and of the nodes whose callbacks they run.
 Json program_names(const System& system, const std::vector<std::uint32_t>& programs) {
   Json names = Json::array();
-  for (const std::uint32_t program : programs) names.push_back(system.programs[program].name);
+  const auto add = [&](const std::string& name) {
+    if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+  };
+  for (const std::uint32_t program : programs) {
+    const Program& own = system.programs[program];
+    if (own.nodes.empty()) add(own.name);
+    for (const std::string& node : own.nodes) add(node);
+  }
   return names;
 }
 

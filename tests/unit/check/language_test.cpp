@@ -426,8 +426,6 @@ TEST(Language, NamesAreOneSpace) {
             std::string::npos);
   EXPECT_NE(error("variables: \"var p: 0..1;\"\nprograms: {p: skip;}").find("is taken"),
             std::string::npos);
-  EXPECT_NE(error("services: {t: {}}\nprograms: {p: skip;}").find("not built yet (s.yaml:1:1)"),
-            std::string::npos);
 }
 
 }  // namespace

@@ -129,12 +129,12 @@ TEST(SystemFile, ErrorsNameThePlace) {
       {"", "empty (s.yaml:1:1)"},
       {"- 1\n", "a system file must be a map (key: value) (s.yaml:1:1)"},
       {"models: {}\nprogrms: {}", "has no key 'progrms'"},
-      {models, "there is no 'programs:' (s.yaml:1:1)"},
+      {models, "there is no 'programs:' and no 'nodes:' (s.yaml:1:1)"},
       {models + "programs: {}", "there is no program (s.yaml:3:11)"},
       {models + "programs: {p: [1]}", "program 'p' must be a text (s.yaml:3:15)"},
       {models + "programs: {p: via.write;}\nprogams: {}\n",
-       "a system file has no key 'progams'; it may have: constants, models, topics, "
-       "procedures, variables, programs, properties; did you mean 'programs'? "
+       "a system file has no key 'progams'; it may have: constants, models, topics, services, "
+       "procedures, variables, programs, executors, nodes, properties; did you mean 'programs'? "
        "(s.yaml:4:1)"},
       {models + "programs: {p: via.write;, p: via.read;}", "'p' is there twice (s.yaml:3:27)"},
       {models + "programs: {p: {source: p.cpp, entry: \"P::run\"}}", "not built yet"},

@@ -100,6 +100,7 @@ class AssumptionList {
     state_hypotheses();
     state_strengths();
     state_unreal();
+    state_executors();
     state_time_outs(results);
     state_reduction(results);
     return std::move(lines_);
@@ -192,6 +193,45 @@ class AssumptionList {
     for (const std::string& line : describe_unreal(system_, {used.begin(), used.end()})) {
       lines_.push_back(line);
     }
+  }
+
+  // Callbacks run by rules; and programs that use what has callbacks in reality have none.
+  void state_executors() {
+    std::map<std::string, std::set<std::string>> nodes;  // by execution
+    std::set<std::string> programs, models;
+    bool has_timer = false;
+    for (const Program& program : system_.programs) {
+      nodes[program.execution].insert(program.nodes.begin(), program.nodes.end());
+      for (const ProgramEdge& edge : program.edges) {
+        has_timer = has_timer || program.role_of(edge) == Joint::Role::timer;
+        for (const ModelUse& use : program.uses_of(edge)) {
+          const ModelInstance& model = system_.models[use.model];
+          if (!program.nodes.empty() || !is_of_nodes(model)) continue;
+          programs.insert(program.name);
+          models.insert(model.name);
+        }
+      }
+    }
+    nodes.erase("");
+    for (const auto& [execution, of_it] : nodes) {
+      lines_.push_back(fmt::format("the callbacks of {} run {} (the rules of executors)",
+                                   fmt::join(of_it, ", "), execution));
+    }
+    if (has_timer) lines_.emplace_back("time is not modelled: a timer may be due at any moment");
+    if (programs.empty()) return;
+    lines_.push_back(fmt::format(
+        "{} {} {} without executors: callbacks that wait, their order and threads are not looked "
+        "at "
+        "(`nodes:` does)",
+        fmt::join(programs, ", "), programs.size() == 1 ? "uses" : "use", fmt::join(models, ", ")));
+  }
+
+  // Those who use it in reality are callbacks.
+  static bool is_of_nodes(const ModelInstance& model) {
+    if (model.source == ModelInstance::Source::service) return true;
+    const auto sul = model.automaton.origin.find("sul");
+    const bool is_ros2 = sul != model.automaton.origin.end() && sul->second.starts_with("ros2");
+    return model.source == ModelInstance::Source::file && is_ros2;
   }
 
   void state_time_outs(const std::vector<PropertyResult>& results) {

@@ -59,12 +59,21 @@ std::vector<std::string> describe_unreal(const System& system,
                                          const std::vector<std::uint32_t>& models) {
   using Source = ModelInstance::Source;
   std::map<std::string, std::vector<std::string>> names;  // by kind; "": shared variables
+  std::map<std::string, std::vector<std::string>> services;
   for (const std::uint32_t index : models) {
     const ModelInstance& model = system.models[index];
     if (model.source == Source::built_in) names[describe_built_in(model)].push_back(model.name);
     if (model.source == Source::variable) names[""].push_back(model.name);
+    if (model.source == Source::service) {
+      services["of depth " + model.automaton.origin.at("depth")].push_back(model.name);
+    }
   }
   std::vector<std::string> lines;
+  for (const auto& [depth, of_depth] : services) {
+    const bool is_one = of_depth.size() == 1;
+    lines.push_back(fmt::format("{} {} by the rules of services ({}; all clients get all answers)",
+                                join(of_depth), is_one ? "goes" : "go", depth));
+  }
   for (const auto& [kind, of_kind] : names) {
     const bool is_one = of_kind.size() == 1;
     lines.push_back(join(of_kind) +
@@ -106,8 +115,8 @@ std::string describe_waiting(const System& system, const Program& program,
                              const std::vector<ProgramEdge>& awaited) {
   const bool is_select = std::any_of(awaited.begin(), awaited.end(), [&](const ProgramEdge& edge) {
     const Joint::Role role = program.role_of(edge);
-    return role == Joint::Role::arm || role == Joint::Role::otherwise ||
-           role == Joint::Role::timeout;
+    return role == Joint::Role::arm || role == Joint::Role::timer ||
+           role == Joint::Role::otherwise || role == Joint::Role::timeout;
   });
   std::vector<std::string> steps;
   for (const ProgramEdge& edge : awaited) {

@@ -126,6 +126,7 @@ void ProgramParser::check_distinct(const std::vector<SelectArm>& arms, const Sel
 SelectArm ProgramParser::parse_select_arm() {
   using Kind = SelectArm::Kind;
   SelectArm arm;
+  arm.callback = context_.callback;
   const Token first = tokens_.peek();
   if (tokens_.accept("otherwise")) {
     arm.kind = Kind::otherwise;
@@ -166,7 +167,11 @@ SelectArm ProgramParser::parse_select_arm() {
   }
   arm.kind = Kind::input;
   tokens_.expect(".", "after model '" + arm.model.name() + "'");
+  const Token name = tokens_.peek();
   arm.event = parse_input(arm.model);
+  if (arm.callback != nullptr && service_of(arm.model) != nullptr && name.is("send")) {
+    for_each_member(arm.model, [&](std::uint32_t member) { work_.asked.insert(member); });
+  }
   if (tokens_.accept("->")) {
     arm.arms.push_back(parse_arm(arm.model, false));
     return arm;

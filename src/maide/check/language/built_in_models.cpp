@@ -40,15 +40,92 @@ double queue_states(const QueueSize& queue) {
 InterfaceAutomaton make_queue(const QueueSize& queue) {
   GrowingQueue states(queue);
   InterfaceAutomaton automaton = states.start();
+  automaton.origin.clear();
   for (StateId state = 0; state < automaton.size(); ++state) states.expand(automaton, state);
   return automaton;
 }
 
-GrowingQueue::GrowingQueue(QueueSize queue) : queue_(std::move(queue)) {
-  if (!queue_.values.empty()) letters_ = static_cast<Symbol>(queue_.values.size());
-  states_.emplace(Kept{{}, idle}, 0);
-  met_.push_back({{}, idle});
+// ---- models that grow ---------------------------------------------------------------------------
+
+GrowingModel::GrowingModel(Contents initial) {
+  states_.emplace(initial, 0);
+  met_.push_back(std::move(initial));
   is_expanded_.push_back(false);
+}
+
+StateId GrowingModel::state_of(InterfaceAutomaton& automaton, Contents contents) {
+  if (is_cut_down_) {
+    const auto place = states_.find(contents);
+    return place != states_.end() ? place->second : static_cast<StateId>(met_.size() - 1);
+  }
+  const auto [place, is_new] = states_.try_emplace(contents, static_cast<StateId>(met_.size()));
+  if (is_new) {
+    automaton.add_state();
+    met_.push_back(std::move(contents));
+    is_expanded_.push_back(false);
+  }
+  return place->second;
+}
+
+void GrowingModel::expand(InterfaceAutomaton& automaton, StateId state) {
+  if (is_expanded_[state]) return;
+  is_expanded_[state] = true;
+  for (Follower& next : followers(Contents(met_[state]))) {
+    const StateId target = state_of(automaton, std::move(next.contents));
+    automaton.add_transition(state, next.action, target);
+  }
+}
+
+void GrowingModel::expand_with_messages(InterfaceAutomaton& automaton, StateId state) {
+  expand(automaton, state);
+  for (std::size_t i = 0; i < automaton.transitions(state).size(); ++i) {
+    const StateId target = automaton.transitions(state)[i].target;
+    if (is_due(met_[target])) expand(automaton, target);
+  }
+}
+
+InterfaceAutomaton GrowingModel::cut_down(const InterfaceAutomaton& automaton,
+                                          const std::vector<bool>& reached) {
+  MAIDE_CHECK(!is_cut_down_);
+  InterfaceAutomaton result = start();
+  constexpr StateId none = ~StateId{0};
+  std::vector<StateId> numbers(automaton.size(), none), kept{automaton.initial()};
+  numbers[automaton.initial()] = 0;
+  const auto keep = [&](StateId state) {
+    if (numbers[state] != none) return;
+    numbers[state] = result.add_state();
+    kept.push_back(state);
+  };
+  for (StateId state = 0; state < automaton.size(); ++state) {
+    if (!reached[state]) continue;
+    MAIDE_CHECK(is_expanded_[state]);
+    keep(state);
+    for (const auto& transition : automaton.transitions(state)) {
+      if (is_due(met_[transition.target])) keep(transition.target);
+    }
+  }
+  const StateId elsewhere = result.add_state();
+  for (Symbol input = 0; input < result.inputs().size(); ++input) {
+    result.mark_unexplored(elsewhere, input);
+  }
+  std::vector<Contents> met;
+  for (const StateId state : kept) {
+    for (const auto& transition : automaton.transitions(state)) {
+      const StateId target = numbers[transition.target];
+      result.add_transition(numbers[state], transition.action, target == none ? elsewhere : target);
+    }
+    met.push_back(met_[state]);
+  }
+  states_.clear();
+  for (StateId state = 0; state < met.size(); ++state) states_.emplace(met[state], state);
+  met.emplace_back();  // elsewhere
+  met_ = std::move(met);
+  is_cut_down_ = true;
+  return result;
+}
+
+GrowingQueue::GrowingQueue(QueueSize queue) : GrowingModel({idle}), queue_(std::move(queue)) {
+  if (!queue_.values.empty()) letters_ = static_cast<Symbol>(queue_.values.size());
 }
 
 InterfaceAutomaton GrowingQueue::start() const {
@@ -66,88 +143,39 @@ InterfaceAutomaton GrowingQueue::start() const {
                                Alphabet(std::span<const std::string>(outputs)), 1);
   automaton.actors = {{"writer", {inputs.begin(), inputs.end() - 1}, {}},
                       {"reader", {"read"}, outputs}};
+  automaton.origin[queue_.drops_oldest ? "depth" : "size"] = std::to_string(queue_.size);
   return automaton;
 }
 
-StateId GrowingQueue::state_of(InterfaceAutomaton& automaton, Kept kept) {
-  const auto [place, is_new] = states_.try_emplace(kept, static_cast<StateId>(met_.size()));
-  if (is_new) {
-    automaton.add_state();
-    met_.push_back(std::move(kept));
-    is_expanded_.push_back(false);
-  }
-  return place->second;
-}
-
-void GrowingQueue::expand(InterfaceAutomaton& automaton, StateId state) {
-  if (is_expanded_[state]) return;
-  is_expanded_[state] = true;
-  const Kept kept = met_[state];
-  if (is_due(state)) {
-    automaton.add_transition(state, output(kept.second), state_of(automaton, {kept.first, idle}));
-    return;
-  }
+std::vector<GrowingModel::Follower> GrowingQueue::followers(const Contents& contents) const {
+  Contents free = contents;
+  free[0] = idle;
+  if (is_due(contents)) return {{output(contents[0] - first_message), free}};
+  std::vector<Follower> result;
+  const std::size_t kept = contents.size() - 1;
   for (Symbol letter = 0; letter < letters_; ++letter) {
-    Kept next = kept;
-    if (kept.second == waiting) {
-      next.second = letter;
-    } else if (kept.first.size() < queue_.size) {
-      next.first.push_back(letter);
+    Contents next = contents;
+    if (contents[0] == waiting) {
+      next[0] = first_message + letter;
+    } else if (kept < queue_.size) {
+      next.push_back(letter);
     } else if (queue_.drops_oldest) {
-      next.first.erase(next.first.begin());
-      next.first.push_back(letter);
+      next.erase(next.begin() + 1);
+      next.push_back(letter);
     } else {
       continue;
     }
-    automaton.add_transition(state, input(letter), state_of(automaton, std::move(next)));
+    result.push_back({input(letter), std::move(next)});
   }
-  if (kept.second == waiting) return;
-  Kept next = kept;
-  if (kept.first.empty()) {
-    next.second = waiting;
+  if (contents[0] == waiting) return result;
+  Contents next = contents;
+  if (kept == 0) {
+    next[0] = waiting;
   } else {
-    next.second = kept.first.front();
-    next.first.erase(next.first.begin());
+    next[0] = first_message + contents[1];
+    next.erase(next.begin() + 1);
   }
-  automaton.add_transition(state, input(letters_), state_of(automaton, std::move(next)));
-}
-
-void GrowingQueue::expand_with_messages(InterfaceAutomaton& automaton, StateId state) {
-  expand(automaton, state);
-  for (std::size_t i = 0; i < automaton.transitions(state).size(); ++i) {
-    const StateId target = automaton.transitions(state)[i].target;
-    if (is_due(target)) expand(automaton, target);
-  }
-}
-
-InterfaceAutomaton GrowingQueue::cut_down(const InterfaceAutomaton& automaton,
-                                          const std::vector<bool>& reached) const {
-  InterfaceAutomaton result = start();
-  constexpr StateId none = ~StateId{0};
-  std::vector<StateId> numbers(automaton.size(), none), kept{automaton.initial()};
-  numbers[automaton.initial()] = 0;
-  const auto keep = [&](StateId state) {
-    if (numbers[state] != none) return;
-    numbers[state] = result.add_state();
-    kept.push_back(state);
-  };
-  for (StateId state = 0; state < automaton.size(); ++state) {
-    if (!reached[state]) continue;
-    MAIDE_CHECK(is_expanded_[state]);
-    keep(state);
-    for (const auto& transition : automaton.transitions(state)) {
-      if (is_due(transition.target)) keep(transition.target);
-    }
-  }
-  const StateId elsewhere = result.add_state();
-  for (Symbol input = 0; input <= letters_; ++input) result.mark_unexplored(elsewhere, input);
-  for (const StateId state : kept) {
-    for (const auto& transition : automaton.transitions(state)) {
-      const StateId target = numbers[transition.target];
-      result.add_transition(numbers[state], transition.action, target == none ? elsewhere : target);
-    }
-  }
-  result.origin[queue_.drops_oldest ? "depth" : "size"] = std::to_string(queue_.size);
+  result.push_back({input(letters_), std::move(next)});
   return result;
 }
 

@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <map>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "maide/automata/interface_automaton.hpp"
@@ -33,38 +32,67 @@ double queue_states(const QueueSize& queue);
 // O(states).
 InterfaceAutomaton make_queue(const QueueSize& queue);
 
-// A queue whose states get their numbers as they are met, for one that has too many to make them
-// all. A state is what the queue holds and what its reader waits for; what follows it is worked out
+// A model whose states get their numbers as they are met, for one that has too many to make them
+// all, or whose number is not known. A state is what the model holds; what follows it is worked out
 // when it is asked for.
-class GrowingQueue {
+class GrowingModel {
  public:
-  explicit GrowingQueue(QueueSize queue);
+  using Contents = std::vector<std::uint32_t>;
+  virtual ~GrowingModel() = default;
 
   // The names and the initial state, which nothing follows yet.
-  InterfaceAutomaton start() const;
+  virtual InterfaceAutomaton start() const = 0;
+  // It has more than max_queue_states states, which one need not count.
+  virtual bool is_large() const = 0;
   // Adds to the automaton, which start() made, what follows `state`. Nothing the second time.
   void expand(InterfaceAutomaton& automaton, StateId state);
   // And what follows the messages that are due then.
   void expand_with_messages(InterfaceAutomaton& automaton, StateId state);
   // The automaton with those of its states that are marked, each expanded, and the messages due
-  // behind them. All else is one state, in which no input was ever tried.
+  // behind them. All else is one state, in which no input was ever tried. States are numbered anew.
   InterfaceAutomaton cut_down(const InterfaceAutomaton& automaton,
-                              const std::vector<bool>& reached) const;
+                              const std::vector<bool>& reached);
+
+  const Contents& contents(StateId state) const { return met_[state]; }
+  // The state with these contents: a new one, or behind cut_down() the one for all else.
+  StateId state_of(InterfaceAutomaton& automaton, Contents contents);
+  // Of the automaton that cut_down() made: the state for all else.
+  bool is_elsewhere(StateId state) const { return is_cut_down_ && state + 1 == met_.size(); }
+
+ protected:
+  struct Follower {
+    Action action;
+    Contents contents;
+  };
+  explicit GrowingModel(Contents initial);
+  virtual std::vector<Follower> followers(const Contents& contents) const = 0;
+  // An output follows, and nothing else.
+  virtual bool is_due(const Contents& contents) const = 0;
 
  private:
-  // What is kept, oldest first, and what the reader has: nothing, a read that waits, or the message
-  // with that number.
-  using Kept = std::pair<Word, Symbol>;
-  static constexpr Symbol idle = ~Symbol{0}, waiting = idle - 1;
+  std::map<Contents, StateId> states_;
+  std::vector<Contents> met_;  // by state
+  std::vector<bool> is_expanded_;
+  bool is_cut_down_ = false;
+};
 
-  StateId state_of(InterfaceAutomaton& automaton, Kept kept);
-  bool is_due(StateId state) const { return met_[state].second < letters_; }
+// Contents: what the reader has (nothing, a read that waits, or a message), and what is kept,
+// oldest first.
+class GrowingQueue : public GrowingModel {
+ public:
+  explicit GrowingQueue(QueueSize queue);
+
+  InterfaceAutomaton start() const override;
+  bool is_large() const override { return true; }
+
+ private:
+  static constexpr std::uint32_t idle = 0, waiting = 1, first_message = 2;
+
+  std::vector<Follower> followers(const Contents& contents) const override;
+  bool is_due(const Contents& contents) const override { return contents[0] >= first_message; }
 
   QueueSize queue_;
   Symbol letters_ = 1;
-  std::map<Kept, StateId> states_;
-  std::vector<Kept> met_;
-  std::vector<bool> is_expanded_;
 };
 
 }  // namespace maide

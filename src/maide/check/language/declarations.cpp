@@ -64,14 +64,14 @@ class DeclarationParser : public NameParser {
     return declared;
   }
 
-  std::vector<Value> parse_member(const Dimensions& dimensions) {
+  std::vector<Value> parse_member(const Dimensions& dimensions, bool is_whole) {
     const Token name = tokens_.next();
     std::vector<Value> indices;
     for (const Expression& index : expressions_.parse_indices(dimensions, name)) {
       if (!index.is_constant()) tokens_.fail("an index is known here", name);
       indices.push_back(index.value);
     }
-    expect_end();
+    if (is_whole) expect_end();
     return indices;
   }
 
@@ -124,7 +124,13 @@ Declared parse_declared(const ScalarText& text, const Context& context) {
 std::vector<Value> parse_member(const ScalarText& text, const Context& context,
                                 const Dimensions& dimensions) {
   return read(text, context,
-              [&](DeclarationParser& parser) { return parser.parse_member(dimensions); });
+              [&](DeclarationParser& parser) { return parser.parse_member(dimensions, true); });
+}
+
+std::vector<Value> parse_member_before(const ScalarText& text, const Context& context,
+                                       const Dimensions& dimensions) {
+  return read(text, context,
+              [&](DeclarationParser& parser) { return parser.parse_member(dimensions, false); });
 }
 
 Procedure parse_head(const ScalarText& text, const Context& context, std::string& name) {

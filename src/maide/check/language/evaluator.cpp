@@ -98,7 +98,7 @@ Symbol Evaluator::input_of(std::uint32_t model, const Event& event, const Values
 
 bool Evaluator::matches(const Event& pattern, const NameParts& output, const std::string& symbol,
                         const Values& values) const {
-  if (pattern.name == symbol && !pattern.has_arguments) return true;
+  if (pattern.is_any || (pattern.name == symbol && !pattern.has_arguments)) return true;
   if (pattern.name != output.name || output.arguments.empty()) return false;
   if (!pattern.has_arguments) return true;
   if (pattern.arguments.size() != output.arguments.size()) return false;

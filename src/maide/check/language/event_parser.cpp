@@ -70,8 +70,68 @@ std::string EventParser::name_at_end(const ModelReference& model, const std::str
   return name;
 }
 
+const Service* EventParser::service_of(const ModelReference& model) const {
+  if (model.is_topic) return nullptr;
+  const auto place = context_.names.services.find(model.leaf.index);
+  return place == context_.names.services.end() ? nullptr : &place->second;
+}
+
+std::string EventParser::name_at_service(const ModelReference& model, const std::string& name,
+                                         bool is_input, const Token& token) {
+  const bool is_servers = name == "serve" || name == "request" || (name == "answer" && is_input);
+  const bool is_clients = name == "send" || name == "receive" || (name == "answer" && !is_input);
+  if (!is_servers && !is_clients) return name;  // unknown, as check_event() says
+  const std::string node = context_.callback != nullptr ? context_.callback->node : "";
+  std::optional<std::string> at_end;
+  std::string services;
+  for_each_member(model, [&](std::uint32_t member) {
+    const Service& service = context_.names.services.at(member);
+    services += (services.empty() ? "" : ", ") + service.name;
+    if (is_servers) {
+      if (service.is_server(node, context_.program)) at_end = name;
+      const bool serves =
+          context_.callback == nullptr || context_.callback->kind == Callback::Kind::service;
+      if (name == "answer" && service.server_runs > 1 && !serves) {
+        tokens_.fail("which request of " + service.name +
+                         " this answers is not known: its callback may run several times at once",
+                     token);
+      }
+      return;
+    }
+    const auto client = service.client_of(node, context_.program);
+    if (!client) return;
+    if (name == "answer" && service.own_code.contains(node)) {
+      tokens_.fail("answers of " + service.name + " go to the code of its client in " + node,
+                   token);
+    }
+    const std::string numbered = ServiceModel::name_at(name, *client);
+    if (at_end && at_end != numbered) {
+      tokens_.fail("at which client of " + services + " this is depends on the index", token);
+    }
+    at_end = numbered;
+  });
+  if (!at_end && !services.empty()) {
+    tokens_.fail("this " + std::string(node.empty() ? "program" : "node") + " is no " +
+                     (is_servers ? "server" : "client") + " of " + services,
+                 token);
+  }
+  return at_end.value_or(name);
+}
+
+void EventParser::check_received(const ModelReference& model, const Event& event, bool is_input,
+                                 const Token& name) {
+  if (context_.callback == nullptr) return;
+  const std::string& word = name.text;
+  const bool of_reader = model.is_topic && !is_of_writer(instance(model).automaton, event.name);
+  if (!of_reader && !(is_input && (word == "read" || word == "receive" || word == "serve"))) return;
+  std::string instead = "say `takes: " + model.name() + "." + word + "`";
+  if (word == "receive") instead = "say `wait " + model.name() + " -> answer`";
+  if (word == "serve") instead = "say `serves: " + model.name() + "`";
+  tokens_.fail("in a callback nothing is received but through its executor: " + instead, name);
+}
+
 void EventParser::check_role(const ModelReference& model, const Event& event, const Token& name) {
-  bool may = !model.is_topic;
+  bool may = !model.is_topic || context_.starts != nullptr;
   std::string topics;
   const bool is_write = model.is_topic && is_of_writer(instance(model).automaton, event.name);
   for_each_topic(model, [&](const Topic& topic) {
@@ -92,10 +152,13 @@ Event EventParser::parse_event_name(const ModelReference& model, std::string_vie
   }
   const SourcePosition place = tokens_.position(name);
   Event event;
-  event.name = name_at_end(model, name.text);
+  const bool is_input = what == "input";
+  event.name = service_of(model) != nullptr ? name_at_service(model, name.text, is_input, name)
+                                            : name_at_end(model, name.text);
   event.line = place.line;
   event.column = place.column;
   event.has_arguments = tokens_.peek().is("(");
+  check_received(model, event, is_input, name);
   check_event(model, event, name, what);
   check_role(model, event, name);
   return event;

@@ -47,6 +47,13 @@ class EventParser : public NameParser {
   // A topic's writers write, and its readers read. Which topic it is that an index names shows when
   // control comes there.
   void check_role(const ModelReference& model, const Event& event, const Token& name);
+  // Of a service, by its members that the program or node stands at; null: it is none.
+  const Service* service_of(const ModelReference& model) const;
+  std::string name_at_service(const ModelReference& model, const std::string& name, bool is_input,
+                              const Token& token);
+  // Nothing is received in a callback but through its executor.
+  void check_received(const ModelReference& model, const Event& event, bool is_input,
+                      const Token& name);
   Event parse_event_name(const ModelReference& model, std::string_view what);
   // The model has a symbol of that name. A model whose alphabet is not known yet has any.
   void check_event(const ModelReference& model, const Event& event, const Token& name,

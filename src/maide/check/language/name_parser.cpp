@@ -21,7 +21,7 @@ constexpr std::uint64_t max_slots = 10'000;  // of a program's variables
 NameParser::NameParser(const ScalarText& text, Work& work)
     : tokens_(text, symbols),
       work_(work),
-      context_(work.context),
+      context_(*work.context),
       expressions_(tokens_, [this](const Token& name) { return resolve(name); }) {}
 
 bool NameParser::begins_statement(const Token& word) {
@@ -74,6 +74,7 @@ std::optional<Binding> NameParser::find(const std::string& name) const {
     return own->second;
   }
   const Names& file = context_.names;
+  if (const std::string of_node = name_in_node(name); !of_node.empty()) return find(of_node);
   if (const auto place = file.variables.find(name); place != file.variables.end()) {
     work_.tree.file_variables.insert(name);
     const VariableName& variable = place->second;
@@ -93,6 +94,12 @@ std::optional<Binding> NameParser::find(const std::string& name) const {
     return binding;
   }
   return std::nullopt;
+}
+
+std::string NameParser::name_in_node(const std::string& name) const {
+  if (context_.callback == nullptr || !work_.calls.empty()) return "";
+  std::string whole = context_.callback->node + "." + name;
+  return context_.names.variables.contains(whole) ? whole : "";
 }
 
 void NameParser::name_models(std::uint32_t first, const Dimensions& dimensions) const {
@@ -144,6 +151,9 @@ Token NameParser::parse_new_name(std::string_view what) {
     tokens_.fail("there is a '" + name.text + "' here already", name);
   }
   const Names& file = context_.names;
+  if (!name_in_node(name.text).empty()) {
+    tokens_.fail("'" + name.text + "' is a name of the node's already", name);
+  }
   if (file.variables.contains(name.text) || file.constants.contains(name.text) ||
       file.models.contains(name.text)) {
     tokens_.fail("'" + name.text + "' is a name of the file's already", name);

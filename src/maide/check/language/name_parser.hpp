@@ -38,14 +38,14 @@ struct Scope {
 
 // What a program's text and the procedures that it calls share.
 struct Work {
-  Work(const Context& known, const ScalarText& text) : context(known), position(text.position(0)) {
+  Work(const Context& known, const ScalarText& text) : context(&known), position(text.position(0)) {
     scopes.emplace_back();  // of the indices of an array
     for (const auto& [name, index] : known.indices) {
       scopes.back().names[name] = {Binding::Kind::constant, index, {}, false, nullptr};
     }
   }
 
-  const Context& context;
+  const Context* context;   // of the text that is read next
   SourcePosition position;  // where the text begins
   Tree tree;
   std::vector<Scope> scopes;
@@ -53,6 +53,7 @@ struct Work {
   std::map<std::tuple<int, int, std::string>, std::uint32_t> slot_places;
   std::map<std::string, Binding> own;  // variables of the file that are the program's alone
   std::vector<std::string> calls;
+  std::set<std::uint32_t> asked;  // services that the callback which is read may ask
   std::set<std::uint32_t> names;
   std::size_t statements = 0;
   int nesting = 0, loops = 0;
@@ -82,6 +83,8 @@ class NameParser {
   std::vector<std::string> names_of_variables() const;
   // What the name stands for, here or in the file; nothing of a name that is not known.
   std::optional<Binding> find(const std::string& name) const;
+  // "detector.seen", if in a callback of `detector` this is its variable; else "".
+  std::string name_in_node(const std::string& name) const;
   void name_models(std::uint32_t first, const Dimensions& dimensions) const;
   Expression resolve(const Token& name);
   Expression without_shared(Expression expression, const Token& first, std::string_view where);

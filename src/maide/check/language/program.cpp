@@ -31,8 +31,8 @@ Program parse_program(const std::string& name, const ScalarText& text, System& s
     names.models.emplace(system.models[index].name, ModelName{index, {}, false, {}});
   }
   const auto number = static_cast<std::uint32_t>(system.programs.size());
-  const program_syntax::Tree tree =
-      program_syntax::parse(text, {system.models, names, system.words, number, {}, {}, {}});
+  const program_syntax::Tree tree = program_syntax::parse(
+      text, {system.models, names, system.words, number, {}, {}, nullptr, nullptr, {}});
   SharedActions actions(system);
   return program_syntax::make_program(tree, {name, number, {}, false}, text, actions, names);
 }

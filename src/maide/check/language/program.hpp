@@ -58,6 +58,7 @@ struct Joint {
     arm,        // of a `select`
     otherwise,  // of a `select`: no arm can be taken
     timeout,    // so is this
+    timer,      // an arm: a callback that starts at any moment
     death,      // the program ends here: no progress, and no fairness asks for it
   };
   Role role = Role::step;
@@ -106,6 +107,8 @@ struct Program {
     bool operator==(const Round&) const = default;
   };
   std::string name;
+  std::vector<std::string> nodes;                      // whose callbacks it runs; else empty
+  std::string execution;                               // of them: "on one thread, in any order"
   SourcePosition position;                             // of the program in the system file
   int last_line = 0;                                   // of its text there
   std::vector<State> states;                           // state 0 is the initial one

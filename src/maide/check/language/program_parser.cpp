@@ -82,6 +82,7 @@ Statement ProgramParser::parse_statement() {
   const SourcePosition place = tokens_.position(first);
   statement.line = place.line;
   statement.column = place.column;
+  statement.callback = context_.callback;
   if (!statement.labels.empty() && (first.kind == Token::Kind::end || first.is("}"))) {
     tokens_.fail("a label stands before a statement; to mark this point write `@" +
                      work_.tree.labels[statement.labels.back()] + " skip;`",
@@ -89,6 +90,9 @@ Statement ProgramParser::parse_statement() {
   }
   if (!first.is_name()) tokens_.fail("expected a statement, not " + to_string(first), first);
   if (accept_keyword("idle")) {
+    if (context_.callback != nullptr) {
+      tokens_.fail("a callback does not rest: its thread waits for its end", first);
+    }
     statement.is_idle = true;
     parse_simple(tokens_.peek(), statement);
     using Kind = Statement::Kind;
@@ -127,7 +131,7 @@ void ProgramParser::parse_simple(const Token& first, Statement& statement) {
   } else if (accept_keyword("skip")) {
     expect_semicolon("after 'skip'");
   } else if (accept_keyword("stop")) {
-    statement.kind = Kind::stop;
+    statement.kind = context_.callback != nullptr ? Kind::leave_callback : Kind::stop;
     expect_semicolon("after 'stop'");
   } else if (accept_keyword("wait")) {
     statement.kind = Kind::wait;
@@ -149,7 +153,9 @@ void ProgramParser::parse_simple(const Token& first, Statement& statement) {
     if (work_.loops == 0) tokens_.fail("this '" + first.text + "' is in no loop", first);
     expect_semicolon("after '" + first.text + "'");
   } else if (accept_keyword("return")) {
-    statement.kind = work_.calls.empty() ? Kind::stop : Kind::leave_procedure;
+    statement.kind = !work_.calls.empty()           ? Kind::leave_procedure
+                     : context_.callback != nullptr ? Kind::leave_callback
+                                                    : Kind::stop;
     expect_semicolon("after 'return'");
   } else if (accept_keyword("call")) {
     parse_call(statement);
@@ -228,16 +234,18 @@ std::uint32_t ProgramParser::parse_label() {
   }
   auto& labels = work_.tree.labels;
   const SourcePosition place = tokens_.position(name);
-  const auto [known, is_new] = work_.label_places.try_emplace(name.text, place);
+  const std::string label =
+      context_.callback != nullptr ? context_.callback->whole_name() + "@" + name.text : name.text;
+  const auto [known, is_new] = work_.label_places.try_emplace(label, place);
   if (is_new) {
-    labels.push_back(name.text);
+    labels.push_back(label);
     return static_cast<std::uint32_t>(labels.size() - 1);
   }
   // In another copy of a procedure it is the same label.
   if (known->second.line != place.line || known->second.column != place.column) {
     tokens_.fail("the label '" + name.text + "' stands before two statements", name);
   }
-  return static_cast<std::uint32_t>(std::find(labels.begin(), labels.end(), name.text) -
+  return static_cast<std::uint32_t>(std::find(labels.begin(), labels.end(), label) -
                                     labels.begin());
 }
 
@@ -452,7 +460,11 @@ void ProgramParser::parse_give(Statement& statement) {
   statement.kind = Statement::Kind::give;
   statement.model = parse_model();
   tokens_.expect(".", "after model '" + statement.model.name() + "'");
+  const Token name = tokens_.peek();
   statement.input = parse_input(statement.model);
+  if (context_.callback != nullptr && service_of(statement.model) != nullptr && name.is("send")) {
+    for_each_member(statement.model, [&](std::uint32_t member) { work_.asked.insert(member); });
+  }
 }
 
 Tree parse(const ScalarText& text, const Context& context) {

@@ -19,6 +19,8 @@ class ProgramParser : public EventParser {
 
   void parse_program();
   void parse_procedure(Block& block) { parse_statements(block); }
+  // Of a text without statements: what runs the callbacks.
+  void parse_thread(const Thread& thread);
 
  private:
   // ---- statements -------------------------------------------------------------------------------
@@ -55,6 +57,15 @@ class ProgramParser : public EventParser {
   [[noreturn]] void fail_argument_count(const Procedure& procedure, const Token& name);
   Binding parse_call_argument();
   void parse_give(Statement& statement);
+
+  // ---- callbacks --------------------------------------------------------------------------------
+
+  SelectArm parse_start(const Callback& callback);
+  void parse_taken(SelectArm& arm, Event& pattern);
+  // The code of a callback, into `procedure`, whose scope is open; and then its end.
+  std::unique_ptr<Block> parse_code(const Callback& callback, const ScalarText* code,
+                                    std::unique_ptr<Block> procedure);
+  bool has_outputs(const SelectArm& arm) const;
 
   // ---- arms -------------------------------------------------------------------------------------
 

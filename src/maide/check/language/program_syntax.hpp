@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "maide/check/language/expression.hpp"
+#include "maide/check/language/service_model.hpp"
 #include "maide/check/language/system.hpp"
 #include "maide/check/language/system_names.hpp"
 
@@ -26,6 +27,7 @@ struct Block {
   std::vector<Statement> statements;
   std::vector<std::uint32_t> slots;  // of the variables declared in it; they end with it
   bool is_procedure = false;         // `return` leaves it
+  bool is_callback = false;          // so does `stop`
 };
 
 // A model or topic; of an array the member that the indices name.
@@ -44,6 +46,7 @@ struct Event {
     ValueType type;  // of the variable
   };
   std::string name;
+  bool is_any = false;         // an output, whatever its name
   bool has_arguments = false;  // without, an output is any of that name
   std::vector<Argument> arguments;
   int line = 0, column = 0;
@@ -57,14 +60,43 @@ struct Arm {
   std::unique_ptr<Block> body;
 };
 
+// A callback of a node, as the thread that runs it sees it.
+struct Callback {
+  enum class Kind : std::uint8_t { timer, subscription, service, client };  // in a round's order
+  Kind kind = Kind::timer;
+  std::string node;      // "detector[0]"
+  std::string name;      // "on_image"; of a client its service
+  ScalarText takes;      // of a subscription: "t.read -> message(var k)"
+  ScalarText code;       // what it does
+  bool has_code = true;  // without, a client hands answers to the callbacks that asked
+  // `do: {next: "...", gap: "..."}`: outputs, and what is done then.
+  std::vector<std::pair<ScalarText, ScalarText>> outcomes;
+  std::map<std::string, Expression> indices;  // of an array of nodes: this one's
+  std::uint32_t model = 0;                    // of a service or client
+  std::uint32_t run = 0;                      // of its runs at one time: the number
+  std::uint32_t asker = 0;                    // among all runs of its node's callbacks
+  std::vector<ModelUse> start, end;  // what starting and ending does with threads and its group
+  SourcePosition position;
+
+  std::string whole_name() const { return node + "." + name; }
+};
+
+// What runs callbacks one after the other: a single-threaded executor, or one group of a node's.
+struct Thread {
+  std::vector<Callback> callbacks;  // in a round's order
+  bool goes_by_rounds = false;      // else whichever can start
+};
+
 struct SelectArm {
-  enum class Kind : std::uint8_t { input, output, guard, otherwise, timeout };
+  enum class Kind : std::uint8_t { input, output, guard, otherwise, timeout, service };
   Kind kind = Kind::guard;
   std::optional<Expression> guard;
   ModelReference model;         // of an input or an output
   Event event;                  // so
   std::vector<Arm> arms;        // of an input: the outputs that may follow at once; else empty
   std::unique_ptr<Block> body;  // unless there are arms
+  const Callback* callback = nullptr;  // in whose code it stands
+  const Callback* starts = nullptr;    // the arm starts it; of Kind::service by what came for it
   int line = 0, column = 0;
 };
 
@@ -85,9 +117,12 @@ struct Statement {
     leave,       // break
     next_round,  // continue
     leave_procedure,
+    leave_callback,
     inner,   // `body`: a procedure
     atomic,  // `body`: assignments and `when` alone
     select,
+    rounds,        // its arms, as a look finds something for them; the look's result is `target`
+    end_callback,  // whose requests to `services` are nobody's from here on
   };
   Kind kind = Kind::skip;
   int line = 0, column = 0;
@@ -104,6 +139,8 @@ struct Statement {
   std::optional<Expression> expression;
   Expression upper;
   std::unique_ptr<Block> body, otherwise;
+  const Callback* callback = nullptr;  // in whose code it stands
+  std::vector<std::uint32_t> services;
 };
 
 struct Tree {
@@ -124,6 +161,8 @@ struct Context {
   // Variables that belong to this program alone, of those under `variables:`.
   std::set<std::string> own;
   std::map<std::string, Expression> indices;  // of an array of programs: this one's
+  const Callback* callback = nullptr;         // in whose code this stands
+  const Callback* starts = nullptr;           // what it takes is this text
   // Called for each argument of an input, with the values that it may have; for queues, whose
   // values are those that are written. While it is there, their inputs and outputs are not checked.
   std::function<void(std::uint32_t model, const Event& input, std::size_t place,
@@ -133,6 +172,8 @@ struct Context {
 
 // Throws ParseError: syntax, unknown names, kinds that do not fit.
 Tree parse(const ScalarText& text, const Context& context);
+// The program that runs the callbacks, to which the tree refers.
+Tree parse_thread(const Thread& thread, const ScalarText& text, const Context& context);
 // The declarations of `variables:`, in order; their leaves name no place yet.
 std::vector<VariableName> parse_variables(const ScalarText& text, const Context& context);
 // An expression that is known at once: a constant of the file.
@@ -147,6 +188,9 @@ Declared parse_declared(const ScalarText& text, const Context& context);
 // The indices of "name[2, i + 1]", an array with these dimensions.
 std::vector<Value> parse_member(const ScalarText& text, const Context& context,
                                 const Dimensions& dimensions);
+// The same, of a text that goes on behind it: "image[0].read".
+std::vector<Value> parse_member_before(const ScalarText& text, const Context& context,
+                                       const Dimensions& dimensions);
 // "name(a, b)" of a procedure.
 Procedure parse_head(const ScalarText& text, const Context& context, std::string& name);
 

@@ -23,19 +23,26 @@ std::uint64_t hash_of(const GlobalState& state) {
 
 class Growth {
  public:
-  Growth(System& system, SharedActions& actions, std::map<std::uint32_t, GrowingQueue>& queues,
-         const QueueLimits& limits, const RunControl& control)
-      : system_(system), actions_(actions), queues_(queues), limits_(limits), control_(control) {}
+  Growth(System& system, SharedActions& actions, GrowingModels& models, const QueueLimits& limits,
+         const RunControl& control)
+      : system_(system), actions_(actions), models_(models), limits_(limits), control_(control) {}
 
   void run() {
+    for (const auto& [model, growing] : models_) {
+      if (!growing->is_large() && make_whole(model)) whole_.insert(model);
+    }
     for (const auto& component : find_components(system_)) search(component);
-    for (const auto& [model, queue] : queues_) {
+    for (const auto& [model, growing] : models_) {
       ModelInstance& instance = system_.models[model];
       std::vector<bool>& reached = reached_[model];
       reached.resize(instance.automaton.size());
       if (!reached[instance.automaton.initial()]) reach(model, instance.automaton.initial());
       reached.resize(instance.automaton.size());
-      instance.automaton = queue.cut_down(instance.automaton, reached);
+      instance.automaton = growing->cut_down(instance.automaton, reached);
+      if (whole_.contains(model)) {
+        instance.is_grown = false;
+        continue;
+      }
       instance.automaton.origin["bound"] =
           std::to_string(std::count(reached.begin(), reached.end(), true)) +
           " states that were met first";
@@ -43,12 +50,26 @@ class Growth {
   }
 
  private:
+  // All states that the model can come to by inputs and by what programs do with it. False if they
+  // are too many.
+  bool make_whole(std::uint32_t model) {
+    InterfaceAutomaton& automaton = system_.models[model].automaton;
+    for (StateId state = 0; state < automaton.size(); ++state) {
+      if (automaton.size() > limits_.small_states) {
+        reached_.erase(model);
+        return false;
+      }
+      reach(model, state);
+    }
+    return true;
+  }
+
   // Visits the states of the component, breadth-first.
   void search(const std::vector<std::uint32_t>& programs) {
     std::set<std::uint32_t> growing;
     for (const std::uint32_t program : programs) {
       for (const std::uint32_t model : models_of(system_.programs[program])) {
-        if (queues_.contains(model)) growing.insert(model);
+        if (models_.contains(model) && !whole_.contains(model)) growing.insert(model);
       }
     }
     if (growing.empty()) return;
@@ -88,7 +109,7 @@ class Growth {
     if (reached.size() < automaton.size()) reached.resize(automaton.size());
     if (reached[state]) return true;
     if (automaton.size() > limits_.met_states) return false;
-    queues_.at(model).expand_with_messages(automaton, state);
+    models_.at(model)->expand_with_messages(automaton, state);
     actions_.make_steps(model, state);
     reached[state] = true;
     return true;
@@ -98,19 +119,19 @@ class Growth {
 
   System& system_;
   SharedActions& actions_;
-  std::map<std::uint32_t, GrowingQueue>& queues_;
+  GrowingModels& models_;
   const QueueLimits& limits_;
   const RunControl& control_;
-  std::uint64_t looked_at_ = 0;                         // states, of all components
+  std::uint64_t looked_at_ = 0;  // states, of all components
+  std::set<std::uint32_t> whole_;
   std::map<std::uint32_t, std::vector<bool>> reached_;  // by model, by state
 };
 
 }  // namespace
 
-void grow_queues(System& system, SharedActions& actions,
-                 std::map<std::uint32_t, GrowingQueue>& queues, const QueueLimits& limits,
-                 const RunControl& control) {
-  Growth(system, actions, queues, limits, control).run();
+void grow_models(System& system, SharedActions& actions, GrowingModels& models,
+                 const QueueLimits& limits, const RunControl& control) {
+  Growth(system, actions, models, limits, control).run();
 }
 
 }  // namespace maide

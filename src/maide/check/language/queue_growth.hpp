@@ -1,8 +1,8 @@
-// Which states of its large queues a system's programs bring them to. A queue over v values that
-// holds n has some 2 v^n states, of which programs mostly reach few. So a large queue is an
-// automaton given by functions (GrowingQueue), whose states are numbered as a search of the system
-// meets them. Afterwards it is an automaton like all others, and engines, reductions, exports and
-// traces need not know.
+// Which states of its large queues and of its services a system's programs bring them to. A queue
+// over v values that holds n has some 2 v^n states, of which programs mostly reach few. So it is an
+// automaton given by functions (GrowingModel), whose states are numbered as a search of the system
+// meets them. A model that is small under all that programs do with it is made whole. Afterwards it
+// is an automaton like all others, and engines, reductions, exports and traces need not know.
 //
 // Invariant: in a state that was not met no input was tried. So a run that comes to one, because
 // the search gave up, is cut there, and the verdict says so.
@@ -12,6 +12,7 @@
 
 #include <cstdint>
 #include <map>
+#include <memory>
 
 #include "maide/base/run_control.hpp"
 #include "maide/check/language/built_in_models.hpp"
@@ -24,14 +25,16 @@ namespace maide {
 struct QueueLimits {
   std::uint64_t states = max_queue_states;  // of a queue that is made whole
   std::uint64_t met_states = 1'000'000;     // of a queue that grows
+  std::uint64_t small_states = 50'000;      // of a model that is made whole by what is done with it
   std::uint64_t searched = 2'000'000;       // states of a component
 };
 
-// Grows the queues, by model, which are as GrowingQueue::start() made them, and cuts them down to
-// what was met. The system's programs were made with `actions`, and have to be made anew. Gives up
-// when the control's time is up; throws Interrupted when it is told to stop.
-void grow_queues(System& system, SharedActions& actions,
-                 std::map<std::uint32_t, GrowingQueue>& queues, const QueueLimits& limits,
-                 const RunControl& control);
+using GrowingModels = std::map<std::uint32_t, std::unique_ptr<GrowingModel>>;  // by model
+
+// Grows the models, which are as GrowingModel::start() made them, and cuts them down to what was
+// met. The system's programs were made with `actions`, and have to be made anew. Gives up when the
+// control's time is up; throws Interrupted when it is told to stop.
+void grow_models(System& system, SharedActions& actions, GrowingModels& models,
+                 const QueueLimits& limits, const RunControl& control);
 
 }  // namespace maide

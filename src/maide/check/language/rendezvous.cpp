@@ -10,6 +10,7 @@ namespace maide::program_syntax {
 void Unroller::expand_rendezvous(const Place& place, const Statement& statement,
                                  const Values& values) {
   const std::uint32_t model = model_of(statement.model, values);
+  if (names_.services.contains(model)) return expand_service(place, statement, values, model);
   using Kind = ModelUse::Kind;
   if (place.phase == Phase::before) {
     const Symbol input = input_of(model, statement.input, values);

@@ -22,7 +22,7 @@ void Unroller::expand_select(const Place& place, const Statement& statement, con
     }
     const std::uint32_t fair = fair_group(arm.line, arm.column, 0, false, text_of(arm));
     if (!arm.guard) {
-      expand_arm(place, arm, values, {}, fair);
+      expand_arm(place, arm, values, arm.starts != nullptr ? arm.starts->start : Uses{}, fair);
       continue;
     }
     for (auto& [conditions, result] : outcomes(*arm.guard, values, at(arm.line, arm.column))) {
@@ -37,6 +37,7 @@ void Unroller::expand_select(const Place& place, const Statement& statement, con
 }
 
 std::string Unroller::text_of(const SelectArm& arm) {
+  if (arm.starts != nullptr) return arm.starts->whole_name();
   switch (arm.kind) {
     case SelectArm::Kind::input: return arm.model.name() + "." + arm.event.name;
     case SelectArm::Kind::output: return arm.model.name() + "!" + arm.event.name;
@@ -48,10 +49,20 @@ void Unroller::expand_arm(const Place& place, const SelectArm& arm, const Values
                           const std::vector<ModelUse>& conditions, std::uint32_t fair) {
   const auto add = [&](std::vector<ModelUse> uses, std::vector<ModelUse> events,
                        const std::string& text, ControlState target) {
-    uses.insert(uses.end(), conditions.begin(), conditions.end());
-    add_joint({Joint::Role::arm, std::move(uses), std::move(events), text, fair}, target, arm.line,
-              arm.column);
+    const std::string prefix = arm.starts != nullptr ? arm.starts->whole_name() + " starts" : "";
+    std::vector<Uses> ways = combine({std::move(uses)}, {conditions});
+    const bool is_timer = arm.starts != nullptr && arm.starts->kind == Callback::Kind::timer;
+    for (Uses& way : ways) {
+      add_joint({is_timer ? Joint::Role::timer : Joint::Role::arm, std::move(way), events,
+                 prefix + (prefix.empty() || text.empty() ? "" : ": ") + text, fair},
+                target, arm.line, arm.column);
+    }
   };
+  if (arm.starts != nullptr && arm.starts->kind != Callback::Kind::subscription) {
+    auto [uses, events] = start_of(arm);
+    return add(std::move(uses), std::move(events), "",
+               settle(enter(*arm.body, behind(place.frame)), values));
+  }
   if (arm.kind == SelectArm::Kind::guard) {
     const std::string text = conditions.empty() ? "when" : text_of(conditions, actions_);
     return add({}, {}, text, settle(enter(*arm.body, behind(place.frame)), values));
@@ -68,6 +79,16 @@ void Unroller::expand_arm(const Place& place, const SelectArm& arm, const Values
   const InterfaceAutomaton& automaton = actions_.model(model).automaton;
   const Alphabet& outputs = automaton.outputs();
   using Kind = ModelUse::Kind;
+  if (names_.services.contains(model)) {
+    const ServiceArm way = service_arm(arm, model);
+    const bool gives = arm.kind == SelectArm::Kind::input;
+    const Block& body = arm.body ? *arm.body : *arm.arms.front().body;
+    return add({names_.services.at(model).rules->use(actions_, model, way.use)},
+               events_of(model, gives ? arm.event.name : "", way.output.value_or("")),
+               names_.services.at(model).name + (gives ? "." + arm.event.name : "") +
+                   (way.output ? (gives ? " -> " : "!") + *way.output : ""),
+               settle(enter(body, behind(place.frame)), values));
+  }
   if (arm.kind == SelectArm::Kind::output) {
     for (Symbol output = 0; output < outputs.size(); ++output) {
       const std::string& name = outputs.name(output);
@@ -163,6 +184,7 @@ std::vector<Uses> Unroller::idle_uses(const Statement& statement,
                                       const Values& values) {
   std::map<std::uint32_t, std::vector<ModelUse>> by_model;
   std::map<const Topic*, std::vector<WriteArm>> by_topic;
+  std::map<std::uint32_t, std::vector<ServiceUse>> by_service;
   for (std::size_t i = 0; i < guards.size(); ++i) {
     const SelectArm& arm = statement.select_arms[i];
     if (guards[i] == 0 || arm.kind == SelectArm::Kind::otherwise ||
@@ -179,6 +201,13 @@ std::vector<Uses> Unroller::idle_uses(const Statement& statement,
         continue;
       }
       const std::uint32_t model = model_of(arm.model, values);
+      if (names_.services.contains(model)) {
+        const ServiceArm way = service_arm(arm, model);
+        auto& uses = by_service[model];
+        uses.push_back(way.use);
+        uses.insert(uses.end(), way.others.begin(), way.others.end());
+        continue;
+      }
       std::vector<ModelUse>& uses = by_model[model];
       if (!is_input) continue;  // quiescence says it
       for (const InputWay& way : ways_of(arm, model, input_of(model, arm.event, values))) {
@@ -193,6 +222,9 @@ std::vector<Uses> Unroller::idle_uses(const Statement& statement,
     const auto idle = actions_.idle(model, taking);
     if (!idle) return {};
     ways.front().push_back(*idle);
+  }
+  for (const auto& [model, taking] : by_service) {
+    ways.front().push_back(names_.services.at(model).rules->none_of(actions_, model, taking));
   }
   for (const auto& [topic, arms] : by_topic) ways = combine(ways, idle_of(*topic, arms));
   return ways;

@@ -179,19 +179,41 @@ std::optional<ModelUse> SharedActions::idle(std::uint32_t model,
   return idle;
 }
 
-std::optional<ModelUse> SharedActions::both(const ModelUse& one, const ModelUse& other) {
-  const ModelInstance& instance = model(one.model);
-  const auto name_of = [&](const ModelUse& use) {
-    return use.kind == ModelUse::Kind::act ? instance.actions[use.symbol].name : "nothing due";
+ModelUse SharedActions::impossible(std::uint32_t model, const std::vector<ModelUse>& uses) {
+  const ModelInstance& instance = this->model(model);
+  std::string name = "cannot:";
+  for (const ModelUse& use : uses) {
+    using Kind = ModelUse::Kind;
+    if (use.kind == Kind::act) name += " " + instance.actions[use.symbol].name + ";";
+    if (use.kind == Kind::give) name += " " + instance.automaton.inputs().name(use.symbol) + ";";
+    if (use.kind == Kind::take) name += " !" + instance.automaton.outputs().name(use.symbol) + ";";
+  }
+  return action(model, name, [&instance, uses](StateId state) {
+    const bool can = std::any_of(uses.begin(), uses.end(), [&](const ModelUse& use) {
+      return !model_steps(instance, state, use).empty();
+    });
+    return can ? std::vector<ModelStep>{} : std::vector<ModelStep>{{state, false}};
+  });
+}
+
+std::optional<ModelUse> SharedActions::both(const ModelUse& use, const ModelUse& condition) {
+  const ModelInstance& instance = model(use.model);
+  const auto name_of = [&](const ModelUse& of) -> std::string {
+    switch (of.kind) {
+      case ModelUse::Kind::act: return instance.actions[of.symbol].name;
+      case ModelUse::Kind::give: return instance.automaton.inputs().name(of.symbol);
+      case ModelUse::Kind::take: return "!" + instance.automaton.outputs().name(of.symbol);
+      default: return "nothing due";
+    }
   };
-  const ModelUse use = action(
-      one.model, name_of(one) + ", and " + name_of(other), [&instance, one, other](StateId state) {
-        const bool holds = !model_steps(instance, state, one).empty() &&
-                           !model_steps(instance, state, other).empty();
-        return holds ? std::vector<ModelStep>{{state, false}} : std::vector<ModelStep>{};
-      });
-  if (!is_possible(use)) return std::nullopt;
-  return use;
+  const ModelUse both =
+      action(use.model, name_of(use) + ", and " + name_of(condition),
+             [&instance, use, condition](StateId state) {
+               const bool holds = !model_steps(instance, state, condition).empty();
+               return holds ? model_steps(instance, state, use) : std::vector<ModelStep>{};
+             });
+  if (!is_possible(both)) return std::nullopt;
+  return both;
 }
 
 bool SharedActions::is_possible(const ModelUse& action) {

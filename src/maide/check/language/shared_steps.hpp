@@ -43,6 +43,7 @@ class SharedActions {
   explicit SharedActions(System& system) : system_(system), known_(system.models.size()) {}
 
   const ModelInstance& model(std::uint32_t index) const { return system_.models[index]; }
+  InterfaceAutomaton& automaton(std::uint32_t index) { return system_.models[index].automaton; }
   const WordTable& words() const { return system_.words; }
   WordTable& words() { return system_.words; }
 
@@ -69,8 +70,10 @@ class SharedActions {
   std::optional<ModelUse> beyond(std::uint32_t model, Symbol input);
   // The model has no output due, and cannot take any of these uses. None if it always can.
   std::optional<ModelUse> idle(std::uint32_t model, const std::vector<ModelUse>& uses);
-  // Both conditions on one model. None if they hold together nowhere.
-  std::optional<ModelUse> both(const ModelUse& one, const ModelUse& other);
+  // The condition that the model cannot take any of these uses.
+  ModelUse impossible(std::uint32_t model, const std::vector<ModelUse>& uses);
+  // The use where the condition holds, on the same model. None if that is nowhere.
+  std::optional<ModelUse> both(const ModelUse& use, const ModelUse& condition);
   // Whether each model can be used so in some state; of actions, which are looked at once.
   bool are_possible(const std::vector<ModelUse>& uses);
 

@@ -56,6 +56,8 @@ struct ModelInstance {
   enum class Source : std::uint8_t {
     file,      // a model file, or a system that was learned
     built_in,  // a mutex, semaphore or queue, written by hand
+    service,   // made by the rules of services
+    executor,  // its idle threads, or which runs of a callback there are
     variable,  // a shared variable: state i is the value number i of its type
   };
   std::string name;

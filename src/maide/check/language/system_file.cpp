@@ -27,28 +27,29 @@ SystemReader::SystemReader(std::string_view text, const std::string& file,
 
 System SystemReader::read() {
   const YAML::Node root = load();
-  for (const auto& entry : root.IsMap() ? root : YAML::Node(YAML::NodeType::Map)) {
-    const std::string key = entry.first.IsScalar() ? entry.first.Scalar() : "";
-    if (key == "services" || key == "executors" || key == "nodes") {
-      fail("'" + key + "' are not built yet", entry.first);
-    }
-  }
-  const Entries sections = entries(
-      root, "a system file",
-      {"constants", "models", "topics", "procedures", "variables", "programs", "properties"});
+  const Entries sections = entries(root, "a system file",
+                                   {"constants", "models", "topics", "services", "procedures",
+                                    "variables", "programs", "executors", "nodes", "properties"});
   const auto section = [&](std::string_view name) {
     for (const auto& [key, value] : sections) {
       if (key.Scalar() == name) return value;
     }
     return YAML::Node(YAML::NodeType::Undefined);
   };
-  if (!section("programs")) throw ParseError("there is no 'programs:'", at(root));
+  if (!section("programs") && !section("nodes")) {
+    throw ParseError("there is no 'programs:' and no 'nodes:'", at(root));
+  }
   if (const YAML::Node constants = section("constants")) read_constants(constants);
-  declare_programs(section("programs"));
+  if (const YAML::Node programs = section("programs")) declare_programs(programs);
+  if (const YAML::Node executors = section("executors")) declare_executors(executors);
+  if (const YAML::Node nodes = section("nodes")) declare_nodes(nodes);
+  if (const YAML::Node services = section("services")) read_services(services);
+  make_threads();
   if (const YAML::Node models = section("models")) read_models(models);
   if (const YAML::Node topics = section("topics")) read_topics(topics);
   if (const YAML::Node procedures = section("procedures")) read_procedures(procedures);
   if (const YAML::Node variables = section("variables")) read_variables(variables);
+  for (const NodeOf& node : nodes_) read_node_variables(node);
   read_programs();
   keep_topics();
   interfaces_ = system_.interfaces();
@@ -61,7 +62,7 @@ System SystemReader::read() {
 }
 
 program_syntax::Context SystemReader::context(Indices indices) {
-  return {system_.models, names_, system_.words, 0, {}, std::move(indices), {}};
+  return {system_.models, names_, system_.words, 0, {}, std::move(indices), nullptr, nullptr, {}};
 }
 
 void SystemReader::take_name(const std::string& name, const YAML::Node& key) {
@@ -174,7 +175,7 @@ void SystemReader::read_programs() {
   {
     SharedActions actions(system_);
     make_programs(actions);
-    if (!growing_.empty()) grow_queues(system_, actions, growing_, limits_, control_);
+    if (!growing_.empty()) grow_models(system_, actions, growing_, limits_, control_);
   }
   if (!growing_.empty()) {
     system_.programs.clear();
@@ -191,9 +192,11 @@ void SystemReader::make_programs(SharedActions& actions) {
     program_syntax::Context known = context(text.indices);
     known.program = number;
     known.own = text.own;
-    const program_syntax::Tree tree = program_syntax::parse(text.text, known);
+    const program_syntax::Tree tree = parse(number, known);
     system_.programs.push_back(program_syntax::make_program(
         tree, {text.name, number, {}, text.may_die}, text.text, actions, names_));
+    system_.programs.back().nodes = text.nodes;
+    system_.programs.back().execution = text.execution;
     if (text.may_die) name_ends(system_.programs.back(), number);
   }
 }
@@ -210,7 +213,7 @@ void SystemReader::collect() {
                            const ValueType& type) { note_value(model, input, place, type); };
       std::set<std::string> used;
       try {
-        used = program_syntax::parse(texts_[index].text, known).file_variables;
+        used = parse(known.program, known).file_variables;
       } catch (const ParseError&) {
       }
       for (const std::string& name : used) users[name].insert(index);

@@ -199,7 +199,8 @@ void SystemReader::make_queue_of(ModelInstance& model, std::uint32_t number,
   if (model.is_grown) {
     // What is behind its bound was left out by us, and is no place where nothing can happen.
     model.when_unexplored = WhenUnexplored::stop;
-    model.automaton = growing_.emplace(number, GrowingQueue(size)).first->second.start();
+    model.automaton =
+        growing_.emplace(number, std::make_unique<GrowingQueue>(size)).first->second->start();
   } else {
     model.automaton = make_queue(size);
   }

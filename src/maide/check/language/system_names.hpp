@@ -17,6 +17,8 @@
 
 namespace maide {
 
+class ServiceModel;
+
 using Dimensions = std::vector<Expression::Dimension>;  // none: no array
 
 // Members of an array; 1 without dimensions. At most max_array_members, which readers check.
@@ -40,6 +42,7 @@ struct Topic {
   struct Reader {
     std::uint32_t program = 0;
     std::uint32_t model = 0;  // the instance
+    std::string callback;     // of a node, that takes from it: "detector.on_image"; else empty
     // By state of that model: the output of the writer's actor that was collected, and the state
     // behind its taking.
     std::vector<std::optional<Symbol>> collected;
@@ -65,9 +68,28 @@ struct Topic {
 
   bool has_end(std::uint32_t program, bool writes) const {
     if (writes) return writers.contains(program);
-    return std::any_of(readers.begin(), readers.end(),
-                       [&](const Reader& reader) { return reader.program == program; });
+    return std::any_of(readers.begin(), readers.end(), [&](const Reader& reader) {
+      return reader.program == program && reader.callback.empty();
+    });
   }
+};
+
+// Who stands at the ends of a service: programs and nodes.
+struct Service {
+  struct End {
+    std::uint32_t program = 0;
+    std::string node;  // empty: it is a program
+  };
+  std::string name;
+  End server;
+  std::vector<End> clients;
+  ServiceModel* rules = nullptr;
+  std::uint32_t server_runs = 1;   // of its callback, at once
+  std::set<std::string> own_code;  // nodes whose client has code of its own
+
+  // The number of the client; none if it is none.
+  std::optional<std::uint32_t> client_of(const std::string& node, std::uint32_t program) const;
+  bool is_server(const std::string& node, std::uint32_t program) const;
 };
 
 struct VariableName {
@@ -86,12 +108,14 @@ struct Procedure {
 struct Names {
   std::map<std::string, ModelName> models;  // and topics
   std::vector<Topic> topics;
+  std::map<std::uint32_t, Service> services;  // by model
   // What a program's death does to the models at whose ends it stands, by program, model and state.
   std::map<std::uint32_t, std::map<std::uint32_t, std::vector<std::vector<ModelStep>>>> deaths;
   // Those under `variables:`: shared ones are models, others belong to one program.
   std::map<std::string, VariableName> variables;
   std::map<std::string, Expression> constants;
   std::map<std::string, Procedure> procedures;
+  std::set<std::string> nodes;
 };
 
 }  // namespace maide

@@ -80,21 +80,85 @@ class SystemReader : private YamlReader {
     Indices indices;
     bool may_die = false;
     std::set<std::string> own;  // variables of the file that are this one's alone
+    std::shared_ptr<program_syntax::Thread> thread;  // it runs callbacks, and has no text
+    std::vector<std::string> nodes;                  // whose they are
+    std::string execution;                           // "on one thread, in any order"
   };
   // Names and texts, which topics refer to.
   void declare_programs(const YAML::Node& section);
+  // ---- services, executors, nodes ---------------------------------------------------------------
+
+  struct Executor {
+    std::string name;
+    std::uint32_t threads = 1;
+    bool goes_by_rounds = false;
+    YAML::Node key;
+    std::vector<std::uint32_t> nodes;
+  };
+  struct NodeOf {
+    std::string name;
+    Indices indices;
+    YAML::Node key, value;
+    std::uint32_t executor = 0;
+    std::map<std::string, bool> groups;  // whether it is reentrant, by name
+    std::vector<program_syntax::Callback> callbacks;
+    std::vector<std::string> callback_groups;  // "" is the node's own
+    std::vector<std::uint32_t> programs;       // that run them
+  };
+  void declare_executors(const YAML::Node& section);
+  void declare_nodes(const YAML::Node& section);
+  void read_services(const YAML::Node& section);
+  void read_service(const std::string& name, const Indices& indices, const YAML::Node& key,
+                    const YAML::Node& value);
+  // Programs and nodes that the text names.
+  std::vector<Service::End> ends_named(const YAML::Node& node, const Indices& indices);
+  // The members of the array that a text names: "a", "a[i]".
+  std::vector<std::uint32_t> members_named(const YAML::Node& node, const ModelName& array,
+                                           const Indices& indices);
+  void read_callbacks(NodeOf& node);
+  void read_callback(NodeOf& node, const YAML::Node& key, const YAML::Node& value);
+  // Of each service that has the node as a client.
+  void read_clients(NodeOf& node);
+  void check_server(const NodeOf& node) const;
+  std::string group_named(const NodeOf& node, const YAML::Node& value) const;
+  // The programs that run the callbacks, and the models of the services.
+  void make_threads();
+  void make_thread(const std::string& name, const Executor& executor,
+                   std::vector<program_syntax::Callback> callbacks,
+                   const std::vector<std::uint32_t>& nodes);
+  void make_groups(const Executor& executor, NodeOf& node, std::uint32_t number);
+  std::uint32_t add_hidden_model(const std::string& name, InterfaceAutomaton automaton,
+                                 const YAML::Node& key);
+  std::uint32_t runs_of(const NodeOf& node, std::size_t callback) const;
+  void make_services();
+  void read_node_variables(const NodeOf& node);
+  // The node's callbacks that take from that topic; only the one of that name, unless it is empty.
+  std::vector<std::string> takers_of(const NodeOf& node, const std::string& callback,
+                                     const std::string& topic);
+  program_syntax::Tree parse(std::uint32_t program, const program_syntax::Context& known) const;
+
   void read_programs();
   // Parses their texts; actions of models are made as they are needed.
   void make_programs(SharedActions& actions);
   void read_topics(const YAML::Node& section);
-  // A program's number for each that the text names: "a", "a[2]", or all members of "a".
+  // A program's number for each that the text names: "a", "a[2]", or all members of "a"; of a node
+  // those of the programs that run its callbacks.
   std::vector<std::uint32_t> programs_named(const YAML::Node& node, const Indices& indices);
+  // Nodes that share an executor are run by one program, which is there once.
+  std::vector<std::uint32_t> writers_named(const YAML::Node& node, const Indices& indices);
+  // Readers of a topic: programs, and callbacks of nodes.
+  struct ReaderEnd {
+    std::uint32_t program = 0;
+    std::string callback, name;  // "detector.on_image" and "detector", where that says it
+  };
+  std::vector<ReaderEnd> readers_named(const YAML::Node& node, const Indices& indices,
+                                       const std::string& topic);
   void read_topic(const std::string& name, const Indices& indices, const YAML::Node& key,
                   const YAML::Node& value);
   // The variable that says whose call has not returned, where that matters.
   void make_caller(Topic& topic, const YAML::Node& key);
   // The reader's model, with its own options.
-  Topic::Reader make_reader(const std::string& topic, std::uint32_t program, const Indices& indices,
+  Topic::Reader make_reader(const std::string& topic, const ReaderEnd& end, const Indices& indices,
                             const YAML::Node& key, const YAML::Node& value,
                             const YAML::Node& own_options);
   // What becomes of the model because programs stand at its ends: it is a topic's reader's, or some
@@ -132,9 +196,15 @@ class SystemReader : private YamlReader {
   System system_;
   Names names_;
   std::map<std::string, SourcePosition> taken_;
-  std::map<std::uint32_t, Queue> queues_;          // by model
-  std::map<std::uint32_t, GrowingQueue> growing_;  // by model: of queues_, those that are large
-  ModelRequest last_request_;                      // of the model that was read last
+  std::map<std::uint32_t, Queue> queues_;  // by model
+  GrowingModels growing_;                  // large queues, and services
+  std::vector<Executor> executors_;
+  std::map<std::string, std::uint32_t> executor_names_;
+  std::vector<NodeOf> nodes_;
+  std::map<std::string, ModelName> node_arrays_;     // `first` is a node
+  std::map<std::string, ModelName> service_arrays_;  // `first` is a model
+  std::map<std::uint32_t, std::uint32_t> depths_;    // of services, by model
+  ModelRequest last_request_;                        // of the model that was read last
   std::vector<ProgramText> texts_;
   std::map<std::string, ModelName> program_arrays_;  // `first` is a program
   // Of a reader's model its topic, and its place among the readers.

@@ -35,31 +35,114 @@ std::vector<std::uint32_t> SystemReader::programs_named(const YAML::Node& node,
     }
     return all;
   }
-  const ScalarText text = text_of(node);
-  scalar(node, "a program's name");
-  const std::string name = text.value().substr(0, text.value().find('['));
+  const std::string text = scalar(node, "a program's name");
+  const std::string name = text.substr(0, text.find('['));
+  if (const auto array = node_arrays_.find(name); array != node_arrays_.end()) {
+    std::vector<std::uint32_t> programs;
+    for (const std::uint32_t member : members_named(node, array->second, indices)) {
+      for (const std::uint32_t program : nodes_[member].programs) programs.push_back(program);
+    }
+    return programs;
+  }
   const auto array = program_arrays_.find(name);
   if (array == program_arrays_.end()) {
     std::vector<std::string> known;
     for (const auto& [other, programs] : program_arrays_) known.push_back(other);
+    for (const auto& [other, nodes] : node_arrays_) known.push_back(other);
     fail("unknown program '" + name + "'; there is: " + known_instead(name, known), node);
   }
-  std::vector<std::uint32_t> programs;
-  if (name.size() == text.value().size()) {
-    const auto count = static_cast<std::uint32_t>(member_count(array->second.dimensions));
-    for (std::uint32_t i = 0; i < count; ++i) programs.push_back(array->second.first + i);
-    return programs;
+  return members_named(node, array->second, indices);
+}
+
+std::vector<std::uint32_t> SystemReader::members_named(const YAML::Node& node,
+                                                       const ModelName& array,
+                                                       const Indices& indices) {
+  const ScalarText text = text_of(node);
+  if (text.value().find('[') == std::string::npos) {
+    std::vector<std::uint32_t> members;
+    const auto count = static_cast<std::uint32_t>(member_count(array.dimensions));
+    for (std::uint32_t i = 0; i < count; ++i) members.push_back(array.first + i);
+    return members;
   }
   const std::vector<Value> place =
-      program_syntax::parse_member(text, context(indices), array->second.dimensions);
+      program_syntax::parse_member(text, context(indices), array.dimensions);
   Expression leaf;
-  leaf.name = name;
-  leaf.dimensions = array->second.dimensions;
+  leaf.name = text.value().substr(0, text.value().find('['));
+  leaf.dimensions = array.dimensions;
   try {
-    return {array->second.first + element_of(leaf, place)};
+    return {array.first + element_of(leaf, place)};
   } catch (const EvaluationError& error) {
     fail(error.text, node);
   }
+}
+
+std::vector<std::uint32_t> SystemReader::writers_named(const YAML::Node& node,
+                                                       const Indices& indices) {
+  if (!node.IsSequence()) return programs_named(node, indices);
+  std::set<std::uint32_t> programs;
+  std::set<std::string> names;
+  for (const YAML::Node& one : node) {
+    if (!names.insert(scalar(one, "a writer")).second) {
+      fail("program " + one.Scalar() + " is there twice", one);
+    }
+    for (const std::uint32_t program : programs_named(one, indices)) programs.insert(program);
+  }
+  return {programs.begin(), programs.end()};
+}
+
+std::vector<SystemReader::ReaderEnd> SystemReader::readers_named(const YAML::Node& node,
+                                                                 const Indices& indices,
+                                                                 const std::string& topic) {
+  std::vector<ReaderEnd> ends;
+  if (node.IsSequence()) {
+    for (const YAML::Node& one : node) {
+      for (ReaderEnd& end : readers_named(one, indices, topic)) {
+        for (const ReaderEnd& other : ends) {
+          if (other.program != end.program || other.callback != end.callback) continue;
+          fail("program " + end.name + " is there twice", one);
+        }
+        ends.push_back(std::move(end));
+      }
+    }
+    return ends;
+  }
+  const std::string text = scalar(node, "a reader");
+  const std::size_t dot = text.find('.');
+  const std::string name = text.substr(0, std::min(text.find('['), dot));
+  const auto array = node_arrays_.find(name);
+  if (array == node_arrays_.end()) {
+    for (const std::uint32_t program : programs_named(node, indices)) {
+      ends.push_back({program, "", texts_[program].name});
+    }
+    return ends;
+  }
+  std::vector<std::uint32_t> members;
+  if (dot == std::string::npos) {
+    members = members_named(node, array->second, indices);
+  } else {
+    for (std::uint32_t i = 0; i < nodes_.size(); ++i) {
+      if (nodes_[i].name == text.substr(0, dot)) members.push_back(i);
+    }
+  }
+  for (const std::uint32_t member : members) {
+    const NodeOf& of = nodes_[member];
+    const std::string only = dot == std::string::npos ? "" : text.substr(dot + 1);
+    const std::vector<std::string> callbacks = takers_of(of, only, topic);
+    if (callbacks.empty()) fail("no callback of " + of.name + " takes from '" + topic + "'", node);
+    for (const std::string& callback : callbacks) {
+      const std::string whole = of.name + "." + callback;
+      for (const std::uint32_t program : of.programs) {
+        const auto& run = texts_[program].thread->callbacks;
+        const bool has = std::any_of(
+            run.begin(), run.end(), [&](const auto& other) { return other.whole_name() == whole; });
+        if (!has) continue;
+        ends.push_back({program, whole, callbacks.size() == 1 && only.empty() ? of.name : whole});
+        break;  // the runs of a callback are one reader
+      }
+    }
+  }
+  if (members.empty()) fail("unknown node '" + text + "'", node);
+  return ends;
 }
 
 void SystemReader::read_topic(const std::string& name, const Indices& indices,
@@ -79,19 +162,19 @@ void SystemReader::read_topic(const std::string& name, const Indices& indices,
   for (const std::string_view word : {"writers", "readers"}) {
     if (!part(word)) fail("topic '" + name + "' needs '" + std::string(word) + ":'", key);
   }
-  for (const std::uint32_t writer : programs_named(part("writers"), indices)) {
+  for (const std::uint32_t writer : writers_named(part("writers"), indices)) {
     topic.writers.insert(writer);
   }
   if (const YAML::Node deliver = part("deliver")) {
     topic.delivers_one = one_of<bool>(deliver, "'deliver'", {{"one", true}, {"all", false}});
   }
-  const std::vector<std::uint32_t> readers = programs_named(part("readers"), indices);
+  const std::vector<ReaderEnd> readers = readers_named(part("readers"), indices, name);
   if (readers.empty() || topic.writers.empty()) fail("a topic has a writer and a reader", key);
-  for (const std::uint32_t reader : readers) {
+  for (const ReaderEnd& reader : readers) {
     topic.readers.push_back(make_reader(name, reader, indices, key, value, part("readers_with")));
   }
   const auto mortal_readers = std::count_if(
-      readers.begin(), readers.end(), [&](std::uint32_t reader) { return texts_[reader].may_die; });
+      readers.begin(), readers.end(), [&](const auto& end) { return texts_[end.program].may_die; });
   if (mortal_readers > max_mortal_readers) {
     fail("at most " + std::to_string(max_mortal_readers) + " readers of a topic may die, and of '" +
              name + "' " + std::to_string(mortal_readers) + " may",
@@ -131,7 +214,7 @@ void SystemReader::make_caller(Topic& topic, const YAML::Node& key) {
   system_.models.push_back(std::move(caller));
 }
 
-Topic::Reader SystemReader::make_reader(const std::string& topic, std::uint32_t program,
+Topic::Reader SystemReader::make_reader(const std::string& topic, const ReaderEnd& end,
                                         const Indices& indices, const YAML::Node& key,
                                         const YAML::Node& value, const YAML::Node& own_options) {
   if (system_.models.size() == max_components) fail("too many models", key);
@@ -150,22 +233,25 @@ Topic::Reader SystemReader::make_reader(const std::string& topic, std::uint32_t 
   }
   if (own_options) {
     for (const auto& [who, settings] : entries(own_options, "'readers_with'", {})) {
-      const std::vector<std::uint32_t> meant = programs_named(who, indices);
-      if (std::find(meant.begin(), meant.end(), program) == meant.end()) continue;
+      const std::vector<ReaderEnd> meant = readers_named(who, indices, topic);
+      const bool is_meant = std::any_of(meant.begin(), meant.end(), [&](const ReaderEnd& other) {
+        return other.program == end.program && other.callback == end.callback;
+      });
+      if (!is_meant) continue;
       for (const auto& [option, setting] : entries(settings, "a reader's options", {})) {
         with[option.Scalar()] = setting;
       }
     }
   }
   if (with.size() > 0) options["with"] = with;
-  ModelInstance model = read_model(topic + "[" + texts_[program].name + "]", key, options);
+  ModelInstance model = read_model(topic + "[" + end.name + "]", key, options);
   const auto number = static_cast<std::uint32_t>(system_.models.size());
   if (model.source == ModelInstance::Source::built_in) {
     make_built_in(model, number, indices, options);
   }
   system_.models.push_back(std::move(model));
   note_learned(number);
-  return {program, number, {}, {}, {}, {}};
+  return {end.program, number, end.callback, {}, {}, {}, {}};
 }
 
 namespace {

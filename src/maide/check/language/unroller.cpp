@@ -44,6 +44,9 @@ void Unroller::expand(const Place place) {
   if (may_go_on) {
     const Statement& statement = statement_at(place.frame);
     state.may_rest = statement.is_idle && place.phase != Phase::writes;
+    if (statement.kind == Statement::Kind::rounds) {
+      state.may_rest = program_.valuations[place.valuation][statement.target.index] == 0;
+    }
     expand(place, statement);
     if (may_die_) add_death(place);
   }
@@ -70,6 +73,8 @@ void Unroller::expand(const Place& place, const Statement& statement) {
     case Kind::repeat_while: expand_condition(place, statement, values); break;
     case Kind::atomic: expand_atomic(place, statement, values); break;
     case Kind::select: expand_select(place, statement, values); break;
+    case Kind::rounds: expand_rounds(place, statement, values); break;
+    case Kind::end_callback: expand_end(place, statement, values); break;
     default: expand_rendezvous(place, statement, values); break;
   }
 }

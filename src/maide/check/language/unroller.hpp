@@ -79,6 +79,30 @@ class Unroller : public Walker {
 
   void expand_rendezvous(const Place& place, const Statement& statement, const Values& values);
 
+  // ---- services and callbacks -------------------------------------------------------------------
+
+  using ServiceUse = ServiceModel::Operation;
+  // What the input or output is to the service, at this program's or callback's end.
+  ServiceUse operation_of(const Service& service, const std::string& name, bool is_input,
+                          const Callback* callback) const;
+  void expand_service(const Place& place, const Statement& statement, const Values& values,
+                      std::uint32_t model);
+  // The arm's uses of the service, with the outputs that they take; and what says that it cannot be
+  // taken, and nothing is due there.
+  struct ServiceArm {
+    ServiceUse use;
+    std::optional<std::string> output;
+    std::vector<ServiceUse> others;
+  };
+  ServiceArm service_arm(const SelectArm& arm, std::uint32_t model) const;
+  Uses events_of(std::uint32_t model, const std::string& input, const std::string& output) const;
+  // How a callback can start that takes nothing from a model of the file; and its events.
+  std::pair<Uses, Uses> start_of(const SelectArm& arm);
+  // Nothing is there for the arm's callback.
+  std::vector<Uses> nothing_for(const SelectArm& arm, const Values& values);
+  void expand_rounds(const Place& place, const Statement& statement, const Values& values);
+  void expand_end(const Place& place, const Statement& statement, const Values& values);
+
   // ---- topics -----------------------------------------------------------------------------------
 
   // A write of this program, and the taking of what is collected for it if that is due at once.

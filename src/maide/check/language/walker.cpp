@@ -36,6 +36,8 @@ bool steps(const Statement& statement) {
     case Kind::choice:
     case Kind::choose:
     case Kind::select:
+    case Kind::rounds:
+    case Kind::end_callback:
     case Kind::atomic: return true;
     case Kind::assign: return is_shared(statement.target) || reads_shared(*statement.expression);
     case Kind::when:
@@ -56,7 +58,7 @@ Ways ways_through(const Statement& statement) {
   using Kind = Statement::Kind;
   const Kind kind = statement.kind;
   if (steps(statement) || kind == Kind::stop || kind == Kind::leave ||
-      kind == Kind::leave_procedure) {
+      kind == Kind::leave_procedure || kind == Kind::leave_callback) {
     return {true, false};
   }
   if (kind == Kind::next_round) return {false, false};
@@ -298,6 +300,9 @@ FrameId Walker::pass(FrameId id, const Statement& statement, Values& values) {
     case Kind::leave_procedure:
       while (!frames_[id].block->is_procedure) id = leave(id, values);
       return leave(id, values);
+    case Kind::leave_callback:
+      while (!frames_[id].block->is_callback) id = leave(id, values);
+      return leave(id, values);
     default: return behind(id);
   }
 }
@@ -366,6 +371,7 @@ void Walker::check_arrival(const Statement& statement, const Values& values) con
       }
       break;
     case Kind::select:
+    case Kind::rounds:
       for (const SelectArm& arm : statement.select_arms) {
         if (arm.guard && (reads_shared(*arm.guard) || evaluate(*arm.guard, values) == 0)) continue;
         check_arm(arm, values);

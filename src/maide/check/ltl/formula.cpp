@@ -87,7 +87,10 @@ std::string to_string(const Atom& atom, const FormulaScope& scope) {
   switch (atom.kind) {
     case Atom::Kind::label: {
       const Program& program = scope.programs[atom.owner];
-      return quoted(program.name) + "@" + quoted(program.labels[atom.symbol]);
+      const std::string& label = program.labels[atom.symbol];
+      // A callback's label says whose it is.
+      if (!program.nodes.empty()) return label;
+      return quoted(program.name) + "@" + quoted(label);
     }
     case Atom::Kind::end: return quoted(scope.programs[atom.owner].name) + "@end";
     case Atom::Kind::input: {
@@ -177,6 +180,14 @@ Formula negation_normal_form(const Formula& formula) { return normalise(formula,
 bool contains(const Formula& formula, Operator op) {
   return formula &&
          (formula->op == op || contains(formula->left, op) || contains(formula->right, op));
+}
+
+double expanded_size(const Formula& formula) {
+  using Operator = FormulaNode::Operator;
+  if (!formula) return 0;
+  const double size = 1 + expanded_size(formula->left) + expanded_size(formula->right);
+  const bool doubles = formula->op == Operator::equivalence || formula->op == Operator::weak_until;
+  return doubles ? 2 * size : size;
 }
 
 bool is_boolean(const Formula& formula) {

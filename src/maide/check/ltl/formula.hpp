@@ -95,6 +95,8 @@ Formula negation_normal_form(const Formula& formula);
 bool contains(const Formula& formula, FormulaNode::Operator op);
 // No temporal operator.
 bool is_boolean(const Formula& formula);
+// Nodes of the negation normal form, or an upper bound: it doubles what stands around <-> and W.
+double expanded_size(const Formula& formula);
 // In negation normal form it has no U and no F: every violation shows on a finite prefix.
 bool is_syntactically_safe(const Formula& formula);
 // Each atom once, in order.

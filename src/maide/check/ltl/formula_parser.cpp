@@ -21,12 +21,15 @@ constexpr int max_nesting = 200;  // the parser and all walks over formulas recu
 constexpr int max_size = 2000;
 constexpr double max_expanded_size = 10'000;  // of the normal form, in which each <-> doubles
 
-// Nodes of the negation normal form, or an upper bound.
-double expanded_size(const Formula& formula) {
-  if (!formula) return 0;
-  const double size = 1 + expanded_size(formula->left) + expanded_size(formula->right);
-  const bool doubles = formula->op == Operator::equivalence || formula->op == Operator::weak_until;
-  return doubles ? 2 * size : size;
+// "send2" of "send".
+bool is_numbered(const std::string& known, const std::string& name) {
+  return known.starts_with(name) &&
+         known.find_first_not_of("0123456789", name.size()) == std::string::npos;
+}
+
+// A node's subscriptions are readers of their own: "image[detector.on_image]".
+bool is_reader_of(const std::string& model, const std::string& name) {
+  return name.ends_with(']') && model.starts_with(name.substr(0, name.size() - 1) + ".");
 }
 
 // A formula, or an expression that is one if it is true or false.
@@ -87,9 +90,7 @@ class Parser {
 
   Formula make_atom(const Atom& atom, const Token& first) {
     if (++size_ > max_size) tokens_.fail("the formula is too large", first);
-    auto node = std::make_shared<FormulaNode>(FormulaNode{Operator::atom, {}, nullptr, nullptr});
-    node->atom = atom;
-    return node;
+    return std::make_shared<FormulaNode>(FormulaNode{Operator::atom, atom, nullptr, nullptr});
   }
 
   void deeper() {
@@ -276,10 +277,18 @@ class Parser {
     tokens_.fail("unknown constant '" + name.text + "'", name);
   }
 
+  const ModelName* find_model(const std::string& name) const {
+    if (scope_.names == nullptr) return nullptr;
+    const auto place = scope_.names->models.find(name.substr(0, name.find('[')));
+    return place == scope_.names->models.end() ? nullptr : &place->second;
+  }
   bool is_topic(const std::string& name) const {
-    if (scope_.names == nullptr) return false;
-    const auto place = scope_.names->models.find(name);
-    return place != scope_.names->models.end() && place->second.is_topic;
+    const ModelName* const model = find_model(name);
+    return model != nullptr && model->is_topic;
+  }
+  bool is_service(const std::string& name) const {
+    const ModelName* const model = find_model(name);
+    return model != nullptr && !model->is_topic && scope_.names->services.contains(model->first);
   }
 
   // "[logger]" behind a topic's name: its reader's model.
@@ -288,7 +297,9 @@ class Parser {
     tokens_.next();
     const Token reader = tokens_.next();
     if (!reader.is_name()) tokens_.fail("expected a reader of " + topic, reader);
-    std::string suffix = "[" + reader.text + parse_suffix() + "]";
+    std::string suffix = "[" + reader.text + parse_suffix();
+    if (tokens_.accept(".")) suffix += "." + tokens_.next().text;
+    suffix += "]";
     tokens_.expect("]", "behind a reader");
     return suffix;
   }
@@ -352,19 +363,22 @@ class Parser {
   std::optional<Expression> parse_variable(const Token& name) {
     if (auto constant = constant_of(name.text)) return constant;
     if (scope_.names == nullptr) return std::nullopt;
-    if (const auto place = scope_.names->variables.find(name.text);
-        place != scope_.names->variables.end()) {
-      Expression leaf = place->second.leaf;
-      ExpressionParser numbers(tokens_,
-                               [this](const Token& index) { return find_constant(index); });
-      leaf.operands = numbers.parse_indices(leaf.dimensions, name);
-      return leaf;
-    }
+    if (auto variable = parse_variable_named(name.text, name)) return variable;
     if (tokens_.peek().is("[")) return std::nullopt;
     if (const auto word = scope_.words->find(name.text)) {
       return make_constant(*word, ValueKind::word);
     }
     return std::nullopt;
+  }
+
+  // Of the file, or "node.variable".
+  std::optional<Expression> parse_variable_named(const std::string& whole, const Token& name) {
+    const auto place = scope_.names->variables.find(whole);
+    if (place == scope_.names->variables.end()) return std::nullopt;
+    Expression leaf = place->second.leaf;
+    ExpressionParser numbers(tokens_, [this](const Token& index) { return find_constant(index); });
+    leaf.operands = numbers.parse_indices(leaf.dimensions, name);
+    return leaf;
   }
 
   // program@label, program.variable, model.input, model!output, program:model.input.
@@ -378,9 +392,19 @@ class Parser {
                        " alone: no variable, constant or word has this name",
                    owner);
     }
-    Token name = tokens_.next();
-    if (!name.is_name()) {
-      tokens_.fail("expected a name after '" + separator.text + "', not " + to_string(name), name);
+    Token name = parse_name_behind(separator);
+    if (scope_.names != nullptr && scope_.names->nodes.contains(owner.text)) {
+      if (separator.is(".") && !tokens_.peek().is("@")) {
+        const auto variable = parse_variable_named(owner.text + "." + name.text, name);
+        if (variable) return {nullptr, *variable, owner};
+        tokens_.fail("node " + owner.text + " has no variable '" + name.text + "'", name);
+      }
+      if (separator.is(".")) {
+        owner.text += "." + name.text;
+        tokens_.next();
+        name = tokens_.next();
+      }
+      return {find_node_label(owner, name), {}, owner};
     }
     if (separator.is("@")) return {make_atom(find_label(owner, name), owner), {}, owner};
     if (separator.is(".") && find_program(owner.text)) {
@@ -388,6 +412,12 @@ class Parser {
       return {nullptr, find_variable(*find_program(owner.text), name), owner};
     }
     return {find_event(owner, name, separator.is("."), Atom::any_program), {}, owner};
+  }
+
+  Token parse_name_behind(const Token& separator) {
+    Token name = tokens_.next();
+    if (name.is_name()) return name;
+    tokens_.fail("expected a name after '" + separator.text + "', not " + to_string(name), name);
   }
 
   Operand parse_of_program(const Token& program) {
@@ -401,10 +431,7 @@ class Parser {
     if (!separator.is(".") && !separator.is("!")) {
       tokens_.fail("expected model.input or model!output behind a program and ':'", separator);
     }
-    const Token name = tokens_.next();
-    if (!name.is_name()) {
-      tokens_.fail("expected a name after '" + separator.text + "', not " + to_string(name), name);
-    }
+    const Token name = parse_name_behind(separator);
     return {find_event(owner, name, separator.is("."), *index), {}, program};
   }
 
@@ -451,6 +478,31 @@ class Parser {
                  name);
   }
 
+  // Of a node, or of one of its callbacks: in any of the programs that run it.
+  Formula find_node_label(const Token& owner, const Token& name) {
+    Formula any;
+    std::vector<std::string> known;
+    for (std::uint32_t index = 0; index < scope_.programs.size(); ++index) {
+      const std::vector<std::string>& labels = scope_.programs[index].labels;
+      for (std::uint32_t label = 0; label < labels.size(); ++label) {
+        const std::size_t at = labels[label].find('@');
+        if (at == std::string::npos) continue;
+        const std::string callback = labels[label].substr(0, at);
+        const bool is_of_node = callback.starts_with(owner.text + ".");
+        if (callback != owner.text && !is_of_node) continue;
+        known.push_back(labels[label].substr(at + 1));
+        if (known.back() != name.text) continue;
+        const Formula atom = make_atom({Atom::Kind::label, index, label}, owner);
+        any = any ? make(Operator::disjunction, any, atom) : atom;
+      }
+    }
+    if (any) return any;
+    if (name.text == "end") tokens_.fail("a node has no end", name);
+    tokens_.fail(owner.text + " has no label '" + name.text +
+                     "'; it has: " + known_instead(name.text, known),
+                 name);
+  }
+
   Atom find_label(const Token& owner, const Token& name) {
     const auto index = find_program(owner.text);
     if (!index) fail_unknown_program(owner);
@@ -458,17 +510,13 @@ class Parser {
     if (name.text == "end") return {Atom::Kind::end, *index, 0};
     const auto place = std::find(program.labels.begin(), program.labels.end(), name.text);
     if (place == program.labels.end()) {
+      std::vector<std::string> known = program.labels;
+      known.emplace_back("end");
       tokens_.fail("program " + owner.text + " has no label '" + name.text +
-                       "'; it has: " + known_instead(name.text, labels_of(program)),
+                       "'; it has: " + known_instead(name.text, known),
                    name);
     }
     return {Atom::Kind::label, *index, static_cast<std::uint32_t>(place - program.labels.begin())};
-  }
-
-  static std::vector<std::string> labels_of(const Program& program) {
-    std::vector<std::string> labels = program.labels;
-    labels.emplace_back("end");
-    return labels;
   }
 
   // "(3,go)" behind a name; "" if there are no values.
@@ -488,19 +536,20 @@ class Parser {
   // A name without values is any of them, and a topic's any of its readers' models.
   Formula find_event(const Token& owner, const Token& name, bool is_input, std::uint32_t program) {
     const Atom::Kind kind = is_input ? Atom::Kind::input : Atom::Kind::output;
-    const bool is_any_reader = is_topic(owner.text.substr(0, owner.text.find('[')));
+    const bool is_any_reader = is_topic(owner.text);
     const std::string text = name.text + parse_values();
     Formula any;
     const ProgramInterface* found = nullptr;
     for (std::uint32_t index = 0; index < scope_.models.size(); ++index) {
       const ProgramInterface& model = scope_.models[index];
       const bool is_reader = is_any_reader && model.name.starts_with(owner.text + "[");
-      if (model.name != owner.text && !is_reader) continue;
+      if (model.name != owner.text && !is_reader && !is_reader_of(model.name, owner.text)) continue;
       found = &model;
       const Alphabet& alphabet = is_input ? *model.inputs : *model.outputs;
       for (Symbol symbol = 0; symbol < alphabet.size(); ++symbol) {
         const std::string& known = alphabet.name(symbol);
-        if (known != text && !known.starts_with(text + "(")) continue;
+        const bool is_at_client = is_service(owner.text) && is_numbered(known, text);
+        if (known != text && !known.starts_with(text + "(") && !is_at_client) continue;
         const Formula atom = make_atom({kind, index, symbol, program}, owner);
         any = any ? make(Operator::disjunction, any, atom) : atom;
       }

@@ -1,0 +1,88 @@
+// A service as its rules say: two topics with numbers. Requests go from the clients to the server;
+// an answer goes from the server to *all* clients, each of which throws away what answers none of
+// its own open requests. Both directions keep the last `depth`.
+//
+// Callbacks of a node ask under their own names: a request is its run's until that run is over or
+// has asked again, and then nobody's. Its client still takes the answer.
+//
+// What programs do with a service are actions on its state; its automaton has the names of inputs
+// and outputs, and no transitions.
+// Invariant: an item is one request. Of the own answers in a client's queue at most one is that of
+// a run, for a run's earlier requests are nobody's.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "maide/check/language/built_in_models.hpp"
+#include "maide/check/language/shared_steps.hpp"
+
+namespace maide {
+
+struct ServiceShape {
+  std::uint32_t depth = 10;           // at least 1
+  std::vector<std::uint32_t> askers;  // by client: runs of callbacks that may wait; 0: a program
+  std::uint32_t servers = 1;          // runs of the server's callback at once
+};
+
+class ServiceModel : public GrowingModel {
+ public:
+  struct Operation {
+    enum class Kind : std::uint8_t {
+      // Of the server. Where its callback runs several times at once, `run` is the number.
+      serve,         // asks for a request
+      take_request,  // takes the one that is due
+      serve_at_once,
+      answer,
+      answer_due,  // an answer is due to some client: a condition
+      // Of a client.
+      send,     // by the run number `run` of its callbacks; beyond them, or of a program: by nobody
+      receive,  // asks for an answer
+      take_answer,  // takes the one that is due
+      receive_at_once,
+      // Of a client that is a node.
+      hand_over,  // its callback takes an answer to one of its requests, for the run that asked
+      take_own,   // for code of its own
+      wait,       // the run takes the answer that was handed over for it
+      end_run,
+    };
+    Kind kind = Kind::send;
+    std::uint32_t client = 0, run = 0;
+    auto operator<=>(const Operation&) const = default;
+  };
+
+  explicit ServiceModel(ServiceShape shape);
+
+  InterfaceAutomaton start() const override;
+  bool is_large() const override { return false; }
+  // "send" of the first client, "send2" of the second.
+  static std::string name_at(const std::string& name, std::uint32_t client);
+
+  // The use of the model that this is.
+  ModelUse use(SharedActions& actions, std::uint32_t model, const Operation& operation);
+  // The condition that none of these is possible.
+  ModelUse none_of(SharedActions& actions, std::uint32_t model,
+                   const std::vector<Operation>& operations);
+
+ private:
+  struct State;
+  State unpack(const Contents& contents) const;
+  static Contents pack(const State& state);
+  std::vector<Follower> followers(const Contents&) const override { return {}; }
+  bool is_due(const Contents&) const override { return false; }
+  std::optional<State> after(State state, const Operation& operation) const;
+  std::string text_of(const Operation& operation) const;
+
+  void send(State& state, std::uint32_t item) const;
+  void answer(State& state, std::uint32_t item) const;
+  // The first own answer of the client; those of others before it are thrown away.
+  static std::optional<std::uint32_t> take_own(State& state, std::uint32_t client);
+  // The requests of that run are nobody's from here on.
+  void forget(State& state, std::uint32_t client, std::uint32_t run) const;
+  std::uint32_t nobody(std::uint32_t client) const { return 1 + shape_.askers[client]; }
+
+  ServiceShape shape_;
+};
+
+}  // namespace maide

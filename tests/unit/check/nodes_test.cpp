@@ -1,0 +1,239 @@
+// Services, executors and nodes. Which calls inside of a callback hang, and what ten strangers'
+// answers do, is what rclcpp (Humble) was measured to do. Random systems are held against an
+// interpreter of its own in tests/referee.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "maide/check/explore/check_system.hpp"
+#include "maide/check/explore/engine.hpp"
+#include "systems.hpp"
+
+namespace maide {
+namespace {
+
+System nodes_from(const std::string& text) {
+  return parse_system(text, "s.yaml", test::test_model);
+}
+
+CheckReport check_nodes(const System& system, Reduction reduction = Reduction::full) {
+  NativeEngine engine;
+  CheckRequest request;
+  request.options.reduction = reduction;
+  return check_system(system, engine, request);
+}
+
+// The verdict of that property, which all reductions agree on.
+std::string verdict(const std::string& text, const std::string& property) {
+  const System system = nodes_from(text);
+  std::string common;
+  for (const Reduction reduction : {Reduction::none, Reduction::order, Reduction::full}) {
+    const CheckReport report = check_nodes(system, reduction);
+    const auto found =
+        std::find_if(report.properties.begin(), report.properties.end(),
+                     [&](const PropertyResult& result) { return result.name == property; });
+    if (found == report.properties.end()) return "no such property";
+    const std::string verdict = to_string(found->verdict);
+    if (!common.empty() && common != verdict) return common + ", and " + verdict;
+    common = verdict;
+  }
+  return common;
+}
+
+std::string replaced(std::string text, const std::string& what, const std::string& by) {
+  const std::size_t at = text.find(what);
+  return at == std::string::npos ? "'" + what + "' is not there"
+                                 : text.replace(at, what.size(), by);
+}
+
+// ---- a call inside of a callback ----------------------------------------------------------------
+
+// Two images, for each of which a callback asks and waits.
+struct NestedCall {
+  std::string name, executor, node;
+  bool hangs = false;
+};
+
+const std::string ask = "takes: image.read, do: \"lookup.send; wait lookup -> answer;\"";
+
+std::string nested_system(const NestedCall& nested) {
+  const bool serves_itself = nested.node.find("serves:") != std::string::npos;
+  return "services: {lookup: {server: " + std::string(serves_itself ? "detector" : "database") +
+         ", clients: [detector]}}\n"
+         "topics: {image: {writers: camera, readers: detector, use: queue, with: {size: 2}}}\n"
+         "programs:\n"
+         "  camera: \"repeat 2 { image.write; }\"\n" +
+         (serves_itself
+              ? ""
+              : "  database: \"loop { idle lookup.serve -> request; lookup.answer; }\"\n") +
+         "executors: {main: " + nested.executor + "}\n" + "nodes:\n  detector: {executor: main, " +
+         nested.node + "}\n";
+}
+
+class NestedCalls : public testing::TestWithParam<NestedCall> {};
+
+TEST_P(NestedCalls, HangAsMeasured) {
+  EXPECT_EQ(verdict(nested_system(GetParam()), "deadlock"),
+            GetParam().hangs ? "violated" : "holds");
+}
+
+const std::string own = "callbacks: {on_image: {" + ask + "}}";
+const std::string reentrant =
+    "groups: {r: reentrant}, clients: {lookup: r}, callbacks: {on_image: {group: r, " + ask + "}}";
+const std::string client_alone =
+    "groups: {c: exclusive}, clients: {lookup: c}, callbacks: {on_image: {" + ask + "}}";
+std::string with_server(const std::string& groups, const std::string& group) {
+  return "groups: {" + groups + "}, clients: {lookup: c}, callbacks: {on_image: {" + ask +
+         "}, find: {serves: lookup, " + group + "do: lookup.answer;}}";
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Rclcpp, NestedCalls,
+    testing::Values(
+        NestedCall{"Single", "{kind: single}", own, true},
+        NestedCall{"SingleByRounds", "{kind: single, order: rounds}", own, true},
+        NestedCall{"SingleWithGroups", "{kind: single}", client_alone, true},
+        NestedCall{"FourThreadsOneGroup", "{kind: multi, threads: 4}", own, true},
+        NestedCall{"OneThreadReentrant", "{kind: multi, threads: 1}", reentrant, true},
+        NestedCall{"TwoThreadsReentrantTwice", "{kind: multi, threads: 2}", reentrant, true},
+        NestedCall{"FourThreadsReentrant", "{kind: multi, threads: 4}", reentrant, false},
+        NestedCall{"ClientInGroupOfItsOwn", "{kind: multi, threads: 2}", client_alone, false},
+        NestedCall{"ServerInGroupOfTheCaller", "{kind: multi, threads: 4}",
+                   with_server("c: exclusive", ""), true},
+        NestedCall{"ServerInThirdGroup", "{kind: multi, threads: 4}",
+                   with_server("c: exclusive, s: exclusive", "group: s, "), false},
+        NestedCall{"ServerReentrant", "{kind: multi, threads: 4}",
+                   with_server("c: exclusive, s: reentrant", "group: s, "), false}),
+    [](const auto& test) { return test.param.name; });
+
+// ---- services -----------------------------------------------------------------------------------
+
+const std::string strangers =
+    "services: {lookup: {server: database, clients: [planner, monitor], with: {depth: 10}}}\n"
+    "programs:\n"
+    "  database: \"loop { idle lookup.serve -> request; lookup.answer; }\"\n"
+    "  planner: \"lookup.send; lookup.receive -> answer;\"\n"
+    "  monitor: \"repeat 10 { lookup.send; lookup.receive -> answer; }\"\n";
+
+TEST(Services, TenStrangersAnswersPushOutOne) {
+  EXPECT_EQ(verdict(strangers, "deadlock"), "violated");
+  EXPECT_EQ(verdict(replaced(strangers, "repeat 10", "repeat 9"), "deadlock"), "holds");
+}
+
+TEST(Services, KeepTheLastRequests) {
+  const std::string text =
+      "services: {s: {server: a, clients: b, with: {depth: 2}}}\n"
+      "programs:\n"
+      "  a: \"var n: 0..9; loop { @n idle s.serve -> request; n = n + 1; s.answer; }\"\n"
+      "  b: \"repeat 3 { s.send; }\"\n"
+      "properties: {three: \"F a.n == 3\", two: \"F a.n >= 1\", most: \"G a.n <= 3\"}\n";
+  EXPECT_EQ(verdict(text, "three"), "violated");  // two of three sent at once are kept
+  EXPECT_EQ(verdict(text, "two"), "holds");
+  EXPECT_EQ(verdict(text, "most"), "holds");
+}
+
+// One client of depth 1: requests kept or not, one served or not, an answer kept or not, before and
+// behind each of `serve` and `receive` that wait.
+TEST(Services, OneClientIsCounted) {
+  const System system = nodes_from(
+      "services: {s: {server: a, clients: b, with: {depth: 1}}}\n"
+      "programs:\n"
+      "  a: \"loop { select { on s.serve -> request { } on s.answer { } } }\"\n"
+      "  b: \"loop { select { on s.send { } on s.receive -> answer { } } }\"\n");
+  EXPECT_EQ(check_nodes(system, Reduction::none).components.front().states, 8u);
+}
+
+// ---- executors ----------------------------------------------------------------------------------
+
+const std::string counters =
+    "models: {go: {use: semaphore, with: {count: 2}}}\n"
+    "executors: {main: {kind: multi, threads: 2}}\n"
+    "nodes:\n"
+    "  robot:\n"
+    "    executor: main\n"
+    "    groups: {r: reentrant}\n"
+    "    variables: \"var n: 0..2; var ended: 0..2;\"\n"
+    "    callbacks:\n"
+    "      on_go: {takes: go.acquire, group: r, do: \"var x: 0..2; x = n; n = x + 1; atomic { "
+    "ended = ended + 1; }\"}\n"
+    "properties: {both: \"G (robot.ended == 2 -> robot.n == 2)\"}\n";
+
+TEST(Executors, TwoRunsOfAReentrantCallbackLoseAnUpdate) {
+  EXPECT_EQ(verdict(counters, "both"), "violated");
+  EXPECT_EQ(verdict(replaced(counters, "r: reentrant", "r: exclusive"), "both"), "holds");
+  EXPECT_EQ(verdict(replaced(counters, "kind: multi, threads: 2", "kind: single"), "both"),
+            "holds");
+}
+
+const std::string two_subscriptions =
+    "topics:\n"
+    "  a: {writers: w, readers: n, use: queue, with: {size: 1}}\n"
+    "  b: {writers: w, readers: n, use: queue, with: {size: 1}}\n"
+    "programs: {w: \"a.write; b.write; @both a.write; a.write;\"}\n"
+    "executors: {main: {kind: single, order: rounds}}\n"
+    "nodes:\n"
+    "  n:\n"
+    "    executor: main\n"
+    "    callbacks: {on_a: {takes: a.read, do: \"@a skip;\"}, on_b: {takes: b.read, do: \"@b "
+    "skip;\"}}\n"
+    // `a` does not come three times before b.
+    "properties: {old: \"G (w@both -> !(!n@b U (n.on_a@a & (n.on_a@a U (!n.on_a@a & (!n@b U "
+    "(n.on_a@a "
+    "& (n.on_a@a U (!n.on_a@a & (!n@b U n.on_a@a))))))))))\"}\n";
+
+// A look may have found `a` alone; the next finds both, and then it is b's turn, whatever came.
+TEST(Executors, WhatALookFoundGoesFirst) {
+  EXPECT_EQ(verdict(two_subscriptions, "old"), "holds");
+  EXPECT_EQ(verdict(replaced(two_subscriptions, "order: rounds", "order: any"), "old"), "violated");
+}
+
+TEST(Executors, WhatVerdictsRestOnIsSaid) {
+  const CheckReport report =
+      check_nodes(nodes_from(nested_system({"", "{kind: single}", own, true})));
+  const auto says = [&](const std::string& what) {
+    return std::any_of(
+        report.assumptions.begin(), report.assumptions.end(),
+        [&](const std::string& line) { return line.find(what) != std::string::npos; });
+  };
+  EXPECT_TRUE(says("the callbacks of detector run on one thread, in any order"));
+  EXPECT_TRUE(says("lookup goes by the rules of services"));
+  EXPECT_TRUE(says("database uses lookup without executors"));
+}
+
+TEST(Executors, ErrorsNameThePlace) {
+  const std::string text = nested_system({"", "{kind: single}", own, true});
+  const auto error_of = [](const std::string& changed) {
+    return test::error_of([&] { nodes_from(changed); });
+  };
+  const auto with = [&](const std::string& what, const std::string& by) {
+    return error_of(replaced(text, what, by));
+  };
+  const std::vector<std::pair<std::string, std::string>> errors = {
+      {with("wait lookup -> answer;", "lookup.receive -> answer;"),
+       "in a callback nothing is received but through its executor: say `wait lookup -> answer`"},
+      {with("wait lookup -> answer;", "image.read -> message;"), "say `takes: image.read`"},
+      {with("wait lookup -> answer;", "idle lookup.send;"), "a callback does not rest"},
+      {with("takes: image.read", "takes: imagine.read"),
+       "no callback of detector takes from 'image'"},
+      {with("kind: single", "kind: multi"), "needs 'threads:'"},
+      {with("kind: single", "kind: single, threads: 2"), "'threads' goes with 'kind: multi'"},
+      {with("{kind: single}", "{kind: multi, threads: 2, order: rounds}"), "'order' goes with"},
+      {with("executor: main", "executor: mane"), "unknown executor 'mane'; there is: main"},
+      {with("clients: [detector]", "clients: [camera]"), "this node is no client of lookup"},
+      {with("server: database", "server: detector"), "says `serves: lookup`, and none does"},
+      {with("clients: [detector]}", "clients: [detector], with: {depth: 0}}"),
+       "'depth' goes from 1 to 1000"},
+      {with("takes: image.read, ", "takes: image.read, timer: 3, "),
+       "a callback has one of 'takes', 'timer' and 'serves'"},
+      {error_of(text + "properties: {p: \"F detector@asked\"}"), "detector has no label 'asked'"},
+  };
+  for (const auto& [error, expected] : errors) {
+    EXPECT_NE(error.find(expected), std::string::npos) << error << "\n" << expected;
+    EXPECT_NE(error.find("s.yaml:"), std::string::npos) << error;
+  }
+}
+
+}  // namespace
+}  // namespace maide
