@@ -19,139 +19,12 @@
 #include "maide/base/text.hpp"
 #include "maide/check/explore/engine.hpp"
 #include "maide/check/language/system_file.hpp"
-#include "maide/check/language/yaml_reader.hpp"
 #include "maide/formats/model_file.hpp"
 #include "maide/workflow/open_system.hpp"
+#include "maide/workflow/suggest_nodes.hpp"
 #include "maide/workflow/valued_queue.hpp"
 
 namespace maide {
-namespace {
-
-constexpr std::string_view blanks = " \t\r\n";
-
-// The offset of a place in the text; its size if there is none.
-std::size_t offset_of(std::string_view text, int line, int column) {
-  std::size_t at = 0;
-  for (int skipped = 1; skipped < line; ++skipped) {
-    const std::size_t end = text.find('\n', at);
-    if (end == std::string_view::npos) return text.size();
-    at = end + 1;
-  }
-  return std::min(text.size(), at + static_cast<std::size_t>(column - 1));
-}
-
-// Writes the number in the place of another; false if there is none.
-bool write_number(std::string& text, std::size_t begin, std::int64_t number) {
-  const std::size_t digits = begin < text.size() && text[begin] == '-' ? begin + 1 : begin;
-  const std::size_t end = std::min(text.find_first_not_of("0123456789", digits), text.size());
-  if (end <= digits) return false;
-  text.replace(begin, end - begin, std::to_string(number));
-  return true;
-}
-
-// Writes the count behind the keyword; false if it is not there.
-bool write_count(std::string& text, const Repeat& repeat) {
-  constexpr std::string_view keyword = "repeat";
-  const std::size_t begin = offset_of(text, repeat.line, repeat.column);
-  if (text.compare(begin, keyword.size(), keyword) != 0) return false;
-  const std::size_t number = text.find_first_not_of(blanks, begin + keyword.size());
-  return number != std::string::npos && write_number(text, number, repeat.count);
-}
-
-// The model that a request stands for in the system; of an array, any of its members. The system
-// was read with the same requests.
-const ModelInstance& instance_of(const System& system, const ModelRequest& request) {
-  return *std::find_if(system.models.begin(), system.models.end(), [&](const auto& candidate) {
-    return candidate.name == request.instance || candidate.name.starts_with(request.instance + "[");
-  });
-}
-
-using Options = std::vector<std::pair<std::string, std::string>>;
-
-// With which options each instance is learned, in the text as it was read.
-std::map<std::string, Options> options_of_instances(const System& system, const std::string& text) {
-  std::map<std::string, Options> result;
-  parse_system(text, system.file, [&](const ModelRequest& request) {
-    result[request.instance] = request.with;
-    return instance_of(system, request).automaton;
-  });
-  return result;
-}
-
-}  // namespace
-
-std::vector<NumberConstant> find_constants(const System& system) {
-  std::vector<NumberConstant> constants;
-  const auto source = system.sources.find(system.file);
-  if (source == system.sources.end()) return constants;
-  const YamlReader reader(source->second, system.file);
-  const YAML::Node section = reader.load()["constants"];
-  if (!section) return constants;
-  for (const auto& [key, value] : reader.entries(section, "'constants'", {})) {
-    const auto number = parse_number<std::int64_t>(value.Scalar());
-    if (!number || value.Tag() == "!") continue;  // it is in quotes
-    const SourcePosition place = reader.at(value);
-    constants.push_back({key.Scalar(), place.line, place.column, *number});
-  }
-  return constants;
-}
-
-std::vector<Repeat> find_repeats(const System& system) {
-  std::vector<Repeat> repeats;
-  for (const Program& program : system.programs) {
-    if (program.position.file != system.file) continue;
-    for (const Program::Round& round : program.rounds) {
-      if (round.count > 0) repeats.push_back({round.line, round.column, round.count});
-    }
-  }
-  const auto place = [](const Repeat& repeat) { return std::pair(repeat.line, repeat.column); };
-  std::sort(repeats.begin(), repeats.end(),
-            [&](const Repeat& a, const Repeat& b) { return place(a) < place(b); });
-  repeats.erase(std::unique(repeats.begin(), repeats.end(),
-                            [&](const Repeat& a, const Repeat& b) { return place(a) == place(b); }),
-                repeats.end());
-  return repeats;
-}
-
-std::optional<System> make_variant(const System& system, const SystemVariant& variant,
-                                   const ModelSource& learn, const RunControl& control) {
-  const auto source = system.sources.find(system.file);
-  if (source == system.sources.end()) return std::nullopt;
-  std::string text = source->second;
-  // From the end, so that places before stay right.
-  const auto from_the_end = [](auto changes) {
-    std::sort(changes.begin(), changes.end(), [](const auto& a, const auto& b) {
-      return std::pair(a.line, a.column) > std::pair(b.line, b.column);
-    });
-    return changes;
-  };
-  MAIDE_CHECK(variant.repeats.empty() || variant.constants.empty());
-  for (const Repeat& repeat : from_the_end(variant.repeats)) {
-    if (!write_count(text, repeat)) return std::nullopt;
-  }
-  for (const NumberConstant& constant : from_the_end(variant.constants)) {
-    const std::size_t begin = offset_of(text, constant.line, constant.column);
-    if (!write_number(text, begin, constant.value)) return std::nullopt;
-  }
-  try {
-    std::map<std::string, Options> options;
-    if (!variant.constants.empty()) options = options_of_instances(system, source->second);
-    const ModelSource asked = [&](const ModelRequest& request) {
-      const auto changed = variant.models.find(request.instance);
-      if (changed != variant.models.end()) return changed->second;
-      const auto known = options.find(request.instance);
-      if (known == options.end() || known->second == request.with || request.learn.empty()) {
-        return instance_of(system, request).automaton;
-      }
-      if (!learn) throw UsageError("no model was learned with these options");
-      return learn(request);
-    };
-    return parse_system(text, system.file, asked, control);
-  } catch (const Error&) {
-    return std::nullopt;
-  }
-}
-
 namespace {
 
 namespace fs = std::filesystem;
@@ -160,6 +33,7 @@ constexpr std::size_t most_files = 50;   // model files beside those in use
 constexpr std::size_t most_repeats = 8;  // different numbers of repetitions
 constexpr std::size_t most_constants = 16;
 constexpr std::int64_t most_below = 16;  // values of a constant that are all checked
+constexpr std::int64_t most_longer = 8;  // times as long a queue
 constexpr std::uint64_t memory_mib = 1024;
 constexpr std::string_view raised = "+";  // OptionSpec::keeps_more
 
@@ -193,6 +67,8 @@ class ChangeSearch {
   Suggestions run() {
     try_other_models();
     for (const ModelInstance& model : system_.models) try_settings(model);
+    try_nodes();
+    try_depths();
     try_constants();
     try_fewer_repetitions();
     try_other_repetitions();
@@ -421,6 +297,36 @@ class ChangeSearch {
     return check({{}, {{instance.name, options_.models(request)}}, {}});
   }
 
+  // Of each node the first cure, which is the smallest.
+  void try_nodes() {
+    std::set<std::string> cured;
+    for (const NodeChange& change : list_node_changes(text())) {
+      if (cured.contains(change.node)) continue;
+      const Outcome outcome = check({{}, {}, {}, change.text});
+      if (!outcome.holds) continue;
+      cured.insert(change.node);
+      found(change.description, outcome, "");
+    }
+  }
+
+  void try_depths() {
+    for (const DepthPlace& place : find_depths(text())) {
+      const auto longer = nearest(place.value, most_longer * place.value, [&](std::int64_t value) {
+        return check({{}, {}, {}, with_depth(text(), place, value)});
+      });
+      if (!longer) continue;
+      found(fmt::format("{}: {} {} in place of {}", place.name, place.option, longer->first,
+                        place.value),
+            longer->second, "");
+    }
+  }
+
+  const std::string& text() const {
+    static const std::string none;
+    const auto source = system_.sources.find(system_.file);
+    return source == system_.sources.end() ? none : source->second;
+  }
+
   // ---- Constants
   // ----------------------------------------------------------------------------------
 
@@ -437,7 +343,8 @@ class ChangeSearch {
       std::int64_t most = 2 * std::max<std::int64_t>(constant.value, burst_);
       for (const NumberConstant& other : constants_) most = std::max(most, other.value);
       for (const std::int64_t end : {std::int64_t{1}, most}) {
-        const auto change = nearest_value(constant, end);
+        const auto change = nearest(
+            constant.value, end, [&](std::int64_t value) { return with_value(constant, value); });
         if (!change) continue;
         const auto& [value, outcome] = *change;
         found_by_change.emplace(std::abs(value - constant.value),
@@ -447,28 +354,29 @@ class ChangeSearch {
     for (const auto& [change, what] : found_by_change) found(what.first, what.second, "");
   }
 
-  // On the way from the constant's value to `end`: the first value, in ever larger steps, with
-  // which everything holds, and then the nearest one up to there, as if all farther ones held, too.
-  std::optional<std::pair<std::int64_t, Outcome>> nearest_value(const NumberConstant& constant,
-                                                                std::int64_t end) {
-    const std::int64_t sign = end < constant.value ? -1 : 1;
-    const std::int64_t farthest = (end - constant.value) * sign;
+  // On the way from the value to `end`: the first, in ever larger steps, with which everything
+  // holds, and then the nearest one up to there, as if all farther ones held, too.
+  template <typename OutcomeOf>
+  std::optional<std::pair<std::int64_t, Outcome>> nearest(std::int64_t from, std::int64_t end,
+                                                          const OutcomeOf& outcome_of) {
+    const std::int64_t sign = end < from ? -1 : 1;
+    const std::int64_t farthest = (end - from) * sign;
     std::int64_t low = 0, high = 0;  // distances: `low` is not enough, `high` is
     Outcome best;
     for (std::int64_t step = 1; low < farthest && !options_.control.should_stop(); step *= 2) {
       high = std::min(low + step, farthest);
-      best = with_value(constant, constant.value + sign * high);
+      best = outcome_of(from + sign * high);
       if (best.holds) break;
       low = high;
     }
     if (!best.holds) return std::nullopt;
     while (high - low > 1 && !options_.control.should_stop()) {
       const std::int64_t middle = low + (high - low) / 2;
-      const Outcome outcome = with_value(constant, constant.value + sign * middle);
+      const Outcome outcome = outcome_of(from + sign * middle);
       (outcome.holds ? high : low) = middle;
       if (outcome.holds) best = outcome;
     }
-    return std::pair(constant.value + sign * high, best);
+    return std::pair(from + sign * high, best);
   }
 
   std::string describe(const NumberConstant& constant, std::int64_t value) {

@@ -202,6 +202,17 @@ TEST(Executors, WhatVerdictsRestOnIsSaid) {
   EXPECT_TRUE(says("database uses lookup without executors"));
 }
 
+TEST(Executors, CodeThatMayGoRoundForEverIsRemarked) {
+  const std::string text =
+      "models: {m: {use: mutex}}\nnodes: {n: {callbacks: {t: {timer: 5, do: \"loop { m.lock; "
+      "m.unlock; if * { return; } }\"}}}}\n";
+  const std::vector<std::string> remarks = nodes_from(text).remarks;
+  ASSERT_EQ(remarks.size(), 1u);
+  EXPECT_NE(remarks[0].find("n: the code of a callback may go round for ever at line 2"),
+            std::string::npos);
+  EXPECT_TRUE(nodes_from(replaced(text, "loop {", "repeat 2 {")).remarks.empty());
+}
+
 TEST(Executors, ErrorsNameThePlace) {
   const std::string text = nested_system({"", "{kind: single}", own, true});
   const auto error_of = [](const std::string& changed) {

@@ -105,5 +105,34 @@ TEST(SuggestChange, LearnsWithTheConstantsValue) {
   EXPECT_THAT(depths, Contains("3"));
 }
 
+// What rclcpp needs where a callback asks and waits: a group for the client, and two threads.
+TEST(SuggestChange, NamesTheCallbackGroupAndTheExecutor) {
+  const System system = parse_system(
+      "services: {lookup: {server: database, clients: [detector]}}\n"
+      "topics: {image: {writers: camera, readers: detector, use: queue, with: {size: 2}}}\n"
+      "programs:\n"
+      "  camera: \"repeat 2 { image.write; }\"\n"
+      "  database: \"loop { idle lookup.serve -> request; lookup.answer; }\"\n"
+      "nodes:\n"
+      "  detector:\n"
+      "    callbacks: {on_image: {takes: image.read, do: \"lookup.send; wait lookup -> "
+      "answer;\"}}\n",
+      "s.yaml", [](const ModelRequest&) { return InterfaceAutomaton(); });
+  EXPECT_THAT(suggest(system).changes,
+              Contains(StartsWith("detector: the client of lookup in a callback group of its own, "
+                                  "and a MultiThreadedExecutor with 2 threads (checked: ")));
+}
+
+TEST(SuggestChange, NamesTheDepthOfAService) {
+  const System system = parse_system(
+      "services: {lookup: {server: database, clients: [planner, monitor], with: {depth: 10}}}\n"
+      "programs:\n"
+      "  database: \"loop { idle lookup.serve -> request; lookup.answer; }\"\n"
+      "  planner: \"lookup.send; lookup.receive -> answer;\"\n"
+      "  monitor: \"repeat 12 { lookup.send; lookup.receive -> answer; }\"\n",
+      "s.yaml", [](const ModelRequest&) { return InterfaceAutomaton(); });
+  EXPECT_THAT(suggest(system).changes, Contains(StartsWith("lookup: depth 13 in place of 10")));
+}
+
 }  // namespace
 }  // namespace maide

@@ -59,6 +59,7 @@ struct Joint {
     otherwise,  // of a `select`: no arm can be taken
     timeout,    // so is this
     timer,      // an arm: a callback that starts at any moment
+    end,        // of a callback
     death,      // the program ends here: no progress, and no fairness asks for it
   };
   Role role = Role::step;

@@ -57,6 +57,7 @@ System SystemReader::read() {
   remark_on_unused_models();
   remark_on_unused_variables();
   remark_on_unreachable_statements();
+  remark_on_endless_callbacks();
   remark_on_idle_atoms();
   return std::move(system_);
 }
@@ -401,6 +402,42 @@ void SystemReader::remark_on_unreachable_statements() {
                                 " never comes to this statement: the one before it does not end "
                                 "(" +
                                 to_string(place) + ")");
+    }
+  }
+}
+
+void SystemReader::remark_on_endless_callbacks() {
+  for (const Program& program : system_.programs) {
+    if (program.nodes.empty()) continue;
+    // A cycle without the end of a callback is one in its code.
+    std::vector<std::uint8_t> seen(program.states.size(), 0);  // 1 on the path, 2 done
+    std::vector<std::pair<ControlState, std::uint32_t>> path;
+    std::set<int> lines;
+    for (ControlState start = 0; start < program.states.size(); ++start) {
+      if (seen[start] != 0) continue;
+      path.emplace_back(start, 0);
+      seen[start] = 1;
+      while (!path.empty()) {
+        auto& [state, next] = path.back();
+        const auto edges = program.edges_of(state);
+        if (next == edges.size()) {
+          seen[state] = 2;
+          path.pop_back();
+          continue;
+        }
+        const ProgramEdge& edge = edges[next++];
+        if (program.role_of(edge) == Joint::Role::end) continue;
+        if (seen[edge.target] == 1) lines.insert(edge.line);
+        if (seen[edge.target] != 0) continue;
+        seen[edge.target] = 1;
+        path.emplace_back(edge.target, 0);
+      }
+    }
+    for (const int line : lines) {
+      system_.remarks.push_back(
+          program.name + ": the code of a callback may go round for ever at line " +
+          std::to_string(line) +
+          "; what its thread or group keeps from starting then is not looked at by 'stuck'");
     }
   }
 }

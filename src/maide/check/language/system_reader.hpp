@@ -188,6 +188,7 @@ class SystemReader : private YamlReader {
   void remark_on_unused_models();
   void remark_on_unused_variables();
   void remark_on_unreachable_statements();
+  void remark_on_endless_callbacks();
   // Atoms that hold nowhere, for the program never ends, or never comes to the label.
   void remark_on_idle_atoms();
   const ModelSource& source_;

@@ -217,7 +217,7 @@ void Unroller::expand_end(const Place& place, const Statement& statement, const 
     if (!client) continue;
     uses.push_back(service.rules->use(actions_, model, {Kind::end_run, *client, callback.asker}));
   }
-  add_joint({Joint::Role::step, std::move(uses), {}, callback.whole_name() + " ends", 0},
+  add_joint({Joint::Role::end, std::move(uses), {}, callback.whole_name() + " ends", 0},
             settle(behind(place.frame), values), statement.line, statement.column);
 }
 

@@ -29,6 +29,7 @@ class Finder {
     Ways result;
     for (const Statement& statement : block.statements) {
       if (!result.on) {
+        if (statement.kind == Statement::Kind::end_callback) return result;  // nobody wrote it
         found_.push_back({file_, statement.line, statement.column});
         return result;
       }
@@ -45,7 +46,8 @@ class Finder {
     using Kind = Statement::Kind;
     Ways result{false, false, false};
     switch (statement.kind) {
-      case Kind::stop: return result;
+      case Kind::stop:
+      case Kind::leave_callback: return result;
       case Kind::leave: return {false, true, false};
       case Kind::next_round: return {false, false, false};
       case Kind::leave_procedure: return {false, false, true};
@@ -67,6 +69,7 @@ class Finder {
         result |= ways(*statement.otherwise);
         return result;
       case Kind::select:
+      case Kind::rounds:
         for (const SelectArm& arm : statement.select_arms) {
           if (arm.body) result |= ways(*arm.body);
           for (const Arm& output : arm.arms) result |= ways(*output.body);
