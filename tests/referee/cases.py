@@ -278,6 +278,24 @@ nodes:
       answer: {serves: lookup, group: free, do: "@works skip; lookup.answer;"}
 """
 
+ARRAYS = """
+services:
+  lookup[i in 0..1]: {{server: "database[i]", clients: "robot[i]"}}
+executors: {{main: {executor}}}
+programs:
+  database[i in 0..1]: "loop {{ idle lookup[i].serve -> request; lookup[i].answer; }}"
+nodes:
+  robot[i in 0..1]:
+    executor: main
+    groups: {{answers: exclusive}}
+    clients: {{"lookup[i]": answers}}
+    variables: "var done: bool;"
+    callbacks:
+      tick: {{timer: 5, do: "lookup[i].send; @asks wait lookup[i] -> answer; done = true;"}}
+"""
+DONE = {"each_is_done": '{ltl: "forall i in 0..1: F robot[i].done", fairness: strong}',
+        "one_at_a_time": '"G !(robot[0]@asks && robot[1].tick@asks)"'}  # fmt: skip
+
 STARVED = """
 topics: {{t: {{writers: world, readers: n, use: queue, with: {{depth: 1}}}}}}
 executors: {{main: {executor}}}
@@ -318,6 +336,12 @@ CASES = CALLS + [
         receive="lookup.receive -> answer;"), HANGS),
     Case("an answer that was seen and then pushed out by one that nobody awaits",
          PASSED_OVER.format(receive=""), RUNS),
+    Case("two robots, one thread", ARRAYS.format(executor=SINGLE),
+         {"deadlock": "violated", "each_is_done": "violated", "one_at_a_time": "holds"}, DONE),
+    Case("two robots, two threads", ARRAYS.format(executor=threads(2)),
+         {"deadlock": "violated", "each_is_done": "violated", "one_at_a_time": "violated"}, DONE),
+    Case("two robots, three threads", ARRAYS.format(executor=threads(3)),
+         {**RUNS, "each_is_done": "holds", "one_at_a_time": "violated"}, DONE),
     Case("two requests served at once", REENTRANT_SERVER, RUNS),
     Case("a callback that never ends", STARVED.format(executor=SINGLE),
          {"deadlock": "holds", "stuck": "violated"}),

@@ -22,7 +22,7 @@ from pathlib import Path
 
 import yaml
 
-from generate import KINDS, NEW_KINDS, generate
+from generate import KINDS, generate
 from referee import judge
 
 REDUCTIONS = ["none", "calls", "order", "full"]
@@ -331,7 +331,7 @@ def main() -> int:
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--count", type=int, default=50)
-    parser.add_argument("--only", choices=KINDS + NEW_KINDS, nargs="*", default=[])
+    parser.add_argument("--only", choices=KINDS, nargs="*", default=[])
     parser.add_argument("--max-states", type=int, default=5000)
     parser.add_argument("--spin", action="store_true", help="compare SPIN's answers, too")
     parser.add_argument("--old", action="store_true", help="a Maide without components")

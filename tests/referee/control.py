@@ -138,7 +138,7 @@ class Compiler:
             start.input = taken["input"]
             start.arguments = tuple(frame.scope.constant(a) for a in taken["arguments"])
             if start.input is not None:
-                self.system.check_input(self.program, name, start.input)
+                self.system.check_input(self.program, start.model, start.input)
                 start.has_outputs = self.system.has_outputs(name, start.input)
         elif text.kind != "timer":
             start.model = self.system.service_number(text)
@@ -158,7 +158,7 @@ class Compiler:
         first = self.block(body, inner, end)
         if pattern is None:
             return (None, None), first
-        self.system.check_output(self.program, model[0], pattern[0])
+        self.system.check_output(self.program, model, pattern[0])
         if pattern[1] is not None:
             self.system.expects_values.add(model[0])
         return self.pattern(inner, pattern), first
@@ -470,7 +470,7 @@ class Compiler:
     def given(self, statement: Any, frame: Frame) -> dict[str, Any]:
         """The fields of a node that gives an input."""
         model = self.model(frame, statement.model)
-        self.system.check_input(self.program, model[0], statement.input)
+        self.system.check_input(self.program, model, statement.input)
         self.refuse_reading(model[0], statement.input, True)
         arguments = [self.local(frame, argument) for argument in statement.arguments]
         if arguments:
@@ -479,7 +479,7 @@ class Compiler:
 
     def checked(self, frame: Frame, model: tuple, pattern: tuple) -> tuple:
         """A resolved pattern of an output that this program may take from the model."""
-        self.system.check_output(self.program, model[0], pattern[0])
+        self.system.check_output(self.program, model, pattern[0])
         self.refuse_reading(model[0], pattern[0], False)
         if pattern[1] is not None:
             self.system.expects_values.add(model[0])
@@ -544,7 +544,7 @@ class Compiler:
             model = self.model(frame, arm.model)
             arguments: list = []
             if arm.input is not None:
-                self.system.check_input(self.program, model[0], arm.input)
+                self.system.check_input(self.program, model, arm.input)
                 self.refuse_reading(model[0], arm.input, True)
                 arguments = [self.local(frame, argument) for argument in arm.arguments]
                 if arguments:

@@ -358,18 +358,26 @@ class System:
             raise Mistake(f"{name} has no index {index}")
         return number
 
-    def check_input(self, program: int, name: str, given: str) -> None:
-        """Refuses an input that these models do not have."""
-        for (base, _), number in self.numbers.items():
-            if base == name:
-                self.uses[number].check_input(program, given)
-        self.given.add((program, name, given))
+    def meant(self, model: tuple) -> list[Any]:
+        """What a name with indices may mean: all members, where an index is a variable."""
+        name, indices = model
+        return [
+            self.uses[number]
+            for (base, index), number in self.numbers.items()
+            if base == name
+            and all(i[0] != "value" or i[1] == at for i, at in zip(indices, index))
+        ]
 
-    def check_output(self, program: int, name: str, output: str) -> None:
+    def check_input(self, program: int, model: tuple, given: str) -> None:
+        """Refuses an input that these models do not have."""
+        for use in self.meant(model):
+            use.check_input(program, given)
+        self.given.add((program, model[0], given))
+
+    def check_output(self, program: int, model: tuple, output: str) -> None:
         """Refuses an output that these models do not have."""
-        for (base, _), number in self.numbers.items():
-            if base == name:
-                self.uses[number].check_output(program, output)
+        for use in self.meant(model):
+            use.check_output(program, output)
 
     def compile(self) -> list[Program]:
         """All programs; which of the file's variables are shared must be known."""
