@@ -81,6 +81,10 @@ class Referee:
             runs = FairRuns(component.states, edges, frozenset(), "strong", component.numbers)
             if runs.exists(nodes):
                 return True
+        return False
+
+    def is_starving(self, component: Component) -> bool:
+        """Whether some callback is never started any more, though there is something for it."""
         return any(self.is_starved(component, callback) for callback in component.callbacks)
 
     @staticmethod
@@ -99,6 +103,14 @@ class Referee:
         }
         runs = FairRuns(component.states, edges, mark, "strong", component.numbers)
         return runs.exists(nodes)
+
+    def stuck(self) -> dict:
+        """Whether a program or callback is stuck; `unless_starved`, apart from callbacks that are
+        never started."""
+        started = self.of_each(self.has_stuck)
+        starving = self.of_each(self.is_starving)
+        worst = max(started, starving, key=lambda found: WORST.index(found["verdict"]))
+        return {**worst, "unless_starved": started["verdict"]}
 
     def error(self) -> dict:
         """Whether a program makes a mistake."""
@@ -204,7 +216,7 @@ class Referee:
         """All that is found out."""
         properties = {
             "deadlock": self.of_each(self.has_deadlock),
-            "stuck": self.of_each(self.has_stuck),
+            "stuck": self.stuck(),
             "error": self.error(),
         }
         for name, description in self.system.properties.items():
