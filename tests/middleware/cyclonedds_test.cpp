@@ -35,6 +35,11 @@ INSTANTIATE_TEST_SUITE_P(Policies, CycloneDds, testing::ValuesIn(test::cyclonedd
 INSTANTIATE_TEST_SUITE_P(Network, CycloneDds, testing::ValuesIn(test::cyclonedds_udp_cases()),
                          [](const auto& tested) { return tested.param.name; });
 
+// A depth is each end's own, and ends that do not match never meet.
+TEST(CycloneDdsEnds, HaveQosOfTheirOwn) {
+  test::expect_qos_of_each_end<cyclonedds::CycloneDdsWrapper>();
+}
+
 std::string error_of(const test::SystemOptions& options) {
   cyclonedds::CycloneDdsWrapper wrapper;
   return test::usage_error_of(wrapper, options);

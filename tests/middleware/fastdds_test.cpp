@@ -52,6 +52,9 @@ std::vector<std::string> play(const test::SystemOptions& options, const Word& wo
 
 // The shortest word that shows it, with the protocol's own timers too: reliable, and yet the second
 // message never arrives, nor can anything be written from then on.
+// A depth is each end's own, and ends that do not match never meet.
+TEST(FastDdsEnds, HaveQosOfTheirOwn) { test::expect_qos_of_each_end<fastdds::FastDdsWrapper>(); }
+
 TEST(FastDdsDefect, WhatAFullReaderRefusedNeverArrives) {
   for (const char* timers : {"short", "default"}) {
     const auto answer = play({{"history", "keep_all"},

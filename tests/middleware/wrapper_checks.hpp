@@ -10,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "connection_models.hpp"
 #include "maide/automata/interface_automaton.hpp"
 #include "maide/automata/mealy.hpp"
 #include "maide/sul/sul.hpp"
@@ -28,6 +29,25 @@ std::vector<std::string> outputs(const SulAnswer& answer);
 // same inputs in the same order.
 void expect_answers(SystemWrapper& wrapper, const SystemOptions& options, const Mealy& model,
                     std::size_t length);
+
+// Of a wrapper for DDS: the reader's depth alone decides what is kept, and ends that do not match
+// give no message.
+template <typename Wrapper>
+void expect_qos_of_each_end() {
+  const auto expect_one = [](SystemOptions options, const ConnectionModel& model) {
+    options["inputs"] = "write,tryread";
+    options["observe"] = "message,null";
+    options["payload"] = "gap";
+    Wrapper wrapper;
+    expect_answers(wrapper, options, make_connection(model), 6);
+  };
+  const ConnectionModel three{3, WhenFull::drop_oldest, true};
+  const ConnectionModel never{0, WhenFull::drop_newest, true};
+  expect_one({{"depth", "9"}, {"sub_depth", "3"}}, three);
+  expect_one({{"pub_depth", "9"}, {"sub_depth", "3"}, {"reliability", "reliable"}}, three);
+  expect_one({{"reliability", "best_effort"}, {"sub_reliability", "reliable"}}, never);
+  expect_one({{"durability", "volatile"}, {"sub_durability", "transient_local"}}, never);
+}
 
 // What is wrong with these options; "" if nothing is.
 std::string usage_error_of(SystemWrapper& wrapper, const SystemOptions& options);

@@ -32,6 +32,7 @@ Endpoints::Endpoints(const Domains& domains, const std::string& topic,
       over_network_(domains.of_reader() != domains.of_writer()),
       reader_qos_(make_reader_qos(policies)),
       room_(policies.max_samples),
+      match_(policies.match()),
       writer_topic_(make_topic(domains.of_writer(), topic)),
       topic_(make_topic(participant_, topic)),
       readers_(counts.readers) {
@@ -57,7 +58,7 @@ void Endpoints::connect(std::size_t number) {
   checked(dds_waitset_attach(reader.waitset.get(), reader.data.get(), 0), "dds_waitset_attach");
   reader.is_connected = true;
   wait_for_matches();
-  if (over_network_) wait_for_probes(reader);
+  if (over_network_ && match_) wait_for_probes(reader);
   reader.kept = count_kept(reader);
 }
 
@@ -73,22 +74,25 @@ void Endpoints::disconnect(std::size_t number) {
 
 // A writer that had no reader yet would drop what it writes.
 void Endpoints::wait_for_matches() const {
-  const auto count = static_cast<std::uint32_t>(
-      std::count_if(readers_.begin(), readers_.end(),
-                    [](const Reader& reader) { return reader.is_connected.load(); }));
+  const auto readers = match_
+                           ? static_cast<std::uint32_t>(std::count_if(
+                                 readers_.begin(), readers_.end(),
+                                 [](const Reader& reader) { return reader.is_connected.load(); }))
+                           : 0;
+  const std::size_t writers = match_ ? writers_.size() : 0;
   const auto know_each_other = [&] {
     for (const Entity& writer : writers_) {
       dds_publication_matched_status_t status{};
       checked(dds_get_publication_matched_status(writer.get(), &status),
               "dds_get_publication_matched_status");
-      if (status.current_count != count) return false;
+      if (status.current_count != readers) return false;
     }
     for (const Reader& reader : readers_) {
       if (!reader.is_connected) continue;
       dds_subscription_matched_status_t status{};
       checked(dds_get_subscription_matched_status(reader.reader.get(), &status),
               "dds_get_subscription_matched_status");
-      if (status.current_count != writers_.size()) return false;
+      if (status.current_count != writers) return false;
     }
     return true;
   };

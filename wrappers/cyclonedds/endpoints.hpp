@@ -44,6 +44,7 @@ class Endpoints : public dds::Endpoints {
   const bool over_network_;
   const Qos reader_qos_;
   const std::int32_t room_;  // the reader's max_samples; 0: no limit
+  const bool match_;         // else writers and readers never meet
   // Deleted in the opposite order.
   Entity writer_topic_;
   std::vector<Entity> writers_;

@@ -1,12 +1,15 @@
 #include "dds/policies.hpp"
 
 #include <algorithm>
+#include <string>
 
 #include "maide/base/error.hpp"
 
 namespace maide::dds {
 
-std::vector<OptionSpec> Policies::options() {
+namespace {
+
+std::vector<OptionSpec> rows_of_both() {
   return {
       OptionSpec::choice("history", "keep_last", {"keep_last", "keep_all"},
                          "QoS of both ends: what is kept for the reader; DDS's default")
@@ -21,35 +24,50 @@ std::vector<OptionSpec> Policies::options() {
                          "QoS of both ends; transient_local: a reader that connects gets what the "
                          "writer keeps")
           .keeping_more_with("transient_local"),
-      OptionSpec::integer("max-samples", 0, 0, 1000,
-                          "resource limit of keep_all, 0 for none; DDS's default"),
-      OptionSpec::choice("max-blocking-time", "infinite", {"infinite", "0"},
-                         "how long a reliable write waits for room before it fails (DDS's default "
-                         "is 100 ms, but time is not modelled)"),
   };
 }
 
-Policies Policies::from(const OptionValues& options) {
+EndPolicies end_from(const OptionValues& options, const std::string& prefix,
+                     const EndPolicies& defaults) {
+  EndPolicies end = defaults;
+  end.keep_all = options.of_end(prefix, "history") == "keep_all";
+  end.depth = static_cast<std::int32_t>(std::stoi(options.of_end(prefix, "depth")));
+  const std::string& reliability = options.of_end(prefix, "reliability");
+  if (reliability != "default") end.reliable = reliability == "reliable";
+  const std::string& durability = options.of_end(prefix, "durability");
+  if (durability != "default") end.transient_local = durability == "transient_local";
+  if (end.keep_all && end.depth != 1) {
+    throw UsageError("option depth: it means nothing with history=keep_all");
+  }
+  return end;
+}
+
+}  // namespace
+
+std::vector<OptionSpec> Policies::options() {
+  std::vector<OptionSpec> rows = common_options::with_each_end(rows_of_both());
+  rows.push_back(OptionSpec::integer("max-samples", 0, 0, 1000,
+                                     "resource limit of keep_all, 0 for none; DDS's default"));
+  rows.push_back(
+      OptionSpec::choice("max-blocking-time", "infinite", {"infinite", "0"},
+                         "how long a reliable write waits for room before it fails (DDS's default "
+                         "is 100 ms, but time is not modelled)"));
+  return rows;
+}
+
+Policies Policies::from(const OptionValues& options, const VendorDefaults& defaults) {
   Policies policies;
-  policies.keep_all = options.is("history", "keep_all");
-  policies.depth = static_cast<std::int32_t>(options.number("depth"));
-  if (!options.is("reliability", "default")) {
-    policies.reliable_writer = policies.reliable_reader = options.is("reliability", "reliable");
-  }
-  if (!options.is("durability", "default")) {
-    policies.transient_local = options.is("durability", "transient_local");
-  }
+  policies.writer =
+      end_from(options, "pub-", {.transient_local = defaults.writer_is_transient_local});
+  policies.reader = end_from(options, "sub-", {.reliable = false});
   policies.max_samples = static_cast<std::int32_t>(options.number("max-samples"));
   policies.write_waits = options.is("max-blocking-time", "infinite");
 
   const bool limited = policies.max_samples > 0;
-  if (policies.keep_all && policies.depth != 1) {
-    throw UsageError("option depth: it means nothing with history=keep_all");
-  }
-  if (!policies.keep_all && limited) {
+  if (!policies.reader.keep_all && limited) {
     throw UsageError("option max-samples: it needs history=keep_all");
   }
-  if (policies.keep_all && !limited && options.number("size") == 0) {
+  if (policies.reader.keep_all && !limited && options.number("size") == 0) {
     throw UsageError(
         "option history: keep_all grows without limit, so say size=N (messages in flight to try) "
         "or max-samples=N");
@@ -68,7 +86,7 @@ bool disconnects(const OptionValues& options) {
 }
 
 std::size_t Policies::capacity() const {
-  if (!keep_all) return static_cast<std::size_t>(depth);
+  if (!reader.keep_all) return static_cast<std::size_t>(reader.depth);
   if (max_samples == 0) return 0;
   return static_cast<std::size_t>(max_samples) + (write_may_block() ? 1 : 0);
 }

@@ -111,20 +111,22 @@ void Endpoints::disconnect(std::size_t reader) {
 }
 
 bool Endpoints::know_each_other() const {
-  const auto count = static_cast<std::int32_t>(
-      std::count_if(readers_.begin(), readers_.end(),
-                    [](const Reader& reader) { return reader.reader != nullptr; }));
+  const bool match = policies_.match();
+  const auto readers = std::count_if(readers_.begin(), readers_.end(),
+                                     [](const Reader& reader) { return reader.reader != nullptr; });
   for (fast::DataWriter* writer : writers_) {
     fast::PublicationMatchedStatus status;
     check(writer->get_publication_matched_status(status), "get_publication_matched_status");
-    if (status.current_count != count) return false;
+    if (status.current_count != (match ? readers : 0)) return false;
   }
   for (const Reader& reader : readers_) {
     if (reader.reader == nullptr) continue;
     fast::SubscriptionMatchedStatus status;
     check(reader.reader->get_subscription_matched_status(status),
           "get_subscription_matched_status");
-    if (status.current_count != static_cast<std::int32_t>(writers_.size())) return false;
+    if (status.current_count != static_cast<std::int32_t>(match ? writers_.size() : 0)) {
+      return false;
+    }
   }
   return true;
 }

@@ -22,7 +22,7 @@ FastDdsWrapper::FastDdsWrapper() {
 }
 
 SystemSetup FastDdsWrapper::configure(const OptionValues& options) {
-  policies_ = dds::Policies::from(options);
+  policies_ = dds::Policies::from(options, {.writer_is_transient_local = true});
   counts_ = dds::end_counts(options);
   const Transport transport = options.is("transport", "udp") ? Transport::udp : Transport::none;
   timers_ = ProtocolTimers::from(options, transport);

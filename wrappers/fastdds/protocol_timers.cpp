@@ -19,7 +19,7 @@ Duration_t to_duration(std::chrono::milliseconds time) {
 
 // What is refused or kept is asked for again only by a reliable reader.
 bool repairs(const dds::Policies& policies) {
-  return policies.reliable_reader &&
+  return policies.reader.reliable &&
          (policies.max_samples > 0 || policies.keeps_for_late_readers());
 }
 

@@ -1,16 +1,9 @@
 #include "qos.hpp"
 
-#include <fmt/core.h>
 #include <rmw/qos_profiles.h>
-
-#include <utility>
-
-#include "maide/base/error.hpp"
 
 namespace maide::ros2 {
 namespace {
-
-constexpr const char* both = "both";
 
 std::vector<OptionSpec> rows_of_both() {
   return {
@@ -31,43 +24,21 @@ std::vector<OptionSpec> rows_of_both() {
   };
 }
 
-// The row for one end alone.
-OptionSpec row_of_one(OptionSpec row, const std::string& prefix) {
-  const bool publishes = prefix == "pub-";
-  row.help = fmt::format("of the {} alone; both: as {} says",
-                         publishes ? "publisher" : "subscription", row.key);
-  row.key = prefix + row.key;
-  row.default_value = both;
-  row.allowed.emplace_back(both);
-  return row;
-}
-
-std::string value_of(const OptionValues& options, const std::string& prefix, const char* key) {
-  const std::string& own = options.text(prefix + key);
-  return own == both ? options.text(key) : own;
-}
-
 }  // namespace
 
-std::vector<OptionSpec> qos_options() {
-  std::vector<OptionSpec> rows = rows_of_both();
-  for (const char* prefix : {"pub-", "sub-"}) {
-    for (OptionSpec& row : rows_of_both()) rows.push_back(row_of_one(std::move(row), prefix));
-  }
-  return rows;
-}
+std::vector<OptionSpec> qos_options() { return common_options::with_each_end(rows_of_both()); }
 
 rclcpp::QoS qos_from(const OptionValues& options, const std::string& prefix) {
-  const auto depth = static_cast<std::size_t>(std::stoul(value_of(options, prefix, "depth")));
-  const std::string history = value_of(options, prefix, "history");
+  const auto depth = static_cast<std::size_t>(std::stoul(options.of_end(prefix, "depth")));
+  const std::string history = options.of_end(prefix, "history");
   rclcpp::QoS qos{rclcpp::KeepLast(depth)};
   if (history == "keep_all") qos = rclcpp::QoS{rclcpp::KeepAll()};
   // Depth 0 stands for the middleware's own.
   if (history == "system_default")
     qos = rclcpp::QoS{rclcpp::QoSInitialization(RMW_QOS_POLICY_HISTORY_SYSTEM_DEFAULT, 0)};
-  const bool is_reliable = value_of(options, prefix, "reliability") == "reliable";
+  const bool is_reliable = options.of_end(prefix, "reliability") == "reliable";
   is_reliable ? qos.reliable() : qos.best_effort();
-  const bool is_volatile = value_of(options, prefix, "durability") == "volatile";
+  const bool is_volatile = options.of_end(prefix, "durability") == "volatile";
   is_volatile ? qos.durability_volatile() : qos.transient_local();
   return qos;
 }

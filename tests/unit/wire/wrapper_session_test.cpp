@@ -156,5 +156,19 @@ TEST_F(PreparedSession, AnInstanceThatDiedBeforeItsFirstInputIsMadeAnew) {
   EXPECT_EQ(wrapper.resets, 2);
 }
 
+// `pub-KEY` and `sub-KEY` are what KEY says, unless one of them is named.
+TEST(OptionsOfEachEnd, AreThoseOfBothUnlessNamed) {
+  const std::vector<OptionSpec> table = common_options::with_each_end(
+      {OptionSpec::integer("depth", 1, 1, 9, "kept").keeping_more_with("+")});
+  ASSERT_EQ(table.size(), 3U);
+  EXPECT_EQ(table[1].key, "pub-depth");
+  EXPECT_EQ(table[2].help, "of the reader alone; both: as depth says");
+  EXPECT_EQ(table[2].keeps_more, "");
+  const OptionValues values(table, {{"depth", "5"}, {"sub_depth", "2"}});
+  EXPECT_EQ(values.of_end("pub-", "depth"), "5");
+  EXPECT_EQ(values.of_end("sub-", "depth"), "2");
+  EXPECT_THROW(OptionValues(table, {{"pub-depth", "10"}}), UsageError);
+}
+
 }  // namespace
 }  // namespace maide

@@ -16,6 +16,9 @@
 namespace maide {
 namespace {
 
+// The value of `pub-KEY` and `sub-KEY` that stands for the value of KEY.
+constexpr const char* both_ends = "both";
+
 std::string normalised(std::string_view key) {
   std::string text(key);
   std::replace(text.begin(), text.end(), '_', '-');
@@ -161,6 +164,21 @@ std::vector<OptionSpec> ends() {
           OptionSpec::integer("readers", 1, 1, 4, "ends that read: read, read2, ...")};
 }
 
+std::vector<OptionSpec> with_each_end(std::vector<OptionSpec> rows) {
+  const std::vector<OptionSpec> of_both = rows;
+  for (const auto& [prefix, end] : {std::pair{"pub-", "writer"}, std::pair{"sub-", "reader"}}) {
+    for (OptionSpec row : of_both) {
+      row.help = fmt::format("of the {} alone; both: as {} says", end, row.key);
+      row.key = prefix + row.key;
+      row.default_value = both_ends;
+      row.allowed.emplace_back(both_ends);
+      row.keeps_more.clear();  // the value of both ends is the one to change
+      rows.push_back(std::move(row));
+    }
+  }
+  return rows;
+}
+
 OptionSpec size(std::int64_t default_value, std::int64_t most) {
   return OptionSpec::integer("size", default_value, 1, most,
                              "learn for at most this many messages in flight");
@@ -222,6 +240,11 @@ const std::string& OptionValues::text(std::string_view key) const {
     if (same_key(known, key)) return value;
   }
   throw std::logic_error(fmt::format("the wrapper's table has no option '{}'", key));
+}
+
+const std::string& OptionValues::of_end(const std::string& prefix, const std::string& key) const {
+  const std::string& own = text(prefix + key);
+  return own == both_ends ? text(key) : own;
 }
 
 std::int64_t OptionValues::number(std::string_view key) const {

@@ -52,8 +52,10 @@ struct OptionSpec {
 namespace common_options {
 OptionSpec inputs(std::vector<std::string> allowed, std::string default_value = "write,read");
 OptionSpec observe(std::vector<std::string> allowed, std::string default_value = "message");
-OptionSpec payload();                                            // payload=none|gap|values:...
-std::vector<OptionSpec> ends();                                  // writers=N, readers=N
+OptionSpec payload();            // payload=none|gap|values:...
+std::vector<OptionSpec> ends();  // writers=N, readers=N
+// The rows, which are of both ends, and for each of them `pub-KEY` and `sub-KEY`, of one end alone.
+std::vector<OptionSpec> with_each_end(std::vector<OptionSpec> rows);
 OptionSpec size(std::int64_t default_value, std::int64_t most);  // size=N messages in flight
 OptionSpec at_bound();                                           // at-bound=refuse|absorb
 std::vector<OptionSpec> quiescence_rows(std::int64_t floor_ms);  // quiescence, floor, step-limit
@@ -77,6 +79,8 @@ class OptionValues {
   std::int64_t number(std::string_view key) const;
   std::vector<std::string> list(std::string_view key) const;
   bool is(std::string_view key, std::string_view value) const { return text(key) == value; }
+  // Of an option in with_each_end(), the value of one end; `prefix` is "pub-" or "sub-".
+  const std::string& of_end(const std::string& prefix, const std::string& key) const;
   // What stands behind "PREFIX:" in such a value of a choice, separated by commas; else nothing.
   std::vector<std::string> list_behind(std::string_view key, std::string_view prefix) const;
 
