@@ -102,7 +102,13 @@ std::string describe(const System& system, const CheckReport& report, const Trac
 
 std::string describe(const Suggestions& suggestions) {
   if (suggestions.changes.empty()) {
-    return fmt::format("no single change removes it, of {} that were checked\n", suggestions.tried);
+    std::string text =
+        fmt::format("no single change removes it, of {} that were checked\n", suggestions.tried);
+    if (!suggestions.in_part.empty()) text += "what makes a part of it hold:\n";
+    for (const auto& [property, change] : suggestions.in_part) {
+      text += fmt::format("  - {}: {}\n", property, change);
+    }
+    return text;
   }
   std::string text = "what removes it, everything else as it is:\n";
   for (const std::string& change : suggestions.changes) text += "  - " + change + "\n";

@@ -255,7 +255,8 @@ class Sentence {
             ? ""
             : fmt::format(" in round {} of {}", waiting.round, waiting.rounds);
     const std::string in_brackets = waiting.is_once_a_round ? " (" + of_all + ")" : in_round;
-    std::string text = fmt::format("waits at line {} ", first.line);
+    std::string text =
+        fmt::format("waits at {} ", system_.programs[waiting.program].place_of(first.line));
     if (first.kind == Kind::give) {
       const std::string input = model(waiting).automaton.inputs().name(first.symbol);
       return text + fmt::format("to give {}.{}", name, input) + in_brackets;

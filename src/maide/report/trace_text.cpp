@@ -74,7 +74,7 @@ void write_waiting(std::ostream& out, const System& system, const GlobalState& s
     out << fmt::format("  {} {}\n", program.name, describe_waiting(system, program, awaited));
     return;
   }
-  out << fmt::format("  {} waits at line {} {}{}; {}\n", program.name, first.line,
+  out << fmt::format("  {} waits at {} {}{}; {}\n", program.name, program.place_of(first.line),
                      first.kind == Kind::give ? "to give " : "for ", fmt::join(steps, " or "),
                      describe_model(system.models[first.model], state.models[first.model], first));
 }

@@ -59,7 +59,10 @@ class ChangeSearch {
         options_(options),
         repeats_(find_repeats(system)),
         constants_(find_constants(system)) {
-    for (const PropertyResult& result : before.properties) properties_.push_back(result.name);
+    for (const PropertyResult& result : before.properties) {
+      properties_.push_back(result.name);
+      before_.emplace(result.name, result.verdict);
+    }
     for (const Repeat& repeat : repeats_) burst_ = std::max(burst_, repeat.count);
     if (constants_.size() > most_constants) constants_.clear();
   }
@@ -72,6 +75,7 @@ class ChangeSearch {
     try_constants();
     try_fewer_repetitions();
     try_other_repetitions();
+    if (!result_.changes.empty()) result_.in_part.clear();
     return std::move(result_);
   }
 
@@ -80,6 +84,7 @@ class ChangeSearch {
     bool holds = false;       // everything that was asked for
     bool is_unknown = false;  // what was learned ends too soon, or the time
     std::uint64_t states = 0;
+    std::vector<std::string> mended;  // properties, if none was broken
   };
 
   Outcome check(const SystemVariant& variant) {
@@ -100,9 +105,15 @@ class ChangeSearch {
     const CheckReport report = check_system(*changed, engine, request);
     outcome.holds = report.verdict == Verdict::holds;
     outcome.is_unknown = report.verdict == Verdict::inconclusive;
+    bool breaks = false;
     for (const PropertyResult& property : report.properties) {
       outcome.states = std::max(outcome.states, property.states);
+      const bool held = before_.at(property.name) == Verdict::holds;
+      const bool holds = property.verdict == Verdict::holds;
+      if (!held && holds) outcome.mended.push_back(property.name);
+      breaks = breaks || (held && !holds);
     }
+    if (breaks) outcome.mended.clear();
     return outcome;
   }
 
@@ -303,6 +314,9 @@ class ChangeSearch {
     for (const NodeChange& change : list_node_changes(text())) {
       if (cured.contains(change.node)) continue;
       const Outcome outcome = check({{}, {}, {}, change.text});
+      for (const std::string& property : outcome.mended) {
+        result_.in_part.emplace(property, change.description);
+      }
       if (!outcome.holds) continue;
       cured.insert(change.node);
       found(change.description, outcome, "");
@@ -457,6 +471,7 @@ class ChangeSearch {
   std::vector<NumberConstant> constants_;
   std::uint32_t burst_ = 0;  // the largest number of repetitions
   std::vector<std::string> properties_;
+  std::map<std::string, Verdict> before_;  // by property
   Suggestions result_;
 };
 

@@ -29,7 +29,9 @@ struct SuggestOptions {
 
 struct Suggestions {
   std::vector<std::string> changes;  // one line each, the ones that leave the programs alone first
-  std::size_t tried = 0;             // systems that were checked
+  // If none removes all: those that make one violated property hold, and break none.
+  std::map<std::string, std::string> in_part;  // by property
+  std::size_t tried = 0;                       // systems that were checked
 };
 
 // Tries these changes, one at a time:

@@ -123,6 +123,29 @@ TEST(SuggestChange, NamesTheCallbackGroupAndTheExecutor) {
                                   "and a MultiThreadedExecutor with 2 threads (checked: ")));
 }
 
+// Two cures are needed, and each is named for what it cures.
+TEST(SuggestChange, NamesWhatMakesAPartHold) {
+  const System system = parse_system(
+      "services: {lookup: {server: database, clients: [detector], with: {depth: 10}}}\n"
+      "topics: {image: {writers: camera, readers: detector, use: queue, with: {depth: 2}}}\n"
+      "programs:\n"
+      "  camera: \"repeat 3 { image.write; }\"\n"
+      "  database: \"loop { idle lookup.serve -> request; lookup.answer; }\"\n"
+      "nodes:\n"
+      "  detector:\n"
+      "    variables: \"var n: 0..3;\"\n"
+      "    callbacks: {on_image: {takes: image.read, do: \"lookup.send; wait lookup -> answer; n = "
+      "n + 1;\"}}\n"
+      "properties: {three: \"F detector.n == 3\"}\n",
+      "s.yaml", [](const ModelRequest&) { return InterfaceAutomaton(); });
+  NativeEngine engine;
+  const CheckReport before = check_system(system, engine, {});
+  const Suggestions found = suggest_changes(system, before, {});
+  EXPECT_TRUE(found.changes.empty());
+  ASSERT_TRUE(found.in_part.contains("deadlock"));
+  EXPECT_THAT(found.in_part.at("deadlock"), HasSubstr("the client of lookup in a callback group"));
+}
+
 TEST(SuggestChange, NamesTheDepthOfAService) {
   const System system = parse_system(
       "services: {lookup: {server: database, clients: [planner, monitor], with: {depth: 10}}}\n"

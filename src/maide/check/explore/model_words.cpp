@@ -123,7 +123,7 @@ std::string describe_waiting(const System& system, const Program& program,
     const std::string step = describe_edge(system, program, edge);
     if (std::find(steps.begin(), steps.end(), step) == steps.end()) steps.push_back(step);
   }
-  return fmt::format("waits at line {}{} for {}", awaited.front().line,
+  return fmt::format("waits at {}{} for {}", program.place_of(awaited.front().line),
                      is_select ? " in a select" : "", join(steps, " or "));
 }
 

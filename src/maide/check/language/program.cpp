@@ -7,6 +7,13 @@
 
 namespace maide {
 
+std::string Program::place_of(int line) const {
+  std::string text = "line " + std::to_string(line);
+  const auto is_in = [&](const CallbackLines& of) { return of.first <= line && line <= of.last; };
+  if (std::count_if(callbacks.begin(), callbacks.end(), is_in) != 1) return text;
+  return text + " (" + std::find_if(callbacks.begin(), callbacks.end(), is_in)->name + ")";
+}
+
 bool Program::has_label(ControlState state, std::uint32_t label) const {
   const auto& set = label_sets[states[state].label_set];
   return std::binary_search(set.begin(), set.end(), label);

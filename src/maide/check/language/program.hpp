@@ -108,8 +108,13 @@ struct Program {
     bool operator==(const Round&) const = default;
   };
   std::string name;
-  std::vector<std::string> nodes;                      // whose callbacks it runs; else empty
-  std::string execution;                               // of them: "on one thread, in any order"
+  std::vector<std::string> nodes;  // whose callbacks it runs; else empty
+  std::string execution;           // of them: "on one thread, in any order"
+  struct CallbackLines {
+    std::string name;  // "detector.on_image"
+    int first = 0, last = 0;
+  };
+  std::vector<CallbackLines> callbacks;
   SourcePosition position;                             // of the program in the system file
   int last_line = 0;                                   // of its text there
   std::vector<State> states;                           // state 0 is the initial one
@@ -163,6 +168,8 @@ struct Program {
     const auto& values = valuations[states[state].valuation];
     return variable < values.size() ? values[variable] : std::nullopt;
   }
+  // "line 18", or "line 18 (detector.on_image)" in the code of one callback alone.
+  std::string place_of(int line) const;
   bool has_label(ControlState state, std::uint32_t label) const;
   // What control can come to, whatever the models do. O(control states).
   bool may_end() const;

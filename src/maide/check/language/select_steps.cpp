@@ -47,7 +47,7 @@ std::string Unroller::text_of(const SelectArm& arm) {
 
 void Unroller::expand_arm(const Place& place, const SelectArm& arm, const Values& values,
                           const std::vector<ModelUse>& conditions, std::uint32_t fair) {
-  const auto add = [&](std::vector<ModelUse> uses, std::vector<ModelUse> events,
+  const auto add = [&](std::vector<ModelUse> uses, const std::vector<ModelUse>& events,
                        const std::string& text, ControlState target) {
     const std::string prefix = arm.starts != nullptr ? arm.starts->whole_name() + " starts" : "";
     std::vector<Uses> ways = combine({std::move(uses)}, {conditions});
@@ -60,8 +60,7 @@ void Unroller::expand_arm(const Place& place, const SelectArm& arm, const Values
   };
   if (arm.starts != nullptr && arm.starts->kind != Callback::Kind::subscription) {
     auto [uses, events] = start_of(arm);
-    return add(std::move(uses), std::move(events), "",
-               settle(enter(*arm.body, behind(place.frame)), values));
+    return add(std::move(uses), events, "", settle(enter(*arm.body, behind(place.frame)), values));
   }
   if (arm.kind == SelectArm::Kind::guard) {
     const std::string text = conditions.empty() ? "when" : text_of(conditions, actions_);

@@ -198,7 +198,20 @@ void SystemReader::make_programs(SharedActions& actions) {
         tree, {text.name, number, {}, text.may_die}, text.text, actions, names_));
     system_.programs.back().nodes = text.nodes;
     system_.programs.back().execution = text.execution;
+    if (text.thread) name_callbacks(system_.programs.back(), *text.thread);
     if (text.may_die) name_ends(system_.programs.back(), number);
+  }
+}
+
+void SystemReader::name_callbacks(Program& program, const program_syntax::Thread& thread) {
+  for (const program_syntax::Callback& callback : thread.callbacks) {
+    std::vector<ScalarText> texts;
+    if (callback.has_code && callback.outcomes.empty()) texts.push_back(callback.code);
+    for (const auto& [output, code] : callback.outcomes) texts.push_back(code);
+    for (const ScalarText& text : texts) {
+      program.callbacks.push_back(
+          {callback.whole_name(), text.position(0).line, text.position(text.value().size()).line});
+    }
   }
 }
 

@@ -238,7 +238,7 @@ std::vector<Service::End> SystemReader::ends_named(const YAML::Node& node, const
 // ---- callbacks ----------------------------------------------------------------------------------
 
 std::string SystemReader::group_named(const NodeOf& node, const YAML::Node& value) const {
-  const std::string group = scalar(value, "'group'");
+  std::string group = scalar(value, "'group'");
   if (node.groups.contains(group)) return group;
   std::vector<std::string> known;
   for (const auto& [name, reentrant] : node.groups) known.push_back(name);
