@@ -144,6 +144,12 @@ std::unique_ptr<RealSystem> open(const System& system, std::uint32_t index,
 
 }  // namespace
 
+bool is_real(const ModelInstance& model) {
+  using Source = ModelInstance::Source;
+  return model.source == Source::file ||
+         (model.source == Source::service && model.automaton.origin.contains("sul"));
+}
+
 ModelSource record_requests(ModelSource source, ModelRequests& requests) {
   return [source = std::move(source), &requests](const ModelRequest& request) {
     requests[request.instance] = request;
@@ -152,6 +158,8 @@ ModelSource record_requests(ModelSource source, ModelRequests& requests) {
 }
 
 const ModelRequest& request_of(const ModelInstance& instance, const ModelRequests& requests) {
+  static const ModelRequest none;
+  if (instance.source == ModelInstance::Source::service) return none;
   auto place = requests.find(instance.name);
   if (place == requests.end()) {
     place = requests.find(instance.name.substr(0, instance.name.find('[')));
@@ -192,7 +200,7 @@ std::vector<std::unique_ptr<RealSystem>> open_real_systems(const System& system,
   for (const Program& program : system.programs) {
     for (const ProgramEdge& edge : program.edges) {
       for (const ModelUse& use : program.uses_of(edge)) {
-        if (system.models[use.model].source != ModelInstance::Source::file) continue;
+        if (!is_real(system.models[use.model])) continue;
         const TopicInstance* topic = topic_of(system, use.model);
         used.insert(topic == nullptr ? use.model : topic->readers.front().model);
       }

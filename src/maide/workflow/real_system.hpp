@@ -21,6 +21,10 @@ namespace maide {
 // What a system file asks for, by instance: filled as the file is read.
 using ModelRequests = std::map<std::string, ModelRequest>;
 
+// There is a system behind it: it comes from a file, was learned, or is a service with `learn:`
+// whose ends are programs.
+bool is_real(const ModelInstance& model);
+
 // What was asked for the instance; of a member of an array, for the array. Throws UsageError.
 const ModelRequest& request_of(const ModelInstance& instance, const ModelRequests& requests);
 

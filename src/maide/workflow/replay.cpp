@@ -447,11 +447,12 @@ Unplayed find_unplayed(const System& system, std::span<const Trace> traces) {
     return system.models[model].source == source;
   };
   Unplayed unplayed;
-  unplayed.is_all = std::none_of(met.begin(), met.end(),
-                                 [&](std::uint32_t model) { return is(model, Source::file); });
+  unplayed.is_all = std::none_of(
+      met.begin(), met.end(), [&](std::uint32_t model) { return is_real(system.models[model]); });
   if (!unplayed.is_all) {
     std::erase_if(met, [&](std::uint32_t model) {
-      return is(model, Source::variable) || is_lock(system.models[model]);
+      return is(model, Source::variable) || is_lock(system.models[model]) ||
+             is_real(system.models[model]);
     });
   }
   unplayed.models = describe_unreal(system, {met.begin(), met.end()});
@@ -480,7 +481,7 @@ std::vector<std::string> find_assumptions(const System& system, const Trace& tra
     for (const ProgramEdge& edge : program.edges_of(states.back().programs[index])) {
       for (const ModelUse& event : program.events_of(edge)) {
         const ModelInstance& model = system.models[event.model];
-        if (event.kind != Kind::give || model.source != ModelInstance::Source::file) continue;
+        if (event.kind != Kind::give || !is_real(model)) continue;
         const StateId at = states.back().models[event.model];
         const std::string call = describe_edge(system, program, edge);
         if (!model.automaton.is_quiescent(at)) {

@@ -134,6 +134,7 @@ class AssumptionList {
 
   void state_inputs_while_due() {
     for (const ModelInstance& model : system_.models) {
+      if (model.source != ModelInstance::Source::file) continue;
       const std::size_t count = count_inputs_while_due(model.automaton);
       if (count > 0) {
         lines_.push_back(fmt::format(

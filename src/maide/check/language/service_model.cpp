@@ -63,6 +63,7 @@ InterfaceAutomaton ServiceModel::start() const {
       {"server", {inputs.begin(), inputs.begin() + 2}, {outputs.begin(), outputs.begin() + 1}},
       {"client", {inputs.begin() + 2, inputs.end()}, {outputs.begin() + 1, outputs.end()}}};
   automaton.origin["depth"] = std::to_string(shape_.depth);
+  if (!shape_.sul.empty()) automaton.origin["sul"] = shape_.sul;
   return automaton;
 }
 
@@ -213,6 +214,34 @@ std::optional<ServiceModel::State> ServiceModel::after(State state,
     case Kind::end_run: forget(state, number, run); return state;
   }
   return std::nullopt;
+}
+
+std::vector<GrowingModel::Follower> ServiceModel::followers(const Contents& contents) const {
+  using Kind = Operation::Kind;
+  std::vector<Follower> result;
+  const auto add = [&](Action::Kind way, Symbol symbol, const Operation& operation) {
+    if (const auto next = after(unpack(contents), operation)) {
+      result.push_back({{way, symbol}, pack(*next)});
+    }
+  };
+  // The symbols of start().
+  if (!shape_.is_served_by_node) {
+    add(Action::Kind::input, 0, {Kind::serve, 0, 0});
+    add(Action::Kind::input, 1, {Kind::answer, 0, 0});
+    add(Action::Kind::output, 0, {Kind::take_request, 0, 0});
+  }
+  for (std::uint32_t client = 0; client < shape_.askers.size(); ++client) {
+    if (shape_.askers[client] > 0) continue;
+    add(Action::Kind::input, 2 + 2 * client, {Kind::send, client, none});
+    add(Action::Kind::input, 3 + 2 * client, {Kind::receive, client, none});
+    add(Action::Kind::output, 1 + client, {Kind::take_answer, client, none});
+  }
+  return result;
+}
+
+bool ServiceModel::is_due(const Contents& contents) const {
+  const State state = unpack(contents);
+  return (state.due != none && !shape_.is_served_by_node) || state.owes_answer();
 }
 
 std::string ServiceModel::text_of(const Operation& operation) const {

@@ -5,14 +5,15 @@
 // Callbacks of a node ask under their own names: a request is its run's until that run is over or
 // has asked again, and then nobody's. Its client still takes the answer.
 //
-// What programs do with a service are actions on its state; its automaton has the names of inputs
-// and outputs, and no transitions.
+// What programs do with a service are actions on its state. Its automaton has as transitions what
+// programs, not nodes, do, for a run to be played on a real service.
 // Invariant: an item is one request. Of the own answers in a client's queue at most one is that of
 // a run, for a run's earlier requests are nobody's.
 #pragma once
 
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "maide/check/language/built_in_models.hpp"
@@ -24,6 +25,8 @@ struct ServiceShape {
   std::uint32_t depth = 10;           // at least 1
   std::vector<std::uint32_t> askers;  // by client: runs of callbacks that may wait; 0: a program
   std::uint32_t servers = 1;          // runs of the server's callback at once
+  bool is_served_by_node = false;
+  std::string sul;  // the real system of programs' runs: "ros2 kind=service ..."; may be empty
 };
 
 class ServiceModel : public GrowingModel {
@@ -69,8 +72,8 @@ class ServiceModel : public GrowingModel {
   struct State;
   State unpack(const Contents& contents) const;
   static Contents pack(const State& state);
-  std::vector<Follower> followers(const Contents&) const override { return {}; }
-  bool is_due(const Contents&) const override { return false; }
+  std::vector<Follower> followers(const Contents& contents) const override;
+  bool is_due(const Contents& contents) const override;
   std::optional<State> after(State state, const Operation& operation) const;
   std::string text_of(const Operation& operation) const;
 

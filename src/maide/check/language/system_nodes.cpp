@@ -548,6 +548,15 @@ void SystemReader::make_services() {
       }
     }
     service.server_runs = shape.servers;
+    shape.is_served_by_node = !service.server.node.empty();
+    const bool has_node =
+        shape.is_served_by_node ||
+        std::any_of(shape.askers.begin(), shape.askers.end(), [](auto count) { return count > 0; });
+    if (!system_.models[model].origin.empty() && !has_node) {
+      shape.sul = system_.models[model].origin +
+                  " kind=service depth=" + std::to_string(shape.depth) +
+                  " clients=" + std::to_string(shape.askers.size());
+    }
     auto rules = std::make_unique<ServiceModel>(std::move(shape));
     service.rules = rules.get();
     system_.models[model].automaton = rules->start();
