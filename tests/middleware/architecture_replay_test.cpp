@@ -84,7 +84,8 @@ TEST_P(ArchitectureReplay, IsFollowedTwentyTimes) { expect_followed(20); }
 INSTANTIATE_TEST_SUITE_P(Examples, ArchitectureReplay,
                          testing::Values("token-cyclonedds", "retry-zeromq", "lifecycle-mqtt",
                                          "heartbeats-ros1", "two-by-two-fastdds",
-                                         "cancel-cyclonedds", "topic-cyclonedds"),
+                                         "cancel-cyclonedds", "topic-cyclonedds", "strangers-ros2",
+                                         "burst-ros2"),
                          [](const auto& row) {
                            std::string name = row.param;
                            std::replace(name.begin(), name.end(), '-', '_');
