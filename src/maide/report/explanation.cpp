@@ -6,6 +6,7 @@
 #include <functional>
 #include <map>
 #include <optional>
+#include <set>
 #include <vector>
 
 #include "maide/base/invariant.hpp"
@@ -351,7 +352,10 @@ class Sentence {
 
   // Who could change it: "p1 has ended", "nobody else would write to q1".
   std::string describe_helpers(const Waiting& waiting, const GlobalState& state) const {
-    if (waiting.reason == Reason::several) return describe_users(waiting);
+    if (waiting.reason == Reason::several) {
+      const std::string services = describe_services(waiting, state);
+      return services.empty() ? describe_users(waiting) : services;
+    }
     if (waiting.wanted.empty()) return "nothing that programs do there would change that";
     if (waiting.helpers.empty()) return "no other program would ever " + help_verb(waiting);
     if (!waiting.reachable_helpers.empty()) {
@@ -373,6 +377,20 @@ class Sentence {
       parts.push_back(fmt::format("{} will never {} again", programs(others), help_verb(waiting)));
     }
     return list(parts);
+  }
+
+  // What is on its way in the services that are waited for: "lookup: a request of a not served".
+  std::string describe_services(const Waiting& waiting, const GlobalState& state) const {
+    std::vector<std::string> parts;
+    std::set<std::uint32_t> known;
+    for (const ProgramEdge& edge : waiting.awaited) {
+      for (const ModelUse& use : system_.programs[waiting.program].uses_of(edge)) {
+        const ModelInstance& model = system_.models[use.model];
+        if (model.state_texts.empty() || !known.insert(use.model).second) continue;
+        parts.push_back(model.name + ": " + model.state_texts[state.models[use.model]]);
+      }
+    }
+    return list(parts, "; ");
   }
 
   std::string describe_users(const Waiting& waiting) const {

@@ -227,7 +227,7 @@ class ShortLasso {
       append_nearest(at, loop, [&](const Link& link) {
         return goes_home ? link.target == start : (link.needs & ~met) != 0;
       });
-      MAIDE_CHECK(loop.size() > length);
+      if (loop.size() == length) return {};  // only by nodes too deep for their links to be known
       for (std::size_t i = length; i < loop.size(); ++i) met |= links_[loop[i]].needs;
       at = links_[loop.back()].target;
       if (loop.size() >= room(start)) return {};

@@ -44,6 +44,8 @@ class GrowingModel {
   virtual InterfaceAutomaton start() const = 0;
   // It has more than max_queue_states states, which one need not count.
   virtual bool is_large() const = 0;
+  // What the model holds there, in words; empty where its name says it.
+  virtual std::string describe(StateId) const { return ""; }
   // Adds to the automaton, which start() made, what follows `state`. Nothing the second time.
   void expand(InterfaceAutomaton& automaton, StateId state);
   // And what follows the messages that are due then.

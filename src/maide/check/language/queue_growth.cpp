@@ -39,6 +39,7 @@ class Growth {
       if (!reached[instance.automaton.initial()]) reach(model, instance.automaton.initial());
       reached.resize(instance.automaton.size());
       instance.automaton = growing->cut_down(instance.automaton, reached);
+      describe(instance, *growing);
       if (whole_.contains(model)) {
         instance.is_grown = false;
         continue;
@@ -50,6 +51,15 @@ class Growth {
   }
 
  private:
+  // Not of so many that nobody looks at them.
+  void describe(ModelInstance& instance, const GrowingModel& growing) const {
+    instance.state_texts.clear();
+    if (growing.is_large() || instance.automaton.size() > limits_.small_states) return;
+    for (StateId state = 0; state < instance.automaton.size(); ++state) {
+      instance.state_texts.push_back(growing.describe(state));
+    }
+  }
+
   // All states that the model can come to by inputs and by what programs do with it. False if they
   // are too many.
   bool make_whole(std::uint32_t model) {

@@ -244,6 +244,40 @@ bool ServiceModel::is_due(const Contents& contents) const {
   return (state.due != none && !shape_.is_served_by_node) || state.owes_answer();
 }
 
+std::string ServiceModel::describe(StateId at) const {
+  if (is_elsewhere(at)) return "";
+  const State state = unpack(contents(at));
+  std::vector<std::string> parts;
+  const auto add = [&](std::size_t count, const std::string& what, const std::string& rest) {
+    if (count == 0) return;
+    const std::string one = what == "answer" ? "an " : "a ";
+    parts.push_back((count == 1 ? one + what : std::to_string(count) + " " + what + "s") + rest);
+  };
+  for (std::uint32_t number = 0; number < state.clients.size(); ++number) {
+    const State::Client& client = state.clients[number];
+    const auto is_own = [&](std::uint32_t item) {
+      return item != none && client_of(item) == number;
+    };
+    const auto count = [&](const std::vector<std::uint32_t>& items) {
+      return static_cast<std::size_t>(std::count_if(items.begin(), items.end(), is_own));
+    };
+    const std::string& name = shape_.names[number];
+    add(count(state.requests) + (is_own(state.due) ? 1 : 0), "request",
+        " of " + name + " not served");
+    add(count(state.served), "request", " of " + name + " served and not answered");
+    const auto strangers =
+        static_cast<std::size_t>(std::count(client.answers.begin(), client.answers.end(), others));
+    add(client.answers.size() - strangers, "answer", " to " + name + " not taken");
+    add(strangers, "answer", " to others in the queue of " + name);
+    add(static_cast<std::size_t>(std::count(client.handed.begin(), client.handed.end(), 1U)),
+        "answer", " handed over to its callback");
+  }
+  if (parts.empty()) return "nothing is on its way";
+  std::string text;
+  for (const std::string& part : parts) text += (text.empty() ? "" : ", ") + part;
+  return text;
+}
+
 std::string ServiceModel::text_of(const Operation& operation) const {
   using Kind = Operation::Kind;
   const auto [kind, number, run] = operation;

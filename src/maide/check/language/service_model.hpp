@@ -26,6 +26,7 @@ struct ServiceShape {
   std::vector<std::uint32_t> askers;  // by client: runs of callbacks that may wait; 0: a program
   std::uint32_t servers = 1;          // runs of the server's callback at once
   bool is_served_by_node = false;
+  std::vector<std::string> names;  // of the clients
   std::string sul;  // the real system of programs' runs: "ros2 kind=service ..."; may be empty
 };
 
@@ -59,6 +60,8 @@ class ServiceModel : public GrowingModel {
 
   InterfaceAutomaton start() const override;
   bool is_large() const override { return false; }
+  // "a request of detector is not served, 2 answers to detector are not taken".
+  std::string describe(StateId state) const override;
   // "send" of the first client, "send2" of the second.
   static std::string name_at(const std::string& name, std::uint32_t client);
 

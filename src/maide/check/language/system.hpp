@@ -67,6 +67,7 @@ struct ModelInstance {
   ValueType type;  // of a variable
   // Of a queue that has too many states to make them all: it has those that programs reach.
   bool is_grown = false;
+  std::vector<std::string> state_texts;  // of a service, by state: what is on its way
   WhenUnexplored when_unexplored = WhenUnexplored::stop;
   WhenWeak when_weak = WhenWeak::inconclusive;
   std::string origin;       // the file, or what it was learned from; for messages

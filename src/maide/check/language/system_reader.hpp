@@ -119,6 +119,8 @@ class SystemReader : private YamlReader {
   void read_callback(NodeOf& node, const YAML::Node& key, const YAML::Node& value);
   // Of each service that has the node as a client.
   void read_clients(NodeOf& node);
+  void check_plain_name(const YAML::Node& key, const std::string& what) const;
+  void check_taken(const program_syntax::Callback& callback) const;
   void check_server(const NodeOf& node) const;
   std::string group_named(const NodeOf& node, const YAML::Node& value) const;
   // The programs that run the callbacks, and the models of the services.

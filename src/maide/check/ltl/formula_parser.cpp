@@ -488,8 +488,7 @@ class Parser {
         const std::size_t at = labels[label].find('@');
         if (at == std::string::npos) continue;
         const std::string callback = labels[label].substr(0, at);
-        const bool is_of_node = callback.starts_with(owner.text + ".");
-        if (callback != owner.text && !is_of_node) continue;
+        if (callback != owner.text && !callback.starts_with(owner.text + ".")) continue;
         known.push_back(labels[label].substr(at + 1));
         if (known.back() != name.text) continue;
         const Formula atom = make_atom({Atom::Kind::label, index, label}, owner);
@@ -497,7 +496,6 @@ class Parser {
       }
     }
     if (any) return any;
-    if (name.text == "end") tokens_.fail("a node has no end", name);
     tokens_.fail(owner.text + " has no label '" + name.text +
                      "'; it has: " + known_instead(name.text, known),
                  name);
@@ -563,6 +561,9 @@ class Parser {
     }
     std::vector<std::string> known;
     for (const ProgramInterface& model : scope_.models) known.push_back(model.name);
+    if (scope_.names != nullptr) {
+      known.insert(known.end(), scope_.names->nodes.begin(), scope_.names->nodes.end());
+    }
     tokens_.fail(
         "unknown model '" + owner.text + "'; there is: " + known_instead(owner.text, known), owner);
   }
