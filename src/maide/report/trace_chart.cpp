@@ -27,7 +27,9 @@ class Lanes {
     const std::size_t count = programs_ + system.models.size();
     // The first program, the models, the other programs: good where all talk to each other.
     order_.push_back(0);
-    for (std::size_t i = programs_; i < count; ++i) order_.push_back(i);
+    for (std::size_t i = programs_; i < count; ++i) {
+      if (has_lane(system.models[i - programs_])) order_.push_back(i);
+    }
     for (std::size_t i = 1; i < programs_; ++i) order_.push_back(i);
     talk_.assign(count, std::vector<std::size_t>(count, 0));
     for (const Step& step : trace.steps) {
@@ -36,11 +38,16 @@ class Lanes {
         ++talk_[step.program][programs_ + event.model];
       }
     }
-    count <= most_permuted ? try_all_orders() : swap_neighbours();
+    order_.size() <= most_permuted ? try_all_orders() : swap_neighbours();
     lane_of_.resize(count);
-    for (std::size_t lane = 0; lane < count; ++lane) lane_of_[order_[lane]] = lane;
+    for (std::size_t lane = 0; lane < order_.size(); ++lane) lane_of_[order_[lane]] = lane;
   }
 
+  // Threads give and take nothing.
+  static bool has_lane(const ModelInstance& model) {
+    return model.source != ModelInstance::Source::executor;
+  }
+  std::size_t count() const { return order_.size(); }
   std::size_t of_program(std::size_t program) const { return lane_of_[program]; }
   std::size_t of_model(std::size_t model) const { return lane_of_[programs_ + model]; }
 
@@ -185,11 +192,12 @@ SequenceChart make_trace_chart(const System& system, const Trace& trace, std::st
   SequenceChart chart;
   chart.title = std::move(title);
   chart.loop_start = trace.loop_start;
-  chart.lanes.resize(system.programs.size() + system.models.size());
+  chart.lanes.resize(lanes.count());
   for (std::size_t i = 0; i < system.programs.size(); ++i) {
     chart.lanes[lanes.of_program(i)] = {system.programs[i].name, false};
   }
   for (std::size_t i = 0; i < system.models.size(); ++i) {
+    if (!Lanes::has_lane(system.models[i])) continue;
     chart.lanes[lanes.of_model(i)] = {system.models[i].name, true};
   }
   std::map<std::pair<std::uint32_t, int>, std::string> sources;  // by program and line

@@ -220,7 +220,11 @@ std::string to_string(const Formula& formula, const FormulaScope& scope) {
     case Operator::atom: return to_string(formula->atom, scope);
     case Operator::negation: return unary("!");
     case Operator::conjunction: return binary(" && ");
-    case Operator::disjunction: return binary(" || ");
+    case Operator::disjunction: {
+      // A node's label is one in each program that runs it, and all are written alike.
+      const std::string left = to_string(formula->left, scope);
+      return left == to_string(formula->right, scope) ? left : binary(" || ");
+    }
     case Operator::implication: return binary(" -> ");
     case Operator::equivalence: return binary(" <-> ");
     case Operator::next: return unary("X ");
