@@ -16,6 +16,12 @@ namespace {
 constexpr int max_value_rounds = 20;  // of finding what is written into queues
 constexpr std::size_t max_properties = 1000;
 
+// Whether an executor that goes by rounds looks. That belongs to no callback.
+bool is_look(const Program& program, const ProgramEdge& edge) {
+  return edge.kind == ModelUse::Kind::joint &&
+         program.joints[edge.symbol].text.starts_with("finds ");
+}
+
 }  // namespace
 
 SystemReader::SystemReader(std::string_view text, const std::string& file,
@@ -422,7 +428,7 @@ void SystemReader::remark_on_unreachable_statements() {
 void SystemReader::remark_on_endless_callbacks() {
   for (const Program& program : system_.programs) {
     if (program.nodes.empty()) continue;
-    // A cycle without the end of a callback is one in its code.
+    // A cycle without the end of a callback, and without a look for others, is one in its code.
     std::vector<std::uint8_t> seen(program.states.size(), 0);  // 1 on the path, 2 done
     std::vector<std::pair<ControlState, std::uint32_t>> path;
     std::set<int> lines;
@@ -439,7 +445,7 @@ void SystemReader::remark_on_endless_callbacks() {
           continue;
         }
         const ProgramEdge& edge = edges[next++];
-        if (program.role_of(edge) == Joint::Role::end) continue;
+        if (program.role_of(edge) == Joint::Role::end || is_look(program, edge)) continue;
         if (seen[edge.target] == 1) lines.insert(edge.line);
         if (seen[edge.target] != 0) continue;
         seen[edge.target] = 1;
