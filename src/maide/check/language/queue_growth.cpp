@@ -28,10 +28,20 @@ class Growth {
       : system_(system), actions_(actions), models_(models), limits_(limits), control_(control) {}
 
   void run() {
-    for (const auto& [model, growing] : models_) {
-      if (!growing->is_large() && make_whole(model)) whole_.insert(model);
+    for (const auto& component : find_components(system_)) {
+      std::set<std::uint32_t> small;  // perhaps
+      for (const std::uint32_t program : component) {
+        for (const std::uint32_t model : models_of(system_.programs[program])) {
+          const auto growing = models_.find(model);
+          if (growing != models_.end() && !growing->second->is_large()) small.insert(model);
+        }
+      }
+      const bool is_done = !small.empty() && search(component, limits_.searched_first);
+      for (const std::uint32_t model : small) {
+        if (is_done || make_whole(model)) whole_.insert(model);
+      }
+      if (!is_done) search(component, limits_.searched);
     }
-    for (const auto& component : find_components(system_)) search(component);
     for (const auto& [model, growing] : models_) {
       ModelInstance& instance = system_.models[model];
       std::vector<bool>& reached = reached_[model];
@@ -74,22 +84,23 @@ class Growth {
     return true;
   }
 
-  // Visits the states of the component, breadth-first.
-  void search(const std::vector<std::uint32_t>& programs) {
+  // Visits the states of the component, breadth-first. False if they are more than `most`, or its
+  // models have too many.
+  bool search(const std::vector<std::uint32_t>& programs, std::uint64_t most) {
     std::set<std::uint32_t> growing;
     for (const std::uint32_t program : programs) {
       for (const std::uint32_t model : models_of(system_.programs[program])) {
         if (models_.contains(model) && !whole_.contains(model)) growing.insert(model);
       }
     }
-    if (growing.empty()) return;
+    if (growing.empty()) return true;
     std::deque<GlobalState> open{initial_state(system_)};
     std::unordered_set<std::uint64_t> seen{hash_of(open.front())};
-    while (!open.empty() && seen.size() < limits_.searched && may_go_on()) {
+    while (!open.empty() && seen.size() < most && may_go_on()) {
       const GlobalState state = std::move(open.front());
       open.pop_front();
       for (const std::uint32_t model : growing) {
-        if (!reach(model, state.models[model])) return;
+        if (!reach(model, state.models[model])) return false;
       }
       const bool is_error = std::any_of(programs.begin(), programs.end(), [&](auto program) {
         return system_.programs[program].is_error(state.programs[program]);
@@ -103,6 +114,7 @@ class Growth {
         }
       }
     }
+    return open.empty();
   }
 
   // False when time is up. A clock is read for many states at once.
