@@ -243,6 +243,7 @@ TEST(Executors, CodeThatMayGoRoundForEverIsRemarked) {
   EXPECT_NE(remarks[0].find("n: the code of a callback may go round for ever at line 2"),
             std::string::npos);
   EXPECT_TRUE(nodes_from(replaced(text, "loop {", "repeat 2 {")).remarks.empty());
+  EXPECT_TRUE(nodes_from(two_subscriptions).remarks.empty());  // a look is no code
 }
 
 TEST(Executors, ErrorsNameThePlace) {
@@ -263,6 +264,10 @@ TEST(Executors, ErrorsNameThePlace) {
       {with("kind: single", "kind: multi"), "needs 'threads:'"},
       {with("kind: single", "kind: single, threads: 2"), "'threads' goes with 'kind: multi'"},
       {with("{kind: single}", "{kind: multi, threads: 2, order: rounds}"), "'order' goes with"},
+      {with("takes: image.read", "takes: image.write"), "'write' is the writer's"},
+      {with("takes: image.read", "takes: imageread"), "'takes' names a model and its input"},
+      {with("do: \"lookup.send; wait lookup -> answer;\"", "do: {null: skip;}"),
+       "to YAML `null` is none: put it in quotes"},
       {with("executor: main", "executor: mane"), "unknown executor 'mane'; there is: main"},
       {with("clients: [detector]", "clients: [camera]"), "this node is no client of lookup"},
       {with("server: database", "server: detector"), "says `serves: lookup`, and none does"},

@@ -60,6 +60,7 @@ struct Joint {
     timeout,    // so is this
     timer,      // an arm: a callback that starts at any moment
     end,        // of a callback
+    look,       // of an executor that goes by rounds
     death,      // the program ends here: no progress, and no fairness asks for it
   };
   Role role = Role::step;

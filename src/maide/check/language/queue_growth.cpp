@@ -75,7 +75,7 @@ class Growth {
   bool make_whole(std::uint32_t model) {
     InterfaceAutomaton& automaton = system_.models[model].automaton;
     for (StateId state = 0; state < automaton.size(); ++state) {
-      if (automaton.size() > limits_.small_states) {
+      if (automaton.size() > limits_.small_states || !may_go_on()) {
         reached_.erase(model);
         return false;
       }

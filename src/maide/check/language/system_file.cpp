@@ -16,12 +16,6 @@ namespace {
 constexpr int max_value_rounds = 20;  // of finding what is written into queues
 constexpr std::size_t max_properties = 1000;
 
-// Whether an executor that goes by rounds looks. That belongs to no callback.
-bool is_look(const Program& program, const ProgramEdge& edge) {
-  return edge.kind == ModelUse::Kind::joint &&
-         program.joints[edge.symbol].text.starts_with("finds ");
-}
-
 }  // namespace
 
 SystemReader::SystemReader(std::string_view text, const std::string& file,
@@ -445,7 +439,8 @@ void SystemReader::remark_on_endless_callbacks() {
           continue;
         }
         const ProgramEdge& edge = edges[next++];
-        if (program.role_of(edge) == Joint::Role::end || is_look(program, edge)) continue;
+        const Joint::Role role = program.role_of(edge);
+        if (role == Joint::Role::end || role == Joint::Role::look) continue;
         if (seen[edge.target] == 1) lines.insert(edge.line);
         if (seen[edge.target] != 0) continue;
         seen[edge.target] = 1;

@@ -4,12 +4,14 @@
 #include <memory>
 #include <utility>
 
+#include "maide/check/language/model_ends.hpp"
 #include "maide/check/language/program_parser.hpp"
 
 namespace maide::program_syntax {
 namespace {
 
 constexpr std::size_t max_looked_at = 12;  // a look is a step for each set of what it may find
+constexpr std::ptrdiff_t max_timers = 8;   // each set of them that is due is fair by itself
 
 }  // namespace
 
@@ -27,6 +29,14 @@ void ProgramParser::parse_thread(const Thread& thread) {
       throw ParseError("with 'order: rounds' an executor runs at most " +
                            std::to_string(max_looked_at) + " callbacks",
                        work_.position);
+    }
+    const auto timers = std::count_if(
+        thread.callbacks.begin(), thread.callbacks.end(),
+        [](const Callback& callback) { return callback.kind == Callback::Kind::timer; });
+    if (timers > max_timers) {
+      throw ParseError(
+          "with 'order: rounds' an executor has at most " + std::to_string(max_timers) + " timers",
+          work_.position);
     }
     starts.type.high = (Value{1} << thread.callbacks.size()) - 1;
     starts.target.op = Expression::Operator::local;
@@ -133,6 +143,10 @@ void ProgramParser::parse_taken(SelectArm& arm, Event& pattern) {
     pattern.line = arm.line;
     pattern.column = arm.column;
     if (!pattern.is_any) pattern = parse_output(arm.model);
+  }
+  if (arm.model.is_topic && is_of_writer(instance(arm.model).automaton, arm.event.name)) {
+    tokens_.fail(
+        "a callback takes what a reader gets, and '" + arm.event.name + "' is the writer's", name);
   }
   expect_end();
   if (!arm.model.is_topic) return;

@@ -202,7 +202,7 @@ void Unroller::expand_rounds(const Place& place, const Statement& statement, con
                         false, "a look");
     }
     for (const Uses& way : look.ways) {
-      add_joint({Joint::Role::step, way, {}, "finds " + look.text, fair}, target, statement.line,
+      add_joint({Joint::Role::look, way, {}, "finds " + look.text, fair}, target, statement.line,
                 statement.column);
     }
   }

@@ -83,6 +83,10 @@ YamlReader::Entries YamlReader::entries(const YAML::Node& node, const std::strin
   Entries result;
   std::set<std::string> seen;
   for (const auto& entry : node) {
+    if (entry.first.IsNull()) {
+      fail("a key of " + what + " must be a word, and to YAML `null` is none: put it in quotes",
+           entry.first);
+    }
     if (!entry.first.IsScalar() || entry.first.Scalar().empty()) {
       fail("a key of " + what + " must be a word", entry.first);
     }
