@@ -21,7 +21,7 @@
 namespace maide {
 namespace {
 
-constexpr QueueLimits grows_all{0, 1'000'000, 2'000'000};
+constexpr QueueLimits grows_all{0, 1'000'000, 3'000'000, 2'000'000};
 
 System read(const std::string& text, const QueueLimits& limits = {},
             const RunControl& control = {}) {

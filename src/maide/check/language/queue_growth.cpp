@@ -131,6 +131,8 @@ class Growth {
     if (reached.size() < automaton.size()) reached.resize(automaton.size());
     if (reached[state]) return true;
     if (automaton.size() > limits_.met_states) return false;
+    const std::size_t steps = automaton.size() * (system_.models[model].actions.size() + 1);
+    if (!models_.at(model)->is_large() && steps > limits_.met_steps) return false;
     models_.at(model)->expand_with_messages(automaton, state);
     actions_.make_steps(model, state);
     reached[state] = true;

@@ -26,6 +26,7 @@ namespace maide {
 struct QueueLimits {
   std::uint64_t states = max_queue_states;  // of a queue that is made whole
   std::uint64_t met_states = 1'000'000;     // of a queue that grows
+  std::uint64_t met_steps = 3'000'000;      // states of a service, times what is done with it
   std::uint64_t searched = 2'000'000;       // states of a component
   std::uint64_t small_states = 50'000;      // of a model that is made whole by what is done with it
   std::uint64_t searched_first = 20'000;    // before models are made whole
