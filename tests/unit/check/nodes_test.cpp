@@ -275,6 +275,8 @@ TEST(Executors, ErrorsNameThePlace) {
        "'depth' goes from 1 to 1000"},
       {with("takes: image.read, ", "takes: image.read, timer: 3, "),
        "a callback has one of 'takes', 'timer' and 'serves'"},
+      {error_of(text + "properties: {p: \"F detector:lookup.send\"}"),
+       "unknown program 'detector'; there is: camera, database"},
       {error_of(text + "properties: {p: \"F detector@asked\"}"), "detector has no label 'asked'"},
   };
   for (const auto& [error, expected] : errors) {

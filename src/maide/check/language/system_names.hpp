@@ -92,6 +92,17 @@ struct Service {
   bool is_server(const std::string& node, std::uint32_t program) const;
 };
 
+// "send2" of "send".
+inline bool is_numbered(const std::string& known, const std::string& name) {
+  return known.starts_with(name) &&
+         known.find_first_not_of("0123456789", name.size()) == std::string::npos;
+}
+
+// A node's subscriptions are readers of their own: "image[detector.on_image]".
+inline bool is_reader_of(const std::string& model, const std::string& name) {
+  return name.ends_with(']') && model.starts_with(name.substr(0, name.size() - 1) + ".");
+}
+
 struct VariableName {
   Expression leaf;  // without indices
   ValueType type;

@@ -21,17 +21,6 @@ constexpr int max_nesting = 200;  // the parser and all walks over formulas recu
 constexpr int max_size = 2000;
 constexpr double max_expanded_size = 10'000;  // of the normal form, in which each <-> doubles
 
-// "send2" of "send".
-bool is_numbered(const std::string& known, const std::string& name) {
-  return known.starts_with(name) &&
-         known.find_first_not_of("0123456789", name.size()) == std::string::npos;
-}
-
-// A node's subscriptions are readers of their own: "image[detector.on_image]".
-bool is_reader_of(const std::string& model, const std::string& name) {
-  return name.ends_with(']') && model.starts_with(name.substr(0, name.size() - 1) + ".");
-}
-
 // A formula, or an expression that is one if it is true or false.
 struct Operand {
   Formula formula;
@@ -422,7 +411,7 @@ class Parser {
 
   Operand parse_of_program(const Token& program) {
     const auto index = find_program(program.text);
-    if (!index) fail_unknown_program(program);
+    if (!index || !scope_.programs[*index].nodes.empty()) fail_unknown_program(program);
     Token owner = tokens_.next();
     if (!owner.is_name()) tokens_.fail("expected a model, not " + to_string(owner), owner);
     const std::string model = owner.text;
@@ -444,7 +433,10 @@ class Parser {
 
   [[noreturn]] void fail_unknown_program(const Token& owner) {
     std::vector<std::string> known;
-    for (const Program& program : scope_.programs) known.push_back(program.name);
+    for (const Program& program : scope_.programs) {
+      if (program.nodes.empty())
+        known.push_back(program.name);  // what runs callbacks is no program
+    }
     tokens_.fail(
         "unknown program '" + owner.text + "'; there is: " + known_instead(owner.text, known),
         owner);
