@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <deque>
-#include <map>
+#include <string>
 #include <utility>
 #include <vector>
 
-#include "maide/automata/minimize.hpp"
+#include "made_machine.hpp"
 
 namespace maide::test {
 namespace {
@@ -116,30 +116,15 @@ Step connect(const ConnectionModel& model, Content content) {
 }  // namespace
 
 Mealy make_connection(const ConnectionModel& model) {
-  Mealy machine(model.reconnects ? Alphabet{"write", "tryread", "disconnect", "connect"}
-                                 : Alphabet{"write", "tryread"},
-                {}, 1);
-  std::map<Content, StateId> numbers{{Content{}, 0}};
-  std::vector<Content> contents{Content{}};
-  for (StateId state = 0; state < contents.size(); ++state) {
-    const Content content = contents[state];
-    std::vector<Step> steps{write(model, content), try_read(model, content)};
-    if (model.reconnects) {
-      steps.push_back(disconnect(content));
-      steps.push_back(connect(model, content));
-    }
-    for (Symbol input = 0; input < steps.size(); ++input) {
-      const Content next = renumber(steps[input].next);
-      const auto [entry, is_new] = numbers.try_emplace(next, machine.size());
-      if (is_new) {
-        machine.add_state();
-        contents.push_back(next);
-      }
-      machine.set_transition(state, input, machine.intern_output(steps[input].output),
-                             entry->second);
-    }
-  }
-  return minimize(machine);
+  std::vector<std::string> inputs{"write", "tryread"};
+  if (model.reconnects) inputs.insert(inputs.end(), {"disconnect", "connect"});
+  return make_machine(inputs, Content{}, [&](const Content& content, const std::string& input) {
+    const Step step = input == "write"        ? write(model, content)
+                      : input == "tryread"    ? try_read(model, content)
+                      : input == "disconnect" ? disconnect(content)
+                                              : connect(model, content);
+    return std::pair(step.output, renumber(step.next));
+  });
 }
 
 }  // namespace maide::test

@@ -5,8 +5,9 @@
 #include <deque>
 #include <map>
 #include <stdexcept>
+#include <utility>
 
-#include "maide/automata/minimize.hpp"
+#include "made_machine.hpp"
 
 namespace maide::test {
 namespace {
@@ -106,23 +107,10 @@ class Ros1Machine {
 
 Mealy make_ros1_connection(const Ros1Model& model, const std::vector<std::string>& inputs) {
   const Ros1Machine machine(model);
-  Mealy mealy(Alphabet(inputs), {}, 1);
-  std::vector<Content> contents{Content{}};
-  std::map<Content, StateId> numbers{{Content{}, 0}};
-  for (StateId state = 0; state < contents.size(); ++state) {
-    for (Symbol input = 0; input < inputs.size(); ++input) {
-      Content content = contents[state];
-      const std::string output = machine.step(content, inputs[input]);
-      content = normalized(content, model.latch);
-      const auto [entry, is_new] = numbers.try_emplace(content, mealy.size());
-      if (is_new) {
-        mealy.add_state();
-        contents.push_back(content);
-      }
-      mealy.set_transition(state, input, mealy.intern_output(output), entry->second);
-    }
-  }
-  return minimize(mealy);
+  return make_machine(inputs, Content{}, [&](Content content, const std::string& input) {
+    const std::string output = machine.step(content, input);
+    return std::pair(output, normalized(content, model.latch));
+  });
 }
 
 }  // namespace maide::test

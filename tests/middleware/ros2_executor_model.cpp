@@ -3,13 +3,12 @@
 #include <algorithm>
 #include <compare>
 #include <deque>
-#include <map>
 #include <numeric>
 #include <optional>
 #include <stdexcept>
 #include <utility>
 
-#include "maide/automata/minimize.hpp"
+#include "made_machine.hpp"
 
 namespace maide::test {
 namespace {
@@ -19,27 +18,6 @@ std::string joined(const std::vector<std::string>& events) {
   std::string text;
   for (const std::string& event : events) text += (text.empty() ? "" : ",") + event;
   return text.empty() ? "quiet" : text;
-}
-
-// The machine whose states are reached from `first` by steps; minimal.
-template <typename Content, typename Step>
-Mealy explore(const Content& first, const std::vector<std::string>& inputs, const Step& step) {
-  Mealy mealy(Alphabet(inputs), {}, 1);
-  std::vector<Content> contents{first};
-  std::map<Content, StateId> numbers{{first, 0}};
-  for (StateId state = 0; state < contents.size(); ++state) {
-    for (Symbol input = 0; input < inputs.size(); ++input) {
-      Content content = contents[state];
-      const std::string output = step(content, inputs[input]);
-      const auto [entry, is_new] = numbers.try_emplace(content, mealy.size());
-      if (is_new) {
-        mealy.add_state();
-        contents.push_back(content);
-      }
-      mealy.set_transition(state, input, mealy.intern_output(output), entry->second);
-    }
-  }
-  return minimize(mealy);
 }
 
 // Of each callback, in the order in which they are run.
@@ -276,8 +254,11 @@ Mealy make_ros2_executor(const Ros2Executor& executor) {
   std::vector<std::string> groups = callbacks.events;
   if (executor.groups != "own") std::fill(groups.begin(), groups.end(), executor.groups);
   const Rule rule(executor.threads, groups);
-  const auto step = [&](Work& work, const std::string& input) -> std::string {
-    if (input == "spin") return spin(rule, work, executor.spin, callbacks.events);
+  const auto step = [&](Work work, const std::string& input) {
+    if (input == "spin") {
+      const std::string ran = spin(rule, work, executor.spin, callbacks.events);
+      return std::pair(ran, work);
+    }
     const auto ready = std::find(callbacks.inputs.begin(), callbacks.inputs.end(), input);
     if (ready != callbacks.inputs.end()) {
       const auto callback = static_cast<std::size_t>(ready - callbacks.inputs.begin());
@@ -290,9 +271,11 @@ Mealy make_ros2_executor(const Ros2Executor& executor) {
           work.running.at(static_cast<std::size_t>(ended - callbacks.events.begin()));
       if (running > 0) --running;
     }
-    return executor.spin == "forever" ? begin_all(rule, work, callbacks.events) : "quiet";
+    const std::string began =
+        executor.spin == "forever" ? begin_all(rule, work, callbacks.events) : "quiet";
+    return std::pair(began, work);
   };
-  return explore(rule.idle(), inputs_of(executor), step);
+  return make_machine(inputs_of(executor), rule.idle(), step);
 }
 
 Mealy make_ros2_nested(const Ros2Nested& nested) {
@@ -304,8 +287,9 @@ Mealy make_ros2_nested(const Ros2Nested& nested) {
   }
   inputs.emplace_back("look");
   const NestedMachine machine(nested);
-  return explore(machine.first(), inputs, [&](Calls& calls, const std::string& input) {
-    return machine.step(calls, input);
+  return make_machine(inputs, machine.first(), [&](Calls calls, const std::string& input) {
+    const std::string output = machine.step(calls, input);
+    return std::pair(output, calls);
   });
 }
 

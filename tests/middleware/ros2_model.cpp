@@ -5,8 +5,9 @@
 #include <deque>
 #include <map>
 #include <stdexcept>
+#include <utility>
 
-#include "maide/automata/minimize.hpp"
+#include "made_machine.hpp"
 
 namespace maide::test {
 namespace {
@@ -149,24 +150,12 @@ class ServiceMachine {
 
 Mealy make_ros2_service(const Ros2Service& service, const std::vector<std::string>& inputs) {
   const ServiceMachine machine(service);
-  Mealy mealy(Alphabet(inputs), {}, 1);
   const Content first{{}, std::vector<Client>(service.clients), true};
-  std::vector<Content> contents{first};
-  std::map<Content, StateId> numbers{{first, 0}};
-  for (StateId state = 0; state < contents.size(); ++state) {
-    for (Symbol input = 0; input < inputs.size(); ++input) {
-      Content content = contents[state];
-      const std::string output = machine.step(content, inputs[input]);
-      for (std::size_t client = 0; client < service.clients; ++client) normalize(content, client);
-      const auto [entry, is_new] = numbers.try_emplace(content, mealy.size());
-      if (is_new) {
-        mealy.add_state();
-        contents.push_back(content);
-      }
-      mealy.set_transition(state, input, mealy.intern_output(output), entry->second);
-    }
-  }
-  return minimize(mealy);
+  return make_machine(inputs, first, [&](Content content, const std::string& input) {
+    const std::string output = machine.step(content, input);
+    for (std::size_t client = 0; client < service.clients; ++client) normalize(content, client);
+    return std::pair(output, content);
+  });
 }
 
 }  // namespace maide::test

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import yaml
@@ -235,31 +236,43 @@ class System:
             found += matching
         return found
 
-    def ends(self, names: Any, scope: Scope) -> list[frozenset[int]]:
-        """The programs at each end that a list names: a node is one end."""
+    def programs_or(
+        self,
+        of_nodes: Callable[[str, list[CallbackText]], list[frozenset[int]]],
+        names: Any,
+        scope: Scope,
+    ) -> list[frozenset[int]]:
+        """The ends that a list names: of each program one, of nodes what `of_nodes` says."""
         found = []
         for text in [names] if isinstance(names, str) else names:
             callbacks = callbacks_at(self, text, scope)
             if callbacks is None:
                 found += [frozenset([n]) for n in self.program_numbers(text, scope)]
-                continue
-            for node in dict.fromkeys(c.node for c in callbacks):
-                found.append(frozenset(n for c in callbacks if c.node is node for n in c.numbers))
+            else:
+                found += of_nodes(text, callbacks)
         return found
+
+    def ends(self, names: Any, scope: Scope) -> list[frozenset[int]]:
+        """The programs at each end that a list names: a node is one end."""
+
+        def of_nodes(text: str, callbacks: list[CallbackText]) -> list[frozenset[int]]:
+            return [
+                frozenset(n for c in callbacks if c.node is node for n in c.numbers)
+                for node in dict.fromkeys(c.node for c in callbacks)
+            ]
+
+        return self.programs_or(of_nodes, names, scope)
 
     def readers(self, names: Any, scope: Scope, topic: str, index: tuple) -> list[frozenset[int]]:
         """The readers of a topic: of a node, each callback that takes from it."""
-        found = []
-        for text in [names] if isinstance(names, str) else names:
-            callbacks = callbacks_at(self, text, scope)
-            if callbacks is None:
-                found += [frozenset([n]) for n in self.program_numbers(text, scope)]
-                continue
+
+        def of_nodes(text: str, callbacks: list[CallbackText]) -> list[frozenset[int]]:
             taking = [c for c in callbacks if self.takes_from(c, topic, index)]
             if not taking:
                 raise Refused(f"{text} takes nothing from {topic}")
-            found += [frozenset(c.numbers) for c in taking]
-        return found
+            return [frozenset(c.numbers) for c in taking]
+
+        return self.programs_or(of_nodes, names, scope)
 
     @staticmethod
     def takes_from(callback: CallbackText, topic: str, index: tuple) -> bool:
