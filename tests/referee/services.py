@@ -97,11 +97,12 @@ class Service:
         """The newest entries, as many as the depth."""
         return entries[-self.depth :]
 
-    @staticmethod
-    def with_client(state: tuple, i: int, answers: tuple, stands: Any) -> tuple:
-        """The state with another queue of one client."""
+    def with_client(self, state: tuple, i: int, answers: tuple, stands: Any) -> tuple:
+        """The state with another queue of one client, without strangers' answers in its front: they
+        are thrown away before anything is taken, and push nothing out."""
         clients = state[3]
-        return (*state[:3], clients[:i] + ((answers, stands),) + clients[i + 1 :])
+        client = (self.own_answers(answers), stands)
+        return (*state[:3], clients[:i] + (client,) + clients[i + 1 :])
 
     def forgotten(self, state: tuple, program: int) -> tuple:
         """The state after nobody waits any more for what this copy of a callback asked for."""

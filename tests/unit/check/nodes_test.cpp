@@ -75,6 +75,8 @@ struct Groups {
   std::string one, two;
 };
 
+void PrintTo(const Groups& groups, std::ostream* out) { *out << groups.name; }
+
 std::string nested_call(const Groups& groups, const std::string& executor, int callers) {
   std::string topics, callbacks, writes;
   for (int caller = 1; caller <= callers; ++caller) {
@@ -153,6 +155,21 @@ TEST(Services, KeepTheLastRequests) {
   EXPECT_EQ(verdict(text, "three"), "violated");  // two of three sent at once are kept
   EXPECT_EQ(verdict(text, "two"), "holds");
   EXPECT_EQ(verdict(text, "most"), "holds");
+}
+
+// Each of three clients keeps its own answer and some of others behind it: those before it count
+// for nothing, so there are some thousand states.
+TEST(Services, ThreeClientsOfTheDefaultDepthAreCheckedWhole) {
+  const System system = nodes_from(
+      "services: {s: {server: d, clients: [a, b, c]}}\n"
+      "programs:\n"
+      "  d: \"loop { idle s.serve -> request; s.answer; }\"\n"
+      "  a: \"loop { s.send; s.receive -> answer; }\"\n"
+      "  b: \"loop { s.send; s.receive -> answer; }\"\n"
+      "  c: \"loop { s.send; s.receive -> answer; }\"\n");
+  const CheckReport report = check_nodes(system, Reduction::none, {"deadlock", "stuck"});
+  EXPECT_EQ(report.properties[0].verdict, Verdict::holds);
+  EXPECT_EQ(report.properties[1].verdict, Verdict::violated);  // ten strangers' answers
 }
 
 // One client of depth 1: requests kept or not, one served or not, an answer kept or not, before and
@@ -234,16 +251,30 @@ TEST(Executors, ManyRunsOfACallbackHaveAFairCycle) {
             Verdict::violated);
 }
 
-TEST(Executors, CodeThatMayGoRoundForEverIsRemarked) {
+TEST(Executors, CodeThatMayGoRoundForEverMakesStuckInconclusive) {
   const std::string text =
       "models: {m: {use: mutex}}\nnodes: {n: {callbacks: {t: {timer: 5, do: \"loop { m.lock; "
       "m.unlock; if * { return; } }\"}}}}\n";
-  const std::vector<std::string> remarks = nodes_from(text).remarks;
-  ASSERT_EQ(remarks.size(), 1u);
-  EXPECT_NE(remarks[0].find("n: the code of a callback may go round for ever at line 2"),
+  const auto result = [](const std::string& of, const std::string& property) {
+    return check_nodes(nodes_from(of), Reduction::full, {property}).properties.front();
+  };
+  EXPECT_EQ(result(text, "stuck").verdict, Verdict::inconclusive);
+  EXPECT_NE(result(text, "stuck").reason.find("may go round for ever at line 2"),
             std::string::npos);
-  EXPECT_TRUE(nodes_from(replaced(text, "loop {", "repeat 2 {")).remarks.empty());
-  EXPECT_TRUE(nodes_from(two_subscriptions).remarks.empty());  // a look is no code
+  EXPECT_EQ(result(text, "deadlock").verdict, Verdict::holds);
+  EXPECT_EQ(result(replaced(text, "loop {", "repeat 2 {"), "stuck").verdict, Verdict::holds);
+  EXPECT_EQ(result(two_subscriptions, "stuck").verdict, Verdict::holds);  // a look is no code
+}
+
+TEST(Executors, ATakenValueIsKeptInAVariableOfTheNode) {
+  const std::string text =
+      "topics: {t: {writers: w, readers: n, use: queue, with: {size: 2}}}\n"
+      "programs: {w: \"t.write(1); t.write(3);\"}\n"
+      "nodes: {n: {variables: \"var last: 0..3;\", callbacks: {"
+      "on: {takes: \"t.read -> message(last)\", do: \"@took skip;\"}}}}\n"
+      "properties: {three: \"F (n.last == 3)\", two: \"F (n.last == 2)\"}\n";
+  EXPECT_EQ(verdict(text, "three"), "holds");
+  EXPECT_EQ(verdict(text, "two"), "violated");
 }
 
 TEST(Executors, ErrorsNameThePlace) {
@@ -278,6 +309,20 @@ TEST(Executors, ErrorsNameThePlace) {
       {error_of(text + "properties: {p: \"F detector:lookup.send\"}"),
        "unknown program 'detector'; there is: camera, database"},
       {error_of(text + "properties: {p: \"F detector@asked\"}"), "detector has no label 'asked'"},
+      {error_of(text + "properties: {p: \"F main@end\"}"), "unknown program or node 'main'"},
+      {error_of(text + "properties: {p: \"F detecter@asked\"}"),
+       "unknown program or node 'detecter'; there is: camera, database, detector"},
+      {with("clients: [detector]}", "clients: [detector], learn: ros3}"),
+       "'learn' of a service is one of ros2, not 'ros3'"},
+      {with("on_image: {", "lookup: {timer: 1, do: skip}, on_image: {"),
+       "the callback of the node's client is called 'lookup', too"},
+      {with("readers: detector,",
+            "readers: detector, readers_with: {detector: {size: 1}, "
+            "detector.on_image: {size: 2}},"),
+       "the options of reader detector.on_image are there twice"},
+      {error_of(replaced(nested_system("{kind: multi, threads: 2}", own),
+                         "topics:", "models: {main.threads: {use: mutex}}\ntopics:")),
+       "the name 'main.threads' is taken"},
   };
   for (const auto& [error, expected] : errors) {
     EXPECT_NE(error.find(expected), std::string::npos) << error << "\n" << expected;

@@ -184,6 +184,24 @@ TEST(QueueGrowth, TimeAndStopEndTheSearch) {
   EXPECT_THROW(read(counting, {}, stopped), Interrupted);
 }
 
+// Each of 24 runs of callbacks does something with the service in each of its states. Only those
+// that are met are made.
+TEST(QueueGrowth, AServiceOfManyRunsHeedsTheTime) {
+  RunControl late;
+  late.deadline = std::chrono::steady_clock::now();
+  const System system = read(
+      "services: {s: {server: n, clients: n}}\n"
+      "topics: {t: {writers: w, readers: n, use: queue, with: {size: 8}}}\n"
+      "programs: {w: \"loop { t.write; }\"}\n"
+      "executors: {e: {kind: multi, threads: 8}}\n"
+      "nodes: {n: {executor: e, groups: {g: reentrant}, clients: {s: g}, callbacks: {"
+      "on: {takes: t.read, group: g, do: \"s.send; wait s -> answer;\"}, "
+      "sv: {serves: s, group: g, do: \"s.answer;\"}}}}\n",
+      {}, late);
+  EXPECT_LE(system.models[0].automaton.size(), 100u);
+  EXPECT_EQ(check(system, Reduction::none).verdict, Verdict::inconclusive);
+}
+
 TEST(QueueGrowth, ATopicsQueueIsMadeWhole) {
   const std::string topic =
       "topics:\n  t: {use: queue, with: {size: 10}, writers: [a], readers: [b]}\n"

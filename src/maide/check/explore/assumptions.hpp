@@ -28,6 +28,10 @@ std::optional<std::string> find_hidden_return(const System& system,
 // Why a "holds" is none, as far as that is because of weak models.
 std::optional<std::string> find_weakness(const System& system);
 
+// Callbacks whose code may go round for ever: what their threads and groups keep from starting then
+// `stuck` does not look at. None if there are none. O(edges).
+std::optional<std::string> find_endless_callbacks(const System& system);
+
 // One line each, of verdicts on these properties, with these results. `uses` are find_uses().
 std::vector<std::string> state_assumptions(const System& system, const std::vector<InputUse>& uses,
                                            const std::vector<Property>& properties,

@@ -116,6 +116,9 @@ class PartChecker {
     if (!cut_) cut_ = engine_.find_cut(system_, options_);
     const std::optional<std::string> hidden = find_hidden_return(system_, uses_);
     if (const auto weakness = find_weakness(system_)) reasons.push_back(*weakness);
+    if (property.kind == Property::Kind::stuck) {
+      if (const auto endless = find_endless_callbacks(system_)) reasons.push_back(*endless);
+    }
     if (cut_->verdict == Verdict::violated) {
       reasons.push_back(describe_cut(*cut_->trace));
     } else if (cut_->verdict == Verdict::inconclusive) {

@@ -167,11 +167,7 @@ SelectArm ProgramParser::parse_select_arm() {
   }
   arm.kind = Kind::input;
   tokens_.expect(".", "after model '" + arm.model.name() + "'");
-  const Token name = tokens_.peek();
   arm.event = parse_input(arm.model);
-  if (arm.callback != nullptr && service_of(arm.model) != nullptr && name.is("send")) {
-    for_each_member(arm.model, [&](std::uint32_t member) { work_.asked.insert(member); });
-  }
   if (tokens_.accept("->")) {
     arm.arms.push_back(parse_arm(arm.model, false));
     return arm;

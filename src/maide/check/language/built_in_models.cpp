@@ -1,5 +1,6 @@
 #include "maide/check/language/built_in_models.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include "maide/base/invariant.hpp"
@@ -85,11 +86,13 @@ void GrowingModel::expand_with_messages(InterfaceAutomaton& automaton, StateId s
 }
 
 InterfaceAutomaton GrowingModel::cut_down(const InterfaceAutomaton& automaton,
-                                          const std::vector<bool>& reached) {
+                                          const std::vector<bool>& reached,
+                                          std::vector<StateId>& numbers) {
   MAIDE_CHECK(!is_cut_down_);
   InterfaceAutomaton result = start();
   constexpr StateId none = ~StateId{0};
-  std::vector<StateId> numbers(automaton.size(), none), kept{automaton.initial()};
+  numbers.assign(automaton.size(), none);
+  std::vector<StateId> kept{automaton.initial()};
   numbers[automaton.initial()] = 0;
   const auto keep = [&](StateId state) {
     if (numbers[state] != none) return;
@@ -108,11 +111,11 @@ InterfaceAutomaton GrowingModel::cut_down(const InterfaceAutomaton& automaton,
   for (Symbol input = 0; input < result.inputs().size(); ++input) {
     result.mark_unexplored(elsewhere, input);
   }
+  std::replace(numbers.begin(), numbers.end(), none, elsewhere);
   std::vector<Contents> met;
   for (const StateId state : kept) {
     for (const auto& transition : automaton.transitions(state)) {
-      const StateId target = numbers[transition.target];
-      result.add_transition(numbers[state], transition.action, target == none ? elsewhere : target);
+      result.add_transition(numbers[state], transition.action, numbers[transition.target]);
     }
     met.push_back(met_[state]);
   }

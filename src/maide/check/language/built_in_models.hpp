@@ -51,9 +51,10 @@ class GrowingModel {
   // And what follows the messages that are due then.
   void expand_with_messages(InterfaceAutomaton& automaton, StateId state);
   // The automaton with those of its states that are marked, each expanded, and the messages due
-  // behind them. All else is one state, in which no input was ever tried. States are numbered anew.
-  InterfaceAutomaton cut_down(const InterfaceAutomaton& automaton,
-                              const std::vector<bool>& reached);
+  // behind them. All else is one state, in which no input was ever tried. `numbers` becomes by
+  // state its number there.
+  InterfaceAutomaton cut_down(const InterfaceAutomaton& automaton, const std::vector<bool>& reached,
+                              std::vector<StateId>& numbers);
 
   const Contents& contents(StateId state) const { return met_[state]; }
   // The state with these contents: a new one, or behind cut_down() the one for all else.

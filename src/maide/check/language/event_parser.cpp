@@ -196,6 +196,9 @@ void EventParser::check_event(const ModelReference& model, const Event& event, c
 Event EventParser::parse_input(const ModelReference& model) {
   const Token name = tokens_.peek();
   Event event = parse_event_name(model, "input");
+  if (context_.callback != nullptr && service_of(model) != nullptr && name.is("send")) {
+    for_each_member(model, [&](std::uint32_t member) { work_.asked.insert(member); });
+  }
   if (!tokens_.accept("(")) return event;
   do {
     const Token first = tokens_.peek();

@@ -97,8 +97,9 @@ std::optional<Binding> NameParser::find(const std::string& name) const {
 }
 
 std::string NameParser::name_in_node(const std::string& name) const {
-  if (context_.callback == nullptr || !work_.calls.empty()) return "";
-  std::string whole = context_.callback->node + "." + name;
+  const Callback* const of = context_.callback != nullptr ? context_.callback : context_.starts;
+  if (of == nullptr || !work_.calls.empty()) return "";
+  std::string whole = of->node + "." + name;
   return context_.names.variables.contains(whole) ? whole : "";
 }
 

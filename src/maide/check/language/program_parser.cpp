@@ -460,11 +460,7 @@ void ProgramParser::parse_give(Statement& statement) {
   statement.kind = Statement::Kind::give;
   statement.model = parse_model();
   tokens_.expect(".", "after model '" + statement.model.name() + "'");
-  const Token name = tokens_.peek();
   statement.input = parse_input(statement.model);
-  if (context_.callback != nullptr && service_of(statement.model) != nullptr && name.is("send")) {
-    for_each_member(statement.model, [&](std::uint32_t member) { work_.asked.insert(member); });
-  }
 }
 
 Tree parse(const ScalarText& text, const Context& context) {

@@ -48,7 +48,9 @@ class Growth {
       reached.resize(instance.automaton.size());
       if (!reached[instance.automaton.initial()]) reach(model, instance.automaton.initial());
       reached.resize(instance.automaton.size());
-      instance.automaton = growing->cut_down(instance.automaton, reached);
+      std::vector<StateId> numbers;
+      instance.automaton = growing->cut_down(instance.automaton, reached, numbers);
+      actions_.renumber(model, numbers, reached);
       describe(instance, *growing);
       if (whole_.contains(model)) {
         instance.is_grown = false;

@@ -35,8 +35,9 @@ struct QueueLimits {
 using GrowingModels = std::map<std::uint32_t, std::unique_ptr<GrowingModel>>;  // by model
 
 // Grows the models, which are as GrowingModel::start() made them, and cuts them down to what was
-// met. The system's programs were made with `actions`, and have to be made anew. Gives up when the
-// control's time is up; throws Interrupted when it is told to stop.
+// met. The system's programs were made with `actions`, and have to be made anew, with the actions
+// that there are then. Gives up when the control's time is up; throws Interrupted when it is told
+// to stop.
 void grow_models(System& system, SharedActions& actions, GrowingModels& models,
                  const QueueLimits& limits, const RunControl& control);
 

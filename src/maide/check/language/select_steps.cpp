@@ -183,7 +183,7 @@ std::vector<Uses> Unroller::idle_uses(const Statement& statement,
                                       const Values& values) {
   std::map<std::uint32_t, std::vector<ModelUse>> by_model;
   std::map<const Topic*, std::vector<WriteArm>> by_topic;
-  std::map<std::uint32_t, std::vector<ServiceUse>> by_service;
+  std::map<std::uint32_t, Uses> by_service;
   for (std::size_t i = 0; i < guards.size(); ++i) {
     const SelectArm& arm = statement.select_arms[i];
     if (guards[i] == 0 || arm.kind == SelectArm::Kind::otherwise ||
@@ -202,9 +202,10 @@ std::vector<Uses> Unroller::idle_uses(const Statement& statement,
       const std::uint32_t model = model_of(arm.model, values);
       if (names_.services.contains(model)) {
         const ServiceArm way = service_arm(arm, model);
-        auto& uses = by_service[model];
-        uses.push_back(way.use);
-        uses.insert(uses.end(), way.others.begin(), way.others.end());
+        ServiceModel& rules = *names_.services.at(model).rules;
+        Uses& uses = by_service[model];
+        uses.push_back(rules.use(actions_, model, way.use));
+        if (way.due) uses.push_back(rules.use(actions_, model, *way.due));
         continue;
       }
       std::vector<ModelUse>& uses = by_model[model];
@@ -223,7 +224,7 @@ std::vector<Uses> Unroller::idle_uses(const Statement& statement,
     ways.front().push_back(*idle);
   }
   for (const auto& [model, taking] : by_service) {
-    ways.front().push_back(names_.services.at(model).rules->none_of(actions_, model, taking));
+    ways.front().push_back(actions_.impossible(model, taking));
   }
   for (const auto& [topic, arms] : by_topic) ways = combine(ways, idle_of(*topic, arms));
   return ways;

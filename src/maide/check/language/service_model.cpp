@@ -15,11 +15,18 @@ std::uint32_t item_of(std::uint32_t client, std::uint32_t owner) { return (clien
 std::uint32_t client_of(std::uint32_t item) { return item >> 16; }
 std::uint32_t owner_of(std::uint32_t item) { return item & 0xFFFF; }
 
+// Of a client's queue: answers to others that are older than all its own. They are never taken, and
+// whether they are there changes nothing: an own one is pushed out by `depth` answers behind it.
+void drop_strangers(std::vector<std::uint32_t>& answers) {
+  answers.erase(answers.begin(), std::find_if(answers.begin(), answers.end(),
+                                              [](auto owner) { return owner != others; }));
+}
+
 }  // namespace
 
 struct ServiceModel::State {
   struct Client {
-    std::vector<std::uint32_t> answers;  // owners, or `others`; oldest first
+    std::vector<std::uint32_t> answers;  // owners, or `others`; oldest first, which is its own
     std::uint32_t waits = 0;             // in `receive`: 1, and 2 when the answer is due
     std::vector<std::uint32_t> handed;   // by run: whether its answer was handed over
   };
@@ -125,16 +132,16 @@ void ServiceModel::answer(State& state, std::uint32_t item) const {
     }
     if (client.answers.size() == shape_.depth) client.answers.erase(client.answers.begin());
     client.answers.push_back(is_own ? owner_of(item) : others);
+    drop_strangers(client.answers);
   }
 }
 
 std::optional<std::uint32_t> ServiceModel::take_own(State& state, std::uint32_t client) {
   auto& answers = state.clients[client].answers;
-  const auto own =
-      std::find_if(answers.begin(), answers.end(), [](auto owner) { return owner != others; });
-  const std::optional<std::uint32_t> owner =
-      own == answers.end() ? std::nullopt : std::optional(*own);
-  answers.erase(answers.begin(), owner ? own + 1 : own);
+  if (answers.empty()) return std::nullopt;
+  const std::uint32_t owner = answers.front();
+  answers.erase(answers.begin());
+  drop_strangers(answers);
   return owner;
 }
 
@@ -313,23 +320,6 @@ ModelUse ServiceModel::use(SharedActions& actions, std::uint32_t model,
         const auto next = after(unpack(contents(at)), operation);
         if (!next) return std::vector<ModelStep>{};
         return std::vector<ModelStep>{{state_of(actions.automaton(model), pack(*next)), false}};
-      }));
-}
-
-ModelUse ServiceModel::none_of(SharedActions& actions, std::uint32_t model,
-                               const std::vector<Operation>& operations) {
-  std::string name = "none of";
-  for (const Operation& operation : operations) {
-    name += (&operation == &operations.front() ? ": " : "; ") + text_of(operation);
-  }
-  return actions.action(
-      model, name, SharedActions::StepsOfState([this, operations](StateId at) {
-        if (is_elsewhere(at)) return std::vector<ModelStep>{{at, true}};
-        const State state = unpack(contents(at));
-        const bool can = std::any_of(operations.begin(), operations.end(), [&](const auto& one) {
-          return after(state, one).has_value();
-        });
-        return can ? std::vector<ModelStep>{} : std::vector<ModelStep>{{at, false}};
       }));
 }
 

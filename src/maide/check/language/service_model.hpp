@@ -7,8 +7,9 @@
 //
 // What programs do with a service are actions on its state. Its automaton has as transitions what
 // programs, not nodes, do, for a run to be played on a real service.
-// Invariant: an item is one request. Of the own answers in a client's queue at most one is that of
-// a run, for a run's earlier requests are nobody's.
+// Invariant: an item is one request. The oldest answer in a client's queue is its own. Of the own
+// answers in a client's queue at most one is that of a run, for a run's earlier requests are
+// nobody's.
 #pragma once
 
 #include <cstdint>
@@ -67,9 +68,6 @@ class ServiceModel : public GrowingModel {
 
   // The use of the model that this is.
   ModelUse use(SharedActions& actions, std::uint32_t model, const Operation& operation);
-  // The condition that none of these is possible.
-  ModelUse none_of(SharedActions& actions, std::uint32_t model,
-                   const std::vector<Operation>& operations);
 
  private:
   struct State;
@@ -82,7 +80,7 @@ class ServiceModel : public GrowingModel {
 
   void send(State& state, std::uint32_t item) const;
   void answer(State& state, std::uint32_t item) const;
-  // The first own answer of the client; those of others before it are thrown away.
+  // The first own answer of the client.
   static std::optional<std::uint32_t> take_own(State& state, std::uint32_t client);
   // The requests of that run are nobody's from here on.
   void forget(State& state, std::uint32_t client, std::uint32_t run) const;

@@ -1,30 +1,36 @@
 #include "maide/check/language/shared_steps.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "maide/base/invariant.hpp"
 
 namespace maide {
 
 ModelUse SharedActions::action(std::uint32_t model, const std::string& name,
-                               const std::function<std::vector<std::vector<ModelStep>>()>& steps) {
+                               const std::function<Steps()>& steps) {
   auto& actions = system_.models[model].actions;
   const auto [place, is_new] = known_[model].try_emplace(name, static_cast<Symbol>(actions.size()));
-  if (is_new) actions.push_back({name, steps()});
+  if (is_new) {
+    const auto made = made_[model].find(name);
+    actions.push_back({name, made == made_[model].end() ? steps() : std::move(made->second)});
+  }
   return {ModelUse::Kind::act, model, place->second};
 }
 
 ModelUse SharedActions::action(std::uint32_t model, const std::string& name, StepsOfState steps) {
   ModelInstance& instance = system_.models[model];
+  const bool grows = instance.is_grown && may_grow_;
   const std::size_t known = instance.actions.size();
   const ModelUse use = action(model, name, [&] {
-    std::vector<std::vector<ModelStep>> made;
+    Steps made;
+    if (grows) return made;  // a step may come to a new state
     for (StateId state = 0; state < instance.automaton.size(); ++state) {
       made.push_back(steps(state));
     }
     return made;
   });
-  if (instance.is_grown && instance.actions.size() > known) {
+  if (grows && instance.actions.size() > known) {
     growing_[model].push_back(std::move(steps));
     MAIDE_CHECK(growing_[model].size() == instance.actions.size());
   }
@@ -38,6 +44,42 @@ void SharedActions::make_steps(std::uint32_t model, StateId state) {
     if (steps.size() < instance.automaton.size()) steps.resize(instance.automaton.size());
     steps[state] = growing_.at(model)[action](state);
   }
+}
+
+void SharedActions::renumber(std::uint32_t model, const std::vector<StateId>& numbers,
+                             const std::vector<bool>& reached) {
+  ModelInstance& instance = system_.models[model];
+  const std::size_t states = instance.automaton.size();
+  std::vector<bool> is_made(states);
+  for (StateId state = 0; state < numbers.size(); ++state) {
+    if (reached[state]) is_made[numbers[state]] = true;
+  }
+  // In their order: a condition reads the steps of actions before it.
+  for (std::size_t action = 0; action < instance.actions.size(); ++action) {
+    Steps& steps = instance.actions[action].steps;
+    const Steps before = std::exchange(steps, Steps(states));
+    for (StateId state = 0; state < before.size(); ++state) {
+      if (!reached[state]) continue;
+      for (ModelStep step : before[state]) {
+        step.target = numbers[step.target];
+        steps[numbers[state]].push_back(step);
+      }
+    }
+    for (StateId state = 0; state < states; ++state) {
+      if (!is_made[state]) steps[state] = growing_.at(model)[action](state);
+    }
+  }
+}
+
+SharedActions::Made SharedActions::take_all() {
+  Made all(system_.models.size());
+  for (std::size_t model = 0; model < all.size(); ++model) {
+    for (ModelAction& action : system_.models[model].actions) {
+      all[model].emplace(std::move(action.name), std::move(action.steps));
+    }
+    system_.models[model].actions.clear();
+  }
+  return all;
 }
 
 ModelUse SharedActions::variable(std::uint32_t model, const std::vector<bool>* values,
@@ -157,60 +199,62 @@ std::optional<ModelUse> SharedActions::beyond(std::uint32_t model, Symbol input)
   return use;
 }
 
+namespace {
+
+std::string name_of(const ModelInstance& model, const ModelUse& use) {
+  switch (use.kind) {
+    case ModelUse::Kind::act: return model.actions[use.symbol].name;
+    case ModelUse::Kind::give: return model.automaton.inputs().name(use.symbol);
+    case ModelUse::Kind::take: return "!" + model.automaton.outputs().name(use.symbol);
+    default: return "nothing due";
+  }
+}
+
+std::string names_of(const ModelInstance& model, const std::vector<ModelUse>& uses) {
+  std::string names;
+  for (const ModelUse& use : uses) names += (names.empty() ? "" : "; ") + name_of(model, use);
+  return names;
+}
+
+bool takes_any(const ModelInstance& model, StateId state, const std::vector<ModelUse>& uses) {
+  return std::any_of(uses.begin(), uses.end(),
+                     [&](const ModelUse& use) { return !model_steps(model, state, use).empty(); });
+}
+
+// The step of a condition.
+std::vector<ModelStep> stays_if(bool holds, StateId state) {
+  return holds ? std::vector<ModelStep>{{state, false}} : std::vector<ModelStep>{};
+}
+
+}  // namespace
+
 std::optional<ModelUse> SharedActions::idle(std::uint32_t model,
                                             const std::vector<ModelUse>& uses) {
   const ModelInstance& instance = this->model(model);
-  std::string name;
-  for (const ModelUse& use : uses) {
-    using Kind = ModelUse::Kind;
-    name += name.empty() ? "" : "; ";
-    if (use.kind == Kind::act) name += instance.actions[use.symbol].name;
-    if (use.kind == Kind::give) name += instance.automaton.inputs().name(use.symbol);
-    if (use.kind == Kind::take) name += "!" + instance.automaton.outputs().name(use.symbol);
-  }
-  const ModelUse idle = action(model, "none of: " + name, [&instance, uses](StateId state) {
-    const bool can = std::any_of(uses.begin(), uses.end(), [&](const ModelUse& use) {
-      return !model_steps(instance, state, use).empty();
-    });
-    const bool is_idle = !can && instance.automaton.is_quiescent(state);
-    return is_idle ? std::vector<ModelStep>{{state, false}} : std::vector<ModelStep>{};
-  });
+  const ModelUse idle =
+      action(model, "none of: " + names_of(instance, uses), [&instance, uses](StateId state) {
+        const bool is_idle =
+            instance.automaton.is_quiescent(state) && !takes_any(instance, state, uses);
+        return stays_if(is_idle, state);
+      });
   if (!is_possible(idle)) return std::nullopt;
   return idle;
 }
 
 ModelUse SharedActions::impossible(std::uint32_t model, const std::vector<ModelUse>& uses) {
   const ModelInstance& instance = this->model(model);
-  std::string name = "cannot:";
-  for (const ModelUse& use : uses) {
-    using Kind = ModelUse::Kind;
-    if (use.kind == Kind::act) name += " " + instance.actions[use.symbol].name + ";";
-    if (use.kind == Kind::give) name += " " + instance.automaton.inputs().name(use.symbol) + ";";
-    if (use.kind == Kind::take) name += " !" + instance.automaton.outputs().name(use.symbol) + ";";
-  }
-  return action(model, name, [&instance, uses](StateId state) {
-    const bool can = std::any_of(uses.begin(), uses.end(), [&](const ModelUse& use) {
-      return !model_steps(instance, state, use).empty();
-    });
-    return can ? std::vector<ModelStep>{} : std::vector<ModelStep>{{state, false}};
+  return action(model, "cannot: " + names_of(instance, uses), [&instance, uses](StateId state) {
+    return stays_if(!takes_any(instance, state, uses), state);
   });
 }
 
 std::optional<ModelUse> SharedActions::both(const ModelUse& use, const ModelUse& condition) {
   const ModelInstance& instance = model(use.model);
-  const auto name_of = [&](const ModelUse& of) -> std::string {
-    switch (of.kind) {
-      case ModelUse::Kind::act: return instance.actions[of.symbol].name;
-      case ModelUse::Kind::give: return instance.automaton.inputs().name(of.symbol);
-      case ModelUse::Kind::take: return "!" + instance.automaton.outputs().name(of.symbol);
-      default: return "nothing due";
-    }
-  };
   const ModelUse both =
-      action(use.model, name_of(use) + ", and " + name_of(condition),
+      action(use.model, name_of(instance, use) + ", and " + name_of(instance, condition),
              [&instance, use, condition](StateId state) {
-               const bool holds = !model_steps(instance, state, condition).empty();
-               return holds ? model_steps(instance, state, use) : std::vector<ModelStep>{};
+               return takes_any(instance, state, {condition}) ? model_steps(instance, state, use)
+                                                              : std::vector<ModelStep>{};
              });
   if (!is_possible(both)) return std::nullopt;
   return both;

@@ -39,8 +39,16 @@ inline constexpr std::size_t max_outcomes = 10'000;
 
 class SharedActions {
  public:
-  // Keeps a reference: its models' actions grow.
-  explicit SharedActions(System& system) : system_(system), known_(system.models.size()) {}
+  using Steps = std::vector<std::vector<ModelStep>>;  // of an action, by state
+  // Of each model the actions that are known already, by their names.
+  using Made = std::vector<std::map<std::string, Steps>>;
+
+  // Keeps a reference: its models' actions grow. Models that grow may do so.
+  explicit SharedActions(System& system)
+      : system_(system), known_(system.models.size()), made_(known_.size()) {}
+  // No model grows any more.
+  SharedActions(System& system, Made made)
+      : system_(system), known_(made.size()), made_(std::move(made)), may_grow_(false) {}
 
   const ModelInstance& model(std::uint32_t index) const { return system_.models[index]; }
   InterfaceAutomaton& automaton(std::uint32_t index) { return system_.models[index].automaton; }
@@ -49,12 +57,18 @@ class SharedActions {
 
   // The action with that name, which says all of it; `steps` makes it.
   ModelUse action(std::uint32_t model, const std::string& name,
-                  const std::function<std::vector<std::vector<ModelStep>>()>& steps);
-  // The same, made state by state. Of a model that grows only where it is asked for.
+                  const std::function<Steps()>& steps);
+  // The same, made state by state; of a model that may grow by make_steps() alone.
   using StepsOfState = std::function<std::vector<ModelStep>(StateId)>;
   ModelUse action(std::uint32_t model, const std::string& name, StepsOfState steps);
   // Makes the steps in that state of all actions of a model that grows.
   void make_steps(std::uint32_t model, StateId state);
+  // The model grows no more, and its states have other numbers, or were cut off. Makes the steps in
+  // those of its states that were not reached.
+  void renumber(std::uint32_t model, const std::vector<StateId>& numbers,
+                const std::vector<bool>& reached);
+  // All actions that were made, which the system has no more.
+  Made take_all();
   // The variable has one of the values (null: any), and afterwards `value` (none: the same).
   ModelUse variable(std::uint32_t model, const std::vector<bool>* values,
                     std::optional<Value> value);
@@ -82,7 +96,9 @@ class SharedActions {
   bool is_possible_now(const ModelUse& action);
 
   System& system_;
-  std::vector<std::map<std::string, Symbol>> known_;            // by model
+  std::vector<std::map<std::string, Symbol>> known_;  // by model
+  Made made_;
+  bool may_grow_ = true;
   std::map<ModelUse, bool> possible_;                           // actions
   std::map<std::uint32_t, std::vector<StepsOfState>> growing_;  // by model, by action
 };

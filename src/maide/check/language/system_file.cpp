@@ -57,7 +57,6 @@ System SystemReader::read() {
   remark_on_unused_models();
   remark_on_unused_variables();
   remark_on_unreachable_statements();
-  remark_on_endless_callbacks();
   remark_on_idle_atoms();
   return std::move(system_);
 }
@@ -173,16 +172,13 @@ void SystemReader::declare_programs(const YAML::Node& section) {
 void SystemReader::read_programs() {
   if (!queues_.empty() || !names_.variables.empty()) collect();
   make_shared_variables();
-  {
-    SharedActions actions(system_);
-    make_programs(actions);
-    if (!growing_.empty()) grow_models(system_, actions, growing_, limits_, control_);
-  }
+  SharedActions actions(system_);
+  make_programs(actions);
   if (!growing_.empty()) {
+    grow_models(system_, actions, growing_, limits_, control_);
     system_.programs.clear();
-    for (ModelInstance& model : system_.models) model.actions.clear();
-    SharedActions actions(system_);
-    make_programs(actions);
+    SharedActions known(system_, actions.take_all());
+    make_programs(known);
   }
   find_own_variables();
 }
@@ -415,43 +411,6 @@ void SystemReader::remark_on_unreachable_statements() {
                                 " never comes to this statement: the one before it does not end "
                                 "(" +
                                 to_string(place) + ")");
-    }
-  }
-}
-
-void SystemReader::remark_on_endless_callbacks() {
-  for (const Program& program : system_.programs) {
-    if (program.nodes.empty()) continue;
-    // A cycle without the end of a callback, and without a look for others, is one in its code.
-    std::vector<std::uint8_t> seen(program.states.size(), 0);  // 1 on the path, 2 done
-    std::vector<std::pair<ControlState, std::uint32_t>> path;
-    std::set<int> lines;
-    for (ControlState start = 0; start < program.states.size(); ++start) {
-      if (seen[start] != 0) continue;
-      path.emplace_back(start, 0);
-      seen[start] = 1;
-      while (!path.empty()) {
-        auto& [state, next] = path.back();
-        const auto edges = program.edges_of(state);
-        if (next == edges.size()) {
-          seen[state] = 2;
-          path.pop_back();
-          continue;
-        }
-        const ProgramEdge& edge = edges[next++];
-        const Joint::Role role = program.role_of(edge);
-        if (role == Joint::Role::end || role == Joint::Role::look) continue;
-        if (seen[edge.target] == 1) lines.insert(edge.line);
-        if (seen[edge.target] != 0) continue;
-        seen[edge.target] = 1;
-        path.emplace_back(edge.target, 0);
-      }
-    }
-    for (const int line : lines) {
-      system_.remarks.push_back(
-          program.name + ": the code of a callback may go round for ever at line " +
-          std::to_string(line) +
-          "; what its thread or group keeps from starting then is not looked at by 'stuck'");
     }
   }
 }

@@ -83,6 +83,7 @@ struct Service {
   std::string name;
   End server;
   std::vector<End> clients;
+  std::uint32_t depth = 10;
   ServiceModel* rules = nullptr;
   std::uint32_t server_runs = 1;   // of its callback, at once
   std::set<std::string> own_code;  // nodes whose client has code of its own

@@ -153,7 +153,6 @@ void SystemReader::read_service(const std::string& name, const Indices& indices,
   model.name = name;
   model.source = ModelInstance::Source::service;
   model.position = at(key);
-  std::uint32_t depth = 10;
   bool has_server = false;
   for (const auto& [word, node] :
        entries(value, "service '" + name + "'", {"server", "clients", "learn", "with"})) {
@@ -165,7 +164,7 @@ void SystemReader::read_service(const std::string& name, const Indices& indices,
     } else if (word.Scalar() == "clients") {
       service.clients = ends_named(node, indices);
     } else if (word.Scalar() == "learn") {
-      model.origin = scalar(node, "'learn'");
+      model.origin = one_of<std::string>(node, "'learn' of a service", {{"ros2", "ros2"}});
     } else {
       for (const auto& [option, setting] :
            entries(node, "'with' of a service, which is made by its rules,", {"depth", "kind"})) {
@@ -174,9 +173,10 @@ void SystemReader::read_service(const std::string& name, const Indices& indices,
           one_of<bool>(setting, "'kind'", {{"service", true}});
           continue;
         }
-        depth = number_of(program_syntax::parse_constant(text_of(setting), context(indices)),
-                          max_depth);
-        if (depth == 0) fail("'depth' goes from 1 to " + std::to_string(max_depth), setting);
+        service.depth = number_of(
+            program_syntax::parse_constant(text_of(setting), context(indices)), max_depth);
+        if (service.depth == 0)
+          fail("'depth' goes from 1 to " + std::to_string(max_depth), setting);
       }
     }
   }
@@ -190,7 +190,6 @@ void SystemReader::read_service(const std::string& name, const Indices& indices,
       fail("a program that may die is at no end of a service: that is not built", key);
     }
   }
-  depths_.emplace(number, depth);
   names_.services.emplace(number, std::move(service));
   system_.models.push_back(std::move(model));
 }
@@ -220,6 +219,18 @@ std::vector<Service::End> SystemReader::ends_named(const YAML::Node& node, const
     ends.push_back({0, nodes_[member].name});
   }
   return ends;
+}
+
+std::vector<std::uint32_t> SystemReader::services_named(const YAML::Node& node,
+                                                        const Indices& indices) {
+  const std::string name = node.Scalar().substr(0, node.Scalar().find('['));
+  const auto array = service_arrays_.find(name);
+  if (array == service_arrays_.end()) {
+    std::vector<std::string> known;
+    for (const auto& [other, services] : service_arrays_) known.push_back(other);
+    fail("unknown service '" + name + "'" + did_you_mean(name, known), node);
+  }
+  return members_named(node, array->second, indices);
 }
 
 // ---- callbacks ----------------------------------------------------------------------------------
@@ -285,20 +296,14 @@ void SystemReader::read_callback(NodeOf& node, const YAML::Node& key, const YAML
         callback.kind = Callback::Kind::subscription;
         callback.takes = text_of(part);
       } else if (what == "timer") {
-        const Expression period = program_syntax::parse_constant(text_of(part), context());
+        const Expression period =
+            program_syntax::parse_constant(text_of(part), context(node.indices));
         if (period.kind != ValueKind::integer || period.value < 0) {
           fail("'timer' is some milliseconds", part);
         }
       } else {
         callback.kind = Callback::Kind::service;
-        const std::string name = part.Scalar().substr(0, part.Scalar().find('['));
-        const auto array = service_arrays_.find(name);
-        if (array == service_arrays_.end()) {
-          std::vector<std::string> known;
-          for (const auto& [other, services] : service_arrays_) known.push_back(other);
-          fail("unknown service '" + name + "'" + did_you_mean(name, known), part);
-        }
-        const auto members = members_named(part, array->second, node.indices);
+        const auto members = services_named(part, node.indices);
         if (members.size() != 1) fail("a callback serves one service", part);
         callback.model = members.front();
         if (!names_.services.at(callback.model).is_server(node.name, 0)) {
@@ -332,13 +337,6 @@ void SystemReader::read_clients(NodeOf& node) {
   std::map<std::uint32_t, Settings> settings;
   if (const YAML::Node clients = node.value["clients"]) {
     for (const auto& [key, value] : entries(clients, "'clients'", {})) {
-      const std::string name = key.Scalar().substr(0, key.Scalar().find('['));
-      const auto array = service_arrays_.find(name);
-      if (array == service_arrays_.end()) {
-        std::vector<std::string> known;
-        for (const auto& [other, services] : service_arrays_) known.push_back(other);
-        fail("unknown service '" + name + "'" + did_you_mean(name, known), key);
-      }
       Settings own;
       if (value.IsMap()) {
         for (const auto& [word, part] : entries(value, "a client", {"group", "do"})) {
@@ -353,7 +351,7 @@ void SystemReader::read_clients(NodeOf& node) {
         own.group = group_named(node, value);
       }
       bool is_client = false;
-      for (const std::uint32_t member : members_named(key, array->second, node.indices)) {
+      for (const std::uint32_t member : services_named(key, node.indices)) {
         if (!names_.services.at(member).client_of(node.name, 0)) continue;
         is_client = true;
         settings[member].group = own.group;
@@ -364,6 +362,11 @@ void SystemReader::read_clients(NodeOf& node) {
   }
   for (auto& [model, service] : names_.services) {
     if (!service.client_of(node.name, 0)) continue;
+    for (const Callback& other : node.callbacks) {
+      if (other.name != service.name) continue;
+      throw ParseError("the callback of the node's client is called '" + service.name + "', too",
+                       other.position);
+    }
     Callback callback;
     callback.kind = Callback::Kind::client;
     callback.node = node.name;

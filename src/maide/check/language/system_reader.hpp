@@ -115,6 +115,7 @@ class SystemReader : private YamlReader {
   // The members of the array that a text names: "a", "a[i]".
   std::vector<std::uint32_t> members_named(const YAML::Node& node, const ModelName& array,
                                            const Indices& indices);
+  std::vector<std::uint32_t> services_named(const YAML::Node& node, const Indices& indices);
   void read_callbacks(NodeOf& node);
   void read_callback(NodeOf& node, const YAML::Node& key, const YAML::Node& value);
   // Of each service that has the node as a client.
@@ -158,6 +159,8 @@ class SystemReader : private YamlReader {
                                        const std::string& topic);
   void read_topic(const std::string& name, const Indices& indices, const YAML::Node& key,
                   const YAML::Node& value);
+  // Under `readers_with:` each reader is there once.
+  void check_own_options(const YAML::Node& own, const Indices& indices, const std::string& topic);
   // The variable that says whose call has not returned, where that matters.
   void make_caller(Topic& topic, const YAML::Node& key);
   // The reader's model, with its own options.
@@ -191,7 +194,6 @@ class SystemReader : private YamlReader {
   void remark_on_unused_models();
   void remark_on_unused_variables();
   void remark_on_unreachable_statements();
-  void remark_on_endless_callbacks();
   // Atoms that hold nowhere, for the program never ends, or never comes to the label.
   void remark_on_idle_atoms();
   const ModelSource& source_;
@@ -207,7 +209,6 @@ class SystemReader : private YamlReader {
   std::vector<NodeOf> nodes_;
   std::map<std::string, ModelName> node_arrays_;     // `first` is a node
   std::map<std::string, ModelName> service_arrays_;  // `first` is a model
-  std::map<std::uint32_t, std::uint32_t> depths_;    // of services, by model
   ModelRequest last_request_;                        // of the model that was read last
   std::vector<ProgramText> texts_;
   std::map<std::string, ModelName> program_arrays_;  // `first` is a program

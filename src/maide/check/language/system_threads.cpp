@@ -38,6 +38,7 @@ InterfaceAutomaton make_runs(std::uint32_t count) {
 std::uint32_t SystemReader::add_hidden_model(const std::string& name, InterfaceAutomaton automaton,
                                              const YAML::Node& key) {
   if (system_.models.size() == max_components) fail("too many models", key);
+  take_name(name, key);
   ModelInstance model;
   model.name = name;
   model.automaton = std::move(automaton);
@@ -142,7 +143,7 @@ void SystemReader::make_thread(const std::string& name, const Executor& executor
 void SystemReader::make_services() {
   for (auto& [model, service] : names_.services) {
     ServiceShape shape;
-    shape.depth = depths_.at(model);
+    shape.depth = service.depth;
     for (const Service::End& client : service.clients) {
       shape.names.push_back(client.node.empty() ? texts_[client.program].name : client.node);
       std::uint32_t askers = 0;

@@ -170,6 +170,7 @@ void SystemReader::read_topic(const std::string& name, const Indices& indices,
   }
   const std::vector<ReaderEnd> readers = readers_named(part("readers"), indices, name);
   if (readers.empty() || topic.writers.empty()) fail("a topic has a writer and a reader", key);
+  if (const YAML::Node own = part("readers_with")) check_own_options(own, indices, name);
   for (const ReaderEnd& reader : readers) {
     topic.readers.push_back(make_reader(name, reader, indices, key, value, part("readers_with")));
   }
@@ -186,6 +187,17 @@ void SystemReader::read_topic(const std::string& name, const Indices& indices,
   names_.topics.push_back(std::move(topic));
   make_caller(names_.topics.back(), key);
   for (const Topic::Reader& reader : names_.topics.back().readers) add_ends(reader.model);
+}
+
+void SystemReader::check_own_options(const YAML::Node& own, const Indices& indices,
+                                     const std::string& topic) {
+  std::set<std::pair<std::uint32_t, std::string>> met;
+  for (const auto& [who, settings] : entries(own, "'readers_with'", {})) {
+    for (const ReaderEnd& end : readers_named(who, indices, topic)) {
+      if (met.emplace(end.program, end.callback).second) continue;
+      fail("the options of reader " + end.name + " are there twice", who);
+    }
+  }
 }
 
 void SystemReader::make_caller(Topic& topic, const YAML::Node& key) {

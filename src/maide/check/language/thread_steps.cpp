@@ -13,6 +13,13 @@ namespace {
 using Kind = ServiceModel::Operation::Kind;
 constexpr std::uint32_t nobody = ~std::uint32_t{0};
 
+// What may be due when that input was given.
+ServiceModel::Operation due_behind(const ServiceModel::Operation& given) {
+  if (given.kind == Kind::answer) return {Kind::answer_due, 0, 0};
+  if (given.kind == Kind::receive) return {Kind::take_answer, given.client, nobody};
+  return {Kind::take_request, 0, 0};
+}
+
 }  // namespace
 
 // ---- services -----------------------------------------------------------------------------------
@@ -75,10 +82,8 @@ void Unroller::expand_service(const Place& place, const Statement& statement, co
       continue;
     }
     const ServiceUse given = operation_of(service, input, true, statement.callback);
-    ServiceUse due{Kind::take_request, 0, 0};
-    if (given.kind == Kind::answer) due.kind = Kind::answer_due;
-    if (given.kind == Kind::receive) due = {Kind::take_answer, given.client, nobody};
-    add_joint({Joint::Role::step, {service.rules->none_of(actions_, model, {due})}, {}, "quiet", 0},
+    const ModelUse due = service.rules->use(actions_, model, due_behind(given));
+    add_joint({Joint::Role::step, {actions_.impossible(model, {due})}, {}, "quiet", 0},
               settle(enter(*arm.body, behind(place.frame)), values), arm.line, arm.column);
   }
 }
@@ -87,14 +92,11 @@ Unroller::ServiceArm Unroller::service_arm(const SelectArm& arm, std::uint32_t m
   const Service& service = names_.services.at(model);
   const std::string& name = arm.event.name;
   if (arm.kind == SelectArm::Kind::output) {
-    return {operation_of(service, name, false, arm.callback), name, {}};
+    return {operation_of(service, name, false, arm.callback), name, std::nullopt};
   }
-  ServiceArm way{operation_of(service, name, true, arm.callback), std::nullopt, {}};
+  ServiceArm way{operation_of(service, name, true, arm.callback), std::nullopt, std::nullopt};
   const ServiceUse given = way.use;
-  ServiceUse due{Kind::take_request, 0, 0};
-  if (given.kind == Kind::answer) due.kind = Kind::answer_due;
-  if (given.kind == Kind::receive) due = {Kind::take_answer, given.client, nobody};
-  way.others = {due};
+  way.due = due_behind(given);
   if (arm.body) return way;
   const std::string& output = arm.arms.front().output.name;
   const bool follows =

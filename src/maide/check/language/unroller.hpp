@@ -87,12 +87,12 @@ class Unroller : public Walker {
                           const Callback* callback) const;
   void expand_service(const Place& place, const Statement& statement, const Values& values,
                       std::uint32_t model);
-  // The arm's uses of the service, with the outputs that they take; and what says that it cannot be
-  // taken, and nothing is due there.
+  // The arm's use of the service, with the output that it takes, and what may be due before it is
+  // given.
   struct ServiceArm {
     ServiceUse use;
     std::optional<std::string> output;
-    std::vector<ServiceUse> others;
+    std::optional<ServiceUse> due;
   };
   ServiceArm service_arm(const SelectArm& arm, std::uint32_t model) const;
   Uses events_of(std::uint32_t model, const std::string& input, const std::string& output) const;

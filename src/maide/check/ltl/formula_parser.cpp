@@ -411,7 +411,7 @@ class Parser {
 
   Operand parse_of_program(const Token& program) {
     const auto index = find_program(program.text);
-    if (!index || !scope_.programs[*index].nodes.empty()) fail_unknown_program(program);
+    if (!index || !scope_.programs[*index].nodes.empty()) fail_unknown_program(program, false);
     Token owner = tokens_.next();
     if (!owner.is_name()) tokens_.fail("expected a model, not " + to_string(owner), owner);
     const std::string model = owner.text;
@@ -431,15 +431,19 @@ class Parser {
     return std::nullopt;
   }
 
-  [[noreturn]] void fail_unknown_program(const Token& owner) {
+  // `or_node`: a node would do.
+  [[noreturn]] void fail_unknown_program(const Token& owner, bool or_node) {
     std::vector<std::string> known;
     for (const Program& program : scope_.programs) {
-      if (program.nodes.empty())
-        known.push_back(program.name);  // what runs callbacks is no program
+      if (program.nodes.empty()) known.push_back(program.name);
     }
-    tokens_.fail(
-        "unknown program '" + owner.text + "'; there is: " + known_instead(owner.text, known),
-        owner);
+    or_node = or_node && scope_.names != nullptr && !scope_.names->nodes.empty();
+    if (or_node) {
+      known.insert(known.end(), scope_.names->nodes.begin(), scope_.names->nodes.end());
+    }
+    tokens_.fail("unknown program " + std::string(or_node ? "or node '" : "'") + owner.text +
+                     "'; there is: " + known_instead(owner.text, known),
+                 owner);
   }
 
   Expression find_variable(std::uint32_t owner, const Token& name) {
@@ -495,7 +499,7 @@ class Parser {
 
   Atom find_label(const Token& owner, const Token& name) {
     const auto index = find_program(owner.text);
-    if (!index) fail_unknown_program(owner);
+    if (!index || !scope_.programs[*index].nodes.empty()) fail_unknown_program(owner, true);
     const Program& program = scope_.programs[*index];
     if (name.text == "end") return {Atom::Kind::end, *index, 0};
     const auto place = std::find(program.labels.begin(), program.labels.end(), name.text);
@@ -553,11 +557,13 @@ class Parser {
     }
     std::vector<std::string> known;
     for (const ProgramInterface& model : scope_.models) known.push_back(model.name);
-    if (scope_.names != nullptr) {
+    const bool has_nodes = scope_.names != nullptr && !scope_.names->nodes.empty();
+    if (has_nodes) {
       known.insert(known.end(), scope_.names->nodes.begin(), scope_.names->nodes.end());
     }
-    tokens_.fail(
-        "unknown model '" + owner.text + "'; there is: " + known_instead(owner.text, known), owner);
+    tokens_.fail("unknown model " + std::string(has_nodes ? "or node '" : "'") + owner.text +
+                     "'; there is: " + known_instead(owner.text, known),
+                 owner);
   }
 
   const ScalarText& text_;
