@@ -387,7 +387,9 @@ class Sentence {
       for (const ModelUse& use : system_.programs[waiting.program].uses_of(edge)) {
         const ModelInstance& model = system_.models[use.model];
         if (model.state_texts.empty() || !known.insert(use.model).second) continue;
-        parts.push_back(model.name + ": " + model.state_texts[state.models[use.model]]);
+        const std::string& text = model.state_texts[state.models[use.model]];
+        parts.push_back(model.name + ": " + text +
+                        describe_taker(system_, state, waiting.program, use.model));
       }
     }
     return list(parts, "; ");

@@ -268,6 +268,36 @@ TEST(Explanation, SaysWhoHoldsWhatABuiltInModelGives) {
   EXPECT_THAT(queue, testing::HasSubstr("; q is full; "));
 }
 
+// A callback waits for an answer: who would serve the request or take the answer, and why not.
+TEST(Explanation, SaysWhichCallbackCannotStart) {
+  const auto why = [](const std::string& executor, const std::string& group,
+                      const std::string& of_server) {
+    const System system = parse_system(
+        "models: {go: {use: semaphore, with: {count: 2}}}\n"
+        "services: {s: {server: m, clients: n}}\n"
+        "executors: {e: " +
+            executor +
+            "}\n"
+            "nodes:\n"
+            "  n: {executor: e, groups: {g: " +
+            group +
+            "}, clients: {s: g}, callbacks: "
+            "{on: {takes: go.acquire, group: g, do: \"s.send; wait s -> answer;\"}}}\n"
+            "  m: {" +
+            of_server + "callbacks: {find: {serves: s, do: s.answer;}}}\n",
+        "s.yaml");
+    return shown(system, "deadlock");
+  };
+  EXPECT_THAT(
+      why("{kind: single}", "exclusive", ""),
+      testing::HasSubstr("s: an answer to n not taken. n.s takes it, and n runs that, too"));
+  EXPECT_THAT(
+      why("{kind: single}", "exclusive", "executor: e, "),
+      testing::HasSubstr("a request of n not served. m.find serves it, and e runs that, too"));
+  EXPECT_THAT(why("{kind: multi, threads: 2}", "reentrant", ""),
+              testing::HasSubstr("2 answers to n not taken. n.s takes it, and has no free thread"));
+}
+
 TEST(Explanation, SaysWhatASelectWaitsFor) {
   const System system = system_of("q: {use: queue, with: {size: 1}}, a: {use: mutex}",
                                   "  p: |\n    select {\n      on q.read -> message { }\n"

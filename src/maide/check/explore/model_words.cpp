@@ -15,7 +15,10 @@ std::string describe_bound(const ModelInstance& model) {
     return model.name + " was learned up to a bound that its file does not name";
   }
   const std::string& text = bound->second;
-  if (model.is_grown) return fmt::format("{} was made with the {}", model.name, text);
+  if (model.is_grown) {
+    return fmt::format("{} was made with the {} (a smaller {} has fewer)", model.name, text,
+                       model.source == ModelInstance::Source::service ? "depth" : "size");
+  }
   const bool is_number = !text.empty() && std::all_of(text.begin(), text.end(),
                                                       [](char c) { return c >= '0' && c <= '9'; });
   if (!is_number) return fmt::format("{} was learned for {}", model.name, text);
@@ -125,6 +128,46 @@ std::string describe_waiting(const System& system, const Program& program,
   }
   return fmt::format("waits at {}{} for {}", program.place_of(awaited.front().line),
                      is_select ? " in a select" : "", join(steps, " or "));
+}
+
+std::string describe_taker(const System& system, const GlobalState& state, std::uint32_t program,
+                           std::uint32_t service) {
+  const ModelInstance& model = system.models[service];
+  const std::string& on_its_way = model.state_texts[state.models[service]];
+  const auto is_there = [&](const std::string& what) {
+    return on_its_way.find(what) != std::string::npos;
+  };
+  constexpr std::string_view starts = " starts";
+  for (const std::string& node : system.programs[program].nodes) {
+    const bool is_answered = is_there(" to " + node + " not taken");
+    if (!is_answered && !is_there(" of " + node + " not served")) continue;
+    const auto serve = model.automaton.inputs().find("serve");
+    for (std::uint32_t index = 0; index < system.programs.size(); ++index) {
+      const Program& runner = system.programs[index];
+      // The edges by which the callback starts that takes the answer, or the request.
+      const auto takes_it = [&](const ProgramEdge& edge) {
+        if (edge.kind != ProgramEdge::Kind::joint) return false;
+        const Joint& joint = runner.joints[edge.symbol];
+        if (is_answered) return joint.text == node + "." + model.name + std::string(starts);
+        return joint.text.ends_with(starts) &&
+               std::any_of(joint.events.begin(), joint.events.end(), [&](const ModelUse& event) {
+                 return event.kind == ModelUse::Kind::give && event.model == service &&
+                        event.symbol == serve;
+               });
+      };
+      const auto taking = std::find_if(runner.edges.begin(), runner.edges.end(), takes_it);
+      if (taking == runner.edges.end()) continue;
+      const std::string& text = runner.joints[taking->symbol].text;
+      const auto edges = runner.edges_of(state.programs[index]);
+      const bool is_free = std::any_of(edges.begin(), edges.end(), takes_it);
+      return fmt::format(". {} {} it, and {}", text.substr(0, text.size() - starts.size()),
+                         is_answered ? "takes" : "serves",
+                         index == program ? runner.name + " runs that, too"
+                         : is_free        ? "has no free thread"
+                                          : runner.name + " is busy");
+    }
+  }
+  return "";
 }
 
 }  // namespace maide
