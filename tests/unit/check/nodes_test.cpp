@@ -266,6 +266,21 @@ TEST(Executors, CodeThatMayGoRoundForEverMakesStuckInconclusive) {
   EXPECT_EQ(result(two_subscriptions, "stuck").verdict, Verdict::holds);  // a look is no code
 }
 
+// Both nodes are one program, with one text: what is fair of one is not of the other.
+TEST(Executors, MembersOfAnArrayAreFairEachByItself) {
+  const std::string text =
+      "executors: {e: {kind: single}}\n"
+      "models: {m: {use: mutex}, k: {use: mutex}}\n"
+      "nodes:\n  \"n[i in 0..1]\":\n    executor: e\n    callbacks:\n"
+      "      t: {timer: 1, do: \"@t if fair * { @yes m.lock; m.unlock; } else { k.lock; k.unlock; "
+      "}\"}\n"
+      "properties:\n"
+      "  each: {ltl: \"G F n[0].t@yes & G F n[1].t@yes\", fairness: strong}\n"
+      "  starts: {ltl: \"G F n[0].t@t & G F n[1].t@t\", fairness: strong}\n";
+  EXPECT_EQ(verdict(text, "each"), "holds");
+  EXPECT_EQ(verdict(text, "starts"), "holds");
+}
+
 TEST(Executors, ATakenValueIsKeptInAVariableOfTheNode) {
   const std::string text =
       "topics: {t: {writers: w, readers: n, use: queue, with: {size: 2}}}\n"

@@ -20,7 +20,8 @@ void Unroller::expand_select(const Place& place, const Statement& statement, con
       expand_otherwise(place, statement, arm, values);
       continue;
     }
-    const std::uint32_t fair = fair_group(arm.line, arm.column, 0, false, text_of(arm));
+    const Callback* const of = arm.starts != nullptr ? arm.starts : arm.callback;
+    const std::uint32_t fair = fair_group(of, arm.line, arm.column, 0, false, text_of(arm));
     if (!arm.guard) {
       expand_arm(place, arm, values, arm.starts != nullptr ? arm.starts->start : Uses{}, fair);
       continue;

@@ -200,8 +200,8 @@ void Unroller::expand_rounds(const Place& place, const Statement& statement, con
     // On fair runs each timer is due again and again, alone and together with others.
     std::uint32_t fair = 0;
     if (timers != 0) {
-      fair = fair_group(statement.line, statement.column, static_cast<Value>(look.found & timers),
-                        false, "a look");
+      fair = fair_group(nullptr, statement.line, statement.column,
+                        static_cast<Value>(look.found & timers), false, "a look");
     }
     for (const Uses& way : look.ways) {
       add_joint({Joint::Role::look, way, {}, "finds " + look.text, fair}, target, statement.line,

@@ -25,10 +25,10 @@ void Unroller::add_joint(Joint joint, ControlState target, int line, int column)
   add_edge({ModelUse::Kind::joint, 0, number}, target, line, column);
 }
 
-std::uint32_t Unroller::fair_group(int line, int column, Value outcome, bool on_weak_runs,
-                                   const std::string& text) {
+std::uint32_t Unroller::fair_group(const Callback* callback, int line, int column, Value outcome,
+                                   bool on_weak_runs, const std::string& text) {
   const auto [place, is_new] = fair_ids_.try_emplace(
-      {line, column, outcome}, static_cast<std::uint32_t>(program_.fair_groups.size()));
+      {callback, line, column, outcome}, static_cast<std::uint32_t>(program_.fair_groups.size()));
   if (is_new) program_.fair_groups.push_back({on_weak_runs, text});
   return place->second;
 }
@@ -121,7 +121,8 @@ void Unroller::expand_choice(const Place& place, const Statement& statement, con
       continue;
     }
     const std::string text = branch == 0 ? "if fair *" : "if fair *, else";
-    const auto fair = fair_group(statement.line, statement.column, branch, true, text);
+    const auto fair =
+        fair_group(statement.callback, statement.line, statement.column, branch, true, text);
     add_joint({Joint::Role::choice, {}, {}, text, fair}, target, statement.line, statement.column);
   }
 }
@@ -137,7 +138,7 @@ void Unroller::expand_any(const Place& place, const Statement& statement, const 
     const std::string text = statement.target.name + " = " + std::to_string(value);
     std::uint32_t fair = 0;
     if (statement.is_fair) {
-      fair = fair_group(statement.line, statement.column, value, true, text);
+      fair = fair_group(statement.callback, statement.line, statement.column, value, true, text);
     }
     add_joint({Joint::Role::choice, {}, {}, text, fair},
               with_value(place, statement, value, values), statement.line, statement.column);

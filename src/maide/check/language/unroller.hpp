@@ -48,8 +48,9 @@ class Unroller : public Walker {
 
   void add_edge(const ModelUse& use, ControlState target, int line, int column);
   void add_joint(Joint joint, ControlState target, int line, int column);
-  std::uint32_t fair_group(int line, int column, Value outcome, bool on_weak_runs,
-                           const std::string& text);
+  // The text of each of a node array's members has groups of its own: they are of a callback.
+  std::uint32_t fair_group(const Callback* callback, int line, int column, Value outcome,
+                           bool on_weak_runs, const std::string& text);
   void expand(const Place place);
   void expand(const Place& place, const Statement& statement);
   void add_death(const Place& place);
@@ -173,7 +174,7 @@ class Unroller : public Walker {
   bool may_die_ = false;
   std::map<std::tuple<const Topic*, std::string, WriteKind>, std::vector<Writing>> writings_;
   std::vector<Uses> deaths_;  // empty: not known yet
-  std::map<std::tuple<int, int, Value>, std::uint32_t> fair_ids_;
+  std::map<std::tuple<const Callback*, int, int, Value>, std::uint32_t> fair_ids_;
 };
 
 }  // namespace maide::program_syntax
