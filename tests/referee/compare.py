@@ -360,7 +360,10 @@ def main() -> int:
             kept = options.keep / name
             if kept.exists():
                 shutil.rmtree(kept)
-            shutil.copytree(path.parent, kept)
+            kept.mkdir(parents=True)
+            for beside in path.parent.iterdir():  # its models
+                if beside.is_file():
+                    shutil.copy(beside, kept)
             if path.name != "system.yaml":
                 (kept / path.name).rename(kept / "system.yaml")
             shutil.copy(kept / "system.yaml", kept / "made.yaml")

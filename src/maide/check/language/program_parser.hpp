@@ -63,8 +63,7 @@ class ProgramParser : public EventParser {
   SelectArm parse_start(const Callback& callback);
   void parse_taken(SelectArm& arm, Event& pattern);
   // The code of a callback, into `procedure`, whose scope is open; and then its end.
-  std::unique_ptr<Block> parse_code(const Callback& callback, const ScalarText* code,
-                                    std::unique_ptr<Block> procedure);
+  std::unique_ptr<Block> parse_code(const ScalarText* code, std::unique_ptr<Block> procedure);
   bool has_outputs(const SelectArm& arm) const;
 
   // ---- arms -------------------------------------------------------------------------------------

@@ -95,6 +95,7 @@ struct SelectArm {
   Event event;                  // so
   std::vector<Arm> arms;        // of an input: the outputs that may follow at once; else empty
   std::unique_ptr<Block> body;  // unless there are arms
+  std::unique_ptr<Block> end;   // of an arm that starts a callback: what is behind its code
   const Callback* callback = nullptr;  // in whose code it stands
   const Callback* starts = nullptr;    // the arm starts it; of Kind::service by what came for it
   int line = 0, column = 0;

@@ -59,13 +59,14 @@ void Unroller::expand_arm(const Place& place, const SelectArm& arm, const Values
                 target, arm.line, arm.column);
     }
   };
+  const FrameId next = arm.end ? enter(*arm.end, behind(place.frame)) : behind(place.frame);
   if (arm.starts != nullptr && arm.starts->kind != Callback::Kind::subscription) {
     auto [uses, events] = start_of(arm);
-    return add(std::move(uses), events, "", settle(enter(*arm.body, behind(place.frame)), values));
+    return add(std::move(uses), events, "", settle(enter(*arm.body, next), values));
   }
   if (arm.kind == SelectArm::Kind::guard) {
     const std::string text = conditions.empty() ? "when" : text_of(conditions, actions_);
-    return add({}, {}, text, settle(enter(*arm.body, behind(place.frame)), values));
+    return add({}, {}, text, settle(enter(*arm.body, next), values));
   }
   try {
     check_arm(arm, values);
@@ -87,7 +88,7 @@ void Unroller::expand_arm(const Place& place, const SelectArm& arm, const Values
                events_of(model, gives ? arm.event.name : "", way.output.value_or("")),
                names_.services.at(model).name + (gives ? "." + arm.event.name : "") +
                    (way.output ? (gives ? " -> " : "!") + *way.output : ""),
-               settle(enter(body, behind(place.frame)), values));
+               settle(enter(body, next), values));
   }
   if (arm.kind == SelectArm::Kind::output) {
     for (Symbol output = 0; output < outputs.size(); ++output) {
@@ -95,7 +96,7 @@ void Unroller::expand_arm(const Place& place, const SelectArm& arm, const Values
       if (!matches(arm.event, split_name(name), name, values)) continue;
       const ModelUse use{Kind::take, model, output};
       add({use}, {use}, actions_.model(model).name + "!" + name,
-          take(arm.event, *arm.body, behind(place.frame), name, values));
+          take(arm.event, *arm.body, next, name, values));
     }
     return;
   }
@@ -108,13 +109,13 @@ void Unroller::expand_arm(const Place& place, const SelectArm& arm, const Values
     if (way.is_beyond) {
       add({way.use}, {given}, text, control_state(place));
     } else if (!way.output) {
-      add({way.use}, {given}, text, settle(enter(*arm.body, behind(place.frame)), values));
+      add({way.use}, {given}, text, settle(enter(*arm.body, next), values));
     } else {
       const std::string& name = outputs.name(*way.output);
       const Arm* of = taken[*way.output];
       has_arm = has_arm || of != nullptr;
       const ControlState target =
-          of != nullptr ? take(of->output, *of->body, behind(place.frame), name, values)
+          of != nullptr ? take(of->output, *of->body, next, name, values)
                         : error_state(text + " -> " + name + ": this 'select' has no arm for it",
                                       arm.line, arm.column);
       add({way.use}, {given, {Kind::take, model, *way.output}}, text + " -> " + name, target);

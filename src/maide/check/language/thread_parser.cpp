@@ -80,11 +80,12 @@ SelectArm ProgramParser::parse_start(const Callback& callback) {
   };
   const auto finish = [&](const ScalarText* code, std::unique_ptr<Block> procedure) {
     work_.context = &inside;
-    auto body = parse_code(callback, code, std::move(procedure));
+    auto body = parse_code(code, std::move(procedure));
     work_.context = &start;
     return body;
   };
   work_.context = &start;
+  work_.asked.clear();
   auto procedure = open_procedure();
   if (callback.kind != Callback::Kind::subscription) {
     if (callback.kind != Callback::Kind::timer) {
@@ -123,6 +124,14 @@ SelectArm ProgramParser::parse_start(const Callback& callback) {
   }
   work_.context = around;
   work_.scopes.pop_back();
+  Statement end;
+  end.kind = Statement::Kind::end_callback;
+  end.line = callback.position.line;
+  end.column = callback.position.column;
+  end.callback = &callback;
+  end.services.assign(work_.asked.begin(), work_.asked.end());
+  arm.end = std::make_unique<Block>();
+  arm.end->statements.push_back(std::move(end));
   return arm;
 }
 
@@ -173,10 +182,8 @@ bool ProgramParser::has_outputs(const SelectArm& arm) const {
   return false;
 }
 
-std::unique_ptr<Block> ProgramParser::parse_code(const Callback& callback, const ScalarText* code,
+std::unique_ptr<Block> ProgramParser::parse_code(const ScalarText* code,
                                                  std::unique_ptr<Block> procedure) {
-  auto body = std::make_unique<Block>();
-  work_.asked.clear();
   if (code != nullptr) {
     ProgramParser parser(*code, work_);
     parser.parse_procedure(*procedure);
@@ -186,20 +193,7 @@ std::unique_ptr<Block> ProgramParser::parse_code(const Callback& callback, const
     }
   }
   work_.scopes.pop_back();
-  Statement inner;
-  inner.kind = Statement::Kind::inner;
-  inner.line = callback.position.line;
-  inner.column = callback.position.column;
-  inner.body = std::move(procedure);
-  body->statements.push_back(std::move(inner));
-  Statement end;
-  end.kind = Statement::Kind::end_callback;
-  end.line = callback.position.line;
-  end.column = callback.position.column;
-  end.callback = &callback;
-  end.services.assign(work_.asked.begin(), work_.asked.end());
-  body->statements.push_back(std::move(end));
-  return body;
+  return procedure;
 }
 
 Tree parse_thread(const Thread& thread, const ScalarText& text, const Context& context) {
