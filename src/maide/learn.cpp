@@ -66,7 +66,8 @@ Learned learn_system(const std::string& system, const LearnOptions& options) {
   if (experiment.confirm) {
     experiment.slower = make_slower_system(spec, access, *opened.sul, {}, options.control);
   }
-  LearnedModel learned = learn_model(*opened.sul, Translation::eager, experiment, options.control);
+  LearnedModel learned = learn_model(*opened.sul, Translation::eager, experiment, options.control,
+                                     read_model_kind(options.as));
   return make_learned(std::move(learned.model), learned.experiment);
 }
 

@@ -75,12 +75,14 @@ struct LearnOptions {
   std::uint64_t max_words = 0;      // most words that the system is asked; 0: no limit
   std::size_t jobs = 0;             // systems asked at once; 0: one for each processor
   std::optional<Mealy> start_from;  // of an earlier version of the system; need not be right
+  std::string as;                   // "mealy" or "ia", as `--as`; "": as the system is
   RunControl control;               // to stop early, and to be told of progress
 };
 
 struct Learned {
-  // An interface automaton where the system has actors, else a Mealy machine (nondeterministic with
-  // nstar). Nothing if the run ended before the first hypothesis.
+  // An interface automaton where the system has actors and LearnOptions::as does not say otherwise,
+  // else a Mealy machine (nondeterministic with nstar). Nothing if the run ended before the first
+  // hypothesis.
   std::optional<Model> model;
   std::string problem;    // why the run ended early, one line; "": it did not
   bool is_weak = true;    // parts of the system may be missing from the model

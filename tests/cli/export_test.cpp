@@ -4,7 +4,12 @@
 
 #include <string>
 
+#include "maide/automata/compare.hpp"
 #include "maide/base/file.hpp"
+#include "maide/base/text.hpp"
+#include "maide/formats/model_file.hpp"
+#include "maide/sul/ia_translation.hpp"
+#include "maide/workflow/open_system.hpp"
 #include "run_maide.hpp"
 
 namespace maide::test {
@@ -56,6 +61,66 @@ TEST(Export, MarksAreLostOnlyWhenAsked) {
       run_maide({"export", model("strict-2"), "--to", "aut", "--lossy"});
   EXPECT_EQ(result.exit_status, 0);
   EXPECT_THAT(result.out, StartsWith("des (0, 8, 6)"));
+}
+
+// An interface automaton as other learning tools read one: states and transitions alone.
+TEST(Export, TheMealyMachineOfAnAutomaton) {
+  const TempDir folder;
+  const std::string file = (folder.path() / "strict-2.dot").string();
+  const SubprocessResult result =
+      run_maide({"export", model("strict-2"), "--to", "mealy", "-o", file, "--json"});
+  ASSERT_EQ(result.exit_status, 0) << result.err;
+  const Mealy expected = to_mealy(read_interface_automaton(model("strict-2")), Translation::eager);
+  EXPECT_EQ(json_of(result).at("states"), expected.size());
+  const Mealy written = read_mealy(file);
+  EXPECT_FALSE(find_difference(written, expected));
+  EXPECT_TRUE(written.origin.empty());
+  const std::string text = read_file(file);
+  for (const std::string_view line : split_lines(text)) {
+    EXPECT_TRUE(line.find("label=") != std::string_view::npos || line == "digraph g {" ||
+                line.starts_with("  __start0 -> s") || line == "}")
+        << line;
+  }
+}
+
+// Compiled, where there is a LaTeX; else looked at.
+void expect_picture(const std::string& source, const TempDir& folder, std::size_t states) {
+  const std::string file = (folder.path() / "picture.tex").string();
+  const SubprocessResult result = run_maide({"export", source, "--to", "tikz", "-o", file});
+  ASSERT_EQ(result.exit_status, 0) << result.err;
+  const std::string text = read_file(file);
+  std::size_t nodes = 0;
+  for (const std::string_view line : split_lines(text)) {
+    if (line.starts_with("  \\node[state") || line.starts_with("  \\node[due")) ++nodes;
+  }
+  EXPECT_EQ(nodes, states);
+  EXPECT_THAT(text, HasSubstr("\\draw[edge"));
+  EXPECT_THAT(text, testing::EndsWith("\\end{tikzpicture}\n"));
+  if (!find_on_path("pdflatex")) return;
+  write_file_atomically((folder.path() / "paper.tex").string(),
+                        "\\documentclass{article}\\usepackage{tikz}\\begin{document}\n"
+                        "\\input{picture}\n\\end{document}\n");
+  SubprocessOptions options;
+  options.folder = folder.path();
+  const SubprocessResult compiled =
+      run_program({"pdflatex", "-interaction=batchmode", "-halt-on-error", "paper.tex"}, options);
+  EXPECT_TRUE(compiled.succeeded()) << read_file(folder.path() / "paper.log");
+}
+
+TEST(Export, PicturesForLatex) {
+  const TempDir folder;
+  expect_picture(model("strict-2"), folder, 6);
+  const std::string strange = (folder.path() / "strange.dot").string();
+  write_file_atomically(strange, R"(digraph g { a -> b [label="in_put{}%#\\~^ / <>|$&"];
+    a -> a [label="zwölf / 中"]; b -> a [label="in_put{}%#\\~^ / 0"];
+    b -> b [label="zwölf / \"x\""]; })");
+  expect_picture(strange, folder, 2);
+}
+
+TEST(Export, PicturesForLatexNeedGraphviz) {
+  expect_error(
+      run_with_maide("PATH=/nonexistent; \"$maide\" export " + model("port") + " --to tikz"), 2,
+      "graphviz");
 }
 
 // Two programs over the port: a file of the folder.
@@ -161,7 +226,7 @@ TEST(Export, PropertiesAsAutomata) {
 
 TEST(Export, UnknownFormatsAreErrors) {
   expect_error(run_maide({"export", model("port"), "--to", "png"}), 2,
-               "unknown format 'png'; known are: dot, aut, promela, smv, mcrl2, cpp");
+               "unknown format 'png'; known are: dot, mealy, aut, promela, smv, mcrl2, cpp, tikz");
   expect_error(run_maide({"export", model("port")}), 2, "--to");
   expect_error(run_maide({"export", model("port"), "--to", "dot", "-o", "/no/such/folder/x.dot"}),
                2, "(/no/such/folder/x.dot)");

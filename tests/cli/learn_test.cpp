@@ -10,6 +10,7 @@
 #include "maide/base/file.hpp"
 #include "maide/base/text.hpp"
 #include "maide/formats/model_file.hpp"
+#include "maide/sul/ia_translation.hpp"
 #include "run_maide.hpp"
 
 namespace maide::test {
@@ -85,6 +86,41 @@ TEST_P(LearnTable1, GivesThePapersSizesAndTheReferenceModels) {
                              row.options.back().find("absorb") == std::string::npos;
     EXPECT_EQ(untried, is_refusing ? 1U : 0U) << row.reference;
   }
+}
+
+TEST(Learn, GivesTheMealyMachineWhereItIsAskedFor) {
+  const TempDir folder("learn-test");
+  const std::string file = (folder.path() / "strict-2.dot").string();
+  const SubprocessResult result =
+      run_maide(learn({"port", "kind=strict", "size=2", "--as", "mealy", "-o", file, "--json"}));
+  ASSERT_EQ(result.exit_status, 0) << result.err;
+  EXPECT_EQ(json_of(result).at("model_kind"), "mealy");
+  const Mealy learned = read_mealy(file);
+  const InterfaceAutomaton reference = read_interface_automaton(models / "strict-2.dot");
+  EXPECT_FALSE(find_difference(learned, to_mealy(reference, Translation::eager)));
+  EXPECT_EQ(learned.origin.at("translation"), "eager");
+  EXPECT_EQ(learned.actors, reference.actors);
+  // The same commands take it.
+  const SubprocessResult same = run_maide({"compare", file, (models / "strict-2.dot").string()});
+  EXPECT_EQ(same.exit_status, 0) << same.out;
+  const SubprocessResult tested = run_maide({"test", file, "--max-tests", "200"});
+  EXPECT_THAT(tested.out, HasSubstr("no difference so far")) << tested.err;
+  const SubprocessResult again = run_maide(learn({"sim:" + file, "--as", "ia", "-o", file}));
+  EXPECT_EQ(again.exit_status, 0) << again.err;
+  EXPECT_TRUE(compare(read_interface_automaton(file), reference).same());
+}
+
+TEST(Learn, SystemsWithoutActorsAreMealyMachines) {
+  const TempDir folder("learn-test");
+  const std::string file = (folder.path() / "queue.dot").string();
+  const std::string queue = "exec:python3 " MAIDE_SOURCE_DIR "/examples/python/queue_wrapper.py";
+  ASSERT_EQ(run_maide(learn({queue, "size=2", "-o", file})).exit_status, 0);
+  const Mealy machine = read_mealy(file);
+  EXPECT_EQ(machine.size(), 3U);
+  EXPECT_TRUE(machine.actors.empty());
+  ASSERT_EQ(run_maide(learn({queue, "size=2", "--as", "ia", "-o", file})).exit_status, 0);
+  EXPECT_EQ(read_interface_automaton(file).transition_count(), 12U);
+  expect_error(run_maide(learn({queue, "--as", "moore"})), 2, "--as");
 }
 
 TEST(Learn, JsonHasWhatTheDesignNames) {

@@ -60,7 +60,8 @@ TEST_P(Golden, IsAsApproved) {
   const Exporter& exporter = find_exporter(format);
   std::ostringstream out;
   exporter.write(out, model_of(name), {name, MarkLoss::accept});
-  const std::string path = std::string(MAIDE_SOURCE_DIR "/tests/golden/approved/") + name +
+  const std::string kind = exporter.takes_machines_alone ? ".mealy" : "";
+  const std::string path = std::string(MAIDE_SOURCE_DIR "/tests/golden/approved/") + name + kind +
                            std::string(exporter.extension) + ".approved";
   if (std::getenv("MAIDE_APPROVE") != nullptr) write_file_atomically(path, out.str());
   EXPECT_EQ(out.str(), read_file(path)) << path;
@@ -135,13 +136,16 @@ INSTANTIATE_TEST_SUITE_P(Exports, SystemGolden,
                                   std::get<1>(test.param);
                          });
 
+INSTANTIATE_TEST_SUITE_P(Machines, Golden, testing::Values(std::tuple("strange-mealy", "mealy")),
+                         [](const auto&) { return "strange_mealy_mealy"; });
+
 TEST(Exporters, UnknownFormatsAreRefusedByName) {
   try {
     find_exporter("png");
     FAIL();
   } catch (const UsageError& error) {
     EXPECT_STREQ(error.what(),
-                 "unknown format 'png'; known are: dot, aut, promela, smv, mcrl2, cpp");
+                 "unknown format 'png'; known are: dot, mealy, aut, promela, smv, mcrl2, cpp");
   }
 }
 

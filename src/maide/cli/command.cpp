@@ -117,6 +117,7 @@ std::span<const Command> command_table() {
       Command{"export", "Write a model or a system in another tool's language",
               "maide export port.dot --to promela -o port.pml\n"
               "maide export strict-6.dot --to aut --lossy\n"
+              "maide export strict-6.dot --to tikz -o strict-6.tex\n"
               "maide export system.yaml --to promela -o system.pml\n"
               "maide export system.yaml --to aut -o system.aut\n"
               "maide export system.yaml --property acknowledged --to hoa",

@@ -20,6 +20,8 @@
 #include "maide/cli/command.hpp"
 #include "maide/formats/exporters.hpp"
 #include "maide/formats/model_file.hpp"
+#include "maide/report/picture.hpp"
+#include "maide/sul/ia_translation.hpp"
 #include "maide/workflow/learned_models.hpp"
 
 namespace maide::cli {
@@ -44,30 +46,55 @@ struct Export {
   Json details;
 };
 
-Export export_model(const ExportArguments& arguments) {
-  const Exporter& exporter = find_exporter(arguments.format);
-  const Model model = read_model(arguments.source);
+// What the exporters of formats/ do not have, for it needs Graphviz: the picture of a model.
+constexpr std::string_view tikz = "tikz";
+constexpr std::string_view tikz_summary = "a picture for LaTeX, laid out by Graphviz";
+
+std::string draw_model(const Model& model, const std::string& source, const RunControl& control) {
+  const PictureSize size = size_of(model);
+  if (!size.is_drawable()) {
+    throw UsageError(fmt::format(
+        "{} states and {} transitions are too many for a picture (at most {} and {}) ({})",
+        size.states, size.transitions, most_drawn_states, most_drawn_transitions, source));
+  }
+  if (!can_draw()) {
+    throw UsageError(
+        "a picture needs Graphviz's program dot, and it is not on PATH (Debian: apt install "
+        "graphviz)");
+  }
+  const std::string picture = draw_tikz(model_picture(model), control);
+  if (picture.empty()) {
+    throw UsageError("dot could not lay this out within 20 seconds (" + source + ")");
+  }
+  return "% \\usepackage{tikz}; then \\input this file. The styles are yours to change.\n" +
+         picture;
+}
+
+Export export_model(const ExportArguments& arguments, Context& context) {
+  const bool is_picture = arguments.format == tikz;
+  const Exporter* exporter = is_picture ? nullptr : &find_exporter(arguments.format, {tikz});
+  Model model = read_model(arguments.source);
+  const auto* automaton = std::get_if<InterfaceAutomaton>(&model);
+  if (automaton != nullptr && exporter != nullptr && exporter->takes_machines_alone) {
+    try {
+      model = to_mealy(*automaton, Translation::eager);
+    } catch (const UsageError& error) {
+      throw UsageError(fmt::format("{} ({})", error.what(), arguments.source));
+    }
+  }
   const std::filesystem::path named =
       arguments.output.empty() ? arguments.source : arguments.output;
   std::ostringstream text;
-  exporter.write(text, model,
-                 {named.stem().string(), arguments.lossy ? MarkLoss::accept : MarkLoss::refuse});
-  std::size_t states = 0;
-  std::size_t transitions = 0;
-  if (const auto* machine = std::get_if<Mealy>(&model)) {
-    states = machine->size();
-    transitions = machine->size() * machine->inputs().size();
-  } else if (const auto* other = std::get_if<NondeterministicMealy>(&model)) {
-    states = other->size();
-    transitions = other->transition_count();
+  if (is_picture) {
+    text << draw_model(model, arguments.source, context.control());
   } else {
-    const auto& automaton = std::get<InterfaceAutomaton>(model);
-    states = automaton.size();
-    transitions = automaton.transition_count();
+    exporter->write(text, model,
+                    {named.stem().string(), arguments.lossy ? MarkLoss::accept : MarkLoss::refuse});
   }
+  const PictureSize size = size_of(model);
   return {[text = std::move(text).str()](std::ostream& out) { out << text; },
-          fmt::format("{} states, {} transitions", states, transitions),
-          Json{{"states", states}, {"transitions", transitions}}};
+          fmt::format("{} states, {} transitions", size.states, size.transitions),
+          Json{{"states", size.states}, {"transitions", size.transitions}}};
 }
 
 bool is_system(const std::string& source) {
@@ -177,7 +204,8 @@ Export make_export(const ExportArguments& arguments, Context& context) {
                      ")");
   }
   if (is_hoa) return export_property(arguments, context);
-  return is_system(arguments.source) ? export_system(arguments, context) : export_model(arguments);
+  return is_system(arguments.source) ? export_system(arguments, context)
+                                     : export_model(arguments, context);
 }
 
 ExitStatus run_export(const ExportArguments& arguments, Context& context) {
@@ -214,7 +242,8 @@ RunFunction set_up_export(CommandLine& line) {
            "A model file (.dot, .gv or .aut), or a system file (.yaml)")
       .required();
   line.add("--to", arguments->format,
-           "The format. Of a model: " + list(exporters()) +
+           fmt::format("The format. Of a model: {}; {} ({})", list(exporters()), tikz,
+                       tikz_summary) +
                ". Of a system: " + list(system_exporters()) +
                ". Of a system's property: hoa (its automaton, for Spot and other tools of "
                "temporal logic)")

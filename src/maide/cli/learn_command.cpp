@@ -92,6 +92,7 @@ struct LearnArguments {
   std::vector<std::string> key_values;
   std::string output;
   std::string algorithm{learners().front().name};
+  std::string kind;  // "mealy", "ia"; "": as the system is
   std::string translation;
   std::string cache;
   std::string plot;
@@ -110,8 +111,9 @@ struct LearnArguments {
   bool list_options = false;
 };
 
+// A simulated Mealy machine is taken for an interface automaton if either is asked for.
 std::optional<Translation> wanted_translation(const LearnArguments& arguments) {
-  if (arguments.translation.empty()) return std::nullopt;
+  if (arguments.translation.empty() && arguments.kind != "ia") return std::nullopt;
   return arguments.translation == "av" ? Translation::av : Translation::eager;
 }
 
@@ -335,7 +337,8 @@ ExitStatus learn(const LearnArguments& arguments, const CommandLine& line, Conte
   if (options.confirm) {
     options.slower = make_slower_system(spec, access, *system.sul, arguments.purpose, control);
   }
-  LearnedModel learned = learn_model(*system.sul, translation, options, control);
+  LearnedModel learned =
+      learn_model(*system.sul, translation, options, control, read_model_kind(arguments.kind));
   if (reference) keep_kind(learned, *reference);
   keep_origin(learned, spec, system.sul->info());
   const ExitStatus given = give_result(learned, arguments, {spec, line, system.jobs}, context);
@@ -408,6 +411,13 @@ RunFunction set_up_learn(CommandLine& line) {
            "The model's file (DOT); standard output if not given");
   line.add("--algorithm", arguments->algorithm, describe_entries(learners()));
   add_test_options(line, arguments->tests);
+  line.add("--as", arguments->kind,
+           "What the model is: mealy, a Mealy machine, whose outputs are what comes until the "
+           "system rests; or ia, an interface automaton, which has each output as a step of its "
+           "own and is what system files need (default: mealy where the system names no actors, "
+           "else ia)")
+      .one_of({"mealy", "ia"})
+      .no_default();
   line.add("--translation", arguments->translation,
            "Which Mealy machine stands for the interface automaton: eager (an input and all "
            "its outputs are one step; the default) or av (Aarts & Vaandrager)")

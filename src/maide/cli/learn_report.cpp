@@ -224,7 +224,10 @@ Json learned_as_json(const LearnedModel& learned, std::size_t jobs, const std::s
     json["replacements"]["first"].push_back(
         {{"reason", death.reason}, {"after", death.after}, {"asked_again", death.word}});
   }
+  json["model_kind"] = Json();
   if (learned.model) {
+    const bool is_automaton = std::holds_alternative<InterfaceAutomaton>(*learned.model);
+    json["model_kind"] = is_automaton ? "ia" : "mealy";
     if (const auto* automaton = std::get_if<InterfaceAutomaton>(&*learned.model)) {
       json["hidden_returns"] = automaton->hidden_returns;
       const auto bound = automaton->origin.find("bound");

@@ -12,9 +12,15 @@
 namespace maide {
 namespace {
 
-constexpr std::array<Exporter, 6> table{{
+constexpr std::array<Exporter, 7> table{{
     {"dot", ".dot", "Graphviz, the format in which models are kept",
      [](std::ostream& out, const Model& model, const ExportOptions&) { write_dot(out, model); }},
+    {"mealy", ".dot",
+     "a Mealy machine as the Automata Wiki has them, for LearnLib, AALpy and other learners",
+     [](std::ostream& out, const Model& model, const ExportOptions&) {
+       write_automata_wiki(out, model);
+     },
+     true},
     {"aut", ".aut", "Aldebaran, read by CADP, mCRL2 and LTSmin",
      [](std::ostream& out, const Model& model, const ExportOptions& options) {
        write_aut(out, model, options.marks);
@@ -37,8 +43,9 @@ constexpr std::array<Exporter, 6> table{{
 
 std::span<const Exporter> exporters() { return table; }
 
-const Exporter& find_exporter(std::string_view name) {
-  return find_row(exporters(), "format", name);
+const Exporter& find_exporter(std::string_view name,
+                              std::initializer_list<std::string_view> besides) {
+  return find_row(exporters(), "format", name, besides);
 }
 
 namespace {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <initializer_list>
 #include <iosfwd>
 #include <span>
 #include <string>
@@ -24,11 +25,13 @@ struct Exporter {
   std::string_view extension;  // of its files, with the dot
   std::string_view summary;
   void (*write)(std::ostream& out, const Model& model, const ExportOptions& options);
+  bool takes_machines_alone = false;  // an interface automaton is a UsageError
 };
 
 std::span<const Exporter> exporters();
-// Throws UsageError "unknown format 'x'; known are: ...".
-const Exporter& find_exporter(std::string_view name);
+// Throws UsageError "unknown format 'x'; known are: ...". `besides` are further names for it.
+const Exporter& find_exporter(std::string_view name,
+                              std::initializer_list<std::string_view> besides = {});
 
 // ---- mCRL2 ----
 //

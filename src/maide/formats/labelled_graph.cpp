@@ -140,6 +140,9 @@ template <typename Machine>
 Model finish(Machine machine, const LabelledGraph& graph) {
   machine.set_initial(graph.initial);
   machine.origin = graph.origin;
+  if (!graph.hidden_returns.empty()) {
+    machine.origin["hidden_returns"] = join_names(graph.hidden_returns);
+  }
   machine.actors = graph.actors;
   return machine;
 }

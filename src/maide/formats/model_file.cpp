@@ -263,6 +263,8 @@ void write_attribute(std::ostream& out, const std::string& key, const std::strin
   out << "  " << (plain ? key : quote_dot_label(key)) << "=" << quote_dot_label(value) << ";\n";
 }
 
+void write_start(std::ostream& out) { out << "  __start0 [label=\"\" shape=\"none\"];\n"; }
+
 // Everything before the states. `type` is written only where the labels would mislead a reader.
 void write_head(std::ostream& out, const std::string& type, const Alphabet& inputs,
                 const Alphabet& outputs, std::span<const Actor> actors,
@@ -274,7 +276,7 @@ void write_head(std::ostream& out, const std::string& type, const Alphabet& inpu
   if (!actors.empty()) write_attribute(out, "actors", actors_to_text(actors));
   if (!hidden_returns.empty()) write_attribute(out, "hidden_returns", join_names(hidden_returns));
   for (const auto& [key, value] : origin) write_attribute(out, key, value);
-  out << "  __start0 [label=\"\" shape=\"none\"];\n";
+  write_start(out);
 }
 
 void write_state(std::ostream& out, StateId state, const std::string& more = {}) {
@@ -323,13 +325,15 @@ void write_dot(std::ostream& out, const Mealy& machine) {
   write_dot(out, NondeterministicMealy(machine));
 }
 
-void write_dot(std::ostream& out, const NondeterministicMealy& machine) {
-  struct LabelledEdge {
-    StateId from, to;
-    std::string label;
-  };
+namespace {
+
+struct LabelledEdge {
+  StateId from, to;
+  std::string label;
+};
+
+std::vector<LabelledEdge> edges_of(const NondeterministicMealy& machine) {
   std::vector<LabelledEdge> edges;
-  std::vector<std::string_view> labels;
   edges.reserve(machine.transition_count());
   for (StateId state = 0; state < machine.size(); ++state) {
     for (Symbol input = 0; input < machine.inputs().size(); ++input) {
@@ -340,14 +344,50 @@ void write_dot(std::ostream& out, const NondeterministicMealy& machine) {
       }
     }
   }
-  for (const LabelledEdge& edge : edges) labels.push_back(edge.label);
-  const bool misleads = looks_like_interface_automaton(labels);
-  write_head(out, misleads ? "mealy" : "", machine.inputs(), machine.outputs(), machine.actors, {},
-             machine.origin);
+  return edges;
+}
+
+// Everything behind the head.
+void write_graph(std::ostream& out, const NondeterministicMealy& machine,
+                 const std::vector<LabelledEdge>& edges) {
   for (StateId state = 0; state < machine.size(); ++state) write_state(out, state);
   out << "  __start0 -> s" << machine.initial() << ";\n";
   for (const LabelledEdge& edge : edges) write_edge(out, edge.from, edge.to, edge.label);
   out << "}\n";
+}
+
+// Without the spaces, which some readers take for parts of the names. A name with a slash needs
+// them.
+void join_tightly(std::string& label) {
+  const std::size_t place = label.find(" / ");
+  if (label.find('/') == place + 1 && label.rfind('/') == place + 1) label.replace(place, 3, "/");
+}
+
+}  // namespace
+
+void write_dot(std::ostream& out, const NondeterministicMealy& machine) {
+  const std::vector<LabelledEdge> edges = edges_of(machine);
+  std::vector<std::string_view> labels;
+  for (const LabelledEdge& edge : edges) labels.push_back(edge.label);
+  const bool misleads = looks_like_interface_automaton(labels);
+  write_head(out, misleads ? "mealy" : "", machine.inputs(), machine.outputs(), machine.actors, {},
+             machine.origin);
+  write_graph(out, machine, edges);
+}
+
+void write_automata_wiki(std::ostream& out, const Model& model) {
+  if (std::holds_alternative<InterfaceAutomaton>(model)) {
+    throw UsageError("the Automata Wiki's form is one of Mealy machines");
+  }
+  const auto* deterministic = std::get_if<Mealy>(&model);
+  const NondeterministicMealy machine = deterministic != nullptr
+                                            ? NondeterministicMealy(*deterministic)
+                                            : std::get<NondeterministicMealy>(model);
+  out << "digraph g {\n";
+  write_start(out);
+  std::vector<LabelledEdge> edges = edges_of(machine);
+  for (LabelledEdge& edge : edges) join_tightly(edge.label);
+  write_graph(out, machine, edges);
 }
 
 void write_dot(std::ostream& out, const InterfaceAutomaton& automaton) {

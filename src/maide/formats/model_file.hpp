@@ -39,6 +39,12 @@ void write_dot(std::ostream& out, const NondeterministicMealy& machine);
 void write_dot(std::ostream& out, const InterfaceAutomaton& automaton);
 void write_dot(std::ostream& out, const Model& model);
 
+// The states and transitions of a Mealy machine alone, as tools read them that know no graph
+// attributes (LearnLib's and AALpy's readers). The machine is the same; its origin and strength,
+// and what a Moore machine says before the first input, are left out. Throws UsageError for an
+// interface automaton.
+void write_automata_wiki(std::ostream& out, const Model& model);
+
 // ---- Aldebaran ----
 //
 // The format .aut of CADP, mCRL2 and LTSmin: a first line `des (initial, transitions, states)`,

@@ -22,6 +22,9 @@ bool can_draw();
 // than 20 seconds. Throws Interrupted.
 std::string draw_svg(const std::string& dot, const RunControl& control);
 
+// The same as a tikzpicture, for LaTeX: the classes of nodes and edges are its styles.
+std::string draw_tikz(const std::string& dot, const RunControl& control);
+
 // ---- Graphs ----
 //
 // A larger graph is shown as a table: nobody sees anything in the picture, and `dot` takes minutes.

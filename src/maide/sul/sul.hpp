@@ -145,6 +145,7 @@ struct SulInfo {
   std::string bound;            // what its own learning purpose bounds, "" if nothing:
                                 // "at most 6 messages in flight"
   bool has_actors = true;       // false: a plain Mealy machine; answers are opaque outputs
+  bool names_actors = true;     // false: its one actor is a name for the whole system
   bool speaks_trees = true;     // answers decision trees
   bool speaks_purposes = true;  // can be given a learning purpose
   bool speaks_av = true;        // understands Delta

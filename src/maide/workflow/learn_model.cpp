@@ -11,6 +11,7 @@
 #include "maide/automata/minimize.hpp"
 #include "maide/base/error.hpp"
 #include "maide/base/text.hpp"
+#include "maide/formats/names.hpp"
 #include "maide/learn/learner.hpp"
 #include "maide/learn/oracle/sul_oracle.hpp"
 #include "maide/sul/fatal_words.hpp"
@@ -118,10 +119,14 @@ std::string to_string(std::span<const SystemEnd> ends) {
 
 namespace {
 
-// What the machine stands for. A hypothesis of an unfinished run may stand for nothing yet; that of
-// a finished one shows a wrapper that breaks the rules, which is `error` then.
-Model to_model(const Mealy& machine, const IaTranslator& translator, std::exception_ptr& error) {
-  if (!translator.info().has_actors) return machine;
+// What the machine stands for; nothing for a plain system. A hypothesis of an unfinished run may
+// stand for nothing yet; that of a finished one shows a wrapper that breaks the rules, which is
+// `error` then.
+template <typename Machine>
+std::optional<InterfaceAutomaton> to_automaton(const Machine& machine,
+                                               const IaTranslator& translator,
+                                               std::exception_ptr& error) {
+  if (!translator.info().has_actors) return std::nullopt;
   try {
     InterfaceAutomaton automaton = translator.to_interface_automaton(machine);
     automaton.origin["translation"] = to_string(translator.translation());
@@ -130,11 +135,36 @@ Model to_model(const Mealy& machine, const IaTranslator& translator, std::except
     if (!error) {
       error = std::make_exception_ptr(WrapperError(failure.what(), translator.info().name));
     }
-    return machine;
+    return std::nullopt;
   }
 }
 
+// The machine as a model of its own. What the automaton that it stands for says of the system, it
+// says, too.
+template <typename Machine>
+Machine as_model(Machine machine, const std::optional<InterfaceAutomaton>& automaton,
+                 const IaTranslator& translator) {
+  if (!automaton) return machine;
+  for (const auto& [key, value] : automaton->origin) machine.origin[key] = value;
+  if (translator.info().names_actors) machine.actors = automaton->actors;
+  if (!automaton->hidden_returns.empty()) {
+    machine.origin["hidden_returns"] = join_names(automaton->hidden_returns);
+  }
+  return machine;
+}
+
+bool is_machine_wanted(ModelKind kind, const SulInfo& system) {
+  return kind == ModelKind::machine || (kind == ModelKind::by_system && !system.names_actors);
+}
+
 }  // namespace
+
+ModelKind read_model_kind(std::string_view name) {
+  if (name.empty()) return ModelKind::by_system;
+  if (name == "ia") return ModelKind::automaton;
+  if (name == "mealy") return ModelKind::machine;
+  throw UsageError("unknown kind of model '" + std::string(name) + "'; known are: mealy, ia");
+}
 
 std::size_t LearnedModel::states() const {
   if (!model) return 0;
@@ -154,26 +184,6 @@ std::size_t LearnedModel::transitions() const {
 
 namespace {
 
-// The automaton that the machine stands for, or the machine where there is none; see to_model.
-Model to_model(const NondeterministicMealy& machine, const IaTranslator& translator,
-               std::exception_ptr& error) {
-  if (!translator.info().has_actors) {
-    if (!machine.is_complete()) return machine;
-    if (auto deterministic = machine.to_mealy()) return std::move(*deterministic);
-    return machine;
-  }
-  try {
-    InterfaceAutomaton automaton = translator.to_interface_automaton(machine);
-    automaton.origin["translation"] = to_string(translator.translation());
-    return automaton;
-  } catch (const UsageError& failure) {
-    if (!error) {
-      error = std::make_exception_ptr(WrapperError(failure.what(), translator.info().name));
-    }
-    return machine;
-  }
-}
-
 // A refused input, and one that is not offered, was not tried there.
 std::vector<std::string> find_inputs_without_effect(const Mealy& machine, Translation translation) {
   std::vector<std::string> names;
@@ -192,8 +202,16 @@ std::vector<std::string> find_inputs_without_effect(const Mealy& machine, Transl
   return names;
 }
 
+// Of a plain system: deterministic, if it turned out to be.
+Model plain_model(const NondeterministicMealy& machine) {
+  if (!machine.is_complete()) return machine;
+  if (auto deterministic = machine.to_mealy()) return std::move(*deterministic);
+  return machine;
+}
+
 LearnedModel learn_nondeterministic(IaTranslator& translator, LearnedModel learned,
-                                    const ExperimentOptions& options, const RunControl& control) {
+                                    const ExperimentOptions& options, const RunControl& control,
+                                    bool is_machine) {
   if (translator.translation() != Translation::eager) {
     throw UsageError("nstar learns the eager translation");
   }
@@ -210,20 +228,26 @@ LearnedModel learn_nondeterministic(IaTranslator& translator, LearnedModel learn
   result.model.origin.emplace("sul", translator.info().name);
   if (!learned.experiment.is_complete()) result.model.origin["incomplete"] = "the run ended early";
   learned.mealy_states = result.model.size();
-  learned.model = to_model(result.model, translator, learned.experiment.error);
+  auto automaton = to_automaton(result.model, translator, learned.experiment.error);
+  if (automaton && !is_machine) {
+    learned.model = *std::move(automaton);
+  } else {
+    learned.model = plain_model(as_model(std::move(result.model), automaton, translator));
+  }
   return learned;
 }
 
 }  // namespace
 
 LearnedModel learn_model(Sul& sul, Translation translation, const ExperimentOptions& options,
-                         const RunControl& control) {
+                         const RunControl& control, ModelKind kind) {
   IaTranslator translator(sul, translation);
+  const bool is_machine = is_machine_wanted(kind, sul.info());
   LearnedModel learned;
   learned.translation = translation;
   learned.is_plain = !sul.info().has_actors;
   if (find_learner(options.algorithm).is_nondeterministic()) {
-    learned = learn_nondeterministic(translator, std::move(learned), options, control);
+    learned = learn_nondeterministic(translator, std::move(learned), options, control, is_machine);
     learned.incidents = sul.incidents();
     return learned;
   }
@@ -236,10 +260,15 @@ LearnedModel learn_model(Sul& sul, Translation translation, const ExperimentOpti
   if (!learned.experiment.is_complete()) machine.origin["incomplete"] = "the run ended early";
   learned.mealy_states = machine.size();
   learned.inputs_without_effect = find_inputs_without_effect(machine, translation);
-  learned.model = to_model(machine, translator, learned.experiment.error);
-  if (auto* automaton = std::get_if<InterfaceAutomaton>(&*learned.model)) {
+  auto automaton = to_automaton(machine, translator, learned.experiment.error);
+  if (automaton) {
     learned.ends = find_system_ends(*automaton, translator);
     if (!learned.ends.empty()) automaton->origin["ends"] = to_string(learned.ends);
+  }
+  if (automaton && !is_machine) {
+    learned.model = *std::move(automaton);
+  } else {
+    learned.model = as_model(machine, automaton, translator);
   }
   return learned;
 }

@@ -4,9 +4,11 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "maide/automata/interface_automaton.hpp"
@@ -37,15 +39,25 @@ std::string to_string(const SystemEnd& end);
 // The same of all, joined by "; ".
 std::string to_string(std::span<const SystemEnd> ends);
 
+// What a learned model is.
+enum class ModelKind : std::uint8_t {
+  automaton,  // an interface automaton; of a plain Mealy machine itself
+  machine,    // the Mealy machine of the translation
+  by_system,  // a machine where the system names no actors, else an automaton
+};
+
+// "ia" and "mealy", as users type them; "" is by_system. Throws UsageError for anything else.
+ModelKind read_model_kind(std::string_view name);
+
 struct LearnedModel {
-  // An interface automaton (nstar learns nondeterministic ones). A Mealy machine if the system is a
-  // plain one, or if a run that ended early left a machine that no automaton stands for. Nothing if
-  // the run ended before the first hypothesis.
+  // As the ModelKind says (nstar learns nondeterministic ones). A Mealy machine, too, if a run that
+  // ended early left a machine that no automaton stands for. Nothing if the run ended before the
+  // first hypothesis.
   std::optional<Model> model;
   Translation translation = Translation::eager;
   bool is_plain = false;         // the system is a plain Mealy machine: no translation
   std::size_t mealy_states = 0;  // of the minimal machine of the translation
-  std::vector<SystemEnd> ends;   // crashes and hangs of `model`, an interface automaton
+  std::vector<SystemEnd> ends;   // crashes and hangs of the interface automaton
   // Inputs that were tried and change no state of the deterministic machine, in their order.
   std::vector<std::string> inputs_without_effect;
   SulIncidents incidents;  // of the system's processes in this run, which were put right
@@ -59,6 +71,6 @@ struct LearnedModel {
 // the bound, algorithm, tests, seed, and the words that end the system ("ends"). Throws as
 // run_experiment does; what ends a run early is in `experiment.error`.
 LearnedModel learn_model(Sul& sul, Translation translation, const ExperimentOptions& options,
-                         const RunControl& control = {});
+                         const RunControl& control = {}, ModelKind kind = ModelKind::automaton);
 
 }  // namespace maide

@@ -444,7 +444,7 @@ InterfaceAutomaton read_requested_model(const ModelRequest& request) {
   if (auto* automaton = std::get_if<InterfaceAutomaton>(&model)) return std::move(*automaton);
   throw ParseError("'" + request.file.string() +
                        "' is a Mealy machine and programs meet interface automata (?input, "
-                       "!output): `maide learn sim:" +
+                       "!output): learn it with `--as ia`, or `maide learn sim:" +
                        request.file.filename().string() +
                        " -o model.dot --translation eager` makes one of it",
                    request.position);

@@ -81,6 +81,7 @@ Info decode_info(const Json& json) {
   Info message;
   SulInfo& info = message.info;
   info.actors = texts_member(json, "actors");
+  info.names_actors = !info.actors.empty();
   if (info.actors.empty()) info.actors = {"system"};
   for (const Json& row : list_member(json, "inputs")) {
     const auto [name, actor] = decode_named(row, info, "input");
