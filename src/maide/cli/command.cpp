@@ -140,6 +140,14 @@ std::span<const Command> command_table() {
               "maide bench models --algorithm lsharp --algorithm rs --csv bench.csv\n"
               "maide bench models --eq standard --time 10 --json",
               set_up_bench},
+      Command{"init", "Write a first system file, for the middleware that is installed",
+              "maide init\nmaide init robot.yaml --system cyclonedds", set_up_init},
+      Command{"new", "Write a wrapper that runs at once, for a server of your own",
+              "maide new wrapper --tcp 127.0.0.1:6379 --input 'SET a 1' --input 'GET a' --reset "
+              "FLUSHALL -o redis.py\n"
+              "maide new wrapper --tcp 127.0.0.1:21 --input 'user=USER anonymous' "
+              "--input 'pass=PASS x' --cpp -o ftp.cpp",
+              set_up_new},
       Command{"doctor", "Tell what is usable on this machine, and what to install",
               "maide doctor\nmaide doctor --json", set_up_doctor},
   };

@@ -118,7 +118,7 @@ std::string_view language_help();
 // Every command of this version, in the order of the overview.
 std::span<const Command> command_table();
 
-// One function for each row of the table, in a file of its own.
+// One function for each row of the table, in a file of its own (new and init share one).
 RunFunction set_up_bench(CommandLine& line);
 RunFunction set_up_cache(CommandLine& line);
 RunFunction set_up_compare(CommandLine& line);
@@ -126,7 +126,9 @@ RunFunction set_up_doctor(CommandLine& line);
 RunFunction set_up_check(CommandLine& line);
 RunFunction set_up_export(CommandLine& line);
 RunFunction set_up_format(CommandLine& line);
+RunFunction set_up_init(CommandLine& line);
 RunFunction set_up_learn(CommandLine& line);
+RunFunction set_up_new(CommandLine& line);
 RunFunction set_up_replay(CommandLine& line);
 RunFunction set_up_reproduce(CommandLine& line);
 RunFunction set_up_test(CommandLine& line);
