@@ -43,7 +43,16 @@ run(${CMAKE_COMMAND} --build "${work_dir}/consumer")
 run("${work_dir}/consumer/use_maide")
 run("${work_dir}/consumer/use_wrapper")
 
-# The same without CMake.
+# The package for Python, which finds the wrappers that were installed with it.
+if(python)
+  set(ENV{PYTHONPATH} "${work_dir}/prefix/${python_dir}")
+  run(${python} -B -c "import maide\nprint(len(maide.learn('port').model), maide.__version__)")
+  if(NOT output STREQUAL "4 ${version}\n")
+    message(FATAL_ERROR "the installed package for Python says: ${output}")
+  endif()
+endif()
+
+# A build without CMake.
 find_program(pkg_config pkg-config REQUIRED)
 file(GLOB_RECURSE pc "${work_dir}/prefix/maide.pc")
 cmake_path(GET pc PARENT_PATH pc_folder)

@@ -48,7 +48,7 @@ Context::Context(const CommonOptions& options, std::stop_token stop)
 RunControl Context::control() {
   RunControl control;
   control.stop = stop_;
-  control.progress = &progress_;
+  control.progress = options_.embedded ? options_.progress : &progress_;
   return control;
 }
 
@@ -67,7 +67,9 @@ void Context::set_result(const Json& object) {
   result_ = to_json_line(result);
 }
 
-void Context::complain(std::string_view message) { write_error_line(message); }
+void Context::complain(std::string_view message) {
+  if (!options_.embedded) write_error_line(message);
+}
 
 ExitStatus Context::fail(const std::string& message, ExitStatus status) {
   complain(message);
@@ -75,8 +77,7 @@ ExitStatus Context::fail(const std::string& message, ExitStatus status) {
   return status;
 }
 
-void Context::finish(ExitStatus status) {
-  if (!options_.json) return;
+std::string Context::take_result(ExitStatus status) {
   if (!result_) set_result(Json::object());
   const bool is_stopped = stop_.stop_requested() && status == ExitStatus::inconclusive;
   if (failure_.empty() && is_stopped) failure_ = "interrupted";
@@ -86,7 +87,11 @@ void Context::finish(ExitStatus status) {
     result["status"] = static_cast<int>(status);
     result_ = to_json_line(result);
   }
-  write_data(*result_ + "\n");
+  return *std::move(result_);
+}
+
+void Context::finish(ExitStatus status) {
+  if (options_.json) write_data(take_result(status) + "\n");
 }
 
 // The commands, in the order in which a newcomer meets them.

@@ -46,6 +46,10 @@ struct CommonOptions {
   bool json = false;     // --json
   bool quiet = false;    // -q
   bool verbose = false;  // -v
+  // The command runs within another program: nothing is printed, and who called it asks for the
+  // result (Context::take_result()).
+  bool embedded = false;
+  ProgressObserver* progress = nullptr;  // of an embedded command; null: nobody is told
 };
 
 class Context {
@@ -78,6 +82,9 @@ class Context {
   // Prints what set_result left and makes sure that all output has arrived. The result of a command
   // that Ctrl-C ended has `error` and `status`, too.
   void finish(ExitStatus status);
+
+  // Of an embedded command: the JSON object that finish() would print.
+  std::string take_result(ExitStatus status);
 
  private:
   CommonOptions options_;

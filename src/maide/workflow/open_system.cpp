@@ -6,6 +6,10 @@
 #include <algorithm>
 #include <cstdlib>
 #include <exception>
+#include <functional>
+#include <map>
+#include <mutex>
+#include <optional>
 #include <set>
 #include <string>
 #include <string_view>
@@ -29,6 +33,25 @@
 namespace maide {
 namespace {
 
+// What the running program has told of itself.
+struct Surroundings {
+  std::mutex mutex;
+  std::map<std::string, std::function<OpenedSystem()>> systems;  // by their names
+  std::uint64_t made = 0;                                        // systems, so far
+  std::optional<std::filesystem::path> wrappers;
+};
+
+Surroundings& surroundings() {
+  static Surroundings the_one;
+  return the_one;
+}
+
+std::function<OpenedSystem()> find_embedded(const std::string& name) {
+  const std::lock_guard lock(surroundings().mutex);
+  const auto found = surroundings().systems.find(name);
+  return found == surroundings().systems.end() ? nullptr : found->second;
+}
+
 bool take_prefix(std::string_view& text, std::string_view prefix) {
   if (!text.starts_with(prefix)) return false;
   text.remove_prefix(prefix.size());
@@ -44,6 +67,8 @@ void parse_target(SystemSpec& spec) {
   } else if (take_prefix(rest, "exec:")) {
     spec.kind = SystemSpec::Kind::program;
     spec.command = split_shell_words(rest);
+  } else if (find_embedded(spec.text)) {
+    spec.kind = SystemSpec::Kind::embedded;
   } else if (rest.find_first_of(":/= \t") != std::string_view::npos) {
     throw UsageError("unknown system '" + spec.text +
                      "': give a wrapper's name (port, cyclonedds), sim:FILE, tcp://HOST:PORT or "
@@ -116,6 +141,10 @@ std::vector<fs::path> own_folders() {
 
 std::vector<fs::path> search_folders() {
   std::vector<fs::path> folders = own_folders();
+  {
+    const std::lock_guard lock(surroundings().mutex);
+    if (surroundings().wrappers) folders.insert(folders.begin(), *surroundings().wrappers);
+  }
   for (fs::path& folder : path_folders()) folders.push_back(std::move(folder));
   return folders;
 }
@@ -135,6 +164,11 @@ bool is_wrapper_name(std::string_view name) {
 }
 
 }  // namespace
+
+void look_for_wrappers_in(const fs::path& folder) {
+  const std::lock_guard lock(surroundings().mutex);
+  surroundings().wrappers = folder;
+}
 
 std::optional<fs::path> find_wrapper(std::string_view name) {
   if (!is_wrapper_name(name)) return std::nullopt;
@@ -297,13 +331,41 @@ std::size_t default_jobs(const SystemSpec& spec) {
     case SystemSpec::Kind::wrapper: return std::max(1U, std::thread::hardware_concurrency());
     case SystemSpec::Kind::tcp: return split(spec.target, ',').size();
     case SystemSpec::Kind::simulated:
-    case SystemSpec::Kind::program: break;
+    case SystemSpec::Kind::program:
+    case SystemSpec::Kind::embedded: break;
   }
   return 1;
 }
 
+namespace {
+
+OpenedSystem open_embedded(const SystemSpec& spec, const SystemAccess& access) {
+  if (!spec.options.empty()) {
+    throw UsageError("unknown option '" + spec.options.begin()->first +
+                     "': the options of an object are its own");
+  }
+  if (wanted_jobs(spec, access) != 1) throw UsageError("an object is one system: jobs=1");
+  const auto open = find_embedded(spec.text);
+  if (!open) throw UsageError("there is no such object any more (" + spec.text + ")");
+  return open();
+}
+
+}  // namespace
+
+EmbeddedSystem::EmbeddedSystem(std::function<OpenedSystem()> open) {
+  const std::lock_guard lock(surroundings().mutex);
+  text_ = "object:" + std::to_string(++surroundings().made);
+  surroundings().systems.emplace(text_, std::move(open));
+}
+
+EmbeddedSystem::~EmbeddedSystem() {
+  const std::lock_guard lock(surroundings().mutex);
+  surroundings().systems.erase(text_);  // what it holds is the owner's, who is still there
+}
+
 OpenedSystem open_system(const SystemSpec& spec, const SystemAccess& access,
                          const RunControl& control) {
+  if (spec.kind == SystemSpec::Kind::embedded) return open_embedded(spec, access);
   if (spec.kind == SystemSpec::Kind::simulated) return open_simulation(spec, access);
   const std::size_t jobs = wanted_jobs(spec, access);
   const std::vector<WrapperEndpoint> endpoints = endpoints_of(spec, access);
@@ -316,7 +378,9 @@ OpenedSystem open_system(const SystemSpec& spec, const SystemAccess& access,
 
 std::vector<OptionSpec> list_system_options(const SystemSpec& spec, const SystemAccess& access,
                                             const RunControl& control) {
-  if (spec.kind == SystemSpec::Kind::simulated) return {};
+  const bool has_options =
+      spec.kind != SystemSpec::Kind::simulated && spec.kind != SystemSpec::Kind::embedded;
+  if (!has_options) return {};
   return ask_hello(endpoints_of(spec, access).front(), {}, control).options;
 }
 

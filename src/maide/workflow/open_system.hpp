@@ -4,6 +4,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -26,13 +27,15 @@ namespace maide {
 // simulated), the name of a wrapper ("port", "cyclonedds"), `tcp://HOST:PORT,...` (wrappers that
 // listen), or `exec:PROGRAM ARGS` (any program that speaks the protocol).
 struct SystemSpec {
-  enum class Kind { simulated, wrapper, tcp, program };
+  enum class Kind { simulated, wrapper, tcp, program, embedded };
   Kind kind = Kind::wrapper;
   std::string text;                            // as typed: "sim:coffee.dot"
   std::string target;                          // the file, the wrapper's name, "HOST:PORT,..."
   std::vector<std::string> command;            // of `exec:`: the program and its arguments
   std::map<std::string, std::string> options;  // KEY=VALUE, keys with '-' for '_'
 };
+
+// A program around Maide may have systems of its own, too: EmbeddedSystem.
 
 // Throws UsageError: an unknown scheme, an empty target, a word without '=', a key given twice.
 SystemSpec parse_system_spec(const std::string& sul, std::span<const std::string> key_values);
@@ -43,7 +46,9 @@ std::string origin_of(const SystemSpec& spec, const std::map<std::string, std::s
 // ---- Where wrappers are found ----
 //
 // The programs `maide-wrap-<middleware>` are looked for beside the running program, then in
-// ../libexec/maide from there, then on PATH.
+// ../libexec/maide from there, then on PATH. Where the running program is not Maide's (Python), it
+// says where they are: that folder comes before all others.
+void look_for_wrappers_in(const std::filesystem::path& folder);
 
 // The program of the wrapper called `name` ("cyclonedds"), or nothing if it is nowhere. A name that
 // is not made of letters, digits, '_' and '-' is nowhere.
@@ -87,6 +92,22 @@ struct OpenedSystem {
 // log.
 OpenedSystem open_system(const SystemSpec& spec, const SystemAccess& access = {},
                          const RunControl& control = {});
+
+// A system that the running program has itself, as an object. As long as this lives, text() names
+// it wherever the name of a system is read. Any thread may use it.
+class EmbeddedSystem {
+ public:
+  // `open` is called for each open_system(); what it opens may outlive neither.
+  explicit EmbeddedSystem(std::function<OpenedSystem()> open);
+  ~EmbeddedSystem();
+  EmbeddedSystem(const EmbeddedSystem&) = delete;
+  EmbeddedSystem& operator=(const EmbeddedSystem&) = delete;
+
+  const std::string& text() const { return text_; }  // "object:1"
+
+ private:
+  std::string text_;
+};
 
 // The options of the system; a simulated model has none. Options given in `spec` are not looked at.
 // Throws as open_system does.
