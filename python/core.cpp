@@ -410,7 +410,7 @@ PYBIND11_MODULE(_core, module) {
                               py::make_tuple(errors.base, value_error));
   errors.failed = define_error(module, "SystemFailed",
                                "The system under learning, or its wrapper, failed.", errors.base);
-  py::register_exception_translator([](std::exception_ptr thrown) {
+  py::register_exception_translator([](std::exception_ptr thrown) {  // NOLINT: the signature is given
     try {
       if (thrown) std::rethrow_exception(thrown);
     } catch (const Error& error) {

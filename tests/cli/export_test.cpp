@@ -94,7 +94,7 @@ void expect_picture(const std::string& source, const TempDir& folder, std::size_
     if (line.starts_with("  \\node[state") || line.starts_with("  \\node[due")) ++nodes;
   }
   EXPECT_EQ(nodes, states);
-  EXPECT_THAT(text, HasSubstr("\\draw[edge"));
+  EXPECT_THAT(text, HasSubstr("\\draw[transition"));
   EXPECT_THAT(text, testing::EndsWith("\\end{tikzpicture}\n"));
   if (!find_on_path("pdflatex")) return;
   write_file_atomically((folder.path() / "paper.tex").string(),

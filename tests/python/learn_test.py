@@ -239,12 +239,24 @@ class Systems(unittest.TestCase):
             maide.learn("exec:/nonexistent/wrapper")
 
     def test_ctrl_c_while_a_system_works(self):
-        timer = threading.Timer(1.0, os.kill, (os.getpid(), signal.SIGINT))
-        timer.start()
+        has_states = threading.Event()
+
+        def interrupt():
+            has_states.wait()
+            os.kill(os.getpid(), signal.SIGINT)
+
+        def watch(progress):
+            if progress["states"] >= 2:
+                has_states.set()
+
+        thread = threading.Thread(target=interrupt)
+        thread.start()
         with self.assertRaises(maide.Interrupted) as caught:
-            maide.learn("port", kind="strict", size=60, inputs="write,read,tryread", effort=50)
-        timer.join()
-        self.assertIsNotNone(caught.exception.learned)
+            maide.learn("port", kind="strict", size=60, inputs="write,read,tryread", effort=50,
+                        progress=watch)
+        thread.join()
+        self.assertIsNotNone(caught.exception.learned.model)
+        self.assertEqual(caught.exception.result.status, 3)
 
     def test_answer_words(self):
         with maide.System("port", kind="strict", size=1) as system:

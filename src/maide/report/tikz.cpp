@@ -31,7 +31,7 @@ constexpr std::string_view styles =
     "  every node/.style={inner sep=1pt, font=\\footnotesize},\n"
     "  state/.style={draw, circle}, due/.style={draw, circle, fill=black!12},\n"
     "  start/.style={fill, circle, inner sep=1pt}, untried/.style={black!50},\n"
-    "  label/.style={align=center}, edge/.style={->, >=stealth},\n"
+    "  action/.style={align=center}, transition/.style={->, >=stealth},\n"
     "  input/.style={}, output/.style={}, both/.style={}, beyond/.style={dashed, black!50}]\n";
 
 // Letters that LaTeX's fonts have without any package: those of Western Europe, but eth and thorn.
@@ -159,10 +159,11 @@ std::string node_text(const Json& node) {
 std::string edge_text(const Json& edge) {
   const std::string kind = text_of(edge, "class");
   const std::string style = kind == "start" ? "" : kind == "untried" ? ", beyond" : ", " + kind;
-  std::string text = fmt::format("  \\draw[edge{}] {};\n", style, path_of(text_of(edge, "pos")));
+  std::string text =
+      fmt::format("  \\draw[transition{}] {};\n", style, path_of(text_of(edge, "pos")));
   const std::string place = text_of(edge, "lp");
   if (place.empty()) return text;
-  return text + fmt::format("  \\node[label{}] at {} {{{}}};\n", style,
+  return text + fmt::format("  \\node[action{}] at {} {{{}}};\n", style,
                             to_string(read_point(place)), label_text(text_of(edge, "label")));
 }
 
