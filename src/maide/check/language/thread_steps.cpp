@@ -33,7 +33,9 @@ Unroller::ServiceUse Unroller::operation_of(const Service& service, const std::s
   if (is_input && name == "answer") return {Kind::answer, 0, server_run};
   const std::string node = callback != nullptr ? callback->node : "";
   const std::uint32_t client = service.client_of(node, number_).value_or(0);
-  const std::uint32_t run = callback != nullptr ? callback->asker : nobody;
+  // Where the client has code of its own, no callback waits for what it asked.
+  const bool may_wait = callback != nullptr && !service.own_code.contains(node);
+  const std::uint32_t run = may_wait ? callback->asker : nobody;
   if (!is_input) return {callback != nullptr ? Kind::wait : Kind::take_answer, client, run};
   const bool sends = name == ServiceModel::name_at("send", client);
   return {sends ? Kind::send : Kind::receive, client, run};
@@ -216,7 +218,7 @@ void Unroller::expand_end(const Place& place, const Statement& statement, const 
   for (const std::uint32_t model : statement.services) {
     const Service& service = names_.services.at(model);
     const auto client = service.client_of(callback.node, number_);
-    if (!client) continue;
+    if (!client || service.own_code.contains(callback.node)) continue;
     uses.push_back(service.rules->use(actions_, model, {Kind::end_run, *client, callback.asker}));
   }
   add_joint({Joint::Role::end, std::move(uses), {}, callback.whole_name() + " ends", 0},
