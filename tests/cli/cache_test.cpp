@@ -51,6 +51,13 @@ class CacheCommand : public testing::Test {
   TempDir folder;
 };
 
+// Words that begin so, and were not answered so.
+void remove_contradicting(CacheFile& file, const Word& word, const Word& answer) {
+  file.remove_if([&](const Word& inputs, const Word& outputs) {
+    return is_prefix(word, inputs) && !is_prefix(answer, outputs);
+  });
+}
+
 TEST_F(CacheCommand, ShowSaysWhatIsInIt) {
   const std::string cache = path("a.cache");
   const std::uint64_t experiments = learn(cache);
@@ -60,7 +67,7 @@ TEST_F(CacheCommand, ShowSaysWhatIsInIt) {
   EXPECT_THAT(text.out, HasSubstr("translation   eager"));
   EXPECT_THAT(text.out, HasSubstr("inputs        2: write, read"));
   const Json found = json_of(run_maide({"cache", "show", cache, "--json"})).at("caches").at(0);
-  EXPECT_EQ(found.at("words"), experiments);
+  EXPECT_LE(found.at("words"), experiments);  // what says nothing new is not kept
   EXPECT_GT(found.at("observations"), 0);
   EXPECT_GE(found.at("symbols"), found.at("observations"));
   EXPECT_EQ(found.at("bytes"), fs::file_size(cache));
@@ -137,7 +144,9 @@ TEST_F(CacheCommand, CheckFindsContradictionsAndDamage) {
 
 TEST_F(CacheCommand, CheckAsksTheSystemAgain) {
   const std::string cache = path("a.cache");
-  const std::uint64_t words = learn(cache);
+  learn(cache);
+  const Json shown = json_of(run_maide({"cache", "show", cache, "--json"}));
+  const auto words = shown.at("caches").at(0).at("words").get<std::uint64_t>();
   const auto check = [&](const std::string& system) {
     return run_maide({"cache", "check", cache, "--system", system, "--words", "1000000"});
   };
@@ -149,7 +158,7 @@ TEST_F(CacheCommand, CheckAsksTheSystemAgain) {
   {
     CacheFile file(cache);
     const Alphabet& names = file.outputs();
-    file.remove_contradicting({1, 1}, {names.at("quiet"), names.at("lie")});
+    remove_contradicting(file, {1, 1}, {names.at("quiet"), names.at("lie")});
     file.commit();
   }
   const SubprocessResult other = check(simulated);
@@ -180,8 +189,8 @@ TEST_F(CacheCommand, CheckShowsEachChangedAnswerOnceShortestFirst) {
     for (Symbol input = 0; input < 11; ++input) file.add({input, input}, {lie, no}, names);
     file.add({0, 1}, {lie, no}, names);
     file.add({11, 11, 0}, {no, lie, no}, names);
-    for (Symbol input = 0; input < 11; ++input) file.remove_contradicting({input}, {lie});
-    file.remove_contradicting({11, 11}, {no, lie});
+    for (Symbol input = 0; input < 11; ++input) remove_contradicting(file, {input}, {lie});
+    remove_contradicting(file, {11, 11}, {no, lie});
     file.commit();
   }
   const SubprocessResult text =
@@ -221,7 +230,7 @@ TEST_F(CacheCommand, ShowNeedsNoLock) {
   EXPECT_THAT(result.err, HasSubstr("another process uses this cache; what it held just now is "
                                     "read (" +
                                     cache + ")"));
-  EXPECT_EQ(json_of(result).at("caches").at(0).at("words"), words);
+  EXPECT_LE(json_of(result).at("caches").at(0).at("words"), words);
   EXPECT_TRUE(fs::exists(cache + "-wal")) << "the holder's log was taken away";
 }
 

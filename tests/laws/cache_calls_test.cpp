@@ -35,9 +35,12 @@ class LyingOracle : public MealyOracle {
       MealyAnswer& answer = answers[i];
       // The path through a tree would be that of what really happened.
       if (answer.outputs.empty() || lies == 0 || !std::holds_alternative<Word>(batch[i])) continue;
-      --lies;
       Symbol& output = answer.outputs[place % answer.outputs.size()];
-      output = static_cast<Symbol>((output + 1) % outputs().size());
+      if (outputs().name(output) == "refused") continue;  // of that nobody is in doubt
+      --lies;
+      do {
+        output = static_cast<Symbol>((output + 1) % outputs().size());
+      } while (outputs().name(output) == "refused");
     }
     return answers;
   }
@@ -52,7 +55,8 @@ class CacheWorld {
   static constexpr std::uint32_t kinds = 6;
 
   explicit CacheWorld(std::uint64_t seed)
-      : machine_(two_outputs(random_machine(seed, 12))),
+      : has_refusals_(seed % 2 == 1),  // of every other system
+        machine_(two_outputs(random_machine(seed, 12), has_refusals_ ? seed : 0)),
         oracle_(machine_),
         path_(directory_.path() / "cache") {
     open();
@@ -95,9 +99,33 @@ class CacheWorld {
   }
 
  private:
-  static Mealy two_outputs(Mealy machine) {
+  // With a seed some inputs are refused, which changes nothing.
+  static Mealy two_outputs(Mealy machine, std::uint64_t seed = 0) {
     while (machine.outputs().size() < 2) machine.intern_output("another");
+    if (seed == 0) return machine;
+    Random random(seed);
+    const Symbol refused = machine.intern_output("refused");
+    for (StateId state = 0; state < machine.size(); ++state) {
+      for (Symbol input = 0; input < machine.inputs().size(); ++input) {
+        if (random.chance(0.3)) machine.set_transition(state, input, refused, state);
+      }
+    }
     return machine;
+  }
+  // The words that the cache knows when it knows this one.
+  std::vector<Word> known_by(const Word& word) {
+    if (!has_refusals_) return {word};
+    const std::vector<std::string> outputs = names(cache_->ask(word), cache_->outputs());
+    std::vector<Word> all;
+    Word given;
+    for (std::size_t i = 0; i < word.size(); ++i) {
+      given.push_back(word[i]);
+      if (outputs[i] != "refused") continue;
+      all.push_back(given);
+      given.pop_back();
+    }
+    all.push_back(given);
+    return all;
   }
   std::size_t inputs() const { return machine_.inputs().size(); }
 
@@ -119,7 +147,9 @@ class CacheWorld {
     cache_.reset();
     file_.reset();
     file_ = std::make_unique<CacheFile>(path_, machine_.inputs(), Fingerprint{{"kind", "test"}});
-    cache_ = std::make_unique<Cache>(oracle_, *file_);
+    cache_ = std::make_unique<Cache>(
+        oracle_, *file_,
+        has_refusals_ ? Cache::Refusals::change_nothing : Cache::Refusals::are_outputs);
     cache_->hold_votes({});
     has_run_.clear();
   }
@@ -160,9 +190,11 @@ class CacheWorld {
       has_run_.insert(word);
       promise(answers[i].inputs == word, "the whole word is answered");
       promise(has_lied_ || answers[i].outputs == truth(word), "the answer is the system's");
+      if (has_refusals_ && has_lied_) continue;  // asking some as they are may correct others
       promise(cache_->ask(word) == answers[i].outputs, "it is answered again alike");
     }
-    promise(oracle_.words == before, "what is known is not asked");
+    // Of what may be asked without what is refused, some is asked as it is.
+    promise(has_refusals_ || oracle_.words == before, "what is known is not asked");
   }
 
   // A chain with branches to all outputs, and a leaf that ends after some.
@@ -215,11 +247,16 @@ class CacheWorld {
 
   // Against all that was asked in this run, by hand.
   void test_consistency(Random& random) {
+    if (has_refusals_ && has_lied_) return;
     const Mealy hypothesis = two_outputs(
         random_mealy({.states = random.between(1, 4), .inputs = inputs(), .outputs = 2}, random));
     if (!(hypothesis.inputs() == machine_.inputs())) return;
     std::optional<Word> least;
+    std::set<Word> all;
     for (const Word& word : has_run_) {
+      for (const Word& known : known_by(word)) all.insert(known);
+    }
+    for (const Word& word : all) {
       const std::vector<std::string> known = names(cache_->ask(word), cache_->outputs());
       const std::vector<std::string> guess =
           names(hypothesis.output_word(word), hypothesis.outputs());
@@ -233,6 +270,7 @@ class CacheWorld {
     promise(found == least, "the consistency test finds the least known word");
   }
 
+  bool has_refusals_;
   Mealy machine_;
   LyingOracle oracle_;
   TempDir directory_;

@@ -68,7 +68,7 @@ std::size_t count_common(std::span<const Symbol> left, std::span<const Symbol> r
   return static_cast<std::size_t>(std::ranges::mismatch(left, right).in1 - left.begin());
 }
 
-bool is_prefix(const Word& prefix, const Word& word) {
+bool is_prefix(std::span<const Symbol> prefix, std::span<const Symbol> word) {
   return prefix.size() <= word.size() && std::equal(prefix.begin(), prefix.end(), word.begin());
 }
 

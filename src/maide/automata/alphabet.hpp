@@ -73,7 +73,7 @@ Word tail(const Word& word, std::size_t start);
 std::size_t count_common(std::span<const Symbol> left, std::span<const Symbol> right);
 
 // Every word is a prefix of itself.
-bool is_prefix(const Word& prefix, const Word& word);
+bool is_prefix(std::span<const Symbol> prefix, std::span<const Symbol> word);
 
 // The words that are no prefixes of others, none twice; sorted. O(n log n) comparisons.
 std::vector<Word> without_prefixes(std::vector<Word> words);

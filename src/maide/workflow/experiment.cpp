@@ -133,7 +133,9 @@ class Run {
       file_.emplace(options.cache_file, system.inputs(), options.fingerprint, &control);
       if (options.on_cached_word) kept_symbols_ = tell_cached_words(*file_, options);
     }
-    cache_.emplace(file_ ? Cache(portioned_, *file_) : Cache(portioned_));
+    const auto refusals =
+        options.has_refusals ? Cache::Refusals::change_nothing : Cache::Refusals::are_outputs;
+    cache_.emplace(file_ ? Cache(portioned_, *file_, refusals) : Cache(portioned_, refusals));
     cache_->hold_votes(options.vote, [this](bool begins) {
       if (begins) phase_ = counter_.phase();
       counter_.set_phase(begins ? LearnPhase::confirmation : phase_);
@@ -385,6 +387,7 @@ ExperimentResult run_experiment(IaTranslator& translator, const ExperimentOption
   }
   ExperimentOptions completed = options;
   completed.fingerprint.merge(identify(translator));
+  completed.has_refusals = true;
   completed.on_cached_word = [&](const Word& inputs, const std::vector<std::string>& outputs) {
     translator.remember(inputs, outputs);
   };

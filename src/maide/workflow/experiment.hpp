@@ -58,6 +58,7 @@ struct ExperimentOptions {
   std::vector<Word> known_words;  // each hypothesis is tested with these first
   // Names of outputs that end the session, '*' for any characters (learn/oracle/error_outputs.hpp).
   std::vector<std::string> error_outputs;
+  bool has_refusals = false;           // Cache::Refusals::change_nothing
   bool confirm = false;                // ask each counterexample again before it is believed
   std::optional<SlowerSystem> slower;  // confirms the final model, where given
   // Told of each word in the cache file and its answer, before anything is asked.

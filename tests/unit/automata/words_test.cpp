@@ -11,11 +11,11 @@ namespace maide {
 namespace {
 
 TEST(Words, PrefixesAndJoins) {
-  EXPECT_TRUE(is_prefix({}, {}));
-  EXPECT_TRUE(is_prefix({1, 2}, {1, 2}));
-  EXPECT_TRUE(is_prefix({1}, {1, 2}));
-  EXPECT_FALSE(is_prefix({1, 2}, {1}));
-  EXPECT_FALSE(is_prefix({2}, {1, 2}));
+  EXPECT_TRUE(is_prefix(Word{}, Word{}));
+  EXPECT_TRUE(is_prefix(Word{1, 2}, Word{1, 2}));
+  EXPECT_TRUE(is_prefix(Word{1}, Word{1, 2}));
+  EXPECT_FALSE(is_prefix(Word{1, 2}, Word{1}));
+  EXPECT_FALSE(is_prefix(Word{2}, Word{1, 2}));
   EXPECT_EQ(joined({1}, {2, 3}), (Word{1, 2, 3}));
   EXPECT_EQ(joined({}, {}), Word());
 }

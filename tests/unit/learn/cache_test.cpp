@@ -8,6 +8,7 @@
 #include "maide/automata/random_automata.hpp"
 #include "maide/base/error.hpp"
 #include "maide/base/random.hpp"
+#include "maide/learn/lsharp/adaptive_experiment.hpp"
 #include "oracles.hpp"
 
 namespace maide {
@@ -108,6 +109,62 @@ TEST(Cache, AsksPrefixesAndDuplicatesOfABatchOnce) {
   for (std::size_t i = 0; i < batch.size(); ++i) {
     EXPECT_EQ(answers[i].outputs, machine.output_word(std::get<Word>(batch[i])));
   }
+}
+
+// A read of nothing blocks the reader until something is written.
+Mealy port() {
+  Mealy machine(Alphabet({"write", "read"}), Alphabet({"quiet", "message", "refused"}), 3);
+  constexpr Symbol write = 0, read = 1, quiet = 0, message = 1, refused = 2;
+  machine.set_transition(0, write, quiet, 1);
+  machine.set_transition(0, read, quiet, 2);
+  machine.set_transition(1, write, quiet, 1);
+  machine.set_transition(1, read, message, 0);
+  machine.set_transition(2, write, message, 0);
+  machine.set_transition(2, read, refused, 2);
+  return machine;
+}
+
+TEST(Cache, KnowsThatARefusalChangesNothing) {
+  constexpr Symbol write = 0, read = 1;
+  const Mealy machine = port();
+  RecordingOracle system(machine);
+  Cache cache(system, Cache::Refusals::change_nothing);
+  const auto texts = [&](const Word& word) { return to_string(cache.ask(word), cache.outputs()); };
+  EXPECT_EQ(texts({read, read, write}), "quiet refused message");
+  for (int i = 0; i < 2; ++i) texts({read, read, write});  // the first two are asked as they are
+  EXPECT_EQ(system.asked.size(), 3U);
+  EXPECT_EQ(texts({read, write}), "quiet message");
+  EXPECT_EQ(texts({read, read, read, write}), "quiet refused refused message");
+  EXPECT_EQ(system.asked.size(), 3U) << "known";
+  texts({read, read, write});  // the fourth, asked as it is
+  EXPECT_EQ(texts({read, read, read, write, write}), "quiet refused refused message quiet");
+  EXPECT_EQ(std::get<Word>(system.asked.back()), (Word{read, write, write}));
+  const std::vector<Query> tree{
+      chain(Word{read, read, write, read, read, read},
+            Word{cache.intern_output("quiet"), cache.intern_output("refused"),
+                 cache.intern_output("message"), cache.intern_output("quiet"),
+                 cache.intern_output("refused")})};
+  const MealyAnswer answer = cache.ask(tree).front();
+  EXPECT_EQ(answer.inputs, (Word{read, read, write, read, read, read}));
+  EXPECT_EQ(to_string(answer.outputs, cache.outputs()),
+            "quiet refused message quiet refused refused");
+  EXPECT_EQ(std::get<DecisionTree>(system.asked.back()).nodes.size(), 5U);
+  cache.check_invariants();
+}
+
+// The second read that is refused ends the reader.
+TEST(Cache, FindsARefusalThatChangesSomething) {
+  constexpr Symbol write = 0, read = 1, quiet = 0, refused = 2;
+  Mealy machine = port();
+  const StateId gone = machine.add_state();
+  machine.set_transition(2, read, refused, gone);
+  machine.set_transition(gone, write, quiet, gone);
+  machine.set_transition(gone, read, refused, gone);
+  MealyOracle system(machine);
+  Cache cache(system, Cache::Refusals::change_nothing);
+  cache.ask(Word{read, write});
+  cache.ask(Word{read, read});
+  EXPECT_THROW(cache.ask(Word{read, read, write}), NondeterminismError);
 }
 
 // Outputs get their numbers in query order, as without a cache, whatever was recorded first.

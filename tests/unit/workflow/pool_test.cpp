@@ -60,7 +60,7 @@ Outcome learn(Sul& sul, ExperimentOptions options) {
   file.for_each([&](const Word& inputs, const Word& outputs) {
     outcome.answers.emplace_back(inputs, outputs);
   });
-  EXPECT_EQ(outcome.answers.size(), result.experiments);
+  EXPECT_LE(outcome.answers.size(), result.experiments);
   return outcome;
 }
 

@@ -1,6 +1,9 @@
 #include "maide/learn/cache/cache.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <bit>
 #include <numeric>
 #include <unordered_set>
 #include <utility>
@@ -32,10 +35,14 @@ Word encode(const DecisionTree& tree) {
 
 }  // namespace
 
-Cache::Cache(OutputOracle& system) : system_(system), outputs_(system.outputs()) {}
+Cache::Cache(OutputOracle& system, Refusals refusals)
+    : system_(system),
+      outputs_(system.outputs()),
+      has_refusals_(refusals == Refusals::change_nothing) {}
 
-Cache::Cache(OutputOracle& system, CacheFile& file) : Cache(system) {
+Cache::Cache(OutputOracle& system, CacheFile& file, Refusals refusals) : Cache(system, refusals) {
   stored_outputs_ = file.outputs();
+  learn_refusals();
   try {
     file.for_each([this](const Word& inputs, const Word& outputs) { insert(inputs, outputs); });
   } catch (const NondeterminismError&) {
@@ -68,8 +75,10 @@ std::vector<MealyAnswer> Cache::ask(std::span<const Query> batch, const RunContr
     if (!known[i].is_whole) unknown.push_back(i);
   }
   hits_ += batch.size() - unknown.size();
+  const std::vector<Query> whole = select_whole(batch, known);
   try {
     if (!unknown.empty()) ask_system(batch, std::move(unknown), known, control);
+    if (!whole.empty()) send(whole, control);
   } catch (...) {
     for (std::size_t i = 0; on_early_end && i < batch.size(); ++i) {
       Lookup lookup = look_up(batch[i]);
@@ -88,6 +97,27 @@ std::vector<MealyAnswer> Cache::ask(std::span<const Query> batch, const RunContr
   return answers;
 }
 
+// Some of the words that would be asked without what is refused, to be asked as they are: a wrapper
+// that says by itself that an input was refused may be wrong. At first many, then few.
+std::vector<Query> Cache::select_whole(std::span<const Query> batch,
+                                       const std::vector<Lookup>& known) {
+  constexpr std::uint64_t one_in = 64;
+  std::vector<Query> whole;
+  if (!has_refusals_ || misses_ == 0) return whole;  // a file that has all is not doubted
+  for (std::size_t i = 0; i < batch.size(); ++i) {
+    const auto* word = std::get_if<Word>(&batch[i]);
+    const Word& outputs = known[i].answer.outputs;
+    const auto refused = std::find_if(outputs.begin(), outputs.end(),
+                                      [this](Symbol output) { return is_refusal(output); });
+    if (word == nullptr || refused == outputs.end()) continue;
+    if (static_cast<std::size_t>(refused - outputs.begin()) + 1 == word->size()) continue;
+    ++shortened_;
+    if (std::has_single_bit(shortened_) || shortened_ % one_in == 0) whole.push_back(*word);
+  }
+  misses_ += whole.size();
+  return whole;
+}
+
 // Those of the unknown queries whose answers answer all of them: no word that is a prefix of
 // another, nothing twice. Ascending. Words of which one is a prefix of the other leave the tree at
 // the same place by the same input, so only such are compared. O(words log words).
@@ -101,25 +131,29 @@ std::vector<std::size_t> Cache::select_queries(std::span<const Query> batch,
     std::size_t index;
   };
   std::vector<Leaving> words;
-  const auto word = [&](std::size_t index) -> const Word& { return std::get<Word>(batch[index]); };
+  // What is not known of a word.
+  const auto rest = [&](std::size_t index) {
+    return std::span(std::get<Word>(batch[index])).subspan(known[index].answer.outputs.size());
+  };
   for (const std::size_t index : unknown) {
     if (const auto* tree = std::get_if<DecisionTree>(&batch[index])) {
       if (trees.insert(encode(*tree)).second) selected.push_back(index);
     } else {
-      MAIDE_CHECK(known[index].answer.outputs.size() < word(index).size());  // or it is known
-      const Symbol input = word(index)[known[index].answer.outputs.size()];
-      words.push_back({std::uint64_t{known[index].node} << 32 | input, index});
+      MAIDE_CHECK(!rest(index).empty());  // or it is known
+      words.push_back({std::uint64_t{known[index].node} << 32 | rest(index).front(), index});
     }
   }
   // A word's extensions follow it; of equal words the first in the batch comes last, and stays.
   std::sort(words.begin(), words.end(), [&](const Leaving& left, const Leaving& right) {
     if (left.place != right.place) return left.place < right.place;
-    const auto order = word(left.index) <=> word(right.index);
+    const auto one = rest(left.index), other = rest(right.index);
+    const auto order =
+        std::lexicographical_compare_three_way(one.begin(), one.end(), other.begin(), other.end());
     return order != 0 ? order < 0 : left.index > right.index;
   });
   for (std::size_t i = 0; i < words.size(); ++i) {
     if (i + 1 < words.size() && words[i].place == words[i + 1].place &&
-        is_prefix(word(words[i].index), word(words[i + 1].index))) {
+        is_prefix(rest(words[i].index), rest(words[i + 1].index))) {
       continue;
     }
     selected.push_back(words[i].index);
@@ -145,27 +179,34 @@ void Cache::ask_system(std::span<const Query> batch, std::vector<std::size_t> un
       lookups.reserve(part.size());
       for (const std::size_t index : part) lookups.push_back(&known[index]);
       std::vector<Query> copies;
-      std::vector<MealyAnswer> fresh = send(to_system(batch, part, copies), control, lookups);
+      std::vector<MealyAnswer> fresh =
+          send(to_system(batch, part, known, copies), control, lookups);
       MAIDE_CHECK(fresh.size() == part.size());
-      for (std::size_t i = 0; i < part.size(); ++i) known[part[i]].answer = std::move(fresh[i]);
+      for (std::size_t i = 0; i < part.size(); ++i) {
+        known[part[i]].answer = std::move(fresh[i]);
+      }
     }
     misses_ += selected.size();
     const bool was_corrected = votes_ && votes_->corrections != corrections;
-    // What is new in the tree are answers to this batch.
-    for (TraceTree::Node node = first_fresh; !was_corrected && node < tree_.next_node(); ++node) {
+    // What is new in the tree are answers to this batch. Behind what is refused an answer may come
+    // to what is not new: then it is looked up.
+    const bool is_all_new = !was_corrected && !has_refusals_;
+    for (TraceTree::Node node = first_fresh; is_all_new && node < tree_.next_node(); ++node) {
       tree_.mark(node);
     }
     std::vector<std::size_t> still_unknown;
     for (const std::size_t index : unknown) {
       const bool was_sent = std::binary_search(selected.begin(), selected.end(), index);
       Lookup& lookup = known[index];
-      if (was_sent && lookup.answer.end != WordEnd::complete) continue;  // there is no more of it
+      const bool is_over = was_sent && lookup.answer.end != WordEnd::complete;  // there is no more
+      if (is_over && !has_refusals_) continue;
       const Word* const word = std::get_if<Word>(&batch[index]);
-      if (was_sent && !was_corrected && word != nullptr && lookup.answer.inputs == *word) continue;
+      if (was_sent && is_all_new && word != nullptr && lookup.answer.inputs == *word) continue;
       Lookup now = look_up(batch[index]);
       lookup.answer.inputs = std::move(now.answer.inputs);  // but times and attempts as sent
       lookup.answer.outputs = std::move(now.answer.outputs);
       lookup.node = now.node;
+      if (is_over) continue;
       if (now.is_whole) {
         if (!was_sent) ++hits_;
       } else if (was_sent && !was_corrected) {
@@ -222,7 +263,7 @@ std::vector<MealyAnswer> Cache::send(std::span<const Query> queries, const RunCo
 // Records an answer whose beginning was looked up before, without walking there again; false, and
 // nothing is recorded, if there is more to do: it contradicts the tree, or votes wait for it.
 bool Cache::extend(const Query& query, const Lookup& known, const MealyAnswer& answer) {
-  if (votes_ && !votes_->watched.empty()) return false;
+  if (has_refusals_ || (votes_ && !votes_->watched.empty())) return false;
   const Word* const word = std::get_if<Word>(&query);
   const Word& path = word != nullptr ? *word : known.answer.inputs;
   const std::size_t start = known.answer.outputs.size();
@@ -264,28 +305,49 @@ std::vector<MealyAnswer> Cache::ask_below(std::span<const Query> queries,
       system_.ask(queries, control, [&](std::size_t, MealyAnswer answer) {
         learn_system_outputs();
         renumber(answer);
-        if (!find_conflict(answer.inputs, answer.outputs)) record(answer);
+        check_refusals(answer);
+        if (!find_conflict(answer.inputs, answer.outputs)) insert(answer.inputs, answer.outputs);
       });
   learn_system_outputs();
-  for (MealyAnswer& answer : fresh) renumber(answer);
-  return fresh;
-}
-
-void Cache::record(const MealyAnswer& answer) {
-  if (insert(answer.inputs, answer.outputs) && file_ != nullptr) {
-    file_->add(answer.inputs, answer.outputs, stored_outputs_);
+  for (MealyAnswer& answer : fresh) {
+    renumber(answer);
+    check_refusals(answer);
   }
+  return fresh;
 }
 
 std::optional<std::size_t> Cache::find_conflict(const Word& inputs, const Word& outputs) const {
   TraceTree::Node node = TraceTree::root;
   const std::size_t length = std::min(inputs.size(), outputs.size());
   for (std::size_t i = 0; i < length; ++i) {
-    node = tree_.child(node, inputs[i]);
-    if (node == TraceTree::none) break;
-    if (tree_.output(node) != outputs[i]) return i;
+    const TraceTree::Node edge = tree_.child(node, inputs[i]);
+    if (edge == TraceTree::none && !is_refusal(outputs[i])) break;
+    if (edge == TraceTree::none) continue;
+    if (tree_.output(edge) != outputs[i]) return i;
+    node = behind(node, edge);
   }
   return std::nullopt;
+}
+
+// An input that was refused is not taken next, for nothing has changed. By no fault of a run: who
+// says what is refused knows no better.
+void Cache::check_refusals(const MealyAnswer& answer) const {
+  Word refused;  // since an input was taken
+  for (std::size_t i = 0; has_refusals_ && i < answer.outputs.size(); ++i) {
+    const Symbol input = answer.inputs[i];
+    if (is_refusal(answer.outputs[i])) {
+      refused.push_back(input);
+    } else if (std::find(refused.begin(), refused.end(), input) == refused.end()) {
+      refused.clear();
+    } else {
+      throw Error(
+          ExitStatus::system_failed,
+          fmt::format("input '{}' is refused and yet changes the state: \"{}\" was answered "
+                      "\"{}\"",
+                      inputs().name(input), to_string(head(answer.inputs, i + 1), inputs()),
+                      to_string(head(answer.outputs, i + 1), stored_outputs_)));
+    }
+  }
 }
 
 NondeterminismError Cache::contradiction(const Word& inputs, const Word& outputs,
@@ -296,19 +358,22 @@ NondeterminismError Cache::contradiction(const Word& inputs, const Word& outputs
           to_string(std::span(outputs).first(agreeing + 1), stored_outputs_)};
 }
 
-// Adds a trace; false if all of it was known. Adds nothing of a trace that contradicts the tree.
-bool Cache::insert(const Word& inputs, const Word& outputs) {
+// Adds a trace, to the file, too; nothing of one that contradicts the tree.
+void Cache::insert(const Word& inputs, const Word& outputs) {
   if (const auto agreeing = find_conflict(inputs, outputs)) {
     throw contradiction(inputs, outputs, *agreeing);
   }
   TraceTree::Node node = TraceTree::root;
   bool is_new = false;
   for (std::size_t i = 0; i < std::min(inputs.size(), outputs.size()); ++i) {
-    const TraceTree::Node child = is_new ? TraceTree::none : tree_.child(node, inputs[i]);
-    is_new = child == TraceTree::none;
-    node = is_new ? tree_.add_child(node, inputs[i], outputs[i]) : child;
+    TraceTree::Node edge = tree_.child(node, inputs[i]);
+    if (edge == TraceTree::none) {
+      edge = tree_.add_child(node, inputs[i], outputs[i]);
+      is_new = true;
+    }
+    node = behind(node, edge);
   }
-  return is_new;
+  if (is_new && file_ != nullptr) file_->add(inputs, outputs, stored_outputs_);
 }
 
 // Makes the outputs known that the system has named since.
@@ -317,6 +382,14 @@ void Cache::learn_system_outputs() {
   while (from_system_.size() < names.size()) {
     const auto next = static_cast<Symbol>(from_system_.size());
     from_system_.push_back(stored_outputs_.intern(names.name(next)));
+  }
+  learn_refusals();
+}
+
+void Cache::learn_refusals() {
+  while (has_refusals_ && is_refusal_.size() < stored_outputs_.size()) {
+    const std::string& name = stored_outputs_.name(static_cast<Symbol>(is_refusal_.size()));
+    is_refusal_.push_back(name == "refused" || name == "unexplored" || name == "absorbed");
   }
 }
 
@@ -386,20 +459,74 @@ Query Cache::to_system(const Query& query) {
   return result;
 }
 
+bool Cache::has_refused(const Lookup& known) const {
+  const Word& outputs = known.answer.outputs;
+  return has_refusals_ && std::any_of(outputs.begin(), outputs.end(),
+                                      [this](Symbol output) { return is_refusal(output); });
+}
+
+Word Cache::without_refused(std::span<const Symbol> inputs, std::span<const Symbol> outputs) const {
+  Word word;
+  for (std::size_t i = 0; i < inputs.size(); ++i) {
+    if (i + 1 == inputs.size() || !is_refusal(outputs[i])) word.push_back(inputs[i]);
+  }
+  return word;
+}
+
+// The given inputs of what is known, and what follows.
+Query Cache::without_refused(const Query& query, const Lookup& known) const {
+  const Word& outputs = known.answer.outputs;
+  if (const Word* word = std::get_if<Word>(&query)) {
+    Word shorter;
+    for (std::size_t i = 0; i < word->size(); ++i) {
+      if (i >= outputs.size() || !is_refusal(outputs[i])) shorter.push_back((*word)[i]);
+    }
+    return shorter;
+  }
+  const auto& nodes = std::get<DecisionTree>(query).nodes;
+  DecisionTree shorter;
+  std::size_t place = 0;
+  for (const Symbol output : outputs) {
+    const DecisionTree::Node& node = nodes[place];
+    if (!is_refusal(output)) {
+      const auto next = static_cast<std::uint32_t>(shorter.nodes.size() + 1);
+      shorter.nodes.push_back({node.input, {{output, next}}});
+    }
+    for (const auto& [branch, child] : node.branches) {
+      if (branch == output) place = child;
+    }
+  }
+  std::vector<std::size_t> sources{place};
+  const std::size_t first = shorter.nodes.size();
+  for (std::size_t i = 0; i < sources.size(); ++i) {
+    DecisionTree::Node node = nodes[sources[i]];
+    for (auto& [output, child] : node.branches) {
+      sources.push_back(child);
+      child = static_cast<std::uint32_t>(first + sources.size() - 1);
+    }
+    shorter.nodes.push_back(std::move(node));
+  }
+  return shorter;
+}
+
 // These queries of the batch, ascending: the part of the batch itself where nothing lies between
-// them and none is a tree, as learners mostly ask; else in `copies`.
+// them and all are words as they are, as learners mostly ask; else in `copies`.
 std::span<const Query> Cache::to_system(std::span<const Query> batch,
                                         std::span<const std::size_t> selected,
+                                        const std::vector<Lookup>& known,
                                         std::vector<Query>& copies) {
-  const auto is_word = [&](std::size_t index) {
-    return std::holds_alternative<Word>(batch[index]);
+  const auto is_as_it_is = [&](std::size_t index) {
+    return std::holds_alternative<Word>(batch[index]) && !has_refused(known[index]);
   };
   if (selected.back() - selected.front() + 1 == selected.size() &&
-      std::all_of(selected.begin(), selected.end(), is_word)) {
+      std::all_of(selected.begin(), selected.end(), is_as_it_is)) {
     return batch.subspan(selected.front(), selected.size());
   }
   copies.reserve(selected.size());
-  for (const std::size_t index : selected) copies.push_back(to_system(batch[index]));
+  for (const std::size_t index : selected) {
+    copies.push_back(to_system(
+        has_refused(known[index]) ? without_refused(batch[index], known[index]) : batch[index]));
+  }
   return copies;
 }
 

@@ -11,6 +11,14 @@
 // tree was wrong, it is corrected, with the file. The answers behind a wrong answer are forgotten,
 // because they belong to another run of the system.
 //
+// Inputs that a system does not take change nothing: the actor is busy, an output is due, or the
+// input lies beyond the bound of a learning purpose. They are not even given to the system
+// (sul/query_player.hpp). Where it is told that there are such, the cache knows the answer to a
+// word as soon as it knows that to the word without them, and the other way round, and asks the
+// shorter one. Where actors are busy most words of learners and tests have some (compare
+// error-aware L#: Kruger, Junges & Rot, arXiv 2602.21674, 2026). A wrapper that says by itself that
+// an input was refused may be wrong: some words are asked as they are.
+//
 // Invariants: outputs are numbered in the order in which answers are handed up. The consistency
 // test knows only answers that were handed up. Neither depends on what a file held before, or on
 // what a system below answered first. So a resumed run goes the way of an uninterrupted one, word
@@ -45,11 +53,15 @@ class CacheCorrected : public Error {
 
 class Cache : public OutputOracle {
  public:
+  // Whether the outputs "refused", "unexplored" and "absorbed" say that an input was not taken, or
+  // are outputs like others.
+  enum class Refusals : std::uint8_t { are_outputs, change_nothing };
+
   // Keeps a reference to `system`.
-  explicit Cache(OutputOracle& system);
+  explicit Cache(OutputOracle& system, Refusals refusals = Refusals::are_outputs);
   // Starts with what `file` holds and keeps every fresh answer there; keeps both references. Throws
   // UsageError if the file contradicts itself.
-  Cache(OutputOracle& system, CacheFile& file);
+  Cache(OutputOracle& system, CacheFile& file, Refusals refusals = Refusals::are_outputs);
 
   using OutputOracle::ask;
   const Alphabet& inputs() const override { return system_.inputs(); }
@@ -100,7 +112,7 @@ class Cache : public OutputOracle {
   struct Lookup {
     // Outputs in the tree's numbering, as far as the tree goes; inputs of words only to the end.
     MealyAnswer answer;
-    TraceTree::Node node = TraceTree::root;  // where it leads
+    TraceTree::Node node = TraceTree::root;  // where it leads, behind refused inputs
     bool is_whole = false;                   // the answer goes to the end of the query
   };
 
@@ -108,6 +120,19 @@ class Cache : public OutputOracle {
   Lookup look_up(const Query& query);
   std::vector<Lookup> look_up_all(std::span<const Query> batch);
   void follow_in_turn(std::span<const std::span<const Symbol>> words, std::vector<Lookup>& results);
+  bool is_refusal(Symbol output) const {
+    return has_refusals_ && output < is_refusal_.size() && is_refusal_[output];
+  }
+  // Where one is behind an edge from `node`.
+  TraceTree::Node behind(TraceTree::Node node, TraceTree::Node edge) const {
+    return is_refusal(tree_.output(edge)) ? node : edge;
+  }
+  void learn_refusals();
+  bool has_refused(const Lookup& known) const;
+  std::vector<Query> select_whole(std::span<const Query> batch, const std::vector<Lookup>& known);
+  Query without_refused(const Query& query, const Lookup& known) const;
+  // The word without the inputs that were refused, but for its last.
+  Word without_refused(std::span<const Symbol> inputs, std::span<const Symbol> outputs) const;
   void ask_system(std::span<const Query> batch, std::vector<std::size_t> unknown,
                   std::vector<Lookup>& known, const RunControl& control);
   static std::vector<std::size_t> select_queries(std::span<const Query> batch,
@@ -117,10 +142,10 @@ class Cache : public OutputOracle {
                                 std::span<const Lookup* const> known = {});
   bool extend(const Query& query, const Lookup& known, const MealyAnswer& answer);
   std::vector<MealyAnswer> ask_below(std::span<const Query> queries, const RunControl& control);
-  void record(const MealyAnswer& answer);
-  bool insert(const Word& inputs, const Word& outputs);
+  void insert(const Word& inputs, const Word& outputs);
   // How many inputs agree before the outputs contradict the tree; nothing if they do not.
   std::optional<std::size_t> find_conflict(const Word& inputs, const Word& outputs) const;
+  void check_refusals(const MealyAnswer& answer) const;
   NondeterminismError contradiction(const Word& inputs, const Word& outputs,
                                     std::size_t agreeing) const;
 
@@ -129,6 +154,7 @@ class Cache : public OutputOracle {
   void count_votes(const MealyAnswer& answer);
   bool decide(const Word& word, Symbol other, const RunControl& control);
   bool impose(const Word& word, Symbol output);
+  bool passes(TraceTree::Node edge, const Word& word, std::size_t input) const;
   void throw_if_corrected();
   TraceTree::Node node_of(std::span<const Symbol> word) const;
   Word known_outputs(std::span<const Symbol> word) const;
@@ -139,7 +165,7 @@ class Cache : public OutputOracle {
   Query to_system(const Query& query);
   std::span<const Query> to_system(std::span<const Query> batch,
                                    std::span<const std::size_t> selected,
-                                   std::vector<Query>& copies);
+                                   const std::vector<Lookup>& known, std::vector<Query>& copies);
 
   OutputOracle& system_;
   CacheFile* file_ = nullptr;
@@ -149,8 +175,11 @@ class Cache : public OutputOracle {
   Alphabet outputs_;
   std::vector<Symbol> handed_up_;    // stored -> outputs_, or no symbol while never handed up
   std::vector<Symbol> from_system_;  // the system's -> stored
-  TraceTree tree_;
-  std::uint64_t kept_ = 0;  // nodes of the tree that the file held
+  bool has_refusals_ = false;
+  std::vector<bool> is_refusal_;  // by stored output
+  std::uint64_t shortened_ = 0;   // words that were, or could have been, asked shorter
+  TraceTree tree_;                // a refused input is a leaf
+  std::uint64_t kept_ = 0;        // nodes of the tree that the file held
   std::uint64_t hits_ = 0, misses_ = 0;
 
   struct Votes {

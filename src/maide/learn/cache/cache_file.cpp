@@ -172,14 +172,20 @@ std::string CacheFile::find_damage() {
 }
 
 void CacheFile::for_each(const std::function<void(const Word&, const Word&)>& visit) {
-  Statement statement(*database_, "SELECT inputs, outputs FROM words ORDER BY id");
+  for_each_row(
+      [&](std::string_view, const Word& inputs, const Word& outputs) { visit(inputs, outputs); });
+}
+
+template <typename Visit>
+void CacheFile::for_each_row(const Visit& visit) {
+  Statement statement(*database_, "SELECT id, inputs, outputs FROM words ORDER BY id");
   Word inputs, outputs;
   while (statement.step("read")) {
-    if (!decode(statement.column(0), inputs_.size(), inputs) ||
-        !decode(statement.column(1), outputs_.size(), outputs) || outputs.size() > inputs.size()) {
+    if (!decode(statement.column(1), inputs_.size(), inputs) ||
+        !decode(statement.column(2), outputs_.size(), outputs) || outputs.size() > inputs.size()) {
       throw UsageError(fmt::format("the cache is damaged ({})", path_.string()));
     }
-    visit(inputs, outputs);
+    visit(statement.column(0), inputs, outputs);
   }
 }
 
@@ -210,16 +216,18 @@ void CacheFile::add(const Word& inputs, const Word& answer, const Alphabet& name
   insert_word_->reset();
 }
 
-// No encoded symbol is the beginning of another one, so prefixes of words are those of their bytes.
-void CacheFile::remove_contradicting(const Word& inputs, const Word& answer) {
-  MAIDE_CHECK(!inputs.empty() && inputs.size() == answer.size());
+void CacheFile::remove_if(const std::function<bool(const Word&, const Word&)>& is_wrong) {
   begin();
-  Statement remove(*database_,
-                   "DELETE FROM words WHERE substr(inputs, 1, length(?1)) = ?1 "
-                   "AND substr(outputs, 1, length(?2)) <> ?2");
-  remove.bind_blob(1, encode(inputs));
-  remove.bind_blob(2, encode(answer));
-  remove.step("write");
+  std::vector<std::string> wrong;
+  for_each_row([&](std::string_view id, const Word& inputs, const Word& outputs) {
+    if (is_wrong(inputs, outputs)) wrong.emplace_back(id);
+  });
+  Statement remove(*database_, "DELETE FROM words WHERE id = ?");
+  for (const std::string& id : wrong) {
+    remove.bind(1, id);
+    remove.step("write");
+    remove.reset();
+  }
 }
 
 // The table is made when it is needed first: caches without it are of the same format.

@@ -33,7 +33,7 @@ class CacheFile {
   CacheFile(const std::filesystem::path& path, const Alphabet& inputs,
             const Fingerprint& fingerprint, const RunControl* wait = nullptr);
   // Opens a cache that is there, of whatever system. One that cannot be written, or that another
-  // process has open, is only read, as it is now; then add() and remove_contradicting() throw
+  // process has open, is only read, as it is now; then add() and remove_if() throw
   // UsageError. Throws as above.
   explicit CacheFile(const std::filesystem::path& path);
   ~CacheFile();
@@ -55,9 +55,9 @@ class CacheFile {
   // Adds a word and its answer; it is safe after the next commit(). `names` names the outputs; it
   // begins with outputs().
   void add(const Word& inputs, const Word& answer, const Alphabet& names);
-  // Removes every word that begins with `inputs` and was not answered with `answer` there. Safe
-  // after the next commit(). O(words in the file).
-  void remove_contradicting(const Word& inputs, const Word& answer);
+  // Removes the words that `is_wrong` accepts, with their answers. Safe after the next commit().
+  // O(words in the file).
+  void remove_if(const std::function<bool(const Word& inputs, const Word& outputs)>& is_wrong);
   // What was confirmed of the system beside the words, under a name that the caller chooses: in how
   // many words; nothing if it was not. What is added is safe after the next commit().
   std::optional<std::uint64_t> find_confirmed(const std::string& name);
@@ -66,6 +66,8 @@ class CacheFile {
   void commit();
 
  private:
+  template <typename Visit>
+  void for_each_row(const Visit& visit);
   void begin();
   void initialise(const Alphabet& inputs, const Fingerprint& fingerprint);
   void read_system();

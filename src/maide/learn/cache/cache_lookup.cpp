@@ -15,11 +15,11 @@ namespace maide {
 Cache::Lookup Cache::look_up(const Query& query) {
   Lookup result;
   result.is_whole = play_query(query, result.answer, [&](Symbol input) -> std::optional<Symbol> {
-    const TraceTree::Node next = tree_.child(result.node, input);
-    if (next == TraceTree::none) return std::nullopt;
-    result.node = next;
-    tree_.mark(next);
-    return tree_.output(next);
+    const TraceTree::Node edge = tree_.child(result.node, input);
+    if (edge == TraceTree::none) return std::nullopt;
+    result.node = behind(result.node, edge);
+    tree_.mark(edge);
+    return tree_.output(edge);
   });
   return result;
 }
@@ -36,7 +36,7 @@ std::vector<Cache::Lookup> Cache::look_up_all(std::span<const Query> batch) {
     symbols += word->size();
     if (i > 0) as_before += count_common(words[i - 1], words[i]);
   }
-  if (2 * as_before >= symbols) {
+  if (has_refusals_ || 2 * as_before >= symbols) {
     follow_in_turn(words, results);
   } else {
     tree_.walk_together(words, [&](std::size_t i, TraceTree::Node node) {
@@ -73,12 +73,12 @@ void Cache::follow_in_turn(std::span<const std::span<const Symbol>> words,
     }
     TraceTree::Node node = common > 0 ? path.back() : TraceTree::root;
     for (const Symbol input : words[i].subspan(common)) {
-      const TraceTree::Node child = tree_.child(node, input);
-      if (child == TraceTree::none) break;
-      node = child;
-      tree_.mark(node);
+      const TraceTree::Node edge = tree_.child(node, input);
+      if (edge == TraceTree::none) break;
+      node = behind(node, edge);
+      tree_.mark(edge);
       path.push_back(node);
-      outputs.push_back(tree_.output(node));
+      outputs.push_back(tree_.output(edge));
     }
     MAIDE_CHECK(path.size() == outputs.size() && outputs.size() <= words[i].size());
     results[i].node = node;

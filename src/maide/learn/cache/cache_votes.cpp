@@ -53,8 +53,9 @@ void Cache::ask_afresh(const Word& word, const RunControl& control) {
 bool Cache::is_kept(const Word& word) const {
   TraceTree::Node node = TraceTree::root;
   for (const Symbol input : word) {
-    node = tree_.child(node, input);
-    if (node == TraceTree::none || node > kept_) return false;  // nodes count up from the root, 0
+    const TraceTree::Node edge = tree_.child(node, input);
+    if (edge == TraceTree::none || edge > kept_) return false;  // nodes count up from the root, 0
+    node = behind(node, edge);
   }
   return true;
 }
@@ -66,11 +67,13 @@ bool Cache::accept(const MealyAnswer& answer, const RunControl& control) {
   for (std::size_t corrections = 0; corrections <= answer.outputs.size(); ++corrections) {
     const auto agreeing = find_conflict(answer.inputs, answer.outputs);
     if (!agreeing) {
-      record(answer);
+      insert(answer.inputs, answer.outputs);
       return true;
     }
     if (!votes_) throw contradiction(answer.inputs, answer.outputs, *agreeing);
-    if (!decide(head(answer.inputs, *agreeing + 1), answer.outputs[*agreeing], control)) {
+    const Word word =
+        without_refused(std::span(answer.inputs).first(*agreeing + 1), answer.outputs);
+    if (!decide(word, answer.outputs[*agreeing], control)) {
       return false;
     }
   }
@@ -87,8 +90,10 @@ void Cache::count_votes(const MealyAnswer& answer) {
     if (const auto found = votes_->watched.find(word); found != votes_->watched.end()) {
       found->second.ballot.add(answer.outputs[i]);
     }
-    node = tree_.child(node, answer.inputs[i]);
-    if (node == TraceTree::none || tree_.output(node) != answer.outputs[i]) return;
+    const TraceTree::Node edge = tree_.child(node, answer.inputs[i]);
+    if (edge == TraceTree::none || tree_.output(edge) != answer.outputs[i]) return;
+    node = behind(node, edge);
+    if (node != edge) word.pop_back();
   }
 }
 
@@ -145,10 +150,27 @@ bool Cache::impose(const Word& word, Symbol output) {
   tree_.correct(node, output);
   if (file_ != nullptr) {
     const Word outputs = known_outputs(word);
-    file_->remove_contradicting(word, outputs);
+    std::vector<std::pair<Word, Word>> beginnings;  // of what is removed
+    file_->remove_if([&](const Word& inputs, const Word& answer) {
+      const auto agreeing = find_conflict(inputs, answer);
+      if (!agreeing || !passes(node, inputs, *agreeing)) return false;
+      beginnings.emplace_back(head(inputs, *agreeing), head(answer, *agreeing));
+      return true;
+    });
+    for (const auto& [inputs, answer] : beginnings) {
+      // What was refused there may be in no other word.
+      if (has_refusals_ && !inputs.empty()) file_->add(inputs, answer, stored_outputs_);
+    }
     file_->add(word, outputs, stored_outputs_);
   }
   return true;
+}
+
+// Whether the word, in agreement with the tree before, comes by that edge with this input.
+bool Cache::passes(TraceTree::Node edge, const Word& word, std::size_t input) const {
+  TraceTree::Node node = TraceTree::root;
+  for (std::size_t i = 0; i < input; ++i) node = behind(node, tree_.child(node, word[i]));
+  return tree_.child(node, word[input]) == edge;
 }
 
 void Cache::throw_if_corrected() {
@@ -158,6 +180,7 @@ void Cache::throw_if_corrected() {
   throw CacheCorrected(to_string(word, system_.inputs()));
 }
 
+// The last edge of a word that goes on behind no refused input.
 TraceTree::Node Cache::node_of(std::span<const Symbol> word) const {
   TraceTree::Node node = TraceTree::root;
   for (const Symbol input : word) node = tree_.child(node, input);
@@ -168,9 +191,10 @@ Word Cache::known_outputs(std::span<const Symbol> word) const {
   TraceTree::Node node = TraceTree::root;
   Word outputs;
   for (const Symbol input : word) {
-    node = tree_.child(node, input);
-    MAIDE_CHECK(node != TraceTree::none);
-    outputs.push_back(tree_.output(node));
+    const TraceTree::Node edge = tree_.child(node, input);
+    MAIDE_CHECK(edge != TraceTree::none);
+    outputs.push_back(tree_.output(edge));
+    node = behind(node, edge);
   }
   return outputs;
 }
