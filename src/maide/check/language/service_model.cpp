@@ -35,6 +35,7 @@ struct ServiceModel::State {
   std::vector<std::uint32_t> requests;  // oldest first
   std::vector<std::uint32_t> served;    // by run of the server: the request served last, or none
   std::vector<Client> clients;
+  bool is_beyond = false;  // something was pushed out, or not: the depth would tell
 
   bool owes_answer() const {
     return std::any_of(clients.begin(), clients.end(),
@@ -69,7 +70,8 @@ InterfaceAutomaton ServiceModel::start() const {
   automaton.actors = {
       {"server", {inputs.begin(), inputs.begin() + 2}, {outputs.begin(), outputs.begin() + 1}},
       {"client", {inputs.begin() + 2, inputs.end()}, {outputs.begin() + 1, outputs.end()}}};
-  automaton.origin["depth"] = std::to_string(shape_.depth);
+  automaton.origin["depth"] =
+      shape_.is_depth_unknown ? unknown_depth : std::to_string(shape_.depth);
   if (!shape_.sul.empty()) automaton.origin["sul"] = shape_.sul;
   return automaton;
 }
@@ -118,7 +120,10 @@ void ServiceModel::send(State& state, std::uint32_t item) const {
     state.due = item;
     return;
   }
-  if (state.requests.size() == shape_.depth) state.requests.erase(state.requests.begin());
+  if (state.requests.size() == shape_.depth) {
+    state.requests.erase(state.requests.begin());
+    state.is_beyond = shape_.is_depth_unknown;
+  }
   state.requests.push_back(item);
 }
 
@@ -130,7 +135,11 @@ void ServiceModel::answer(State& state, std::uint32_t item) const {
       if (is_own) client.waits = 2;
       continue;
     }
-    if (client.answers.size() == shape_.depth) client.answers.erase(client.answers.begin());
+    if (client.answers.size() == shape_.depth) {
+      // One to others would be thrown away unread.
+      if (client.answers.front() != others) state.is_beyond = shape_.is_depth_unknown;
+      client.answers.erase(client.answers.begin());
+    }
     client.answers.push_back(is_own ? owner_of(item) : others);
     drop_strangers(client.answers);
   }
@@ -227,9 +236,8 @@ std::vector<GrowingModel::Follower> ServiceModel::followers(const Contents& cont
   using Kind = Operation::Kind;
   std::vector<Follower> result;
   const auto add = [&](Action::Kind way, Symbol symbol, const Operation& operation) {
-    if (const auto next = after(unpack(contents), operation)) {
-      result.push_back({{way, symbol}, pack(*next)});
-    }
+    const auto next = after(unpack(contents), operation);
+    if (next && !next->is_beyond) result.push_back({{way, symbol}, pack(*next)});
   };
   // The symbols of start().
   if (!shape_.is_served_by_node) {
@@ -319,6 +327,7 @@ ModelUse ServiceModel::use(SharedActions& actions, std::uint32_t model,
         if (is_elsewhere(at)) return std::vector<ModelStep>{{at, true}};
         const auto next = after(unpack(contents(at)), operation);
         if (!next) return std::vector<ModelStep>{};
+        if (next->is_beyond) return std::vector<ModelStep>{{at, true}};
         return std::vector<ModelStep>{{state_of(actions.automaton(model), pack(*next)), false}};
       }));
 }

@@ -24,6 +24,7 @@ namespace maide {
 
 struct ServiceShape {
   std::uint32_t depth = 10;           // at least 1
+  bool is_depth_unknown = false;      // what would be lost at depth 1 goes beyond what is known
   std::vector<std::uint32_t> askers;  // by client: runs of callbacks that may wait; 0: a program
   std::uint32_t servers = 1;          // runs of the server's callback at once
   bool is_served_by_node = false;

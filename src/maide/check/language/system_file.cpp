@@ -54,6 +54,7 @@ System SystemReader::read() {
   keep_topics();
   interfaces_ = system_.interfaces();
   if (const YAML::Node properties = section("properties")) read_properties(properties);
+  remark_on_unknown_depths();
   remark_on_unused_models();
   remark_on_unused_variables();
   remark_on_unreachable_statements();
@@ -382,6 +383,18 @@ std::shared_ptr<const LtlAutomaton> SystemReader::read_never(const YAML::Node& n
     fail("there is no file '" + file.string() + "'", node);
   }
   return std::make_shared<LtlAutomaton>(read_hoa(read_file(file), file.string(), scope()));
+}
+
+void SystemReader::remark_on_unknown_depths() {
+  std::vector<std::string> names;
+  for (const ModelInstance& model : system_.models) {
+    if (!has_unknown_depth(model.automaton)) continue;
+    names.push_back(model.name + " (" + to_string(model.position) + ")");
+  }
+  if (names.empty()) return;
+  system_.remarks.push_back(
+      "'depth: unknown': write how many messages are kept, as in 'depth: 10', for " +
+      join(names, ", "));
 }
 
 void SystemReader::remark_on_unused_models() {

@@ -22,7 +22,7 @@ void SystemReader::read_models(const YAML::Node& section) {
     if (value["ends"]) ends = read_ends(value["ends"]);
     for (std::uint64_t member = 0; member < count; ++member) {
       model.name = array.name + member_suffix(array.dimensions, member);
-      if (model.source == ModelInstance::Source::built_in) {
+      if (value["use"]) {
         make_built_in(model, first + static_cast<std::uint32_t>(member), indices_of(array, member),
                       value);
       }
@@ -111,6 +111,7 @@ ModelInstance SystemReader::read_model(const std::string& instance, const YAML::
     model.is_learned = true;
   }
   model.automaton = ask_source(request, value);
+  if (has_unknown_depth(model.automaton)) model.source = ModelInstance::Source::built_in;
   last_request_ = request;
   if (model.automaton.size() == 0) fail("model '" + model.name + "' has no state", key);
   for (const Alphabet* alphabet : {&model.automaton.inputs(), &model.automaton.outputs()}) {
@@ -175,6 +176,13 @@ void SystemReader::make_built_in(ModelInstance& model, std::uint32_t number, con
   }
   const auto& [name, node] = options.front();
   scalar(node, "'" + name.Scalar() + "'");
+  if (name.Scalar() == "depth" && node.Scalar() == unknown_depth) {
+    Queue queue;
+    queue.size = {1, true, {}, true};
+    make_queue_of(model, number, queue.size);
+    queues_.emplace(number, std::move(queue));
+    return;
+  }
   const ScalarText text = text_of(node);
   const Expression size = program_syntax::parse_constant(text, context(indices));
   constexpr Value most = 1'000'000;
@@ -195,6 +203,7 @@ void SystemReader::make_built_in(ModelInstance& model, std::uint32_t number, con
 void SystemReader::make_queue_of(ModelInstance& model, std::uint32_t number,
                                  const QueueSize& size) {
   model.is_grown = queue_states(size) > static_cast<double>(limits_.states);
+  if (model.is_grown && size.is_unknown) fail_large_queue(number);
   growing_.erase(number);
   if (model.is_grown) {
     // What is behind its bound was left out by us, and is no place where nothing can happen.

@@ -84,6 +84,7 @@ struct Service {
   End server;
   std::vector<End> clients;
   std::uint32_t depth = 10;
+  bool is_depth_unknown = false;
   ServiceModel* rules = nullptr;
   std::uint32_t server_runs = 1;   // of its callback, at once
   std::set<std::string> own_code;  // nodes whose client has code of its own

@@ -173,6 +173,11 @@ void SystemReader::read_service(const std::string& name, const Indices& indices,
           one_of<bool>(setting, "'kind'", {{"service", true}});
           continue;
         }
+        if (setting.Scalar() == unknown_depth) {
+          service.is_depth_unknown = true;
+          service.depth = 1;
+          continue;
+        }
         service.depth = number_of(
             program_syntax::parse_constant(text_of(setting), context(indices)), max_depth);
         if (service.depth == 0)

@@ -143,6 +143,7 @@ void SystemReader::make_thread(const std::string& name, const Executor& executor
 void SystemReader::make_services() {
   for (auto& [model, service] : names_.services) {
     ServiceShape shape;
+    shape.is_depth_unknown = service.is_depth_unknown;
     shape.depth = service.depth;
     for (const Service::End& client : service.clients) {
       shape.names.push_back(client.node.empty() ? texts_[client.program].name : client.node);

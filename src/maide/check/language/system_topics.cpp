@@ -258,9 +258,7 @@ Topic::Reader SystemReader::make_reader(const std::string& topic, const ReaderEn
   if (with.size() > 0) options["with"] = with;
   ModelInstance model = read_model(topic + "[" + end.name + "]", key, options);
   const auto number = static_cast<std::uint32_t>(system_.models.size());
-  if (model.source == ModelInstance::Source::built_in) {
-    make_built_in(model, number, indices, options);
-  }
+  if (options["use"]) make_built_in(model, number, indices, options);
   system_.models.push_back(std::move(model));
   note_learned(number);
   return {end.program, number, end.callback, {}, {}, {}, {}};
