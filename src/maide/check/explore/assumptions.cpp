@@ -86,8 +86,19 @@ bool depends_on_fairness(const Property& property) {
 }
 
 // Where the code of a callback may go round for ever: cycles without the end of a callback, and
-// without a look for others.
-std::set<int> find_endless_lines(const Program& program) {
+// without a look for others. A step that cuts the run goes nowhere.
+std::set<int> find_endless_lines(const System& system, const Program& program) {
+  const auto cuts_run = [&](const ProgramEdge& edge) {
+    const auto uses = program.uses_of(edge);
+    return std::any_of(uses.begin(), uses.end(), [&](const ModelUse& use) {
+      if (use.kind != ModelUse::Kind::act) return false;
+      const auto& steps = system.models[use.model].actions[use.symbol].steps;
+      return std::all_of(steps.begin(), steps.end(), [](const auto& of_state) {
+        return std::all_of(of_state.begin(), of_state.end(),
+                           [](const ModelStep& step) { return step.is_beyond; });
+      });
+    });
+  };
   std::vector<std::uint8_t> seen(program.states.size(), 0);  // 1 on the path, 2 done
   std::vector<std::pair<ControlState, std::uint32_t>> path;
   std::set<int> lines;
@@ -105,7 +116,7 @@ std::set<int> find_endless_lines(const Program& program) {
       }
       const ProgramEdge& edge = edges[next++];
       const Joint::Role role = program.role_of(edge);
-      if (role == Joint::Role::end || role == Joint::Role::look) continue;
+      if (role == Joint::Role::end || role == Joint::Role::look || cuts_run(edge)) continue;
       if (seen[edge.target] == 1) lines.insert(edge.line);
       if (seen[edge.target] != 0) continue;
       seen[edge.target] = 1;
@@ -351,7 +362,7 @@ std::optional<std::string> find_weakness(const System& system) {
 std::optional<std::string> find_endless_callbacks(const System& system) {
   std::set<int> lines;
   for (const Program& program : system.programs) {
-    if (!program.nodes.empty()) lines.merge(find_endless_lines(program));
+    if (!program.nodes.empty()) lines.merge(find_endless_lines(system, program));
   }
   if (lines.empty()) return std::nullopt;
   return fmt::format(

@@ -83,9 +83,17 @@ struct TopicInstance {
     std::vector<std::optional<Symbol>> collected;
   };
   std::string name;
-  std::vector<std::uint32_t> writers;  // programs
-  std::vector<Reader> readers;         // at least one
-  bool delivers_one = false;           // a write goes to one of the models that take it
+  std::vector<std::string> writer_names;  // programs and nodes, as the file has them
+  std::vector<std::uint32_t> writers;     // programs
+  std::vector<Reader> readers;            // at least one
+  bool delivers_one = false;              // a write goes to one of the models that take it
+};
+
+// A service of the file: programs and nodes, as the file names them.
+struct ServiceInstance {
+  std::string name, server;
+  std::vector<std::string> clients;
+  std::uint32_t model = 0;
 };
 
 enum class Fairness : std::uint8_t { none, weak, strong };
@@ -105,6 +113,7 @@ struct System {
   std::string file;
   std::vector<ModelInstance> models;
   std::vector<TopicInstance> topics;
+  std::vector<ServiceInstance> services;
   std::vector<Program> programs;
   std::vector<Property> properties;     // those of the file
   std::vector<std::string> remarks;     // one line each: what looks like an oversight

@@ -56,6 +56,7 @@ System SystemReader::read() {
   if (const YAML::Node properties = section("properties")) read_properties(properties);
   remark_on_unknown_depths();
   remark_on_unused_models();
+  remark_on_silent_connections();
   remark_on_unused_variables();
   remark_on_unreachable_statements();
   remark_on_idle_atoms();
@@ -408,6 +409,36 @@ void SystemReader::remark_on_unused_models() {
     system_.remarks.push_back("no program uses model '" + model.name + "' (" +
                               to_string(model.position) + ")");
   }
+}
+
+// As in a file whose programs are still to be written.
+void SystemReader::remark_on_silent_connections() {
+  std::set<std::uint32_t> written;  // models
+  for (const Program& program : system_.programs) {
+    for (const ProgramEdge& edge : program.edges) {
+      for (const ModelUse& event : program.events_of(edge)) {
+        if (event.kind != ModelUse::Kind::give) continue;
+        const std::string& input =
+            system_.models[event.model].automaton.inputs().name(event.symbol);
+        if (input.starts_with("write")) written.insert(event.model);
+      }
+    }
+  }
+  std::vector<std::string> silent;
+  for (const TopicInstance& topic : system_.topics) {
+    const bool is_written =
+        std::any_of(topic.readers.begin(), topic.readers.end(),
+                    [&](const auto& reader) { return written.contains(reader.model); });
+    if (!is_written) silent.push_back("writes " + topic.name);
+  }
+  for (const ServiceInstance& service : system_.services) {
+    const auto& actions = system_.models[service.model].actions;
+    const bool is_asked = std::any_of(actions.begin(), actions.end(), [](const auto& action) {
+      return action.name.starts_with("send");
+    });
+    if (!is_asked) silent.push_back("asks " + service.name);
+  }
+  if (!silent.empty()) system_.remarks.push_back("no program " + join(silent, ", or "));
 }
 
 void SystemReader::remark_on_unused_variables() {

@@ -57,6 +57,7 @@ struct Topic {
     }
   };
   std::string name;
+  std::vector<std::string> writer_names;  // as the file has them
   std::set<std::uint32_t> writers;
   std::vector<Reader> readers;  // at least one
   bool delivers_one = false;    // a write goes to one of the models that take it

@@ -193,6 +193,7 @@ class SystemReader : private YamlReader {
   std::shared_ptr<const LtlAutomaton> read_never(const YAML::Node& node) const;
   void remark_on_unknown_depths();
   void remark_on_unused_models();
+  void remark_on_silent_connections();
   void remark_on_unused_variables();
   void remark_on_unreachable_statements();
   // Atoms that hold nowhere, for the program never ends, or never comes to the label.

@@ -161,6 +161,10 @@ void SystemReader::make_services() {
         shape.servers = runs_of(node, i);
       }
     }
+    const Service::End& server = service.server;
+    system_.services.push_back({service.name,
+                                server.node.empty() ? texts_[server.program].name : server.node,
+                                shape.names, model});
     service.server_runs = shape.servers;
     shape.is_served_by_node = !service.server.node.empty();
     const bool has_node =

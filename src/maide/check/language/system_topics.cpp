@@ -165,6 +165,11 @@ void SystemReader::read_topic(const std::string& name, const Indices& indices,
   for (const std::uint32_t writer : writers_named(part("writers"), indices)) {
     topic.writers.insert(writer);
   }
+  if (part("writers").IsSequence()) {
+    for (const YAML::Node& one : part("writers")) topic.writer_names.push_back(one.Scalar());
+  } else {
+    topic.writer_names.push_back(part("writers").Scalar());
+  }
   if (const YAML::Node deliver = part("deliver")) {
     topic.delivers_one = one_of<bool>(deliver, "'deliver'", {{"one", true}, {"all", false}});
   }
@@ -297,6 +302,7 @@ void SystemReader::keep_topics() {
   for (const Topic& topic : names_.topics) {
     TopicInstance& kept = system_.topics.emplace_back();
     kept.name = topic.name;
+    kept.writer_names = topic.writer_names;
     kept.writers.assign(topic.writers.begin(), topic.writers.end());
     kept.delivers_one = topic.delivers_one;
     for (const Topic::Reader& reader : topic.readers) {
