@@ -136,7 +136,7 @@ TEST(CommandLine, SuggestsCommandsAndOptions) {
 }
 
 TEST(CommandLine, RefusesWhatItDoesNotExpect) {
-  expect_error(run_maide({"doctor", "x"}), 2,
+  expect_error(run_maide({"doctor", "ros2", "a.yaml", "x"}), 2,
                "unexpected argument 'x' (see 'maide doctor --help')");
   expect_error(run_maide({"doctor", "-q", "-v"}), 2, "-q and -v exclude each other");
   expect_error(run_maide({"doctor", "a\nb"}), 2, "a b");

@@ -153,8 +153,13 @@ std::span<const Command> command_table() {
               "maide new wrapper --tcp 127.0.0.1:21 --input 'user=USER anonymous' "
               "--input 'pass=PASS x' --cpp -o ftp.cpp",
               set_up_new},
-      Command{"doctor", "Tell what is usable on this machine, and what to install",
-              "maide doctor\nmaide doctor --json", set_up_doctor},
+      Command{"ros2", "Write a system file of a running graph of ROS 2",
+              "maide ros2 import -o robot.yaml\n"
+              "maide ros2 import --json > graph.json\n"
+              "maide ros2 import --graph graph.json -o robot.yaml",
+              set_up_ros2},
+      Command{"doctor", "Tell what is usable on this machine, or what a graph of ROS 2 loses",
+              "maide doctor\nmaide doctor --json\nmaide doctor ros2 robot.yaml", set_up_doctor},
   };
   return table;
 }

@@ -138,6 +138,7 @@ RunFunction set_up_learn(CommandLine& line);
 RunFunction set_up_new(CommandLine& line);
 RunFunction set_up_replay(CommandLine& line);
 RunFunction set_up_reproduce(CommandLine& line);
+RunFunction set_up_ros2(CommandLine& line);
 RunFunction set_up_test(CommandLine& line);
 RunFunction set_up_view(CommandLine& line);
 
@@ -145,6 +146,12 @@ RunFunction set_up_view(CommandLine& line);
 Argument add_seed_option(CommandLine& line, std::uint64_t& seed);
 // 0: not given, the default of each system.
 Argument add_jobs_option(CommandLine& line, std::size_t& jobs);
+// How long a running graph of ROS 2 must stay as it is.
+inline constexpr double ros2_settle_seconds = 2;
+Argument add_settle_option(CommandLine& line, double& settle);
+
+// `maide doctor ros2`: of the running graph, or of the file that is named.
+ExitStatus run_ros2_doctor(const std::string& file, double settle, Context& context);
 
 // Parses the command line and runs the command; never throws. Returns the exit status.
 int run_command_line(int argc, const char* const* argv) noexcept;

@@ -1,10 +1,12 @@
 // `maide doctor`: which programs and wrappers are on this machine, in which version, and what to
 // install for those that are not. The main job - learn a connection of a running system, check
-// programs against it - needs a wrapper; the programs are extras.
+// programs against it - needs a wrapper; the programs are extras. `maide doctor ros2` is in
+// ros2_command.cpp.
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <own_wrappers.hpp>  // made by the build
 #include <string>
@@ -14,6 +16,7 @@
 #include "maide/base/subprocess.hpp"
 #include "maide/base/version.hpp"
 #include "maide/cli/command.hpp"
+#include "maide/cli/command_line.hpp"
 #include "maide/wire/observe/kernel_support.hpp"
 #include "maide/workflow/open_system.hpp"
 
@@ -207,6 +210,25 @@ ExitStatus run_doctor(Context& context) {
 
 }  // namespace
 
-RunFunction set_up_doctor(CommandLine&) { return run_doctor; }
+RunFunction set_up_doctor(CommandLine& line) {
+  struct Arguments {
+    std::string middleware, file;
+    double settle = ros2_settle_seconds;
+  };
+  auto arguments = std::make_shared<Arguments>();
+  line.add("MIDDLEWARE", arguments->middleware,
+           "ros2: look at a graph of ROS 2, not at this machine: which ends never match, what can "
+           "be lost in which bursts, what late joiners get. Exit status 1: ends do not match")
+      .one_of({"ros2"})
+      .no_default();
+  line.add("FILE", arguments->file,
+           "A system file, or what `maide ros2 import --json` printed (default: the running graph)")
+      .no_default();
+  add_settle_option(line, arguments->settle);
+  return [arguments](Context& context) {
+    if (arguments->middleware.empty()) return run_doctor(context);
+    return run_ros2_doctor(arguments->file, arguments->settle, context);
+  };
+}
 
 }  // namespace maide::cli

@@ -11,8 +11,7 @@ Sections; `programs` or `nodes` must be there:
   constants:   {n: 4, half: n / 2, fast: true}
   models:      NAME: {file: via.dot}  {learn: SUL, with: {KEY: VALUE}}
                {use: mutex}  {use: semaphore, with: {count: n}}
-               {use: queue, with: {size: n}}    depth: n keeps the last n
-                                                depth: unknown, nobody knows
+               {use: queue, with: {size: n}}    depth: n|unknown keeps the last
                when_unexplored: stop|wait|drop  when_weak: inconclusive|accept
                ends: {writer: [P, Q], reader: R}         programs at its ends
   topics:      NAME: {writers: P, readers: [Q, R], use: queue, with: {size: n},

@@ -28,6 +28,7 @@
 #include "maide/workflow/open_system.hpp"
 #include "maide/workflow/pacing.hpp"
 #include "maide/workflow/read_machine.hpp"
+#include "maide/workflow/ros2_graph.hpp"
 #include "maide/workflow/valued_queue.hpp"
 
 namespace maide {
@@ -446,6 +447,7 @@ ModelSource make_learning_source(LearnedModelsOptions options) {
   return [options = std::move(options)](const ModelRequest& request) {
     if (request.learn.empty()) return read_requested_model(request);
     try {
+      if (auto topic = ros2_topic_of_unknown_depth(request)) return std::move(*topic);
       return request.values.empty() ? find_or_learn(request, options)
                                     : find_or_make_valued(request, options);
     } catch (const UsageError& error) {

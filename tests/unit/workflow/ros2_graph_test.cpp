@@ -1,0 +1,224 @@
+// Graphs of ROS 2 without ROS 2: which ends match, what a graph loses, and the system file that is
+// made of it.
+#include "maide/workflow/ros2_graph.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "maide/base/file.hpp"
+#include "maide/check/explore/check_system.hpp"
+#include "maide/check/explore/engine.hpp"
+#include "maide/check/language/built_in_models.hpp"
+#include "maide/check/language/layout.hpp"
+
+namespace maide {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::Not;
+
+const std::string graph_file = std::string(MAIDE_SOURCE_DIR) + "/tests/systems/ros2-graph.json";
+
+Ros2Graph graph() { return read_ros2_file(graph_file, {}); }
+
+Ros2End end(const std::string& reliability, const std::string& durability) {
+  Ros2End result{"a", "T", {}};
+  result.qos.reliability = reliability;
+  result.qos.durability = durability;
+  return result;
+}
+
+bool match(const Ros2End& publisher, const Ros2End& subscription) {
+  return find_mismatch(publisher, subscription).empty();
+}
+
+// The tables of ROS 2's page on QoS.
+TEST(Ros2Match, FollowsReliabilityAndDurability) {
+  for (const std::string offered : {"reliable", "best_effort"}) {
+    for (const std::string asked : {"reliable", "best_effort"}) {
+      EXPECT_EQ(match(end(offered, "volatile"), end(asked, "volatile")),
+                offered == "reliable" || asked == "best_effort");
+    }
+  }
+  for (const std::string offered : {"volatile", "transient_local"}) {
+    for (const std::string asked : {"volatile", "transient_local"}) {
+      EXPECT_EQ(match(end("reliable", offered), end("reliable", asked)),
+                offered == "transient_local" || asked == "volatile");
+    }
+  }
+  EXPECT_TRUE(match(end("unknown", "unknown"), end("reliable", "transient_local")));
+}
+
+TEST(Ros2Match, FollowsTimesLivelinessAndTypes) {
+  const std::vector<std::optional<double>> times{std::nullopt, 1.0, 2.0};
+  for (const auto& offered : times) {
+    for (const auto& asked : times) {
+      Ros2End publisher = end("reliable", "volatile"), subscription = publisher;
+      publisher.qos.deadline = offered;
+      subscription.qos.deadline = asked;
+      const bool is_kept = !asked || (offered && *offered <= *asked);
+      EXPECT_EQ(match(publisher, subscription), is_kept);
+      std::swap(publisher.qos.deadline, publisher.qos.lease);
+      std::swap(subscription.qos.deadline, subscription.qos.lease);
+      EXPECT_EQ(match(publisher, subscription), is_kept);
+    }
+  }
+  Ros2End publisher = end("reliable", "volatile"), subscription = publisher;
+  subscription.qos.liveliness = "manual_by_topic";
+  EXPECT_FALSE(match(publisher, subscription));
+  EXPECT_TRUE(match(subscription, publisher));
+  subscription = publisher;
+  subscription.type = "U";
+  EXPECT_EQ(find_mismatch(publisher, subscription), "a offers T, and a asks for U");
+}
+
+TEST(Ros2Graph, LeavesOutWhatEveryNodeHas) {
+  const Ros2Graph read = graph();
+  EXPECT_EQ(read.nodes.size(), 7U);  // not the daemon
+  EXPECT_EQ(read.topics.size(), 5U);
+  EXPECT_EQ(read.services.size(), 2U);
+  EXPECT_THAT(read.actions, ElementsAre("/drive"));
+  const Ros2Graph again = read_ros2_graph(ros2_graph_to_json(read), "again");
+  EXPECT_EQ(ros2_graph_to_json(again), ros2_graph_to_json(read));
+}
+
+TEST(Ros2Graph, RefusesWhatIsNone) {
+  for (const char* text : {"[]", "{}", R"({"nodes": [{}], "topics": [], "services": []})",
+                           R"({"nodes": [], "topics": [{"name": 1}], "services": []})"}) {
+    EXPECT_THROW(read_ros2_graph(Json::parse(text), "bad.json"), UsageError) << text;
+  }
+}
+
+std::vector<std::string> findings_of(const Ros2Graph& graph, Ros2Finding::Kind kind) {
+  std::vector<std::string> lines;
+  for (const Ros2Finding& finding : examine_ros2_graph(graph)) {
+    if (finding.kind == kind) lines.push_back(finding.where + ": " + finding.text);
+  }
+  return lines;
+}
+
+TEST(Ros2Findings, AreThoseOfTheGraph) {
+  using Kind = Ros2Finding::Kind;
+  EXPECT_THAT(findings_of(graph(), Kind::no_match),
+              ElementsAre("/health: /camera offers best_effort, and /operator/desk asks for "
+                          "reliable: they never match, and nobody is told"));
+  EXPECT_THAT(findings_of(graph(), Kind::no_end),
+              ElementsAre("/heat: nobody subscribes to it",
+                          "/dock: it has no server: /planner waits for ever"));
+  EXPECT_THAT(
+      findings_of(graph(), Kind::loss),
+      ElementsAre(
+          HasSubstr("/image: /detector keeps the newest messages, and nobody knows how many"),
+          HasSubstr("/image: /operator/logger keeps the newest 5: of a burst of 6 or more"),
+          HasSubstr("/found: /planner"), HasSubstr("/order: /planner"),
+          HasSubstr("/lookup: of 11 requests"),
+          HasSubstr("/lookup: /detector, /operator/desk get all answers: 10 to others")));
+  EXPECT_THAT(findings_of(graph(), Kind::late),
+              ElementsAre(HasSubstr("/image: /detector, /operator/logger get nothing"),
+                          HasSubstr("/found: /planner gets nothing"),
+                          HasSubstr("/order: /planner gets the newest messages once more")));
+}
+
+// Where ROS 2 would learn a model, a queue of that depth.
+InterfaceAutomaton without_ros2(const ModelRequest& request) {
+  if (const auto unknown = ros2_topic_of_unknown_depth(request)) return *unknown;
+  EXPECT_EQ(request.with.front(), (std::pair<std::string, std::string>("depth", "5")));
+  return make_queue({5, true, {}});
+}
+
+TEST(Ros2System, IsLaidOutAndReadAndAsksForDepths) {
+  const std::string text = write_ros2_system(graph());
+  EXPECT_EQ(lay_out_system(text, "s.yaml"), text);
+  const System system = parse_system(text, "s.yaml", without_ros2);
+  EXPECT_THAT(system.remarks, ElementsAre(HasSubstr("'depth: unknown'"),
+                                          HasSubstr("no program writes image, or writes found, or "
+                                                    "writes order, or asks lookup")));
+  EXPECT_EQ(system.topics.size(), 3U);
+  ASSERT_EQ(system.services.size(), 1U);
+  EXPECT_EQ(system.services[0].server, "map");
+  EXPECT_THAT(system.services[0].clients, ElementsAre("detector", "desk"));
+  for (const char* line :
+       {"# /health: /camera offers best_effort, and /operator/desk asks for reliable: they never",
+        "# /heat is left out: nobody subscribes to it", "# /dock is left out: it has no server",
+        "# action /drive is left out", "# idle is left out",
+        "logger: {depth: 5, sub-reliability: best_effort}",
+        "with: {depth: unknown, durability: transient_local}",
+        "# camera, detector, map, planner are in one process"}) {
+    EXPECT_THAT(text, HasSubstr(line));
+  }
+}
+
+// A name that a node, a topic and a service have; nodes of two namespaces; two subscriptions.
+TEST(Ros2System, NamesAreTheFilesOwn) {
+  Ros2Graph graph;
+  graph.nodes = {{"/a/scan", ""}, {"/b/scan", ""}, {"/scan", ""}};
+  const Ros2End writer{"/scan", "T", {}}, reader{"/a/scan", "T", {}}, other{"/b/scan", "T", {}};
+  graph.topics = {{"/scan", {writer}, {reader, reader, other}}, {"/a/scan", {other}, {writer}}};
+  graph.services = {{"/scan", "S", {"/scan"}, {"/a/scan", "/a/scan"}, 3}};
+  const std::string text = write_ros2_system(graph);
+  const System system = parse_system(text, "s.yaml", [](const ModelRequest&) {
+    return make_queue({10, true, {}});
+  });
+  ASSERT_EQ(system.topics.size(), 2U);
+  EXPECT_EQ(system.topics[0].readers.size(), 3U);
+  EXPECT_THAT(text, HasSubstr("[a_scan.on_scan_topic, a_scan.on_scan_topic_2, b_scan]"));
+  EXPECT_THAT(text, HasSubstr("with: {depth: 3}"));
+}
+
+// One publisher reaches both, the other one alone: two topics.
+TEST(Ros2System, PublishersThatReachOthersAreTopicsOfTheirOwn) {
+  Ros2Graph graph;
+  Ros2End reliable{"/a", "T", {}}, quick{"/b", "T", {}}, strict{"/c", "T", {}}, lax{"/d", "T", {}};
+  quick.qos.reliability = lax.qos.reliability = "best_effort";
+  graph.topics = {{"/t", {reliable, quick}, {strict, lax}}};
+  const std::string text = write_ros2_system(graph);
+  EXPECT_THAT(text, HasSubstr("writers: a"));
+  EXPECT_THAT(text, HasSubstr("t_2: {writers: b, readers: d"));
+  EXPECT_THAT(text, HasSubstr("# /t: /b offers best_effort, and /c asks for reliable"));
+  EXPECT_THAT(text, HasSubstr("# /t is several topics here"));
+}
+
+TEST(Ros2System, IsReadBackByTheDoctor) {
+  const TempDir folder;
+  const std::filesystem::path file = folder.path() / "s.yaml";
+  write_file_atomically(file, write_ros2_system(graph()));
+  const Ros2Graph read = read_ros2_file(file, {});
+  ASSERT_EQ(read.topics.size(), 3U);
+  EXPECT_EQ(read.topics[0].name, "image");
+  ASSERT_EQ(read.topics[0].subscriptions.size(), 2U);
+  EXPECT_EQ(read.topics[0].subscriptions[0].node, "detector");
+  EXPECT_FALSE(read.topics[0].subscriptions[0].qos.depth);
+  EXPECT_EQ(read.topics[0].subscriptions[1].qos.depth, 5U);
+  EXPECT_EQ(read.topics[0].subscriptions[1].qos.reliability, "best_effort");
+  EXPECT_EQ(read.topics[2].publishers[0].qos.durability, "transient_local");
+  EXPECT_EQ(read.services[0].clients.size(), 2U);
+  EXPECT_FALSE(read.services[0].depth);
+}
+
+ModelRequest topic(std::vector<std::pair<std::string, std::string>> with) {
+  ModelRequest request;
+  request.learn = "ros2";
+  request.with = std::move(with);
+  return request;
+}
+
+TEST(Ros2Unknown, IsTheSubscriptionsDepth) {
+  EXPECT_TRUE(ros2_topic_of_unknown_depth(topic({{"depth", "unknown"}, {"kind", "topic"}})));
+  EXPECT_TRUE(ros2_topic_of_unknown_depth(topic({{"depth", "3"}, {"sub_depth", "unknown"}})));
+  EXPECT_FALSE(ros2_topic_of_unknown_depth(topic({{"depth", "3"}})));
+  EXPECT_FALSE(ros2_topic_of_unknown_depth(topic({{"depth", "unknown"}, {"sub-depth", "3"}})));
+  EXPECT_FALSE(ros2_topic_of_unknown_depth(topic({})));
+  EXPECT_THROW(ros2_topic_of_unknown_depth(topic({{"depth", "unknown"}, {"take", "all"}})),
+               UsageError);
+  EXPECT_THROW(ros2_topic_of_unknown_depth(
+                   topic({{"depth", "unknown"}, {"pub-reliability", "best_effort"}})),
+               UsageError);
+}
+
+}  // namespace
+}  // namespace maide
