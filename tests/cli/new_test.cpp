@@ -63,7 +63,8 @@ TEST(Init, WritesASystemThatIsCheckedAtOnce) {
   EXPECT_EQ(json_of(made).at("system"), "port");
   const SubprocessResult checked = run_maide({"check", file, "--json"});
   EXPECT_EQ(checked.exit_status, 1) << checked.err;
-  for (const Json& property : json_of(checked).at("properties")) {
+  const Json verdicts = json_of(checked);
+  for (const Json& property : verdicts.at("properties")) {
     const bool is_stuck = property.at("name") == "stuck" || property.at("name") == "error";
     EXPECT_EQ(property.at("verdict"), is_stuck ? "holds" : "violated") << property.at("name");
   }
