@@ -123,6 +123,17 @@ TEST(Learn, SystemsWithoutActorsAreMealyMachines) {
   expect_error(run_maide(learn({queue, "--as", "moore"})), 2, "--as");
 }
 
+// What a plain machine calls "refused" is an output like any other.
+TEST(Learn, APlainMachineMayRefuseAndChange) {
+  const TempDir folder("learn-test");
+  const std::string file = (folder.path() / "door.dot").string();
+  write_file_atomically(file, R"(digraph g { __start0 -> a; a -> b [label="knock / refused"];
+    b -> a [label="knock / welcome"]; })");
+  const SubprocessResult result = run_maide(learn({"sim:" + file, "--json"}));
+  EXPECT_EQ(result.exit_status, 0) << result.err;
+  EXPECT_EQ(json_of(result).at("states"), 2);
+}
+
 TEST(Learn, JsonHasWhatTheDesignNames) {
   const Json json = json_of(run_maide(learn({"port", "--json"})));
   for (const char* key :

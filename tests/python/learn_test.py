@@ -89,6 +89,23 @@ class Objects(unittest.TestCase):
 
         self.assertEqual(maide.learn(Lists()).model.run(["put"]), ["['ok']"])
 
+    def test_what_it_refuses_may_change_it(self):
+        class Door:
+            inputs = ["knock", "open"]
+
+            def reset(self):
+                self.knocks = 0
+
+            def step(self, given):
+                if given == "knock":
+                    self.knocks = (self.knocks + 1) % 3
+                return "refused" if self.knocks < 2 else "welcome"
+
+        model = maide.learn(Door()).model
+        self.assertEqual(model.run(["open", "knock", "knock", "open"]),
+                         ["refused", "refused", "welcome", "welcome"])
+        self.assertEqual(maide.test(model, Door()).verdict, "conforms")
+
     def test_is_asked_in_batches_where_it_can_be(self):
         batches = Batches()
         learned = maide.learn(batches, algorithm="lsharp", seed=3)

@@ -230,7 +230,8 @@ class ConformanceRun {
     if (!options.cache_file.empty()) {
       file_.emplace(options.cache_file, translator.inputs(), identify(translator), &control);
     }
-    constexpr auto refusals = Cache::Refusals::change_nothing;
+    const auto refusals = translator.info().has_actors ? Cache::Refusals::change_nothing
+                                                       : Cache::Refusals::are_outputs;
     cache_.emplace(file_ ? Cache(portioned_, *file_, refusals) : Cache(portioned_, refusals));
     cache_->hold_votes(options.vote, [this](bool begins) {
       counter_.set_phase(begins ? LearnPhase::confirmation : LearnPhase::testing);

@@ -387,7 +387,8 @@ ExperimentResult run_experiment(IaTranslator& translator, const ExperimentOption
   }
   ExperimentOptions completed = options;
   completed.fingerprint.merge(identify(translator));
-  completed.has_refusals = true;
+  // What a plain system calls "refused" is an output like any other.
+  completed.has_refusals = translator.info().has_actors;
   completed.on_cached_word = [&](const Word& inputs, const std::vector<std::string>& outputs) {
     translator.remember(inputs, outputs);
   };
