@@ -28,8 +28,8 @@ struct Ros2Arguments {
 };
 
 Ros2Graph graph_of(const std::string& file, double settle, Context& context) {
-  const Ros2Graph graph = file.empty() ? observe_ros2_graph(settle, context.control())
-                                       : read_ros2_file(file, context.control());
+  Ros2Graph graph = file.empty() ? observe_ros2_graph(settle, context.control())
+                                 : read_ros2_file(file, context.control());
   if (!graph.is_settled) {
     log_note("the graph still changed, or a node had not told its name: it is as it was then");
   }
