@@ -541,9 +541,7 @@ for line in sys.stdin:
                  for i in range(len(message["word"]))]
         send(type="answer", id=message["id"], steps=steps)
 )");
-  const std::string file = (folder.path() / "model.dot").string();
-  const SubprocessResult result =
-      run_maide(learn({"exec:python3 '" + wrapper + "'", "-o", file, "--json"}));
+  const SubprocessResult result = run_maide(learn({"exec:python3 '" + wrapper + "'", "--json"}));
   EXPECT_EQ(result.exit_status, 4) << result.err;
   EXPECT_THAT(result.err, HasSubstr("input 'press' is refused and yet changes the state"));
   EXPECT_THAT(result.err, HasSubstr("\"press press\" was answered \"unexplored on\""));
