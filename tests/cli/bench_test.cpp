@@ -179,7 +179,7 @@ TEST(Bench, WhatCannotBeUsedIsAnError) {
   const std::string path = folder.path().string();
   expect_error(run_maide({"bench", path + "/nothing"}), 2, "there is no such folder");
   expect_error(run_maide({"bench", path}), 2, "no model files are there");
-  expect_error(run_maide({"bench", models, "--algorithm", "x"}), 2, "unknown algorithm 'x'");
+  expect_error(run_maide({"bench", models, "--algorithm", "x"}), 2, "'x' is none of lsharp, ");
   expect_error(run_maide({"bench", models, "--eq", "x"}), 2, "unknown equivalence method 'x'");
 }
 

@@ -172,6 +172,27 @@ TEST_F(CacheCommand, CheckAsksTheSystemAgain) {
                2, "recorded for another system");
 }
 
+// A simulated model's version is its text.
+TEST_F(CacheCommand, CheckTakesAnotherVersion) {
+  const std::string system = "sim:" + path("machine.dot");
+  const auto write = [&](const std::string& output) {
+    write_file_atomically(path("machine.dot"),
+                          "digraph { a -> b [label=\"x / 0\"]; "
+                          "b -> a [label=\"x / " +
+                              output + "\"] }");
+  };
+  write("1");
+  const std::string cache = path("a.cache");
+  ASSERT_EQ(run_maide({"learn", system, "--cache", cache, "-o", path("m.dot")}).exit_status, 0);
+  const std::vector<std::string> check{"cache", "check", cache, "--system", system};
+  EXPECT_THAT(run_maide(check).out, testing::Not(HasSubstr("another version")));
+  write("2");
+  const SubprocessResult other = run_maide(check);
+  EXPECT_EQ(other.exit_status, 1) << other.out << other.err;
+  EXPECT_THAT(other.out, HasSubstr("another version: model "));
+  EXPECT_THAT(other.out, HasSubstr("\"x x\" is answered \"0 1\" and \"0 2\""));
+}
+
 // The cache says "lie" to each of eleven inputs, twice to the first one; to the twelfth only the
 // second time.
 TEST_F(CacheCommand, CheckShowsEachChangedAnswerOnceShortestFirst) {

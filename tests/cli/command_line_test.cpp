@@ -10,6 +10,8 @@
 #include "maide/base/text.hpp"
 #include "maide/base/version.hpp"
 #include "maide/cli/command.hpp"
+#include "maide/conformance/method/test_methods.hpp"
+#include "maide/learn/learner.hpp"
 #include "run_maide.hpp"
 
 namespace maide::test {
@@ -30,6 +32,67 @@ TEST(CommandLine, AloneItGivesAnOverview) {
 
 TEST(CommandLine, SaysItsVersion) {
   EXPECT_EQ(run_maide({"--version"}).out, "maide " + std::string(version()) + "\n");
+}
+
+// A page of a terminal holds it; `-v` tells all.
+TEST(CommandLine, HelpFitsATerminal) {
+  const auto expect_narrow = [](const std::string& text) {
+    for (const std::string_view line : split_lines(text)) EXPECT_LE(line.size(), 80) << line;
+  };
+  std::vector<std::vector<std::string>> calls{{"--help"}};
+  for (const cli::Command& command : cli::command_table()) {
+    calls.push_back({std::string(command.name), "--help"});
+  }
+  for (const std::vector<std::string>& call : calls) {
+    const std::string text = run_maide(call).out;
+    EXPECT_LE(split_lines(text).size(), 50) << call.front();
+    expect_narrow(text);
+  }
+  const std::string all = run_maide({"learn", "--help", "-v"}).out;
+  EXPECT_GT(split_lines(all).size(), 50);
+  EXPECT_THAT(all, HasSubstr("transducer of Aarts and"));
+  expect_narrow(all);
+  for (const cli::HelpPage& page : cli::help_pages()) {
+    const SubprocessResult result = run_maide({"help", std::string(page.name)});
+    EXPECT_EQ(result.exit_status, 0) << result.err;
+    EXPECT_GT(split_lines(result.out).size(), 10) << page.name;
+    expect_narrow(result.out);
+  }
+}
+
+// The pages are made from the tables.
+TEST(CommandLine, PagesNameEverything) {
+  const std::string algorithms = run_maide({"help", "algorithms"}).out;
+  for (const LearnerEntry& entry : learners()) {
+    EXPECT_THAT(algorithms, HasSubstr("\n  " + std::string(entry.name) + " "));
+  }
+  const std::string tests = run_maide({"help", "tests"}).out;
+  for (const TestMethodEntry& entry : test_methods()) {
+    EXPECT_THAT(tests, HasSubstr("\n  " + std::string(entry.name) + " "));
+  }
+  for (const TestOption& option : test_options()) {
+    EXPECT_THAT(tests, HasSubstr("\n  --" + std::string(option.key) + " "));
+  }
+  EXPECT_THAT(run_maide({"learn", "--help"}).out, HasSubstr("--infix-mean"));
+}
+
+TEST(CommandLine, ColoursAreForTerminals) {
+  const std::vector<std::string> call{"check",
+                                      MAIDE_SOURCE_DIR "/examples/case-study-1/buffered.yaml"};
+  const auto with = [&](const std::string& mode) {
+    std::vector<std::string> arguments = call;
+    arguments.insert(arguments.end(), {"--color", mode});
+    return run_maide(arguments).out;
+  };
+  EXPECT_THAT(run_maide(call).out, testing::StartsWith("verdict: violated"));
+  EXPECT_EQ(with("auto"), run_maide(call).out);
+  EXPECT_THAT(with("always"), testing::StartsWith("\033[31mverdict: violated"));
+  EXPECT_EQ(with("never").find('\033'), std::string::npos);
+  const std::string on_terminal = "script -qec \"$maide nothing\" /dev/null </dev/null | cat -v";
+  EXPECT_THAT(run_with_maide("export TERM=xterm; unset NO_COLOR; export maide; " + on_terminal).out,
+              HasSubstr("^[[31mmaide:^[[0m unknown command"));
+  EXPECT_THAT(run_with_maide("export TERM=xterm NO_COLOR=1; export maide; " + on_terminal).out,
+              testing::StartsWith("maide: unknown command"));
 }
 
 TEST(CommandLine, EveryCommandHasHelpWithAnExample) {
@@ -131,7 +194,8 @@ TEST(CommandLine, SuggestsCommandsAndOptions) {
   expect_error(run_maide({"learn", "port", "--algorithm", ""}), 2,
                "the value of --algorithm is empty");
   expect_error(run_maide({"learn", "port", "--eq", ""}), 2, "the value of --eq is empty");
-  expect_error(run_maide({"learn", "port", "--algorithm", "magic"}), 2, ", nstar");
+  expect_error(run_maide({"learn", "port", "--algorithm", "magic"}), 2,
+               "'magic' is none of lsharp, ");
   expect_error(run_maide({"help", "nothing"}), 2, "unknown command 'nothing'");
 }
 

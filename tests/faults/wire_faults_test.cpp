@@ -71,8 +71,12 @@ TEST_P(WrapperFault, IsOneClearError) { EXPECT_EQ(outcome(GetParam().name), GetP
 INSTANTIATE_TEST_SUITE_P(
     BeforeTheFirstWord, WrapperFault,
     testing::Values(
-        Fault{"no_hello", "no hello within 1 s"},
-        Fault{"garbage_hello", "a line is not JSON: Segmentation fault? Not me!"},
+        Fault{"no_hello",
+              "no hello within 1 s; mostly the hello is not flushed, or the command is no wrapper"},
+        Fault{"garbage_hello",
+              "a line is not JSON: Segmentation fault? Not me!; mostly the wrapper prints to "
+              "standard output before its hello (say that on standard error), or the command is no "
+              "wrapper"},
         Fault{"wrong_version", "the wrapper speaks version 7 of the protocol, Maide version 1"},
         Fault{"info_first", "the wrapper's first line is not a hello"},
         Fault{"endless_line", "a line is longer than 4194304 bytes"},

@@ -27,8 +27,14 @@ void read_dimensions(std::string_view text, Take&& take) {
     const auto number =
         equals == part.npos ? std::nullopt : parse_number<std::uint64_t>(part.substr(equals + 1));
     if (!number || !take(part.substr(0, equals), *number)) {
+      std::vector<std::string> names;
+      for (const auto& [name, most] : most_demanded) names.emplace_back(name);
+      const std::string_view name = part.substr(0, equals);
+      const bool is_known = std::find(names.begin(), names.end(), name) != names.end();
+      const std::string near = is_known ? "" : did_you_mean(name, names);
       throw UsageError(fmt::format(
-          "'{}' is no strength: extra-states, chained, pumped or random, '=' and a number", part));
+          "'{}' is no strength{}", part,
+          near.empty() ? ": extra-states, chained, pumped or random, '=' and a number" : near));
     }
   }
 }

@@ -33,6 +33,16 @@ constexpr const char* nondeterminism_advice =
     "; give it longer waits, or, if it is like that, learn it with --algorithm nstar (for some 44 "
     "times as many words)";
 
+// The first input behind a reset: nothing was before it but what the reset left.
+constexpr const char* leak_advice =
+    "; that is its first input: mostly the reset leaves something behind, or the step ends too "
+    "early";
+
+std::string advice_on(const std::string& word) {
+  return (word.find(' ') == std::string::npos ? leak_advice : "") +
+         std::string(nondeterminism_advice);
+}
+
 std::string describe_answers(const std::vector<std::pair<std::string, std::uint64_t>>& answers) {
   std::string text;
   for (const auto& [answer, count] : answers) {
@@ -46,8 +56,7 @@ std::string describe_answers(const std::vector<std::pair<std::string, std::uint6
 NondeterminismError::NondeterminismError(
     std::string word, const std::vector<std::pair<std::string, std::uint64_t>>& answers)
     : Error(ExitStatus::inconclusive, "the system stays nondeterministic: it answered \"" + word +
-                                          "\" " + describe_answers(answers) +
-                                          nondeterminism_advice),
+                                          "\" " + describe_answers(answers) + advice_on(word)),
       word_(std::move(word)),
       first_(answers.at(0).first),
       second_(answers.at(1).first) {}
@@ -56,7 +65,7 @@ NondeterminismError::NondeterminismError(std::string word, std::string first_ans
                                          std::string second_answer)
     : Error(ExitStatus::inconclusive, "the system answered \"" + word + "\" in two ways: \"" +
                                           first_answer + "\", then \"" + second_answer + "\"" +
-                                          nondeterminism_advice),
+                                          advice_on(word)),
       word_(std::move(word)),
       first_(std::move(first_answer)),
       second_(std::move(second_answer)) {}

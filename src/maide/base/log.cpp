@@ -67,6 +67,9 @@ namespace {
 
 std::mutex terminal_mutex;   // guards what follows
 bool line_is_shown = false;  // a progress line stands on the terminal
+// Words a second are counted from here.
+std::uint64_t words_at_start = 0;
+std::chrono::steady_clock::time_point rate_start;
 
 bool stderr_is_terminal() {
   const char* terminal = std::getenv("TERM");
@@ -76,7 +79,24 @@ bool stderr_is_terminal() {
 
 }  // namespace
 
-ProgressLine::ProgressLine(bool enabled) : enabled_(enabled && stderr_is_terminal()) {}
+namespace {
+
+// "1200 words/s", "0.4 words/s".
+std::string describe_rate(double words_per_second) {
+  if (words_per_second >= 10) {
+    return std::to_string(static_cast<std::uint64_t>(words_per_second)) + " words/s";
+  }
+  const auto tenths = static_cast<std::uint64_t>(words_per_second * 10);
+  return std::to_string(tenths / 10) + "." + std::to_string(tenths % 10) + " words/s";
+}
+
+}  // namespace
+
+ProgressLine::ProgressLine(bool enabled) : enabled_(enabled && stderr_is_terminal()) {
+  const std::lock_guard lock(terminal_mutex);
+  words_at_start = 0;
+  rate_start = std::chrono::steady_clock::now();
+}
 
 ProgressLine::~ProgressLine() { clear_progress_line(); }
 
@@ -87,6 +107,14 @@ void ProgressLine::on_progress(const Progress& progress) {
   if (now - last_drawn_ < std::chrono::milliseconds(100)) return;
   last_drawn_ = now;
   std::string text = to_string(progress);
+  if (progress.words < words_at_start || progress.words == 0) {
+    words_at_start = progress.words;
+    rate_start = now;
+  }
+  const double seconds = std::chrono::duration<double>(now - rate_start).count();
+  if (seconds > 1 && progress.words > words_at_start) {
+    text += ", " + describe_rate(static_cast<double>(progress.words - words_at_start) / seconds);
+  }
   const std::size_t width = terminal_width(STDERR_FILENO).value_or(80);
   if (text.size() >= width) text.resize(width - 1);
   std::fprintf(stderr, "\r%s\033[K", text.c_str());
@@ -115,6 +143,9 @@ std::string to_string(const Progress& progress) {
   add(progress.symbols, progress.symbols == 1 ? " symbol" : " symbols");
   if (progress.total > 0) {
     text += separator + std::to_string(progress.done) + " of " + std::to_string(progress.total);
+    if (progress.done < progress.total) {
+      text += ", " + std::to_string(progress.total - progress.done) + " left";
+    }
   } else {
     add(progress.done, " done");
   }

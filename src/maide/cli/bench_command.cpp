@@ -438,24 +438,26 @@ RunFunction set_up_bench(CommandLine& line) {
   std::vector<std::string> names;
   for (const LearnerEntry& entry : deterministic_learners()) names.emplace_back(entry.name);
   line.add("FOLDER", arguments->folder,
-           "A folder of models: .dot, .gv, .aut; an interface automaton counts as its Mealy "
+           "A folder of models: .dot, .gv, .aut. An interface automaton counts as its Mealy "
            "machine (eager)")
       .required();
   line.add("--algorithm", arguments->options.algorithms,
-           fmt::format("A learner to measure, once or several times: {} (default: all)",
-                       join(names)))
+           "A learner to measure, once or more. Default: all ('maide help algorithms')")
+      .check([names](const std::string& name) { return check_one_of(name, names); })
       .one_each()
-      .no_default();
+      .no_default()
+      .value_name("NAME");
   add_test_options(line, arguments->tests);
   line.add("--start-from", arguments->start_from,
-           "A folder of models of earlier versions, by the same names: learners start from "
-           "them, as in maide learn");
-  line.add("--csv", arguments->csv, "Write a line for each run to this file");
+           "A folder of models of earlier versions. By the same names: learners start from them, "
+           "as in maide learn")
+      .value_name("FOLDER");
+  line.add("--csv", arguments->csv, "Write a line for each run to this file").value_name("FILE");
   line.add_flag("--no-cache", arguments->no_cache,
                 "Ask the system every query. The processor time is then that of the learner, the "
                 "tests and the simulation");
   line.add("-j,--jobs", arguments->options.jobs,
-           "How many runs at once; counts are the same, times may suffer. Default: one for "
+           "How many runs at once. Counts are the same, times may suffer. Default: one for "
            "each processor")
       .check(check_jobs)
       .no_default()

@@ -172,6 +172,16 @@ Checked check_file(const std::string& path, const CacheArguments& arguments, Con
   const SystemSpec spec = parse_system_spec(words.front(), std::span(words).subspan(1));
   const RecheckResult again = recheck_cache(cache, spec, arguments.recheck, context.control());
   if (again.different > 0) checked.status = ExitStatus::violated;
+  checked.json["other_versions"] = Json::array();
+  const auto or_none = [](const std::string& version) {
+    return version.empty() ? "none" : version;
+  };
+  for (const OtherVersion& version : again.versions) {
+    checked.text += fmt::format("  another version: {} {} is asked, {} was\n", version.part,
+                                or_none(version.running), or_none(version.cached));
+    checked.json["other_versions"].push_back(
+        {{"part", version.part}, {"cached", version.cached}, {"running", version.running}});
+  }
   checked.json["asked_again"] = again.words;
   checked.json["different"] = again.different;
   checked.json["answered_otherwise"] = Json::array();
@@ -220,22 +230,25 @@ ExitStatus check(const CacheArguments& arguments, Context& context) {
 
 RunFunction set_up_cache(CommandLine& line) {
   auto arguments = std::make_shared<CacheArguments>();
-  line.add("WHAT", arguments->what,
-           "show: what is in the files; merge: makes one of several files of the same system; "
-           "check: whether the files are sound, and whether the system still answers as they say")
+  line.add(
+          "WHAT", arguments->what,
+          "show, merge or check. Show tells what is in the files; merge makes one of several files "
+          "of the same system; check tells whether the files are sound, and whether the system "
+          "still answers as they say")
       .required()
       .check([](const std::string& what) {
-        if (what == "show" || what == "merge" || what == "check") return std::string();
-        return "'" + what + "' is none of show, merge, check";
+        return check_one_of(what, {"show", "merge", "check"});
       });
   line.add("FILE", arguments->files, "Files that maide learn --cache has written").required();
   const auto only = [&](std::string_view verb, const Argument& option) {
     arguments->options.push_back({verb, option});
   };
   only("merge", line.add("-o,--output", arguments->output, "merge: the new file"));
-  only("check", line.add("--system", arguments->system,
-                         "check: ask this system again, written as in maide learn: "
-                         "'port kind=strict'"));
+  only(
+      "check",
+      line.add("--system", arguments->system,
+               "check: ask this system again. It is written as in maide learn: 'port kind=strict'; "
+               "another version of it is no error"));
   only("check", line.add("--words", arguments->recheck.words,
                          "check: how many words are asked again, from 1")
                     .check([](const std::string& text) {
@@ -243,8 +256,8 @@ RunFunction set_up_cache(CommandLine& line) {
                       return "'" + text + "' is not a whole number from 1";
                     }));
   only("check", line.add("--token-file", arguments->recheck.access.token_file,
-                         "check: a file with the token of a listening wrapper (or set "
-                         "MAIDE_TOKEN)"));
+                         "check: a file with a listening wrapper's token. Or set "
+                         "MAIDE_TOKEN"));
   only("check", add_jobs_option(line, arguments->recheck.access.jobs));
   only("check", add_seed_option(line, arguments->recheck.seed));
   return [arguments](Context& context) {

@@ -3,12 +3,16 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <sstream>
+#include <string>
+#include <vector>
 
 #include "maide/base/file.hpp"
 #include "maide/base/log.hpp"
+#include "maide/base/text.hpp"
 #include "maide/check/explore/check_system.hpp"
 #include "maide/check/language/system_file.hpp"
 #include "maide/check/trace/trace_file.hpp"
@@ -86,7 +90,29 @@ std::string describe(const System& system, const CheckReport& report, const Prop
   return text.str();
 }
 
-std::string describe(const System& system, const CheckReport& report, const TraceStyle& style) {
+Tone tone_of(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::holds: return Tone::good;
+    case Verdict::violated: return Tone::bad;
+    case Verdict::inconclusive: return Tone::doubtful;
+  }
+  return Tone::plain;
+}
+
+// "verdict: violated (deadlock, stuck)": which properties it is the verdict on, if it is not that
+// on all.
+std::string first_line(const CheckReport& report) {
+  std::vector<std::string> names;
+  for (const PropertyResult& result : report.properties) {
+    if (result.verdict == report.verdict) names.push_back(result.name);
+  }
+  const bool is_of_all = names.size() == report.properties.size();
+  return "verdict: " + std::string(to_string(report.verdict)) +
+         (is_of_all || names.empty() ? "" : " (" + join(names) + ")") + "\n";
+}
+
+std::string describe(const System& system, const CheckReport& report, const TraceStyle& style,
+                     bool in_full) {
   std::size_t width = 0;
   for (const PropertyResult& result : report.properties) {
     width = std::max(width, result.name.size());
@@ -95,9 +121,29 @@ std::string describe(const System& system, const CheckReport& report, const Trac
   for (const PropertyResult& result : report.properties) {
     text += describe(system, report, result, width, style);
   }
-  if (!report.assumptions.empty()) text += "this rests on:\n";
-  for (const std::string& assumption : report.assumptions) text += "  - " + assumption + "\n";
-  return text + "verdict: " + to_string(report.verdict) + "\n";
+  bool is_short = false;
+  std::string grounds;
+  for (const std::string& assumption : report.assumptions) {
+    const auto brief = report.brief.find(assumption);
+    const bool is_doubt =
+        std::find(report.doubts.begin(), report.doubts.end(), assumption) != report.doubts.end();
+    if (is_doubt && !in_full) continue;  // was said first
+    const bool cut = brief != report.brief.end() && !in_full;
+    is_short = is_short || cut;
+    grounds += "  - " + (cut ? brief->second : assumption) + "\n";
+  }
+  if (!grounds.empty()) text += is_short ? "this rests on (-v says more):\n" : "this rests on:\n";
+  return text + grounds;
+}
+
+// The verdict, then what makes it doubtful, then each property.
+void print(const System& system, const CheckReport& report, const TraceStyle& style,
+           Context& context) {
+  context.print(first_line(report), tone_of(report.verdict));
+  for (const std::string& doubt : report.doubts) {
+    context.print("beware: " + doubt + "\n", Tone::doubtful);
+  }
+  context.print(describe(system, report, style, context.verbose()));
 }
 
 std::string describe(const Suggestions& suggestions) {
@@ -221,7 +267,7 @@ ExitStatus run_check(const CheckArguments& arguments, Context& context) {
   const CheckReport& report = checked.report;
   for (const std::string& remark : system.remarks) log_note(remark);
   for (const std::string& remark : report.remarks) log_note(remark);
-  context.print(describe(system, report, trace_style(arguments.trace_format)));
+  print(system, report, trace_style(arguments.trace_format), context);
   Json json = report_to_json(system, report);
   if (arguments.refine) json["refinements"] = refinements_to_json(checked.rounds);
   if (arguments.suggest && report.verdict == Verdict::violated) {
@@ -248,48 +294,54 @@ RunFunction set_up_check(CommandLine& line) {
   line.add("SYSTEM", arguments->system, "A system file (YAML): models, programs, properties")
       .required();
   line.add("--engine", arguments->engine,
-           "Which engine decides: native (Maide's own), or spin as a reference, which knows no "
-           "`stuck`, no X, no strong fairness and no `fair`. It needs spin and a C compiler");
+           "Which engine decides: native or spin. Native is Maide's own; spin is a reference that "
+           "knows no `stuck`, no X, no strong fairness and no `fair`, and needs spin and a C "
+           "compiler")
+      .value_name("NAME");
   line.add("--reduction", arguments->reduction,
-           "What the engine native leaves out, where the property allows it: none; calls (states "
-           "between an input and the output that answers it); order (all but one order of steps "
-           "that do not disturb one another); full (both, and states with a single step)")
+           "What native leaves out: none, calls, order or full. It does so where the property "
+           "allows it. Calls: states between an input and the output that answers it; order: all "
+           "but one order of steps that do not disturb one another; full: both, and states with "
+           "a single step")
       .value_name("NAME");
   line.add("--property", arguments->properties,
-           "Check this property alone; may be given several times (default: deadlock, "
-           "stuck and all properties of the file)")
+           "Check this property alone; once or more. Default: deadlock, stuck and all "
+           "properties of the file")
       .no_default()
-      .one_each();
-  line.add("--trace", arguments->trace, "Write the first counterexample to this file, as JSON");
+      .one_each()
+      .value_name("NAME");
+  line.add("--trace", arguments->trace, "Write the first counterexample to this file (JSON)")
+      .value_name("FILE");
   line.add("--trace-format", arguments->trace_format,
-           "How a counterexample is shown: chart (a message sequence chart, if it fits the "
-           "terminal) or steps (a line each)")
+           "How a counterexample is shown: chart or steps. A chart is a message sequence chart, if "
+           "it "
+           "fits the terminal; steps are a line each")
       .one_of({"chart", "steps"})
       .value_name("FORMAT");
   line.add("--report", arguments->report,
-           "Write a page with verdicts, charts and pictures of the models (FILE.html), or the "
-           "chart of the first counterexample alone (FILE.svg)");
+           "Write a page (.html), or the first chart (.svg). The page has verdicts, charts and "
+           "pictures of the models; the chart is that of the first counterexample")
+      .value_name("FILE");
   line.add_flag("--suggest", arguments->suggest,
-                "After a violation, look for the smallest change that removes it: other models, "
+                "Look for the smallest change that removes a violation. It may be other models, "
                 "other settings (learned where possible), other values of constants, other numbers "
                 "of repetitions. Each change is checked");
   line.add("--memory", arguments->memory_mib,
-           "Most memory of a search, in MiB (default: three quarters of the machine's)")
+           "Most memory of a search. Default: three quarters of the machine's")
       .between(1, std::uint64_t{1} << 30)
       .no_default()
       .value_name("MIB");
   line.add("--time", arguments->seconds,
-           "Most time in all, in seconds; what is not decided by then is inconclusive "
-           "(default: as long as it takes)")
+           "Most seconds in all. What is not decided by then is inconclusive")
       .check(check_seconds)
       .no_default();
   add_jobs_option(line, arguments->jobs);
   line.add_flag("--refine", arguments->refine,
-                "Believe no verdict before the real system was asked: replay a counterexample on "
-                "it, or test the models again if there is none. Models under `learn:` are learned "
-                "on where the system differs");
+                "Believe no verdict before the real system was asked. A counterexample is replayed "
+                "on it; if there is none, the models are tested again. Models under `learn:` are "
+                "learned on where the system differs");
   line.add("--refinements", arguments->refinements,
-           "Most refinements of --refine; then the verdict is inconclusive")
+           "Most refinements of --refine. Then the verdict is inconclusive")
       .between(1, 1'000'000);
   return [arguments](Context& context) { return run_check(*arguments, context); };
 }

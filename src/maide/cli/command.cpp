@@ -30,8 +30,8 @@ void write_to_stdout(std::string_view text) {
 
 void write_error_line(std::string_view message) {
   clear_progress_line();
-  const std::string line = "maide: " + one_line(message) + '\n';
-  std::fputs(line.c_str(), stderr);
+  const std::string line = paint("maide:", Tone::bad, STDERR_FILENO) + " " + one_line(message);
+  std::fputs((line + '\n').c_str(), stderr);
 }
 
 void write_data(std::string_view text) {
@@ -52,8 +52,10 @@ RunControl Context::control() {
   return control;
 }
 
-void Context::print(std::string_view text) {
-  if (!options_.json) write_to_stdout(printable(text));
+void Context::print(std::string_view text, Tone tone) {
+  if (options_.json) return;
+  const auto width = terminal_width(STDOUT_FILENO);
+  write_to_stdout(paint(width ? wrap_lines(text, *width) : std::string(text), tone, STDOUT_FILENO));
 }
 
 void Context::print_data(std::string_view text) {
@@ -112,7 +114,8 @@ std::span<const Command> command_table() {
               "maide replay system.yaml --random 100 --seed 7",
               set_up_replay},
       Command{"compare", "Tell whether two models are the same, and what tells them apart",
-              "maide compare port.dot strict-1.dot\nmaide compare old.dot new.dot --json",
+              "maide compare port.dot strict-1.dot\nmaide compare old.dot new.dot --json\n"
+              "maide compare strict-3.dot port kind=strict size=3",
               set_up_compare},
       Command{"test", "Tell whether a running system does what a model says",
               "maide test strict-3.dot\n"
@@ -148,10 +151,10 @@ std::span<const Command> command_table() {
       Command{"init", "Write a first system file, for the middleware that is installed",
               "maide init\nmaide init robot.yaml --system cyclonedds", set_up_init},
       Command{"new", "Write a wrapper that runs at once, for a server of your own",
-              "maide new wrapper --tcp 127.0.0.1:6379 --input 'SET a 1' --input 'GET a' --reset "
-              "FLUSHALL -o redis.py\n"
-              "maide new wrapper --tcp 127.0.0.1:21 --input 'user=USER anonymous' "
-              "--input 'pass=PASS x' --cpp -o ftp.cpp",
+              "maide new wrapper --tcp 127.0.0.1:6379 --input 'SET a 1' \\\n"
+              "    --input 'GET a' --reset FLUSHALL -o redis.py\n"
+              "maide new wrapper --tcp 127.0.0.1:21 --input 'user=USER anonymous' \\\n"
+              "    --input 'pass=PASS x' --cpp -o ftp.cpp",
               set_up_new},
       Command{"ros2", "Write a system file of a running graph of ROS 2",
               "maide ros2 import -o robot.yaml\n"

@@ -31,6 +31,7 @@
 #include "maide/base/log.hpp"
 #include "maide/base/run_control.hpp"
 #include "maide/cli/command_line.hpp"
+#include "maide/cli/terminal.hpp"
 
 // What a command works with: the options that every command has, the stop token and the progress
 // line for long work, and two ways to give a result, text for people or one JSON object.
@@ -65,7 +66,9 @@ class Context {
 
   // Result text for people, on standard output at once; nothing under --json. Throws UsageError if
   // standard output cannot be written to, Error (inconclusive) if the disk is full.
-  void print(std::string_view text);
+  void print(std::string_view text) { print(text, Tone::plain); }
+  // The same in a colour, where there are any. On a terminal long lines are broken.
+  void print(std::string_view text, Tone tone);
   // The same for a text that programs read (a model): as it is, but on a terminal.
   void print_data(std::string_view text);
 
@@ -119,7 +122,23 @@ struct Command {
   RunFunction (*set_up)(CommandLine& line);
 };
 
-// What `maide help language` prints.
+// The format of `maide export` that the exporters of formats/ do not have, for it needs Graphviz:
+// the picture of a model.
+inline constexpr std::string_view tikz = "tikz";
+inline constexpr std::string_view tikz_summary = "a picture for LaTeX, laid out by Graphviz";
+
+// What `maide help PAGE` prints, for what fits no command's help.
+struct HelpPage {
+  std::string_view name;
+  std::string_view summary;  // one line, for the overview
+  std::string (*text)(std::size_t width);
+};
+std::span<const HelpPage> help_pages();
+// Null if there is none of that name.
+const HelpPage* find_help_page(std::string_view name);
+// A line for each.
+std::string describe_help_pages();
+// Of the language of system files; for the page.
 std::string_view language_help();
 
 // Every command of this version, in the order of the overview.

@@ -3,13 +3,18 @@
 // every number has a check of ours.
 #include "maide/cli/command_line.hpp"
 
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cctype>
+#include <map>
 
 #include "maide/base/error.hpp"
 #include "maide/base/numbers.hpp"
 #include "maide/base/text.hpp"
+#include "maide/cli/terminal.hpp"
+#include "maide/report/sequence_chart_text.hpp"
 #include "maide/workflow/open_system.hpp"
 
 namespace maide::cli {
@@ -41,6 +46,11 @@ std::string readable_message(const CLI::ParseError& error) {
   constexpr std::string_view conversion = "Could not convert: ";
   if (message.starts_with(conversion)) {
     message = "unusable value: " + message.substr(conversion.size());
+  }
+  // "--junit: 1 required FILE missing".
+  const std::size_t missing = message.find(": 1 required ");
+  if (missing != message.npos && message.ends_with(" missing")) {
+    message = message.substr(0, missing) + " needs a value";
   }
   constexpr std::string_view extras = "The following argument was not expected: ";
   if (message.starts_with(extras)) {
@@ -74,7 +84,9 @@ Argument& Argument::check(const ArgumentCheck& check) {
 }
 
 Argument& Argument::one_of(std::vector<std::string> names) {
-  option_->check(CLI::IsMember(std::move(names)));
+  // Not check(): it would stand in front of one that says it better.
+  option_->check(CLI::Validator(
+      [names = std::move(names)](std::string& text) { return check_one_of(text, names); }, ""));
   return *this;
 }
 
@@ -84,8 +96,11 @@ Argument& Argument::between(std::uint64_t least, std::uint64_t most) {
 }
 
 Argument& Argument::number_between(double least, double most) {
-  option_->check(CLI::Range(least, most));
-  return *this;
+  return check([least, most](const std::string& text) {
+    const auto number = parse_number<double>(text);
+    if (number && *number >= least && *number <= most) return std::string();
+    return fmt::format("'{}' is not a number from {} to {}", text, least, most);
+  });
 }
 
 Argument& Argument::no_default() {
@@ -103,11 +118,34 @@ Argument& Argument::one_each() {
   return *this;
 }
 
+Argument& Argument::topic(const std::string& topic) {
+  option_->group(topic);
+  return *this;
+}
+
+std::string Argument::topic() const {
+  return option_->get_group() == "Options" || is_positional() ? "" : option_->get_group();
+}
+
+std::string Argument::synopsis() const {
+  if (is_positional()) return name() + (option_->get_expected_max() > 1 ? "..." : "");
+  std::string text;
+  for (const std::string& name : short_names()) text += (text.empty() ? "-" : ", -") + name;
+  for (const std::string& name : long_names()) text += (text.empty() ? "--" : ", --") + name;
+  if (!takes_value()) return text;
+  const std::string type = option_->get_type_name();
+  const std::string kind = type.substr(0, type.find(':'));
+  text += " " + (kind == "UINT" ? "N" : kind == "FLOAT" ? "X" : kind);
+  const std::string initial = option_->get_default_str();
+  return text + (initial.empty() || initial == "[]" ? "" : "=" + initial);
+}
+
 std::string Argument::name() const { return option_->get_name(); }
 std::vector<std::string> Argument::long_names() const { return option_->get_lnames(); }
 std::vector<std::string> Argument::short_names() const { return option_->get_snames(); }
 std::string Argument::help() const { return option_->get_description(); }
 bool Argument::is_positional() const { return option_->get_positional(); }
+bool Argument::is_required() const { return option_->get_required(); }
 bool Argument::takes_value() const { return option_->get_expected_max() != 0; }
 bool Argument::is_given() const { return option_->count() > 0; }
 std::vector<std::string> Argument::values() const { return option_->results(); }
@@ -161,9 +199,67 @@ std::vector<Argument> CommandLine::all() const {
   return list;
 }
 
-void CommandLine::set_footer(const std::string& text) { app_->footer(text); }
+void CommandLine::set_footer(const std::string& text) { footer_ = text; }
 
-std::string CommandLine::help() const { return app_->help(); }
+namespace {
+
+// Up to the first full stop that another sentence follows.
+std::string first_sentence(const std::string& text) {
+  for (std::size_t at = text.find(". "); at != std::string::npos; at = text.find(". ", at + 1)) {
+    if (at + 2 < text.size() && std::islower(static_cast<unsigned char>(text[at + 2])) == 0) {
+      return text.substr(0, at);
+    }
+  }
+  return text;
+}
+
+std::string usage(const std::string& command, const std::vector<Argument>& arguments) {
+  std::string text = "Usage: " + command + " [OPTIONS]";
+  for (const Argument& argument : arguments) {
+    if (!argument.is_positional()) continue;
+    text += argument.is_required() ? " " + argument.synopsis() : " [" + argument.synopsis() + "]";
+  }
+  return text + "\n";
+}
+
+// A paragraph for each topic: the options that it tells of.
+std::string name_topics(const std::vector<Argument>& arguments, std::size_t width) {
+  std::map<std::string, std::string> options;
+  for (const Argument& argument : arguments) {
+    if (argument.topic().empty() || argument.topic() == CommandLine::shown_in_footer) continue;
+    std::string& list = options[argument.topic()];
+    list += (list.empty() ? "" : ", ") + argument.name();
+  }
+  std::string text;
+  for (const auto& [topic, list] : options) {
+    text += wrap("Options of " + topic + " ('maide help " + topic + "'): " + list, width, 2);
+  }
+  return text;
+}
+
+constexpr std::size_t widest_synopsis = 26;
+
+}  // namespace
+
+std::string CommandLine::help(std::size_t width, bool full) const {
+  if (!full) {
+    std::string text = help(width, true);
+    const bool fits =
+        static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n')) <= most_help_lines;
+    if (fits) return text;
+  }
+  std::vector<TextRow> rows;
+  const std::vector<Argument> arguments = all();
+  for (const bool is_positional : {true, false}) {
+    for (const Argument& argument : arguments) {
+      if (argument.is_positional() != is_positional || !argument.topic().empty()) continue;
+      rows.emplace_back(argument.synopsis(),
+                        full ? argument.help() : first_sentence(argument.help()));
+    }
+  }
+  return wrap(app_->get_description(), width, 0) + usage(app_->get_name(), arguments) + "\n" +
+         two_columns(rows, width, widest_synopsis) + name_topics(arguments, width) + footer_;
+}
 
 bool CommandLine::parse(const std::vector<std::string>& typed, const std::string& hint) {
   check_names(typed, hint);
@@ -194,9 +290,9 @@ void CommandLine::check_names(const std::vector<std::string>& typed,
     const std::string name =
         is_long ? argument.substr(0, argument.find('=')) : argument.substr(0, 2);
     if (app_->get_option_no_throw(name) != nullptr) continue;
-    throw UsageError("unknown option '" + (is_long ? name : argument) + "'" +
-                     did_you_mean(is_long ? name : "-" + argument, names) +
-                     (is_long ? system_option_hint(*app_, typed, i) : "") + hint);
+    const std::string near = did_you_mean(is_long ? name : "-" + argument, names);
+    throw UsageError("unknown option '" + (is_long ? name : argument) + "'" + near +
+                     (is_long && near.empty() ? system_option_hint(*app_, typed, i) : "") + hint);
   }
 }
 
@@ -207,6 +303,15 @@ void CommandLine::check_values(const std::string& hint) const {
     if (std::find(values.begin(), values.end(), "") == values.end()) continue;
     throw UsageError("the value of " + argument.name() + " is empty" + hint);
   }
+}
+
+std::string check_one_of(const std::string& text, const std::vector<std::string>& names) {
+  if (text.empty()) return "";  // check_values() says so
+  if (std::find(names.begin(), names.end(), text) != names.end()) return "";
+  constexpr std::size_t short_list = 40;
+  const std::string near = did_you_mean(text, names), list = join(names);
+  return near.empty() || list.size() <= short_list ? "'" + text + "' is none of " + list + near
+                                                   : "unknown name '" + text + "'" + near;
 }
 
 std::string check_jobs(const std::string& text) { return check_whole_number(text, 1, most_jobs); }

@@ -3,6 +3,7 @@
 // includes this header.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -29,6 +30,7 @@ class Argument {
 
   Argument& required();
   Argument& check(const ArgumentCheck& check);
+  // One of these; a name that is near is suggested for any other.
   Argument& one_of(std::vector<std::string> names);
   // A whole number in this range, ends included.
   Argument& between(std::uint64_t least, std::uint64_t most);
@@ -40,12 +42,17 @@ class Argument {
   Argument& value_name(const std::string& name);
   // Of several values each stands behind the name of its own: `--property a --property b`.
   Argument& one_each();
+  // `maide help TOPIC` tells of it in place of the command's help, which names it.
+  Argument& topic(const std::string& topic);
 
   std::string name() const;                                          // "--output", "SUL"
   std::vector<std::string> long_names() const, short_names() const;  // without dashes
   std::string help() const;
-  bool is_positional() const;  // has no dashes
-  bool takes_value() const;    // is no flag
+  std::string topic() const;     // "" for none
+  std::string synopsis() const;  // as in the help: "-o, --output FILE", "KEY=VALUE..."
+  bool is_positional() const;    // has no dashes
+  bool is_required() const;
+  bool takes_value() const;  // is no flag
   bool is_given() const;
   std::vector<std::string> values() const;  // as typed
 
@@ -77,9 +84,14 @@ class CommandLine {
   // All that were declared, in order.
   std::vector<Argument> all() const;
 
+  // The topic of options that the footer tells of.
+  static constexpr const char* shown_in_footer = "all commands";
   // Behind the options in the help.
   void set_footer(const std::string& text);
-  std::string help() const;
+  // For a person, in at most `most_help_lines` lines: if they do not take all that the options'
+  // helps say, the first sentence of each. `full`: all, in as many lines as it takes.
+  static constexpr std::size_t most_help_lines = 50;
+  std::string help(std::size_t width, bool full) const;
 
   // Parses the words behind the command. False: help was asked for. Throws UsageError, with `hint`
   // at its end, for an unknown option (naming the nearest), for an option with an empty value (a
@@ -91,9 +103,12 @@ class CommandLine {
   void check_values(const std::string& hint) const;
 
   std::unique_ptr<CLI::App> app_;
+  std::string footer_;
 };
 
 // Checks that several commands need.
+// "'x' is none of a, b; did you mean 'a'?", or "" if it is one of them.
+std::string check_one_of(const std::string& text, const std::vector<std::string>& names);
 std::string check_jobs(const std::string& text);     // from 1 to most_jobs
 std::string check_seconds(const std::string& text);  // from 0.001 to 1e8 (three years)
 

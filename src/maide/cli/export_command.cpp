@@ -46,10 +46,6 @@ struct Export {
   Json details;
 };
 
-// What the exporters of formats/ do not have, for it needs Graphviz: the picture of a model.
-constexpr std::string_view tikz = "tikz";
-constexpr std::string_view tikz_summary = "a picture for LaTeX, laid out by Graphviz";
-
 std::string draw_model(const Model& model, const std::string& source, const RunControl& control) {
   const PictureSize size = size_of(model);
   if (!size.is_drawable()) {
@@ -231,39 +227,31 @@ ExitStatus run_export(const ExportArguments& arguments, Context& context) {
 
 RunFunction set_up_export(CommandLine& line) {
   auto arguments = std::make_shared<ExportArguments>();
-  const auto list = [](const auto& exporters) {
-    std::string text;
-    for (const auto& exporter : exporters) {
-      text += fmt::format("{}{} ({})", text.empty() ? "" : "; ", exporter.name, exporter.summary);
-    }
-    return text;
-  };
+  std::string names;
+  for (const Exporter& exporter : exporters()) names += std::string(exporter.name) + ", ";
+  names += std::string(tikz) + ", or hoa";
   line.add("SOURCE", arguments->source,
            "A model file (.dot, .gv or .aut), or a system file (.yaml)")
       .required();
-  line.add("--to", arguments->format,
-           fmt::format("The format. Of a model: {}; {} ({})", list(exporters()), tikz,
-                       tikz_summary) +
-               ". Of a system: " + list(system_exporters()) +
-               ". Of a system's property: hoa (its automaton, for Spot and other tools of "
-               "temporal logic)")
+  line.add("--to", arguments->format, "The format ('maide help formats'): " + names)
+      .value_name("NAME")
       .required();
   line.add("--property", arguments->property,
-           "With --to hoa: write the automaton of the runs on which this property holds");
+           "With --to hoa: the automaton of the runs on which this holds")
+      .value_name("NAME");
   line.add_flag("--negated", arguments->negated,
-                "With --to hoa: write the automaton of the runs on which it does not hold, as "
-                "`never:` takes it");
+                "With --to hoa: of the runs on which it does not hold. `never:` takes it");
   line.add("--component", arguments->component,
-           "Of a system: write only the component of this program, which is the programs and "
-           "models that it has something to do with. Formats other than aut need this if there are "
-           "several components and a program has more than single inputs, outputs and choices")
+           "Of a system: only the component of this program. That is the programs and models that "
+           "it has something to do with. Formats other than aut need this if there are several "
+           "components and a program has more than single inputs, outputs and choices")
       .value_name("PROGRAM");
-  line.add("-o,--output", arguments->output, "The file to write; standard output if not given");
+  line.add("-o,--output", arguments->output, "The file to write. Default: standard output")
+      .value_name("FILE");
   line.add_flag("--lossy", arguments->lossy,
                 "Write a model to aut even though aut cannot say what was never tried");
   line.add("--memory", arguments->memory_mib,
-           "Most memory for a system's state graph (--to aut), in MiB (default: three quarters "
-           "of the machine's)")
+           "Most memory for a state graph (--to aut). Default: three quarters of the machine's")
       .between(1, std::uint64_t{1} << 30)
       .no_default()
       .value_name("MIB");

@@ -358,18 +358,18 @@ void add_limits(CommandLine& line, LearnArguments& arguments) {
 
 void add_confirmation(CommandLine& line, LearnArguments& arguments) {
   line.add("--confirm", arguments.confirm,
-           "Whether to ask each counterexample again before it is believed, and to ask the final "
-           "model's words again with longer waits: yes or no (default: yes; for a simulated model "
-           "no)")
-      .one_of({"yes", "no"});
+           "Whether to ask again what matters: yes or no. That is each counterexample before it is "
+           "believed, and the final model's words with longer waits (default: yes; for a simulated "
+           "model no)")
+      .one_of({"yes", "no"})
+      .value_name("WORD");
   line.add("--confidence", arguments.vote.confidence,
-           "How sure a majority must be when a word is answered in several ways. It is wrong with "
-           "a probability of at most 1 minus this, as long as noise spoils less than half of the "
-           "answers")
+           "How sure a majority must be about differing answers. It is wrong with a probability of "
+           "at most 1 minus this, as long as noise spoils less than half of the answers")
       .number_between(0.5, 0.999999);
   line.add("--repeat", arguments.vote.most_attempts,
-           "How often a word is asked again, at most, until a majority decides. Without a majority "
-           "the system counts as nondeterministic (exit status 3)")
+           "Most times that a word is asked. A majority decides then; without one the system "
+           "counts as nondeterministic (exit status 3)")
       .between(10, 100000);
 }
 
@@ -387,6 +387,12 @@ void check_without_system(const CommandLine& line, const LearnArguments& argumen
   }
 }
 
+std::string check_algorithm(const std::string& name) {
+  std::vector<std::string> names;
+  for (const LearnerEntry& entry : learners()) names.emplace_back(entry.name);
+  return check_one_of(name, names);
+}
+
 std::string own_wrapper_names() {
   std::vector<std::string> names;
   for (const OwnWrapper& wrapper : own_wrappers) names.emplace_back(wrapper.name);
@@ -397,62 +403,71 @@ std::string own_wrapper_names() {
 
 RunFunction set_up_learn(CommandLine& line) {
   auto arguments = std::make_shared<LearnArguments>();
-  const Argument sul =
-      line.add("SUL", arguments->sul,
-               "The system: a wrapper's name (" + own_wrapper_names() +
-                   "; "
-                   "'maide doctor' tells which are here), sim:FILE (a model, simulated), "
-                   "tcp://HOST:PORT,... (one that listens, or several), or exec:PROGRAM ARGS; "
-                   "needed unless there is --from-traces");
-  line.add("KEY=VALUE", arguments->key_values,
-           "Options of the system; --list-options tells which it has")
+  const Argument sul = line.add(
+      "SUL", arguments->sul,
+      "The system: port, sim:FILE ('maide help systems'). All wrappers: " + own_wrapper_names() +
+          " ('maide doctor' tells which are here), sim:FILE (a model, simulated), "
+          "tcp://HOST:PORT,... (one that listens, or several), or exec:PROGRAM ARGS. It is "
+          "needed unless there is --from-traces");
+  line.add("KEY=VALUE", arguments->key_values, "Options of the system (--list-options)")
       .no_default();
-  line.add("-o,--output", arguments->output,
-           "The model's file (DOT); standard output if not given");
-  line.add("--algorithm", arguments->algorithm, describe_entries(learners()));
+  line.add("-o,--output", arguments->output, "The model's file (DOT); standard output if not given")
+      .value_name("FILE");
+  line.add("--algorithm", arguments->algorithm, "The learner ('maide help algorithms')")
+      .check(check_algorithm)
+      .value_name("NAME");
   add_test_options(line, arguments->tests);
   line.add("--as", arguments->kind,
-           "What the model is: mealy, a Mealy machine, whose outputs are what comes until the "
-           "system rests; or ia, an interface automaton, which has each output as a step of its "
+           "What the model is: mealy or ia. A Mealy machine, whose outputs are what comes until "
+           "the system rests; or an interface automaton, which has each output as a step of its "
            "own and is what system files need (default: mealy where the system names no actors, "
            "else ia)")
       .one_of({"mealy", "ia"})
-      .no_default();
+      .no_default()
+      .value_name("KIND");
   line.add("--translation", arguments->translation,
-           "Which Mealy machine stands for the interface automaton: eager (an input and all "
-           "its outputs are one step; the default) or av (Aarts & Vaandrager)")
-      .one_of({"eager", "av"});
-  line.add("--cache", arguments->cache,
-           "Keep every answer of the system in this file; a run that was ended resumes there");
+           "Which Mealy machine is learned: eager (the default) or av. With eager an input "
+           "and all its outputs are one step; av is the transducer of Aarts and Vaandrager")
+      .one_of({"eager", "av"})
+      .value_name("NAME");
+  line.add("--cache", arguments->cache, "Keep every answer here; an ended run resumes there")
+      .value_name("FILE");
   line.add("--plot", arguments->plot,
-           "Draw the states of the hypothesis over the symbols given to the system (SVG)");
+           "Draw how the hypothesis grew (SVG). That is its states over the symbols given to the "
+           "system")
+      .value_name("FILE");
   line.add("--purpose", arguments->purpose,
-           "A learning purpose: an interface automaton (DOT) that says which inputs may be offered "
-           "when. What it does not allow is never tried");
+           "A learning purpose: which inputs may be offered when. It is an interface automaton "
+           "(DOT); what it does not allow is never tried")
+      .value_name("FILE");
   line.add("--error-output", arguments->error_outputs,
-           "An output that ends the session. Every input behind it is taken to be answered by one "
-           "and the same output, so only a sample is asked there. '*' stands for any characters; "
-           "may be given several times")
+           "An output that ends the session; once or more. Every input behind it is taken to be "
+           "answered by one and the same output, so only a sample is asked there. '*' stands for "
+           "any characters")
       .one_each()
       .no_default()
       .value_name("NAME");
   line.add("--from-traces", arguments->from_traces,
-           "A log of what the system did, a line of JSON a trace ([[\"input\", \"output\"], ...]), "
-           "or a cache of --cache. Without SUL the model is learned from the log alone (RPNI); "
-           "with it the log shows counterexamples, and the system is asked about each");
+           "A log of what the system did. It has a line of JSON a trace ([[\"input\", \"output\"], "
+           "...]), or it is a cache of --cache. Without SUL the model is learned from the log "
+           "alone (RPNI); with it the log shows counterexamples, and the system is asked about "
+           "each")
+      .value_name("FILE");
   line.add("--start-from", arguments->start_from,
-           "A model of an earlier version of the system (DOT or Aldebaran). What still holds of it "
-           "saves queries with lsharp, and equivalence queries with every algorithm. The result is "
-           "the system's in any case. Or a folder of models: a few words tell which of them the "
-           "system has. That one is tested; if it is none of them, the system is learned");
+           "A model of an earlier version, or a folder of models. What still holds of a model "
+           "saves queries with lsharp, and equivalence queries with every algorithm; the result "
+           "is the system's in any case. Of a folder, a few words tell which model the system has. "
+           "That one is tested; if it is none of them, the system is learned")
+      .value_name("FILE");
   line.add("--token-file", arguments->token_file,
-           "A file with the token of a listening wrapper (or set MAIDE_TOKEN)");
+           "A file with a listening wrapper's token. Or set MAIDE_TOKEN")
+      .value_name("FILE");
   add_limits(line, *arguments);
   add_jobs_option(line, arguments->jobs);
   add_confirmation(line, *arguments);
   add_seed_option(line, arguments->seed);
   line.add_flag("--list-options", arguments->list_options,
-                "List the options of the system, with defaults and allowed values, and exit");
+                "List the options of the system, and exit");
   return [arguments, sul, &line](Context& context) {
     if (!sul.is_given()) check_without_system(line, *arguments);
     return learn(*arguments, line, context);

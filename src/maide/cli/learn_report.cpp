@@ -48,7 +48,14 @@ std::string describe_contradictions(const std::vector<Contradiction>& contradict
     text += fmt::format("    {}\n", to_string(sorted[i]));
   }
   if (sorted.size() > shown) text += fmt::format("    and {} more\n", sorted.size() - shown);
-  return text;
+  const bool leaks = std::any_of(sorted.begin(), sorted.end(), [](const Contradiction& one) {
+    return one.word.find(' ') == std::string::npos;
+  });
+  return text + (leaks
+                     ? "    the first input of a word is among them: the reset leaves something "
+                       "behind, or a step ends too early\n"
+                     : "    a reset that leaves something behind, and a step that ends too early, "
+                       "give such answers\n");
 }
 
 Json contradictions_as_json(const std::vector<LogContradiction>& contradictions) {

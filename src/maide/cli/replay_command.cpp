@@ -293,20 +293,21 @@ RunFunction set_up_replay(CommandLine& line) {
   line.add("SYSTEM", arguments->system, "A system file (YAML): models, programs, properties")
       .required();
   line.add("TRACE", arguments->trace,
-           "A counterexample of that system, as `maide check SYSTEM --trace FILE` writes it");
+           "A counterexample of it. `maide check SYSTEM --trace FILE` writes one");
   line.add("--rounds", arguments->rounds, "How often the trace is played").between(1, 1'000'000);
-  line.add("--loops", arguments->loops, "How often the loop of an endless trace is played")
+  line.add("--loops", arguments->loops, "How often an endless trace's loop is played")
       .between(1, 1'000'000);
   line.add("--random", arguments->random_runs,
-           "Play this many random runs of the programs in place of a trace, and compare each step "
-           "with the models")
+           "Play this many random runs in place of a trace. The programs run, and each step is "
+           "compared with the models")
       .no_default()
       .value_name("N")
       .between(1, 1'000'000);
   line.add("--steps", arguments->steps, "Most steps of a random run").between(1, 1'000'000);
   add_seed_option(line, arguments->seed);
   line.add("--token-file", arguments->token_file,
-           "A file with the token of a listening wrapper (or set MAIDE_TOKEN)");
+           "A file with a listening wrapper's token. Or set MAIDE_TOKEN")
+      .value_name("FILE");
   add_jobs_option(line, arguments->jobs);
   return [arguments](Context& context) { return run_replay(*arguments, context); };
 }

@@ -19,6 +19,7 @@
 #include "maide/automata/compare.hpp"
 #include "maide/automata/minimize.hpp"
 #include "maide/base/error.hpp"
+#include "maide/base/text.hpp"
 #include "maide/check/explore/check_system.hpp"
 #include "maide/check/language/system_file.hpp"
 #include "maide/cli/command.hpp"
@@ -439,8 +440,8 @@ std::vector<std::string> chosen_systems(const std::vector<std::string>& known,
                                         const ReproduceArguments& arguments, Context& context) {
   for (const std::string& asked : arguments.systems) {
     if (std::find(known.begin(), known.end(), asked) != known.end()) continue;
-    throw UsageError(fmt::format("there is nothing to reproduce on '{}'; there is on {}", asked,
-                                 fmt::join(known, ", ")));
+    throw UsageError(fmt::format("there is nothing to reproduce on '{}'; there is on {}{}", asked,
+                                 fmt::join(known, ", "), did_you_mean(asked, known)));
   }
   if (!arguments.systems.empty()) return arguments.systems;
   std::vector<std::string> systems;
@@ -457,15 +458,13 @@ std::vector<std::string> chosen_systems(const std::vector<std::string>& known,
 
 RunFunction set_up_reproduce(CommandLine& line) {
   auto arguments = std::make_shared<ReproduceArguments>();
-  line.add("WHAT", arguments->what,
-           "Which result of the paper: table1 (learning), table2 (checking), interrupt")
+  line.add("WHAT", arguments->what, "Which result: table1 (learning), table2 (checking), interrupt")
       .required()
       .check([](const std::string& what) {
-        if (what == "table1" || what == "table2" || what == "interrupt") return std::string();
-        return "there is no '" + what + "' to reproduce; there is table1, table2, interrupt";
+        return check_one_of(what, {"table1", "table2", "interrupt"});
       });
   line.add("--system", arguments->systems,
-           fmt::format("Learn from this system: {} (default: all that are built here; for "
+           fmt::format("Learn from this system. Which: {} (default: all that are built here; for "
                        "table2, port)",
                        fmt::join(table1_systems(), ", ")))
       .no_default();

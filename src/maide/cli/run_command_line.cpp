@@ -15,48 +15,58 @@
 #include "maide/base/version.hpp"
 #include "maide/cli/command.hpp"
 #include "maide/cli/command_line.hpp"
+#include "maide/cli/terminal.hpp"
+#include "maide/report/sequence_chart_text.hpp"
 
 namespace maide::cli {
 
 namespace {
 
 constexpr std::string_view exit_statuses =
-    "Exit status: 0 it holds, they agree, done; 1 violated, they differ; 2 unusable arguments or\n"
-    "input; 3 inconclusive (a bound, a limit, a weak model, Ctrl-C); 4 the system under learning\n"
-    "failed; 5 an error of Maide's own.\n";
+    "Exit status: 0 it holds, they agree, done; 1 violated, they differ; 2 unusable\n"
+    "arguments or input; 3 inconclusive (a bound, a limit, a weak model, Ctrl-C);\n"
+    "4 the system under learning failed; 5 an error of Maide's own.\n";
+
+// Options of every command, as its help shows them.
+constexpr std::string_view common_help =
+    "Every command: --json (one JSON object), -q, -v (say less, more), -h,\n"
+    "  --color auto|always|never. All of each option: --help -v\n";
 
 // What `maide` alone prints.
 std::string overview() {
-  std::string text =
-      "Maide " + std::string(version()) +
-      " learns models of robot middleware by experimenting with the real thing, and\n"
-      "checks control programs against them.\n\nCommands:\n";
-  std::size_t width = 0;
-  for (const Command& command : command_table()) width = std::max(width, command.name.size());
+  std::vector<TextRow> rows;
   for (const Command& command : command_table()) {
-    text += "  " + std::string(command.name) + std::string(width - command.name.size() + 2, ' ') +
-            std::string(command.summary) + "\n";
+    rows.emplace_back(std::string(command.name), std::string(command.summary));
   }
-  return text +
-         "\n`maide COMMAND --help` tells more about a command, with an example,\n"
-         "and `maide help language` how the system files of `maide check` are written.\n" +
-         std::string(exit_statuses);
+  constexpr std::size_t widest = 12;
+  return wrap("Maide " + std::string(version()) +
+                  " learns models of robot middleware by experimenting with the real thing, and "
+                  "checks control programs against them.",
+              help_width(), 0) +
+         "\nCommands:\n" + two_columns(rows, help_width(), widest) +
+         "\n`maide COMMAND --help` tells more about a command, with an example. Pages:\n" +
+         describe_help_pages() + "\n" + std::string(exit_statuses);
 }
 
 std::string footer(const Command& command) {
-  std::string text = "\nExample:\n";
+  std::string text = std::string(common_help) + "\nExample:\n";
   for (const std::string_view line : split_lines(command.examples)) {
     text += "  " + std::string(line) + "\n";
   }
   return text + "\n" + std::string(exit_statuses);
 }
 
-const Command& find_command(const std::string& name) {
+// `with_pages`: pages of the help, too, are suggested for a name that is near.
+const Command& find_command(const std::string& name, bool with_pages = false) {
   std::vector<std::string> names;
   for (const Command& command : command_table()) {
     if (command.name == name) return command;
     names.emplace_back(command.name);
   }
+  for (const HelpPage& page : help_pages()) {
+    if (with_pages) names.emplace_back(page.name);
+  }
+  for (const char* other : {"help", "--help", "--version"}) names.emplace_back(other);
   throw UsageError((name.starts_with("-") ? "unknown option '" : "unknown command '") + name + "'" +
                    did_you_mean(name, names) + " (see 'maide --help')");
 }
@@ -70,11 +80,28 @@ ExitStatus run(const Command& command, const std::vector<std::string>& typed) {
   line.add_flag("--json", common.json, "Print one JSON object instead of text");
   line.add_flag("-q,--quiet", common.quiet, "No progress line, no notes, short results");
   line.add_flag("-v,--verbose", common.verbose, "Say more about what is done");
+  std::string color = "auto";
+  line.add("--color", color, "When there are colours: auto is on a terminal, without NO_COLOR")
+      .one_of({"auto", "always", "never"})
+      .value_name("WHEN");
+  for (Argument argument : line.all()) {
+    static const std::vector<std::string> shown_below{"--help", "--json", "--quiet", "--verbose",
+                                                      "--color"};
+    const bool is_common =
+        std::find(shown_below.begin(), shown_below.end(), argument.name()) != shown_below.end();
+    if (is_common) argument.topic(CommandLine::shown_in_footer);
+  }
   line.set_footer(footer(command));
   if (!line.parse(typed, hint)) {
-    write_to_stdout(line.help());
+    const bool is_full = std::any_of(typed.begin(), typed.end(), [](const std::string& word) {
+      return word == "-v" || word == "--verbose";
+    });
+    write_to_stdout(line.help(help_width(), is_full));
     return ExitStatus::ok;
   }
+  set_color_mode(color == "auto"     ? ColorMode::automatic
+                 : color == "always" ? ColorMode::always
+                                     : ColorMode::never);
   if (common.quiet && common.verbose) throw UsageError("-q and -v exclude each other" + hint);
   set_up_log("maide", common.quiet     ? LogLevel::quiet
                       : common.verbose ? LogLevel::verbose
@@ -99,11 +126,12 @@ ExitStatus dispatch(std::vector<std::string> arguments) {
       return ExitStatus::ok;
     }
     name = arguments.front();
-    if (name == "language") {
-      write_to_stdout(language_help());
+    if (const HelpPage* page = find_help_page(name)) {
+      write_to_stdout(page->text(help_width()));
       return ExitStatus::ok;
     }
-    arguments = {"--help"};
+    find_command(name, true);
+    arguments.front() = "--help";
   }
   if (name == "--version") {
     write_to_stdout("maide " + std::string(version()) + "\n");
@@ -131,14 +159,14 @@ int report(const std::string& message, ExitStatus status, bool json,
 }  // namespace
 
 Argument add_seed_option(CommandLine& line, std::uint64_t& seed) {
-  return line.add("--seed", seed, "Seed of everything random; the same seed gives the same run")
+  return line.add("--seed", seed, "Seed of everything random. The same seed gives the same run")
       .value_name("N");
 }
 
 Argument add_jobs_option(CommandLine& line, std::size_t& jobs) {
   return line
       .add("-j,--jobs", jobs,
-           "How many systems to ask at once; the result is the same. Default: one for each "
+           "How many systems to ask at once. The result is the same. Default: one for each "
            "processor of a wrapper by name, one for each host of tcp://, else 1")
       .check(check_jobs)
       .no_default()

@@ -23,10 +23,7 @@ TestMethodOptions TestArguments::read() const {
 }
 
 void add_test_options(CommandLine& line, TestArguments& arguments) {
-  line.add("--eq", arguments.method,
-           describe_entries(test_methods()) +
-               ". Several with commas between are asked in turn, each with options of its own: "
-               "w:extra-states=1,random-hads:max-tests=5000")
+  line.add("--eq", arguments.method, "How hypotheses are tested ('maide help tests')")
       .value_name("METHOD");
   for (const TestOption& option : test_options()) {
     if (option.key == "seed") continue;
@@ -44,7 +41,8 @@ void add_test_options(CommandLine& line, TestArguments& arguments) {
           return std::string();
         })
         .no_default()
-        .value_name(std::string(option.value));
+        .value_name(std::string(option.value))
+        .topic("tests");
   }
 }
 

@@ -24,15 +24,4 @@ struct TestArguments {
 // as the line.
 void add_test_options(CommandLine& line, TestArguments& arguments);
 
-// "lmplus: Shahbaz's L*M+; rs: ...", for help texts.
-template <typename Entries>
-std::string describe_entries(const Entries& entries) {
-  std::string text;
-  for (const auto& entry : entries) {
-    if (!text.empty()) text += "; ";
-    text.append(entry.name).append(": ").append(entry.description);
-  }
-  return text;
-}
-
 }  // namespace maide::cli

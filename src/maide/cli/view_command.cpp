@@ -139,13 +139,14 @@ ExitStatus run_view(const ViewArguments& arguments, Context& context) {
 RunFunction set_up_view(CommandLine& line) {
   auto arguments = std::make_shared<ViewArguments>();
   line.add("SOURCE", arguments->source,
-           "A model (.dot, .gv, .aut), a system (.yaml), or a trace of `maide check --trace` "
-           "(.json)")
+           "A model (.dot, .gv, .aut), a system (.yaml), or a trace (.json). `maide check --trace` "
+           "writes one")
       .required();
   line.add("-o,--output", arguments->output,
-           "The page (FILE.html), or one picture (FILE.svg: the model, the system's "
-           "connections, the trace); not given: a page in a temporary folder, whose path is "
-           "printed");
+           "The page (.html), or one picture (.svg). The picture is of the model, the system's "
+           "connections, or the trace. Default: a page in a temporary folder, whose path is "
+           "printed")
+      .value_name("FILE");
   return [arguments](Context& context) { return run_view(*arguments, context); };
 }
 

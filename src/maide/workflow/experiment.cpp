@@ -34,6 +34,53 @@
 namespace maide {
 namespace {
 
+// Says once if the outputs do not end: a length, an identifier or a time in an output makes a state
+// of each value, and the run goes on for ever.
+class OutputWatch : public OracleDecorator {
+ public:
+  // Keeps a reference to `system`.
+  explicit OutputWatch(OutputOracle& system) : OracleDecorator(system) {}
+
+  using OutputOracle::ask;
+  std::vector<MealyAnswer> ask(std::span<const Query> batch, const RunControl& control,
+                               const PartialSink& on_early_end) override {
+    std::vector<MealyAnswer> answers = system_.ask(batch, control, on_early_end);
+    for (const MealyAnswer& answer : answers) look_at(answer);
+    const std::size_t known = outputs().size();
+    // A machine shows its outputs early; these still come.
+    constexpr std::size_t many = 200, words_for_one = 20;
+    if (!was_said_ && known >= many && known * words_for_one >= words_) {
+      was_said_ = true;
+      log_warning(fmt::format(
+          "new outputs come without end: {} in {} words, the last '{}' and '{}', mostly to {}. Let "
+          "the wrapper say a few classes in place of values (lengths, identifiers, times)",
+          known, words_, outputs().names()[known - 2], outputs().names()[known - 1],
+          most_giving_input()));
+    }
+    return answers;
+  }
+
+ private:
+  void look_at(const MealyAnswer& answer) {
+    ++words_;
+    new_by_input_.resize(inputs().size());
+    for (std::size_t i = 0; i < answer.outputs.size(); ++i) {
+      if (answer.outputs[i] < seen_) continue;
+      seen_ = std::size_t{answer.outputs[i]} + 1;
+      ++new_by_input_[answer.inputs[i]];
+    }
+  }
+  const std::string& most_giving_input() const {
+    const auto most = std::max_element(new_by_input_.begin(), new_by_input_.end());
+    return inputs().name(static_cast<Symbol>(most - new_by_input_.begin()));
+  }
+
+  std::uint64_t words_ = 0;
+  std::size_t seen_ = 0;                     // outputs below this are known
+  std::vector<std::uint64_t> new_by_input_;  // how many outputs each input gave first
+  bool was_said_ = false;
+};
+
 // Believes no counterexample before the system has shown it twice: the word is asked again, fresh,
 // not from the cache. If the two answers differ the cache holds its votes, and if the first one was
 // wrong, throws CacheCorrected. One query for each counterexample; none for one that a kept cache
@@ -125,7 +172,8 @@ class Run {
         control_(control),
         algorithm_(choose_algorithm(options.algorithm)),
         method_(options.test_method),
-        counter_(system),
+        watch_(system),
+        counter_(watch_),
         progress_(control.progress, counter_),
         portioned_(counter_, pace()) {
     if (!options.testing.strength.empty()) parse_demand(options.testing.strength, {});
@@ -348,6 +396,7 @@ class Run {
   RunControl control_;
   const LearnerEntry& algorithm_;
   TestChain method_;
+  OutputWatch watch_;
   CountingOracle counter_;
   CountedProgress progress_;
   PortioningOracle portioned_;

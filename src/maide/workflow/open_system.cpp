@@ -70,9 +70,12 @@ void parse_target(SystemSpec& spec) {
   } else if (find_embedded(spec.text)) {
     spec.kind = SystemSpec::Kind::embedded;
   } else if (rest.find_first_of(":/= \t") != std::string_view::npos) {
-    throw UsageError("unknown system '" + spec.text +
-                     "': give a wrapper's name (port, cyclonedds), sim:FILE, tcp://HOST:PORT or "
-                     "exec:PROGRAM");
+    std::error_code ignored;
+    throw UsageError("unknown system '" + spec.text + "': " +
+                     (std::filesystem::exists(spec.text, ignored)
+                          ? "a model is simulated as sim:" + spec.text
+                          : "give a wrapper's name (port, cyclonedds), sim:FILE, tcp://HOST:PORT "
+                            "or exec:PROGRAM"));
   }
   spec.target = rest;
   if (spec.target.empty() || (spec.kind == SystemSpec::Kind::program && spec.command.empty())) {
@@ -282,9 +285,10 @@ std::vector<WrapperEndpoint> endpoints_of(const SystemSpec& spec, const SystemAc
   }
   const auto program = find_wrapper(spec.target);
   if (!program) {
-    const std::string hint = std::filesystem::exists(spec.target)
-                                 ? "; a model is simulated as sim:" + spec.target
-                                 : did_you_mean(spec.target, list_wrappers());
+    const std::string near = did_you_mean(spec.target, list_wrappers());
+    if (!near.empty()) throw UsageError("unknown system '" + spec.target + "'" + near);
+    const std::string hint =
+        std::filesystem::exists(spec.target) ? "; a model is simulated as sim:" + spec.target : "";
     throw UsageError("unknown system '" + spec.target + "', or its wrapper maide-wrap-" +
                      spec.target + " is not built here; " + describe_wrapper_search() + hint);
   }

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
 #include <map>
 #include <span>
 #include <utility>
@@ -46,6 +47,8 @@ std::string value_of(const Fingerprint& fingerprint, const std::string& name) {
   return found == fingerprint.end() ? "" : found->second;
 }
 
+constexpr std::string_view version_of = "the version of ";  // names in a Fingerprint
+
 struct ShorterFirst {
   bool operator()(const Word& left, const Word& right) const {
     return left.size() != right.size() ? left.size() < right.size() : left < right;
@@ -83,6 +86,22 @@ RecheckResult recheck_cache(CacheFile& cache, const SystemSpec& spec, const Rech
   IaTranslator translator(*opened.sul, is_av ? Translation::av : Translation::eager);
   Fingerprint fingerprint = identify(translator);
   if (!purpose.empty()) fingerprint["purpose"] = purpose;
+  RecheckResult result;
+  // Another version is what one asks about.
+  for (auto entry = fingerprint.begin(); entry != fingerprint.end();) {
+    const std::string there = value_of(cache.fingerprint(), entry->first);
+    const bool is_version = entry->first.starts_with(version_of);
+    if (is_version && there != entry->second) {
+      result.versions.push_back({entry->first.substr(version_of.size()), there, entry->second});
+    }
+    entry = is_version ? fingerprint.erase(entry) : std::next(entry);
+  }
+  for (const auto& [name, value] : cache.fingerprint()) {
+    if (!name.starts_with(version_of)) continue;
+    const std::string part = name.substr(version_of.size());
+    if (!identify(translator).contains(name)) result.versions.push_back({part, value, ""});
+    fingerprint[name] = value;
+  }
   const std::string differences = describe_differences(cache, translator.inputs(), fingerprint);
   if (!differences.empty()) {
     throw UsageError(
@@ -91,7 +110,6 @@ RecheckResult recheck_cache(CacheFile& cache, const SystemSpec& spec, const Rech
 
   const std::vector<Sample> sample = draw(cache, options);
   SulOracle system(translator);
-  RecheckResult result;
   std::map<Word, ChangedAnswer, ShorterFirst> changed;
   constexpr std::size_t batch_size = 64;
   for (std::size_t start = 0; start < sample.size(); start += batch_size) {

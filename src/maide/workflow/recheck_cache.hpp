@@ -25,15 +25,21 @@ struct ChangedAnswer {
   std::uint64_t words = 0;  // of the sample, that begin with it
 };
 
+// A part of the system of which the cache was recorded with another version; "" for none.
+struct OtherVersion {
+  std::string part, cached, running;
+};
+
 struct RecheckResult {
+  std::vector<OtherVersion> versions;
   std::uint64_t words = 0;             // asked
   std::uint64_t different = 0;         // of them, answered otherwise
   std::vector<ChangedAnswer> changed;  // shortest first, each word once
 };
 
-// Opens the system, which must be the cache's. Every word is asked once, so a single wrong answer
-// of a noisy system is a conflict, too. Throws UsageError if it is another system, and what
-// open_system() and the system throw.
+// Opens the system, which must be the cache's, in whatever version. Every word is asked once, so a
+// single wrong answer of a noisy system is a conflict, too. Throws UsageError if it is another
+// system, and what open_system() and the system throw.
 RecheckResult recheck_cache(CacheFile& cache, const SystemSpec& spec, const RecheckOptions& options,
                             const RunControl& control = {});
 

@@ -21,7 +21,7 @@ TEST(ProgressLine, LeavesOutWhatDoesNotApply) {
   EXPECT_EQ(to_string(make_progress(0, 0, 0, 0)), "learning");
   EXPECT_EQ(to_string(make_progress(1, 1, 0, 0)), "learning: 1 state, 1 word");
   EXPECT_EQ(to_string(make_progress(12, 0, 3, 0)), "learning: 12 states, 3 done");
-  EXPECT_EQ(to_string(make_progress(2, 0, 0, 10)), "learning: 2 states, 0 of 10");
+  EXPECT_EQ(to_string(make_progress(2, 0, 0, 10)), "learning: 2 states, 0 of 10, 10 left");
 }
 
 TEST(ProgressLine, DrawsNothingWithoutATerminal) {

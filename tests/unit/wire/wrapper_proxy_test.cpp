@@ -122,10 +122,7 @@ TEST(WrapperProxy, RejectedOptionsAreTheUsersMistake) {
     spawn_wrapper(port_program, {{"knd", "port"}});
     FAIL();
   } catch (const UsageError& error) {
-    EXPECT_STREQ(error.what(),
-                 "unknown option 'knd'; known are: kind, inputs, observe, payload, size, at-bound, "
-                 "writers, readers, "
-                 "quiescence, floor, step-limit; did you mean 'kind'?");
+    EXPECT_STREQ(error.what(), "unknown option 'knd'; did you mean 'kind'?");
   }
 }
 

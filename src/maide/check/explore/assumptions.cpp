@@ -132,11 +132,11 @@ class AssumptionList {
   AssumptionList(const System& system, const std::vector<InputUse>& uses)
       : system_(system), uses_(uses) {}
 
-  std::vector<std::string> state(const std::vector<Property>& properties,
-                                 const std::vector<PropertyResult>& results) {
+  StatedAssumptions state(const std::vector<Property>& properties,
+                          const std::vector<PropertyResult>& results) {
     state_unexplored();
     state_fairness(properties);
-    if (const auto hidden = find_hidden_return(system_, uses_)) lines_.push_back(*hidden);
+    if (const auto hidden = find_hidden_return(system_, uses_)) doubt(*hidden);
     state_inputs_while_due();
     state_hypotheses();
     state_strengths();
@@ -144,10 +144,15 @@ class AssumptionList {
     state_executors();
     state_time_outs(results);
     state_reduction(results);
-    return std::move(lines_);
+    return {std::move(lines_), std::move(doubts_), std::move(brief_)};
   }
 
  private:
+  void doubt(const std::string& line) {
+    lines_.push_back(line);
+    doubts_.push_back(line);
+  }
+
   void state_unexplored() {
     for (const InputUse& use : uses_) {
       const ModelInstance& model = system_.models[use.model];
@@ -188,9 +193,15 @@ class AssumptionList {
   // A line for all models that passed the same tests: instances of one model, mostly.
   void state_hypotheses() {
     std::vector<std::pair<std::string, std::vector<std::string>>> models_of;  // tests
+    std::map<std::string, std::string> strengths;                             // by tests
     for (const ModelInstance& model : system_.models) {
       const auto tests = model.automaton.origin.find("tests");
       if (tests == model.automaton.origin.end()) continue;
+      // Values that no test gave are said in full.
+      const bool has_rule = model.automaton.origin.contains("values");
+      if (const auto stated = find_strength(model.automaton.origin); stated && !has_rule) {
+        strengths.emplace(tests->second, to_string(stated->strength));
+      }
       const auto known = std::find_if(models_of.begin(), models_of.end(), [&](const auto& entry) {
         return entry.first == tests->second;
       });
@@ -204,6 +215,11 @@ class AssumptionList {
       lines_.push_back(fmt::format("{} {}: {}", join(models, ", "),
                                    models.size() == 1 ? "is a hypothesis" : "are hypotheses",
                                    tests));
+      const auto strength = strengths.find(tests);
+      if (strength == strengths.end()) continue;
+      brief_[lines_.back()] =
+          fmt::format("{}: {} as its tests ({})", join(models, ", "),
+                      models.size() == 1 ? "as good" : "each as good", strength->second);
     }
   }
 
@@ -214,19 +230,17 @@ class AssumptionList {
       const auto stated = find_strength(model->automaton.origin);
       if (!stated) unknown.push_back(model->name);
       if (stated && !stated->is_known()) {
-        lines_.push_back(fmt::format("{}: strength unknown, for the model does not say {}",
-                                     model->name, stated->unstated));
+        doubt(fmt::format("{}: strength unknown, for the model does not say {}", model->name,
+                          stated->unstated));
       }
       if (!stated || !stated->is_weak) continue;
-      lines_.push_back(fmt::format(
+      doubt(fmt::format(
           "{} is weak{}: its tests reached {}", model->name,
           model->when_weak == WhenWeak::accept ? " and accepted (when_weak: accept)" : "",
           to_string(stated->strength)));
     }
     if (unknown.empty()) return;
-    lines_.push_back(join(unknown, ", ") +
-                     ": strength unknown, for the model does not say how it was "
-                     "tested");
+    doubt(join(unknown, ", ") + ": strength unknown, for the model does not say how it was tested");
   }
 
   // Built-in models and shared variables.
@@ -304,7 +318,8 @@ class AssumptionList {
 
   const System& system_;
   const std::vector<InputUse>& uses_;
-  std::vector<std::string> lines_;
+  std::vector<std::string> lines_, doubts_;
+  std::map<std::string, std::string> brief_;
 };
 
 }  // namespace
@@ -372,9 +387,9 @@ std::optional<std::string> find_endless_callbacks(const System& system) {
       lines.size() == 1 ? "" : "s", fmt::join(lines, ", "));
 }
 
-std::vector<std::string> state_assumptions(const System& system, const std::vector<InputUse>& uses,
-                                           const std::vector<Property>& properties,
-                                           const std::vector<PropertyResult>& results) {
+StatedAssumptions state_assumptions(const System& system, const std::vector<InputUse>& uses,
+                                    const std::vector<Property>& properties,
+                                    const std::vector<PropertyResult>& results) {
   return AssumptionList(system, uses).state(properties, results);
 }
 

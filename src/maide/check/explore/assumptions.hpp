@@ -2,6 +2,7 @@
 // system file says of places that were never tried, and fairness.
 #pragma once
 
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -32,9 +33,16 @@ std::optional<std::string> find_weakness(const System& system);
 // `stuck` does not look at. None if there are none. O(edges).
 std::optional<std::string> find_endless_callbacks(const System& system);
 
-// One line each, of verdicts on these properties, with these results. `uses` are find_uses().
-std::vector<std::string> state_assumptions(const System& system, const std::vector<InputUse>& uses,
-                                           const std::vector<Property>& properties,
-                                           const std::vector<PropertyResult>& results);
+// One line each.
+struct StatedAssumptions {
+  std::vector<std::string> lines;
+  std::vector<std::string> doubts;           // those of them that say what is weak or not known
+  std::map<std::string, std::string> brief;  // a short form of those that are long
+};
+
+// Of verdicts on these properties, with these results. `uses` are find_uses().
+StatedAssumptions state_assumptions(const System& system, const std::vector<InputUse>& uses,
+                                    const std::vector<Property>& properties,
+                                    const std::vector<PropertyResult>& results);
 
 }  // namespace maide

@@ -243,7 +243,10 @@ class Checker {
         if (result.verdict == verdict) report_.verdict = verdict;
       }
     }
-    report_.assumptions = state_assumptions(system_, uses_, properties_, report_.properties);
+    StatedAssumptions stated = state_assumptions(system_, uses_, properties_, report_.properties);
+    report_.assumptions = std::move(stated.lines);
+    report_.doubts = std::move(stated.doubts);
+    report_.brief = std::move(stated.brief);
     if (leaves_out_stuck_) {
       report_.assumptions.push_back("stuck was not checked: " +
                                     engine_.obstacle(system_, find_property(system_, "stuck")));
@@ -452,8 +455,8 @@ std::optional<Property> find_built_in(const std::string& name) {
 UsageError no_such_property(const System& system, const std::string& name) {
   std::vector<std::string> known{"deadlock", "stuck", "error"};
   for (const Property& candidate : system.properties) known.push_back(candidate.name);
-  return UsageError(
-      fmt::format("there is no property '{}'; there is: {} ({})", name, join(known), system.file));
+  return UsageError(fmt::format("there is no property '{}'; there is: {}{} ({})", name, join(known),
+                                did_you_mean(name, known), system.file));
 }
 
 }  // namespace

@@ -22,10 +22,12 @@ struct CheckRequest {
 };
 
 struct CheckReport {
-  Verdict verdict = Verdict::holds;  // violated before inconclusive before holds
-  std::vector<std::string> assumptions;
-  std::vector<PropertyResult> properties;  // in the order asked for
-  std::vector<std::string> remarks;        // one line each: what is no violation, but looks odd
+  Verdict verdict = Verdict::holds;          // violated before inconclusive before holds
+  std::vector<std::string> assumptions;      // what it rests on, one line each
+  std::vector<std::string> doubts;           // those of them that say what is weak or not known
+  std::map<std::string, std::string> brief;  // a short form of those that are long
+  std::vector<PropertyResult> properties;    // in the order asked for
+  std::vector<std::string> remarks;          // one line each: what is no violation, but looks odd
   // What was visited of each component, in the order of its first program.
   struct Component {
     std::vector<std::uint32_t> programs;

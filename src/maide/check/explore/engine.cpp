@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "maide/base/error.hpp"
+#include "maide/base/text.hpp"
 #include "maide/check/explore/explorer.hpp"
 #include "maide/check/explore/fair_cycle.hpp"
 #include "maide/check/explore/merged_calls.hpp"
@@ -44,7 +45,8 @@ std::string why_stopped(const EngineOptions& options) {
 std::unique_ptr<Engine> make_engine(const std::string& name) {
   if (name == "spin") return std::make_unique<SpinEngine>();
   if (name == "native") return std::make_unique<NativeEngine>();
-  throw UsageError("there is no engine '" + name + "'; there is: native, spin");
+  throw UsageError("there is no engine '" + name + "'; there is: native, spin" +
+                   did_you_mean(name, std::vector<std::string>{"native", "spin"}));
 }
 
 namespace {

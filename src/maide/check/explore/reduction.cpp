@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "maide/base/error.hpp"
+#include "maide/base/text.hpp"
 
 namespace maide {
 
@@ -17,11 +18,14 @@ std::string to_string(Reduction reduction) {
 }
 
 Reduction reduction_of(const std::string& name) {
+  std::vector<std::string> known;
   for (const Reduction reduction :
        {Reduction::none, Reduction::calls, Reduction::order, Reduction::full}) {
-    if (to_string(reduction) == name) return reduction;
+    known.emplace_back(to_string(reduction));
+    if (known.back() == name) return reduction;
   }
-  throw UsageError("there is no reduction '" + name + "'; there is: none, calls, order, full");
+  throw UsageError("there is no reduction '" + name + "'; there is: " + join(known) +
+                   did_you_mean(name, known));
 }
 
 bool merges_calls(Reduction reduction) {

@@ -59,8 +59,11 @@ class StandardMethod::Query {
   }
 
   std::optional<Word> run() {
+    trying_ = "testing long words";
     if (auto word = grow()) return word;
+    trying_ = "testing extra states";
     std::optional<Word> word = run_base();
+    trying_ = "testing inputs that loop";
     if (!word) word = run_loops();
     if (!word) return std::nullopt;
     strength_ = {};  // it is refuted, whatever ends the shortening
@@ -79,6 +82,7 @@ class StandardMethod::Query {
     TestRunner runner(method_.oracle_, {.max_tests = std::min(most.words, left_.words),
                                         .batch_size = options_.batch_size,
                                         .max_symbols = std::min(most.symbols, left_.symbols),
+                                        .phase = trying_,
                                         .whole_words = whole_words});
     std::optional<Word> word = runner.run(suite, hypothesis_, control_);
     left_.words -= std::min(left_.words, runner.last_tests());
@@ -274,7 +278,8 @@ class StandardMethod::Query {
   LoopingInputs loops_;
   TestCost left_;
   StrengthDemand demand_;
-  bool was_complete_ = false;  // the last suite
+  std::string_view trying_ = "testing";  // what the tests are, for progress
+  bool was_complete_ = false;            // the last suite
   Strength strength_;
   TestCost missing_;
   std::string guarantee_;

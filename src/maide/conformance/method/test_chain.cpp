@@ -62,6 +62,13 @@ std::string options_of(const TestMethodEntry* method) {
   return method == nullptr || method->options.empty() ? "none" : std::string(method->options);
 }
 
+std::string near_option(const TestMethodEntry* method, std::string_view key) {
+  const std::string options = options_of(method);
+  std::vector<std::string> names;
+  for (const std::string_view name : split(options, ' ')) names.emplace_back(name);
+  return did_you_mean(key, names);
+}
+
 }  // namespace
 
 TestChain::TestChain(std::string_view text)
@@ -80,7 +87,8 @@ TestChain::Link TestChain::parse_link(std::string_view text) {
     std::replace(setting.key.begin(), setting.key.end(), '_', '-');
     if (!heeds(link.method, setting.key)) {
       throw UsageError("the equivalence method '" + std::string(parts.front()) +
-                       "' has no option '" + setting.key + "'; it has: " + options_of(link.method));
+                       "' has no option '" + setting.key + "'; it has: " + options_of(link.method) +
+                       near_option(link.method, setting.key));
     }
     TestMethodOptions tried;
     try {

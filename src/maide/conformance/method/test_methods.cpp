@@ -10,6 +10,7 @@
 #include "maide/automata/strength.hpp"
 #include "maide/base/error.hpp"
 #include "maide/base/numbers.hpp"
+#include "maide/base/suggestion.hpp"
 #include "maide/base/text.hpp"
 #include "maide/conformance/method/complete_method.hpp"
 #include "maide/conformance/method/perfect_oracle.hpp"
@@ -242,7 +243,8 @@ const TestOption& find_test_option(std::string_view key) {
   }
   std::vector<std::string> keys;
   for (const TestOption& option : options_table) keys.emplace_back(option.key);
-  throw UsageError("tests have no option '" + std::string(key) + "'; they may have: " + join(keys));
+  throw UsageError("tests have no option '" + std::string(key) + "'; they may have: " + join(keys) +
+                   did_you_mean(key, keys));
 }
 
 void set_test_option(TestMethodOptions& options, std::string_view key, const std::string& value) {
@@ -256,7 +258,7 @@ void set_test_option(TestMethodOptions& options, std::string_view key, const std
 std::span<const TestMethodEntry> test_methods() { return table; }
 
 const TestMethodEntry& find_test_method(std::string_view name) {
-  return find_row(test_methods(), "equivalence method", name);
+  return find_named_row(test_methods(), "equivalence method", name);
 }
 
 bool heeds(const TestMethodEntry& method, std::string_view option) {

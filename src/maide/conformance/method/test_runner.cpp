@@ -108,7 +108,7 @@ std::optional<Word> TestRunner::run(TestSuite& suite, const Mealy& hypothesis,
   OutputMap outputs(hypothesis.outputs(), oracle_.outputs());
   SessionEnds ends(hypothesis, oracle_);
   Progress progress;
-  progress.phase = "testing";
+  progress.phase = options_.phase;
   progress.states = hypothesis.size();
   progress.total = std::min(suite.size().value_or(options_.max_tests), options_.max_tests);
   if (suite.size() && suite.symbols()) {

@@ -26,6 +26,7 @@ struct TestRunnerOptions {
   std::size_t batch_size = 64;  // tests in flight; those behind a counterexample are wasted
   std::uint64_t max_symbols =
       std::numeric_limits<std::uint64_t>::max();  // ends at the test that reaches it
+  std::string_view phase = "testing";             // as progress says it
   bool whole_words = false;  // what follows the first difference in a test is given back, too
 };
 

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "maide/base/error.hpp"
+#include "maide/base/suggestion.hpp"
 
 namespace maide {
 
@@ -93,12 +94,12 @@ InfixInputs find_infix_inputs(std::string_view name) {
       {"mixed", InfixInputs::mixed},         {"off-sinks", InfixInputs::off_sinks},
       {"off-loops", InfixInputs::off_loops}, {"few", InfixInputs::few},
       {"replayed", InfixInputs::replayed},   {"uniform", InfixInputs::uniform}};
+  std::vector<std::string> names;
   for (const auto& [known, inputs] : laws) {
     if (known == name) return inputs;
+    names.emplace_back(known);
   }
-  throw UsageError(
-      "the inputs of an infix are mixed, off-sinks, off-loops, few, replayed or uniform, not '" +
-      std::string(name) + "'");
+  throw unknown_near_name("law of infixes", name, names);
 }
 
 void check(const InfixLaw& law) {

@@ -28,10 +28,18 @@ class NoQueries : public protocol::AnswerContext {
 
 // The next message, with everything that can go wrong before words are run. Throws ConnectionLost
 // too, for a wrapper that died may be started again.
+// Why there is no hello, mostly.
+constexpr std::string_view causes_of_silence =
+    "; mostly the hello is not flushed, or the command is no wrapper";
+constexpr std::string_view causes_of_nonsense =
+    "; mostly the wrapper prints to standard output before its hello (say that on standard error), "
+    "or the command is no wrapper";
+
 protocol::FromWrapper await_message(WrapperConnection& connection, const WrapperEndpoint& endpoint,
                                     std::chrono::milliseconds limit, const RunControl& control,
                                     const char* what) {
   const Clock::time_point deadline = Clock::now() + limit;
+  const bool is_hello = std::string_view(what) == "hello";
   try {
     while (true) {
       if (control.should_stop()) connection.kill();
@@ -42,14 +50,17 @@ protocol::FromWrapper await_message(WrapperConnection& connection, const Wrapper
       if (Clock::now() < deadline) continue;
       connection.kill();
       throw WrapperError(
-          fmt::format("no {} within {} s", what, std::chrono::duration<double>(limit).count()),
+          fmt::format("no {} within {} s{}", what, std::chrono::duration<double>(limit).count(),
+                      is_hello ? causes_of_silence : ""),
           endpoint.name());
     }
   } catch (const ConnectionLost& lost) {
     throw ConnectionLost(fmt::format("no {}: {}", what, lost.what()));
   } catch (const protocol::ProtocolError& error) {
     connection.kill();
-    throw WrapperError(error.what(), endpoint.name());
+    std::string message = error.what();
+    if (is_hello && message.starts_with("a line is not ")) message += causes_of_nonsense;
+    throw WrapperError(message, endpoint.name());
   }
 }
 

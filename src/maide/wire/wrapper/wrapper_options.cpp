@@ -11,6 +11,7 @@
 
 #include "maide/base/error.hpp"
 #include "maide/base/numbers.hpp"
+#include "maide/base/suggestion.hpp"
 #include "maide/base/text.hpp"
 
 namespace maide {
@@ -71,7 +72,9 @@ void check_list(const OptionSpec& spec, std::string_view value) {
   std::set<std::string> seen;
   for (const std::string& item : items) {
     if (!is_one_of(item, spec.allowed)) {
-      reject(spec, value, fmt::format("'{}' is not one of {}", item, fmt::join(spec.allowed, ",")));
+      reject(spec, value,
+             fmt::format("'{}' is not one of {}{}", item, fmt::join(spec.allowed, ","),
+                         did_you_mean(item, spec.allowed)));
     }
     if (!seen.insert(item).second) reject(spec, value, fmt::format("'{}' comes twice", item));
   }
@@ -83,7 +86,8 @@ void check_value(const OptionSpec& spec, std::string_view value) {
     case OptionSpec::Kind::integer:
       if (!is_one_of(value, spec.allowed) && !is_in_range(value, spec) &&
           !is_allowed_list(value, spec)) {
-        reject(spec, value, "allowed is " + spec.describe_allowed());
+        reject(spec, value,
+               "allowed is " + spec.describe_allowed() + did_you_mean(value, spec.allowed));
       }
       return;
     case OptionSpec::Kind::list: check_list(spec, value); return;
@@ -219,8 +223,7 @@ OptionValues::OptionValues(const std::vector<OptionSpec>& table,
     if (spec == table.end()) {
       std::vector<std::string> known;
       for (const OptionSpec& row : table) known.push_back(row.key);
-      throw UsageError(fmt::format("unknown option '{}'; known are: {}{}", key, join(known),
-                                   did_you_mean(normalised(key), known)));
+      throw UsageError("unknown option '" + key + "'" + near_or_known(normalised(key), known));
     }
     if (!seen.insert(spec->key).second) {
       throw UsageError(fmt::format("option '{}' is given twice", spec->key));
