@@ -26,6 +26,23 @@ TEST(Compare, EqualModelsEndWithZero) {
   EXPECT_EQ(json.at("soft"), Json::array());
 }
 
+// The second model is learned.
+TEST(Compare, ASystemIsLearned) {
+  const SubprocessResult same =
+      run_maide({"compare", model("strict-2"), "port", "kind=strict", "size=2"});
+  EXPECT_EQ(same.exit_status, 0) << same.out << same.err;
+  EXPECT_THAT(same.out, testing::StartsWith("The same: "));
+  const SubprocessResult other =
+      run_maide({"compare", model("strict-2"), "sim:" + model("buffered"), "--json"});
+  EXPECT_EQ(other.exit_status, 1) << other.out << other.err;
+  const Json json = json_of(other);
+  EXPECT_EQ(json.at("same"), false);
+  EXPECT_EQ(json.at("learned").at("system"), "sim:" + model("buffered"));
+  expect_error(run_maide({"compare", model("port"), model("strict-1"), "size=2"}), 2,
+               "'size=2' is an option of a system");
+  expect_error(run_maide({"compare", model("port"), "prot"}), 2, "did you mean 'port'?");
+}
+
 TEST(Compare, StrictOfOneAndPortDifferInTheMarkAlone) {
   const SubprocessResult text = run_maide({"compare", model("strict-1"), model("port")});
   EXPECT_EQ(text.exit_status, 1);

@@ -139,6 +139,40 @@ TEST(Test, JUnitHasACaseForEachTransition) {
   EXPECT_THAT(piped.err, StartsWith("Differs: "));
 }
 
+TEST(Test, JUnitNamesTheStatesOfAnAutomaton) {
+  const SubprocessResult result = run_maide(
+      {"test", model("strict-2"), "sim:" + model("strict-2"), "--eq", "hads", "--junit", "-"});
+  EXPECT_EQ(result.exit_status, 0) << result.err;
+  EXPECT_THAT(result.out, HasSubstr("name=\"read, state: holds 2\""));
+  EXPECT_THAT(result.out, HasSubstr("name=\"write, state: empty, reader waits\""));
+}
+
+// The words of a cache or a log come first: here they alone find the mistake.
+TEST(Test, BeginsWithTheWordsOfTheModel) {
+  const TempDir folder;
+  const std::string two = write(folder, "two.dot", every_second);
+  const std::string three = write(folder, "three.dot", every_third);
+  const std::string cache = (folder.path() / "two.cache").string();
+  ASSERT_EQ(run_maide({"learn", "sim:" + two, "--cache", cache, "-o",
+                       (folder.path() / "out.dot").string()})
+                .exit_status,
+            0);
+  const SubprocessResult same = run_maide({"test", two, "sim:" + two, "--words", cache});
+  EXPECT_EQ(same.exit_status, 0) << same.err;
+  const std::string log =
+      write(folder, "log.jsonl", "[[\"x\", \"0\"], [\"x\", \"1\"]]\n[[\"z\", \"0\"]]\n");
+  const std::vector<std::string> one_word{"test", two, "sim:" + three, "--max-tests", "1"};
+  EXPECT_EQ(run_maide(one_word).exit_status, 3);
+  std::vector<std::string> with_log = one_word;
+  with_log.insert(with_log.end(), {"--words", log});
+  const SubprocessResult found = run_maide(with_log);
+  EXPECT_EQ(found.exit_status, 1) << found.out << found.err;
+  EXPECT_THAT(found.out, StartsWith("Differs: after x, x: "));
+  expect_error(run_maide({"test", two, "sim:" + two, "--words",
+                          write(folder, "z.jsonl", "[[\"z\", \"0\"]]\n")}),
+               2, "no word there has the model's inputs");
+}
+
 TEST(Test, AReportThatCannotBeWrittenDoesNotCostTheVerdict) {
   const TempDir folder;
   const std::string two = write(folder, "two.dot", every_second);

@@ -1,17 +1,30 @@
 // `maide compare A B`: whether two models - of two versions, two configurations, two vendors - are
 // the same, and if not, the shortest word that tells them apart. What one model knows and the other
-// never tried is no contradiction, and is told apart from one.
+// never tried is no contradiction, and is told apart from one. A system in the place of B is
+// learned.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <exception>
+#include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <system_error>
+#include <utility>
+#include <vector>
 
 #include "maide/automata/compare.hpp"
 #include "maide/automata/mealy.hpp"
 #include "maide/cli/command.hpp"
 #include "maide/formats/model_file.hpp"
 #include "maide/sul/ia_translation.hpp"
+#include "maide/workflow/experiment.hpp"
+#include "maide/workflow/learn_model.hpp"
+#include "maide/workflow/open_system.hpp"
+#include "maide/workflow/pacing.hpp"
+#include "maide/workflow/read_machine.hpp"
 
 namespace maide::cli {
 
@@ -19,6 +32,10 @@ namespace {
 
 struct CompareArguments {
   std::string a, b;
+  std::vector<std::string> key_values;  // of a system in the place of b
+  std::string token_file;
+  std::uint64_t seed = 1;
+  std::size_t jobs = 0;
 };
 
 struct Outcome {
@@ -216,12 +233,69 @@ std::optional<NondeterministicMealy> as_mealy(const Model& model) {
   return std::nullopt;
 }
 
+// ---- A system in the place of the second model ----
+
+bool is_model_file(const std::string& name) {
+  std::error_code ignored;
+  const std::string extension = std::filesystem::path(name).extension().string();
+  const bool is_named_so = extension == ".dot" || extension == ".gv" || extension == ".aut";
+  const bool has_scheme = name.starts_with("sim:") || name.starts_with("exec:");
+  return !has_scheme && (is_named_so || std::filesystem::is_regular_file(name, ignored));
+}
+
+struct LearnedSecond {
+  Model model;
+  std::string text;      // name and options
+  std::string versions;  // "" if the system does not say
+  std::string note;      // what its tests left open; "" for nothing
+};
+
+// The model as `maide learn` makes it by default, started from the first one.
+LearnedSecond learn_second(const CompareArguments& arguments, const Model& first,
+                           const RunControl& control) {
+  const SystemSpec spec = parse_system_spec(arguments.b, arguments.key_values);
+  const auto machine = as_mealy(first);
+  const bool is_av = machine && machine->inputs().find(delta_input);
+  const Translation translation = is_av ? Translation::av : Translation::eager;
+  SystemAccess access;
+  access.token_file = arguments.token_file;
+  access.translation = translation;
+  access.jobs = arguments.jobs;
+  const OpenedSystem system = open_system(spec, access, control);
+  ExperimentOptions options;
+  options.testing.seed = arguments.seed;
+  options.testing.budget = test_budget(system.reference.has_value());
+  options.confirm = !system.reference;
+  if (options.confirm) {
+    options.slower = make_slower_system(spec, access, *system.sul, {}, control);
+  }
+  Mealy old = read_machine(arguments.a, translation);
+  if (shares_inputs(old, input_alphabet(system.sul->info()))) options.old_model = std::move(old);
+  LearnedModel learned = learn_model(*system.sul, translation, options, control,
+                                     machine ? ModelKind::machine : ModelKind::automaton);
+  if (!learned.experiment.is_complete()) std::rethrow_exception(learned.experiment.error);
+  const Origin origin = describe_origin(system.sul->info());
+  const auto versions = origin.find("versions");
+  return {*std::move(learned.model), origin_of(spec, spec.options),
+          versions == origin.end() ? "" : versions->second,
+          learned.experiment.is_weak() ? "the model of the system is weak, so a difference may "
+                                         "have been missed"
+                                       : ""};
+}
+
 ExitStatus run_compare(const CompareArguments& arguments, Context& context) {
-  Names names{std::filesystem::path(arguments.a).filename().string(),
-              std::filesystem::path(arguments.b).filename().string()};
-  if (names.left == names.right) names = {arguments.a, arguments.b};
+  const bool is_system = !is_model_file(arguments.b);
+  if (!is_system && !arguments.key_values.empty()) {
+    throw UsageError(fmt::format("'{}' is an option of a system, and {} is a model",
+                                 arguments.key_values.front(), arguments.b));
+  }
   const Model left = read_model(arguments.a);
-  const Model right = read_model(arguments.b);
+  std::optional<LearnedSecond> second;
+  if (is_system) second = learn_second(arguments, left, context.control());
+  Names names{std::filesystem::path(arguments.a).filename().string(),
+              second ? second->text : std::filesystem::path(arguments.b).filename().string()};
+  if (names.left == names.right) names = {arguments.a, arguments.b};
+  const Model right = second ? second->model : read_model(arguments.b);
   const auto* left_machine = std::get_if<Mealy>(&left);
   const auto* right_machine = std::get_if<Mealy>(&right);
   Outcome outcome;
@@ -242,8 +316,20 @@ ExitStatus run_compare(const CompareArguments& arguments, Context& context) {
             : as_automaton(*right_mealy, std::get<InterfaceAutomaton>(left), names.right, notes);
     outcome = compare_automata(left_automaton, right_automaton, names, notes, context.control());
   }
-  context.print(outcome.text);
+  const std::size_t line = outcome.text.find('\n') + 1;
+  context.print(outcome.text.substr(0, line), outcome.same ? Tone::good : Tone::bad);
+  context.print(outcome.text.substr(line));
   outcome.json["models"] = {arguments.a, arguments.b};
+  if (second) {
+    if (!second->note.empty()) context.print("Beware: " + second->note + ".\n", Tone::doubtful);
+    if (!second->versions.empty()) {
+      context.print(fmt::format("Note: {} was learned ({}).\n", names.right, second->versions));
+    }
+    outcome.json["learned"] = {
+        {"system", second->text},
+        {"versions", second->versions.empty() ? Json() : Json(second->versions)},
+        {"weak", !second->note.empty()}};
+  }
   context.set_result(outcome.json);
   return outcome.same ? ExitStatus::ok : ExitStatus::violated;
 }
@@ -253,7 +339,15 @@ ExitStatus run_compare(const CompareArguments& arguments, Context& context) {
 RunFunction set_up_compare(CommandLine& line) {
   auto arguments = std::make_shared<CompareArguments>();
   line.add("A", arguments->a, "A model file (.dot, .gv or .aut)").required();
-  line.add("B", arguments->b, "Another model file").required();
+  line.add("B", arguments->b,
+           "Another model file, or a system, which is learned ('maide help systems')")
+      .required();
+  line.add("KEY=VALUE", arguments->key_values, "Options of the system").no_default();
+  line.add("--token-file", arguments->token_file,
+           "A file with a listening wrapper's token. Or set MAIDE_TOKEN")
+      .value_name("FILE");
+  add_jobs_option(line, arguments->jobs);
+  add_seed_option(line, arguments->seed);
   return [arguments](Context& context) { return run_compare(*arguments, context); };
 }
 

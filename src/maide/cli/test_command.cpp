@@ -2,9 +2,12 @@
 // step of continuous integration. The verdict comes first, and a JUnit file has a case for each
 // transition of the model.
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <filesystem>
+#include <iterator>
+#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -20,8 +23,10 @@
 #include "maide/base/version.hpp"
 #include "maide/cli/command.hpp"
 #include "maide/cli/test_arguments.hpp"
+#include "maide/formats/model_file.hpp"
 #include "maide/learn/learner.hpp"
 #include "maide/report/junit.hpp"
+#include "maide/report/state_names.hpp"
 #include "maide/sul/ia_translation.hpp"
 #include "maide/workflow/conformance_run.hpp"
 #include "maide/workflow/experiment.hpp"
@@ -37,6 +42,7 @@ struct TestCommandArguments {
   std::vector<std::string> key_values;
   std::string junit;
   std::string cache;
+  std::string words;
   std::string token_file;
   TestArguments tests;
   std::optional<double> time_limit;
@@ -49,11 +55,42 @@ struct Report {
   const TestCommandArguments& arguments;
   const ConformanceResult& result;
   std::string system;           // name and options
+  std::string shown;            // the same, without options that are as they are by default
   std::string bound;            // of the system's own learning purpose
   std::string versions;         // of the system
   std::string learned;          // versions that the model was learned from; "" if it does not say
   std::optional<Error> ending;  // why the run ended early
+  std::vector<std::string> states;  // names; empty: named by the words that lead there
 };
+
+// Behind the state's first step whose name begins so; the state itself if there is none.
+StateId follow(const InterfaceAutomaton& automaton, StateId state, const std::string& name) {
+  for (const auto& transition : automaton.transitions(state)) {
+    const std::string step = automaton.name(transition.action);
+    if (name == "!" ? step.starts_with(name) : step == name) return transition.target;
+  }
+  return state;
+}
+
+// The names of an interface automaton's states, for the machine's states: each at rest behind the
+// machine's access word. Empty where the file has a machine.
+std::vector<std::string> find_state_names(const std::string& file,
+                                          const ConformanceResult& result) {
+  const Model model = read_model(file);
+  const auto* automaton = std::get_if<InterfaceAutomaton>(&model);
+  if (automaton == nullptr || result.model.inputs().find(delta_input)) return {};
+  const std::vector<std::string> names = name_states(*automaton);
+  std::vector<std::string> found;
+  for (const Word& word : result.access) {
+    StateId state = automaton->initial();
+    for (const Symbol input : word) {
+      state = follow(*automaton, state, "?" + result.model.inputs().name(input));
+      while (!automaton->is_quiescent(state)) state = follow(*automaton, state, "!");
+    }
+    found.push_back(names[state]);
+  }
+  return found;
+}
 
 std::string find_origin(const Mealy& model, const std::string& key) {
   const auto found = model.origin.find(key);
@@ -79,6 +116,24 @@ SystemSpec find_system(const TestCommandArguments& arguments, const Mealy& model
     if (std::filesystem::exists(beside)) spec.target = beside.string();
   }
   return spec;
+}
+
+// A model names all options of its system. What differs from the defaults tells people more.
+std::string describe_shortly(const SystemSpec& spec, const SystemAccess& access,
+                             const RunControl& control) {
+  constexpr std::size_t few = 3;
+  if (spec.kind != SystemSpec::Kind::wrapper || spec.options.size() <= few) {
+    return origin_of(spec, spec.options);
+  }
+  std::map<std::string, std::string> options = spec.options;
+  for (const OptionSpec& row : list_system_options(spec, access, control)) {
+    for (auto option = options.begin(); option != options.end();) {
+      const bool is_default =
+          same_key(option->first, row.key) && option->second == row.default_value;
+      option = is_default ? options.erase(option) : std::next(option);
+    }
+  }
+  return origin_of(spec, options);
 }
 
 // Tests that end by themselves have their own size; any others end at a limit.
@@ -154,9 +209,9 @@ std::string first_line(const Report& report) {
   }
   if (report.ending) {
     return fmt::format("Not finished: no difference so far between {} and {}\n", model,
-                       report.system);
+                       report.shown);
   }
-  return fmt::format("Conforms: no test tells {} from {}\n", report.system, model);
+  return fmt::format("Conforms: no test tells {} from {}\n", report.shown, model);
 }
 
 // What the tests establish. Transitions that differ are passed by, so it holds of the others.
@@ -175,7 +230,7 @@ std::string describe_rest(const Report& report) {
     text += fmt::format("  waits      {}; with longer waits they agree\n",
                         describe(word.word, word.expected, word.observed, report));
   }
-  text += fmt::format("  system     {}{}\n", report.system,
+  text += fmt::format("  system     {}{}\n", report.shown,
                       report.versions.empty() ? "" : " (" + report.versions + ")");
   if (!report.learned.empty() && report.learned != report.versions) {
     text += fmt::format("  learned    from other versions ({})\n", report.learned);
@@ -265,7 +320,9 @@ JUnitSuite to_junit(const Report& report) {
     for (Symbol input = 0; input < model.inputs().size(); ++input) {
       const std::size_t place = std::size_t{state} * model.inputs().size() + input;
       JUnitCase one;
-      one.name = model.inputs().name(input) + ", " + after(result.access[state], model);
+      one.name = model.inputs().name(input) + ", " +
+                 (report.states.empty() ? after(result.access[state], model)
+                                        : "state: " + report.states[state]);
       const auto failure = std::find_if(
           result.failures.begin(), result.failures.end(), [&](const ConformanceFailure& candidate) {
             return candidate.state == state && candidate.input == input;
@@ -329,12 +386,15 @@ std::optional<std::string> write_report(const Report& report) {
 
 ExitStatus give(const Report& report, Context& context) {
   const std::optional<std::string> failure = write_report(report);
-  const std::string text =
-      first_line(report) + (context.quiet() ? std::string() : describe_rest(report));
+  const Tone tone = !report.result.failures.empty() ? Tone::bad
+                    : report.ending                 ? Tone::doubtful
+                                                    : Tone::good;
+  const std::string rest = context.quiet() ? std::string() : describe_rest(report);
   if (report.arguments.junit == "-") {
-    fmt::print(stderr, "{}", printable(text));
+    fmt::print(stderr, "{}{}", paint(first_line(report), tone, STDERR_FILENO), printable(rest));
   } else {
-    context.print(text);
+    context.print(first_line(report), tone);
+    context.print(rest);
   }
   context.set_result(to_json(report));
   if (failure) return context.fail(*failure, ExitStatus::usage);
@@ -371,6 +431,11 @@ ExitStatus test(const TestCommandArguments& arguments, Context& context) {
   const OpenedSystem system = open_system(spec, access, control);
   if (arguments.time_limit) control.deadline = deadline_in(*arguments.time_limit);
   ConformanceOptions options = conformance_options(arguments, system);
+  TraceLog words;
+  if (!arguments.words.empty()) {
+    words = read_traces(arguments.words, control);
+    options.words = &words;
+  }
   if (options.confirm) {
     options.slower = make_slower_system(spec, access, *system.sul, {}, context.control());
   }
@@ -382,10 +447,12 @@ ExitStatus test(const TestCommandArguments& arguments, Context& context) {
   const Report report{arguments,
                       result,
                       origin_of(spec, spec.options),
+                      describe_shortly(spec, access, context.control()),
                       info.bound,
                       versions == now.end() ? "" : versions->second,
                       find_origin(eager, "versions"),
-                      ending_of(result, !options.testing.strength.empty())};
+                      ending_of(result, !options.testing.strength.empty()),
+                      find_state_names(arguments.model, result)};
   return give(report, context);
 }
 
@@ -394,23 +461,28 @@ ExitStatus test(const TestCommandArguments& arguments, Context& context) {
 RunFunction set_up_test(CommandLine& line) {
   auto arguments = std::make_shared<TestCommandArguments>();
   line.add("MODEL", arguments->model, "A model file (.dot, .gv or .aut)").required();
-  line.add(
-          "SUL", arguments->sul,
-          "The system, as in 'maide learn'; default: the one that the model was learned from, with "
-          "its options. Another version of it is no error")
+  line.add("SUL", arguments->sul,
+           "The system ('maide help systems'). Default: the one that the model was learned from, "
+           "with its options. Another version of it is no error")
       .no_default();
   line.add("KEY=VALUE", arguments->key_values, "Options of the system").no_default();
   line.add("--junit", arguments->junit,
-           "Write a JUnit XML file with a case for each transition of the model; - for standard "
-           "output")
+           "Write a JUnit XML file, a case a transition. - is standard output")
       .value_name("FILE");
   add_test_options(line, arguments->tests);
-  line.add("--time", arguments->time_limit, "Most seconds; then the exit status is 3")
+  line.add("--time", arguments->time_limit, "Most seconds. Then the exit status is 3")
       .check(check_seconds);
+  line.add(
+          "--words", arguments->words,
+          "Ask these words first: a cache or a log. 'maide learn --cache' keeps the words that the "
+          "model was learned with; a log has a line of JSON a trace, as --from-traces reads it")
+      .value_name("FILE");
   line.add("--cache", arguments->cache,
-           "Keep every answer of the system in this file; a run that was ended resumes there");
+           "Keep every answer in this file. A run that was ended resumes there")
+      .value_name("FILE");
   line.add("--token-file", arguments->token_file,
-           "A file with the token of a listening wrapper (or set MAIDE_TOKEN)");
+           "A file with a listening wrapper's token. Or set MAIDE_TOKEN")
+      .value_name("FILE");
   add_jobs_option(line, arguments->jobs);
   add_seed_option(line, arguments->seed);
   return [arguments](Context& context) { return test(*arguments, context); };

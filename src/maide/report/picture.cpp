@@ -12,6 +12,8 @@
 #include "maide/check/explore/check_system.hpp"
 #include "maide/check/explore/model_words.hpp"
 #include "maide/formats/dot_syntax.hpp"
+#include "maide/report/sequence_chart_text.hpp"
+#include "maide/report/state_names.hpp"
 #include "maide/workflow/open_system.hpp"
 
 namespace maide {
@@ -92,11 +94,35 @@ std::string state(std::size_t number, const char* kind, const std::string& label
                      quote_dot_label(label));
 }
 
+// A name takes room: in a larger picture a state has its number alone.
+constexpr std::size_t most_named_states = 60;
+
+template <typename Automaton>
+std::vector<std::string> names_of(const Automaton& automaton) {
+  return automaton.size() <= most_named_states ? name_states(automaton)
+                                               : std::vector<std::string>();
+}
+
+const char* shape_of(std::size_t states) {
+  return states <= most_named_states ? "box style=rounded" : "circle";
+}
+
+// The number, and below it the name in lines of some words.
+std::string state_label(StateId state, const std::vector<std::string>& names) {
+  std::string text = std::to_string(state);
+  if (names.empty()) return text;
+  constexpr std::size_t widest = 20;
+  std::string lines = wrap(names[state], widest, 0);
+  lines.pop_back();  // the line break at the end
+  return text + "\n" + lines;
+}
+
 std::string picture_of(const NondeterministicMealy& machine) {
   std::string text = head("TB") + start_at(machine.initial());
+  const std::vector<std::string> names = names_of(machine);
   Edges edges;
   for (StateId from = 0; from < machine.size(); ++from) {
-    text += state(from, "state", std::to_string(from));
+    text += state(from, "state", state_label(from, names), shape_of(machine.size()));
     for (Symbol input = 0; input < machine.inputs().size(); ++input) {
       for (const auto& choice : machine.choices(from, input)) {
         edges.add(node(from), node(choice.target), "both",
@@ -109,11 +135,13 @@ std::string picture_of(const NondeterministicMealy& machine) {
 
 std::string picture_of(const InterfaceAutomaton& automaton) {
   std::string text = head("TB") + start_at(automaton.initial());
+  const std::vector<std::string> names = names_of(automaton);
   const std::set<std::string> hidden(automaton.hidden_returns.begin(),
                                      automaton.hidden_returns.end());
   Edges edges;
   for (StateId from = 0; from < automaton.size(); ++from) {
-    text += state(from, automaton.is_quiescent(from) ? "state" : "due", std::to_string(from));
+    text += state(from, automaton.is_quiescent(from) ? "state" : "due", state_label(from, names),
+                  shape_of(automaton.size()));
     std::vector<std::string> untried;
     for (const auto& transition : automaton.transitions(from)) {
       const std::string name = automaton.name(transition.action);
@@ -251,7 +279,7 @@ std::string picture_style() {
          "--model:#1d3048;--in:#7fb4f0;--out:#f0a878;--both:#b6c0cf}}"
          ".node ellipse,.node path,.node polygon{stroke:var(--soft);fill:var(--state)}"
          ".node text{fill:var(--text)}"
-         ".due ellipse{fill:var(--due)}"
+         ".due ellipse,.due path{fill:var(--due)}"
          ".program polygon{fill:var(--program)}.model ellipse{fill:var(--model)}"
          ".end path{fill:var(--program)}.start ellipse{fill:var(--soft)}"
          ".untried polygon{stroke:none;fill:none}.node.untried text{fill:var(--soft);"

@@ -12,6 +12,7 @@
 #include "maide/base/error.hpp"
 #include "maide/base/text.hpp"
 #include "maide/conformance/identify/separating_words.hpp"
+#include "maide/conformance/method/known_words.hpp"
 #include "maide/conformance/method/standard_method.hpp"
 #include "maide/conformance/method/test_chain.hpp"
 #include "maide/learn/cache/cache.hpp"
@@ -45,6 +46,31 @@ std::vector<Symbol> match_inputs(const Mealy& model, const Alphabet& system,
   throw UsageError(
       fmt::format("the system {} lacks inputs that the model has: {} (the system's inputs are: {})",
                   name, join(missing), join(system.names())));
+}
+
+// The words of the log in the model's numbering, but those that others begin with, and those with
+// an input that the model does not have.
+std::vector<Word> match_words(const TraceLog& log, const Mealy& model) {
+  std::vector<Word> words;
+  for (const TraceLog::Trace& trace : log.traces) {
+    Word word;
+    for (const Symbol input : trace.inputs) {
+      const auto known = model.inputs().find(log.inputs.name(input));
+      if (!known) break;
+      word.push_back(*known);
+    }
+    if (!word.empty() && word.size() == trace.inputs.size()) words.push_back(std::move(word));
+  }
+  std::sort(words.begin(), words.end());
+  std::vector<Word> longest;
+  for (Word& word : words) {
+    const bool goes_on = !longest.empty() && longest.back().size() <= word.size() &&
+                         std::equal(longest.back().begin(), longest.back().end(), word.begin());
+    if (goes_on) longest.pop_back();
+    longest.push_back(std::move(word));
+  }
+  if (longest.empty()) throw UsageError(located("no word there has the model's inputs", log));
+  return longest;
 }
 
 // Follows each word on the model, as the head of the header says.
@@ -246,6 +272,7 @@ class ConformanceRun {
     testing_ = options.testing;
     if (testing_.sizes.empty()) testing_.sizes = find_sizes(translator.info());
     if (testing_.budget.words == 0) testing_.budget = test_budget(options.reference != nullptr);
+    if (options.words != nullptr) known_words_ = match_words(*options.words, result_.model);
     judge_.emplace(*cache_, result_.model, std::move(inputs));
     make_tests(*judge_);  // or it throws
   }
@@ -272,7 +299,12 @@ class ConformanceRun {
 
  private:
   std::unique_ptr<EquivalenceOracle> make_tests(OutputOracle& oracle) {
-    return method_.make({oracle, nullptr, options_.reference}, testing_);
+    auto tests = method_.make({oracle, nullptr, options_.reference}, testing_);
+    if (known_words_.empty()) return tests;
+    std::vector<std::unique_ptr<EquivalenceOracle>> links;
+    links.push_back(std::make_unique<KnownWords>(oracle, known_words_));
+    links.push_back(std::move(tests));
+    return std::make_unique<ChainOracle>(std::move(links));
   }
 
   // False when the run is over.
@@ -426,6 +458,7 @@ class ConformanceRun {
   PortioningOracle portioned_;
   std::optional<CacheFile> file_;
   std::optional<Cache> cache_;
+  std::vector<Word> known_words_;
   std::optional<Judge> judge_;
   std::unique_ptr<OutputOracle> slower_;
   std::uint64_t slower_words_ = 0, slower_symbols_ = 0;

@@ -25,6 +25,7 @@
 #include "maide/automata/strength.hpp"
 #include "maide/base/run_control.hpp"
 #include "maide/conformance/method/test_methods.hpp"
+#include "maide/formats/trace_log.hpp"
 #include "maide/learn/oracle/vote.hpp"
 #include "maide/sul/ia_translator.hpp"
 #include "maide/workflow/pacing.hpp"
@@ -36,11 +37,12 @@ struct ConformanceOptions {
   TestMethodOptions testing;               // seed, extra states, ...
   std::optional<std::uint64_t> max_tests;  // then the run ends, unfinished
   const Mealy* reference = nullptr;        // the system as a machine, for the perfect oracle
-  std::filesystem::path cache_file;        // empty: the cache is in memory only
-  VoteOptions vote;                        // how contradictions are decided
-  bool confirm = true;                     // ask again what differs
-  std::optional<SlowerSystem> slower;      // the same with longer waits
-  std::size_t most_failures = 10;          // then the run ends
+  const TraceLog* words = nullptr;     // asked before all else; what was answered is not looked at
+  std::filesystem::path cache_file;    // empty: the cache is in memory only
+  VoteOptions vote;                    // how contradictions are decided
+  bool confirm = true;                 // ask again what differs
+  std::optional<SlowerSystem> slower;  // the same with longer waits
+  std::size_t most_failures = 10;      // then the run ends
 };
 
 // A transition on which the system gives another output than the model.
