@@ -44,9 +44,7 @@ std::size_t indent_below(std::string_view line, std::size_t width) {
   const std::size_t gap = line.find("  ", begin);
   const std::size_t text = gap == std::string_view::npos ? gap : line.find_first_not_of(' ', gap);
   constexpr std::size_t longest_label = 24;
-  if (text == std::string_view::npos || text > longest_label || text * 2 > width) {
-    return begin + 2;
-  }
+  if (text > longest_label || text * 2 > width) return begin + 2;  // or there is none
   return columns(line.substr(0, text));
 }
 
@@ -55,7 +53,7 @@ std::size_t indent_below(std::string_view line, std::size_t width) {
 void set_color_mode(ColorMode mode) { color_mode = mode; }
 
 std::string paint(std::string_view text, Tone tone, int descriptor) {
-  const std::string plain = printable(text);
+  std::string plain = printable(text);
   const std::size_t length = plain.find_last_not_of('\n') + 1;  // 0 if there is nothing else
   if (tone == Tone::plain || length == 0 || !gets_colors(descriptor)) return plain;
   return "\033[" + std::string(code_of(tone)) + "m" + plain.substr(0, length) + "\033[0m" +
