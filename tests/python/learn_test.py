@@ -152,7 +152,7 @@ class Objects(unittest.TestCase):
             maide.learn(Queue(), inputs=["put", "put"])
         with self.assertRaisesRegex(ValueError, "unknown option '--algorithmus'"):
             maide.learn(Queue(), algorithmus="lstar")
-        with self.assertRaisesRegex(ValueError, "unknown algorithm 'best'"):
+        with self.assertRaisesRegex(ValueError, "--algorithm: 'best' is none of"):
             maide.learn(Queue(), algorithm="best")
 
     def test_contradictions_are_nondeterminism(self):
