@@ -14,7 +14,7 @@ place where TRIGGER says that the mistake happens. There KIND happens:
   block        the write never returns
 
 TRIGGER is `nth:N` (the N-th such input of a word), `kept:K` (whenever K messages are kept), or
-`after:INPUT,...` (whenever the inputs before are these). What the real system does with the changed
+`after:INPUT,...` (whenever the inputs before are these). Inputs that are refused do not count. What the real system does with the changed
 word is asked of the real system. Where it stands, as far as the trigger wants to know, is read off
 MODEL, an interface automaton of that system (DOT). `predict()` does all of it with the model alone.
 """
@@ -82,20 +82,21 @@ class Mutant:
         self.what = what
         self.side = "read" if kind.endswith("read") else "write"
 
-    def happens(self, word, place, count, kept):
-        if not word[place].endswith(self.side) or word[place].startswith("try"):
+    def happens(self, name, taken, count, kept):
+        if name != self.side:
             return False
         if self.what == "nth":
             return count == int(self.value)
         if self.what == "kept":
             return kept == int(self.value)
         before = self.value.split(",")
-        return word[max(0, place - len(before)):place] == before
+        return taken[-len(before):] == before
 
     def plan(self, word):
         passed, steps = [], []
         state, kept, count = self.model.initial, 0, 0
         late = blocked = False
+        taken = []  # a refused input reaches no system, so none can remember it
         writer = self.model.actor.get("?write", "writer")
 
         def give(name):
@@ -108,14 +109,15 @@ class Mutant:
             kept = max(kept, 0)
             return len(passed) - 1
 
-        for place, name in enumerate(word):
+        for name in word:
             can = self.model.step(state, name)[0] == "taken"
             count += can and name == self.side
-            now = can and not blocked and self.happens(word, place, count, kept)
+            now = can and not blocked and self.happens(name, taken, count, kept)
             own = {"main": None, "more": [], "events": [], "status": None}
             returns = [[writer, "written"]] if self.observes_written else []
             if blocked and self.model.actor.get("?" + name) == writer:
                 own["status"] = "refused"
+                can = False
             elif now and self.kind == "lose-write":
                 own["events"] = returns
             elif now and self.kind == "twice-read" and kept > 0:
@@ -126,6 +128,7 @@ class Mutant:
             elif now and self.kind == "later" and not late:
                 own["events"] = returns
                 late = True
+                taken.append(name)
                 steps.append(own)
                 continue
             else:
@@ -137,6 +140,8 @@ class Mutant:
             if late and can and own["status"] is None:
                 late = False
                 own["more"].append(give("write"))
+            if can:
+                taken.append(name)
             own["blocked"] = [writer] if blocked else []
             steps.append(own)
         return passed, steps
