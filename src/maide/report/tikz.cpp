@@ -29,7 +29,8 @@ constexpr double points_per_inch = 72;
 
 constexpr std::string_view styles =
     "  every node/.style={inner sep=1pt, font=\\footnotesize},\n"
-    "  state/.style={draw, circle}, due/.style={draw, circle, fill=black!12},\n"
+    "  state/.style={draw, rounded corners, align=center, inner sep=3pt},\n"
+    "  due/.style={state, fill=black!12},\n"
     "  start/.style={fill, circle, inner sep=1pt}, untried/.style={black!50},\n"
     "  action/.style={align=center}, transition/.style={->, >=stealth},\n"
     "  input/.style={}, output/.style={}, both/.style={}, beyond/.style={dashed, black!50}]\n";
@@ -145,15 +146,22 @@ std::string text_of(const Json& object, const char* key) {
 
 std::string node_text(const Json& node) {
   const std::string kind = text_of(node, "class");
-  const bool is_circle = text_of(node, "shape") == "circle";
-  double inches = 0;
-  const std::string width = text_of(node, "width");
-  std::from_chars(width.data(), width.data() + width.size(), inches);
-  return fmt::format(
-      "  \\node[{}{}] at {} {{{}}};\n", kind,
-      is_circle ? fmt::format(", minimum size={:.1f}bp", inches * points_per_inch) : "",
-      to_string(read_point(text_of(node, "pos"))),
-      kind == "start" ? "" : label_text(text_of(node, "label")));
+  const std::string shape = text_of(node, "shape");
+  const auto points = [&](const char* key) {
+    double inches = 0;
+    const std::string length = text_of(node, key);
+    std::from_chars(length.data(), length.data() + length.size(), inches);
+    return inches * points_per_inch;
+  };
+  // As large as Graphviz took it for, or edges would end before it.
+  const std::string size =
+      shape == "circle" ? fmt::format(", circle, minimum size={:.1f}bp", points("width"))
+      : shape == "box"  ? fmt::format(", minimum width={:.1f}bp, minimum height={:.1f}bp",
+                                      points("width"), points("height"))
+                        : "";
+  return fmt::format("  \\node[{}{}] at {} {{{}}};\n", kind, size,
+                     to_string(read_point(text_of(node, "pos"))),
+                     kind == "start" ? "" : label_text(text_of(node, "label")));
 }
 
 std::string edge_text(const Json& edge) {
