@@ -187,12 +187,13 @@ TraceTree::Node Cache::node_of(std::span<const Symbol> word) const {
   return node;
 }
 
+// As far as the tree knows the word: a correction may have forgotten the rest.
 Word Cache::known_outputs(std::span<const Symbol> word) const {
   TraceTree::Node node = TraceTree::root;
   Word outputs;
   for (const Symbol input : word) {
     const TraceTree::Node edge = tree_.child(node, input);
-    MAIDE_CHECK(edge != TraceTree::none);
+    if (edge == TraceTree::none) break;
     outputs.push_back(tree_.output(edge));
     node = behind(node, edge);
   }
