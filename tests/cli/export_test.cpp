@@ -162,8 +162,10 @@ TEST(Export, SystemsAsOtherLanguages) {
   EXPECT_THAT(run_maide({"export", system, "--to", "smv"}).out, HasSubstr("INVARSPEC !deadlock;"));
   EXPECT_THAT(run_maide({"export", system, "--to", "mcrl2"}).out,
               HasSubstr("p_in_via_write | m_in_via_write -> in_via_write"));
+  EXPECT_THAT(run_maide({"export", system, "--to", "pins"}).out,
+              HasSubstr("void pins_model_init(grey_box_model *model) {"));
   expect_error(run_maide({"export", system, "--to", "cpp"}), 2,
-               "unknown format of systems 'cpp'; known are: promela, aut, smv, mcrl2");
+               "unknown format of systems 'cpp'; known are: promela, aut, smv, mcrl2, pins");
 }
 
 // SPIN decides one component at a time.

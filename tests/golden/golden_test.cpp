@@ -130,7 +130,8 @@ TEST_P(SystemGolden, IsAsApproved) {
 
 INSTANTIATE_TEST_SUITE_P(Exports, SystemGolden,
                          testing::Combine(testing::Values("relay", "robot"),
-                                          testing::Values("promela", "aut", "smv", "mcrl2")),
+                                          testing::Values("promela", "aut", "smv", "mcrl2",
+                                                          "pins")),
                          [](const auto& test) {
                            return std::string(std::get<0>(test.param)) + "_" +
                                   std::get<1>(test.param);

@@ -28,7 +28,7 @@ std::uint64_t default_bytes() {
          static_cast<std::uint64_t>(::sysconf(_SC_PAGE_SIZE)) / 4 * 3;
 }
 
-constexpr std::array<SystemExporter, 4> table{{
+constexpr std::array<SystemExporter, 5> table{{
     {"promela", "Promela, SPIN's language", false,
      [](std::ostream& out, const System& system, const SystemExportOptions&) {
        out << write_promela(system).text;
@@ -45,6 +45,10 @@ constexpr std::array<SystemExporter, 4> table{{
     {"mcrl2", "mCRL2, the process algebra", false,
      [](std::ostream& out, const System& system, const SystemExportOptions&) {
        write_mcrl2(out, system);
+     }},
+    {"pins", "C++, a plug-in that LTSmin's engines explore", false,
+     [](std::ostream& out, const System& system, const SystemExportOptions&) {
+       write_pins(out, system, system.properties);
      }},
 }};
 

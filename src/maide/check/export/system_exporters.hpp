@@ -1,11 +1,13 @@
 // The formats that whole systems are exported to: their table (`maide export SYSTEM --to NAME`),
-// and the writers of .aut, mCRL2 and SMV. Promela has a file of its own (promela_system.hpp). All
-// formats have the same steps: one step is one transition (step_rules.hpp).
+// and the writers of .aut, mCRL2, SMV and PINS. Promela has a file of its own
+// (promela_system.hpp). All formats have the same steps: one step is one transition
+// (step_rules.hpp).
 #pragma once
 
 #include <cstdint>
 #include <iosfwd>
 #include <span>
+#include <string>
 #include <string_view>
 
 #include "maide/base/run_control.hpp"
@@ -68,5 +70,26 @@ void write_mcrl2(std::ostream& out, const System& system);
 // (`beyond_...`) changes nothing. `INVARSPEC !deadlock` is the system's `deadlock`, and `INVARSPEC
 // !is_error` its `error`. Programs define `ended` and `at_LABEL` for properties of one's own.
 void write_smv(std::ostream& out, const System& system);
+
+// ---- PINS ----
+//
+// A whole system as a plug-in of LTSmin (Kant et al., "LTSmin: High-Performance
+// Language-Independent Model Checking", TACAS 2015): one C++ file, which a compiler makes a shared
+// object of, without LTSmin's headers. LTSmin's backends explore it with many cores, symbolically,
+// or over MPI.
+//
+// The state has a slot for each program's place, then one for each model's state, then `halted` if
+// programs may come to an error. A group of transitions is what one program does with its models,
+// from whatever place; its action is the step's name (ActionNames). The states are those of the
+// system before any cut, and one transition is one step; a cut is a self-loop. Labels of states
+// are `valid_end_state` (all programs have ended or may rest, so that LTSmin's --deadlock is the
+// system's, unless programs may die), `deadlock`, `error`, `beyond` (a step can go beyond what was
+// learned, and is cut), and `always_NAME` for a property `NAME` that is `always` what states show.
+// Guards and their matrices are there for partial-order reduction.
+void write_pins(std::ostream& out, const System& system, std::span<const Property> properties);
+
+// What keeps the property from being a label of states, "sees events, and not states alone"; "" if
+// nothing does.
+std::string why_no_label(const System& system, const Property& property);
 
 }  // namespace maide
