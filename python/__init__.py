@@ -364,9 +364,11 @@ def replay(system: PathLike, trace: Optional[PathLike] = None, *,
     return command("replay", system, *([] if trace is None else [trace]), progress=progress, **options)
 
 
-def compare(a: Union[Model, PathLike], b: Union[Model, PathLike]) -> Result:
-    """Whether two models are the same; if not, the shortest word that tells them apart."""
-    return command("compare", a, b)
+def compare(a: Union[Model, PathLike], b: Union[Model, PathLike], **options: object) -> Result:
+    """Whether two models are the same; if not, a shortest word that tells them apart, and all
+    `differences`. `status` is 1 for a contradiction, with strict=True also for what one model knows
+    and the other never tried."""
+    return command("compare", a, b, **options)
 
 
 def _alphabet(system: Any, inputs: Optional[Iterable[object]]) -> List[object]:

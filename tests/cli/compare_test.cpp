@@ -1,4 +1,5 @@
 // `maide compare` with the real program.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -45,14 +46,16 @@ TEST(Compare, ASystemIsLearned) {
 
 TEST(Compare, StrictOfOneAndPortDifferInTheMarkAlone) {
   const SubprocessResult text = run_maide({"compare", model("strict-1"), model("port")});
-  EXPECT_EQ(text.exit_status, 1);
+  EXPECT_EQ(text.exit_status, 0);
   EXPECT_EQ(text.out,
             "They do not contradict each other; one knows what the other never tried:\n"
             "  after ?write: ?write is never tried in strict-1.dot, refused in port.dot\n"
             "Note: hidden returns differ: none in the first, write in the second.\n");
+  EXPECT_EQ(run_maide({"compare", model("strict-1"), model("port"), "--strict"}).exit_status, 1);
+  EXPECT_EQ(run_maide({"compare", model("port"), model("port"), "--strict"}).exit_status, 0);
   const SubprocessResult result =
       run_maide({"compare", model("strict-1"), model("port"), "--json"});
-  EXPECT_EQ(result.exit_status, 1);
+  EXPECT_EQ(result.exit_status, 0);
   const Json json = json_of(result);
   EXPECT_EQ(json.at("differ_in_marks_alone"), true);
   EXPECT_EQ(json.at("hard"), nullptr);
@@ -68,6 +71,38 @@ TEST(Compare, ContradictionsCarryTheShortestWord) {
   const Json json = json_of(run_maide({"compare", model("buffered"), model("port"), "--json"}));
   EXPECT_EQ(json.at("hard").at("word"), Json::parse(R"(["?write", "?write"])"));
   EXPECT_EQ(json.at("hard").at("right_offers"), Json::parse(R"(["?read"])"));
+}
+
+// All differences: the first in full, a line for each other one, and no more than twenty.
+TEST(Compare, AllDifferencesAreListed) {
+  const TempDir folder;
+  const auto ring = [&](const std::string& name, const std::string& output) {
+    std::string text = "digraph {";
+    for (int i = 0; i < 26; ++i) {
+      const int next = (i + 1) % 26;
+      text +=
+          fmt::format("s{0} -> s{1} [label=\"go / ok\"]; s{0} -> s{0} [label=\"look / {2}{0}\"];",
+                      i, next, i % 26 == 0 ? "at " : output);
+    }
+    const std::string file = (folder.path() / name).string();
+    write_file_atomically(file, text + "}");
+    return file;
+  };
+  const std::string one = ring("one.dot", "at "), two = ring("two.dot", "near ");
+  const SubprocessResult text = run_maide({"compare", one, two});
+  EXPECT_EQ(text.exit_status, 1);
+  EXPECT_THAT(text.out, testing::StartsWith(
+                            "They differ: a shortest word of 2 inputs tells them apart\n"
+                            "  go look\n  one.dot answers at 1\n  two.dot answers near 1\n"
+                            "Besides, 24 differences:\n"
+                            "  after go go: look gives at 2 in one.dot, near 2 in two.dot\n"));
+  EXPECT_THAT(text.out, testing::EndsWith("\n  and 4 more; --json lists all\n"));
+  const Json json = json_of(run_maide({"compare", one, two, "--json"}));
+  EXPECT_EQ(json.at("differences").size(), 25U);
+  EXPECT_EQ(json.at("differences")[1],
+            Json::parse(R"({"word": ["go", "go"], "question": "look", "left": "at 2",
+                            "right": "near 2", "bound": false, "passed": 0})"));
+  EXPECT_EQ(json.at("differences_complete"), true);
 }
 
 TEST(Compare, MealyMachines) {

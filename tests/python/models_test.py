@@ -139,6 +139,9 @@ class Commands(unittest.TestCase):
     def test_compare(self):
         result = maide.compare(MODELS / "strict-1.dot", maide.Model.read(MODELS / "strict-2.dot"))
         self.assertFalse(result.same)
+        self.assertEqual(result.status, 0)  # one knows what the other never tried
+        self.assertEqual([one["word"] for one in result.differences], [["?write"]])
+        result = maide.compare(MODELS / "strict-1.dot", MODELS / "strict-2.dot", strict=True)
         self.assertEqual(result.status, 1)
 
     def test_test_of_a_name_and_of_an_object(self):

@@ -13,6 +13,7 @@
 #include <unordered_set>
 #include <utility>
 
+#include "maide/automata/behaviour.hpp"
 #include "maide/base/error.hpp"
 #include "maide/base/invariant.hpp"
 #include "maide/base/text.hpp"
@@ -47,7 +48,7 @@ class UnionFind {
   std::vector<std::uint32_t> parent_;
 };
 
-constexpr Symbol unknown = ~Symbol{0};
+constexpr Symbol unknown = StateSets::no_symbol;
 
 // For each symbol of `from` the one of the same name in `to`, or `unknown`.
 std::vector<Symbol> symbol_map(const Alphabet& from, const Alphabet& to) {
@@ -138,6 +139,10 @@ class MealyComparison {
 
 }  // namespace
 
+bool is_never_tried(std::string_view output) {
+  return output == "unexplored" || output == "absorbed";
+}
+
 std::optional<MealyDifference> find_difference(const Mealy& left, const Mealy& right) {
   MealyComparison comparison(left, right);
   const auto word = comparison.find_word();
@@ -183,88 +188,11 @@ std::optional<Word> find_distinguishing_word(const Mealy& left, const Mealy& rig
 
 namespace {
 
-using StateSet = std::vector<StateId>;  // sorted
-using SetId = std::uint32_t;
-
 // An action of either automaton, with its symbol in each.
 struct JointAction {
   std::string name;  // "?a" or "!a"
   Action::Kind kind;
   Symbol left, right;  // `unknown` where there is none
-};
-
-// The sets of states of one automaton, each with a number.
-class SetTable {
- public:
-  explicit SetTable(const InterfaceAutomaton& automaton) : automaton_(automaton) {}
-
-  SetId intern(StateSet set) {
-    MAIDE_CHECK(!set.empty() && set.back() < automaton_.size());
-    MAIDE_CHECK(std::adjacent_find(set.begin(), set.end(), std::greater_equal<>()) == set.end());
-    const auto [place, is_new] = numbers_.try_emplace(set, static_cast<SetId>(sets_.size()));
-    if (is_new) sets_.push_back(std::move(set));
-    return place->second;
-  }
-
-  ActionStatus status(SetId set, Action::Kind kind, Symbol symbol) const {
-    ActionStatus status;
-    if (symbol == unknown) {
-      status.refused = true;
-      status.is_known = false;
-      return status;
-    }
-    for (const StateId state : sets_[set]) {
-      bool enabled = false;
-      bool untried = kind == Action::Kind::input && automaton_.is_unexplored(state, symbol);
-      for (const auto& transition : transitions(state, {kind, symbol})) {
-        (transition.absorbed ? untried : enabled) = true;
-      }
-      status.enabled |= enabled;
-      status.untried |= untried;
-      status.refused |= !enabled && !untried;
-    }
-    return status;
-  }
-
-  // Whether no output may be due, and whether one may.
-  std::pair<bool, bool> quiescence(SetId set) const {
-    std::pair<bool, bool> result{false, false};
-    for (const StateId state : sets_[set]) {
-      (automaton_.is_quiescent(state) ? result.first : result.second) = true;
-    }
-    return result;
-  }
-
-  SetId successor(SetId set, Action action) {
-    StateSet next;
-    for (const StateId state : sets_[set]) {
-      for (const auto& transition : transitions(state, action)) {
-        if (!transition.absorbed) next.push_back(transition.target);
-      }
-    }
-    std::sort(next.begin(), next.end());
-    next.erase(std::unique(next.begin(), next.end()), next.end());
-    return intern(std::move(next));
-  }
-
- private:
-  std::span<const InterfaceAutomaton::Transition> transitions(StateId state, Action action) const {
-    const auto all = automaton_.transitions(state);
-    const auto begin =
-        std::lower_bound(all.begin(), all.end(), action,
-                         [](const auto& entry, Action wanted) { return entry.action < wanted; });
-    auto end = begin;
-    while (end != all.end() && end->action == action) ++end;
-    // An automaton keeps the transitions of a state in order, or the search above misses some.
-    MAIDE_CHECK(begin == all.begin() || std::prev(begin)->action < action);
-    MAIDE_CHECK(
-        std::none_of(end, all.end(), [&](const auto& way) { return way.action == action; }));
-    return {begin, end};
-  }
-
-  const InterfaceAutomaton& automaton_;
-  std::map<StateSet, SetId> numbers_;
-  std::vector<StateSet> sets_;
 };
 
 void add_actions(std::vector<JointAction>& actions, Action::Kind kind, const Alphabet& left,
@@ -286,7 +214,7 @@ class PairExploration {
       : left_sets_(left), right_sets_(right) {
     add_actions(actions_, Action::Kind::input, left.inputs(), right.inputs());
     add_actions(actions_, Action::Kind::output, left.outputs(), right.outputs());
-    const SetId first = left_sets_.intern({left.initial()});
+    const StateSets::Id first = left_sets_.intern({left.initial()});
     visit(first, right_sets_.intern({right.initial()}), 0, 0);
   }
 
@@ -299,12 +227,12 @@ class PairExploration {
 
  private:
   struct Pair {
-    SetId left, right;
+    StateSets::Id left, right;
     std::size_t parent;
     std::size_t last;  // place in actions_
   };
 
-  void visit(SetId left, SetId right, std::size_t parent, std::size_t last) {
+  void visit(StateSets::Id left, StateSets::Id right, std::size_t parent, std::size_t last) {
     const std::uint64_t key = (std::uint64_t{left} << 32) | right;
     MAIDE_CHECK(queue_.empty() || (queue_.back().parent <= parent && parent < queue_.size()));
     if (seen_.insert(key).second) queue_.push_back({left, right, parent, last});
@@ -325,7 +253,7 @@ class PairExploration {
         result.hard = hard_difference(place, action.name, left, right);
       }
       if (left.enabled && right.enabled) {
-        const SetId next = left_sets_.successor(left_set, {action.kind, action.left});
+        const StateSets::Id next = left_sets_.successor(left_set, {action.kind, action.left});
         visit(next, right_sets_.successor(right_set, {action.kind, action.right}), place, number);
       }
     }
@@ -366,7 +294,7 @@ class PairExploration {
   }
 
   std::vector<JointAction> actions_;
-  SetTable left_sets_, right_sets_;
+  StateSets left_sets_, right_sets_;
   std::unordered_set<std::uint64_t> seen_;
   std::vector<Pair> queue_;
 };

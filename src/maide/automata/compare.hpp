@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "maide/automata/interface_automaton.hpp"
@@ -14,6 +15,9 @@
 #include "maide/base/run_control.hpp"
 
 namespace maide {
+
+// Whether an output says that nobody tried the input there: "unexplored" or "absorbed".
+bool is_never_tried(std::string_view output);
 
 struct MealyDifference {
   std::vector<std::string> word;  // inputs by name, never empty

@@ -1,10 +1,11 @@
 // `maide compare A B`: whether two models - of two versions, two configurations, two vendors - are
-// the same, and if not, the shortest word that tells them apart. What one model knows and the other
-// never tried is no contradiction, and is told apart from one. A system in the place of B is
-// learned.
+// the same, and if not, the shortest word that tells them apart, and all other differences. What
+// one model knows and the other never tried is no contradiction, and is told apart from one. A
+// system in the place of B is learned.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <exception>
 #include <filesystem>
 #include <memory>
@@ -15,7 +16,9 @@
 #include <utility>
 #include <vector>
 
+#include "maide/automata/behaviour.hpp"
 #include "maide/automata/compare.hpp"
+#include "maide/automata/differences.hpp"
 #include "maide/automata/mealy.hpp"
 #include "maide/cli/command.hpp"
 #include "maide/formats/model_file.hpp"
@@ -36,12 +39,25 @@ struct CompareArguments {
   std::string token_file;
   std::uint64_t seed = 1;
   std::size_t jobs = 0;
+  bool strict = false;
 };
 
+// What is found out, and how the models are read for the list of all differences.
 struct Outcome {
   bool same = false;
-  std::string text;
+  std::string text;  // "The same: ...", or the first difference
   Json json;
+  std::vector<std::string> notes;
+  BehaviourPair pair;
+  Differences differences;
+
+  // One model knows what the other never tried, and that is all.
+  bool is_bound_alone() const {
+    return !same && !differences.list.empty() &&
+           differences.count_bounds() == differences.list.size() && !is_initial();
+  }
+  // The empty word tells them apart: outputs before the first input.
+  bool is_initial() const { return json.contains("word") && json["word"].empty(); }
 };
 
 std::string counted(std::size_t count, const char* what) {
@@ -58,41 +74,42 @@ std::optional<Outcome> compare_initial_outputs(const Mealy& left, const Mealy& r
                                                const Names& names) {
   const auto left_output = find_initial_output(left), right_output = find_initial_output(right);
   if (!left_output || !right_output || *left_output == *right_output) return std::nullopt;
-  return Outcome{false,
-                 fmt::format("They differ: the empty word tells them apart\n  {} answers {}\n  {} "
-                             "answers {}\n",
-                             names.left, *left_output, names.right, *right_output),
-                 Json{{"same", false},
-                      {"kind", "mealy"},
-                      {"word", Json::array()},
-                      {"left", *left_output},
-                      {"right", *right_output}}};
+  Outcome outcome;
+  outcome.text = fmt::format(
+      "They differ: the empty word tells them apart\n  {} answers {}\n  {} answers {}\n",
+      names.left, *left_output, names.right, *right_output);
+  outcome.json = {{"same", false},
+                  {"kind", "mealy"},
+                  {"word", Json::array()},
+                  {"left", *left_output},
+                  {"right", *right_output}};
+  return outcome;
 }
 
 Outcome compare_mealy(const Mealy& left, const Mealy& right, const Names& names) {
   if (auto outcome = compare_initial_outputs(left, right, names)) return *std::move(outcome);
   const auto difference = find_difference(left, right);
-  Json json{{"same", !difference}, {"kind", "mealy"}};
+  Outcome outcome;
+  outcome.same = !difference;
+  outcome.json = {{"same", !difference}, {"kind", "mealy"}};
   if (!difference) {
-    return {true,
-            fmt::format("The same: {} ({}) and {} ({}) answer every word alike.\n", names.left,
-                        counted(left.size(), "state"), names.right, counted(right.size(), "state")),
-            json};
+    outcome.text =
+        fmt::format("The same: {} ({}) and {} ({}) answer every word alike.\n", names.left,
+                    counted(left.size(), "state"), names.right, counted(right.size(), "state"));
+    return outcome;
   }
   const auto answer = [](const std::optional<std::string>& output, const std::string& input) {
     return output ? "answers " + *output : "has no input " + input;
   };
   const std::string& last = difference->word.back();
-  json["word"] = difference->word;
-  json["left"] = difference->left ? Json(*difference->left) : Json(nullptr);
-  json["right"] = difference->right ? Json(*difference->right) : Json(nullptr);
-  return {false,
-          fmt::format("They differ: a shortest word of {} tells them apart\n  {}\n  {} {}\n  {} "
-                      "{}\n",
-                      counted(difference->word.size(), "input"), fmt::join(difference->word, " "),
-                      names.left, answer(difference->left, last), names.right,
-                      answer(difference->right, last)),
-          json};
+  outcome.json["word"] = difference->word;
+  outcome.json["left"] = difference->left ? Json(*difference->left) : Json(nullptr);
+  outcome.json["right"] = difference->right ? Json(*difference->right) : Json(nullptr);
+  outcome.text = fmt::format(
+      "They differ: a shortest word of {} tells them apart\n  {}\n  {} {}\n  {} {}\n",
+      counted(difference->word.size(), "input"), fmt::join(difference->word, " "), names.left,
+      answer(difference->left, last), names.right, answer(difference->right, last));
+  return outcome;
 }
 
 std::string alternatives(const std::vector<std::string>& outputs, const std::string& input) {
@@ -103,27 +120,29 @@ std::string alternatives(const std::vector<std::string>& outputs, const std::str
 Outcome compare_nondeterministic(const NondeterministicMealy& left,
                                  const NondeterministicMealy& right, const Names& names) {
   const auto difference = find_difference(left, right);
-  Json json{{"same", !difference}, {"kind", "nondeterministic mealy"}};
+  Outcome outcome;
+  outcome.same = !difference;
+  outcome.json = {{"same", !difference}, {"kind", "nondeterministic mealy"}};
   if (!difference) {
-    return {true,
-            fmt::format("The same: {} ({}) and {} ({}) have the same traces.\n", names.left,
-                        counted(left.size(), "state"), names.right, counted(right.size(), "state")),
-            json};
+    outcome.text =
+        fmt::format("The same: {} ({}) and {} ({}) have the same traces.\n", names.left,
+                    counted(left.size(), "state"), names.right, counted(right.size(), "state"));
+    return outcome;
   }
   std::vector<std::string> trace;
   for (const auto& [input, output] : difference->trace) trace.push_back(input + " / " + output);
-  json["trace"] = trace;
-  json["input"] = difference->input;
-  json["left"] = difference->left;
-  json["right"] = difference->right;
-  return {false,
-          fmt::format("They differ: after a shortest trace of {}, one may answer {} as the other "
-                      "never does\n  {}\n  {} {}\n  {} {}\n",
-                      counted(trace.size(), "step"), difference->input,
-                      trace.empty() ? "(at the start)" : fmt::format("{}", fmt::join(trace, ", ")),
-                      names.left, alternatives(difference->left, difference->input), names.right,
-                      alternatives(difference->right, difference->input)),
-          json};
+  outcome.json["trace"] = trace;
+  outcome.json["input"] = difference->input;
+  outcome.json["left"] = difference->left;
+  outcome.json["right"] = difference->right;
+  outcome.text = fmt::format(
+      "They differ: after a shortest trace of {}, one may answer {} as the other never does\n  "
+      "{}\n  {} {}\n  {} {}\n",
+      counted(trace.size(), "step"), difference->input,
+      trace.empty() ? "(at the start)" : fmt::format("{}", fmt::join(trace, ", ")), names.left,
+      alternatives(difference->left, difference->input), names.right,
+      alternatives(difference->right, difference->input));
+  return outcome;
 }
 
 std::string after(const std::vector<std::string>& word) {
@@ -153,15 +172,6 @@ Json to_json(const HardDifference& difference) {
           {"right_offers", difference.right_offers}};
 }
 
-std::string describe(const SoftDifference& difference, const Names& names) {
-  std::string text;
-  for (const auto& input : difference.inputs) {
-    text += fmt::format("  {}: ?{} is {} in {}, {} in {}\n", after(difference.word), input.name,
-                        to_string(input.left), names.left, to_string(input.right), names.right);
-  }
-  return text;
-}
-
 Json to_json(const SoftDifference& difference) {
   Json inputs = Json::array();
   for (const auto& input : difference.inputs) {
@@ -173,12 +183,11 @@ Json to_json(const SoftDifference& difference) {
 }
 
 Outcome compare_automata(const InterfaceAutomaton& left, const InterfaceAutomaton& right,
-                         const Names& names, const std::vector<std::string>& notes,
-                         const RunControl& control) {
-  IaComparison result = compare(left, right, control);
-  result.notes.insert(result.notes.begin(), notes.begin(), notes.end());
+                         const Names& names, const RunControl& control) {
+  const IaComparison result = compare(left, right, control);
   Outcome outcome;
   outcome.same = result.same();
+  outcome.notes = result.notes;
   if (result.same()) {
     outcome.text = fmt::format(
         "The same: {} ({}, {}) and {} ({}, {}) take and emit the same actions.\n", names.left,
@@ -186,23 +195,69 @@ Outcome compare_automata(const InterfaceAutomaton& left, const InterfaceAutomato
         counted(right.size(), "state"), counted(right.transition_count(), "transition"));
   } else if (result.hard) {
     outcome.text = describe(*result.hard, names);
-    if (!result.soft.empty()) outcome.text += "Besides, one knows what the other never tried:\n";
-  } else {
-    outcome.text = "They do not contradict each other; one knows what the other never tried:\n";
   }
-  for (const SoftDifference& difference : result.soft) outcome.text += describe(difference, names);
-  for (const std::string& note : result.notes) outcome.text += "Note: " + note + ".\n";
-
   outcome.json = {{"same", outcome.same},
                   {"kind", "interface automaton"},
-                  {"differ_in_marks_alone", result.differ_in_marks_alone()},
                   {"hard", result.hard ? to_json(*result.hard) : Json(nullptr)},
-                  {"soft", Json::array()},
-                  {"notes", result.notes}};
+                  {"soft", Json::array()}};
   for (const SoftDifference& difference : result.soft) {
     outcome.json["soft"].push_back(to_json(difference));
   }
   return outcome;
+}
+
+// ---- All differences ----
+
+constexpr std::size_t most_lines = 20;  // of differences, besides the first
+
+// "after write, read: write gives message in old.dot, nothing in new.dot".
+std::string describe(const BehaviourPair& pair, const Difference& difference, const Names& names) {
+  return fmt::format("{}: {} {} {} in {}, {} in {}", after(describe_way(pair, difference)),
+                     pair.questions[difference.question], pair.has_outputs ? "is" : "gives",
+                     difference.left, names.left, difference.right, names.right);
+}
+
+// All but the first contradiction, which is told already: a line each, and then a count.
+std::string list_differences(const Outcome& outcome, const Names& names) {
+  const std::vector<Difference>& list = outcome.differences.list;
+  const std::size_t bounds = outcome.differences.count_bounds();
+  const std::size_t contradictions = list.size() - bounds;
+  std::size_t lines = 0;
+  std::string text;
+  const auto add = [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end && lines < most_lines; ++i, ++lines) {
+      text += fmt::format("  {}\n", describe(outcome.pair, list[i], names));
+    }
+  };
+  const std::size_t told = outcome.is_initial() ? 0 : 1;
+  if (contradictions > told) {
+    text += fmt::format("Besides, {}:\n", counted(contradictions - told, "difference"));
+    add(told, contradictions);
+  }
+  if (bounds > 0) {
+    text += contradictions == 0 && told > 0
+                ? "They do not contradict each other; one knows what the other never tried:\n"
+                : "Besides, one knows what the other never tried:\n";
+    add(contradictions, list.size());
+  }
+  const std::size_t all = list.size() - std::min(told, contradictions);
+  if (all > lines) {
+    text += fmt::format("  and {} more; --json lists all\n", all - lines);
+  }
+  if (!outcome.differences.is_complete) {
+    text += fmt::format(
+        "Note: more than {} pairs of states meet, and the rest was not looked at.\n", most_pairs);
+  }
+  return text;
+}
+
+Json to_json(const BehaviourPair& pair, const Difference& difference) {
+  return {{"word", describe_way(pair, difference)},
+          {"question", pair.questions[difference.question]},
+          {"left", difference.left},
+          {"right", difference.right},
+          {"bound", difference.is_bound},
+          {"passed", difference.passed()}};
 }
 
 // The interface automaton that a Mealy machine stands for, to compare it with one.
@@ -231,6 +286,36 @@ std::optional<NondeterministicMealy> as_mealy(const Model& model) {
   if (const auto* machine = std::get_if<Mealy>(&model)) return NondeterministicMealy(*machine);
   if (const auto* machine = std::get_if<NondeterministicMealy>(&model)) return *machine;
   return std::nullopt;
+}
+
+Outcome compare_models(const Model& left, const Model& right, const Names& names,
+                       const RunControl& control) {
+  const auto* left_machine = std::get_if<Mealy>(&left);
+  const auto* right_machine = std::get_if<Mealy>(&right);
+  const auto left_mealy = as_mealy(left), right_mealy = as_mealy(right);
+  Outcome outcome;
+  if (left_mealy && right_mealy) {
+    outcome = left_machine != nullptr && right_machine != nullptr
+                  ? compare_mealy(*left_machine, *right_machine, names)
+                  : compare_nondeterministic(*left_mealy, *right_mealy, names);
+    outcome.pair = read_behaviours(*left_mealy, *right_mealy, control);
+  } else {
+    std::vector<std::string> notes;
+    const InterfaceAutomaton left_automaton =
+        !left_mealy
+            ? std::get<InterfaceAutomaton>(left)
+            : as_automaton(*left_mealy, std::get<InterfaceAutomaton>(right), names.left, notes);
+    const InterfaceAutomaton right_automaton =
+        !right_mealy
+            ? std::get<InterfaceAutomaton>(right)
+            : as_automaton(*right_mealy, std::get<InterfaceAutomaton>(left), names.right, notes);
+    outcome = compare_automata(left_automaton, right_automaton, names, control);
+    outcome.notes.insert(outcome.notes.begin(), notes.begin(), notes.end());
+    outcome.pair = read_behaviours(left_automaton, right_automaton, control);
+  }
+  if (!outcome.same) outcome.differences = find_differences(outcome.pair, control);
+  outcome.json["differ_in_marks_alone"] = outcome.is_bound_alone();
+  return outcome;
 }
 
 // ---- A system in the place of the second model ----
@@ -296,30 +381,24 @@ ExitStatus run_compare(const CompareArguments& arguments, Context& context) {
               second ? second->text : std::filesystem::path(arguments.b).filename().string()};
   if (names.left == names.right) names = {arguments.a, arguments.b};
   const Model right = second ? second->model : read_model(arguments.b);
-  const auto* left_machine = std::get_if<Mealy>(&left);
-  const auto* right_machine = std::get_if<Mealy>(&right);
-  Outcome outcome;
-  const auto left_mealy = as_mealy(left), right_mealy = as_mealy(right);
-  if (left_machine != nullptr && right_machine != nullptr) {
-    outcome = compare_mealy(*left_machine, *right_machine, names);
-  } else if (left_mealy && right_mealy) {
-    outcome = compare_nondeterministic(*left_mealy, *right_mealy, names);
-  } else {
-    std::vector<std::string> notes;
-    const InterfaceAutomaton left_automaton =
-        !left_mealy
-            ? std::get<InterfaceAutomaton>(left)
-            : as_automaton(*left_mealy, std::get<InterfaceAutomaton>(right), names.left, notes);
-    const InterfaceAutomaton right_automaton =
-        !right_mealy
-            ? std::get<InterfaceAutomaton>(right)
-            : as_automaton(*right_mealy, std::get<InterfaceAutomaton>(left), names.right, notes);
-    outcome = compare_automata(left_automaton, right_automaton, names, notes, context.control());
-  }
-  const std::size_t line = outcome.text.find('\n') + 1;
-  context.print(outcome.text.substr(0, line), outcome.same ? Tone::good : Tone::bad);
-  context.print(outcome.text.substr(line));
+  Outcome outcome = compare_models(left, right, names, context.control());
   outcome.json["models"] = {arguments.a, arguments.b};
+  Json differences = Json::array();
+  for (const Difference& difference : outcome.differences.list) {
+    differences.push_back(to_json(outcome.pair, difference));
+  }
+  outcome.json["differences"] = std::move(differences);
+  outcome.json["differences_complete"] = outcome.differences.is_complete;
+  outcome.json["notes"] = outcome.notes;
+  const bool is_violated = !outcome.same && (arguments.strict || !outcome.is_bound_alone());
+  const std::string text = (outcome.is_bound_alone() ? "" : outcome.text) +
+                           (outcome.same ? "" : list_differences(outcome, names));
+  const std::size_t line = text.find('\n') + 1;
+  context.print(text.substr(0, line), outcome.same  ? Tone::good
+                                      : is_violated ? Tone::bad
+                                                    : Tone::doubtful);
+  context.print(text.substr(line));
+  for (const std::string& note : outcome.notes) context.print("Note: " + note + ".\n");
   if (second) {
     if (!second->note.empty()) context.print("Beware: " + second->note + ".\n", Tone::doubtful);
     if (!second->versions.empty()) {
@@ -331,7 +410,7 @@ ExitStatus run_compare(const CompareArguments& arguments, Context& context) {
         {"weak", !second->note.empty()}};
   }
   context.set_result(outcome.json);
-  return outcome.same ? ExitStatus::ok : ExitStatus::violated;
+  return is_violated ? ExitStatus::violated : ExitStatus::ok;
 }
 
 }  // namespace
@@ -343,6 +422,9 @@ RunFunction set_up_compare(CommandLine& line) {
            "Another model file, or a system, which is learned ('maide help systems')")
       .required();
   line.add("KEY=VALUE", arguments->key_values, "Options of the system").no_default();
+  line.add_flag(
+      "--strict", arguments->strict,
+      "Exit status 1 also where one model knows what the other never tried, and that is all");
   line.add("--token-file", arguments->token_file,
            "A file with a listening wrapper's token. Or set MAIDE_TOKEN")
       .value_name("FILE");

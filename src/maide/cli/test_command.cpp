@@ -16,6 +16,7 @@
 #include <utility>
 #include <vector>
 
+#include "maide/automata/compare.hpp"
 #include "maide/base/error.hpp"
 #include "maide/base/file.hpp"
 #include "maide/base/log.hpp"

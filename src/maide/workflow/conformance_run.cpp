@@ -8,6 +8,7 @@
 #include <set>
 #include <utility>
 
+#include "maide/automata/compare.hpp"
 #include "maide/automata/minimize.hpp"
 #include "maide/base/error.hpp"
 #include "maide/base/text.hpp"
@@ -466,10 +467,6 @@ class ConformanceRun {
 };
 
 }  // namespace
-
-bool is_never_tried(std::string_view output) {
-  return output == "unexplored" || output == "absorbed";
-}
 
 ConformanceResult test_conformance(IaTranslator& translator, const Mealy& model,
                                    const ConformanceOptions& options, const RunControl& control) {

@@ -84,9 +84,6 @@ struct ConformanceResult {
   bool conforms() const { return failures.empty() && error == nullptr && unsteady.empty(); }
 };
 
-// Whether the output of a model says that nobody tried the input there.
-bool is_never_tried(std::string_view output);
-
 // Tests the system behind `translator`. Throws UsageError before anything is asked: an unknown
 // method, inputs of the model that the system lacks, a cache of another system. Everything later is
 // in the result. `model` must be complete and is minimised.
