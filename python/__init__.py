@@ -367,7 +367,7 @@ def replay(system: PathLike, trace: Optional[PathLike] = None, *,
 def compare(a: Union[Model, PathLike], b: Union[Model, PathLike], **options: object) -> Result:
     """Whether two models are the same; if not, a shortest word that tells them apart, and all
     `differences`. `status` is 1 for a contradiction, with strict=True also for what one model knows
-    and the other never tried."""
+    and the other never tried. html=FILE draws both in one picture."""
     return command("compare", a, b, **options)
 
 

@@ -3,9 +3,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <sstream>
 #include <string>
 
+#include "maide/automata/random_automata.hpp"
 #include "maide/base/file.hpp"
+#include "maide/formats/model_file.hpp"
 #include "run_maide.hpp"
 
 namespace maide::test {
@@ -96,7 +99,7 @@ TEST(Compare, AllDifferencesAreListed) {
                             "  go look\n  one.dot answers at 1\n  two.dot answers near 1\n"
                             "Besides, 24 differences:\n"
                             "  after go go: look gives at 2 in one.dot, near 2 in two.dot\n"));
-  EXPECT_THAT(text.out, testing::EndsWith("\n  and 4 more; --json lists all\n"));
+  EXPECT_THAT(text.out, testing::EndsWith("\n  and 4 more; --json lists all, --html shows them\n"));
   const Json json = json_of(run_maide({"compare", one, two, "--json"}));
   EXPECT_EQ(json.at("differences").size(), 25U);
   EXPECT_EQ(json.at("differences")[1],
@@ -133,6 +136,90 @@ TEST(Compare, AMealyMachineWithAnAutomaton) {
   const SubprocessResult result = run_maide({"compare", file, model("port")});
   EXPECT_EQ(result.exit_status, 0) << result.out << result.err;
   EXPECT_THAT(result.out, HasSubstr("Note: mealy.dot is a Mealy machine and is compared as"));
+}
+
+// The page is played with Node: what its script marks, row by row, as the models say.
+TEST(Compare, APageIsSteppedThrough) {
+  if (!can_step_through()) GTEST_SKIP() << "needs node (Debian: nodejs)";
+  const TempDir folder;
+  const std::string page = (folder.path() / "page.html").string();
+  const SubprocessResult compared =
+      run_maide({"compare", model("buffered"), model("strict-2"), "--html", page, "--json"});
+  EXPECT_EQ(compared.exit_status, 1) << compared.err;
+  EXPECT_EQ(json_of(compared).at("html"), page);
+  // To the end, one back, beyond the end, by a button, by a click on a row.
+  const std::string played =
+      step_through(page, "ArrowRight,ArrowRight,ArrowLeft,End,ArrowRight,Home,n,#next,#w0s4");
+  EXPECT_EQ(
+      played,
+      R"(start: difference 1 of 1, step 0 of 6 | 0 ; (start) ;  ;  ; empty ; empty | A at empty, B at empty
+ArrowRight: difference 1 of 1, step 1 of 6 | 1 ; ?write ; taken ; taken ; holds 1 ; holds 1 | A at holds 1, B at holds 1
+ArrowRight: difference 1 of 1, step 2 of 6 | 2 ; ?write ; taken ; taken ; holds 1 ; holds 2 | A at holds 1, B at B: holds 2 never tried: ?write
+ArrowLeft: difference 1 of 1, step 1 of 6 | 1 ; ?write ; taken ; taken ; holds 1 ; holds 1 | A at holds 1, B at holds 1
+End: difference 1 of 1, step 6 of 6 | 6 ; what comes out ; nothing ; message ; empty, reader waits ; empty | A at empty, reader waits, B at empty
+ArrowRight: difference 1 of 1, step 6 of 6 | 6 ; what comes out ; nothing ; message ; empty, reader waits ; empty | A at empty, reader waits, B at empty
+Home: difference 1 of 1, step 0 of 6 | 0 ; (start) ;  ;  ; empty ; empty | A at empty, B at empty
+n: difference 1 of 1, step 0 of 6 | 0 ; (start) ;  ;  ; empty ; empty | A at empty, B at empty
+#next: difference 1 of 1, step 1 of 6 | 1 ; ?write ; taken ; taken ; holds 1 ; holds 1 | A at holds 1, B at holds 1
+#w0s4: difference 1 of 1, step 4 of 6 | 4 ; what comes out ; message ; message ; empty ; holds 1 | A at empty, B at holds 1
+)");
+}
+
+// Names that mean something in HTML, several differences, and one that is behind another.
+TEST(Compare, APageHasEveryDifference) {
+  if (!can_step_through()) GTEST_SKIP() << "needs node (Debian: nodejs)";
+  const TempDir folder;
+  const std::string one = (folder.path() / "<one>.dot").string();
+  const std::string two = (folder.path() / "two.dot").string();
+  const std::string page = (folder.path() / "page.html").string();
+  write_file_atomically(one, R"(digraph { a -> b [label="x / <0>"]; a -> a [label="y / &"];
+                                          b -> a [label="x / 0"]; b -> b [label="y / end"]; })");
+  write_file_atomically(two, R"(digraph { a -> b [label="x / </script>"]; a -> a [label="y / &"];
+                                          b -> a [label="x / 0"]; b -> b [label="y / no end"]; })");
+  EXPECT_EQ(run_maide({"compare", one, two, "--html", page}).exit_status, 1);
+  EXPECT_EQ(
+      step_through(page, "ArrowRight,n,End,p"),
+      R"(start: difference 1 of 2, step 0 of 1 | 0 ; (start) ;  ;  ; at the start ; at the start | A at at the start, B at at the start
+ArrowRight: difference 1 of 2, step 1 of 1 | 1 ; x ; <0> ; </script> ; after x ; after x | A at after x, B at after x
+n: difference 2 of 2, step 0 of 2 | 0 ; (start) ;  ;  ; at the start ; at the start | A at at the start, B at at the start
+End: difference 2 of 2, step 2 of 2 | 2 ; y ; end ; no end ; after x ; after x | A at after x, B at after x
+p: difference 1 of 2, step 0 of 1 | 0 ; (start) ;  ;  ; at the start ; at the start | A at at the start, B at at the start
+)");
+  const std::string text = read_file(page);
+  EXPECT_THAT(text, HasSubstr("<h1>&lt;one&gt;.dot and two.dot</h1>"));
+  EXPECT_THAT(text, HasSubstr("They differ: 2 independent differences."));
+}
+
+// 300 states: the words and what is around them are drawn.
+TEST(Compare, APageOfLargeModelsIsCut) {
+  if (!can_step_through()) GTEST_SKIP() << "needs node (Debian: nodejs)";
+  const TempDir folder;
+  const std::string page = (folder.path() / "page.html").string();
+  Random random(7);
+  const Mealy left = random_mealy({300, 4, 4}, random);
+  const auto write = [&](const std::string& name, const Mealy& machine) {
+    std::ostringstream text;
+    write_dot(text, machine);
+    const std::string file = (folder.path() / name).string();
+    write_file_atomically(file, text.str());
+    return file;
+  };
+  const std::string one = write("one.dot", left), two = write("two.dot", mutate(left, 3, random));
+  const SubprocessResult compared = run_maide({"compare", one, two, "--html", page, "--json"});
+  EXPECT_EQ(compared.exit_status, 1);
+  const std::size_t count = json_of(compared).at("differences").size();
+  EXPECT_GE(count, 1U);
+  EXPECT_LE(count, 6U);
+  EXPECT_THAT(read_file(page), HasSubstr(" states are drawn: those on the words below"));
+  EXPECT_THAT(step_through(page, "End"),
+              HasSubstr(fmt::format("\nEnd: difference 1 of {},", count)));
+}
+
+TEST(Compare, APageIsRefusedBeforeAnythingIsCompared) {
+  expect_error(run_maide({"compare", model("port"), model("strict-1"), "--html", model("port")}), 2,
+               "--html would write over a file that is used");
+  expect_error(run_maide({"compare", model("port"), model("strict-1"), "--html", "/no/page.html"}),
+               2, "/no/page.html");
 }
 
 TEST(Compare, WhatCannotBeReadIsAnError) {

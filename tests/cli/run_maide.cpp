@@ -51,4 +51,13 @@ void expect_error(const SubprocessResult& result, int exit_status, const std::st
   EXPECT_THAT(result.err.substr(0, result.err.find('\n')), testing::HasSubstr(text));
 }
 
+bool can_step_through() { return !std::string(MAIDE_NODE).empty(); }
+
+std::string step_through(const std::string& page, const std::string& keys) {
+  const SubprocessResult played = run_program(
+      {MAIDE_PYTHON3, MAIDE_SOURCE_DIR "/tests/cli/step_through.py", MAIDE_NODE, page, keys});
+  EXPECT_EQ(played.exit_status, 0) << played.out << played.err;
+  return played.out;
+}
+
 }  // namespace maide::test

@@ -23,4 +23,12 @@ Json json_of(const SubprocessResult& result);
 // error, which begins with "maide: " and contains `text`, and the exit status.
 void expect_error(const SubprocessResult& result, int exit_status, const std::string& text);
 
+// ---- Pages with a script ----
+
+// Whether Node is there.
+bool can_step_through();
+// What step_through.py says of a page when these keys are pressed, a line each; fails the test
+// where the page is not well-formed, loads something, or its script fails.
+std::string step_through(const std::string& page, const std::string& keys);
+
 }  // namespace maide::test

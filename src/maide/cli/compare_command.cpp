@@ -11,6 +11,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <sstream>
 #include <string>
 #include <system_error>
 #include <utility>
@@ -20,8 +21,13 @@
 #include "maide/automata/compare.hpp"
 #include "maide/automata/differences.hpp"
 #include "maide/automata/mealy.hpp"
+#include "maide/base/file.hpp"
+#include "maide/base/log.hpp"
 #include "maide/cli/command.hpp"
 #include "maide/formats/model_file.hpp"
+#include "maide/report/difference_page.hpp"
+#include "maide/report/picture.hpp"
+#include "maide/report/state_names.hpp"
 #include "maide/sul/ia_translation.hpp"
 #include "maide/workflow/experiment.hpp"
 #include "maide/workflow/learn_model.hpp"
@@ -40,6 +46,7 @@ struct CompareArguments {
   std::uint64_t seed = 1;
   std::size_t jobs = 0;
   bool strict = false;
+  std::string html;
 };
 
 // What is found out, and how the models are read for the list of all differences.
@@ -48,6 +55,7 @@ struct Outcome {
   std::string text;  // "The same: ...", or the first difference
   Json json;
   std::vector<std::string> notes;
+  Model left, right;  // as they were compared
   BehaviourPair pair;
   Differences differences;
 
@@ -242,7 +250,7 @@ std::string list_differences(const Outcome& outcome, const Names& names) {
   }
   const std::size_t all = list.size() - std::min(told, contradictions);
   if (all > lines) {
-    text += fmt::format("  and {} more; --json lists all\n", all - lines);
+    text += fmt::format("  and {} more; --json lists all, --html shows them\n", all - lines);
   }
   if (!outcome.differences.is_complete) {
     text += fmt::format(
@@ -299,6 +307,8 @@ Outcome compare_models(const Model& left, const Model& right, const Names& names
                   ? compare_mealy(*left_machine, *right_machine, names)
                   : compare_nondeterministic(*left_mealy, *right_mealy, names);
     outcome.pair = read_behaviours(*left_mealy, *right_mealy, control);
+    outcome.left = *left_mealy;
+    outcome.right = *right_mealy;
   } else {
     std::vector<std::string> notes;
     const InterfaceAutomaton left_automaton =
@@ -312,6 +322,8 @@ Outcome compare_models(const Model& left, const Model& right, const Names& names
     outcome = compare_automata(left_automaton, right_automaton, names, control);
     outcome.notes.insert(outcome.notes.begin(), notes.begin(), notes.end());
     outcome.pair = read_behaviours(left_automaton, right_automaton, control);
+    outcome.left = left_automaton;
+    outcome.right = right_automaton;
   }
   if (!outcome.same) outcome.differences = find_differences(outcome.pair, control);
   outcome.json["differ_in_marks_alone"] = outcome.is_bound_alone();
@@ -368,7 +380,58 @@ LearnedSecond learn_second(const CompareArguments& arguments, const Model& first
                                        : ""};
 }
 
+std::vector<std::string> name_model_states(const Model& model) {
+  if (const auto* automaton = std::get_if<InterfaceAutomaton>(&model)) {
+    return name_states(*automaton);
+  }
+  return name_states(*as_mealy(model));
+}
+
+// Both models as one picture, with every difference as a word to step through.
+void write_page(const CompareArguments& arguments, const Outcome& outcome, const Names& names,
+                const RunControl& control) {
+  DifferencePage page =
+      make_comparison_page(outcome.pair, outcome.differences, name_model_states(outcome.left),
+                           name_model_states(outcome.right));
+  page.title = fmt::format("{} and {}", names.left, names.right);
+  page.left_name = names.left;
+  page.right_name = names.right;
+  const std::size_t count = outcome.differences.list.size();
+  page.verdict =
+      outcome.same ? "They are the same."
+      : outcome.is_bound_alone()
+          ? fmt::format(
+                "They do not contradict each other; one knows what the other never tried, "
+                "in {}.",
+                counted(count, "place"))
+          : fmt::format("They differ: {}.", counted(count, "independent difference"));
+  if (outcome.is_initial()) page.notes.emplace_back("The empty word tells them apart, too.");
+  for (const std::string& note : outcome.notes) page.notes.push_back(note + ".");
+  if (count > most_walks) {
+    page.notes.push_back(
+        fmt::format("The first {} of {} differences are here.", most_walks, count));
+  }
+  std::ostringstream text;
+  write_difference_page(text, page, [&](const std::string& dot) { return draw_svg(dot, control); });
+  if (!can_draw()) {
+    log_note("no picture: Graphviz's program dot is not on PATH (Debian: apt install graphviz)");
+  }
+  write_file_atomically(arguments.html, text.str());
+}
+
+// Before anything is learned.
+void check_page(const CompareArguments& arguments) {
+  if (arguments.html.empty()) return;
+  for (const std::string& other : {arguments.a, arguments.b}) {
+    if (is_same_file(arguments.html, other)) {
+      throw UsageError("--html would write over a file that is used (" + other + ")");
+    }
+  }
+  check_can_write(arguments.html);
+}
+
 ExitStatus run_compare(const CompareArguments& arguments, Context& context) {
+  check_page(arguments);
   const bool is_system = !is_model_file(arguments.b);
   if (!is_system && !arguments.key_values.empty()) {
     throw UsageError(fmt::format("'{}' is an option of a system, and {} is a model",
@@ -409,6 +472,10 @@ ExitStatus run_compare(const CompareArguments& arguments, Context& context) {
         {"versions", second->versions.empty() ? Json() : Json(second->versions)},
         {"weak", !second->note.empty()}};
   }
+  if (!arguments.html.empty()) {
+    write_page(arguments, outcome, names, context.control());
+    outcome.json["html"] = arguments.html;
+  }
   context.set_result(outcome.json);
   return is_violated ? ExitStatus::violated : ExitStatus::ok;
 }
@@ -422,6 +489,9 @@ RunFunction set_up_compare(CommandLine& line) {
            "Another model file, or a system, which is learned ('maide help systems')")
       .required();
   line.add("KEY=VALUE", arguments->key_values, "Options of the system").no_default();
+  line.add("--html", arguments->html,
+           "Write a page: both models in one picture, and every difference stepped through on both")
+      .value_name("FILE");
   line.add_flag(
       "--strict", arguments->strict,
       "Exit status 1 also where one model knows what the other never tried, and that is all");

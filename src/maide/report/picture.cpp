@@ -37,25 +37,35 @@ constexpr std::size_t most_lines = 8;  // of a label
 // The edges of a picture: those between the same nodes and of the same class become one.
 class Edges {
  public:
-  void add(const std::string& from, const std::string& to, const std::string& kind,
-           const std::string& line) {
-    auto& lines = lines_[{from, to, kind}];
-    if (lines.empty()) order_.push_back({from, to, kind});
-    lines.push_back(line);
+  // Returns the edge's number.
+  std::size_t add(const std::string& from, const std::string& to, const std::string& kind,
+                  const std::string& line) {
+    const auto [place, is_new] = lines_.try_emplace({from, to, kind});
+    if (is_new) order_.push_back(place->first);
+    if (is_new) place->second.number = order_.size() - 1;
+    place->second.lines.push_back(line);
+    return place->second.number;
   }
 
-  std::string text() const {
+  // With ids the edge number i has the id "e<i>".
+  std::string text(bool has_ids = false) const {
     std::string text;
     for (const Key& key : order_) {
       const auto& [from, to, kind] = key;
-      text += fmt::format("  {} -> {} [class=\"{}\" label={}];\n", from, to, kind,
-                          quote_dot_label(label(lines_.at(key))));
+      const Edge& edge = lines_.at(key);
+      text += fmt::format("  {} -> {} [class=\"{}\"{} label={}];\n", from, to, kind,
+                          has_ids ? fmt::format(" id=\"e{}\"", edge.number) : "",
+                          quote_dot_label(label(edge.lines)));
     }
     return text;
   }
 
  private:
   using Key = std::tuple<std::string, std::string, std::string>;
+  struct Edge {
+    std::size_t number = 0;
+    std::vector<std::string> lines;
+  };
 
   static std::string label(const std::vector<std::string>& lines) {
     std::string text;
@@ -66,7 +76,7 @@ class Edges {
     return text;
   }
 
-  std::map<Key, std::vector<std::string>> lines_;
+  std::map<Key, Edge> lines_;
   std::vector<Key> order_;
 };
 
@@ -107,14 +117,17 @@ const char* shape_of(std::size_t states) {
   return states <= most_named_states ? "box style=rounded" : "circle";
 }
 
-// The number, and below it the name in lines of some words.
-std::string state_label(StateId state, const std::vector<std::string>& names) {
-  std::string text = std::to_string(state);
-  if (names.empty()) return text;
+// In lines of some words.
+std::string folded(const std::string& name) {
   constexpr std::size_t widest = 20;
-  std::string lines = wrap(names[state], widest, 0);
+  std::string lines = wrap(name, widest, 0);
   lines.pop_back();  // the line break at the end
-  return text + "\n" + lines;
+  return lines;
+}
+
+// The number, and below it the name.
+std::string state_label(StateId state, const std::vector<std::string>& names) {
+  return std::to_string(state) + (names.empty() ? "" : "\n" + folded(names[state]));
 }
 
 std::string picture_of(const NondeterministicMealy& machine) {
@@ -268,6 +281,34 @@ std::string connection_picture(const System& system) {
     }
   }
   return text + edges.text() + "}\n";
+}
+
+std::string joint_picture(const JointPicture& picture, const std::vector<bool>& is_shown,
+                          std::vector<std::size_t>& edges) {
+  std::string text = head("TB");
+  for (std::size_t i = 0; i < picture.states.size(); ++i) {
+    if (!is_shown[i]) continue;
+    const JointPicture::State& one = picture.states[i];
+    const std::string label =
+        folded(one.name) + (one.remark.empty() ? "" : "\n" + folded(one.remark));
+    text += fmt::format("  {0} [id=\"{0}\" shape=box style=rounded class=\"{1}\" label={2}];\n",
+                        node(i), one.kind, quote_dot_label(label));
+  }
+  for (std::size_t i = 0; i < picture.starts.size(); ++i) {
+    if (!is_shown[picture.starts[i]]) continue;
+    text += fmt::format(
+        "  start{0} [shape=point width=0.08 class=\"start\"];\n  start{0} -> {1} "
+        "[class=\"{2}\"];\n",
+        i, node(picture.starts[i]), picture.start_kinds[i]);
+  }
+  Edges drawn;
+  edges.assign(picture.steps.size(), picture.steps.size());
+  for (std::size_t i = 0; i < picture.steps.size(); ++i) {
+    const JointPicture::Step& step = picture.steps[i];
+    if (!is_shown[step.from] || !is_shown[step.to]) continue;
+    edges[i] = drawn.add(node(step.from), node(step.to), step.kind, step.label);
+  }
+  return text + drawn.text(true) + "}\n";
 }
 
 std::string picture_style() {

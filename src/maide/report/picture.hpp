@@ -6,6 +6,7 @@
 
 #include <cstddef>
 #include <string>
+#include <vector>
 
 #include "maide/base/run_control.hpp"
 #include "maide/check/language/system.hpp"
@@ -48,6 +49,32 @@ std::string model_picture(const Model& model);
 std::string program_picture(const System& system, const Program& program);
 // Which program gives which inputs to which model, and takes which outputs.
 std::string connection_picture(const System& system);
+
+// ---- Two machines in one graph ----
+
+struct JointPicture {
+  struct State {
+    std::string name;
+    std::string kind;    // the class: "both", "left", "right"
+    std::string remark;  // a line of its own below the name; or ""
+  };
+  struct Step {
+    std::size_t from = 0, to = 0;
+    std::string kind;  // likewise, and "plain", "failed"
+    std::string label;
+  };
+  std::vector<State> states;
+  std::vector<Step> steps;
+  std::vector<std::size_t> starts;  // states, each with its kind in `start_kinds`
+  std::vector<std::string> start_kinds;
+};
+
+// In DOT. State i has the id "n<i>". Steps of one kind between the same states are one edge; the
+// number of each step's edge is put into `edges`, and edge i has the id "e<i>". States and steps
+// that `is_shown` (by state) leaves out are not drawn; the number of an edge that is not there is
+// that of no edge, `steps.size()`.
+std::string joint_picture(const JointPicture& picture, const std::vector<bool>& is_shown,
+                          std::vector<std::size_t>& edges);
 
 // A style sheet for these pictures, for light and dark pages; to go inside <style>.
 std::string picture_style();

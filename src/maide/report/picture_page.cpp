@@ -11,11 +11,8 @@
 #include "maide/report/picture.hpp"
 
 namespace maide {
-namespace {
 
-constexpr std::size_t most_rows = 400;  // of a table of transitions
-
-void open_page(std::ostream& out, const std::string& title) {
+void open_page(std::ostream& out, const std::string& title, const std::string& style) {
   out << fmt::format(
       "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">"
       "<meta name=\"viewport\" content=\"width=device-width,initial-scale=1\"><title>{0}</title>\n"
@@ -30,11 +27,15 @@ void open_page(std::ostream& out, const std::string& title) {
       "th{{font-weight:600;color:var(--soft)}}code,pre{{font:13px/1.5 ui-monospace,monospace}}"
       "pre{{background:var(--card);border:1px solid var(--rule);border-radius:8px;padding:1em;"
       "overflow-x:auto}}pre i{{color:var(--soft);font-style:normal}}.in{{color:var(--in)}}"
-      ".out{{color:var(--out)}}</style></head>\n<body>\n<h1>{0}</h1>\n",
-      escape_markup(title), picture_style());
+      ".out{{color:var(--out)}}{2}</style></head>\n<body>\n<h1>{0}</h1>\n",
+      escape_markup(title), picture_style(), style);
 }
 
 void close_page(std::ostream& out) { out << "</body></html>\n"; }
+
+namespace {
+
+constexpr std::size_t most_rows = 400;  // of a table of transitions
 
 std::string count(std::size_t number, const char* what) {
   return fmt::format("{} {}{}", number, what, number == 1 ? "" : "s");

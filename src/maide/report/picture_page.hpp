@@ -14,6 +14,15 @@ namespace maide {
 // Draws a graph in DOT as an <svg> element; "" if that is not possible here.
 using GraphPainter = std::function<std::string(const std::string& dot)>;
 
+// ---- Parts of pages ----
+//
+// The frame with the title as its heading; `style` stands behind the style sheet that all pages
+// have.
+void open_page(std::ostream& out, const std::string& title, const std::string& style = "");
+void close_page(std::ostream& out);
+
+// ---- Pages ----
+
 // The picture, what it means, what is known of the model; a table where it is too large to draw.
 void write_model_page(std::ostream& out, const Model& model, const std::string& title,
                       const GraphPainter& paint);

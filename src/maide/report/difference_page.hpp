@@ -1,0 +1,61 @@
+// Two machines on one page: a picture of both, what only one of them does in a colour and a line
+// style of its own, and every difference as a word that can be stepped through on both. The page is
+// one file that needs nothing else. Without JavaScript all words stand there as tables.
+//
+// The colours are Okabe & Ito's, which colour-blind people tell apart ("Color universal design",
+// 2008).
+#pragma once
+
+#include <cstddef>
+#include <iosfwd>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "maide/automata/behaviour.hpp"
+#include "maide/automata/differences.hpp"
+#include "maide/report/picture.hpp"
+#include "maide/report/picture_page.hpp"
+
+namespace maide {
+
+// One step of a word on both sides.
+struct WalkStep {
+  std::string given;                                 // "write"; "" for the start
+  std::string left, right;                           // the answers
+  std::string left_state, right_state;               // names of the states behind the step; or ""
+  std::optional<std::size_t> left_at, right_at;      // the same as states of the picture
+  std::optional<std::size_t> left_step, right_step;  // steps of the picture
+  bool differs = false;
+};
+
+struct Walk {
+  std::string title;            // "after write, write: read gives message in A, nothing in B"
+  std::vector<WalkStep> steps;  // the start first
+};
+
+struct DifferencePage {
+  std::string title;
+  std::string verdict;                // a sentence
+  std::string left, right;            // how columns and labels name the sides: "A", "model"
+  std::string left_name, right_name;  // what they are: "old.dot"
+  std::vector<std::string> notes;     // sentences
+  std::vector<std::pair<std::string, std::string>> legend;  // kinds of steps, and what they mean
+  JointPicture picture;
+  std::vector<Walk> walks;
+};
+
+// The page of `maide compare`. `left_states` and `right_states` name the states of the two models.
+DifferencePage make_comparison_page(const BehaviourPair& pair, const Differences& differences,
+                                    const std::vector<std::string>& left_states,
+                                    const std::vector<std::string>& right_states);
+
+// Writes the page, with at most `most_walks` words. A picture that is too large
+// (report/picture.hpp) is cut to the states on the words, those where something differs, and some
+// around.
+void write_difference_page(std::ostream& out, const DifferencePage& page,
+                           const GraphPainter& paint);
+
+inline constexpr std::size_t most_walks = 100;
+
+}  // namespace maide
