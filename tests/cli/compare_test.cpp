@@ -98,7 +98,7 @@ TEST(Compare, AllDifferencesAreListed) {
                             "They differ: a shortest word of 2 inputs tells them apart\n"
                             "  go look\n  one.dot answers at 1\n  two.dot answers near 1\n"
                             "Besides, 24 differences:\n"
-                            "  after go go: look gives at 2 in one.dot, near 2 in two.dot\n"));
+                            "  after go twice: look gives at 2 in one.dot, near 2 in two.dot\n"));
   EXPECT_THAT(text.out, testing::EndsWith("\n  and 4 more; --json lists all, --html shows them\n"));
   const Json json = json_of(run_maide({"compare", one, two, "--json"}));
   EXPECT_EQ(json.at("differences").size(), 25U);

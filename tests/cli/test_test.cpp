@@ -147,6 +147,39 @@ TEST(Test, JUnitNamesTheStatesOfAnAutomaton) {
   EXPECT_THAT(result.out, HasSubstr("name=\"write, state: empty, reader waits\""));
 }
 
+TEST(Test, APageStepsThroughWhatFails) {
+  if (!can_step_through()) GTEST_SKIP() << "needs node (Debian: nodejs)";
+  const TempDir folder;
+  const std::string page = (folder.path() / "page.html").string();
+  const SubprocessResult result =
+      run_maide({"test", model("strict-2"), "sim:" + model("buffered"), "--html", page});
+  EXPECT_EQ(result.exit_status, 1) << result.err;
+  EXPECT_THAT(result.out,
+              StartsWith("Differs: after write, write, read, read: the model gives message, the "
+                         "system nothing\n"));
+  EXPECT_EQ(
+      step_through(page, "ArrowRight,ArrowRight,ArrowRight,ArrowRight,ArrowRight"),
+      R"(start: difference 1 of 1, step 0 of 4 | 0 ; (start) ;  ;  ; empty | A at empty, B at empty
+ArrowRight: difference 1 of 1, step 1 of 4 | 1 ; write ; quiet ; quiet ; holds 1 | A at holds 1, B at holds 1
+ArrowRight: difference 1 of 1, step 2 of 4 | 2 ; write ; quiet ; quiet ; holds 2 | A at holds 2 never tried: write, B at holds 2 never tried: write
+ArrowRight: difference 1 of 1, step 3 of 4 | 3 ; read ; message ; message ; holds 1 | A at holds 1, B at holds 1
+ArrowRight: difference 1 of 1, step 4 of 4 | 4 ; read ; message ; quiet ; empty | A at empty, B at empty
+ArrowRight: difference 1 of 1, step 4 of 4 | 4 ; read ; message ; quiet ; empty | A at empty, B at empty
+)");
+  const std::string text = read_file(page);
+  EXPECT_THAT(text, HasSubstr("read / model: message, system: quiet"));
+  EXPECT_THAT(text, HasSubstr("Transitions that fail"));
+  // Nothing fails: the page shows what was covered, and has nothing to step through.
+  EXPECT_EQ(run_maide({"test", model("strict-2"), "sim:" + model("strict-2"), "--eq", "hads",
+                       "--html", page})
+                .exit_status,
+            0);
+  EXPECT_THAT(read_file(page), HasSubstr("Conforms: no test tells"));
+  EXPECT_THAT(read_file(page), Not(HasSubstr("Transitions that fail")));
+  expect_error(run_maide({"test", model("port"), "--html", model("port")}), 2,
+               "--html would write over a file that is used");
+}
+
 // The words of a cache or a log come first: here they alone find the mistake.
 TEST(Test, BeginsWithTheWordsOfTheModel) {
   const TempDir folder;

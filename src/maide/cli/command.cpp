@@ -1,6 +1,7 @@
 // Standard output is checked after each piece: a result that did not arrive is no result.
 #include "maide/cli/command.hpp"
 
+#include <fmt/format.h>
 #include <unistd.h>
 
 #include <array>
@@ -32,6 +33,17 @@ void write_error_line(std::string_view message) {
   clear_progress_line();
   const std::string line = paint("maide:", Tone::bad, STDERR_FILENO) + " " + one_line(message);
   std::fputs((line + '\n').c_str(), stderr);
+}
+
+void check_output(std::string_view option, const std::string& path,
+                  std::initializer_list<std::string> used) {
+  if (path.empty()) return;
+  for (const std::string& other : used) {
+    if (!other.empty() && is_same_file(path, other)) {
+      throw UsageError(fmt::format("{} would write over a file that is used ({})", option, other));
+    }
+  }
+  check_can_write(path);
 }
 
 void write_data(std::string_view text) {

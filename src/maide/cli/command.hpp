@@ -20,6 +20,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <initializer_list>
 #include <optional>
 #include <span>
 #include <stop_token>
@@ -102,6 +103,11 @@ void write_to_stdout(std::string_view text);
 
 // The same; control characters of the text do not reach a terminal.
 void write_data(std::string_view text);
+
+// For a file that an option names and that is written in the end: throws UsageError now where it
+// cannot be written, or is one of the files that are `used`. Nothing for an empty path.
+void check_output(std::string_view option, const std::string& path,
+                  std::initializer_list<std::string> used);
 
 // One error line "maide: message" on standard error; a progress line gives way to it and line
 // breaks in the message become spaces.

@@ -218,9 +218,9 @@ Outcome compare_automata(const InterfaceAutomaton& left, const InterfaceAutomato
 
 constexpr std::size_t most_lines = 20;  // of differences, besides the first
 
-// "after write, read: write gives message in old.dot, nothing in new.dot".
+// "after write twice, read: write gives message in old.dot, nothing in new.dot".
 std::string describe(const BehaviourPair& pair, const Difference& difference, const Names& names) {
-  return fmt::format("{}: {} {} {} in {}, {} in {}", after(describe_way(pair, difference)),
+  return fmt::format("{}: {} {} {} in {}, {} in {}", describe_word(describe_way(pair, difference)),
                      pair.questions[difference.question], pair.has_outputs ? "is" : "gives",
                      difference.left, names.left, difference.right, names.right);
 }
@@ -419,19 +419,8 @@ void write_page(const CompareArguments& arguments, const Outcome& outcome, const
   write_file_atomically(arguments.html, text.str());
 }
 
-// Before anything is learned.
-void check_page(const CompareArguments& arguments) {
-  if (arguments.html.empty()) return;
-  for (const std::string& other : {arguments.a, arguments.b}) {
-    if (is_same_file(arguments.html, other)) {
-      throw UsageError("--html would write over a file that is used (" + other + ")");
-    }
-  }
-  check_can_write(arguments.html);
-}
-
 ExitStatus run_compare(const CompareArguments& arguments, Context& context) {
-  check_page(arguments);
+  check_output("--html", arguments.html, {arguments.a, arguments.b});
   const bool is_system = !is_model_file(arguments.b);
   if (!is_system && !arguments.key_values.empty()) {
     throw UsageError(fmt::format("'{}' is an option of a system, and {} is a model",

@@ -25,8 +25,11 @@
 #include "maide/cli/command.hpp"
 #include "maide/cli/test_arguments.hpp"
 #include "maide/formats/model_file.hpp"
+#include "maide/formats/names.hpp"
 #include "maide/learn/learner.hpp"
+#include "maide/report/difference_page.hpp"
 #include "maide/report/junit.hpp"
+#include "maide/report/picture.hpp"
 #include "maide/report/state_names.hpp"
 #include "maide/sul/ia_translation.hpp"
 #include "maide/workflow/conformance_run.hpp"
@@ -42,6 +45,7 @@ struct TestCommandArguments {
   std::string sul;
   std::vector<std::string> key_values;
   std::string junit;
+  std::string html;
   std::string cache;
   std::string words;
   std::string token_file;
@@ -296,7 +300,8 @@ Json to_json(const Report& report) {
           {"seconds", result.seconds},
           {"tests", describe_tests(result)},
           {"not_reached", or_null(result.shortfall)},
-          {"junit", or_null(report.arguments.junit)}};
+          {"junit", or_null(report.arguments.junit)},
+          {"html", or_null(report.arguments.html)}};
 }
 
 JUnitSuite to_junit(const Report& report) {
@@ -367,18 +372,44 @@ std::optional<Error> ending_of(const ConformanceResult& result, bool is_strength
   return std::nullopt;
 }
 
-// Returns the error where it cannot be written: the verdict is said all the same.
-std::optional<std::string> write_report(const Report& report) {
-  const std::string& path = report.arguments.junit;
-  if (path.empty()) return std::nullopt;
-  std::ostringstream text;
-  write_junit(text, to_junit(report));
-  if (path == "-") {
-    write_data(text.str());
-    return std::nullopt;
+std::string to_page(const Report& report) {
+  const ConformanceResult& result = report.result;
+  std::vector<std::string> states = report.states;
+  if (states.empty()) {
+    for (const Word& word : result.access)
+      states.push_back(describe_word(names_of(word, result.model)));
   }
+  std::vector<std::string> titles;
+  for (const ConformanceFailure& failure : result.failures) {
+    titles.push_back(describe(failure, report));
+  }
+  DifferencePage page = make_conformance_page(result, states, titles);
+  page.title =
+      std::filesystem::path(report.arguments.model).filename().string() + " and " + report.shown;
+  page.left_name = report.arguments.model;
+  page.right_name = report.system;
+  const std::string verdict_line = first_line(report);
+  page.verdict = trim(verdict_line);
+  if (report.ending) page.notes.emplace_back(report.ending->what());
+  const std::string rest = describe_rest(report);
+  for (const std::string_view line : split_lines(rest)) page.notes.emplace_back(trim(line));
+  std::ostringstream text;
+  // Also where the run was interrupted.
+  write_difference_page(text, page, [](const std::string& dot) { return draw_svg(dot, {}); });
+  return std::move(text).str();
+}
+
+// Writes what `make` makes. Returns the error where it cannot be written: the verdict is said all
+// the same.
+template <typename Make>
+std::optional<std::string> write_report(const std::string& path, Make&& make) {
+  if (path.empty()) return std::nullopt;
   try {
-    write_file_atomically(path, text.str());
+    if (path == "-") {
+      write_data(make());
+    } else {
+      write_file_atomically(path, make());
+    }
   } catch (const Error& error) {
     return error.what();
   }
@@ -386,7 +417,13 @@ std::optional<std::string> write_report(const Report& report) {
 }
 
 ExitStatus give(const Report& report, Context& context) {
-  const std::optional<std::string> failure = write_report(report);
+  std::optional<std::string> failure = write_report(report.arguments.junit, [&] {
+    std::ostringstream text;
+    write_junit(text, to_junit(report));
+    return std::move(text).str();
+  });
+  const auto page_failure = write_report(report.arguments.html, [&] { return to_page(report); });
+  if (!failure) failure = page_failure;
   const Tone tone = !report.result.failures.empty() ? Tone::bad
                     : report.ending                 ? Tone::doubtful
                                                     : Tone::good;
@@ -412,14 +449,11 @@ ExitStatus test(const TestCommandArguments& arguments, Context& context) {
   if (context.json() && arguments.junit == "-") {
     throw UsageError("--junit - and --json both write to standard output");
   }
-  if (!arguments.junit.empty() && arguments.junit != "-") {
-    for (const std::string& other : {arguments.model, arguments.cache}) {
-      if (!other.empty() && is_same_file(arguments.junit, other)) {
-        throw UsageError("--junit would write over a file that is used (" + other + ")");
-      }
-    }
-    check_can_write(arguments.junit);
+  if (arguments.junit != "-") {
+    check_output("--junit", arguments.junit, {arguments.model, arguments.cache, arguments.words});
   }
+  check_output("--html", arguments.html,
+               {arguments.model, arguments.cache, arguments.words, arguments.junit});
   RunControl control = context.control();
   const Mealy eager = read_machine(arguments.model, Translation::eager);
   const Translation translation =
@@ -469,6 +503,9 @@ RunFunction set_up_test(CommandLine& line) {
   line.add("KEY=VALUE", arguments->key_values, "Options of the system").no_default();
   line.add("--junit", arguments->junit,
            "Write a JUnit XML file, a case a transition. - is standard output")
+      .value_name("FILE");
+  line.add("--html", arguments->html,
+           "Write a page: the model with what was tested, and each failing word stepped through")
       .value_name("FILE");
   add_test_options(line, arguments->tests);
   line.add("--time", arguments->time_limit, "Most seconds. Then the exit status is 3")

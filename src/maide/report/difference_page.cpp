@@ -32,6 +32,7 @@ class Joiner {
   DifferencePage run() {
     page_.left = "A";
     page_.right = "B";
+    page_.alone = "Steps of one side alone";
     page_.legend = {{"both", "A and B"}, {"left", "A alone"}, {"right", "B alone"}};
     add_states();
     for (StateId state = 0; state < pair_.left.size; ++state) add_steps_of_left(state);
@@ -234,7 +235,8 @@ const std::string page_style =
     "#controls button{font:inherit;margin-right:.3em}#controls output{margin-left:.6em}"
     "tr.differs td{font-weight:600}tr.now td{background:var(--now)}"
     "summary{cursor:pointer;padding:.2em 0}.legend svg{vertical-align:middle}"
-    ".a{color:var(--a)}.b{color:var(--b)}details table{margin:.3em 0 1em 1.2em}";
+    "li{color:var(--soft)}.a{color:var(--a)}.b{color:var(--b)}details table{margin:.3em 0 1em "
+    "1.2em}";
 
 // The page finds everything by ids. `walks` holds for each word and step the row of its table, and
 // the states and steps of the picture that each side is at.
@@ -372,20 +374,26 @@ void write_controls(std::ostream& out) {
 
 void write_walk(std::ostream& out, const DifferencePage& page, std::size_t number) {
   const Walk& walk = page.walks[number];
+  // Of a running system nobody knows the states.
+  const bool has_right =
+      std::any_of(walk.steps.begin(), walk.steps.end(),
+                  [](const WalkStep& step) { return step.right_at.has_value(); });
   out << fmt::format(
       "<details id=\"w{0}\"{1}><summary>{2}. {3}</summary>\n<table><tr><th>step</th><th>given</th>"
-      "<th class=\"a\">{4} answers</th><th class=\"b\">{5} answers</th><th>{4} is then</th>"
-      "<th>{5} is then</th></tr>\n",
+      "<th class=\"a\">{4} answers</th><th class=\"b\">{5} answers</th><th>{4} is "
+      "then</th>{6}</tr>\n",
       number, number == 0 ? " open" : "", number + 1, escape_markup(walk.title),
-      escape_markup(page.left), escape_markup(page.right));
+      escape_markup(page.left), escape_markup(page.right),
+      has_right ? fmt::format("<th>{} is then</th>", escape_markup(page.right)) : "");
   for (std::size_t i = 0; i < walk.steps.size(); ++i) {
     const WalkStep& step = walk.steps[i];
     out << fmt::format(
         "<tr id=\"w{}s{}\"{}><td>{}</td><td><code>{}</code></td><td>{}</td><td>{}</td><td>{}</td>"
-        "<td>{}</td></tr>\n",
+        "{}</tr>\n",
         number, i, step.differs ? " class=\"differs\"" : "", i,
         escape_markup(i == 0 ? "(start)" : step.given), escape_markup(step.left),
-        escape_markup(step.right), escape_markup(step.left_state), escape_markup(step.right_state));
+        escape_markup(step.right), escape_markup(step.left_state),
+        has_right ? fmt::format("<td>{}</td>", escape_markup(step.right_state)) : "");
   }
   out << "</table></details>\n";
 }
@@ -423,8 +431,9 @@ void write_steps(std::ostream& out, const DifferencePage& page) {
     if (step.kind == "both" || step.kind == "plain") continue;
     if (++all > most_listed_steps) continue;
     if (rows++ == 0) {
-      out << "<h2>Steps of one side alone</h2>\n<table><tr><th>in state</th><th>step</th><th>goes "
-             "to</th></tr>\n";
+      out << fmt::format(
+          "<h2>{}</h2>\n<table><tr><th>in state</th><th>step</th><th>goes to</th></tr>\n",
+          escape_markup(page.alone));
     }
     out << fmt::format("<tr><td>{}</td><td class=\"{}\"><code>{}</code></td><td>{}</td></tr>\n",
                        state_name(page.picture.states[step.from]), step.kind == "right" ? "b" : "a",
@@ -443,11 +452,80 @@ DifferencePage make_comparison_page(const BehaviourPair& pair, const Differences
   return Joiner(pair, differences, left_states, right_states).run();
 }
 
+DifferencePage make_conformance_page(const ConformanceResult& result,
+                                     const std::vector<std::string>& states,
+                                     const std::vector<std::string>& titles) {
+  const Mealy& model = result.model;
+  const std::size_t inputs = model.inputs().size();
+  DifferencePage page;
+  page.left = "model";
+  page.right = "system";
+  page.alone = "Transitions that fail";
+  page.legend = {{"both", "a test came here, and they agreed"},
+                 {"plain", "no test came here"},
+                 {"right", "the system answers otherwise"}};
+  std::map<std::pair<StateId, Symbol>, const ConformanceFailure*> failures;
+  for (const ConformanceFailure& one : result.failures) failures[{one.state, one.input}] = &one;
+  std::vector<std::size_t> steps(model.size() * inputs);
+  page.picture.starts = {model.initial()};
+  page.picture.start_kinds = {"both"};
+  for (StateId state = 0; state < model.size(); ++state) {
+    std::string untried;
+    for (Symbol input = 0; input < inputs; ++input) {
+      const std::size_t place = std::size_t{state} * inputs + input;
+      const std::string& name = model.inputs().name(input);
+      if (result.never_tried[place]) {
+        untried += (untried.empty() ? "never tried: " : ", ") + name;
+        continue;
+      }
+      const std::string& output = model.outputs().name(model.output(state, input));
+      const auto failure = failures.find({state, input});
+      const bool fails = failure != failures.end();
+      steps[place] = page.picture.steps.size();
+      page.picture.steps.push_back({state, model.target(state, input),
+                                    fails                   ? "right"
+                                    : result.covered[place] ? "both"
+                                                            : "plain",
+                                    fails ? fmt::format("{} / model: {}, system: {}", name, output,
+                                                        failure->second->observed)
+                                          : fmt::format("{} / {}", name, output)});
+    }
+    page.picture.states.push_back({states[state], "both", untried});
+  }
+  for (const ConformanceFailure& failure : result.failures) {
+    Walk walk;
+    StateId state = model.initial();
+    walk.steps.push_back({"", "", "", states[state], "", state, {}, {}, {}, false});
+    for (std::size_t i = 0; i < failure.word.size(); ++i) {
+      const std::size_t place = std::size_t{state} * inputs + failure.word[i];
+      const bool is_last = i + 1 == failure.word.size();
+      const std::string& output = model.outputs().name(model.output(state, failure.word[i]));
+      state = model.target(state, failure.word[i]);
+      WalkStep step;
+      step.given = model.inputs().name(failure.word[i]);
+      step.left = result.never_tried[place] ? "never tried" : output;
+      step.right = is_last ? failure.observed : result.never_tried[place] ? "not asked" : output;
+      step.left_state = states[state];
+      step.left_at = state;
+      if (!result.never_tried[place]) step.left_step = steps[place];
+      step.differs = is_last;
+      walk.steps.push_back(std::move(step));
+    }
+    walk.title = titles[page.walks.size()];
+    page.walks.push_back(std::move(walk));
+  }
+  return page;
+}
+
 void write_difference_page(std::ostream& out, const DifferencePage& page,
                            const GraphPainter& paint) {
   open_page(out, page.title, page_style);
   out << fmt::format("<p>{}</p>\n", escape_markup(page.verdict));
-  for (const std::string& note : page.notes) out << fmt::format("<p>{}</p>\n", escape_markup(note));
+  if (!page.notes.empty()) {
+    out << "<ul>\n";
+    for (const std::string& note : page.notes) out << "<li>" << escape_markup(note) << "</li>\n";
+    out << "</ul>\n";
+  }
   write_legend(out, page);
   std::vector<bool> is_drawn = choose_states(page);
   std::vector<std::size_t> edges;
@@ -468,8 +546,7 @@ void write_difference_page(std::ostream& out, const DifferencePage& page,
     out << "<div class=\"card stage\" id=\"stage\">" << svg << "</div>\n";
   }
   if (!page.walks.empty()) out << "<h2>Differences</h2>\n";
-  const std::size_t shown = std::min(page.walks.size(), most_walks);
-  for (std::size_t i = 0; i < shown; ++i) write_walk(out, page, i);
+  for (std::size_t i = 0; i < page.walks.size(); ++i) write_walk(out, page, i);
   write_steps(out, page);
   out << "<script type=\"application/json\" id=\"walks\">" << walks_json(page, is_drawn, edges)
       << "</script>\n<script>" << script << "</script>\n";

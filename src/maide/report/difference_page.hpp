@@ -10,12 +10,14 @@
 #include <iosfwd>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "maide/automata/behaviour.hpp"
 #include "maide/automata/differences.hpp"
 #include "maide/report/picture.hpp"
 #include "maide/report/picture_page.hpp"
+#include "maide/workflow/conformance_run.hpp"
 
 namespace maide {
 
@@ -41,21 +43,28 @@ struct DifferencePage {
   std::string left_name, right_name;  // what they are: "old.dot"
   std::vector<std::string> notes;     // sentences
   std::vector<std::pair<std::string, std::string>> legend;  // kinds of steps, and what they mean
+  std::string alone;  // heading of the steps that are not of both
   JointPicture picture;
   std::vector<Walk> walks;
 };
+
+inline constexpr std::size_t most_walks = 100;  // words on a page; the rest is counted
 
 // The page of `maide compare`. `left_states` and `right_states` name the states of the two models.
 DifferencePage make_comparison_page(const BehaviourPair& pair, const Differences& differences,
                                     const std::vector<std::string>& left_states,
                                     const std::vector<std::string>& right_states);
 
-// Writes the page, with at most `most_walks` words. A picture that is too large
+// The page of `maide test`: the model, with the transitions that tests passed and those that fail.
+// `states` names the states of `result.model`, `titles` the failures.
+DifferencePage make_conformance_page(const ConformanceResult& result,
+                                     const std::vector<std::string>& states,
+                                     const std::vector<std::string>& titles);
+
+// Writes the page. A picture that is too large
 // (report/picture.hpp) is cut to the states on the words, those where something differs, and some
 // around.
 void write_difference_page(std::ostream& out, const DifferencePage& page,
                            const GraphPainter& paint);
-
-inline constexpr std::size_t most_walks = 100;
 
 }  // namespace maide
