@@ -15,7 +15,6 @@ namespace maide::ros2 {
 namespace {
 
 constexpr std::size_t most_of_each = 4;
-constexpr std::int64_t period = 1'000'000'000;
 
 // The callbacks that settings ask for: in the order in which one round of an executor runs them.
 struct Callbacks {
@@ -45,13 +44,6 @@ std::optional<Spin> spin_from(const OptionValues& options) {
 // The number behind such a name, from 0.
 std::size_t number_of(std::string_view name, std::string_view prefix) {
   return static_cast<std::size_t>(std::stoul(std::string(name.substr(prefix.size())))) - 1;
-}
-
-void set_time(const rclcpp::Clock::SharedPtr& clock, std::int64_t now) {
-  const std::scoped_lock lock(clock->get_clock_mutex());
-  if (rcl_set_ros_time_override(clock->get_clock_handle(), now) != RCL_RET_OK) {
-    throw std::runtime_error("rcl_set_ros_time_override fails");
-  }
 }
 
 }  // namespace
@@ -174,22 +166,10 @@ void ExecutorKind::make_subscription(const std::string& name) {
       of_subscription));
 }
 
-// Half a period is past, so that a clock that is put forward by one is never at a point at which
-// the timer is due once more.
 void ExecutorKind::make_timer() {
-  Timer timer;
-  timer.clock = std::make_shared<rclcpp::Clock>(RCL_ROS_TIME);
-  if (rcl_enable_ros_time_override(timer.clock->get_clock_handle()) != RCL_RET_OK) {
-    throw std::runtime_error("rcl_enable_ros_time_override fails");
-  }
   callbacks_.push_back({fmt::format("timer{}", ends_->timers.size() + 1)});
-  timer.timer = rclcpp::create_timer(
-      ends_->receiving->get_node_base_interface(), ends_->receiving->get_node_timers_interface(),
-      timer.clock, rclcpp::Duration(std::chrono::nanoseconds(period)),
-      [this, callback = callbacks_.size() - 1] { run(callback); }, next_group());
-  timer.now = period / 2;
-  set_time(timer.clock, timer.now);
-  ends_->timers.push_back(std::move(timer));
+  ends_->timers.push_back(std::make_unique<ManualTimer>(
+      ends_->receiving, [this, callback = callbacks_.size() - 1] { run(callback); }, next_group()));
 }
 
 void ExecutorKind::make_service(const std::string& name) {
@@ -245,7 +225,7 @@ void ExecutorKind::call(std::string_view input) {
   } else if (input.starts_with("arrive")) {
     ends_->publishers.at(number_of(input, "arrive"))->publish(std::make_unique<Message>());
   } else if (input.starts_with("due")) {
-    put_forward(ends_->timers.at(number_of(input, "due")));
+    ends_->timers.at(number_of(input, "due"))->make_due();
   } else if (input.starts_with("request")) {
     ends_->clients.at(number_of(input, "request"))
         ->async_send_request(std::make_shared<Type::Request>());
@@ -265,11 +245,6 @@ void ExecutorKind::spin() {
     case Spin::all: ends_->executor->spin_all(nanoseconds(0)); break;
   }
   if (run_ == 0) sink_.report("nothing");
-}
-
-void ExecutorKind::put_forward(Timer& timer) {
-  timer.now += period;
-  set_time(timer.clock, timer.now);
 }
 
 // One run of that callback ends, if it runs.

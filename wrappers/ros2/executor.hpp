@@ -65,18 +65,13 @@ class ExecutorKind : public SystemInstance {
     std::string name;  // "sub1"
     std::size_t running = 0, ends = 0;
   };
-  struct Timer {
-    rclcpp::Clock::SharedPtr clock;
-    rclcpp::TimerBase::SharedPtr timer;
-    std::int64_t now = 0;  // of the clock, in nanoseconds
-  };
   // All that takes long to delete.
   struct Ends {
     rclcpp::Node::SharedPtr sending, receiving;
     std::vector<rclcpp::CallbackGroup::SharedPtr> groups;
     std::vector<rclcpp::Publisher<Message>::SharedPtr> publishers;
     std::vector<rclcpp::Subscription<Message>::SharedPtr> subscriptions;
-    std::vector<Timer> timers;
+    std::vector<std::unique_ptr<ManualTimer>> timers;
     std::vector<rclcpp::Client<Type>::SharedPtr> clients;
     std::vector<rclcpp::Service<Type>::SharedPtr> services;
     std::unique_ptr<rclcpp::Executor> executor;
@@ -91,7 +86,6 @@ class ExecutorKind : public SystemInstance {
   void wait_for_matches() const;
   void run(std::size_t callback);
   void spin();
-  void put_forward(Timer& timer);
   void end(const std::string& name);
 
   Nodes& nodes_;

@@ -3,6 +3,8 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
+#include <functional>
 #include <memory>
 #include <rclcpp/rclcpp.hpp>
 #include <thread>
@@ -29,6 +31,22 @@ std::unique_ptr<rclcpp::Executor> make_executor(const ExecutorSettings& settings
 std::vector<rclcpp::CallbackGroup::SharedPtr> make_groups(
     const rclcpp::Node::SharedPtr& node, std::size_t count,
     rclcpp::CallbackGroupType type = rclcpp::CallbackGroupType::MutuallyExclusive);
+
+// A timer that becomes due when it is told so: its clock is put forward by hand.
+class ManualTimer {
+ public:
+  // Throws std::runtime_error.
+  ManualTimer(const rclcpp::Node::SharedPtr& node, std::function<void()> callback,
+              const rclcpp::CallbackGroup::SharedPtr& group);
+  void make_due();
+  // What executors know it by.
+  const void* timer() const { return timer_.get(); }
+
+ private:
+  rclcpp::Clock::SharedPtr clock_;
+  rclcpp::TimerBase::SharedPtr timer_;
+  std::int64_t now_ = 0;  // of the clock, in nanoseconds
+};
 
 // A thread that spins an executor until it is stopped.
 class SpinningThread {

@@ -119,18 +119,21 @@ void Nodes::delete_retired() {
 }
 
 // Nothing of a node but what a word makes in it: no services, no topics of its own.
+rclcpp::Node::SharedPtr Nodes::make_node(const std::string& name, std::size_t context) const {
+  rclcpp::NodeOptions options;
+  options.context(contexts_[context])
+      .use_global_arguments(false)
+      .enable_rosout(false)
+      .start_parameter_services(false)
+      .start_parameter_event_publisher(false)
+      .use_clock_thread(false);
+  return std::make_shared<rclcpp::Node>(name, options);
+}
+
 void Nodes::make_nodes() {
   nodes_.clear();
   for (std::size_t context = 0; context < contexts_.size(); ++context) {
-    rclcpp::NodeOptions options;
-    options.context(contexts_[context])
-        .use_global_arguments(false)
-        .enable_rosout(false)
-        .start_parameter_services(false)
-        .start_parameter_event_publisher(false)
-        .use_clock_thread(false);
-    nodes_.push_back(
-        std::make_shared<rclcpp::Node>(fmt::format("maide_{}_{}", context, words_), options));
+    nodes_.push_back(make_node(fmt::format("maide_{}_{}", context, words_), context));
   }
 }
 

@@ -31,6 +31,9 @@ class Nodes {
   // an end waits some milliseconds for the middleware, but many can wait at the same time.
   void retire(std::shared_ptr<void> ends);
 
+  // A node beside these, with nothing in it. Its name is one that no other node has.
+  rclcpp::Node::SharedPtr make_node(const std::string& name, std::size_t context = 0) const;
+
   // Of what writes, asks, or sends; of what reads, serves, or is run by an executor.
   const rclcpp::Node::SharedPtr& sending() const { return nodes_.front(); }
   const rclcpp::Node::SharedPtr& receiving() const { return nodes_.back(); }

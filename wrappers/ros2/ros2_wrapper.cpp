@@ -77,7 +77,8 @@ std::vector<RowsOfKinds> rows_by_kinds() {
           {{"executor", "nested"}, keys_of(ExecutorSettings::options())},
           {{"service"}, keys_of(ServiceSettings::options())},
           {{"executor"}, keys_of(ExecutorKindSettings::options())},
-          {{"nested"}, keys_of(NestedSettings::options())}};
+          {{"nested"}, keys_of(NestedSettings::options())},
+          {{"nodes"}, keys_of(HeldGraph::options())}};
 }
 
 }  // namespace
@@ -87,9 +88,10 @@ Ros2Wrapper::Ros2Wrapper() {
   description_.summary = "ROS 2: topics, services and executors of rclcpp, in one process";
   description_.versions = {{"ros2", "rclcpp " RCLCPP_VERSION_STR}, {"wrapper", "1"}};
   std::vector<OptionSpec>& table = description_.options;
-  table = {OptionSpec::choice("kind", "topic", {"topic", "service", "executor", "nested"},
+  table = {OptionSpec::choice("kind", "topic", {"topic", "service", "executor", "nested", "nodes"},
                               "what is learned: publishers and subscriptions, a service, what an "
-                              "executor runs, a synchronous call in a callback"),
+                              "executor runs, a synchronous call in a callback; nodes: what maide "
+                              "replay plays"),
            OptionSpec::choice("rmw", "cyclonedds", {"cyclonedds", "fastrtps"},
                               "the middleware under rclcpp")};
   append(table, qos_options());
@@ -98,6 +100,7 @@ Ros2Wrapper::Ros2Wrapper() {
   append(table, ExecutorSettings::options());
   append(table, ExecutorKindSettings::options());
   append(table, NestedSettings::options());
+  append(table, HeldGraph::options());
   table.push_back(OptionSpec::integer(
       "contexts", 1, 1, 2, "contexts of rclcpp; 2: what sends and what receives have one each"));
   table.push_back(inputs_row());
@@ -135,6 +138,9 @@ SystemSetup Ros2Wrapper::configure(const OptionValues& options) {
   } else if (options.is("kind", "executor")) {
     executor_ = ExecutorKindSettings::from(options);
     setup = executor_setup(*executor_);
+  } else if (options.is("kind", "nodes")) {
+    graph_ = HeldGraph::from(options.text("graph"));
+    setup = held_setup(*graph_);
   } else {
     nested_ = NestedSettings::from(options);
     setup = nested_setup(*nested_);
@@ -148,6 +154,7 @@ std::unique_ptr<SystemInstance> Ros2Wrapper::reset(EventSink& sink) {
   if (topic_) return std::make_unique<Topic>(*nodes_, *topic_, sink);
   if (service_) return std::make_unique<Service>(*nodes_, *service_, sink);
   if (executor_) return std::make_unique<ExecutorKind>(*nodes_, *executor_, sink);
+  if (graph_) return std::make_unique<HeldSystem>(*nodes_, *graph_, sink);
   return std::make_unique<Nested>(*nodes_, *nested_, sink);
 }
 

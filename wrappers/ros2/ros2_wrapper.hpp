@@ -5,6 +5,7 @@
 //   kind=service   a server and one or two clients (service.hpp)
 //   kind=executor  what an executor runs, and in which order (executor.hpp)
 //   kind=nested    a synchronous call inside a callback (nested.hpp)
+//   kind=nodes     the nodes of a system file, for maide replay (held_system.hpp)
 //
 // The process stays by itself: it has a domain of its own, Cyclone DDS has no network, and the
 // others stay on the loopback device. A reset keeps the contexts and makes new names.
@@ -14,6 +15,8 @@
 #include <optional>
 
 #include "executor.hpp"
+#include "held_graph.hpp"
+#include "held_system.hpp"
 #include "maide/wire/wrapper/system_wrapper.hpp"
 #include "nested.hpp"
 #include "nodes.hpp"
@@ -37,6 +40,7 @@ class Ros2Wrapper : public SystemWrapper {
   std::optional<ServiceSettings> service_;
   std::optional<ExecutorKindSettings> executor_;
   std::optional<NestedSettings> nested_;
+  std::optional<HeldGraph> graph_;
   std::optional<Nodes> nodes_;
 };
 
