@@ -41,7 +41,7 @@ TEST(Architectures, HaveTheVerdictsThatTheyName) {
 
 TEST(Architectures, OfRos2HaveTheVerdictsThatTheyName) {
   for (const std::string name :
-       {"strangers", "nested", "burst", "late-joiner", "late-server", "camera"}) {
+       {"strangers", "nested", "burst", "snapshot", "late-joiner", "late-server", "camera"}) {
     EXPECT_GE(check_files(MAIDE_SOURCE_DIR "/examples/ros2/" + name), 2u) << name;
   }
 }

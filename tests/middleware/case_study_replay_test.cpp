@@ -17,6 +17,7 @@
 #include "maide/workflow/open_system.hpp"
 #include "maide/workflow/real_system.hpp"
 #include "maide/workflow/replay.hpp"
+#include "maide/workflow/replay_plan.hpp"
 
 namespace maide {
 namespace {

@@ -18,6 +18,7 @@
 #include "maide/workflow/learned_models.hpp"
 #include "maide/workflow/real_system.hpp"
 #include "maide/workflow/replay.hpp"
+#include "maide/workflow/replay_plan.hpp"
 
 namespace maide::cli {
 namespace {
@@ -55,10 +56,12 @@ struct Tally {
 
 struct Replay {
   System system;
+  std::shared_ptr<const ReplayedNodes> nodes;  // that are met; none: none are
   std::vector<std::unique_ptr<RealSystem>> real;
   std::vector<Trace> traces;
   std::string property;
   std::vector<std::string> assumptions;
+  bool is_reordered = false;  // the trace's steps are in an order in which executors do them
 };
 
 std::string describe(const System& system, const Trace& trace, const Deviation& deviation) {
@@ -161,6 +164,9 @@ std::string as_text(const Replay& replay, const Tally& tally, const std::string&
   }
   const bool is_shown = !is_random || tally.example->deviation;
   if (is_shown) {
+    if (replay.is_reordered) {
+      text += "the steps are in another order, in which rclcpp's executors do them:\n";
+    }
     if (tally.runs > 1) text += fmt::format("run {}:\n", tally.shown + 1);
     text += list_steps(replay, tally);
   }
@@ -231,7 +237,7 @@ void check_claim(const Replay& replay, const Trace& trace, const std::string& fi
 // What no real system is asked for is an assumption, and if that is all, there is nothing to
 // replay.
 void note_unplayed(Replay& replay) {
-  Unplayed unplayed = find_unplayed(replay.system, replay.traces);
+  Unplayed unplayed = find_unplayed(replay.system, replay.traces, replay.nodes.get());
   if (unplayed.is_all) {
     throw UsageError(fmt::format(
         "there is nothing real to replay this on: {} ({})",
@@ -242,13 +248,33 @@ void note_unplayed(Replay& replay) {
                             unplayed.models.end());
 }
 
-void read_traces(Replay& replay, const ReplayArguments& arguments, const RunControl& control) {
+// Callbacks start when executors pick them. So steps of programs that do not wait for one another
+// may come in another order than in the file.
+Trace in_order_of_executors(Replay& replay, const Trace& trace) {
+  const auto ordered = order_for_executors(replay.system, replay.nodes->rules(), trace);
+  if (!ordered || *ordered == trace) return trace;
+  if (!replay.property.empty()) {
+    const Property property = find_property(replay.system, replay.property);
+    if (!find_flaw_in_parts(replay.system, property, *ordered).empty()) return trace;
+  }
+  replay.is_reordered = true;
+  return *ordered;
+}
+
+void read_traces(Replay& replay, const ReplayArguments& arguments, const ModelRequests& requests,
+                 const RunControl& control) {
+  const auto find_played = [&] {
+    if (meet_nodes(replay.system, replay.traces))
+      replay.nodes = find_nodes(replay.system, requests);
+    note_unplayed(replay);
+  };
   if (arguments.random_runs > 0) {
     Random random(arguments.seed);
     for (std::size_t run = 0; run < arguments.random_runs; ++run) {
-      replay.traces.push_back(draw_run(replay.system, arguments.steps, random));
+      replay.traces.push_back(
+          draw_run(replay.system, arguments.steps, random, !replay.system.callbacks.empty()));
     }
-    note_unplayed(replay);
+    find_played();
     return;
   }
   TraceFile file = read_trace(arguments.trace, replay.system, control);
@@ -256,7 +282,8 @@ void read_traces(Replay& replay, const ReplayArguments& arguments, const RunCont
   check_claim(replay, file.trace, arguments.trace);
   replay.assumptions = find_assumptions(replay.system, file.trace);
   replay.traces = {file.trace};
-  note_unplayed(replay);
+  find_played();
+  if (replay.nodes) file.trace = in_order_of_executors(replay, file.trace);
   replay.traces.assign(arguments.rounds, file.trace);
 }
 
@@ -274,11 +301,11 @@ ExitStatus run_replay(const ReplayArguments& arguments, Context& context) {
                       requests);
   Replay replay;
   replay.system = read_system(arguments.system, models, context.control());
-  read_traces(replay, arguments, context.control());
+  read_traces(replay, arguments, requests, context.control());
   // One run keeps one system busy.
   const std::size_t jobs = replay.traces.size() == 1 ? 1 : arguments.jobs;
-  replay.real =
-      open_real_systems(replay.system, requests, {jobs, arguments.token_file, context.control()});
+  replay.real = open_real_systems(replay.system, requests,
+                                  {jobs, arguments.token_file, context.control(), replay.nodes});
   const Tally tally = play(replay, arguments, context);
   const auto [verdict, status] = verdict_of(replay, tally, is_random);
   context.print(as_text(replay, tally, verdict, arguments));

@@ -102,6 +102,32 @@ SystemSpec find_system_of_topic(const System& system, const TopicInstance& topic
   return *spec;
 }
 
+// As waits_of(), for the nodes.
+std::unique_ptr<RealSystem> open_nodes(const RealSystemOptions& options) {
+  auto real = std::make_unique<RealSystem>();
+  real->nodes = options.nodes;
+  real->instance = "nodes";
+  SystemSpec spec = options.nodes->spec();
+  real->description = "ros2";
+  if (const auto rmw = spec.options.find("rmw"); rmw != spec.options.end()) {
+    real->description += " rmw=" + rmw->second;
+  }
+  SystemAccess access;
+  access.translation = Translation::eager;
+  access.jobs = 1;
+  const auto waits = longer_waits(open_system(spec, access, options.control).sul->info().options);
+  if (!waits.empty()) real->description += ", waiting longer:";
+  for (const auto& [key, value] : waits) {
+    spec.options[key] = value;
+    real->description += fmt::format(" {}={}", key, value);
+  }
+  access.jobs = options.jobs;
+  OpenedSystem opened = open_system(spec, access, options.control);
+  real->sul = std::move(opened.sul);
+  real->jobs = opened.jobs;
+  return real;
+}
+
 std::unique_ptr<RealSystem> open(const System& system, std::uint32_t index,
                                  const ModelRequests& requests, const RealSystemOptions& options) {
   const ModelInstance& instance = system.models[index];
@@ -201,6 +227,7 @@ std::vector<std::unique_ptr<RealSystem>> open_real_systems(const System& system,
     for (const ProgramEdge& edge : program.edges) {
       for (const ModelUse& use : program.uses_of(edge)) {
         if (!is_real(system.models[use.model])) continue;
+        if (options.nodes && options.nodes->contains(use.model)) continue;
         const TopicInstance* topic = topic_of(system, use.model);
         used.insert(topic == nullptr ? use.model : topic->readers.front().model);
       }
@@ -208,15 +235,36 @@ std::vector<std::unique_ptr<RealSystem>> open_real_systems(const System& system,
   }
   std::vector<std::unique_ptr<RealSystem>> real(system.models.size());
   for (const std::uint32_t index : used) real[index] = open(system, index, requests, options);
+  if (options.nodes) real[options.nodes->models().front()] = open_nodes(options);
   return real;
 }
 
-Trace draw_run(const System& system, std::size_t most_steps, Random& random) {
+std::shared_ptr<const ReplayedNodes> find_nodes(const System& system,
+                                                const ModelRequests& requests) {
+  std::vector<SystemSpec> topics;
+  for (const TopicInstance& topic : system.topics) {
+    topics.emplace_back();
+    if (!ReplayedNodes::has_node(system, topic)) continue;
+    const ModelInstance& model = system.models[topic.readers.front().model];
+    if (model.source == ModelInstance::Source::built_in) {
+      throw UsageError(fmt::format(
+          "topic {} is a queue that is written by hand, so there is nothing real to run ({})",
+          topic.name, to_string(model.position)));
+    }
+    topics.back() = find_system_of_topic(system, topic, requests);
+  }
+  return std::make_shared<const ReplayedNodes>(system, topics);
+}
+
+Trace draw_run(const System& system, std::size_t most_steps, Random& random, bool of_nodes) {
+  std::optional<NodeRuns> nodes;
+  if (of_nodes) nodes.emplace(system);
   Trace trace;
   GlobalState state = initial_state(system);
   while (trace.steps.size() < most_steps) {
     std::vector<Step> steps = enabled_steps(system, state);
     std::erase_if(steps, [](const Step& step) { return step.is_beyond; });
+    if (nodes) nodes->restrict(state, steps);
     if (steps.empty()) break;
     std::vector<std::uint32_t> programs;
     for (const Step& step : steps) {
@@ -226,6 +274,7 @@ Trace draw_run(const System& system, std::size_t most_steps, Random& random) {
     std::erase_if(steps, [&](const Step& step) { return step.program != program; });
     const Step& step = steps[random.below(steps.size())];
     trace.steps.push_back(step);
+    if (nodes) nodes->take(state, step);
     state = apply(system, state, step);
   }
   return trace;

@@ -15,6 +15,7 @@
 #include "maide/check/trace/trace.hpp"
 #include "maide/sul/sul.hpp"
 #include "maide/workflow/open_system.hpp"
+#include "maide/workflow/replayed_nodes.hpp"
 
 namespace maide {
 
@@ -43,16 +44,24 @@ struct RealSystem {
   std::unique_ptr<Sul> sul;
   std::vector<Symbol> inputs;  // of the model -> of the system; none for a topic
   std::size_t jobs = 1;
+  std::shared_ptr<const ReplayedNodes> nodes;  // it stands for these, with all their connections
 };
+
+// The nodes of the system, to be played. Throws UsageError for what cannot be played, with its
+// place.
+std::shared_ptr<const ReplayedNodes> find_nodes(const System& system,
+                                                const ModelRequests& requests);
 
 struct RealSystemOptions {
   std::size_t jobs = 0;  // systems behind each instance; 0: the default (default_jobs())
   std::string token_file;
   RunControl control;
+  std::shared_ptr<const ReplayedNodes> nodes{};  // one system stands for these; none: for no node
 };
 
 // Opens the systems of the models that some program uses, in the order of the models; null for the
-// others. A topic's stands at the model of its first reader. A version that is not the one that was
+// others. A topic's stands at the model of its first reader, that of nodes at their first model. A
+// version that is not the one that was
 // learned is a warning in the log. Throws UsageError (also if a system has not all inputs of its
 // model, and for a topic whose readers have options of their own) and WrapperError.
 std::vector<std::unique_ptr<RealSystem>> open_real_systems(const System& system,
@@ -65,8 +74,8 @@ std::vector<std::unique_ptr<RealSystem>> open_real_systems(const System& system,
 // so with probability one every program that can go on goes on.
 
 // A run of at most `most_steps` steps; shorter where nothing can happen any more, or where only an
-// input that was never tried could. First the program is drawn, then its step, all alike.
-// O(steps x programs x edges).
-Trace draw_run(const System& system, std::size_t most_steps, Random& random);
+// input that was never tried could. First the program is drawn, then its step, all alike. With
+// `of_nodes`, callbacks start as executors of rclcpp pick them. O(steps x programs x edges).
+Trace draw_run(const System& system, std::size_t most_steps, Random& random, bool of_nodes = false);
 
 }  // namespace maide

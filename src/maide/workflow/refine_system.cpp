@@ -11,6 +11,7 @@
 #include "maide/base/text.hpp"
 #include "maide/check/language/system_file.hpp"
 #include "maide/workflow/replay.hpp"
+#include "maide/workflow/replay_plan.hpp"
 
 namespace maide {
 namespace {

@@ -23,6 +23,7 @@ namespace {
 using Kind = ProgramEdge::Kind;
 using Actions = std::vector<std::deque<std::string>>;  // outputs due, by actor
 
+constexpr std::size_t most_ends = 64;     // of a service, beside nodes
 constexpr std::size_t runs_at_once = 16;  // between two looks at whether to stop
 
 // Whether the automaton can emit all that is due, each actor's outputs in their order, and then has
@@ -43,18 +44,6 @@ bool emits(const InterfaceAutomaton& automaton, StateId state, const Actions& du
     }
   }
   return false;
-}
-
-// The outputs that are due in a state, in the canonical order: "message,written", or "quiet".
-std::string describe_due(const InterfaceAutomaton& automaton, StateId state) {
-  std::string text;
-  for (std::size_t count = 0; count <= automaton.size(); ++count) {
-    const auto* due = find_first_due(automaton, state);
-    if (due == nullptr) break;
-    text += (text.empty() ? "" : ",") + automaton.outputs().name(due->action.symbol);
-    state = due->target;
-  }
-  return text.empty() ? "quiet" : text;
 }
 
 // One real system as it is seen along the trace.
@@ -83,18 +72,21 @@ class Walk {
       views_[model].answer = &answers[model];
       due_[model].resize(std::max<std::size_t>(real->sul->info().actors.size(), 1));
       const Seat& seat = stage.seat(model);
+      if (seat.nodes != nullptr) due_[model].resize(most_ends);
       if (seat.topic != nullptr) views_[seat.host].written.resize(seat.topic->writers.size());
     }
   }
 
   ReplayedRun run() {
-    for (const Move& move : plan_.moves) {
-      move_ = move;
-      take(trace_.steps[move.step]);
+    for (std::size_t place = 0; place < plan_.moves.size(); ++place) {
+      move_ = plan_.moves[place];
+      place_ = place;
+      take(trace_.steps[move_.step]);
       if (run_.deviation) return std::move(run_);
       ++run_.steps;
     }
     move_ = {trace_.steps.size(), 0};
+    if (!play_calls(plan_.nodes.end, Deviation::Kind::deadlock)) return std::move(run_);
     std::vector<StateId> at = plan_.states.back().models;
     for (const Probe& probe : plan_.probes) {
       test_end(probe, at);
@@ -113,9 +105,10 @@ class Walk {
     const TopicInstance* topic = stage_.seat(model).topic;
     const bool is_of_topic =
         topic != nullptr && (topic->readers.size() > 1 || topic->writers.size() > 1);
-    run_.deviation = Deviation{kind,           move_.step,          move_.round,
-                               model,          std::move(expected), std::move(seen),
-                               word_of(model), is_of_topic};
+    run_.deviation =
+        Deviation{kind,           move_.step,          move_.round,
+                  model,          std::move(expected), std::move(seen),
+                  word_of(model), is_of_topic,         stage_.seat(model).nodes != nullptr};
   }
 
   // The inputs that the model got so far, those of the present move and of probes up to the one
@@ -148,7 +141,71 @@ class Walk {
       if (!text) return;
       seen += (seen.empty() || text->empty() ? "" : "; ") + *text;
     }
+    if (stage_.host_of_nodes()) {
+      const auto text = take_with_nodes(step);
+      if (!text) return;
+      seen += (seen.empty() || text->empty() ? "" : "; ") + *text;
+    }
     see(seen);
+  }
+
+  // ---- nodes ------------------------------------------------------------------------------------
+
+  // Makes the calls, and what programs get is due to them. Executors and callbacks must answer what
+  // is planned. What was seen, in words; none if it deviates.
+  std::optional<std::string> play_calls(const std::vector<ReplayedNodes::Call>& calls,
+                                        Deviation::Kind kind = Deviation::Kind::output) {
+    std::string text;
+    if (calls.empty()) return text;
+    const std::uint32_t host = *stage_.host_of_nodes();
+    const ReplayedNodes& nodes = *stage_.seat(host).nodes;
+    const auto in_words = [&](const std::vector<std::string>& events) {
+      std::vector<std::string> words;
+      for (const std::string& event : events) words.push_back(nodes.describe(event));
+      return words.empty() ? "quiet" : join(words);
+    };
+    for (const ReplayedNodes::Call& call : calls) {
+      const SulStep* step = next_answer(host);
+      std::vector<std::string> seen, all;
+      for (const Event& event : step == nullptr ? std::vector<Event>{} : step->events) {
+        all.push_back(event.output);
+        const auto output = nodes.output_of(event.output);
+        if (output && kind != Deviation::Kind::deadlock) {
+          due_[output->model][output->end].push_back(output->name);
+        } else {
+          seen.push_back(event.output);
+        }
+      }
+      const bool is_taken = step != nullptr && step->status == StepStatus::taken;
+      std::sort(seen.begin(), seen.end());
+      if (!is_taken || seen != call.expected) {
+        deviate(kind, host, in_words(call.expected), is_taken ? in_words(all) : describe(step));
+        return std::nullopt;
+      }
+      if (!all.empty()) text += (text.empty() ? "" : "; ") + in_words(all);
+    }
+    return text.empty() ? "quiet" : text;
+  }
+
+  std::optional<std::string> take_with_nodes(const Step& step) {
+    auto text = play_calls(plan_.nodes.moves[place_]);
+    if (!text) return std::nullopt;
+    const bool is_program = system_.programs[step.program].nodes.empty();
+    for (const ModelUse& event : events_of(system_, step)) {
+      if (stage_.seat(event.model).nodes == nullptr || event.kind != Kind::take || !is_program) {
+        continue;
+      }
+      if (!take_output(step, event)) return std::nullopt;
+    }
+    const std::uint32_t host = *stage_.host_of_nodes();
+    for (const std::uint32_t model : stage_.models_of(host)) {
+      const InterfaceAutomaton& automaton = system_.models[model].automaton;
+      const StateId at = plan_.states[move_.step + 1].models[model];
+      if (emits(automaton, at, due_[model])) continue;
+      deviate(Deviation::Kind::output, model, describe_due(automaton, at), *text);
+      return std::nullopt;
+    }
+    return text;
   }
 
   // The program is still in a call whose return the model hides.
@@ -382,6 +439,7 @@ class Walk {
   std::vector<std::optional<ModelUse>> calls_;  // by program: its last, if its return is hidden
   std::size_t probed_ = 0;                      // probes that were asked
   Move move_;
+  std::size_t place_ = 0;  // of the move, in the plan
   ReplayedRun run_;
 };
 
@@ -409,99 +467,7 @@ std::vector<SulAnswer> play(const RealSystem& real, std::size_t host, std::span<
   return answers;
 }
 
-// The models that the run meets, in its steps or by what a program of its components waits for in
-// the end.
-std::set<std::uint32_t> find_met(const System& system, const Trace& trace,
-                                 const GlobalState& last) {
-  std::set<std::uint32_t> met;
-  const auto add = [&](const Program& program, const ProgramEdge& edge) {
-    for (const ModelUse& use : program.uses_of(edge)) met.insert(use.model);
-  };
-  for (const Step& step : trace.steps) add(system.programs[step.program], edge_of(system, step));
-  for (const auto& component : find_components(system)) {
-    const bool is_met = std::any_of(trace.steps.begin(), trace.steps.end(), [&](const Step& step) {
-      return std::find(component.begin(), component.end(), step.program) != component.end();
-    });
-    if (!is_met && !trace.steps.empty()) continue;
-    for (const std::uint32_t index : component) {
-      const Program& program = system.programs[index];
-      for (const ProgramEdge& edge : program.edges_of(last.programs[index])) add(program, edge);
-    }
-  }
-  return met;
-}
-
-// A mutex or a semaphore: it belongs to the programs, as a shared variable does.
-bool is_lock(const ModelInstance& model) {
-  return model.source == ModelInstance::Source::built_in && !model.automaton.inputs().find("read");
-}
-
 }  // namespace
-
-Unplayed find_unplayed(const System& system, std::span<const Trace> traces) {
-  using Source = ModelInstance::Source;
-  std::set<std::uint32_t> met;
-  for (const Trace& trace : traces)
-    met.merge(find_met(system, trace, replay(system, trace).back()));
-  const auto is = [&](std::uint32_t model, Source source) {
-    return system.models[model].source == source;
-  };
-  Unplayed unplayed;
-  unplayed.is_all = std::none_of(
-      met.begin(), met.end(), [&](std::uint32_t model) { return is_real(system.models[model]); });
-  if (!unplayed.is_all) {
-    std::erase_if(met, [&](std::uint32_t model) {
-      return is(model, Source::variable) || is_lock(system.models[model]) ||
-             is_real(system.models[model]);
-    });
-  }
-  unplayed.models = describe_unreal(system, {met.begin(), met.end()});
-  for (std::string& line : unplayed.models) line += ", and no real system is asked for that";
-  return unplayed;
-}
-
-std::vector<std::string> find_assumptions(const System& system, const Trace& trace) {
-  std::set<std::string> found;
-  const std::vector<GlobalState> states = replay(system, trace);
-  for (const Step& step : trace.steps) {
-    if (!step.is_beyond) continue;
-    const StepText text = describe_step(system, step);
-    const auto at = static_cast<std::size_t>(&step - trace.steps.data());
-    for (const ModelUse& use : uses_beyond(system, states[at], step)) {
-      const ModelInstance& model = system.models[use.model];
-      const bool is_cut = model.when_unexplored == WhenUnexplored::stop;
-      found.insert(fmt::format("{}'s {}{} at line {} was never tried there ({}), {}", text.program,
-                               text.model, text.event, text.line, describe_bound(model),
-                               is_cut ? "and is not played" : "and is taken to change nothing"));
-    }
-  }
-  if (trace.loop_start) return {found.begin(), found.end()};
-  for (const std::uint32_t index : deadlocked_programs(system, states.back())) {
-    const Program& program = system.programs[index];
-    for (const ProgramEdge& edge : program.edges_of(states.back().programs[index])) {
-      for (const ModelUse& event : program.events_of(edge)) {
-        const ModelInstance& model = system.models[event.model];
-        if (event.kind != Kind::give || !is_real(model)) continue;
-        const StateId at = states.back().models[event.model];
-        const std::string call = describe_edge(system, program, edge);
-        if (!model.automaton.is_quiescent(at)) {
-          found.insert(
-              fmt::format("{} waits with {} for somebody to take {}: so programs and models "
-                          "meet, whatever the real call would do",
-                          program.name, call, describe_due(model.automaton, at)));
-        } else if (is_beyond_learned(model.automaton, at, event.symbol)) {
-          found.insert(fmt::format("{}'s {} at line {} was never tried there ({}), and waits",
-                                   program.name, call, edge.line, describe_bound(model)));
-        }
-      }
-    }
-  }
-  return {found.begin(), found.end()};
-}
-
-bool ends_in_deadlock(const System& system, const Trace& trace) {
-  return !trace.loop_start && !deadlocked_programs(system, replay(system, trace).back()).empty();
-}
 
 void play_on_real_system(const System& system, const std::vector<std::unique_ptr<RealSystem>>& real,
                          std::span<const Trace> traces, const ReplayOptions& options,
@@ -513,7 +479,9 @@ void play_on_real_system(const System& system, const std::vector<std::unique_ptr
     const std::size_t count = std::min(runs_at_once, traces.size() - first);
     std::vector<Plan> plans;
     for (std::size_t run = 0; run < count; ++run) {
-      plans.push_back(make_plan(system, stage, traces[first + run], options.loops));
+      const Trace& trace = traces[first + run];
+      const bool is_again = run > 0 && trace == traces[first + run - 1];
+      plans.push_back(is_again ? plans.back() : make_plan(system, stage, trace, options.loops));
     }
     std::vector<std::vector<SulAnswer>> answers(count);  // by run, by instance
     for (std::size_t model = 0; model < real.size(); ++model) {

@@ -10,7 +10,8 @@
 //   answers --> a walk     Along the trace. Every output must be due when a program takes it.
 //                          Nothing may be due that the model does not have.
 //
-// Programs are not run: Maide makes their calls. Instances share nothing but the programs. So each
+// Programs are not run: Maide makes their calls. Callbacks of nodes are, call by call
+// (replayed_nodes.hpp). Instances share nothing but the programs. So each
 // instance is given its word without the pauses that the steps of others would make. An order
 // between steps of different instances is no part of what a model says.
 //
@@ -48,9 +49,11 @@ struct Deviation {
   std::vector<std::string> word;  // inputs of the instance up to the one that went another way
   bool is_of_topic = false;       // of one with several ends: put together of its readers' models
 
+  bool is_of_nodes = false;  // of the system that plays nodes
+
   // Such words are counterexamples to the instance's model.
   bool refutes_model() const {
-    return !is_of_topic && (kind == Kind::output || kind == Kind::deadlock);
+    return !is_of_topic && !is_of_nodes && (kind == Kind::output || kind == Kind::deadlock);
   }
 };
 
@@ -67,23 +70,6 @@ struct ReplayOptions {
   std::size_t loops = 3;  // how often the loop of a lasso is played, at least 1
   RunControl control;
 };
-
-// What a run leaves open because no real system can answer it, in words: calls that were never
-// tried and that `when_unexplored` decides, and an output that no program takes.
-std::vector<std::string> find_assumptions(const System& system, const Trace& trace);
-
-// The models that runs meet, in their steps or by what a program waits for in the end, and that
-// stand for no real system. Maide holds shared variables, mutexes and semaphores itself: they
-// belong to the programs. A queue that is written by hand stands for a connection that nobody asks.
-struct Unplayed {
-  bool is_all = false;              // they meet no other models, so there is nothing real to ask
-  std::vector<std::string> models;  // a line for those of a kind; of queues alone unless `is_all`
-};
-// O(steps x programs x edges).
-Unplayed find_unplayed(const System& system, std::span<const Trace> traces);
-
-// Whether the programs are in a deadlock at the end of the trace.
-bool ends_in_deadlock(const System& system, const Trace& trace);
 
 // Plays the runs and hands each to `sink`, with its index, in order. All are runs of `system`.
 // Throws Interrupted, WrapperError and what Sul::run throws; runs that were handed over stay valid.

@@ -9,12 +9,28 @@
 
 #include "maide/base/error.hpp"
 #include "maide/check/explore/check_system.hpp"
+#include "maide/check/language/components.hpp"
 #include "maide/check/language/model_ends.hpp"
+#include "maide/sul/ia_translation.hpp"
 #include "maide/wire/wrapper/full_setup.hpp"
 
 namespace maide {
 
 using Kind = ModelUse::Kind;
+
+namespace {
+
+Symbol input_named(const RealSystem& real, const std::string& name) {
+  const auto& inputs = real.sul->info().inputs;
+  const auto place = std::find_if(inputs.begin(), inputs.end(),
+                                  [&](const SulInput& input) { return input.name == name; });
+  if (place == inputs.end()) {
+    throw UsageError(fmt::format("the system {} has no input '{}'", real.description, name));
+  }
+  return static_cast<Symbol>(place - inputs.begin());
+}
+
+}  // namespace
 
 Stage::Stage(const System& system, const RealSystems& real) : system_(system), real_(real) {
   for (std::uint32_t model = 0; model < real.size(); ++model) seats_.push_back({model});
@@ -23,9 +39,17 @@ Stage::Stage(const System& system, const RealSystems& real) : system_(system), r
       seats_[topic.readers[reader].model] = {topic.readers.front().model, &topic, reader};
     }
   }
+  for (std::uint32_t host = 0; host < real.size(); ++host) {
+    if (real[host] == nullptr || !real[host]->nodes) continue;
+    host_of_nodes_ = host;
+    for (const std::uint32_t model : real[host]->nodes->models()) {
+      seats_[model] = {host, nullptr, 0, real[host]->nodes.get()};
+    }
+  }
 }
 
 std::vector<std::uint32_t> Stage::models_of(std::uint32_t host) const {
+  if (seats_[host].nodes != nullptr) return seats_[host].nodes->models();
   if (seats_[host].topic == nullptr) return {host};
   std::vector<std::uint32_t> models;
   for (const auto& reader : seats_[host].topic->readers) models.push_back(reader.model);
@@ -50,16 +74,8 @@ Symbol Stage::input_of(std::uint32_t program, const ModelUse& event) const {
   const RealSystem& real = *real_[seat.host];
   if (seat.topic == nullptr) return real.inputs[event.symbol];
   const std::size_t end = is_of_writers(event) ? writer_of(*seat.topic, program) : seat.reader;
-  const std::string name =
-      symbol_name(system_.models[event.model].automaton.inputs().name(event.symbol), end);
-  const auto& inputs = real.sul->info().inputs;
-  const auto place = std::find_if(inputs.begin(), inputs.end(),
-                                  [&](const SulInput& input) { return input.name == name; });
-  if (place == inputs.end()) {
-    throw UsageError(fmt::format("the system {} of topic {} has no input '{}'", real.description,
-                                 seat.topic->name, name));
-  }
-  return static_cast<Symbol>(place - inputs.begin());
+  return input_named(
+      real, symbol_name(system_.models[event.model].automaton.inputs().name(event.symbol), end));
 }
 
 std::vector<ModelUse> Stage::real_events(const Step& step) const {
@@ -67,7 +83,7 @@ std::vector<ModelUse> Stage::real_events(const Step& step) const {
   std::set<const TopicInstance*> written;
   if (step.is_beyond) return events;
   for (const ModelUse& event : events_of(system_, step)) {
-    if (real(event.model) == nullptr) continue;
+    if (real(event.model) == nullptr || seat(event.model).nodes != nullptr) continue;
     if (is_of_writers(event) && !written.insert(seat(event.model).topic).second) {
       continue;
     }
@@ -102,7 +118,8 @@ class ProbeFinder {
     for (const std::uint32_t program : deadlocked_programs(system_, state_)) {
       for (const ProgramEdge& edge : system_.programs[program].edges_of(state_.programs[program])) {
         for (const ModelUse& event : system_.programs[program].events_of(edge)) {
-          if (event.kind == Kind::give && stage_.real(event.model) != nullptr) add(program, event);
+          if (event.kind != Kind::give || stage_.real(event.model) == nullptr) continue;
+          if (stage_.seat(event.model).nodes == nullptr) add(program, event);
         }
       }
     }
@@ -151,6 +168,17 @@ class ProbeFinder {
 
 }  // namespace
 
+std::string describe_due(const InterfaceAutomaton& automaton, StateId state) {
+  std::string text;
+  for (std::size_t count = 0; count <= automaton.size(); ++count) {
+    const auto* due = find_first_due(automaton, state);
+    if (due == nullptr) break;
+    text += (text.empty() ? "" : ",") + automaton.outputs().name(due->action.symbol);
+    state = due->target;
+  }
+  return text.empty() ? "quiet" : text;
+}
+
 Plan make_plan(const System& system, const Stage& stage, const Trace& trace, std::size_t loops) {
   Plan plan;
   plan.states = replay(system, trace);
@@ -158,6 +186,9 @@ Plan make_plan(const System& system, const Stage& stage, const Trace& trace, std
   plan.words.resize(system.models.size());
   const auto add = [&](std::uint32_t program, const ModelUse& event) {
     plan.words[stage.seat(event.model).host].push_back(stage.input_of(program, event));
+  };
+  const auto add_call = [&](std::uint32_t host, const ReplayedNodes::Call& call) {
+    plan.words[host].push_back(input_named(*stage.real(host), call.input));
   };
   for (const Move& move : plan.moves) {
     const Step& step = trace.steps[move.step];
@@ -169,7 +200,130 @@ Plan make_plan(const System& system, const Stage& stage, const Trace& trace, std
   for (const Probe& probe : plan.probes) {
     add(probe.program, {Kind::give, probe.model, probe.input});
   }
+  if (const auto host = stage.host_of_nodes()) {
+    std::vector<std::size_t> steps;
+    for (const Move& move : plan.moves) steps.push_back(move.step);
+    plan.nodes = stage.seat(*host).nodes->plan(trace, plan.states.back(), steps);
+    for (const auto& calls : plan.nodes.moves) {
+      for (const auto& call : calls) add_call(*host, call);
+    }
+    for (const auto& call : plan.nodes.end) add_call(*host, call);
+  }
   return plan;
+}
+
+// ---- what no real system is asked
+// -----------------------------------------------------------------
+
+namespace {
+
+// The models that the run meets, in its steps or by what a program of its components waits for in
+// the end.
+std::set<std::uint32_t> find_met(const System& system, const Trace& trace,
+                                 const GlobalState& last) {
+  std::set<std::uint32_t> met;
+  const auto add = [&](const Program& program, const ProgramEdge& edge) {
+    for (const ModelUse& use : program.uses_of(edge)) met.insert(use.model);
+  };
+  for (const Step& step : trace.steps) add(system.programs[step.program], edge_of(system, step));
+  for (const auto& component : find_components(system)) {
+    const bool is_met = std::any_of(trace.steps.begin(), trace.steps.end(), [&](const Step& step) {
+      return std::find(component.begin(), component.end(), step.program) != component.end();
+    });
+    if (!is_met && !trace.steps.empty()) continue;
+    for (const std::uint32_t index : component) {
+      const Program& program = system.programs[index];
+      for (const ProgramEdge& edge : program.edges_of(last.programs[index])) add(program, edge);
+    }
+  }
+  return met;
+}
+
+bool is_real_in(const System& system, std::uint32_t model, const ReplayedNodes* nodes) {
+  return is_real(system.models[model]) || (nodes != nullptr && nodes->contains(model));
+}
+
+// A mutex or a semaphore: it belongs to the programs, as a shared variable does.
+bool is_lock(const ModelInstance& model) {
+  return model.source == ModelInstance::Source::built_in && !model.automaton.inputs().find("read");
+}
+
+}  // namespace
+
+bool meet_nodes(const System& system, std::span<const Trace> traces) {
+  const std::vector<std::uint32_t> models = ReplayedNodes::find_models(system);
+  return std::any_of(traces.begin(), traces.end(), [&](const Trace& trace) {
+    const auto met = find_met(system, trace, replay(system, trace).back());
+    return std::any_of(models.begin(), models.end(),
+                       [&](std::uint32_t model) { return met.contains(model); });
+  });
+}
+
+Unplayed find_unplayed(const System& system, std::span<const Trace> traces,
+                       const ReplayedNodes* nodes) {
+  using Source = ModelInstance::Source;
+  std::set<std::uint32_t> met;
+  for (const Trace& trace : traces)
+    met.merge(find_met(system, trace, replay(system, trace).back()));
+  const auto is = [&](std::uint32_t model, Source source) {
+    return system.models[model].source == source;
+  };
+  Unplayed unplayed;
+  unplayed.is_all = std::none_of(met.begin(), met.end(), [&](std::uint32_t model) {
+    return is_real_in(system, model, nodes);
+  });
+  if (!unplayed.is_all) {
+    std::erase_if(met, [&](std::uint32_t model) {
+      return is(model, Source::variable) || is_lock(system.models[model]) ||
+             (nodes != nullptr && is(model, Source::executor)) || is_real_in(system, model, nodes);
+    });
+  }
+  unplayed.models = describe_unreal(system, {met.begin(), met.end()});
+  for (std::string& line : unplayed.models) line += ", and no real system is asked for that";
+  return unplayed;
+}
+
+std::vector<std::string> find_assumptions(const System& system, const Trace& trace) {
+  std::set<std::string> found;
+  const std::vector<GlobalState> states = replay(system, trace);
+  for (const Step& step : trace.steps) {
+    if (!step.is_beyond) continue;
+    const StepText text = describe_step(system, step);
+    const auto at = static_cast<std::size_t>(&step - trace.steps.data());
+    for (const ModelUse& use : uses_beyond(system, states[at], step)) {
+      const ModelInstance& model = system.models[use.model];
+      const bool is_cut = model.when_unexplored == WhenUnexplored::stop;
+      found.insert(fmt::format("{}'s {}{} at line {} was never tried there ({}), {}", text.program,
+                               text.model, text.event, text.line, describe_bound(model),
+                               is_cut ? "and is not played" : "and is taken to change nothing"));
+    }
+  }
+  if (trace.loop_start) return {found.begin(), found.end()};
+  for (const std::uint32_t index : deadlocked_programs(system, states.back())) {
+    const Program& program = system.programs[index];
+    for (const ProgramEdge& edge : program.edges_of(states.back().programs[index])) {
+      for (const ModelUse& event : program.events_of(edge)) {
+        const ModelInstance& model = system.models[event.model];
+        if (event.kind != Kind::give || !is_real(model)) continue;
+        const StateId at = states.back().models[event.model];
+        const std::string call = describe_edge(system, program, edge);
+        if (!model.automaton.is_quiescent(at)) {
+          found.insert(
+              fmt::format("{} waits with {} for somebody to take {}: so programs and models "
+                          "meet, whatever the real call would do",
+                          program.name, call, describe_due(model.automaton, at)));
+        } else if (is_beyond_learned(model.automaton, at, event.symbol)) {
+          found.insert(fmt::format("{}'s {} at line {} was never tried there ({}), and waits",
+                                   program.name, call, edge.line, describe_bound(model)));
+        }
+      }
+    }
+  }
+  return {found.begin(), found.end()};
+}
+
+bool ends_in_deadlock(const System& system, const Trace& trace) {
+  return !trace.loop_start && !deadlocked_programs(system, replay(system, trace).back()).empty();
 }
 
 }  // namespace maide

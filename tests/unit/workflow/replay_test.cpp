@@ -10,6 +10,7 @@
 #include "maide/formats/model_file.hpp"
 #include "maide/sul/simulated_sul.hpp"
 #include "maide/workflow/real_system.hpp"
+#include "maide/workflow/replay_plan.hpp"
 
 namespace maide {
 namespace {

@@ -68,6 +68,7 @@ struct Joint {
   std::vector<ModelUse> events;  // the inputs given and outputs taken, for formulas: give, take
   std::string text;              // in the file's words: "images.read -> message", "n = 3"
   std::uint32_t fair = 0;        // its fair group in the program; 0: none
+  std::optional<std::uint32_t> starts{};  // a callback, of the system's
 };
 
 // Edges of which one is to be taken again and again if one of them can be taken again and again, on

@@ -62,13 +62,14 @@ struct Arm {
 
 // A callback of a node, as the thread that runs it sees it.
 struct Callback {
-  enum class Kind : std::uint8_t { timer, subscription, service, client };  // in a round's order
+  using Kind = CallbackInstance::Kind;
   Kind kind = Kind::timer;
-  std::string node;      // "detector[0]"
-  std::string name;      // "on_image"; of a client its service
-  ScalarText takes;      // of a subscription: "t.read -> message(var k)"
-  ScalarText code;       // what it does
-  bool has_code = true;  // without, a client hands answers to the callbacks that asked
+  std::uint32_t number = 0;  // among all callbacks
+  std::string node;          // "detector[0]"
+  std::string name;          // "on_image"; of a client its service
+  ScalarText takes;          // of a subscription: "t.read -> message(var k)"
+  ScalarText code;           // what it does
+  bool has_code = true;      // without, a client hands answers to the callbacks that asked
   // `do: {next: "...", gap: "..."}`: outputs, and what is done then.
   std::vector<std::pair<ScalarText, ScalarText>> outcomes;
   std::map<std::string, Expression> indices;  // of an array of nodes: this one's

@@ -79,6 +79,7 @@ struct ModelInstance {
 struct TopicInstance {
   struct Reader {
     std::uint32_t program = 0, model = 0;
+    std::optional<std::uint32_t> callback;  // of a node, that takes from it
     // By state of the model: the output of the writer's actor that was collected.
     std::vector<std::optional<Symbol>> collected;
   };
@@ -94,6 +95,23 @@ struct ServiceInstance {
   std::string name, server;
   std::vector<std::string> clients;
   std::uint32_t model = 0;
+};
+
+// What runs callbacks, and the callbacks of the nodes, in the order of the file. A step that starts
+// one names it (Joint::starts).
+struct ExecutorInstance {
+  std::string name;
+  std::uint32_t threads = 1;
+  bool goes_by_rounds = false;
+};
+struct CallbackInstance {
+  enum class Kind : std::uint8_t { timer, subscription, service, client };  // in a round's order
+  Kind kind = Kind::timer;
+  std::string node, name;  // "detector", "detector.on_image"
+  std::uint32_t executor = 0;
+  std::string group;  // of its node; "" is the node's own
+  bool is_reentrant = false;
+  std::uint32_t model = 0;  // of a service or client
 };
 
 enum class Fairness : std::uint8_t { none, weak, strong };
@@ -114,6 +132,8 @@ struct System {
   std::vector<ModelInstance> models;
   std::vector<TopicInstance> topics;
   std::vector<ServiceInstance> services;
+  std::vector<ExecutorInstance> executors;
+  std::vector<CallbackInstance> callbacks;
   std::vector<Program> programs;
   std::vector<Property> properties;     // those of the file
   std::vector<std::string> remarks;     // one line each: what looks like an oversight

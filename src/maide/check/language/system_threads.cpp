@@ -56,11 +56,19 @@ std::uint32_t SystemReader::runs_of(const NodeOf& node, std::size_t callback) co
 
 void SystemReader::make_threads() {
   for (NodeOf& node : nodes_) read_callbacks(node);
+  for (const Executor& executor : executors_) {
+    system_.executors.push_back({executor.name, executor.threads, executor.goes_by_rounds});
+  }
   for (NodeOf& node : nodes_) {
     std::uint32_t asker = 0;
     for (std::size_t i = 0; i < node.callbacks.size(); ++i) {
-      node.callbacks[i].asker = asker;
+      Callback& callback = node.callbacks[i];
+      const std::string& group = node.callback_groups[i];
+      callback.asker = asker;
       asker += runs_of(node, i);
+      callback.number = static_cast<std::uint32_t>(system_.callbacks.size());
+      system_.callbacks.push_back({callback.kind, node.name, callback.whole_name(), node.executor,
+                                   group, !group.empty() && node.groups.at(group), callback.model});
     }
   }
   std::set<std::uint32_t> made;

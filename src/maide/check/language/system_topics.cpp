@@ -306,7 +306,11 @@ void SystemReader::keep_topics() {
     kept.writers.assign(topic.writers.begin(), topic.writers.end());
     kept.delivers_one = topic.delivers_one;
     for (const Topic::Reader& reader : topic.readers) {
-      kept.readers.push_back({reader.program, reader.model, reader.collected});
+      std::optional<std::uint32_t> callback;
+      for (std::uint32_t number = 0; number < system_.callbacks.size(); ++number) {
+        if (system_.callbacks[number].name == reader.callback) callback = number;
+      }
+      kept.readers.push_back({reader.program, reader.model, callback, reader.collected});
     }
   }
 }

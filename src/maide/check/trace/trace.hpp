@@ -18,6 +18,7 @@ struct Trace {
   // Steps from here on repeat for ever. None: the run ends there, is cut, or need not be shown any
   // further because whatever comes violates the property.
   std::optional<std::size_t> loop_start;
+  bool operator==(const Trace&) const = default;
 };
 
 // A run of the part as one of the whole system, and back.

@@ -1,0 +1,361 @@
+#include "maide/workflow/executor_rules.hpp"
+
+#include <algorithm>
+#include <set>
+#include <string>
+#include <tuple>
+
+namespace maide {
+namespace {
+
+using Kind = CallbackInstance::Kind;
+
+const Joint* joint_of(const System& system, const Step& step) {
+  const Program& program = system.programs[step.program];
+  const ProgramEdge& edge = program.edges[step.edge];
+  return edge.kind == ModelUse::Kind::joint ? &program.joints[edge.symbol] : nullptr;
+}
+
+}  // namespace
+
+std::optional<std::uint32_t> started_by(const System& system, const Step& step) {
+  const Joint* joint = joint_of(system, step);
+  return joint == nullptr ? std::nullopt : joint->starts;
+}
+
+bool is_end_of_callback(const System& system, const Step& step) {
+  const Joint* joint = joint_of(system, step);
+  return joint != nullptr && joint->role == Joint::Role::end;
+}
+
+std::vector<std::uint32_t> found_by(const System& system, const Step& step) {
+  const Joint* joint = joint_of(system, step);
+  std::vector<std::uint32_t> found;
+  if (joint == nullptr || joint->role != Joint::Role::look) return found;
+  for (std::uint32_t callback = 0; callback < system.callbacks.size(); ++callback) {
+    // "finds camera.tick, detector.on_image"
+    const std::string& name = system.callbacks[callback].name;
+    const std::string text = joint->text.substr(joint->text.find(' ') + 1) + ",";
+    for (std::size_t at = text.find(name + ","); at != std::string::npos;
+         at = text.find(name + ",", at + 1)) {
+      if (at == 0 || text[at - 1] == ' ') found.push_back(callback);
+    }
+  }
+  return found;
+}
+
+ExecutorRules::ExecutorRules(const System& system)
+    : system_(system), group_of_(system.callbacks.size()), ways_(system.callbacks.size()) {
+  for (std::uint32_t number = 0; number < system.callbacks.size(); ++number) {
+    const CallbackInstance& callback = system.callbacks[number];
+    const auto is_its = [&](const std::vector<std::uint32_t>& group) {
+      const CallbackInstance& first = system.callbacks[group.front()];
+      return first.node == callback.node && first.group == callback.group;
+    };
+    const auto place = std::find_if(groups_.begin(), groups_.end(), is_its);
+    group_of_[number] = static_cast<std::size_t>(place - groups_.begin());
+    if (place == groups_.end()) groups_.emplace_back();
+    groups_[group_of_[number]].push_back(number);
+    order_.push_back(number);
+  }
+  std::stable_sort(order_.begin(), order_.end(), [&](std::uint32_t a, std::uint32_t b) {
+    const Kind kind = system.callbacks[a].kind, other = system.callbacks[b].kind;
+    return kind != other ? kind < other : group_of_[a] < group_of_[b];
+  });
+  // What a start does with threads and groups, and what it asks of other models in `order: rounds`,
+  // says nothing of what is there for the callback.
+  for (const Program& program : system.programs) {
+    for (const ProgramEdge& edge : program.edges) {
+      if (edge.kind != ModelUse::Kind::joint) continue;
+      const Joint& joint = program.joints[edge.symbol];
+      if (!joint.starts || joint.events.empty()) continue;
+      std::vector<ModelUse>& ways = ways_[*joint.starts];
+      for (const ModelUse& use : joint.uses) {
+        if (use.model != joint.events.front().model) continue;
+        if (std::find(ways.begin(), ways.end(), use) == ways.end()) ways.push_back(use);
+      }
+    }
+  }
+}
+
+ExecutorRules::State ExecutorRules::initial() const {
+  State state;
+  state.found.resize(system_.executors.size());
+  state.picked.resize(system_.executors.size());
+  for (std::uint32_t callback = 0; callback < system_.callbacks.size(); ++callback) {
+    state.running.emplace_back(runs_of(callback), false);
+  }
+  return state;
+}
+
+std::size_t ExecutorRules::runs_of(std::uint32_t callback) const {
+  const CallbackInstance& instance = system_.callbacks[callback];
+  return instance.is_reentrant ? system_.executors[instance.executor].threads : 1;
+}
+
+bool ExecutorRules::is_ready(std::uint32_t callback, const GlobalState& at) const {
+  return std::any_of(ways_[callback].begin(), ways_[callback].end(), [&](const ModelUse& use) {
+    return !model_steps(system_.models[use.model], at.models[use.model], use).empty();
+  });
+}
+
+bool ExecutorRules::is_busy(const State& state, std::size_t group) const {
+  if (system_.callbacks[groups_[group].front()].is_reentrant) return false;
+  return std::any_of(groups_[group].begin(), groups_[group].end(), [&](std::uint32_t callback) {
+    const auto& picked = state.picked[system_.callbacks[callback].executor];
+    return state.running[callback].front() ||
+           std::find(picked.begin(), picked.end(), callback) != picked.end();
+  });
+}
+
+std::optional<std::uint32_t> ExecutorRules::pick(State& state, std::uint32_t executor,
+                                                 const GlobalState& at,
+                                                 std::span<const std::uint32_t> due) const {
+  std::size_t busy = state.picked[executor].size();
+  for (std::uint32_t callback = 0; callback < system_.callbacks.size(); ++callback) {
+    if (system_.callbacks[callback].executor != executor) continue;
+    const auto& running = state.running[callback];
+    busy += static_cast<std::size_t>(std::count(running.begin(), running.end(), true));
+  }
+  if (busy >= system_.executors[executor].threads) return std::nullopt;
+  std::vector<std::uint32_t>& found = state.found[executor];
+  const auto is_free = [&](std::uint32_t callback) { return !is_busy(state, group_of_[callback]); };
+  auto first = std::find_if(found.begin(), found.end(), is_free);
+  if (first == found.end()) {
+    found.clear();
+    for (const std::uint32_t callback : order_) {
+      const bool is_due = std::find(due.begin(), due.end(), callback) != due.end();
+      if (system_.callbacks[callback].executor == executor && is_free(callback) &&
+          (is_due || is_ready(callback, at))) {
+        found.push_back(callback);
+      }
+    }
+    first = found.begin();
+  }
+  if (first == found.end()) return std::nullopt;
+  const std::uint32_t callback = *first;
+  found.erase(first);
+  auto& picked = state.picked[executor];
+  picked.insert(std::upper_bound(picked.begin(), picked.end(), callback), callback);
+  return callback;
+}
+
+std::size_t ExecutorRules::start(State& state, std::uint32_t callback) const {
+  auto& picked = state.picked[system_.callbacks[callback].executor];
+  const auto place = std::find(picked.begin(), picked.end(), callback);
+  if (place != picked.end()) picked.erase(place);
+  auto& running = state.running[callback];
+  const auto run = std::find(running.begin(), running.end(), false);
+  if (run == running.end()) return 0;
+  *run = true;
+  return static_cast<std::size_t>(run - running.begin());
+}
+
+void ExecutorRules::end(State& state, std::uint32_t callback, std::size_t run) const {
+  state.running[callback][run] = false;
+}
+
+// ---- schedules ----------------------------------------------------------------------------------
+
+namespace {
+
+// The step at another moment, when models may be in other states.
+std::optional<Step> step_like(const System& system, const GlobalState& at, const Step& as_told) {
+  const std::vector<Step> enabled = enabled_steps(system, at, as_told.program);
+  auto step = std::find(enabled.begin(), enabled.end(), as_told);
+  if (step == enabled.end()) {
+    step = std::find_if(enabled.begin(), enabled.end(), [&](const Step& other) {
+      return other.edge == as_told.edge && other.is_beyond == as_told.is_beyond;
+    });
+  }
+  return step == enabled.end() ? std::nullopt : std::optional(*step);
+}
+
+// A depth-first search for an order of the steps and for when threads pick. Each queue keeps its
+// order. What comes first in the trace is tried first, and threads pick as late as they can.
+class Scheduler {
+ public:
+  using Queue = std::vector<std::size_t>;  // steps of the trace
+
+  Scheduler(const System& system, const ExecutorRules& rules, const Trace& trace)
+      : system_(system),
+        rules_(rules),
+        trace_(trace),
+        runs_(system.programs.size()),
+        rules_state_(rules.initial()),
+        state_(initial_state(system)) {}
+
+  // Goes on behind the last call. `goal`: the state in which it must end. False if there is no way.
+  bool run(std::vector<Queue> queues, const GlobalState* goal) {
+    queues_ = std::move(queues);
+    goal_ = goal;
+    visited_.clear();
+    return search(Progress(queues_.size()), state_, rules_state_);
+  }
+
+  const std::vector<ScheduledStep>& steps() const { return steps_; }
+
+ private:
+  using Progress = std::vector<std::size_t>;
+  using Rules = ExecutorRules::State;
+  static constexpr std::size_t most_visited = 200'000;
+
+  bool search(const Progress& progress, const GlobalState& at, const Rules& rules) {
+    // By step of the trace and queue.
+    std::vector<std::pair<std::size_t, std::size_t>> next;
+    for (std::size_t queue = 0; queue < queues_.size(); ++queue) {
+      if (progress[queue] < queues_[queue].size()) {
+        next.emplace_back(queues_[queue][progress[queue]], queue);
+      }
+    }
+    if (next.empty()) {
+      if (goal_ != nullptr && at != *goal_) return false;
+      state_ = at;
+      rules_state_ = rules;
+      return true;
+    }
+    if (visited_.size() == most_visited) return false;
+    if (!visited_.emplace(progress, at.models, rules).second) return false;
+    std::sort(next.begin(), next.end());
+    for (const auto& [step, queue] : next) {
+      if (try_step(progress, at, rules, step, queue)) return true;
+    }
+    // Some thread may have picked before.
+    for (std::uint32_t executor = 0; executor < system_.executors.size(); ++executor) {
+      if (try_pick(progress, at, rules, executor, {})) return true;
+    }
+    return false;
+  }
+
+  bool try_step(const Progress& progress, const GlobalState& at, const Rules& rules,
+                std::size_t number, std::size_t queue) {
+    const auto step = step_like(system_, at, trace_.steps[number]);
+    if (!step) return false;
+    Rules behind = rules;
+    const auto before = runs_[step->program];
+    const std::vector<std::uint32_t> picks = picks_;
+    if (const auto callback = started_by(system_, *step)) {
+      const std::uint32_t executor = system_.callbacks[*callback].executor;
+      const auto& picked = rules.picked[executor];
+      if (std::find(picked.begin(), picked.end(), *callback) == picked.end()) {
+        return try_pick(progress, at, rules, executor, {*callback});
+      }
+      runs_[step->program] = {*callback, rules_.start(behind, *callback)};
+    } else if (const auto found = found_by(system_, *step); !found.empty()) {
+      const auto callback =
+          rules_.pick(behind, system_.callbacks[found.front()].executor, at, found);
+      if (!callback) return false;
+      picks_.push_back(*callback);
+    } else if (is_end_of_callback(system_, *step)) {
+      rules_.end(behind, before.first, before.second);
+    }
+    Progress further = progress;
+    ++further[queue];
+    steps_.push_back({number, std::exchange(picks_, {})});
+    if (search(further, apply(system_, at, *step), behind)) return true;
+    steps_.pop_back();
+    picks_ = picks;
+    runs_[step->program] = before;
+    return false;
+  }
+
+  // One that is picked already is not there a second time: its message may be the only one.
+  bool try_pick(const Progress& progress, const GlobalState& at, const Rules& rules,
+                std::uint32_t executor, const std::vector<std::uint32_t>& due) {
+    Rules behind = rules;
+    const auto callback = rules_.pick(behind, executor, at, due);
+    const auto& before = rules.picked[executor];
+    if (!callback || std::find(before.begin(), before.end(), *callback) != before.end()) {
+      return false;
+    }
+    picks_.push_back(*callback);
+    if (search(progress, at, behind)) return true;
+    picks_.pop_back();
+    return false;
+  }
+
+  const System& system_;
+  const ExecutorRules& rules_;
+  const Trace& trace_;
+  std::vector<Queue> queues_;
+  const GlobalState* goal_ = nullptr;
+  std::vector<ScheduledStep> steps_;
+  std::vector<std::uint32_t> picks_;                         // before the next step
+  std::vector<std::pair<std::uint32_t, std::size_t>> runs_;  // by program: callback and run
+  Rules rules_state_;                                        // where the last search ended
+  GlobalState state_;
+  std::set<std::tuple<Progress, std::vector<StateId>, Rules>> visited_;
+};
+
+}  // namespace
+
+std::vector<ScheduledStep> schedule(const System& system, const ExecutorRules& rules,
+                                    const Trace& trace, std::span<const std::size_t> moves) {
+  Scheduler scheduler(system, rules, trace);
+  if (scheduler.run({{moves.begin(), moves.end()}}, nullptr)) return scheduler.steps();
+  std::vector<ScheduledStep> steps;
+  for (const std::size_t move : moves) {
+    steps.push_back({move, {}});
+    if (const auto callback = started_by(system, trace.steps[move])) {
+      steps.back().picks = {*callback};
+    }
+  }
+  return steps;
+}
+
+std::optional<Trace> order_for_executors(const System& system, const ExecutorRules& rules,
+                                         const Trace& trace) {
+  const std::vector<GlobalState> states = replay(system, trace);
+  const std::size_t first_of_loop = trace.loop_start.value_or(trace.steps.size());
+  Scheduler scheduler(system, rules, trace);
+  for (const auto& [from, to] :
+       {std::pair{std::size_t{0}, first_of_loop}, std::pair{first_of_loop, trace.steps.size()}}) {
+    std::vector<Scheduler::Queue> queues(system.programs.size());
+    for (std::size_t step = from; step < to; ++step) {
+      queues[trace.steps[step].program].push_back(step);
+    }
+    if (!scheduler.run(std::move(queues), &states[to])) return std::nullopt;
+  }
+  Trace ordered;
+  ordered.loop_start = trace.loop_start;
+  GlobalState at = initial_state(system);
+  for (const ScheduledStep& scheduled : scheduler.steps()) {
+    const auto step = step_like(system, at, trace.steps[scheduled.step]);
+    ordered.steps.push_back(step.value());
+    at = apply(system, at, *step);
+  }
+  return ordered;
+}
+
+// ---- runs ---------------------------------------------------------------------------------------
+
+NodeRuns::NodeRuns(const System& system)
+    : system_(system), rules_(system), state_(rules_.initial()), runs_(system.programs.size()) {}
+
+// A look is there for its own sake in `order: rounds`. What it found is what is picked from then
+// on.
+void NodeRuns::restrict(const GlobalState& at, std::vector<Step>& steps) const {
+  std::erase_if(steps, [&](const Step& step) {
+    const auto callback = started_by(system_, step);
+    if (!callback) return false;
+    const std::uint32_t executor = system_.callbacks[*callback].executor;
+    const auto& picked = state_.picked[executor];
+    if (!picked.empty()) return std::find(picked.begin(), picked.end(), *callback) == picked.end();
+    ExecutorRules::State next = state_;
+    return rules_.pick(next, executor, at, {&*callback, 1}) != callback;
+  });
+}
+
+void NodeRuns::take(const GlobalState& at, const Step& step) {
+  if (const auto callback = started_by(system_, step)) {
+    const std::uint32_t executor = system_.callbacks[*callback].executor;
+    if (state_.picked[executor].empty()) rules_.pick(state_, executor, at, {&*callback, 1});
+    runs_[step.program] = {*callback, rules_.start(state_, *callback)};
+  } else if (is_end_of_callback(system_, step)) {
+    rules_.end(state_, runs_[step.program].first, runs_[step.program].second);
+  } else if (const auto found = found_by(system_, step); !found.empty()) {
+    rules_.pick(state_, system_.callbacks[found.front()].executor, at, found);
+  }
+}
+
+}  // namespace maide

@@ -1,0 +1,234 @@
+// Counterexamples of systems with nodes, on running rclcpp nodes: callbacks, groups and executors
+// do what they say, every time. Where the real ones are others than the file says, they do not.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <iostream>
+#include <string>
+#include <vector>
+
+#include "maide/base/file.hpp"
+#include "maide/base/text.hpp"
+#include "maide/check/explore/check_system.hpp"
+#include "maide/check/explore/engine.hpp"
+#include "maide/workflow/learned_models.hpp"
+#include "maide/workflow/real_system.hpp"
+#include "maide/workflow/replay.hpp"
+#include "maide/workflow/replay_plan.hpp"
+
+namespace maide {
+namespace {
+
+using testing::HasSubstr;
+
+struct Case {
+  std::string file, property;
+  friend void PrintTo(const Case& row, std::ostream* out) {
+    *out << row.file << ", " << row.property;
+  }
+};
+
+// A system file of examples/ros2, and what real nodes do.
+class Nodes {
+ public:
+  explicit Nodes(const std::filesystem::path& file)
+      : system_(read_system(
+            file,
+            record_requests(make_learning_source({file.parent_path(), {}, {}, 0}), requests_))) {}
+
+  // A run that shows that the property is violated, in an order of executors.
+  Trace find_trace(const std::string& property) const {
+    CheckRequest request;
+    request.properties = {property};
+    NativeEngine engine;
+    const PropertyResult result = check_system(system_, engine, request).properties.front();
+    EXPECT_EQ(result.verdict, Verdict::violated) << result.reason;
+    const Trace trace = result.trace.value();
+    EXPECT_TRUE(meet_nodes(system_, {&trace, 1}));
+    return order_for_executors(system_, ExecutorRules(system_), trace).value_or(trace);
+  }
+
+  // What came of each run.
+  std::vector<ReplayedRun> play(const std::vector<Trace>& traces) {
+    const auto nodes = find_nodes(system_, requests_);
+    EXPECT_EQ(find_unplayed(system_, traces, nodes.get()).models, std::vector<std::string>{});
+    const auto real = open_real_systems(system_, requests_, {0, "", {}, nodes});
+    std::vector<ReplayedRun> runs;
+    play_on_real_system(system_, real, traces, {},
+                        [&](std::size_t, ReplayedRun run) { runs.push_back(std::move(run)); });
+    return runs;
+  }
+
+  System& system() { return system_; }
+
+ private:
+  ModelRequests requests_;
+  System system_;
+};
+
+std::string text_of(const Deviation& deviation) {
+  return "step " + std::to_string(deviation.step + 1) + ": expected " + deviation.expected +
+         ", seen " + deviation.seen;
+}
+
+const std::filesystem::path folder = MAIDE_SOURCE_DIR "/examples/ros2";
+
+void use_built_wrappers() {
+  const char* path = std::getenv("PATH");
+  ::setenv("PATH", (MAIDE_BINARY_DIR "/bin:" + std::string(path ? path : "")).c_str(), 1);
+}
+
+class NodesReplay : public testing::TestWithParam<Case> {
+ protected:
+  static void SetUpTestSuite() { use_built_wrappers(); }
+
+  void expect_followed(std::size_t rounds) {
+    Nodes nodes(folder / (GetParam().file + ".yaml"));
+    const Trace trace = nodes.find_trace(GetParam().property);
+    std::size_t followed = 0;
+    for (const ReplayedRun& run : nodes.play(std::vector<Trace>(rounds, trace))) {
+      EXPECT_FALSE(run.deviation) << text_of(*run.deviation);
+      if (!run.deviation) ++followed;
+    }
+    EXPECT_EQ(followed, rounds);
+    std::cout << "| " << GetParam().file << " | " << GetParam().property << " | "
+              << trace.steps.size() << " | " << followed << " of " << rounds << " |\n";
+  }
+};
+
+TEST_P(NodesReplay, IsFollowed) { expect_followed(2); }
+
+TEST_P(NodesReplay, IsFollowedTwentyTimes) { expect_followed(20); }
+
+INSTANTIATE_TEST_SUITE_P(
+    Examples, NodesReplay,
+    testing::Values(Case{"strangers/strangers-nodes", "planned"}, Case{"nested/nested", "deadlock"},
+                    Case{"nested/reentrant", "deadlock"}, Case{"nested/lost-update", "all"},
+                    Case{"burst/burst-nodes", "planned"}, Case{"snapshot/snapshot", "order"},
+                    Case{"camera/camera", "deadlock"}, Case{"camera/camera-lost", "twelve"}),
+    [](const auto& row) {
+      std::string name = row.param.file.substr(row.param.file.find('/') + 1);
+      std::replace(name.begin(), name.end(), '-', '_');
+      return name;
+    });
+
+// ---- real nodes that are others than the file says --------------------------------------------
+
+class OtherNodes : public testing::Test {
+ protected:
+  static void SetUpTestSuite() { use_built_wrappers(); }
+
+  static std::string deviation_of(Nodes& nodes, const Trace& trace) {
+    const std::vector<ReplayedRun> runs = nodes.play({trace});
+    return runs.front().deviation ? text_of(*runs.front().deviation) : "followed";
+  }
+
+  // A system file beside those of examples/ros2/nested.
+  static Nodes nodes_of(const std::string& text) {
+    const TempDir folder;
+    const std::filesystem::path file = folder.path() / "system.yaml";
+    write_file_atomically(file, replaced_all(text, "MODELS", MAIDE_SOURCE_DIR "/examples/models"));
+    return Nodes(file);
+  }
+
+ private:
+  static std::string replaced_all(std::string text, const std::string& from,
+                                  const std::string& to) {
+    for (auto at = text.find(from); at != std::string::npos; at = text.find(from, at + to.size())) {
+      text.replace(at, from.size(), to);
+    }
+    return text;
+  }
+};
+
+// The callback that hangs gets its answer on a second thread, in a group of the client's own.
+TEST_F(OtherNodes, ADeadlockThatIsNone) {
+  Nodes nodes(folder / "nested/nested.yaml");
+  const Trace trace = nodes.find_trace("deadlock");
+  EXPECT_EQ(deviation_of(nodes, trace), "followed");
+  for (ExecutorInstance& executor : nodes.system().executors) executor.threads = 2;
+  for (CallbackInstance& callback : nodes.system().callbacks) {
+    if (callback.kind == CallbackInstance::Kind::client) callback.group = "answers";
+  }
+  EXPECT_THAT(deviation_of(nodes, trace),
+              HasSubstr("expected quiet, seen detector.lookup starts, detector.on_image has its "
+                        "answer"));
+}
+
+// Two callbacks do not run at once on one thread.
+TEST_F(OtherNodes, AThreadThatIsNotThere) {
+  Nodes nodes(folder / "nested/reentrant.yaml");
+  const Trace trace = nodes.find_trace("deadlock");
+  for (ExecutorInstance& executor : nodes.system().executors) executor.threads = 1;
+  EXPECT_THAT(deviation_of(nodes, trace),
+              HasSubstr("expected main picks detector.on_image, seen quiet"));
+}
+
+// "order: any" lets the second callback come first for ever. A round of rclcpp's executor does not.
+TEST_F(OtherNodes, AnOrderThatExecutorsDoNotTake) {
+  Nodes nodes = nodes_of(R"yaml(topics:
+  go: {writers: world, readers: robot.on_go, file: MODELS/ros2-topic-10.dot}
+  halt: {writers: world, readers: robot.on_halt, file: MODELS/ros2-topic-10.dot}
+programs:
+  world: "halt.write; loop { go.write; select { when (went) { } } went = false; }"
+executors:
+  main: {kind: single}
+nodes:
+  robot:
+    executor: main
+    callbacks:
+      on_halt: {takes: halt.read, do: "halted = true;"}
+      on_go: {takes: go.read, do: "went = true;"}
+variables: "var halted: bool; var went: bool;"
+properties:
+  halts: {ltl: "F (halted)"}
+)yaml");
+  const Trace trace = nodes.find_trace("halts");
+  EXPECT_THAT(deviation_of(nodes, trace),
+              HasSubstr("expected main picks robot.on_go, seen main picks robot.on_halt"));
+}
+
+TEST_F(OtherNodes, WhatCannotBePlayedIsOneLine) {
+  const auto error_of = [](const std::string& text) -> std::string {
+    ModelRequests requests;
+    const TempDir folder;
+    const std::filesystem::path file = folder.path() / "system.yaml";
+    write_file_atomically(file, text);
+    const System system = read_system(
+        file, record_requests(make_learning_source({folder.path(), {}, {}, 0}), requests));
+    try {
+      find_nodes(system, requests);
+    } catch (const UsageError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_THAT(error_of(R"(topics:
+  go: {writers: world, readers: robot.on_go, use: queue, with: {depth: 2}}
+programs:
+  world: "go.write;"
+nodes:
+  robot:
+    callbacks:
+      on_go: {takes: go.read, do: "skip;"}
+)"),
+              HasSubstr("topic go is a queue that is written by hand, so there is nothing real to "
+                        "run"));
+  EXPECT_THAT(error_of(R"(services:
+  ask: {server: map, clients: [robot], with: {depth: unknown}}
+nodes:
+  map:
+    callbacks:
+      find: {serves: ask, do: "ask.answer;"}
+  robot:
+    callbacks:
+      tick: {timer: 10, do: "ask.send;"}
+)"),
+              HasSubstr("service ask: its depth is unknown"));
+}
+
+}  // namespace
+}  // namespace maide

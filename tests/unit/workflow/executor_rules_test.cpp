@@ -1,0 +1,198 @@
+#include "maide/workflow/executor_rules.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "maide/base/random.hpp"
+#include "maide/check/language/system_file.hpp"
+
+namespace maide {
+namespace {
+
+using testing::ElementsAre;
+using testing::IsEmpty;
+
+// Two subscriptions and a timer of a node, and a service of another one, on one executor.
+System system_with(const std::string& executor, const std::string& robot = "") {
+  return parse_system(R"(topics:
+  go: {writers: driver, readers: robot.on_go, use: queue, with: {depth: 3}}
+  halt: {writers: guard, readers: robot.on_halt, use: queue, with: {depth: 3}}
+services:
+  ask: {server: map, clients: [robot]}
+programs:
+  driver: "loop { go.write; }"
+  guard: "loop { halt.write; }"
+executors:
+  main: )" + executor + R"(
+nodes:
+  map:
+    executor: main
+    callbacks:
+      find: {serves: ask, do: "ask.answer;"}
+  robot:
+    executor: main
+)" + robot + R"(
+    callbacks:
+      on_go: {takes: go.read, do: "skip;"}
+      on_halt: {takes: halt.read, do: "skip;"}
+      tick: {timer: 10, do: "ask.send;"}
+)",
+                      "system.yaml");
+}
+
+std::uint32_t callback_named(const System& system, const std::string& name) {
+  std::uint32_t number = 0;
+  while (system.callbacks.at(number).name != name) ++number;
+  return number;
+}
+
+// A system with the rules of its executors, on which steps are taken by what they say.
+class Executor {
+ public:
+  explicit Executor(System system)
+      : system_(std::move(system)), rules_(system_), state_(rules_.initial()) {
+    at_ = initial_state(system_);
+  }
+
+  void take(const std::string& text) {
+    for (const Step& step : enabled_steps(system_, at_)) {
+      const Program& program = system_.programs[step.program];
+      const ProgramEdge& edge = program.edges[step.edge];
+      std::string events;
+      for (const ModelUse& event : program.events_of(edge)) {
+        const ModelInstance& model = system_.models[event.model];
+        const bool gives = event.kind == ModelUse::Kind::give;
+        events += model.name + (gives ? "." : "!") +
+                  (gives ? model.automaton.inputs() : model.automaton.outputs()).name(event.symbol);
+      }
+      const bool is_joint = edge.kind == ModelUse::Kind::joint;
+      if (events != text && !(is_joint && program.joints[edge.symbol].text == text)) continue;
+      trace.steps.push_back(step);
+      at_ = apply(system_, at_, step);
+      return;
+    }
+    FAIL() << text << " is not possible";
+  }
+  void write(const std::string& topic) { take(topic + "[robot.on_" + topic + "].write"); }
+
+  // What threads pick, one after the other, until they find nothing.
+  std::vector<std::string> picks(const std::vector<std::string>& due = {}) {
+    std::vector<std::uint32_t> timers;
+    for (const std::string& name : due) timers.push_back(callback_named(system_, name));
+    std::vector<std::string> names;
+    while (const auto callback = rules_.pick(state_, 0, at_, timers)) {
+      names.push_back(system_.callbacks[*callback].name);
+      timers.clear();
+    }
+    return names;
+  }
+  void start_and_end(const std::string& name) {
+    const std::uint32_t callback = callback_named(system_, name);
+    rules_.end(state_, callback, rules_.start(state_, callback));
+  }
+
+  const System& system() const { return system_; }
+  const ExecutorRules& rules() const { return rules_; }
+  Trace trace;
+
+ private:
+  System system_;
+  ExecutorRules rules_;
+  ExecutorRules::State state_;
+  GlobalState at_;
+};
+
+TEST(ExecutorRules, OneThreadPicksTimersFirst) {
+  Executor executor(system_with("{kind: single}"));
+  EXPECT_THAT(executor.picks(), IsEmpty());
+  executor.write("halt");
+  executor.write("go");
+  EXPECT_THAT(executor.picks({"robot.tick"}), ElementsAre("robot.tick"));
+  EXPECT_THAT(executor.picks(), IsEmpty());  // its thread has picked
+}
+
+TEST(ExecutorRules, ALookIsUsedUpBeforeTheNext) {
+  Executor executor(system_with("{kind: single}"));
+  executor.write("halt");
+  EXPECT_THAT(executor.picks(), ElementsAre("robot.on_halt"));
+  executor.write("go");
+  executor.start_and_end("robot.on_halt");  // its message is not taken: it is there again
+  EXPECT_THAT(executor.picks({"robot.tick"}), ElementsAre("robot.tick"));
+  executor.start_and_end("robot.tick");
+  EXPECT_THAT(executor.picks({"robot.tick"}), ElementsAre("robot.on_go"));  // of the last look
+  executor.start_and_end("robot.on_go");
+  EXPECT_THAT(executor.picks({"robot.tick"}), ElementsAre("robot.on_halt"));
+}
+
+TEST(ExecutorRules, AGroupThatIsBusyIsPassedOver) {
+  Executor executor(system_with("{kind: multi, threads: 3}"));
+  executor.write("halt");
+  executor.write("go");
+  EXPECT_THAT(executor.picks(), ElementsAre("robot.on_go"));  // on_halt is of the same group
+}
+
+TEST(ExecutorRules, ThreadsPickWhatGroupsAllow) {
+  Executor executor(system_with("{kind: multi, threads: 3}", R"(    groups: {open: reentrant}
+    clients: {ask: open})"));
+  executor.write("halt");
+  EXPECT_THAT(executor.picks({"robot.tick"}), ElementsAre("robot.tick"));
+}
+
+// The message for on_halt comes first, but a thread that looks late runs on_go. One that looked as
+// soon as the message was there is what the run needs.
+TEST(ExecutorRules, AScheduleLetsThreadsPickBefore) {
+  Executor executor(system_with("{kind: single}"));
+  executor.write("halt");
+  executor.write("go");
+  executor.take("robot.on_halt starts: halt[robot.on_halt].read -> message");
+  std::vector<std::size_t> moves(executor.trace.steps.size());
+  for (std::size_t move = 0; move < moves.size(); ++move) moves[move] = move;
+  const auto steps = schedule(executor.system(), executor.rules(), executor.trace, moves);
+  ASSERT_EQ(steps.size(), 3u);
+  EXPECT_THAT(steps[1].picks, ElementsAre(callback_named(executor.system(), "robot.on_halt")));
+  EXPECT_THAT(steps[2].picks, IsEmpty());
+}
+
+// Both messages are there before the thread is idle again, so on_go would come next. It does not if
+// its message comes later.
+TEST(ExecutorRules, StepsOfOthersMayComeLater) {
+  Executor executor(system_with("{kind: single}"));
+  executor.write("halt");
+  executor.take("robot.on_halt starts: halt[robot.on_halt].read -> message");
+  executor.write("go");
+  executor.write("halt");
+  executor.take("robot.on_halt ends");
+  executor.take("robot.on_halt starts: halt[robot.on_halt].read -> message");
+  const auto ordered = order_for_executors(executor.system(), executor.rules(), executor.trace);
+  ASSERT_TRUE(ordered);
+  EXPECT_EQ(replay(executor.system(), *ordered).back(),
+            replay(executor.system(), executor.trace).back());
+  EXPECT_NE(*ordered, executor.trace);
+}
+
+TEST(NodeRuns, StartWhatExecutorsPick) {
+  const System system = system_with("{kind: single}");
+  const ExecutorRules rules(system);
+  NodeRuns runs(system);
+  GlobalState at = initial_state(system);
+  std::size_t starts = 0;
+  Random random(3);
+  for (int count = 0; count < 300; ++count) {
+    std::vector<Step> steps = enabled_steps(system, at);
+    std::erase_if(steps, [](const Step& step) { return step.is_beyond; });
+    runs.restrict(at, steps);
+    if (steps.empty()) break;
+    const Step step = steps[random.below(steps.size())];
+    if (started_by(system, step)) ++starts;
+    runs.take(at, step);
+    at = apply(system, at, step);
+  }
+  EXPECT_GT(starts, 20u);
+}
+
+}  // namespace
+}  // namespace maide
