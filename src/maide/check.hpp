@@ -36,7 +36,7 @@ namespace maide {
 
 struct CheckOptions {
   std::vector<std::string> properties;  // names; none: `deadlock`, `stuck` and those of the file
-  std::string engine = "native";        // or "spin"
+  std::string engine = "native";        // or "spin", "ltsmin"
   // Whether runs that differ in the order of independent steps alone are left out where the
   // property allows it: fewer states, the same verdict.
   Reduction reduction = Reduction::none;

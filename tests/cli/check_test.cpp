@@ -321,6 +321,8 @@ TEST_F(CheckCommand, ToolsThatAreMissingAreNamed) {
   const SubprocessResult result =
       run_with_maide("PATH=/nowhere \"$maide\" check --engine spin '" + path + "'");
   expect_error(result, 2, "'spin' cannot be run");
+  expect_error(run_with_maide("PATH=/nowhere \"$maide\" check --engine ltsmin '" + path + "'"), 2,
+               "the engine ltsmin needs a C++ compiler, and 'c++' cannot be run");
 }
 
 // A crash is an output: a program may wait for it, and if none does it is named.

@@ -55,11 +55,14 @@ TEST(Doctor, SaysWhatToInstall) {
   const Json spin = finding(json_of(result), "spin");
   EXPECT_EQ(spin.at("state"), "missing");
   EXPECT_EQ(spin.at("advice"), "apt-get install spin");
+  EXPECT_EQ(finding(json_of(result), "pins2lts-mc").at("advice"),
+            "build LTSmin: github.com/utwente-fmt/ltsmin");
 }
 
 TEST(Doctor, FindsProgramsThatAreBroken) {
   const TempDir folder("maide doctor ");
   make_program(folder.path() / "spin", "echo 'cannot start' >&2; exit 1");
+  make_program(folder.path() / "pins2lts-mc", "echo v3.1.0; exit 255");  // as LTSmin's does
   make_program(folder.path() / "maide-wrap-mine", "echo 'mine 1.0, tried'");
   make_program(folder.path() / "maide-wrap-broken", "echo 'no library' >&2; exit 4");
   const SubprocessResult result =
@@ -67,6 +70,8 @@ TEST(Doctor, FindsProgramsThatAreBroken) {
   EXPECT_EQ(result.exit_status, 0);
   const Json report = json_of(result);
   EXPECT_EQ(finding(report, "spin").at("state"), "broken");
+  EXPECT_EQ(finding(report, "pins2lts-mc").at("state"), "usable");
+  EXPECT_EQ(finding(report, "pins2lts-mc").at("version"), "v3.1.0");
   EXPECT_EQ(finding(report, "mine").at("state"), "usable");
   EXPECT_EQ(finding(report, "mine").at("version"), "mine 1.0, tried");
   EXPECT_EQ(finding(report, "broken").at("state"), "broken");

@@ -115,6 +115,7 @@ constexpr Wrong wrong_lines[] = {
     {"check nowhere.yaml", "cannot read the file: No such file or directory (nowhere.yaml)"},
     {"check @ --engine nativ", "did you mean 'native'?"},
     {"check @ --engine spinn", "did you mean 'spin'?"},
+    {"check @ --engine ltsmi", "did you mean 'ltsmin'?"},
     {"check @ --reduction ful", "did you mean 'full'?"},
     {"check @ --reduction cals", "did you mean 'calls'?"},
     {"check @ --property deadlok", "did you mean 'deadlock'?"},

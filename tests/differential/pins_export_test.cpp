@@ -2,7 +2,7 @@
 // stands in for LTSmin: it has the functions that a plug-in calls, loads compiled exports and
 // explores them. In every state the transitions are the system's steps, labels say what the meaning
 // says, and what the matrices promise is tried out. LTSmin itself does the same where it is
-// installed (ltsmin_engine_test.cpp).
+// installed (ltsmin_systems_test.cpp).
 #include <dlfcn.h>
 #include <fmt/format.h>
 #include <gmock/gmock.h>

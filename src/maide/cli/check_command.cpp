@@ -294,9 +294,12 @@ RunFunction set_up_check(CommandLine& line) {
   line.add("SYSTEM", arguments->system, "A system file (YAML): models, programs, properties")
       .required();
   line.add("--engine", arguments->engine,
-           "Which engine decides: native or spin. Native is Maide's own; spin is a reference that "
-           "knows no `stuck`, no X, no strong fairness and no `fair`, and needs spin and a C "
-           "compiler")
+           "Which engine decides: native, spin or ltsmin. Native is Maide's own; spin is a "
+           "reference "
+           "that knows no `stuck`, no X, no strong fairness and no `fair`, and needs spin and a C "
+           "compiler; ltsmin knows `deadlock`, `error` and `always` alone, uses all cores, and "
+           "needs "
+           "LTSmin and a C++ compiler")
       .value_name("NAME");
   line.add("--reduction", arguments->reduction,
            "What native leaves out: none, calls, order or full. It does so where the property "

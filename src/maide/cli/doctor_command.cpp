@@ -28,15 +28,28 @@ struct Tool {
   std::string name;
   std::string purpose;
   std::vector<std::string> version_command;
-  std::string package;  // of Debian
+  std::string advice;      // where it is not there
+  int version_status = 0;  // with which that command may exit, besides 0
 };
 
 const std::vector<Tool>& tools() {
   static const std::vector<Tool> table{
-      {"spin", "checks systems, too (maide check --engine spin)", {"spin", "-V"}, "spin"},
-      {"cc", "compiles what spin generates", {"cc", "--version"}, "gcc"},
-      {"dot", "draws models", {"dot", "-V"}, "graphviz"},
-      {"python3", "runs wrappers written in Python", {"python3", "--version"}, "python3"},
+      {"spin",
+       "checks systems, too (maide check --engine spin)",
+       {"spin", "-V"},
+       "apt-get install spin"},
+      {"cc", "compiles what spin generates", {"cc", "--version"}, "apt-get install gcc"},
+      {"pins2lts-mc",
+       "checks systems with all cores (maide check --engine ltsmin)",
+       {"pins2lts-mc", "--version"},
+       "build LTSmin: github.com/utwente-fmt/ltsmin",
+       255},
+      {"c++", "compiles what ltsmin explores", {"c++", "--version"}, "apt-get install g++"},
+      {"dot", "draws models", {"dot", "-V"}, "apt-get install graphviz"},
+      {"python3",
+       "runs wrappers written in Python",
+       {"python3", "--version"},
+       "apt-get install python3"},
   };
   return table;
 }
@@ -83,15 +96,16 @@ Finding examine(const Tool& tool, const RunControl& control) {
   Finding finding{"program", tool.name, tool.purpose};
   const auto path = find_on_path(tool.name);
   if (!path) {
-    finding.advice = "apt-get install " + tool.package;
+    finding.advice = tool.advice;
     return finding;
   }
   finding.path = path->string();
   const SubprocessResult result = ask(tool.version_command, control);
   // dot prints its version on standard error.
   finding.version = first_line(result.out.empty() ? result.err : result.out);
-  finding.state = result.succeeded() ? State::usable : State::broken;
-  if (!result.succeeded()) {
+  const bool is_well = result.succeeded() || result.exit_status == tool.version_status;
+  finding.state = is_well ? State::usable : State::broken;
+  if (!is_well) {
     finding.advice = fmt::format("'{}' {}", fmt::join(tool.version_command, " "),
                                  result.timed_out ? "does not end" : "fails");
   }

@@ -18,6 +18,7 @@
 #include "maide/check/explore/merged_calls.hpp"
 #include "maide/check/explore/monitors.hpp"
 #include "maide/check/explore/short_lasso.hpp"
+#include "maide/check/ltsmin/ltsmin_engine.hpp"
 #include "maide/check/spin/spin_engine.hpp"
 
 namespace maide {
@@ -44,9 +45,11 @@ std::string why_stopped(const EngineOptions& options) {
 
 std::unique_ptr<Engine> make_engine(const std::string& name) {
   if (name == "spin") return std::make_unique<SpinEngine>();
+  if (name == "ltsmin") return std::make_unique<LtsminEngine>();
   if (name == "native") return std::make_unique<NativeEngine>();
-  throw UsageError("there is no engine '" + name + "'; there is: native, spin" +
-                   did_you_mean(name, std::vector<std::string>{"native", "spin"}));
+  const std::vector<std::string> known{"native", "spin", "ltsmin"};
+  throw UsageError("there is no engine '" + name + "'; there is: " + join(known) +
+                   did_you_mean(name, known));
 }
 
 namespace {

@@ -1,6 +1,6 @@
-// Engines decide properties of systems. There are two: Maide's own, and SPIN (spin_engine.hpp). An
-// engine answers for one property at a time. It knows nothing of what a verdict rests on; that is
-// check_system's part.
+// Engines decide properties of systems. There are three: Maide's own, SPIN (spin_engine.hpp) and
+// LTSmin (ltsmin_engine.hpp). An engine answers for one property at a time. It knows nothing of
+// what a verdict rests on; that is check_system's part.
 #pragma once
 
 #include <cstdint>
@@ -74,7 +74,7 @@ class Engine {
   virtual CutResult find_cut(const System& system, const EngineOptions& options) = 0;
 };
 
-// The engine of that name: `native`, `spin`. Throws UsageError for others.
+// The engine of that name: `native`, `spin`, `ltsmin`. Throws UsageError for others.
 std::unique_ptr<Engine> make_engine(const std::string& name);
 
 // Maide's own engine: explicit states, packed (packed_system.hpp, state_table.hpp). Deadlocks, cuts

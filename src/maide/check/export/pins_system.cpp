@@ -429,7 +429,7 @@ class PinsWriter {
 
 std::string why_no_label(const System& system, const Property& property) {
   const Formula condition = invariant_of(property);
-  if (!condition) return "is no 'always'";
+  if (!condition) return "is no `always`";
   for (const Atom& atom : atoms_of(condition)) {
     if (atom.is_event()) return "sees events, and not states alone";
     if (AtomView(system, atom).is_too_large()) return "compares too many values";

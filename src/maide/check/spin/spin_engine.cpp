@@ -7,8 +7,7 @@
 #include <filesystem>
 #include <stdexcept>
 
-#include "maide/base/file.hpp"
-#include "maide/base/subprocess.hpp"
+#include "maide/check/explore/engine_folder.hpp"
 #include "maide/check/export/promela_system.hpp"
 #include "maide/check/language/components.hpp"
 
@@ -24,13 +23,6 @@ constexpr std::uint64_t last_depth = 1'000'000'000;
 constexpr std::size_t largest_claim = 16'000;  // bytes of a formula; spin refuses shorter ones, too
 constexpr std::chrono::seconds shortening_time{5};  // what "cheap" means
 
-// The first lines of what a tool complained about, as one line.
-std::string complaint(const SubprocessResult& result) {
-  std::string text = (result.out + result.err).substr(0, 300);
-  std::replace(text.begin(), text.end(), '\n', ' ');
-  return text;
-}
-
 // One verification: a temporary folder in which SPIN's verifier is made and run.
 class Verification {
  public:
@@ -43,11 +35,12 @@ class Verification {
         is_fair_(is_fair),
         what_(std::move(what)),
         memory_mib_(memory_limit_mib(options)),
-        promela_(write_promela(system, promela_options)) {
+        promela_(write_promela(system, promela_options)),
+        folder_("spin", options.control) {
     std::string text = promela_.text;
     if (purpose_ == Purpose::ltl) text += never_claim();
     write_file_atomically(folder_.path() / "system.pml", text);
-    run_tool({tools_.spin, "-a", "system.pml"}, "spin", "pan.c");
+    folder_.run_tool({tools_.spin, "-a", "system.pml"}, "spin", "pan.c");
   }
 
   // Makes the verifier and runs it, deeper and deeper until nothing is cut off.
@@ -69,7 +62,7 @@ class Verification {
   // The counterexample that the last search left.
   Trace read_trace(const std::string& trail = "system.pml.trail") {
     const SubprocessResult result =
-        run({tools_.spin, "-t", "-p", "-k", trail, "system.pml"}, std::nullopt);
+        folder_.run({tools_.spin, "-t", "-p", "-k", trail, "system.pml"});
     return read_spin_run(result.out, promela_, system_);
   }
 
@@ -86,7 +79,7 @@ class Verification {
       const std::size_t depth = 2 * trace.steps.size() + 2 * promela_.processes + 10;
       std::vector<std::string> command{"./pan", fmt::format("-m{}", depth), "-i", "-n"};
       command.emplace_back(what_to_ignore());
-      run(command, shortening_time);
+      folder_.run(command, shortening_time);
       if (!fs::exists(trail, error)) return trace;
       Trace shorter = read_trace();
       return shorter.steps.size() < trace.steps.size() ? shorter : trace;
@@ -113,44 +106,11 @@ class Verification {
   std::uint64_t memory_mib() const { return memory_mib_; }
 
  private:
-  SubprocessResult run(const std::vector<std::string>& command,
-                       std::optional<std::chrono::milliseconds> limit) {
-    SubprocessOptions options;
-    options.folder = folder_.path();
-    options.time_limit = limit;
-    return run_program(command, options, options_.control);
-  }
-
-  SubprocessResult start_tool(const std::vector<std::string>& command, const std::string& what) {
-    try {
-      return run(command, std::nullopt);
-    } catch (const UsageError&) {
-      throw UsageError(
-          fmt::format("the engine spin needs {}, and '{}' cannot be run: `maide "
-                      "doctor` says what to install",
-                      what, command.front()));
-    }
-  }
-
-  // Runs a tool that has to succeed and to leave `product` behind.
-  SubprocessResult run_tool(const std::vector<std::string>& command, const std::string& what,
-                            const std::string& product) {
-    SubprocessResult result = start_tool(command, what);
-    std::error_code ignored;
-    const bool has_product = product.empty() || fs::exists(folder_.path() / product, ignored);
-    if (result.succeeded() && has_product) return result;
-    const fs::space_info space = fs::space(folder_.path(), ignored);
-    if (space.available < 1 << 20) {
-      throw UsageError("no space left for what spin generates (" + folder_.path().string() + ")");
-    }
-    throw UsageError(fmt::format("{} failed: {}", what, complaint(result)));
-  }
-
   // The never claim, which first lets processes be started.
   std::string never_claim() {
     SubprocessResult result;
     if (promela_.claim.size() <= largest_claim) {
-      result = start_tool({tools_.spin, "-f", promela_.claim}, "spin");
+      result = folder_.start_tool({tools_.spin, "-f", promela_.claim}, "spin");
     }
     const std::size_t begin = result.out.find("never");
     const std::size_t brace = result.out.find('{', begin);
@@ -176,8 +136,8 @@ class Verification {
     command.push_back(fmt::format("-DMEMLIM={}", memory_mib_));
     command.push_back(fmt::format("-DVECTORSZ={}", 1024 + 64 * promela_.processes));
     command.insert(command.end(), definitions.begin(), definitions.end());
-    run_tool(command, "a C compiler", "pan.o");
-    run_tool({tools_.compiler, "-o", "pan", "pan.o"}, "a C compiler", "pan");
+    folder_.run_tool(command, "a C compiler", "pan.o");
+    folder_.run_tool({tools_.compiler, "-o", "pan", "pan.o"}, "a C compiler", "pan");
   }
 
   // Assertions, or invalid end states.
@@ -190,7 +150,7 @@ class Verification {
     if (purpose_ == Purpose::ltl) arguments.emplace_back("-a");
     arguments.emplace_back(what_to_ignore());
     if (is_fair_) arguments.emplace_back("-f");
-    const SubprocessResult result = run(arguments, limit);
+    const SubprocessResult result = folder_.run(arguments, limit);
     const auto output = parse_pan_output(result.out + result.err);
     if (!output) throw UsageError("spin's verifier failed: " + complaint(result));
     return *output;
@@ -204,7 +164,7 @@ class Verification {
   std::string what_;  // is verified; for messages
   std::uint64_t memory_mib_;
   PromelaSystem promela_;
-  TempDir folder_{"maide-check-"};
+  EngineFolder folder_;
   double seconds_ = 0;
 };
 
