@@ -185,6 +185,10 @@ n: difference 2 of 2, step 0 of 2 | 0 ; (start) ;  ;  ; at the start ; at the st
 End: difference 2 of 2, step 2 of 2 | 2 ; y ; end ; no end ; after x ; after x | A at after x, B at after x
 p: difference 1 of 2, step 0 of 1 | 0 ; (start) ;  ;  ; at the start ; at the start | A at at the start, B at at the start
 )");
+  EXPECT_THAT(step_through(page + "#2.1", ""),
+              testing::StartsWith("start: difference 2 of 2, step 1 "));
+  EXPECT_THAT(step_through(page + "#2.3", ""),
+              testing::StartsWith("start: difference 1 of 2, step 0 "));
   const std::string text = read_file(page);
   EXPECT_THAT(text, HasSubstr("<h1>&lt;one&gt;.dot and two.dot</h1>"));
   EXPECT_THAT(text, HasSubstr("They differ: 2 independent differences."));

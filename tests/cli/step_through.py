@@ -4,9 +4,10 @@
     step_through.py NODE PAGE KEY,KEY,...
 
 The page is parsed strictly: every element is closed, no id comes twice, nothing is loaded from
-elsewhere. Its script runs under Node with a document that has the page's ids and nothing else. Prints a
-line for the start and for each key: where it says it is, the cells of the marked row, and for each
-side the text of the marked state of the picture.
+elsewhere. Its script runs under Node with a document that has the page's ids and nothing else.
+PAGE#2.5 is a link to step 5 of difference 2. Prints a line for the start and for each key: where it
+says it is, the cells of the marked row, and for each side the text of the marked state of the
+picture.
 """
 import html.parser
 import json
@@ -20,7 +21,8 @@ const page = JSON.parse(require("fs").readFileSync(0, "utf8"));
 const elements = new Map(Object.keys(page.texts).map((id) => {
   const classes = new Set(page.classes[id]);
   const element = {id, textContent: page.texts[id], hidden: page.hidden.includes(id), open: false,
-    heard: {}, addEventListener(kind, act) { this.heard[kind] = act; }, scrollIntoView() {},
+    heard: {}, addEventListener(kind, act) { this.heard[kind] = act; }, scrollBy() {},
+    getBoundingClientRect: () => ({left: 0, top: 0, width: 0, height: 0}),
     classList: {toggle(name, on = !classes.has(name)) { on ? classes.add(name) : classes.delete(name); },
                 contains: (name) => classes.has(name)}};
   return [id, element];
@@ -28,7 +30,7 @@ const elements = new Map(Object.keys(page.texts).map((id) => {
 let onKey = () => {};
 const document = {getElementById: (id) => elements.get(id) || null,
                   addEventListener: (kind, act) => { if (kind === "keydown") onKey = act; }};
-new Function("document", page.script)(document);
+new Function("document", "location", page.script)(document, {hash: page.hash});
 const marked = (name) => [...elements.values()].filter((one) => one.classList.contains(name));
 function tell(key) {
   const states = (side) => marked("at")
@@ -110,6 +112,7 @@ class Page(html.parser.HTMLParser):
 
 def main():
     node, path, keys = sys.argv[1:]
+    path, _, place = path.partition("#")
     page = Page()
     page.feed(open(path, encoding="utf-8").read())
     page.close()
@@ -118,7 +121,7 @@ def main():
     result = subprocess.run([node, "-e", DOCUMENT], text=True, check=False, stdout=subprocess.PIPE,
                             input=json.dumps({
                                 "texts": page.texts, "classes": page.classes, "hidden": page.hidden,
-                                "cells": page.cells, "script": page.scripts[-1],
+                                "cells": page.cells, "hash": "#" + place, "script": page.scripts[-1],
                                 "keys": [key for key in keys.split(",") if key]}))
     print(result.stdout, end="")
     return result.returncode

@@ -254,6 +254,13 @@ function move(place, key) {
   return {walk, step: step === undefined ? place.step : Math.min(Math.max(step, 0), last)};
 }
 
+// Where a link with "#2.5" leads: step 5 of difference 2; to the start if that is not there.
+function asked(hash) {
+  const found = /^#(\d+)\.(\d+)$/.exec(hash);
+  const place = found ? {walk: Number(found[1]) - 1, step: Number(found[2])} : {walk: 0, step: 0};
+  return walks[place.walk] && walks[place.walk][place.step] ? place : {walk: 0, step: 0};
+}
+
 let place = {walk: 0, step: 0};
 const find = (id) => document.getElementById(id);
 
@@ -269,16 +276,22 @@ function mark(is_on) {
   }
 }
 
-function go(next, is_quiet) {
+// Moves the picture in its frame, and not the page.
+function look_at(id) {
+  const frame = find("stage").getBoundingClientRect(), at = find(id).getBoundingClientRect();
+  find("stage").scrollBy(at.left + at.width / 2 - frame.left - frame.width / 2,
+                         at.top + at.height / 2 - frame.top - frame.height / 2);
+}
+
+function go(next) {
   mark(false);
   place = next;
   mark(true);
   find("w" + place.walk).open = true;
   find("where").textContent = "difference " + (place.walk + 1) + " of " + walks.length + ", step " +
       place.step + " of " + (walks[place.walk].length - 1);
-  if (is_quiet) return;
-  const state = walks[place.walk][place.step].left[0];
-  if (state) find(state).scrollIntoView({block: "nearest", inline: "nearest"});
+  const states = walks[place.walk][place.step].left;
+  if (states.length > 0) look_at(states[0]);
 }
 
 if (walks.length > 0) {
@@ -297,7 +310,7 @@ if (walks.length > 0) {
     event.preventDefault();
     go(next);
   });
-  go(place, true);
+  go(asked(location.hash));
 }
 )js";
 
@@ -369,7 +382,9 @@ void write_controls(std::ostream& out) {
     out << fmt::format("<button type=\"button\" id=\"{}\">{}</button>", id, text);
   }
   out << "<output id=\"where\"></output><br><small>Keys: left and right, Home and End step through "
-         "the word; n and p go to the next difference and the one before.</small></div>\n";
+         "the word; n and p go to the next difference and the one before. Yellow is where the word "
+         "is; "
+         "where the sides are apart, dashed and dotted as the lines above.</small></div>\n";
 }
 
 void write_walk(std::ostream& out, const DifferencePage& page, std::size_t number) {
