@@ -237,8 +237,10 @@ class DifferenceSearch {
     const std::vector<float> scores = compute_scores();
     std::vector<std::uint32_t> order(meetings_.size());
     for (std::uint32_t i = 0; i < order.size(); ++i) order[i] = i;
+    // Scores that hardly differ are the same, so that rounding decides nothing.
+    const auto rank = [&](std::uint32_t place) { return std::lround(scores[place] * 1000); };
     std::stable_sort(order.begin(), order.end(), [&](std::uint32_t one, std::uint32_t other) {
-      return scores[one] > scores[other];
+      return rank(one) > rank(other);
     });
     for (const std::uint32_t place : order) {
       if (scores[place] > 0) join(meetings_[place].left, meetings_[place].right);

@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <set>
 
 #include "maide/automata/minimize.hpp"
@@ -112,6 +113,27 @@ TEST(Differences, TheSearchGoesOnBehindADifference) {
   EXPECT_EQ(found.differences.list[0].passed(), 0U);
   EXPECT_EQ(found.differences.list[1].passed(), 1U);
   EXPECT_THAT(word_of(found, found.differences.list[1]), ElementsAre("a", "a", "a", "b"));
+}
+
+// A queue of many states that look alike for long: two changes far from each other, and from both
+// ends, are two differences. The states are partners of those that hold as much.
+TEST(Differences, StatesThatLookAlikeForLongAreNotMixedUp) {
+  constexpr StateId most = 300;
+  Mealy left({"write", "read"}, {"quiet", "message", "refused", "unexplored"}, most + 1);
+  for (StateId held = 0; held <= most; ++held) {
+    left.set_transition(held, 0, held < most ? 0 : 3, std::min(held + 1, most));
+    left.set_transition(held, 1, held > 0 ? 1 : 2, held > 0 ? held - 1 : 0);
+  }
+  Mealy right = left;
+  right.set_transition(150, 1, 1, 140);
+  right.set_transition(200, 0, 2, 201);
+  const Found found = find(left, right);
+  EXPECT_THAT(found.differences.list, SizeIs(2));
+  for (StateId state = 0; state < found.pair.left.size; ++state) {
+    ASSERT_NE(found.differences.left_partners[state], Mealy::no_state);
+    EXPECT_EQ(found.pair.left.origins[state],
+              found.pair.right.origins[found.differences.left_partners[state]]);
+  }
 }
 
 TEST(Differences, AnInputThatOneHasIsOne) {
