@@ -85,16 +85,23 @@ std::string find_nearest(std::string_view name, std::span<const std::string> kno
 // "; did you mean 'depth'?", or "" if nothing is near. To be put behind an error message.
 std::string did_you_mean(std::string_view name, std::span<const std::string> known);
 
+// As did_you_mean(); if nothing is near, "; known are: history, depth". A list of fifteen names
+// hides the one that was meant, so only one of the two is said.
+inline std::string near_or_known(std::string_view name, std::span<const std::string> known) {
+  const std::string near = did_you_mean(name, known);
+  return near.empty() ? "; known are: " + (known.empty() ? "none" : join(known)) : near;
+}
+
 // ---- Tables of named rows ----
 //
 // Algorithms, methods and formats stand in tables whose rows have a member `name`. What a user
-// types finds its row, or an error that lists the others.
+// types finds its row, or an error with the name that is near, or with all.
 
-// "unknown algorithm 'x'; known are: rs, lmplus".
+// "unknown algorithm 'lsherp'; did you mean 'lsharp'?". To be thrown.
 inline UsageError unknown_name(std::string_view what, std::string_view name,
                                std::span<const std::string> known) {
-  return UsageError("unknown " + std::string(what) + " '" + std::string(name) +
-                    "'; known are: " + (known.empty() ? "none" : join(known)));
+  return UsageError("unknown " + std::string(what) + " '" + std::string(name) + "'" +
+                    near_or_known(name, known));
 }
 
 // The row of this name; throws unknown_name() if there is none. `besides` are names that a user may

@@ -19,7 +19,6 @@
 #include "maide/base/error.hpp"
 #include "maide/base/file.hpp"
 #include "maide/base/subprocess.hpp"
-#include "maide/base/suggestion.hpp"
 #include "maide/base/text.hpp"
 #include "maide/cli/command.hpp"
 #include "maide/formats/names.hpp"
@@ -222,7 +221,7 @@ bool is_usable(std::string_view name, const RunControl& control) {
 const FirstSystem& find_first_system(const std::string& wanted, const RunControl& control) {
   if (!wanted.empty()) {
     const FirstSystem& system =
-        find_named_row(std::span<const FirstSystem>(first_systems), "system", wanted);
+        find_row(std::span<const FirstSystem>(first_systems), "system", wanted);
     if (find_wrapper(wanted)) return system;
     throw UsageError("the wrapper of " + wanted +
                      " is not here; 'maide doctor' tells what to install");

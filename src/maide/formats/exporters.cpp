@@ -5,7 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "maide/base/suggestion.hpp"
 #include "maide/base/text.hpp"
 #include "maide/formats/model_file.hpp"
 #include "maide/formats/names.hpp"
@@ -46,7 +45,7 @@ std::span<const Exporter> exporters() { return table; }
 
 const Exporter& find_exporter(std::string_view name,
                               std::initializer_list<std::string_view> besides) {
-  return find_named_row(exporters(), "format", name, besides);
+  return find_row(exporters(), "format", name, besides);
 }
 
 namespace {

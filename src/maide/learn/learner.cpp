@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "maide/automata/minimize.hpp"
-#include "maide/base/suggestion.hpp"
 #include "maide/base/text.hpp"
 #include "maide/learn/lsharp/lsharp.hpp"
 #include "maide/learn/lsharp/old_model.hpp"
@@ -92,11 +91,11 @@ std::span<const LearnerEntry> deterministic_learners() {
 }
 
 const LearnerEntry& find_learner(std::string_view name) {
-  return name.empty() ? table.front() : find_named_row(learners(), "algorithm", name);
+  return name.empty() ? table.front() : find_row(learners(), "algorithm", name);
 }
 
 const LearnerEntry& find_deterministic_learner(std::string_view name) {
-  return name.empty() ? table.front() : find_named_row(deterministic_learners(), "algorithm", name);
+  return name.empty() ? table.front() : find_row(deterministic_learners(), "algorithm", name);
 }
 
 std::unique_ptr<Learner> make_learner(const LearnerEntry& algorithm, OutputOracle& oracle,

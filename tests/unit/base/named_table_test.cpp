@@ -1,4 +1,4 @@
-// Rows are found by name; an unknown name is answered with all that there are.
+// Rows are found by name; an unknown name is answered with the one that is near, or with all.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -21,6 +21,12 @@ TEST(NamedTable, FindsItsRows) {
     FAIL() << "it was found";
   } catch (const UsageError& error) {
     EXPECT_STREQ(error.what(), "unknown number 'three'; known are: one, two");
+  }
+  try {
+    find_row(std::span<const Row>(table), "number", "tow");
+    FAIL() << "it was found";
+  } catch (const UsageError& error) {
+    EXPECT_STREQ(error.what(), "unknown number 'tow'; did you mean 'two'?");
   }
   EXPECT_STREQ(unknown_name("symbol", "x", {}).what(), "unknown symbol 'x'; known are: none");
 }

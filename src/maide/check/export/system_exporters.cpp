@@ -13,7 +13,6 @@
 
 #include "maide/base/error.hpp"
 #include "maide/base/hash.hpp"
-#include "maide/base/suggestion.hpp"
 #include "maide/base/text.hpp"
 #include "maide/check/explore/packed_system.hpp"
 #include "maide/check/explore/step_action.hpp"
@@ -57,7 +56,7 @@ constexpr std::array<SystemExporter, 5> table{{
 std::span<const SystemExporter> system_exporters() { return table; }
 
 const SystemExporter& find_system_exporter(std::string_view name) {
-  return find_named_row(system_exporters(), "format of systems", name);
+  return find_row(system_exporters(), "format of systems", name);
 }
 
 namespace {

@@ -10,7 +10,6 @@
 #include "maide/automata/strength.hpp"
 #include "maide/base/error.hpp"
 #include "maide/base/numbers.hpp"
-#include "maide/base/suggestion.hpp"
 #include "maide/base/text.hpp"
 #include "maide/conformance/method/complete_method.hpp"
 #include "maide/conformance/method/perfect_oracle.hpp"
@@ -258,7 +257,7 @@ void set_test_option(TestMethodOptions& options, std::string_view key, const std
 std::span<const TestMethodEntry> test_methods() { return table; }
 
 const TestMethodEntry& find_test_method(std::string_view name) {
-  return find_named_row(test_methods(), "equivalence method", name);
+  return find_row(test_methods(), "equivalence method", name);
 }
 
 bool heeds(const TestMethodEntry& method, std::string_view option) {

@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "maide/base/error.hpp"
-#include "maide/base/suggestion.hpp"
+#include "maide/base/text.hpp"
 
 namespace maide {
 
@@ -99,7 +99,7 @@ InfixInputs find_infix_inputs(std::string_view name) {
     if (known == name) return inputs;
     names.emplace_back(known);
   }
-  throw unknown_near_name("law of infixes", name, names);
+  throw unknown_name("law of infixes", name, names);
 }
 
 void check(const InfixLaw& law) {

@@ -7,7 +7,6 @@
 #include <span>
 #include <utility>
 
-#include "maide/base/suggestion.hpp"
 #include "maide/base/text.hpp"
 #include "maide/conformance/identify/separating_words.hpp"
 
@@ -30,13 +29,11 @@ constexpr std::array suffixes{NamedLaw<SuffixWords>{"own", SuffixWords::own},
 }  // namespace
 
 PrefixStates find_prefix_states(std::string_view name) {
-  return find_named_row(std::span<const NamedLaw<PrefixStates>>(prefixes), "law of prefixes", name)
-      .law;
+  return find_row(std::span<const NamedLaw<PrefixStates>>(prefixes), "law of prefixes", name).law;
 }
 
 SuffixWords find_suffix_words(std::string_view name) {
-  return find_named_row(std::span<const NamedLaw<SuffixWords>>(suffixes), "law of suffixes", name)
-      .law;
+  return find_row(std::span<const NamedLaw<SuffixWords>>(suffixes), "law of suffixes", name).law;
 }
 
 RandomIdentifierSuite::RandomIdentifierSuite(const Mealy& hypothesis, StateIdentifiers identifiers,

@@ -11,7 +11,6 @@
 
 #include "maide/base/error.hpp"
 #include "maide/base/numbers.hpp"
-#include "maide/base/suggestion.hpp"
 #include "maide/base/text.hpp"
 
 namespace maide {
