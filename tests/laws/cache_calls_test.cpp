@@ -1,6 +1,6 @@
-// Random sequences of calls on the cache, with its file and its votes, over a system some of whose
-// answers are observed wrongly: what it says is the system's, nothing that is known is asked, and
-// what was wrong comes right once it is asked often enough.
+// Random sequences of calls on the cache, with its file and its votes. Some answers of the system
+// are observed wrongly. What the cache says is the system's, and nothing that is known is asked.
+// What was wrong comes right once it is asked often enough.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -147,9 +147,7 @@ class CacheWorld {
     cache_.reset();
     file_.reset();
     file_ = std::make_unique<CacheFile>(path_, machine_.inputs(), Fingerprint{{"kind", "test"}});
-    cache_ = std::make_unique<Cache>(
-        oracle_, *file_,
-        has_refusals_ ? Cache::Refusals::change_nothing : Cache::Refusals::are_outputs);
+    cache_ = std::make_unique<Cache>(oracle_, *file_, Cache::refusals_of(has_refusals_));
     cache_->hold_votes({});
     has_run_.clear();
   }

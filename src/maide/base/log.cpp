@@ -65,21 +65,14 @@ void log_detail(std::string_view message) { log(spdlog::level::debug, "", messag
 
 namespace {
 
-std::mutex terminal_mutex;   // guards what follows
+std::mutex terminal_mutex;   // guards what follows, and the members of ProgressLine
 bool line_is_shown = false;  // a progress line stands on the terminal
-// Words a second are counted from here.
-std::uint64_t words_at_start = 0;
-std::chrono::steady_clock::time_point rate_start;
 
 bool stderr_is_terminal() {
   const char* terminal = std::getenv("TERM");
   return ::isatty(STDERR_FILENO) == 1 &&
          (terminal == nullptr || std::string_view(terminal) != "dumb");
 }
-
-}  // namespace
-
-namespace {
 
 // "1200 words/s", "0.4 words/s".
 std::string describe_rate(double words_per_second) {
@@ -92,11 +85,8 @@ std::string describe_rate(double words_per_second) {
 
 }  // namespace
 
-ProgressLine::ProgressLine(bool enabled) : enabled_(enabled && stderr_is_terminal()) {
-  const std::lock_guard lock(terminal_mutex);
-  words_at_start = 0;
-  rate_start = std::chrono::steady_clock::now();
-}
+ProgressLine::ProgressLine(bool enabled)
+    : enabled_(enabled && stderr_is_terminal()), rate_start_(std::chrono::steady_clock::now()) {}
 
 ProgressLine::~ProgressLine() { clear_progress_line(); }
 
@@ -107,13 +97,13 @@ void ProgressLine::on_progress(const Progress& progress) {
   if (now - last_drawn_ < std::chrono::milliseconds(100)) return;
   last_drawn_ = now;
   std::string text = to_string(progress);
-  if (progress.words < words_at_start || progress.words == 0) {
-    words_at_start = progress.words;
-    rate_start = now;
+  if (progress.words < words_at_start_ || progress.words == 0) {
+    words_at_start_ = progress.words;
+    rate_start_ = now;
   }
-  const double seconds = std::chrono::duration<double>(now - rate_start).count();
-  if (seconds > 1 && progress.words > words_at_start) {
-    text += ", " + describe_rate(static_cast<double>(progress.words - words_at_start) / seconds);
+  const double seconds = std::chrono::duration<double>(now - rate_start_).count();
+  if (seconds > 1 && progress.words > words_at_start_) {
+    text += ", " + describe_rate(static_cast<double>(progress.words - words_at_start_) / seconds);
   }
   const std::size_t width = terminal_width(STDERR_FILENO).value_or(80);
   if (text.size() >= width) text.resize(width - 1);

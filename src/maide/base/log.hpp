@@ -46,6 +46,9 @@ class ProgressLine : public ProgressObserver {
  private:
   bool enabled_;
   std::chrono::steady_clock::time_point last_drawn_{};
+  // Words a second are counted from here.
+  std::uint64_t words_at_start_ = 0;
+  std::chrono::steady_clock::time_point rate_start_;
 };
 
 // Takes a progress line off the terminal, if one is there. Safe from any thread.

@@ -50,7 +50,7 @@ std::vector<Symbol> match_inputs(const Mealy& model, const Alphabet& system,
 }
 
 // The words of the log in the model's numbering, but those that others begin with, and those with
-// an input that the model does not have.
+// an input that the model does not have; sorted.
 std::vector<Word> match_words(const TraceLog& log, const Mealy& model) {
   std::vector<Word> words;
   for (const TraceLog::Trace& trace : log.traces) {
@@ -62,16 +62,8 @@ std::vector<Word> match_words(const TraceLog& log, const Mealy& model) {
     }
     if (!word.empty() && word.size() == trace.inputs.size()) words.push_back(std::move(word));
   }
-  std::sort(words.begin(), words.end());
-  std::vector<Word> longest;
-  for (Word& word : words) {
-    const bool goes_on = !longest.empty() && longest.back().size() <= word.size() &&
-                         std::equal(longest.back().begin(), longest.back().end(), word.begin());
-    if (goes_on) longest.pop_back();
-    longest.push_back(std::move(word));
-  }
-  if (longest.empty()) throw UsageError(located("no word there has the model's inputs", log));
-  return longest;
+  if (words.empty()) throw UsageError(located("no word there has the model's inputs", log));
+  return without_prefixes(std::move(words));
 }
 
 // Follows each word on the model, as the head of the header says.
@@ -257,8 +249,7 @@ class ConformanceRun {
     if (!options.cache_file.empty()) {
       file_.emplace(options.cache_file, translator.inputs(), identify(translator), &control);
     }
-    const auto refusals = translator.info().has_actors ? Cache::Refusals::change_nothing
-                                                       : Cache::Refusals::are_outputs;
+    const auto refusals = Cache::refusals_of(translator.info().has_actors);
     cache_.emplace(file_ ? Cache(portioned_, *file_, refusals) : Cache(portioned_, refusals));
     cache_->hold_votes(options.vote, [this](bool begins) {
       counter_.set_phase(begins ? LearnPhase::confirmation : LearnPhase::testing);

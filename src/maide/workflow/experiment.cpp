@@ -181,8 +181,7 @@ class Run {
       file_.emplace(options.cache_file, system.inputs(), options.fingerprint, &control);
       if (options.on_cached_word) kept_symbols_ = tell_cached_words(*file_, options);
     }
-    const auto refusals =
-        options.has_refusals ? Cache::Refusals::change_nothing : Cache::Refusals::are_outputs;
+    const auto refusals = Cache::refusals_of(options.has_refusals);
     cache_.emplace(file_ ? Cache(portioned_, *file_, refusals) : Cache(portioned_, refusals));
     cache_->hold_votes(options.vote, [this](bool begins) {
       if (begins) phase_ = counter_.phase();

@@ -84,7 +84,8 @@ RecheckResult recheck_cache(CacheFile& cache, const SystemSpec& spec, const Rech
   const std::string purpose = value_of(cache.fingerprint(), "purpose");
   if (!purpose.empty()) opened.sul->add_purpose(read_purpose(purpose, file));
   IaTranslator translator(*opened.sul, is_av ? Translation::av : Translation::eager);
-  Fingerprint fingerprint = identify(translator);
+  const Fingerprint now = identify(translator);
+  Fingerprint fingerprint = now;
   if (!purpose.empty()) fingerprint["purpose"] = purpose;
   RecheckResult result;
   // Another version is what one asks about.
@@ -99,7 +100,7 @@ RecheckResult recheck_cache(CacheFile& cache, const SystemSpec& spec, const Rech
   for (const auto& [name, value] : cache.fingerprint()) {
     if (!name.starts_with(version_of)) continue;
     const std::string part = name.substr(version_of.size());
-    if (!identify(translator).contains(name)) result.versions.push_back({part, value, ""});
+    if (!now.contains(name)) result.versions.push_back({part, value, ""});
     fingerprint[name] = value;
   }
   const std::string differences = describe_differences(cache, translator.inputs(), fingerprint);

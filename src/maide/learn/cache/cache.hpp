@@ -13,11 +13,11 @@
 //
 // Inputs that a system does not take change nothing: the actor is busy, an output is due, or the
 // input lies beyond the bound of a learning purpose. They are not even given to the system
-// (sul/query_player.hpp). Where it is told that there are such, the cache knows the answer to a
-// word as soon as it knows that to the word without them, and the other way round, and asks the
-// shorter one. Where actors are busy most words of learners and tests have some (compare
-// error-aware L#: Kruger, Junges & Rot, arXiv 2602.21674, 2026). A wrapper that says by itself that
-// an input was refused may be wrong: some words are asked as they are.
+// (sul/query_player.hpp). Where it is told that there are such, the cache needs one answer for
+// a word and for the word without them. It asks the shorter one. Where actors are busy, most words
+// of learners and tests have some (compare error-aware L#: Kruger, Junges & Rot, arXiv 2602.21674,
+// 2026). A wrapper that says by itself that an input was refused may be wrong: some words are asked
+// as they are.
 //
 // Invariants: outputs are numbered in the order in which answers are handed up. The consistency
 // test knows only answers that were handed up. Neither depends on what a file held before, or on
@@ -56,6 +56,9 @@ class Cache : public OutputOracle {
   // Whether the outputs "refused", "unexplored" and "absorbed" say that an input was not taken, or
   // are outputs like others.
   enum class Refusals : std::uint8_t { are_outputs, change_nothing };
+  static constexpr Refusals refusals_of(bool has_actors) {
+    return has_actors ? Refusals::change_nothing : Refusals::are_outputs;
+  }
 
   // Keeps a reference to `system`.
   explicit Cache(OutputOracle& system, Refusals refusals = Refusals::are_outputs);
