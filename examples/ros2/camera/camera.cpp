@@ -1,11 +1,11 @@
-// A camera (30 Hz), a detector that takes 100 ms for an image and calls a service in its callback,
-// a map that serves it, and a planner that waits for twelve detections: four nodes on one executor.
+// Four nodes on one executor. A camera publishes at 30 Hz. A detector takes 100 ms for an image and
+// calls a service in its callback. A map serves it. A planner waits for twelve detections.
 //
 //   camera                    SingleThreadedExecutor, depth 10: the detector's first call hangs
 //   camera own [DEPTH [MS]]   two threads; the detector's client in a callback group of its own; an
-//                             image takes MS milliseconds
+//                             image takes MS milliseconds.
 //
-// It runs until Ctrl-C, so that its graph can be looked at: maide ros2 import.
+// It runs until Ctrl-C, so that `maide ros2 import` can read its graph.
 #include <atomic>
 #include <chrono>
 #include <future>

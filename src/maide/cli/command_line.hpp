@@ -94,8 +94,8 @@ class CommandLine {
   std::string help(std::size_t width, bool full) const;
 
   // Parses the words behind the command. False: help was asked for. Throws UsageError, with `hint`
-  // at its end, for an unknown option (naming the nearest), for an option with an empty value (a
-  // variable of a script that is not set), and for what the checks refuse.
+  // at its end, for an unknown option (naming the nearest), and for what the checks refuse. An
+  // empty value is refused, too: a variable of a script that is not set.
   bool parse(const std::vector<std::string>& typed, const std::string& hint);
 
  private:

@@ -1,8 +1,7 @@
 // Checks a system: runs an engine on each property, component by component
 // (language/components.hpp), and says what the verdicts rest on. A "holds" is weakened to
-// inconclusive where it leans on what was not learned: on an input beyond the bound, on a call that
-// really blocks while its return is not in the model, or on a weak model; and where a run ends at
-// an error.
+// inconclusive where a run ends at an error, and where it leans on what was not learned: an input
+// beyond the bound, a call that really blocks while its return is not in the model, a weak model.
 #pragma once
 
 #include <map>
