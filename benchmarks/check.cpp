@@ -93,7 +93,7 @@ class Comparison {
                                                          : "none";
     const MeasuredRun run =
         run_measured({maide_, "check", file_, "--engine", "native", "--property", property,
-                      "--reduction", reduction, "--json"},
+                      "--reduction", reduction, "--threads", "1", "--json"},
                      folder_, most_seconds);
     if (run.exit_status != 0) fail("maide", run);
     const Json report = Json::parse(run.output);

@@ -14,6 +14,7 @@ Checked check(const std::filesystem::path& system_file, const CheckOptions& opti
   CheckRequest request;
   request.properties = options.properties;
   request.options.memory_mib = options.memory_mib;
+  request.options.threads = options.threads;
   request.options.reduction = options.reduction;
   request.options.control = options.control;
   const System system =

@@ -41,6 +41,7 @@ struct CheckOptions {
   // property allows it: fewer states, the same verdict.
   Reduction reduction = Reduction::none;
   std::optional<std::uint64_t> memory_mib;  // none: three quarters of the machine's
+  unsigned threads = 0;                     // of a search; 0: one a processor
   std::size_t jobs = 0;                     // of systems that are learned, as in LearnOptions
   RunControl control;
 };

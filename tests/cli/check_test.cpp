@@ -51,6 +51,33 @@ TEST_F(CheckCommand, ReadableTrace) {
   EXPECT_THAT(result.out, HasSubstr("verdict: violated"));
 }
 
+// What a run says but its times and its memory. Run under the thread sanitizer, too.
+class CheckThreads : public CheckCommand {};
+
+TEST_F(CheckThreads, FindTheSame) {
+  std::string programs;
+  for (const char* name : {"a", "b", "c", "d"}) {
+    programs += "  " + std::string(name) +
+                ": \"repeat 13 { if * { sync.write; sync.read -> "
+                "message; } }\"\n";
+  }
+  const auto result = [&](const std::string& threads) {
+    const SubprocessResult run = run_maide(
+        {"check", system(programs), "--property", "deadlock", "--threads", threads, "--json"});
+    EXPECT_LE(run.exit_status, 1) << run.err;
+    Json property = Json::parse(run.out).at("properties").at(0);
+    for (const char* name : {"seconds", "peak_bytes", "bytes_per_state"}) property.erase(name);
+    return property;
+  };
+  const Json one = result("1");
+  EXPECT_GT(one.at("states"), 20'000);
+  EXPECT_EQ(result("2"), one);
+  EXPECT_EQ(result("5"), one);
+  expect_error(run_maide({"check", system(waiting), "--threads", "0"}), 2, "--threads");
+  expect_error(run_maide({"check", system(waiting), "--threads", "2", "--engine", "spin"}), 2,
+               "--threads is for --engine native, not spin");
+}
+
 TEST_F(CheckCommand, TraceAsSteps) {
   const SubprocessResult result = run_maide({"check", system(waiting), "--trace-format", "steps"});
   EXPECT_EQ(result.exit_status, 1);

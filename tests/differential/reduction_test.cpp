@@ -1,5 +1,6 @@
 // Reductions against the same engine without any, which other tests hold against the meaning of
 // systems: the same verdict for every property, each kind of fairness, and never a larger graph.
+// Whatever is left out, several threads find, count and show the same as one.
 #include <gtest/gtest.h>
 
 #include <string>
@@ -18,6 +19,16 @@ constexpr std::size_t node_limit = 800;
 EngineOptions with(Reduction reduction) {
   EngineOptions options;
   options.reduction = reduction;
+  return options;
+}
+
+// Threads of the second run of each search. Two states are worth one, so that small systems need
+// several.
+constexpr unsigned most_threads = 4;
+EngineOptions with(Reduction reduction, unsigned threads) {
+  EngineOptions options = with(reduction);
+  options.threads = threads;
+  options.states_a_thread = 2;
   return options;
 }
 
@@ -61,6 +72,7 @@ class Comparison {
   void check(const System& system, const Property& property) {
     NativeEngine engine;
     const PropertyResult all = engine.check(system, property, with(Reduction::none));
+    if (property.kind != Property::Kind::stuck) check_threads(system, property);
     ++(all.verdict == Verdict::holds ? holds_ : violated_);
     for (const Reduction reduction : {Reduction::calls, Reduction::order, Reduction::full}) {
       const PropertyResult reduced = engine.check(system, property, with(reduction));
@@ -77,10 +89,33 @@ class Comparison {
       }
     }
   }
+  // All that a result tells but its time and its memory.
+  void check_threads(const System& system, const Property& property) {
+    NativeEngine engine;
+    const unsigned threads = 2 + holds_ % (most_threads - 1);
+    for (const Reduction reduction :
+         {Reduction::none, Reduction::calls, Reduction::order, Reduction::full}) {
+      const PropertyResult one = engine.check(system, property, with(reduction, 1));
+      const PropertyResult several = engine.check(system, property, with(reduction, threads));
+      ASSERT_EQ(several.verdict, one.verdict) << write_promela(system).text;
+      EXPECT_EQ(several.states, one.states);
+      EXPECT_EQ(several.transitions, one.transitions);
+      EXPECT_EQ(several.stays_within_learned, one.stays_within_learned);
+      EXPECT_EQ(several.trace.has_value(), one.trace.has_value());
+      if (one.trace) {
+        EXPECT_EQ(several.trace->steps, one.trace->steps);
+      }
+    }
+  }
   void check_cut(const System& system) {
     NativeEngine engine;
+    const CutResult several = engine.find_cut(system, with(Reduction::none, most_threads));
     const CutResult all = engine.find_cut(system, with(Reduction::none));
     ++(all.verdict == Verdict::holds ? holds_ : violated_);
+    EXPECT_EQ(several.verdict, all.verdict);
+    if (all.trace) {
+      EXPECT_EQ(several.trace->steps, all.trace->steps);
+    }
     for (const Reduction reduction : {Reduction::calls, Reduction::order, Reduction::full}) {
       const CutResult reduced = engine.find_cut(system, with(reduction));
       ASSERT_EQ(reduced.verdict, all.verdict) << write_promela(system).text;

@@ -47,6 +47,7 @@ struct CheckArguments {
   bool refine = false;
   std::size_t refinements = 100;
   std::uint64_t memory_mib = 0;
+  unsigned threads = 0;
   double seconds = 0;
 };
 
@@ -256,10 +257,14 @@ ExitStatus run_check(const CheckArguments& arguments, Context& context) {
     throw UsageError("a report's name ends in .html or .svg (" + arguments.report + ")");
   }
   const std::unique_ptr<Engine> engine = make_engine(arguments.engine);
+  if (arguments.threads > 0 && arguments.engine != "native") {
+    throw UsageError("--threads is for --engine native, not " + arguments.engine);
+  }
   CheckRequest request;
   request.properties = arguments.properties;
   request.options.reduction = reduction_of(arguments.reduction);
   request.options.control = context.control();
+  request.options.threads = arguments.threads;
   if (arguments.memory_mib > 0) request.options.memory_mib = arguments.memory_mib;
   if (arguments.seconds > 0) request.options.control.deadline = deadline_in(arguments.seconds);
   const RefinedCheck checked = check(arguments, *engine, request);
@@ -334,6 +339,13 @@ RunFunction set_up_check(CommandLine& line) {
       .between(1, std::uint64_t{1} << 30)
       .no_default()
       .value_name("MIB");
+  line.add("--threads", arguments->threads,
+           "How many threads of native search. Several search for a deadlock, an error or a "
+           "violation of `always`, one for all else. What is found and counted does not depend on "
+           "it. Default: one a processor")
+      .between(1, 1024)
+      .no_default()
+      .value_name("NUMBER");
   line.add("--time", arguments->seconds,
            "Most seconds in all. What is not decided by then is inconclusive")
       .check(check_seconds)

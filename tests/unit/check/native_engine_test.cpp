@@ -190,13 +190,31 @@ TEST(NativeEngine, TooManyProgramsAreInconclusive) {
   EXPECT_THAT(result.reason, HasSubstr("at most 1024 programs"));
 }
 
-// Programs that count, apart from one another: 101^4 states.
-System large_system() {
+// Programs that count, apart from one another: (most + 1)^4 states.
+System large_system(int most = 100, const std::string& last = "") {
   std::string programs;
   for (const char* name : {"a", "b", "c", "d"}) {
-    programs += "  " + std::string(name) + ": repeat 100 { if * {} }\n";
+    programs += "  " + std::string(name) + ": \"repeat " + std::to_string(most) + " { if * {} } " +
+                (*name == 'd' ? last : "") + "\"\n";
   }
   return test::system_of(programs);
+}
+
+// Its levels are wide enough for several threads, and the table grows while they fill it.
+TEST(NativeEngine, ThreadsFindAndCountTheSame) {
+  const System system = large_system(24);
+  const System waits = large_system(24, "via.read -> message;");
+  for (const unsigned threads : {1U, 2U, 3U, 16U}) {
+    EngineOptions options;
+    options.threads = threads;
+    const PropertyResult all = check(system, test::deadlock_property(), options);
+    EXPECT_EQ(all.verdict, Verdict::holds);
+    EXPECT_EQ(all.states, 25U * 25 * 25 * 25);
+    EXPECT_EQ(all.transitions, 8U * 24 * 25 * 25 * 25);
+    const PropertyResult found = check(waits, test::deadlock_property(), options);
+    EXPECT_EQ(found.verdict, Verdict::violated);
+    EXPECT_EQ(found.trace->steps.size(), 4U * 24 + 1);
+  }
 }
 
 TEST(NativeEngine, LimitsMakeTheVerdictInconclusive) {

@@ -13,6 +13,7 @@
 
 #include "maide/base/error.hpp"
 #include "maide/base/text.hpp"
+#include "maide/base/thread_team.hpp"
 #include "maide/check/explore/explorer.hpp"
 #include "maide/check/explore/fair_cycle.hpp"
 #include "maide/check/explore/merged_calls.hpp"
@@ -59,6 +60,8 @@ using Clock = std::chrono::steady_clock;
 SearchLimits limits_of(const EngineOptions& options) {
   SearchLimits limits;
   limits.bytes = memory_limit_mib(options) << 20;
+  limits.threads = options.threads == 0 ? processor_count() : options.threads;
+  limits.states_a_thread = options.states_a_thread;
   limits.control = options.control;
   return limits;
 }
@@ -153,6 +156,8 @@ SearchResult explore(const System& plain, std::optional<ReductionRules> rules, R
   if (chain > 1) system = PackedSystem(plain, chain_bits(chain, system.code_bits()));
   std::optional<StubbornSets> sets;
   BreadthFirstOptions options;
+  options.threads = limits.threads;
+  options.states_a_thread = limits.states_a_thread;
   if (rules) {
     options.sets = &sets.emplace(system, rules->sets);
     options.puts_nothing_off = rules->puts_nothing_off;

@@ -50,6 +50,9 @@ struct EngineOptions {
   std::optional<std::uint64_t> memory_mib;  // limit of a search; none: most of the machine's
   // What the native engine may leave out, as far as the property allows.
   Reduction reduction = Reduction::none;
+  // Of the native engine's breadth-first searches; 0: one a processor. Results do not depend on it.
+  unsigned threads = 0;
+  std::size_t states_a_thread = 256;  // at least, for it to be worth a thread
   RunControl control;
 };
 

@@ -21,6 +21,8 @@ struct SearchLimits {
   std::uint64_t bytes = ~std::uint64_t{0};
   std::uint64_t states = ~std::uint64_t{0};  // stored
   std::uint64_t depth = ~std::uint64_t{0};   // levels; what lies deeper is not looked at
+  unsigned threads = 1;                      // of searches that can use several
+  std::size_t states_a_thread = 256;         // EngineOptions
   RunControl control;
 };
 

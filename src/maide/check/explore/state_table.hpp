@@ -10,13 +10,14 @@
 //
 // So the table may have any number of slots, entries become smaller as it grows, and growing reads
 // and writes in order. Sixteen segments grow one at a time, so memory never doubles. A lookup costs
-// one cache miss as a rule.
+// one cache miss as a rule. Threads may work on different segments at once.
 #pragma once
 
 #include <sys/mman.h>
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <bit>
 #include <cstdint>
 #include <cstdlib>
@@ -95,40 +96,43 @@ class StateTable {
   };
   // Where a state lies: computed once, ahead of its use.
   struct Address {
-    std::uint32_t segment = 0;
-    std::uint64_t local = 0;
+    std::uint64_t scrambled = 0;
   };
+  static constexpr unsigned segment_bits = 4;
+  static constexpr std::size_t segment_count = std::size_t{1} << segment_bits;
 
   Address address_of(const State& state) const {
     std::uint64_t first = state[0];
     MAIDE_CHECK(first <= mask());
     if constexpr (words > 1) first ^= fold(state) & mask();
-    const std::uint64_t scrambled = scrambler_.apply(first);
-    const unsigned local = bits_ - segment_bits;
-    return {static_cast<std::uint32_t>(scrambled >> local), scrambled & low_bits(local)};
+    return {scrambler_.apply(first)};
   }
-  void prefetch(const Address& address) const {
-    const Segment& segment = segments_[address.segment];
-    __builtin_prefetch(segment.data + home(segment, address.local) * segment.width);
+  std::size_t segment_of(const Address& address) const {
+    return address.scrambled >> (bits_ - segment_bits);
+  }
+  // Inlined, for g++ 12 takes a call of a function that only fetches ahead for one of no use.
+  [[gnu::always_inline]] void prefetch(const Address& address) const {
+    const Segment& segment = segments_[segment_of(address)];
+    __builtin_prefetch(segment.data + home(segment, local_of(address)) * segment.width);
   }
 
   // Adds the state with `payload` if it is not there. Throws std::bad_alloc.
   Insertion insert(const State& state, const Address& address, std::uint64_t payload) {
     MAIDE_CHECK(payload <= payload_mask());
-    Segment& segment = segments_[address.segment];
-    if ((segment.size + 1) * 5 > segment.slots * 4) grow(segment);
+    Segment& segment = segments_[segment_of(address)];
+    const std::uint64_t local = local_of(address);
+    if (is_full(segment, 1)) grow(segment);
     while (true) {
-      const Place place = locate(segment, address.local, state);
+      const Place place = locate(segment, local, state);
       if (place.is_there) {
         return {false, (load(segment, place.at) >> 8) & payload_mask()};
       }
       if (make_room(segment, place.at, place.home)) {
         MAIDE_CHECK(place.home < segment.slots && place.at < segment.slots + most_distance);
-        const std::uint64_t residual = address.local & segment.residual_mask;
+        const std::uint64_t residual = local & segment.residual_mask;
         store(segment, place.at,
               (place.at - place.home + 1) | (payload << 8) | (residual << residual_shift()), state);
         ++segment.size;
-        ++size_;
         return {true, payload};
       }
       grow(segment);
@@ -138,13 +142,24 @@ class StateTable {
     return insert(state, address_of(state), payload);
   }
 
+  // So that threads that fill segments grow theirs at the same time, and not one after another:
+  // is_due() if any segment grows before so many more states are in it, and then grow_if_near() of
+  // each. States spread evenly over the segments, so nearly all are.
+  bool is_due(std::uint64_t states) const {
+    return std::any_of(segments_.begin(), segments_.end(),
+                       [&](const Segment& segment) { return is_full(segment, states); });
+  }
+  void grow_if_near(std::size_t segment) {
+    if (is_full(segments_[segment], segments_[segment].slots / 32)) grow(segments_[segment]);
+  }
+
   // The state's payload; false if it is not there.
   bool find(const State& state, std::uint64_t& payload) const {
     return find(state, address_of(state), payload);
   }
   bool find(const State& state, const Address& address, std::uint64_t& payload) const {
-    const Segment& segment = segments_[address.segment];
-    const Place place = locate(segment, address.local, state);
+    const Segment& segment = segments_[segment_of(address)];
+    const Place place = locate(segment, local_of(address), state);
     if (place.is_there) payload = (load(segment, place.at) >> 8) & payload_mask();
     return place.is_there;
   }
@@ -167,7 +182,7 @@ class StateTable {
   // Throws std::logic_error unless every entry lies at its home or behind it, without an empty slot
   // between, in the order of homes, and is found there. O(slots).
   void check_invariants() const {
-    std::uint64_t size = 0, bytes = 0;
+    std::uint64_t bytes = 0;
     for (const Segment& segment : segments_) {
       std::uint64_t entries = 0, last_home = 0, empty = 0;  // slots before `empty` may be free
       for_each_local(segment, [&](std::uint64_t at, std::uint64_t entry, std::uint64_t value) {
@@ -183,13 +198,17 @@ class StateTable {
         ++entries;
       });
       MAIDE_CHECK_ALWAYS(entries == segment.size && segment.size <= segment.slots);
-      size += segment.size;
       bytes += segment.bytes;
     }
-    MAIDE_CHECK_ALWAYS(size == size_ && bytes == bytes_ && bytes_ <= peak_bytes_);
+    MAIDE_CHECK_ALWAYS(bytes == bytes_ && bytes_ <= peak_bytes_);
   }
 
-  std::uint64_t size() const { return size_; }
+  // O(segments).
+  std::uint64_t size() const {
+    std::uint64_t sum = 0;
+    for (const Segment& segment : segments_) sum += segment.size;
+    return sum;
+  }
   std::uint64_t bytes() const { return bytes_; }
   // The most that it ever had, while growing.
   std::uint64_t peak_bytes() const { return peak_bytes_; }
@@ -197,12 +216,10 @@ class StateTable {
   std::uint64_t growth_bytes() const { return 2 * bytes_ / segment_count; }
 
  private:
-  static constexpr unsigned segment_bits = 4;
-  static constexpr std::size_t segment_count = std::size_t{1} << segment_bits;
   static constexpr std::uint64_t most_distance = 255;  // of an entry behind its home, plus 1
   static constexpr std::size_t rest_bytes = 8 * (words - 1);
 
-  struct Segment {
+  struct alignas(64) Segment {
     unsigned char* data = nullptr;
     std::uint64_t slots = 0;  // homes; `most_distance` more lie behind the last
     std::uint64_t size = 0;
@@ -214,8 +231,15 @@ class StateTable {
   };
 
   std::uint64_t mask() const { return low_bits(bits_); }
+  std::uint64_t local_of(const Address& address) const {
+    return address.scrambled & low_bits(bits_ - segment_bits);
+  }
   std::uint64_t payload_mask() const { return low_bits(payload_bits_); }
   unsigned residual_shift() const { return 8 + payload_bits_; }
+
+  static bool is_full(const Segment& segment, std::uint64_t more) {
+    return (segment.size + more) * 5 > segment.slots * 4;
+  }
 
   static std::uint64_t fold(const State& state) {
     std::uint64_t sum = 0;
@@ -376,8 +400,10 @@ class StateTable {
     // Entries are read eight bytes at a time, the last one too.
     segment.bytes = mapped_bytes((slots + most_distance + 1) * segment.width + 8);
     segment.data = map_zeros(segment.bytes);
-    bytes_ += segment.bytes;
-    peak_bytes_ = std::max(peak_bytes_, bytes_);
+    const std::uint64_t bytes = bytes_ += segment.bytes;
+    std::uint64_t peak = peak_bytes_;
+    while (peak < bytes && !peak_bytes_.compare_exchange_weak(peak, bytes)) {
+    }
   }
 
   void release(const Segment& segment) {
@@ -432,7 +458,7 @@ class StateTable {
   unsigned bits_, payload_bits_;
   Scrambler scrambler_;
   std::array<Segment, segment_count> segments_;
-  std::uint64_t size_ = 0, bytes_ = 0, peak_bytes_ = 0;
+  std::atomic<std::uint64_t> bytes_ = 0, peak_bytes_ = 0;
 };
 
 }  // namespace maide

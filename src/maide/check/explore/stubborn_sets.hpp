@@ -43,7 +43,8 @@ class StubbornSets {
   StubbornSets(const PackedSystem& packed, StubbornOptions options);
 
   // The programs whose steps are to be explored; all that can step where no set is smaller. A bit
-  // may stand for a program that cannot step. Not thread-safe.
+  // may stand for a program that cannot step. Not
+  // thread-safe, since answers about models are kept: threads have copies.
   template <std::size_t words>
   std::uint64_t select(const PackedState<words>& state) {
     if (programs_.size() > most_reduced_programs) return ~std::uint64_t{0};
