@@ -194,6 +194,20 @@ p: difference 1 of 2, step 0 of 1 | 0 ; (start) ;  ;  ; at the start ; at the st
   EXPECT_THAT(text, HasSubstr("They differ: 2 independent differences."));
 }
 
+// Models that are the same have a page, too, without anything to step through.
+TEST(Compare, APageOfEqualModels) {
+  const TempDir folder;
+  const std::string page = (folder.path() / "page.html").string();
+  for (const char* const name : {"strict-2", "port"}) {
+    EXPECT_EQ(run_maide({"compare", model(name), model(name), "--html", page}).exit_status, 0);
+    const std::string text = read_file(page);
+    EXPECT_THAT(text, HasSubstr("They are the same."));
+    EXPECT_THAT(text, HasSubstr("class=\"node both\""));
+    EXPECT_THAT(text, testing::Not(HasSubstr("class=\"node left\"")));
+    EXPECT_THAT(text, HasSubstr("id=\"walks\">[]</script>"));
+  }
+}
+
 // 300 states: the words and what is around them are drawn.
 TEST(Compare, APageOfLargeModelsIsCut) {
   if (!can_step_through()) GTEST_SKIP() << "needs node (Debian: nodejs)";

@@ -296,7 +296,7 @@ std::optional<NondeterministicMealy> as_mealy(const Model& model) {
   return std::nullopt;
 }
 
-Outcome compare_models(const Model& left, const Model& right, const Names& names,
+Outcome compare_models(const Model& left, const Model& right, const Names& names, bool has_page,
                        const RunControl& control) {
   const auto* left_machine = std::get_if<Mealy>(&left);
   const auto* right_machine = std::get_if<Mealy>(&right);
@@ -306,7 +306,6 @@ Outcome compare_models(const Model& left, const Model& right, const Names& names
     outcome = left_machine != nullptr && right_machine != nullptr
                   ? compare_mealy(*left_machine, *right_machine, names)
                   : compare_nondeterministic(*left_mealy, *right_mealy, names);
-    outcome.pair = read_behaviours(*left_mealy, *right_mealy, control);
     outcome.left = *left_mealy;
     outcome.right = *right_mealy;
   } else {
@@ -321,12 +320,15 @@ Outcome compare_models(const Model& left, const Model& right, const Names& names
             : as_automaton(*right_mealy, std::get<InterfaceAutomaton>(left), names.right, notes);
     outcome = compare_automata(left_automaton, right_automaton, names, control);
     outcome.notes.insert(outcome.notes.begin(), notes.begin(), notes.end());
-    outcome.pair = read_behaviours(left_automaton, right_automaton, control);
     outcome.left = left_automaton;
     outcome.right = right_automaton;
   }
-  if (!outcome.same) outcome.differences = find_differences(outcome.pair, control);
-  outcome.json["differ_in_marks_alone"] = outcome.is_bound_alone();
+  if (outcome.same && !has_page) return outcome;
+  outcome.pair = left_mealy && right_mealy
+                     ? read_behaviours(*left_mealy, *right_mealy, control)
+                     : read_behaviours(std::get<InterfaceAutomaton>(outcome.left),
+                                       std::get<InterfaceAutomaton>(outcome.right), control);
+  outcome.differences = find_differences(outcome.pair, control);
   return outcome;
 }
 
@@ -433,8 +435,9 @@ ExitStatus run_compare(const CompareArguments& arguments, Context& context) {
               second ? second->text : std::filesystem::path(arguments.b).filename().string()};
   if (names.left == names.right) names = {arguments.a, arguments.b};
   const Model right = second ? second->model : read_model(arguments.b);
-  Outcome outcome = compare_models(left, right, names, context.control());
+  Outcome outcome = compare_models(left, right, names, !arguments.html.empty(), context.control());
   outcome.json["models"] = {arguments.a, arguments.b};
+  outcome.json["differ_in_marks_alone"] = outcome.is_bound_alone();
   Json differences = Json::array();
   for (const Difference& difference : outcome.differences.list) {
     differences.push_back(to_json(outcome.pair, difference));
