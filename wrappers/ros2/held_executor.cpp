@@ -13,13 +13,14 @@ const void* what_of(const rclcpp::AnyExecutable& next) {
   return next.client.get();
 }
 
-thread_local bool has_run = false;  // of this thread's last execution
-
 }  // namespace
 
 HeldExecutor::HeldExecutor(const rclcpp::ExecutorOptions& options, std::size_t threads,
-                           OnPick on_pick)
-    : rclcpp::Executor(options), thread_count_(threads), on_pick_(std::move(on_pick)) {}
+                           OnPick on_pick, IsForNobody is_for_nobody)
+    : rclcpp::Executor(options),
+      thread_count_(threads),
+      on_pick_(std::move(on_pick)),
+      is_for_nobody_(std::move(is_for_nobody)) {}
 
 HeldExecutor::~HeldExecutor() { stop(); }
 
@@ -37,12 +38,12 @@ bool HeldExecutor::wait_for(const std::function<bool()>& condition) {
 }
 
 void HeldExecutor::run() {
-  const void* left = nullptr;  // started, but it ran nothing: an answer that nobody waited for
+  bool goes_on = false;  // behind an answer that nobody waits for, as in the loop
   for (;;) {
     bool is_free = false;
     const auto may_pick = [&] {
       is_free = is_free_;
-      if (is_free || left != nullptr) return true;
+      if (is_free || goes_on) return true;
       if (picks_ == 0) return false;
       --picks_;
       return true;
@@ -56,24 +57,19 @@ void HeldExecutor::run() {
       is_found = get_next_executable(next, std::chrono::nanoseconds(is_free ? -1 : 0));
     }
     const void* const what = is_found ? what_of(next) : nullptr;
-    const void* const before = std::exchange(left, nullptr);
-    const bool goes_on = is_free || (is_found && what == before);
-    if (!goes_on) on_pick_(what);
+    goes_on = is_found && next.client && is_for_nobody_(what);
+    if (!goes_on && !is_free) on_pick_(what);
     if (!is_found) continue;
     const auto may_start = [&] {
       std::size_t& starts = starts_[what];
       if (starts > 0) return --starts, true;
       return is_free_;
     };
-    if (!goes_on && !wait_for(may_start)) return;
-    has_run = false;
+    if (!goes_on && !is_free && !wait_for(may_start)) return;
     execute_any_executable(next);
     next.callback_group.reset();  // as in MultiThreadedExecutor: it was given back
-    if (next.client && !has_run) left = what;
   }
 }
-
-void HeldExecutor::note_run() { has_run = true; }
 
 void HeldExecutor::pick() {
   const std::scoped_lock lock(mutex_of_holds_);

@@ -23,20 +23,21 @@ class HeldExecutor : public rclcpp::Executor {
  public:
   // What a thread picked: the timer, subscription, service or client; null: nothing is ready.
   using OnPick = std::function<void(const void* picked)>;
+  // Whether only answers to other clients are there for it. To take them runs nothing, so the
+  // thread is not held, and picks again.
+  using IsForNobody = std::function<bool(const void* client)>;
 
-  // `on_pick` is called by the threads, until set_free().
-  HeldExecutor(const rclcpp::ExecutorOptions& options, std::size_t threads, OnPick on_pick);
+  // Both are called by the threads; `on_pick` until set_free().
+  HeldExecutor(const rclcpp::ExecutorOptions& options, std::size_t threads, OnPick on_pick,
+               IsForNobody is_for_nobody);
   ~HeldExecutor() override;
 
   // Its threads begin to wait. Once, when all that they run is there.
   void spin() override;
   // One idle thread picks what comes next, and is held before it runs it. Waits for nothing.
   void pick();
-  // The thread that picked it runs it. An answer that nobody waits for runs nothing. Its thread
-  // then picks again, as in the loop, and goes on until the client has run something.
+  // The thread that picked it runs it.
   void start(const void* picked);
-  // By the thread that runs it: it is a callback, or an answer that somebody waits for.
-  static void note_run();
   // No thread is held any more, and idle ones wait for what comes.
   void set_free();
   // From another thread. All threads end behind the callbacks that they run.
@@ -49,6 +50,7 @@ class HeldExecutor : public rclcpp::Executor {
 
   const std::size_t thread_count_;
   const OnPick on_pick_;
+  const IsForNobody is_for_nobody_;
   std::mutex mutex_of_holds_;  // for what follows
   std::condition_variable changed_;
   std::size_t picks_ = 0;

@@ -79,8 +79,9 @@ void HeldSystem::make_executors() {
                        ? fmt::format("e{}.nothing", number)
                        : fmt::format("e{}.c{}", number, callback->second));
     };
-    ends_->executors.push_back(
-        std::make_unique<HeldExecutor>(options, graph_.executors[number].threads, on_pick));
+    ends_->executors.push_back(std::make_unique<HeldExecutor>(
+        options, graph_.executors[number].threads, on_pick,
+        [this](const void* client) { return takes_for_nobody(client); }));
     for (std::size_t group = 0; group < graph_.groups.size(); ++group) {
       if (graph_.groups[group].executor != number) continue;
       ends_->executors.back()->add_callback_group(
@@ -143,8 +144,8 @@ void HeldSystem::make_subscription(std::size_t number) {
 void HeldSystem::make_server(std::size_t number) {
   const HeldGraph::Callback& callback = graph_.callbacks[number];
   const auto on_request = [this, number](const std::shared_ptr<rmw_request_id_t>& id,
-                                         const std::shared_ptr<Type::Request>&) {
-    run(number, "began", id.get());
+                                         const std::shared_ptr<Type::Request>& request) {
+    run(number, "began", Served{*id, std::stoul(request->names.at(0))});
   };
   ends_->services[callback.end] = ends_->nodes[graph_.node_of(callback)]->create_service<Type>(
       fmt::format("{}_service_{}", name_, callback.end), on_request,
@@ -197,9 +198,9 @@ void HeldSystem::make_ends_of_services() {
     ends_->services[number] = ends_->nodes[service.server]->create_service<Type>(
         fmt::format("{}_service_{}", name_, number),
         [own = server.get()](const std::shared_ptr<rmw_request_id_t>& id,
-                             const std::shared_ptr<Type::Request>&) {
+                             const std::shared_ptr<Type::Request>& request) {
           own->has_received = true;
-          own->served = *id;
+          own->served = Served{*id, std::stoul(request->names.at(0))};
         },
         service_qos(service.depth), server->spinner.group());
   }
@@ -360,11 +361,15 @@ void HeldSystem::send(std::size_t node, std::size_t service, const std::shared_p
           const std::scoped_lock lock(mutex_);
           *answer = true;
           changed_.notify_all();
+          auto& left = answers_[ends_->clients.at({node, service}).get()];
+          const auto own = std::find(left.begin(), left.end(), true);
+          left.erase(left.begin(), own == left.end() ? own : own + 1);
         }
         run(callback_of_client_.at({node, service}), "began");
       };
-  ends_->clients.at({node, service})
-      ->async_send_request(std::make_shared<Type::Request>(), on_answer);
+  auto request = std::make_shared<Type::Request>();
+  request->names = {std::to_string(node)};
+  ends_->clients.at({node, service})->async_send_request(request, on_answer);
 }
 
 void HeldSystem::wait_for(Run& run, std::size_t service) {
@@ -374,11 +379,30 @@ void HeldSystem::wait_for(Run& run, std::size_t service) {
   if (!is_stopped_) sink_.report(run.prefix + "answered");
 }
 
-void HeldSystem::answer(std::size_t service, std::optional<rmw_request_id_t>& served) {
+// All clients get it, and each keeps the newest ones.
+void HeldSystem::answer(std::size_t service, std::optional<Served>& served) {
   if (!served) return;
+  {
+    const std::scoped_lock lock(mutex_);
+    for (const std::size_t node : graph_.services[service].clients) {
+      if (graph_.is_program(node)) continue;
+      auto& left = answers_[ends_->clients.at({node, service}).get()];
+      left.push_back(node == served->client);
+      if (left.size() > graph_.services[service].depth) left.pop_front();
+    }
+  }
   Type::Response response;
-  ends_->services[service]->send_response(*served, response);
+  ends_->services[service]->send_response(served->id, response);
   served.reset();
+}
+
+// One look throws away all that are older than the first own one.
+bool HeldSystem::takes_for_nobody(const void* client) {
+  const std::scoped_lock lock(mutex_);
+  auto& left = answers_[client];
+  if (left.empty() || std::find(left.begin(), left.end(), true) != left.end()) return false;
+  left.clear();
+  return true;
 }
 
 void HeldSystem::receive(Receiver& receiver, const std::string& event) {
@@ -389,8 +413,7 @@ void HeldSystem::receive(Receiver& receiver, const std::string& event) {
 
 // In a thread of an executor: a callback. Where the executors are free, any of its runs starts.
 void HeldSystem::run(std::size_t callback, const std::string& event,
-                     const rmw_request_id_t* served) {
-  HeldExecutor::note_run();
+                     const std::optional<Served>& served) {
   std::unique_lock lock(mutex_);
   if (is_stopped_) return;
   Callback& own = callbacks_[callback];
@@ -401,7 +424,7 @@ void HeldSystem::run(std::size_t callback, const std::string& event,
   run.is_running = true;
   run.is_over = false;
   run.answers.clear();
-  run.served = served == nullptr ? std::nullopt : std::optional(*served);
+  run.served = served;
   sink_.report(run.prefix + event);
   while (!run.is_over) {
     changed_.wait(lock, [&] { return is_stopped_ || run.next != nullptr; });

@@ -7,6 +7,7 @@
 #include <condition_variable>
 #include <cstddef>
 #include <cstdint>
+#include <deque>
 #include <functional>
 #include <map>
 #include <memory>
@@ -42,13 +43,18 @@ class HeldSystem : public SystemInstance {
   using Call = std::function<void()>;
   using End = std::pair<std::size_t, std::size_t>;  // a node, and a topic or service
 
+  // A request that was served, and the node that sent it.
+  struct Served {
+    rmw_request_id_t id;
+    std::size_t client = 0;
+  };
   // One run of a callback.
   struct Run {
     std::string prefix;  // "c0.1."
     Call next;           // what it does as soon as it is held
     bool is_running = false, is_over = false;
     std::map<std::size_t, std::shared_ptr<bool>> answers;  // to its last request, by service
-    std::optional<rmw_request_id_t> served;
+    std::optional<Served> served;
   };
   struct Callback {
     const void* picked = nullptr;  // the timer, subscription, service or client
@@ -63,7 +69,7 @@ class HeldSystem : public SystemInstance {
     bool has_received = false;
     std::uint64_t newest = 0;
     std::string label;  // of the message
-    std::optional<rmw_request_id_t> served;
+    std::optional<Served> served;
   };
   // All that takes long to delete.
   struct Ends {
@@ -97,10 +103,11 @@ class HeldSystem : public SystemInstance {
   // Of a callback's run: it is made by the run, which then is held again.
   void add_call(std::size_t callback, std::size_t run, const std::string& name, Call call);
   void run(std::size_t callback, const std::string& event,
-           const rmw_request_id_t* served = nullptr);
+           const std::optional<Served>& served = std::nullopt);
   void send(std::size_t node, std::size_t service, const std::shared_ptr<bool>& answer);
   void wait_for(Run& run, std::size_t service);
-  void answer(std::size_t service, std::optional<rmw_request_id_t>& served);
+  void answer(std::size_t service, std::optional<Served>& served);
+  bool takes_for_nobody(const void* client);
   void publish(const End& end);
   void receive(Receiver& receiver, const std::string& event);
   const char* label_of(std::size_t topic, std::uint64_t message, std::uint64_t& newest) const;
@@ -118,6 +125,8 @@ class HeldSystem : public SystemInstance {
   std::mutex mutex_;  // for what follows
   std::condition_variable changed_;
   std::vector<Callback> callbacks_;
+  // By client of a node: its answers that were sent and not taken, and whether they are its own.
+  std::map<const void*, std::deque<bool>> answers_;
   bool is_stopped_ = false;
 };
 

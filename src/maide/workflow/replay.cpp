@@ -177,7 +177,9 @@ class Walk {
         }
       }
       const bool is_taken = step != nullptr && step->status == StepStatus::taken;
+      // Threads of executors may tell of what they do in any order.
       std::sort(seen.begin(), seen.end());
+      std::sort(all.begin(), all.end());
       if (!is_taken || seen != call.expected) {
         deviate(kind, host, in_words(call.expected), is_taken ? in_words(all) : describe(step));
         return std::nullopt;
