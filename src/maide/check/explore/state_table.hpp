@@ -378,6 +378,13 @@ class StateTable {
     ::madvise(start + before, bytes, MADV_HUGEPAGE);
     return start + before;
   }
+  // Writes to each page. A page that is read first is mapped twice, and the second time stops all
+  // threads.
+  static void touch(const Segment& segment) {
+    constexpr std::uint64_t page = 4096;
+    volatile unsigned char* const data = segment.data;
+    for (std::uint64_t at = 0; at < segment.bytes; at += page) data[at] = 0;
+  }
   static void unmap(const Segment& segment) {
     if (is_mapped(segment.bytes)) {
       ::munmap(segment.data, segment.bytes);
@@ -400,6 +407,7 @@ class StateTable {
     // Entries are read eight bytes at a time, the last one too.
     segment.bytes = mapped_bytes((slots + most_distance + 1) * segment.width + 8);
     segment.data = map_zeros(segment.bytes);
+    touch(segment);
     const std::uint64_t bytes = bytes_ += segment.bytes;
     std::uint64_t peak = peak_bytes_;
     while (peak < bytes && !peak_bytes_.compare_exchange_weak(peak, bytes)) {
