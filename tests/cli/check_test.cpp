@@ -75,7 +75,7 @@ TEST_F(CheckThreads, FindTheSame) {
   EXPECT_EQ(result("5"), one);
   expect_error(run_maide({"check", system(waiting), "--threads", "0"}), 2, "--threads");
   expect_error(run_maide({"check", system(waiting), "--threads", "2", "--engine", "spin"}), 2,
-               "--threads is for --engine native, not spin");
+               "spin searches with one thread; --threads is for native and ltsmin");
 }
 
 TEST_F(CheckCommand, TraceAsSteps) {

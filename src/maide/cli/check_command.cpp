@@ -257,8 +257,8 @@ ExitStatus run_check(const CheckArguments& arguments, Context& context) {
     throw UsageError("a report's name ends in .html or .svg (" + arguments.report + ")");
   }
   const std::unique_ptr<Engine> engine = make_engine(arguments.engine);
-  if (arguments.threads > 0 && arguments.engine != "native") {
-    throw UsageError("--threads is for --engine native, not " + arguments.engine);
+  if (arguments.threads > 0 && arguments.engine == "spin") {
+    throw UsageError("spin searches with one thread; --threads is for native and ltsmin");
   }
   CheckRequest request;
   request.properties = arguments.properties;
@@ -298,13 +298,12 @@ RunFunction set_up_check(CommandLine& line) {
   auto arguments = std::make_shared<CheckArguments>();
   line.add("SYSTEM", arguments->system, "A system file (YAML): models, programs, properties")
       .required();
-  line.add("--engine", arguments->engine,
-           "Which engine decides: native, spin or ltsmin. Native is Maide's own; spin is a "
-           "reference "
-           "that knows no `stuck`, no X, no strong fairness and no `fair`, and needs spin and a C "
-           "compiler; ltsmin knows `deadlock`, `error` and `always` alone, uses all cores, and "
-           "needs "
-           "LTSmin and a C++ compiler")
+  line.add(
+          "--engine", arguments->engine,
+          "Which engine decides: native, spin or ltsmin. Native is Maide's own. Spin is a "
+          "reference that knows no `stuck`, no X, no strong fairness and no `fair`, and needs spin "
+          "and a C compiler. Ltsmin knows `deadlock`, `error` and `always` alone, and needs LTSmin "
+          "and a C++ compiler")
       .value_name("NAME");
   line.add("--reduction", arguments->reduction,
            "What native leaves out: none, calls, order or full. It does so where the property "
@@ -339,10 +338,11 @@ RunFunction set_up_check(CommandLine& line) {
       .between(1, std::uint64_t{1} << 30)
       .no_default()
       .value_name("MIB");
-  line.add("--threads", arguments->threads,
-           "How many threads of native search. Several search for a deadlock, an error or a "
-           "violation of `always`, one for all else. What is found and counted does not depend on "
-           "it. Default: one a processor")
+  line.add(
+          "--threads", arguments->threads,
+          "How many threads of native or ltsmin search. Several search for a deadlock, an error or "
+          "a violation of `always`, one for all else. What is found and counted does not depend "
+          "on it. Default: one a processor")
       .between(1, 1024)
       .no_default()
       .value_name("NUMBER");

@@ -135,8 +135,8 @@ TEST_F(LtsminStandIn, IsGivenThePlugInAndTheQuestion) {
   LtsminOptions tools = script("echo \"$@\" > '" + (folder_.path() / "seen").string() +
                                "'; test -s ./system.so || exit 7\n"
                                "echo ': Explored 2 states 1 transitions' >&2\n");
-  tools.cores = 3;
   EngineOptions options;
+  options.threads = 3;
   options.memory_mib = 1024;
   const PropertyResult result = check(tools, options);
   EXPECT_EQ(result.verdict, Verdict::holds);

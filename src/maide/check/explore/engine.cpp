@@ -40,6 +40,10 @@ std::uint64_t memory_limit_mib(const EngineOptions& options) {
   return std::max<std::uint64_t>(256, pages * page / 4 * 3 >> 20);
 }
 
+unsigned thread_count(const EngineOptions& options) {
+  return options.threads == 0 ? processor_count() : options.threads;
+}
+
 std::string why_stopped(const EngineOptions& options) {
   return options.control.stop.stop_requested() ? "interrupted" : "out of time";
 }
@@ -60,7 +64,7 @@ using Clock = std::chrono::steady_clock;
 SearchLimits limits_of(const EngineOptions& options) {
   SearchLimits limits;
   limits.bytes = memory_limit_mib(options) << 20;
-  limits.threads = options.threads == 0 ? processor_count() : options.threads;
+  limits.threads = thread_count(options);
   limits.states_a_thread = options.states_a_thread;
   limits.control = options.control;
   return limits;

@@ -50,7 +50,8 @@ struct EngineOptions {
   std::optional<std::uint64_t> memory_mib;  // limit of a search; none: most of the machine's
   // What the native engine may leave out, as far as the property allows.
   Reduction reduction = Reduction::none;
-  // Of the native engine's breadth-first searches; 0: one a processor. Results do not depend on it.
+  // Of searches that can use several; 0: one a processor. What they find and count does not depend
+  // on it.
   unsigned threads = 0;
   std::size_t states_a_thread = 256;  // at least, for it to be worth a thread
   RunControl control;
@@ -59,6 +60,9 @@ struct EngineOptions {
 // The limit of a search in MiB: what the options say, or three quarters of the machine's memory, at
 // least 256.
 std::uint64_t memory_limit_mib(const EngineOptions& options);
+
+// What the options say, or as many as this process may use processors.
+unsigned thread_count(const EngineOptions& options);
 
 // "interrupted" or "out of time": why a search that was told to stop was.
 std::string why_stopped(const EngineOptions& options);

@@ -9,7 +9,6 @@
 #include <sstream>
 #include <stdexcept>
 #include <string_view>
-#include <thread>
 #include <utility>
 #include <vector>
 
@@ -57,9 +56,8 @@ class Exploration {
   }
 
   LtsminOutput search() {
-    const unsigned all = std::max(1U, std::thread::hardware_concurrency());
     const auto start = Clock::now();
-    LtsminOutput output = explore(tools_.cores == 0 ? all : tools_.cores, {});
+    LtsminOutput output = explore(thread_count(options_), {});
     seconds_ = std::chrono::duration<double>(Clock::now() - start).count();
     return output;
   }
@@ -83,9 +81,9 @@ class Exploration {
   }
 
  private:
-  LtsminOutput explore(unsigned cores, const std::vector<std::string>& further) {
+  LtsminOutput explore(unsigned threads, const std::vector<std::string>& further) {
     std::vector<std::string> command{tools_.explorer, "--strategy=bfs",
-                                     fmt::format("--procs={}", cores),
+                                     fmt::format("--procs={}", threads),
                                      fmt::format("-s{}", table_bits(memory_limit_mib(options_)))};
     command.insert(command.end(), goal_.begin(), goal_.end());
     command.insert(command.end(), further.begin(), further.end());

@@ -1,8 +1,8 @@
 // LTSmin as an engine (Kant et al., "LTSmin: High-Performance Language-Independent Model Checking",
-// TACAS 2015): `pins2lts-mc` on the system's plug-in (export/system_exporters.hpp), with all of the
-// machine's cores. The search is exhaustive and without reduction, so the counts are those of the
-// system. A counterexample is looked for again on one core, breadth-first, so that it is a shortest
-// one. It is translated back and held against the system's semantics.
+// TACAS 2015): `pins2lts-mc` on the system's plug-in (export/system_exporters.hpp), with as many
+// threads as EngineOptions says. The search is exhaustive and without reduction, so the counts are
+// those of the system. A counterexample is looked for again on one core, breadth-first, so that it
+// is a shortest one. It is translated back and held against the system's semantics.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +16,6 @@ namespace maide {
 
 struct LtsminOptions {
   std::string explorer = "pins2lts-mc", printer = "ltsmin-printtrace", compiler = "c++";
-  unsigned cores = 0;  // for the search; 0: all of the machine's
 };
 
 class LtsminEngine : public Engine {
