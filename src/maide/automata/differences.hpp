@@ -8,11 +8,10 @@
 // Partners are pairs of states, one of each model, no state in two pairs:
 //   1. states that no word tells apart;
 //   2. the two initial states, if neither has a partner yet;
-//   3. of the pairs that meet, the most alike first. How alike two states are is the fixed point of
-//      Walkinshaw & Bogdanov's score ("Automated comparison of state-based software models in terms
-//      of their language and structure", TOSEM 2013), over the pairs that meet: an answer in common
-//      counts, and more if it leads to states that are alike. Of pairs that are as much alike, the
-//      first on the shortest words comes first.
+//   3. of the pairs that meet, the most alike first. An answer in common counts, and more if it
+//      leads to states that are alike: the fixed point of Walkinshaw & Bogdanov's score ("Automated
+//      comparison of state-based software models in terms of their language and structure", TOSEM
+//      2013). Of pairs that are as much alike, the first on the shortest words comes first.
 //
 // A difference is a pair of states that meet, and a question that they answer differently.
 // Independent are these:

@@ -1,7 +1,7 @@
-// `maide compare A B`: whether two models - of two versions, two configurations, two vendors - are
-// the same, and if not, the shortest word that tells them apart, and all other differences. What
-// one model knows and the other never tried is no contradiction, and is told apart from one. A
-// system in the place of B is learned.
+// `maide compare A B`: whether two models are the same, of two versions, configurations or vendors.
+// If not, it tells the shortest word that tells them apart, and all other differences. What one
+// model knows and the other never tried is no contradiction, and is told apart from one. A system
+// in the place of B is learned.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 

@@ -1,5 +1,5 @@
-// Two machines on one page: a picture of both, what only one of them does in a colour and a line
-// style of its own, and every difference as a word that can be stepped through on both. The page is
+// Two machines on one page. A picture shows both: what only one of them does has a colour and a
+// line style of its own. Every difference is a word that is stepped through on both. The page is
 // one file that needs nothing else. Without JavaScript all words stand there as tables.
 //
 // The colours are Okabe & Ito's, which colour-blind people tell apart ("Color universal design",

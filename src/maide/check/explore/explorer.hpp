@@ -3,11 +3,11 @@
 // states lie in a StateTable, each with the code of the step that led to it (packed_system.hpp). So
 // the run is read off backwards, and costs a few bits a state.
 //
-// A level is searched in rounds of a few thousand states. First the states are expanded, each
-// thread has a piece of the round. Then what they led to is entered into the table, where each
-// thread has segments of its own and takes what lies there in the order in which the states were
-// expanded. So no two threads write to one place, and nothing is locked. What is stored, found and
-// counted, and the order of the next level, are the same with any number of threads.
+// A level is searched in rounds of a few thousand states. First the states are expanded: each
+// thread has a piece of the round. Then what they led to is entered into the table: each thread has
+// segments of its own. What lies there it takes in the order in which the states were expanded. So
+// no two threads write to one place, and nothing is locked. What is stored, found and counted, and
+// the order of the next level, are the same with any number of threads.
 //
 // The search saves work in three ways:
 //
@@ -112,8 +112,8 @@ class BreadthFirstSearch {
     State state;
     typename Table::Address address;
     std::uint32_t payload = 0;
-    // With an order of steps, the place of the last one; else, if it comes from a state of which
-    // steps are left out, that state's number in the piece, from 1 on.
+    // With an order of steps, the place of the last one. Else, of what a reduced state leads to,
+    // that state's number in Piece::reduced, from 1 on; or 0.
     std::uint32_t tag = 0;
   };
   // A state whose other steps may have to be taken after all.

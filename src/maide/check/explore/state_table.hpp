@@ -142,9 +142,9 @@ class StateTable {
     return insert(state, address_of(state), payload);
   }
 
-  // So that threads that fill segments grow theirs at the same time, and not one after another:
-  // is_due() if any segment grows before so many more states are in it, and then grow_if_near() of
-  // each. States spread evenly over the segments, so nearly all are.
+  // Segments fill evenly. So that threads grow theirs at the same time, and not one after another,
+  // they call grow_if_near() of each as soon as one is_due(): it grows before so many more states
+  // are in it.
   bool is_due(std::uint64_t states) const {
     return std::any_of(segments_.begin(), segments_.end(),
                        [&](const Segment& segment) { return is_full(segment, states); });
