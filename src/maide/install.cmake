@@ -36,3 +36,22 @@ install(FILES ${PROJECT_BINARY_DIR}/maideConfig.cmake ${PROJECT_BINARY_DIR}/maid
 file(RELATIVE_PATH pc_to_prefix /prefix/${CMAKE_INSTALL_LIBDIR}/pkgconfig /prefix)
 configure_file(maide.pc.in ${PROJECT_BINARY_DIR}/maide.pc @ONLY)
 install(FILES ${PROJECT_BINARY_DIR}/maide.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
+
+# Manual pages, and completion for shells: the program makes them.
+if(NOT CMAKE_CROSSCOMPILING)
+  install(CODE "
+    set(shared \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_DATADIR}\")
+    set(pages \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_MANDIR}/man1\")
+    file(MAKE_DIRECTORY \"\${pages}\")
+    execute_process(COMMAND \"$<TARGET_FILE:maide_program>\" manual --all -o \"\${pages}\"
+                    COMMAND_ERROR_IS_FATAL ANY)
+    foreach(place bash-completion/completions/maide zsh/vendor-completions/_maide
+                  fish/vendor_completions.d/maide.fish)
+      string(REGEX MATCH \"^[a-z]*\" shell \"\${place}\")
+      get_filename_component(folder \"\${shared}/\${place}\" DIRECTORY)
+      file(MAKE_DIRECTORY \"\${folder}\")
+      execute_process(COMMAND \"$<TARGET_FILE:maide_program>\" completion \${shell}
+                      OUTPUT_FILE \"\${shared}/\${place}\" COMMAND_ERROR_IS_FATAL ANY)
+    endforeach()
+  ")
+endif()

@@ -26,6 +26,15 @@ foreach(file docs/README.md docs/middleware/yarp.md examples/case-study-1/strict
   endif()
 endforeach()
 
+# So do manual pages, and completion for shells.
+foreach(file man/man1/maide.1 man/man1/maide-check.1 bash-completion/completions/maide
+             zsh/vendor-completions/_maide fish/vendor_completions.d/maide.fish)
+  file(READ "${work_dir}/prefix/share/${file}" text)
+  if(NOT text MATCHES "check")
+    message(FATAL_ERROR "${file} does not tell of maide check")
+  endif()
+endforeach()
+
 # Every wrapper that was built is installed, and the program finds it there.
 file(GLOB built RELATIVE ${build_dir}/bin ${build_dir}/bin/maide-wrap-*)
 execute_process(COMMAND "${work_dir}/prefix/bin/maide" doctor --json OUTPUT_VARIABLE report)

@@ -304,12 +304,14 @@ RunFunction set_up_check(CommandLine& line) {
           "reference that knows no `stuck`, no X, no strong fairness and no `fair`, and needs spin "
           "and a C compiler. Ltsmin knows `deadlock`, `error` and `always` alone, and needs LTSmin "
           "and a C++ compiler")
+      .offer({"native", "spin", "ltsmin"})
       .value_name("NAME");
   line.add("--reduction", arguments->reduction,
            "What native leaves out: none, calls, order or full. It does so where the property "
            "allows it. Calls: states between an input and the output that answers it; order: all "
            "but one order of steps that do not disturb one another; full: both, and states with "
            "a single step")
+      .offer({"none", "calls", "order", "full"})
       .value_name("NAME");
   line.add("--property", arguments->properties,
            "Check this property alone; once or more. Default: deadlock, stuck and all "

@@ -173,6 +173,12 @@ std::span<const Command> command_table() {
               "maide ros2 import --json > graph.json\n"
               "maide ros2 import --graph graph.json -o robot.yaml",
               set_up_ros2},
+      Command{"completion", "Write what lets a shell complete command lines of maide",
+              "maide completion bash > ~/.local/share/bash-completion/completions/maide\n"
+              "maide completion fish > ~/.config/fish/completions/maide.fish",
+              set_up_completion},
+      Command{"manual", "Write manual pages, for man",
+              "maide manual check | man -l -\nmaide manual --all -o share/man/man1", set_up_manual},
       Command{"doctor", "Tell what is usable on this machine, or what a graph of ROS 2 loses",
               "maide doctor\nmaide doctor --json\nmaide doctor ros2 robot.yaml", set_up_doctor},
   };

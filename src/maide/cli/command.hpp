@@ -150,16 +150,31 @@ std::string_view language_help();
 // Every command of this version, in the order of the overview.
 std::span<const Command> command_table();
 
-// One function for each row of the table, in a file of its own (new and init share one).
+// A command with all that it takes, the options of every command, too.
+struct DeclaredCommand {
+  explicit DeclaredCommand(const Command& command);
+  CommandLine line;
+  RunFunction run;
+  CommonOptions common;
+  std::string color = "auto";  // --color
+};
+
+// Of every command's help and manual page: what exit statuses mean.
+std::string_view describe_exit_statuses();
+
+// One function for each row of the table, in a file of its own (new and init share one, and so do
+// completion and manual).
 RunFunction set_up_bench(CommandLine& line);
 RunFunction set_up_cache(CommandLine& line);
 RunFunction set_up_compare(CommandLine& line);
+RunFunction set_up_completion(CommandLine& line);
 RunFunction set_up_doctor(CommandLine& line);
 RunFunction set_up_check(CommandLine& line);
 RunFunction set_up_export(CommandLine& line);
 RunFunction set_up_format(CommandLine& line);
 RunFunction set_up_init(CommandLine& line);
 RunFunction set_up_learn(CommandLine& line);
+RunFunction set_up_manual(CommandLine& line);
 RunFunction set_up_new(CommandLine& line);
 RunFunction set_up_replay(CommandLine& line);
 RunFunction set_up_reproduce(CommandLine& line);

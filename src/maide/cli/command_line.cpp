@@ -20,6 +20,8 @@
 namespace maide::cli {
 namespace {
 
+constexpr const char* name_of_choices = "choices";
+
 bool is_number(const std::string& argument) {
   return argument.size() > 1 &&
          (std::isdigit(static_cast<unsigned char>(argument[1])) != 0 || argument[1] == '.');
@@ -85,9 +87,25 @@ Argument& Argument::check(const ArgumentCheck& check) {
 
 Argument& Argument::one_of(std::vector<std::string> names) {
   // Not check(): it would stand in front of one that says it better.
+  offer(names);
   option_->check(CLI::Validator(
       [names = std::move(names)](std::string& text) { return check_one_of(text, names); }, ""));
   return *this;
+}
+
+// They are kept as the description of a check that refuses nothing.
+Argument& Argument::offer(const std::vector<std::string>& names) {
+  option_->check(CLI::Validator([](std::string&) { return std::string(); }, join(names, " "),
+                                name_of_choices));
+  return *this;
+}
+
+std::vector<std::string> Argument::choices() const {
+  try {
+    return split_shell_words(option_->get_validator(name_of_choices)->get_description());
+  } catch (const CLI::OptionNotFound&) {
+    return {};
+  }
 }
 
 Argument& Argument::between(std::uint64_t least, std::uint64_t most) {
@@ -133,11 +151,16 @@ std::string Argument::synopsis() const {
   for (const std::string& name : short_names()) text += (text.empty() ? "-" : ", -") + name;
   for (const std::string& name : long_names()) text += (text.empty() ? "--" : ", --") + name;
   if (!takes_value()) return text;
-  const std::string type = option_->get_type_name();
-  const std::string kind = type.substr(0, type.find(':'));
-  text += " " + (kind == "UINT" ? "N" : kind == "FLOAT" ? "X" : kind);
+  text += " " + value_name();
   const std::string initial = option_->get_default_str();
   return text + (initial.empty() || initial == "[]" ? "" : "=" + initial);
+}
+
+std::string Argument::value_name() const {
+  if (!takes_value()) return "";
+  const std::string type = option_->get_type_name();
+  const std::string kind = type.substr(0, type.find(':'));
+  return kind == "UINT" ? "N" : kind == "FLOAT" ? "X" : kind;
 }
 
 std::string Argument::name() const { return option_->get_name(); }
@@ -202,16 +225,6 @@ std::vector<Argument> CommandLine::all() const {
 void CommandLine::set_footer(const std::string& text) { footer_ = text; }
 
 namespace {
-
-// Up to the first full stop that another sentence follows.
-std::string first_sentence(const std::string& text) {
-  for (std::size_t at = text.find(". "); at != std::string::npos; at = text.find(". ", at + 1)) {
-    if (at + 2 < text.size() && std::islower(static_cast<unsigned char>(text[at + 2])) == 0) {
-      return text.substr(0, at);
-    }
-  }
-  return text;
-}
 
 std::string usage(const std::string& command, const std::vector<Argument>& arguments) {
   std::string text = "Usage: " + command + " [OPTIONS]";
@@ -303,6 +316,15 @@ void CommandLine::check_values(const std::string& hint) const {
     if (std::find(values.begin(), values.end(), "") == values.end()) continue;
     throw UsageError("the value of " + argument.name() + " is empty" + hint);
   }
+}
+
+std::string first_sentence(const std::string& text) {
+  for (std::size_t at = text.find(". "); at != std::string::npos; at = text.find(". ", at + 1)) {
+    if (at + 2 < text.size() && std::islower(static_cast<unsigned char>(text[at + 2])) == 0) {
+      return text.substr(0, at);
+    }
+  }
+  return text;
 }
 
 std::string check_one_of(const std::string& text, const std::vector<std::string>& names) {

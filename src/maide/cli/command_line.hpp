@@ -32,6 +32,8 @@ class Argument {
   Argument& check(const ArgumentCheck& check);
   // One of these; a name that is near is suggested for any other.
   Argument& one_of(std::vector<std::string> names);
+  // A shell offers these; what else is typed is checked elsewhere.
+  Argument& offer(const std::vector<std::string>& names);
   // A whole number in this range, ends included.
   Argument& between(std::uint64_t least, std::uint64_t most);
   // A number in this range, ends included.
@@ -54,7 +56,9 @@ class Argument {
   bool is_required() const;
   bool takes_value() const;  // is no flag
   bool is_given() const;
-  std::vector<std::string> values() const;  // as typed
+  std::vector<std::string> values() const;   // as typed
+  std::vector<std::string> choices() const;  // of one_of() or offer()
+  std::string value_name() const;            // "MIB"; "" of a flag
 
  private:
   CLI::Option* option_;
@@ -105,6 +109,17 @@ class CommandLine {
   std::unique_ptr<CLI::App> app_;
   std::string footer_;
 };
+
+// Of a table whose rows have names.
+template <typename Table>
+std::vector<std::string> names_of(const Table& table) {
+  std::vector<std::string> names;
+  for (const auto& row : table) names.emplace_back(row.name);
+  return names;
+}
+
+// Of a help text: up to the first full stop that another sentence follows.
+std::string first_sentence(const std::string& text);
 
 // Checks that several commands need.
 // "'x' is none of a, b; did you mean 'a'?", or "" if it is one of them.

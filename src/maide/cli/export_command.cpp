@@ -227,13 +227,13 @@ ExitStatus run_export(const ExportArguments& arguments, Context& context) {
 
 RunFunction set_up_export(CommandLine& line) {
   auto arguments = std::make_shared<ExportArguments>();
-  std::string names;
-  for (const Exporter& exporter : exporters()) names += std::string(exporter.name) + ", ";
-  names += std::string(tikz) + ", or hoa";
+  std::vector<std::string> formats = names_of(exporters());
+  formats.insert(formats.end(), {std::string(tikz), "hoa"});
   line.add("SOURCE", arguments->source,
            "A model file (.dot, .gv or .aut), or a system file (.yaml)")
       .required();
-  line.add("--to", arguments->format, "The format ('maide help formats'): " + names)
+  line.add("--to", arguments->format, "The format ('maide help formats'): " + join(formats))
+      .offer(formats)
       .value_name("NAME")
       .required();
   line.add("--property", arguments->property,

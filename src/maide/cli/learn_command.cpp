@@ -393,28 +393,25 @@ std::string check_algorithm(const std::string& name) {
   return check_one_of(name, names);
 }
 
-std::string own_wrapper_names() {
-  std::vector<std::string> names;
-  for (const OwnWrapper& wrapper : own_wrappers) names.emplace_back(wrapper.name);
-  return join(names);
-}
-
 }  // namespace
 
 RunFunction set_up_learn(CommandLine& line) {
   auto arguments = std::make_shared<LearnArguments>();
-  const Argument sul = line.add(
+  const std::vector<std::string> wrappers = names_of(own_wrappers);
+  Argument sul = line.add(
       "SUL", arguments->sul,
-      "The system: port, sim:FILE ('maide help systems'). All wrappers: " + own_wrapper_names() +
+      "The system: port, sim:FILE ('maide help systems'). All wrappers: " + join(wrappers) +
           " ('maide doctor' tells which are here), sim:FILE (a model, simulated), "
           "tcp://HOST:PORT,... (one that listens, or several), or exec:PROGRAM ARGS. It is "
           "needed unless there is --from-traces");
+  sul.offer(wrappers);
   line.add("KEY=VALUE", arguments->key_values, "Options of the system (--list-options)")
       .no_default();
   line.add("-o,--output", arguments->output, "The model's file (DOT); standard output if not given")
       .value_name("FILE");
   line.add("--algorithm", arguments->algorithm, "The learner ('maide help algorithms')")
       .check(check_algorithm)
+      .offer(names_of(learners()))
       .value_name("NAME");
   add_test_options(line, arguments->tests);
   line.add("--as", arguments->kind,

@@ -72,26 +72,11 @@ const Command& find_command(const std::string& name, bool with_pages = false) {
 }
 
 ExitStatus run(const Command& command, const std::vector<std::string>& typed) {
-  const std::string name = "maide " + std::string(command.name);
-  const std::string hint = " (see '" + name + " --help')";
-  CommandLine line(name, std::string(command.summary));
-  const RunFunction run = command.set_up(line);
-  CommonOptions common;
-  line.add_flag("--json", common.json, "Print one JSON object instead of text");
-  line.add_flag("-q,--quiet", common.quiet, "No progress line, no notes, short results");
-  line.add_flag("-v,--verbose", common.verbose, "Say more about what is done");
-  std::string color = "auto";
-  line.add("--color", color, "When there are colours: auto is on a terminal, without NO_COLOR")
-      .one_of({"auto", "always", "never"})
-      .value_name("WHEN");
-  for (Argument argument : line.all()) {
-    static const std::vector<std::string> shown_below{"--help", "--json", "--quiet", "--verbose",
-                                                      "--color"};
-    const bool is_common =
-        std::find(shown_below.begin(), shown_below.end(), argument.name()) != shown_below.end();
-    if (is_common) argument.topic(CommandLine::shown_in_footer);
-  }
-  line.set_footer(footer(command));
+  const std::string hint = " (see 'maide " + std::string(command.name) + " --help')";
+  DeclaredCommand declared(command);
+  CommandLine& line = declared.line;
+  const CommonOptions& common = declared.common;
+  const std::string& color = declared.color;
   if (!line.parse(typed, hint)) {
     const bool is_full = std::any_of(typed.begin(), typed.end(), [](const std::string& word) {
       return word == "-v" || word == "--verbose";
@@ -108,7 +93,7 @@ ExitStatus run(const Command& command, const std::vector<std::string>& typed) {
                                        : LogLevel::normal);
   const Interrupt interrupt;
   Context context(common, interrupt.token());
-  const ExitStatus status = run(context);
+  const ExitStatus status = declared.run(context);
   context.finish(status);
   return status;
 }
@@ -157,6 +142,27 @@ int report(const std::string& message, ExitStatus status, bool json,
 }
 
 }  // namespace
+
+DeclaredCommand::DeclaredCommand(const Command& command)
+    : line("maide " + std::string(command.name), std::string(command.summary)),
+      run(command.set_up(line)) {
+  line.add_flag("--json", common.json, "Print one JSON object instead of text");
+  line.add_flag("-q,--quiet", common.quiet, "No progress line, no notes, short results");
+  line.add_flag("-v,--verbose", common.verbose, "Say more about what is done");
+  line.add("--color", color, "When there are colours: auto is on a terminal, without NO_COLOR")
+      .one_of({"auto", "always", "never"})
+      .value_name("WHEN");
+  for (Argument argument : line.all()) {
+    static const std::vector<std::string> shown_below{"--help", "--json", "--quiet", "--verbose",
+                                                      "--color"};
+    const bool is_common =
+        std::find(shown_below.begin(), shown_below.end(), argument.name()) != shown_below.end();
+    if (is_common) argument.topic(CommandLine::shown_in_footer);
+  }
+  line.set_footer(footer(command));
+}
+
+std::string_view describe_exit_statuses() { return exit_statuses; }
 
 Argument add_seed_option(CommandLine& line, std::uint64_t& seed) {
   return line.add("--seed", seed, "Seed of everything random. The same seed gives the same run")

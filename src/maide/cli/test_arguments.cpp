@@ -24,6 +24,7 @@ TestMethodOptions TestArguments::read() const {
 
 void add_test_options(CommandLine& line, TestArguments& arguments) {
   line.add("--eq", arguments.method, "How hypotheses are tested ('maide help tests')")
+      .offer(names_of(test_methods()))
       .value_name("METHOD");
   for (const TestOption& option : test_options()) {
     if (option.key == "seed") continue;
