@@ -23,6 +23,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <new>
+#include <vector>
 
 #include "maide/base/hash.hpp"
 #include "maide/base/invariant.hpp"
@@ -219,6 +220,7 @@ class StateTable {
   static constexpr std::uint64_t most_distance = 255;  // of an entry behind its home, plus 1
   static constexpr std::size_t rest_bytes = 8 * (words - 1);
 
+  // In a cache line of its own, since each may be another thread's.
   struct alignas(64) Segment {
     unsigned char* data = nullptr;
     std::uint64_t slots = 0;  // homes; `most_distance` more lie behind the last
@@ -465,7 +467,7 @@ class StateTable {
 
   unsigned bits_, payload_bits_;
   Scrambler scrambler_;
-  std::array<Segment, segment_count> segments_;
+  std::vector<Segment> segments_{segment_count};
   std::atomic<std::uint64_t> bytes_ = 0, peak_bytes_ = 0;
 };
 
