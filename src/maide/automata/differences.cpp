@@ -258,10 +258,9 @@ class DifferenceSearch {
   void list() {
     std::set<std::pair<std::uint32_t, std::size_t>> places;
     std::set<std::uint32_t> exits;
-    std::vector<bool> is_told(pair_.questions.size());  // of questions that only one model knows
     if (!are_partners(pair_.left.initial, pair_.right.initial)) exits.insert(0);
     for (std::uint32_t place = 0; place < meetings_.size(); ++place) {
-      const auto& [left, right, parent, last, passed, length] = meetings_[place];
+      const StateId left = meetings_[place].left, right = meetings_[place].right;
       if (!are_partners(left, right)) continue;
       for (std::size_t question = 0; question < pair_.questions.size(); ++question) {
         if (!differs(pair_, left, right, question)) continue;

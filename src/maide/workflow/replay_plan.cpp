@@ -212,8 +212,7 @@ Plan make_plan(const System& system, const Stage& stage, const Trace& trace, std
   return plan;
 }
 
-// ---- what no real system is asked
-// -----------------------------------------------------------------
+// ---- what no real system is asked ----
 
 namespace {
 

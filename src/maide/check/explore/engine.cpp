@@ -48,6 +48,14 @@ std::string why_stopped(const EngineOptions& options) {
   return options.control.stop.stop_requested() ? "interrupted" : "out of time";
 }
 
+void require_sound(const std::string& engine, const System& system, const Property& property,
+                   const Trace& trace) {
+  const std::string flaw = find_flaw(system, property, trace);
+  if (flaw.empty()) return;
+  throw std::logic_error(
+      fmt::format("{}'s counterexample for '{}' does not replay: {}", engine, property.name, flaw));
+}
+
 std::unique_ptr<Engine> make_engine(const std::string& name) {
   if (name == "spin") return std::make_unique<SpinEngine>();
   if (name == "ltsmin") return std::make_unique<LtsminEngine>();
@@ -458,11 +466,7 @@ PropertyResult NativeEngine::check(const System& system, const Property& propert
   switch (search.end) {
     case SearchResult::End::complete: result.verdict = Verdict::holds; break;
     case SearchResult::End::found: {
-      const std::string flaw = find_flaw(system, property, *search.trace);
-      if (!flaw.empty()) {
-        throw std::logic_error("the counterexample for '" + property.name +
-                               "' does not replay: " + flaw);
-      }
+      require_sound(name(), system, property, *search.trace);
       result.verdict = Verdict::violated;
       result.trace = std::move(search.trace);
       break;

@@ -67,6 +67,11 @@ unsigned thread_count(const EngineOptions& options);
 // "interrupted" or "out of time": why a search that was told to stop was.
 std::string why_stopped(const EngineOptions& options);
 
+// Throws std::logic_error, an error of Maide's own, if the run that the engine shows does not
+// violate the property.
+void require_sound(const std::string& engine, const System& system, const Property& property,
+                   const Trace& trace);
+
 class Engine {
  public:
   virtual ~Engine() = default;

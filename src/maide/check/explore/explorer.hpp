@@ -263,7 +263,7 @@ class BreadthFirstSearch {
                    std::size_t begin, std::size_t end) {
     if (options_.sets != nullptr && !piece.sets) piece.sets.emplace(*options_.sets);
     piece.arrivals.clear();
-    piece.mine.resize(threads_);
+    piece.mine.resize(team_.size());
     for (auto& arrivals : piece.mine) arrivals.clear();
     for (std::size_t i = begin; i < end; ++i) {
       if (i < postponed.size()) {

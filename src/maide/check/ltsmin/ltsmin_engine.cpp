@@ -233,11 +233,7 @@ PropertyResult LtsminEngine::check(const System& system, const Property& propert
       return result;
     }
     Trace trace = exploration.find_trace();
-    const std::string flaw = find_flaw(system, property, trace);
-    if (!flaw.empty()) {
-      throw std::logic_error("ltsmin's counterexample for '" + property.name +
-                             "' does not replay: " + flaw);
-    }
+    require_sound(name(), system, property, trace);
     result.verdict = Verdict::violated;
     result.trace = std::move(trace);
   } catch (const Interrupted&) {

@@ -176,18 +176,6 @@ std::string why_incomplete(const PanOutput& output, std::uint64_t memory_mib) {
   return "SPIN did not complete the search";
 }
 
-void require_sound(const System& system, const Property& property, const Trace& trace) {
-  const std::string flaw = find_flaw(system, property, trace);
-  if (!flaw.empty()) {
-    throw std::logic_error("spin's counterexample for '" + property.name +
-                           "' does not replay: " + flaw);
-  }
-}
-
-}  // namespace
-
-namespace {
-
 // A violation of a safety property shows on a prefix, and every prefix goes on to a fair run.
 bool depends_on_fairness(const Property& property) {
   return property.kind == Property::Kind::ltl && property.fairness == Fairness::weak &&
@@ -249,7 +237,7 @@ PropertyResult SpinEngine::check(const System& system, const Property& property,
       return result;
     }
     Trace trace = verification.read_trace();
-    require_sound(system, property, trace);
+    require_sound(name(), system, property, trace);
     if (!is_ltl && options_.shortens) {
       Trace shorter = verification.shorten(trace);
       if (find_flaw(system, property, shorter).empty()) trace = std::move(shorter);
