@@ -280,7 +280,7 @@ std::string ReplayedNodes::describe(const std::string& name) const {
     const auto callback = meanings_.find(rest);
     return what->second + " picks " + (callback == meanings_.end() ? rest : callback->second);
   }
-  const std::string last = name.substr(name.rfind('.') + 1);
+  std::string last = name.substr(name.rfind('.') + 1);
   if (name.front() == 'n') return last;
   if (last == "began") return what->second + " starts";
   if (last == "answered") return what->second + " has its answer";

@@ -16,15 +16,12 @@
 #include <vector>
 
 #include "maide/check/explore/reduction.hpp"
+#include "maide/check/export/pins_code.hpp"
 #include "maide/check/export/step_rules.hpp"
 #include "maide/check/export/system_exporters.hpp"
 #include "maide/formats/names.hpp"
 
 namespace maide {
-
-// The parts of the text that are the same for every system (pins_code.cpp), in their order. Between
-// them stand tables.
-extern const std::string_view pins_declarations, pins_steps, pins_atoms, pins_labels;
 
 namespace {
 

@@ -1,12 +1,13 @@
 // The part of a plug-in for LTSmin that is the same for every system (pins_system.cpp).
+#pragma once
+
 #include <string_view>
 
 namespace maide {
 
-// Tables stand between these parts.
-extern const std::string_view pins_declarations, pins_steps, pins_atoms, pins_labels;
+// The parts in their order. Between them stand tables.
 
-const std::string_view pins_declarations = R"(
+inline constexpr std::string_view pins_declarations = R"(
 #include <cstdint>
 #include <cstdlib>
 #include <cstring>
@@ -73,7 +74,7 @@ struct relation_row { int slot, first, states; };
 struct rule_row { int group, target; };
 )";
 
-const std::string_view pins_steps = R"(
+inline constexpr std::string_view pins_steps = R"(
 // ---- Steps ----
 
 struct moves { const int *begin, *end; };
@@ -189,7 +190,7 @@ struct seen_row { int slot, first_class, classes; };
 struct atom_row { int first_seen, last_seen, first_value; };
 )";
 
-const std::string_view pins_atoms = R"(
+inline constexpr std::string_view pins_atoms = R"(
 [[maybe_unused]] bool is_true(int atom, const int *state) {
   int place = 0;
   for (int i = atoms[atom].first_seen; i < atoms[atom].last_seen; ++i) {
@@ -200,7 +201,7 @@ const std::string_view pins_atoms = R"(
 struct further_row { const char *name; int (*value)(const int *); };
 )";
 
-const std::string_view pins_labels = R"(
+inline constexpr std::string_view pins_labels = R"(
 int label_of(grey_box_model *, int label, int *state) {
   if (label < group_count) return has_group(place_of(groups[label].program, state), label);
   if (label < group_count + relation_count) {
