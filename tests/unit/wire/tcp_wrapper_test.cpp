@@ -14,7 +14,7 @@
 #include "maide/wire/client/wrapper_proxy.hpp"
 #include "maide/wire/protocol/line_io.hpp"
 #include "maide/wire/protocol/tcp.hpp"
-#include "maide/wire/wrapper/reception.hpp"
+#include "maide/wire/wrapper/wrapper_server.hpp"
 #include "port_model.hpp"
 #include "processes.hpp"
 

@@ -1,6 +1,6 @@
 // run_wrapper: the main function of a wrapper's executable. Over pipes it serves the one client
 // that started it. Listening, it forks for each client that has named its token and sent its
-// options (reception.hpp), so that every client has a fresh process of the middleware, several at
+// options (Reception), so that every client has a fresh process of the middleware, several at
 // once do not disturb one another, and one that crashes or hangs its system leaves the others and
 // the listener alone.
 #include <fcntl.h>
@@ -23,7 +23,6 @@
 #include "maide/base/file.hpp"
 #include "maide/base/text.hpp"
 #include "maide/wire/protocol/tcp.hpp"
-#include "maide/wire/wrapper/reception.hpp"
 #include "maide/wire/wrapper/system_wrapper.hpp"
 #include "maide/wire/wrapper/wrapper_server.hpp"
 
