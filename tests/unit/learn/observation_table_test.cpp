@@ -1,4 +1,4 @@
-#include "maide/learn/table/observation_table.hpp"
+#include "maide/learn/table/table_learners.hpp"
 
 #include <gtest/gtest.h>
 

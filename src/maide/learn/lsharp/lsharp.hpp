@@ -11,7 +11,7 @@
 // counterexample is shortened by binary search until it leaves a frontier node without a candidate.
 //
 // `lsharp` extends and separates by adaptive distinguishing sequences. Those of the likely states
-// come first (target_estimate.hpp), and the newest states, because they show more new ones.
+// come first (TargetEstimate), and the newest states, because they show more new ones.
 // `lsharp-sepseq` extends by the input alone and separates by a shortest word. Both ask in small
 // batches. While the basis is small, what is likely is counted for each transition by itself, which
 // asks least. From a larger basis on, transitions with the same candidates share a plan, and those
@@ -38,6 +38,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <span>
 #include <unordered_map>
@@ -48,10 +49,56 @@
 #include "maide/learn/lsharp/apartness.hpp"
 #include "maide/learn/lsharp/frontier_hypothesis.hpp"
 #include "maide/learn/lsharp/old_model.hpp"
-#include "maide/learn/lsharp/target_estimate.hpp"
 #include "maide/learn/oracle/output_oracle.hpp"
 
 namespace maide {
+
+// Guesses where a transition leads, before it is known. Most inputs of a protocol lead back to
+// where they were given, or to the same few states, and an output often tells which. L# asks for
+// what is probable first (adaptive_experiment.hpp). A wrong guess costs symbols, never the result.
+
+class TargetEstimate {
+ public:
+  // Counts the transitions whose targets are known. Keeps nothing of `apartness`. O(transitions).
+  explicit TargetEstimate(const Apartness& apartness);
+
+  // Some known transition has this input and output.
+  bool has_seen(Symbol input, Symbol output) const;
+
+  // For each of `states` states, among which may be some that were found since, a weight,
+  // proportional to the probability that `input`, answered by `output`, leads there from `source`.
+  // O(states).
+  std::vector<double> weights(std::size_t states, StateId source, Symbol input,
+                              Symbol output) const;
+  // The same for a transition of which nothing is known. O(1).
+  double weight(StateId state) const {
+    return 1 + (state < states_ ? same_nothing * visits_[state] : 0);
+  }
+
+ private:
+  // How much a known transition tells about another: much if it has the same input and output,
+  // little if only one of them is the same. Set once, by the sum over the models of bench_learn.
+  static constexpr double same_both = 5;
+  static constexpr double same_output = 0.5;
+  static constexpr double same_input = 1.5;
+  static constexpr double same_nothing = 0.15;
+  static constexpr double loop = 2;  // times as much if it leads back
+
+  struct Seen {
+    Symbol output;
+    StateId target;
+    bool is_loop;
+  };
+  struct Counts {
+    std::vector<double> targets;  // by state: transitions that lead there from another one
+    double loops = 0;             // transitions that lead back
+  };
+
+  std::size_t states_;
+  std::vector<std::vector<Seen>> by_input_;
+  std::map<Symbol, Counts> by_output_;
+  std::vector<double> visits_;  // by state: transitions that lead there
+};
 
 // How L# tells states apart.
 enum class Separation : std::uint8_t { adaptive, separating_words };
@@ -103,7 +150,7 @@ class LSharp : public Learner {
   DecisionTree path_to(Transition transition) const;
   const TargetEstimate& estimate();
 
-  // With an old model: lsharp_adaptive.cpp.
+  // With an old model.
   void verify(const RunControl& control);
   bool is_old_output(const Word& word) const;
   bool rebuild(const RunControl& control);
