@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "maide/base/json.hpp"
-#include "maide/conformance/method/logged_traces.hpp"
+#include "maide/conformance/method/known_words.hpp"
 #include "maide/learn/oracle/vote.hpp"
 #include "maide/workflow/experiment.hpp"
 #include "maide/workflow/learn_model.hpp"

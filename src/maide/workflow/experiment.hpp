@@ -24,7 +24,7 @@
 #include "maide/automata/mealy.hpp"
 #include "maide/automata/strength.hpp"
 #include "maide/base/run_control.hpp"
-#include "maide/conformance/method/logged_traces.hpp"
+#include "maide/conformance/method/known_words.hpp"
 #include "maide/conformance/method/test_methods.hpp"
 #include "maide/learn/cache/cache_file.hpp"
 #include "maide/learn/learner.hpp"

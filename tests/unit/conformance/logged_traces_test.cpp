@@ -1,4 +1,4 @@
-#include "maide/conformance/method/logged_traces.hpp"
+#include "maide/conformance/method/known_words.hpp"
 
 #include <gtest/gtest.h>
 

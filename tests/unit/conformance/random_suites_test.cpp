@@ -12,7 +12,6 @@
 #include "maide/base/error.hpp"
 #include "maide/conformance/identify/separating_words.hpp"
 #include "maide/conformance/method/test_runner.hpp"
-#include "maide/conformance/suite/infix_sampler.hpp"
 #include "maide/conformance/suite/random_identifier_suite.hpp"
 #include "maide/conformance/suite/random_words.hpp"
 #include "maide/learn/oracle/mealy_oracle.hpp"

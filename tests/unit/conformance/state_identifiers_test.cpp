@@ -8,7 +8,6 @@
 #include "maide/automata/minimize.hpp"
 #include "maide/automata/random_automata.hpp"
 #include "maide/conformance/identify/separating_words.hpp"
-#include "maide/conformance/identify/splitting_tree.hpp"
 
 namespace maide {
 namespace {

@@ -1,14 +1,20 @@
 // Words that are known to matter, as tests. `KnownWords` tests counterexamples from elsewhere, such
-// as a model checker or a run that was ended, before anything else. `choose_confirmation_words()`
-// chooses words that show again what a learned model rests on.
+// as a model checker or a run that was ended, before anything else. `LoggedTraces` finds
+// counterexamples in a log. `choose_confirmation_words()` chooses words that show again what a
+// learned model rests on.
 #pragma once
 
 #include <cstdint>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "maide/automata/mealy.hpp"
 #include "maide/conformance/method/test_runner.hpp"
+#include "maide/formats/trace_log.hpp"
+#include "maide/learn/cache/trace_tree.hpp"
 #include "maide/learn/oracle/equivalence_oracle.hpp"
+#include "maide/learn/oracle/output_oracle.hpp"
 
 namespace maide {
 
@@ -39,5 +45,53 @@ class KnownWords : public EquivalenceOracle {
 // all, but at least one word. `model` must be complete; the same seed gives the same words.
 std::vector<Word> choose_confirmation_words(const Mealy& model, std::uint64_t seed,
                                             std::uint64_t most_symbols);
+
+// ---- Logs ----
+//
+// A log of what the system did (formats/trace_log.hpp) as a source of counterexamples. The log is
+// never believed. Where hypothesis and log differ, the system is asked, once, and what it
+// contradicts is wrong. Query cost: one for each mistake of a hypothesis that the log shows, and
+// one for each mistake of the log, however long the log is.
+
+// A word that the system answers otherwise than the log says.
+struct LogContradiction {
+  std::string word;      // up to the last input, the first that is answered otherwise
+  std::string logged;    // the output in the log
+  std::string answered;  // the system's
+};
+
+class LoggedTraces : public EquivalenceOracle {
+ public:
+  // Contradictions after which the log is given up: it is another system's.
+  static constexpr std::size_t most_contradictions = 100;
+
+  // Keeps a reference to `oracle`. Inputs and outputs go by name; a trace is cut at the first input
+  // that the system does not have. Throws UsageError if the log contradicts itself.
+  LoggedTraces(OutputOracle& oracle, const TraceLog& log);
+
+  // Shortest words first. O(the log as a tree).
+  std::optional<Word> find_counterexample(const Mealy& hypothesis,
+                                          const RunControl& control = {}) override;
+  std::string guarantee() const override;
+
+  const std::vector<LogContradiction>& contradictions() const { return contradictions_; }
+  std::size_t cut_traces() const { return cut_; }  // with inputs that the system does not have
+
+ private:
+  struct Place {
+    TraceTree::Node node;
+    StateId state;
+    std::size_t parent;  // place in the queue of the node above
+  };
+  void insert(const TraceLog& log, const TraceLog::Trace& trace);
+  std::optional<Word> settle(const Mealy& hypothesis, const Word& word, TraceTree::Node node,
+                             const RunControl& control);
+
+  OutputOracle& oracle_;
+  TraceTree tree_;    // outputs as in outputs_
+  Alphabet outputs_;  // the log's
+  std::size_t traces_ = 0, cut_ = 0;
+  std::vector<LogContradiction> contradictions_;
+};
 
 }  // namespace maide

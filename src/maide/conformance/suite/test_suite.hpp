@@ -42,7 +42,14 @@ class AlternatingSuite : public TestSuite {
       : parts_{{first.suite, limit(first)}, {second.suite, limit(second)}},
         head_start_(std::min(head_start, parts_[0].max_tests)) {}
 
-  bool next(Word& word) override;
+  bool next(Word& word) override {
+    const auto is_left = [&](std::size_t part) { return made_[part] < parts_[part].max_tests; };
+    const bool is_ahead = made_[0] > head_start_ + made_[1];
+    const std::size_t turn = (is_ahead && is_left(1)) || !is_left(0) ? 1 : 0;
+    if (!is_left(turn)) return false;
+    ++made_[turn];
+    return parts_[turn].suite.next(word);
+  }
   std::optional<std::uint64_t> size() const override {
     return parts_[0].max_tests + parts_[1].max_tests;
   }
