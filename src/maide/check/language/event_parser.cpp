@@ -1,11 +1,10 @@
-#include "maide/check/language/event_parser.hpp"
-
 #include <algorithm>
 #include <map>
 
 #include "maide/base/text.hpp"
 #include "maide/base/text_cursor.hpp"
 #include "maide/check/language/model_ends.hpp"
+#include "maide/check/language/program_parser.hpp"
 #include "maide/formats/names.hpp"
 
 namespace maide::program_syntax {

@@ -1,8 +1,8 @@
 // Unrolling of a program's syntax tree into its automaton: each control state is expanded once,
 // when it is first met, into the edges of the statement that it rests before. Walker says where
 // control rests behind an edge. Choices, assignments, conditions and `atomic` are in unroller.cpp;
-// inputs and outputs of models in rendezvous.cpp, of topics in topic_steps.cpp; `select` in
-// select_steps.cpp.
+// inputs and outputs of models, and `select`, in select_steps.cpp; those of topics in
+// topic_steps.cpp.
 #pragma once
 
 #include <cstdint>
