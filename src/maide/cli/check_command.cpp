@@ -23,7 +23,6 @@
 #include "maide/report/html_report.hpp"
 #include "maide/report/picture.hpp"
 #include "maide/report/sequence_chart.hpp"
-#include "maide/report/sequence_chart_text.hpp"
 #include "maide/report/trace_chart.hpp"
 #include "maide/report/trace_text.hpp"
 #include "maide/workflow/learned_models.hpp"

@@ -14,7 +14,7 @@
 #include "maide/base/numbers.hpp"
 #include "maide/base/text.hpp"
 #include "maide/cli/terminal.hpp"
-#include "maide/report/sequence_chart_text.hpp"
+#include "maide/report/sequence_chart.hpp"
 #include "maide/workflow/open_system.hpp"
 
 namespace maide::cli {

@@ -13,7 +13,7 @@
 #include "maide/conformance/method/test_methods.hpp"
 #include "maide/formats/exporters.hpp"
 #include "maide/learn/learner.hpp"
-#include "maide/report/sequence_chart_text.hpp"
+#include "maide/report/sequence_chart.hpp"
 #include "maide/workflow/open_system.hpp"
 
 namespace maide::cli {

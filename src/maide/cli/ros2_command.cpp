@@ -11,7 +11,7 @@
 #include "maide/base/text.hpp"
 #include "maide/cli/command.hpp"
 #include "maide/cli/command_line.hpp"
-#include "maide/report/sequence_chart_text.hpp"
+#include "maide/report/sequence_chart.hpp"
 #include "maide/workflow/ros2_graph.hpp"
 
 namespace maide::cli {

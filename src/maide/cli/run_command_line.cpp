@@ -16,7 +16,7 @@
 #include "maide/cli/command.hpp"
 #include "maide/cli/command_line.hpp"
 #include "maide/cli/terminal.hpp"
-#include "maide/report/sequence_chart_text.hpp"
+#include "maide/report/sequence_chart.hpp"
 
 namespace maide::cli {
 

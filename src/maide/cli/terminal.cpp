@@ -9,7 +9,7 @@
 
 #include "maide/base/log.hpp"
 #include "maide/base/text.hpp"
-#include "maide/report/sequence_chart_text.hpp"
+#include "maide/report/sequence_chart.hpp"
 
 namespace maide::cli {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "maide/base/json.hpp"
 #include "maide/check/explore/check_system.hpp"
-#include "maide/report/sequence_chart_text.hpp"
+#include "maide/report/sequence_chart.hpp"
 
 namespace maide {
 

@@ -1,4 +1,4 @@
-#include "maide/report/sequence_chart_text.hpp"
+#include "maide/report/sequence_chart.hpp"
 
 #include <gtest/gtest.h>
 
