@@ -12,7 +12,7 @@
 #include "maide/base/file.hpp"
 #include "maide/base/text.hpp"
 #include "maide/base/version.hpp"
-#include "maide/cli/strength_report.hpp"
+#include "maide/cli/learn_report.hpp"
 #include "maide/formats/model_file.hpp"
 #include "run_maide.hpp"
 

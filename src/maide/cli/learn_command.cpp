@@ -23,7 +23,6 @@
 #include "maide/cli/command.hpp"
 #include "maide/cli/command_line.hpp"
 #include "maide/cli/learn_report.hpp"
-#include "maide/cli/strength_report.hpp"
 #include "maide/cli/test_arguments.hpp"
 #include "maide/formats/model_file.hpp"
 #include "maide/learn/learner.hpp"
