@@ -21,7 +21,7 @@
 #include "maide/check/language/system_file.hpp"
 #include "maide/formats/model_file.hpp"
 #include "maide/workflow/open_system.hpp"
-#include "maide/workflow/suggest_nodes.hpp"
+#include "maide/workflow/system_variant.hpp"
 #include "maide/workflow/valued_queue.hpp"
 
 namespace maide {
