@@ -1,11 +1,12 @@
 #include "maide/workflow/system_variant.hpp"
 
+#include <fmt/format.h>
+#include <yaml-cpp/yaml.h>
+
 #include <algorithm>
 #include <map>
 #include <string_view>
 #include <utility>
-#include <fmt/format.h>
-#include <yaml-cpp/yaml.h>
 
 #include "maide/base/error.hpp"
 #include "maide/base/invariant.hpp"

@@ -1,4 +1,4 @@
-#include "maide/wire/wrapper/step_recorder.hpp"
+#include "maide/wire/wrapper/wrapper_session.hpp"
 
 #include <gtest/gtest.h>
 
