@@ -10,7 +10,7 @@
 
 #include "maide/automata/compare.hpp"
 #include "maide/base/text.hpp"
-#include "maide/workflow/topic_composition.hpp"
+#include "topic_composition.hpp"
 #include "wrapper_checks.hpp"
 
 namespace maide {
@@ -19,7 +19,7 @@ namespace {
 struct TopicCase {
   std::string name, middleware;
   test::SystemOptions options;
-  TopicShape shape;
+  test::TopicShape shape;
   std::size_t readers = 1;
   std::string difference;  // the shortest word that tells them apart; "": they are the same
 };
@@ -45,7 +45,7 @@ class Topics : public testing::TestWithParam<TopicCase> {
 TEST_P(Topics, AreMadeOfTheirReadersOrDifferByAWord) {
   const TopicCase& tested = GetParam();
   const std::vector<InterfaceAutomaton> readers(tested.readers, learn(1, 1));
-  const InterfaceAutomaton composed = compose_topic(readers, tested.shape);
+  const InterfaceAutomaton composed = test::compose_topic(readers, tested.shape);
   const InterfaceAutomaton whole = learn(tested.shape.writers, tested.readers);
   const IaComparison comparison = compare(whole, composed);
   std::string difference;

@@ -1,6 +1,11 @@
 #include "maide/base/error.hpp"
 
+#include <stdexcept>
+#include <string>
+#include <string_view>
 #include <utility>
+
+#include "maide/base/invariant.hpp"
 
 namespace maide {
 
@@ -72,6 +77,14 @@ NondeterminismError::NondeterminismError(std::string word, std::string first_ans
 
 std::string describe_internal_error(std::string_view what) {
   return "internal error" + (what.empty() ? "" : ": " + std::string(what)) + " (please report it)";
+}
+
+void fail_check(const char* condition, const char* file, int line) {
+  std::string_view place = file;
+  const std::size_t source = place.rfind("/maide/");
+  if (source != std::string_view::npos) place.remove_prefix(source + 1);
+  throw std::logic_error("check failed: " + std::string(condition) + " (" + std::string(place) +
+                         ":" + std::to_string(line) + ")");
 }
 
 }  // namespace maide

@@ -1,4 +1,5 @@
-#include "maide/workflow/topic_composition.hpp"
+// The model of a topic, put together from the models of its readers.
+#include "topic_composition.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -34,12 +35,12 @@ InterfaceAutomaton rendezvous() {
 
 TEST(TopicComposition, OfOneReaderIsItsModel) {
   const std::vector<InterfaceAutomaton> one{queue(2, true)};
-  EXPECT_TRUE(compare(one.front(), compose_topic(one, {})).same());
+  EXPECT_TRUE(compare(one.front(), test::compose_topic(one, {})).same());
 }
 
 TEST(TopicComposition, GivesEachReaderEachMessage) {
   const std::vector<InterfaceAutomaton> readers(2, queue(1, true));
-  const InterfaceAutomaton topic = compose_topic(readers, {2, false});
+  const InterfaceAutomaton topic = test::compose_topic(readers, {2, false});
   EXPECT_EQ(topic.inputs().names(), (Names{"write", "write2", "read", "read2"}));
   EXPECT_THAT(topic.outputs().names(), testing::UnorderedElementsAre("message", "message2"));
   ASSERT_EQ(topic.actors.size(), 4u);
@@ -56,14 +57,14 @@ TEST(TopicComposition, GivesEachReaderEachMessage) {
 
 TEST(TopicComposition, WaitsForTheReaderThatIsFull) {
   const std::vector<InterfaceAutomaton> readers{queue(1, false), queue(2, false)};
-  const InterfaceAutomaton topic = compose_topic(readers, {1, false});
+  const InterfaceAutomaton topic = test::compose_topic(readers, {1, false});
   const StateId full = topic.successor(topic.initial(), {Action::Kind::input, 0});
   EXPECT_EQ(topic.successor(full, {Action::Kind::input, 0}), Mealy::no_state);
 }
 
 TEST(TopicComposition, DeliversToOne) {
   const std::vector<InterfaceAutomaton> readers(2, queue(1, false));
-  const InterfaceAutomaton topic = compose_topic(readers, {1, true});
+  const InterfaceAutomaton topic = test::compose_topic(readers, {1, true});
   EXPECT_FALSE(topic.is_deterministic());
   std::size_t ways = 0;
   for (const auto& transition : topic.transitions(topic.initial())) {
@@ -74,7 +75,7 @@ TEST(TopicComposition, DeliversToOne) {
 
 TEST(TopicComposition, TellsTheWriterWhenAllHaveIt) {
   const std::vector<InterfaceAutomaton> readers(2, rendezvous());
-  const InterfaceAutomaton topic = compose_topic(readers, {2, false});
+  const InterfaceAutomaton topic = test::compose_topic(readers, {2, false});
   const auto output = [&](const char* name) {
     return Action{Action::Kind::output, *topic.outputs().find(name)};
   };
@@ -90,9 +91,9 @@ TEST(TopicComposition, TellsTheWriterWhenAllHaveIt) {
 }
 
 TEST(TopicComposition, NeedsAWriter) {
-  EXPECT_THROW(compose_topic({}, {}), UsageError);
+  EXPECT_THROW(test::compose_topic({}, {}), UsageError);
   const std::vector<InterfaceAutomaton> mutex{make_mutex()};
-  EXPECT_THROW(compose_topic(mutex, {}), UsageError);
+  EXPECT_THROW(test::compose_topic(mutex, {}), UsageError);
 }
 
 }  // namespace

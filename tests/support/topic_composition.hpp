@@ -1,19 +1,36 @@
-#include "maide/workflow/topic_composition.hpp"
+// The model of a whole topic, put together from a model of each reader: one automaton that does
+// what the engine does with a topic (docs/systems.md). Comparing it with a model that was learned
+// with all ends at once shows whether a middleware's topic is made of its readers.
+//
+//   write, write2   go to the models of all readers, or to one that takes it
+//   read2           goes to the second reader's
+//   written2        is due when all models have it due, and goes to whoever wrote
+//
+// As a learned model, the result takes no input while an output is due.
+#pragma once
 
 #include <algorithm>
+#include <cstddef>
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "maide/automata/interface_automaton.hpp"
 #include "maide/base/error.hpp"
+#include "maide/base/run_control.hpp"
 #include "maide/check/language/model_ends.hpp"
 #include "maide/check/language/system.hpp"
 #include "maide/wire/wrapper/full_setup.hpp"
 
-namespace maide {
-namespace {
+namespace maide::test {
+
+struct TopicShape {
+  std::size_t writers = 1;
+  bool delivers_one = false;  // a write goes to one of the models that take it
+};
 
 // A state of each reader's model, and who wrote last, until what it gets back was taken.
 struct TopicState {
@@ -227,12 +244,13 @@ class Composition {
   std::vector<TopicState> met_;
 };
 
-}  // namespace
-
-InterfaceAutomaton compose_topic(std::span<const InterfaceAutomaton> readers,
-                                 const TopicShape& shape, const RunControl& control) {
+// Each reader's model is one of one writer and one reader, and names its actors, of which one is
+// the "writer". Symbols of the second writer and of the second reader's model have a 2 behind their
+// names. Throws UsageError, and Interrupted. O(product of the models' sizes x writers).
+inline InterfaceAutomaton compose_topic(std::span<const InterfaceAutomaton> readers,
+                                        const TopicShape& shape, const RunControl& control = {}) {
   if (readers.empty() || shape.writers == 0) throw UsageError("a topic has a writer and a reader");
   return Composition(readers, shape).run(control);
 }
 
-}  // namespace maide
+}  // namespace maide::test
