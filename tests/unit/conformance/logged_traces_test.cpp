@@ -1,11 +1,11 @@
-#include "maide/conformance/method/known_words.hpp"
-
+// Logs as a source of counterexamples.
 #include <gtest/gtest.h>
 
 #include "maide/automata/compare.hpp"
 #include "maide/automata/minimize.hpp"
 #include "maide/automata/random_automata.hpp"
 #include "maide/base/error.hpp"
+#include "maide/conformance/method/known_words.hpp"
 #include "maide/conformance/method/perfect_oracle.hpp"
 #include "maide/conformance/method/test_chain.hpp"
 #include "maide/learn/learner.hpp"

@@ -1,9 +1,9 @@
-#include "maide/learn/table/table_learners.hpp"
-
+// The observation table by itself.
 #include <gtest/gtest.h>
 
 #include "maide/automata/compare.hpp"
 #include "maide/learn/oracle/mealy_oracle.hpp"
+#include "maide/learn/table/table_learners.hpp"
 
 namespace maide {
 namespace {

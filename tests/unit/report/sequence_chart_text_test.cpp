@@ -1,10 +1,10 @@
-#include "maide/report/sequence_chart.hpp"
-
+// Charts for the terminal.
 #include <gtest/gtest.h>
 
 #include <sstream>
 
 #include "maide/base/text.hpp"
+#include "maide/report/sequence_chart.hpp"
 
 namespace maide {
 namespace {

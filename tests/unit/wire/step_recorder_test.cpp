@@ -1,6 +1,7 @@
-#include "maide/wire/wrapper/wrapper_session.hpp"
-
+// What the recorder of a step keeps.
 #include <gtest/gtest.h>
+
+#include "maide/wire/wrapper/wrapper_session.hpp"
 
 namespace maide {
 namespace {

@@ -1,3 +1,4 @@
+// Models, topics and their inputs and outputs in a program's text: `M.write(e)`, `message(var x)`.
 #include <algorithm>
 #include <map>
 

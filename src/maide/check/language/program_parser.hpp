@@ -15,7 +15,6 @@ namespace maide::program_syntax {
 
 // Models, topics and their inputs and outputs in a program's text: `M.write(e)`, `message(var x)`.
 // An index whose value is not known before the run may name any member of its array.
-
 class EventParser : public NameParser {
  public:
   using NameParser::NameParser;

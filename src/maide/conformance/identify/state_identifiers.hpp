@@ -82,7 +82,6 @@ StateIdentifiers compute_adaptive_words(const Mealy& machine, Random random);
 // one leaf waits there until that one is split, and is not looked at in between. A valid split is
 // always made before one that is not. So if the machine has an adaptive distinguishing sequence,
 // all splits are valid.
-
 class SplittingTree {
  public:
   using NodeId = std::uint32_t;

@@ -3,8 +3,8 @@
 // found nothing:
 //
 //   growth    guesses that a row of states goes on (loop_suites.hpp); few words
-//   random    2000 + 20 n k tests for n states and k inputs, of several laws (InfixSampler), in turn
-//             with hybrid ADS (complete_method.hpp) for one extra state. n k tests come alone
+//   random    2000 + 20 n k tests for n states and k inputs, of several laws (InfixSampler), in
+//             turn with hybrid ADS (complete_method.hpp) for one extra state. n k tests come alone
 //             before; they refute most hypotheses on the way
 //   deeper    two and three extra states where they cost at most 5,000 tests. Three stand in for
 //             most of the random tests: queues of the middleware have some 20 states and 5 inputs

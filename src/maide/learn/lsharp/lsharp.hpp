@@ -56,7 +56,6 @@ namespace maide {
 // Guesses where a transition leads, before it is known. Most inputs of a protocol lead back to
 // where they were given, or to the same few states, and an output often tells which. L# asks for
 // what is probable first (adaptive_experiment.hpp). A wrong guess costs symbols, never the result.
-
 class TargetEstimate {
  public:
   // Counts the transitions whose targets are known. Keeps nothing of `apartness`. O(transitions).

@@ -20,7 +20,6 @@ namespace maide {
 // extensions by one input, each with the output of that input. Columns E: distinguishing suffixes.
 // A cell T holds the outputs along its suffix.
 //
-// Invariants: every short row has all its extensions; no two short rows are equal, unless
 // Invariants: every short row has all its extensions. No two short rows are equal, unless
 // add_short_rows made them. Closed: every long row equals a short one. Consistent: extensions of
 // equal short rows are equal. Query cost: one output query a cell, (|S| k + 1) |E| in all. Without

@@ -28,7 +28,6 @@ namespace maide {
 // Invariant: access words are prefix-closed, and access(q) takes the path to the leaf of q. A state
 // keeps its number, so that from one hypothesis to the next only what was learned changes. Cost for
 // n states and k inputs: at most n k (depth of the tree) output queries, and those of splits.
-
 class TreeHypothesis {
  public:
   using Node = DiscriminationTree::Node;

@@ -33,7 +33,6 @@ namespace maide {
 //
 // A call may be remembered for as long as its thread has not run, because the thread cannot have
 // made another. Whether the limit is past has to be asked each time.
-
 class BlockedCall {
  public:
   enum class Kind : std::uint8_t {
