@@ -1,6 +1,7 @@
 // Reductions against the same engine without any, which other tests hold against the meaning of
 // systems: the same verdict for every property, each kind of fairness, and never a larger graph.
-// Whatever is left out, several threads find, count and show the same as one.
+// Whatever is left out, several threads find, count and show the same as one, and several ranks
+// find the same.
 #include <gtest/gtest.h>
 
 #include <string>
@@ -9,6 +10,7 @@
 #include "explicit_checker.hpp"
 #include "maide/check/explore/engine.hpp"
 #include "maide/check/export/promela_system.hpp"
+#include "mailbox_ranks.hpp"
 #include "random_system.hpp"
 
 namespace maide {
@@ -72,7 +74,10 @@ class Comparison {
   void check(const System& system, const Property& property) {
     NativeEngine engine;
     const PropertyResult all = engine.check(system, property, with(Reduction::none));
-    if (property.kind != Property::Kind::stuck) check_threads(system, property);
+    if (property.kind != Property::Kind::stuck) {
+      check_threads(system, property);
+      check_ranks(system, property, all);
+    }
     ++(all.verdict == Verdict::holds ? holds_ : violated_);
     for (const Reduction reduction : {Reduction::calls, Reduction::order, Reduction::full}) {
       const PropertyResult reduced = engine.check(system, property, with(reduction));
@@ -107,8 +112,45 @@ class Comparison {
       }
     }
   }
+  // 1 to 4 ranks, each with 1 or 2 threads: all counts where nothing is left out and the search
+  // comes to its end; the verdict, and the length of a shortest run.
+  void check_ranks(const System& system, const Property& property, const PropertyResult& all) {
+    NativeEngine engine;
+    test::RanksOfThreads ranks(1 + checks_ % 4);
+    for (const Reduction reduction :
+         {Reduction::none, Reduction::calls, Reduction::order, Reduction::full}) {
+      EngineOptions options = with(reduction, 1 + checks_ % 2);
+      options.ranks = ranks.first();
+      const PropertyResult several = engine.check(system, property, options);
+      ASSERT_EQ(several.verdict, all.verdict)
+          << to_string(reduction) << " of " << property.name << "\n"
+          << write_promela(system).text;
+      const PropertyResult one = engine.check(system, property, with(reduction, 1));
+      ASSERT_EQ(several.trace.has_value(), one.trace.has_value());
+      if (one.trace) {
+        EXPECT_EQ(several.trace->steps.size(), one.trace->steps.size());
+      }
+      if (reduction != Reduction::none || all.verdict != Verdict::holds) continue;
+      EXPECT_EQ(several.states, all.states);
+      EXPECT_EQ(several.transitions, all.transitions);
+      EXPECT_EQ(several.stays_within_learned, all.stays_within_learned);
+    }
+    ++checks_;
+  }
   void check_cut(const System& system) {
     NativeEngine engine;
+    {
+      test::RanksOfThreads ranks(2 + checks_ % 3);
+      EngineOptions options = with(Reduction::none, 1);
+      options.ranks = ranks.first();
+      const CutResult found = engine.find_cut(system, options);
+      const CutResult alone = engine.find_cut(system, with(Reduction::none));
+      EXPECT_EQ(found.verdict, alone.verdict);
+      if (alone.trace) {
+        EXPECT_EQ(found.trace->steps.size(), alone.trace->steps.size());
+      }
+      ++checks_;
+    }
     const CutResult several = engine.find_cut(system, with(Reduction::none, most_threads));
     const CutResult all = engine.find_cut(system, with(Reduction::none));
     ++(all.verdict == Verdict::holds ? holds_ : violated_);
@@ -133,6 +175,7 @@ class Comparison {
 
  private:
   int holds_ = 0, violated_ = 0;
+  unsigned checks_ = 0;
   std::uint64_t all_states_ = 0, reduced_states_ = 0;
 };
 

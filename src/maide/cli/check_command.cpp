@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <new>
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <string>
@@ -18,6 +19,7 @@
 #include "maide/check/trace/trace_file.hpp"
 #include "maide/cli/command.hpp"
 #include "maide/cli/command_line.hpp"
+#include "maide/cli/mpi.hpp"
 #include "maide/formats/model_file.hpp"
 #include "maide/report/explanation.hpp"
 #include "maide/report/html_report.hpp"
@@ -53,7 +55,12 @@ struct CheckArguments {
 // Of a search that is large enough for it to matter.
 std::string describe_memory(const PropertyResult& result) {
   if (result.states < 10'000 || result.peak_bytes == 0) return "";
-  return fmt::format(", {:.1f} bytes a state", result.bytes_per_state());
+  std::string text = fmt::format(", {:.1f} bytes a state", result.bytes_per_state());
+  if (result.sent_bytes > 0) {
+    text += fmt::format(", {:.1f} sent a state", static_cast<double>(result.sent_bytes) /
+                                                     static_cast<double>(result.states));
+  }
+  return text;
 }
 
 // How a trace is written to standard output.
@@ -250,7 +257,31 @@ Json refinements_to_json(const std::vector<RefinementRound>& rounds) {
   return json;
 }
 
+// A later rank: searches until the first one is done, and says nothing but what goes wrong.
+ExitStatus serve(Ranks& ranks) {
+  ExitStatus status = ExitStatus::internal;
+  std::string message;
+  try {
+    serve_searches(ranks);
+    return ExitStatus::ok;
+  } catch (const std::bad_alloc&) {
+    status = ExitStatus::inconclusive;
+    message = "out of memory";
+  } catch (const std::exception& error) {
+    message = describe_internal_error(error.what());
+  }
+  write_error_line(fmt::format("rank {}: {}", ranks.rank(), message));
+  ranks.abort(static_cast<int>(status));
+  return status;
+}
+
 ExitStatus run_check(const CheckArguments& arguments, Context& context) {
+  const std::unique_ptr<Ranks> ranks = open_ranks();
+  if (ranks != nullptr && ranks->rank() > 0) {
+    context.leave_result_to_another();
+    return serve(*ranks);
+  }
+  const FirstRank first(ranks.get());
   if (!arguments.report.empty() && !arguments.report.ends_with(".html") &&
       !arguments.report.ends_with(".svg")) {
     throw UsageError("a report's name ends in .html or .svg (" + arguments.report + ")");
@@ -259,8 +290,18 @@ ExitStatus run_check(const CheckArguments& arguments, Context& context) {
   if (arguments.threads > 0 && arguments.engine == "spin") {
     throw UsageError("spin searches with one thread; --threads is for native and ltsmin");
   }
+  if (ranks != nullptr && arguments.engine != "native") {
+    throw UsageError("mpirun is for the engine native, not for " + arguments.engine);
+  }
   CheckRequest request;
   request.properties = arguments.properties;
+  request.options.ranks = ranks.get();
+  if (ranks != nullptr) {
+    log_note(
+        fmt::format("{} ranks search together; `stuck` and formulas other than `always` are "
+                    "searched by the first alone",
+                    ranks->size()));
+  }
   request.options.reduction = reduction_of(arguments.reduction);
   request.options.control = context.control();
   request.options.threads = arguments.threads;

@@ -105,7 +105,7 @@ std::string Context::take_result(ExitStatus status) {
 }
 
 void Context::finish(ExitStatus status) {
-  if (options_.json) write_data(take_result(status) + "\n");
+  if (options_.json && !has_no_result_) write_data(take_result(status) + "\n");
 }
 
 // The commands, in the order in which a newcomer meets them.

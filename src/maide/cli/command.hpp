@@ -86,6 +86,8 @@ class Context {
   // Prints what set_result left and makes sure that all output has arrived. The result of a command
   // that Ctrl-C ended has `error` and `status`, too.
   void finish(ExitStatus status);
+  // Another process prints the result.
+  void leave_result_to_another() { has_no_result_ = true; }
 
   // Of an embedded command: the JSON object that finish() would print.
   std::string take_result(ExitStatus status);
@@ -95,7 +97,8 @@ class Context {
   std::stop_token stop_;
   ProgressLine progress_;
   std::optional<std::string> result_;  // the JSON line
-  std::string failure_;                // of fail()
+  bool has_no_result_ = false;
+  std::string failure_;  // of fail()
 };
 
 // Writes to standard output and flushes it. Throws as Context::print.

@@ -17,6 +17,7 @@
 #include "maide/base/version.hpp"
 #include "maide/cli/command.hpp"
 #include "maide/cli/command_line.hpp"
+#include "maide/cli/mpi.hpp"
 #include "maide/wire/observe/kernel_support.hpp"
 #include "maide/workflow/open_system.hpp"
 
@@ -46,6 +47,10 @@ const std::vector<Tool>& tools() {
        255},
       {"c++", "compiles what ltsmin explores", {"c++", "--version"}, "apt-get install g++"},
       {"dot", "draws models", {"dot", "-V"}, "apt-get install graphviz"},
+      {"mpirun",
+       "checks systems on many processors and machines (mpirun -n 4 maide check)",
+       {"mpirun", "--version"},
+       "apt-get install openmpi-bin libopenmpi-dev; then configure and build maide again"},
       {"python3",
        "runs wrappers written in Python",
        {"python3", "--version"},
@@ -108,6 +113,11 @@ Finding examine(const Tool& tool, const RunControl& control) {
   if (!is_well) {
     finding.advice = fmt::format("'{}' {}", fmt::join(tool.version_command, " "),
                                  result.timed_out ? "does not end" : "fails");
+  } else if (tool.name == "mpirun" && !find_mpi_module()) {
+    finding.state = State::broken;
+    finding.advice =
+        "maide has no module for it: apt-get install libopenmpi-dev; then configure "
+        "and build maide again";
   }
   return finding;
 }

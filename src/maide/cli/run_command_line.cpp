@@ -15,6 +15,7 @@
 #include "maide/base/version.hpp"
 #include "maide/cli/command.hpp"
 #include "maide/cli/command_line.hpp"
+#include "maide/cli/mpi.hpp"
 #include "maide/cli/terminal.hpp"
 #include "maide/report/sequence_chart.hpp"
 
@@ -185,6 +186,10 @@ int run_command_line(int argc, const char* const* argv) noexcept {
     const std::vector<std::string> arguments(argv + std::min(argc, 1), argv + argc);
     json = std::find(arguments.begin(), arguments.end(), "--json") != arguments.end();
     return static_cast<int>(dispatch(arguments));
+  } catch (const UsageError& error) {
+    // Of several ranks the first says it.
+    if (is_later_rank()) return static_cast<int>(error.status());
+    return report(error.what(), error.status(), json);
   } catch (const ParseError& error) {
     return report(error.what(), error.status(), json, source_excerpt(error.position()));
   } catch (const Error& error) {

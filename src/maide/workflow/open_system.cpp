@@ -178,6 +178,14 @@ std::optional<fs::path> find_wrapper(std::string_view name) {
   return find_program(std::string(wrapper_prefix) + std::string(name), search_folders());
 }
 
+std::optional<fs::path> find_own_file(std::string_view name) {
+  for (const fs::path& folder : own_folders()) {
+    std::error_code error;
+    if (fs::path candidate = folder / name; fs::exists(candidate, error)) return candidate;
+  }
+  return std::nullopt;
+}
+
 std::optional<fs::path> find_on_path(std::string_view name) {
   return find_program(name, path_folders());
 }

@@ -54,6 +54,9 @@ void look_for_wrappers_in(const std::filesystem::path& folder);
 // is not made of letters, digits, '_' and '-' is nowhere.
 std::optional<std::filesystem::path> find_wrapper(std::string_view name);
 
+// The file of that name beside the running program or in ../libexec/maide, or nothing.
+std::optional<std::filesystem::path> find_own_file(std::string_view name);
+
 // The program called `name`, as a shell would find it on PATH (`name` has no '/').
 std::optional<std::filesystem::path> find_on_path(std::string_view name);
 

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "maide/check/explore/engine.hpp"
+#include "mailbox_ranks.hpp"
 #include "systems.hpp"
 
 namespace maide {
@@ -214,6 +215,37 @@ TEST(NativeEngine, ThreadsFindAndCountTheSame) {
     const PropertyResult found = check(waits, test::deadlock_property(), options);
     EXPECT_EQ(found.verdict, Verdict::violated);
     EXPECT_EQ(found.trace->steps.size(), 4U * 24 + 1);
+  }
+}
+
+// The batches of one round are on their way while the next one is expanded.
+TEST(NativeEngine, RanksFindAndCountTheSame) {
+  const System system = large_system(24);
+  const System waits = large_system(24, "via.read -> message;");
+  for (const unsigned size : {1U, 2U, 3U, 5U}) {
+    test::RanksOfThreads ranks(size);
+    EngineOptions options;
+    options.ranks = ranks.first();
+    options.threads = size % 2 + 1;
+    options.states_a_thread = 16;
+    const PropertyResult all = check(system, test::deadlock_property(), options);
+    EXPECT_EQ(all.verdict, Verdict::holds);
+    EXPECT_EQ(all.states, 25U * 25 * 25 * 25);
+    EXPECT_EQ(all.transitions, 8U * 24 * 25 * 25 * 25);
+    const PropertyResult found = check(waits, test::deadlock_property(), options);
+    EXPECT_EQ(found.verdict, Verdict::violated);
+    EXPECT_EQ(found.trace->steps.size(), 4U * 24 + 1);
+    options.memory_mib = 1;
+    const PropertyResult limited = check(large_system(), test::deadlock_property(), options);
+    EXPECT_EQ(limited.verdict, Verdict::inconclusive);
+    EXPECT_THAT(limited.reason, HasSubstr("more than 1 MiB"));
+    options.memory_mib.reset();
+    std::stop_source source;
+    source.request_stop();
+    options.control.stop = source.get_token();
+    const PropertyResult stopped = check(large_system(), test::deadlock_property(), options);
+    EXPECT_EQ(stopped.verdict, Verdict::inconclusive);
+    EXPECT_THAT(stopped.reason, HasSubstr("interrupted"));
   }
 }
 

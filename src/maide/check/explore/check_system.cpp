@@ -173,6 +173,7 @@ class Merger {
     whole_.transitions += part.transitions;
     whole_.seconds += part.seconds;
     whole_.peak_bytes = std::max(whole_.peak_bytes, part.peak_bytes);
+    whole_.sent_bytes += part.sent_bytes;
     whole_.reduction = std::max(whole_.reduction, part.reduction);
     whole_.stays_within_learned = whole_.stays_within_learned && part.stays_within_learned;
     whole_.is_internal_error = whole_.is_internal_error || part.is_internal_error;

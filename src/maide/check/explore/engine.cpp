@@ -12,12 +12,14 @@
 #include <utility>
 
 #include "maide/base/error.hpp"
+#include "maide/base/invariant.hpp"
 #include "maide/base/text.hpp"
 #include "maide/base/thread_team.hpp"
 #include "maide/check/explore/explorer.hpp"
 #include "maide/check/explore/fair_cycle.hpp"
 #include "maide/check/explore/merged_calls.hpp"
 #include "maide/check/explore/monitors.hpp"
+#include "maide/check/explore/search_job.hpp"
 #include "maide/check/explore/short_lasso.hpp"
 #include "maide/check/ltsmin/ltsmin_engine.hpp"
 #include "maide/check/spin/spin_engine.hpp"
@@ -37,11 +39,14 @@ std::uint64_t memory_limit_mib(const EngineOptions& options) {
   if (options.memory_mib) return *options.memory_mib;
   const auto pages = static_cast<std::uint64_t>(::sysconf(_SC_PHYS_PAGES));
   const auto page = static_cast<std::uint64_t>(::sysconf(_SC_PAGE_SIZE));
-  return std::max<std::uint64_t>(256, pages * page / 4 * 3 >> 20);
+  const unsigned sharers = options.ranks == nullptr ? 1 : options.ranks->on_this_machine();
+  return std::max<std::uint64_t>(256, (pages * page / 4 * 3 >> 20) / sharers);
 }
 
 unsigned thread_count(const EngineOptions& options) {
-  return options.threads == 0 ? processor_count() : options.threads;
+  if (options.threads != 0) return options.threads;
+  const unsigned sharers = options.ranks == nullptr ? 1 : options.ranks->on_this_machine();
+  return std::max(1U, processor_count() / sharers);
 }
 
 std::string why_stopped(const EngineOptions& options) {
@@ -74,6 +79,7 @@ SearchLimits limits_of(const EngineOptions& options) {
   limits.bytes = memory_limit_mib(options) << 20;
   limits.threads = thread_count(options);
   limits.states_a_thread = options.states_a_thread;
+  limits.ranks = options.ranks;
   limits.control = options.control;
   return limits;
 }
@@ -158,8 +164,8 @@ unsigned chain_length(const PackedSystem& system) {
 // Searches breadth-first for what `make_goal(packed system)` looks for; `rules`: none takes every
 // step.
 template <typename MakeGoal>
-SearchResult explore(const System& plain, std::optional<ReductionRules> rules, Reduction reduction,
-                     const SearchLimits& limits, MakeGoal&& make_goal) {
+SearchResult explore_for(const System& plain, std::optional<ReductionRules> rules,
+                         Reduction reduction, const SearchLimits& limits, MakeGoal&& make_goal) {
   PackedSystem system(plain);
   if (!leaves_out_orders(reduction) || plain.programs.size() > most_reduced_programs) rules.reset();
   // A death stays possible where nothing else is: steps that are put off might be missed.
@@ -170,6 +176,7 @@ SearchResult explore(const System& plain, std::optional<ReductionRules> rules, R
   BreadthFirstOptions options;
   options.threads = limits.threads;
   options.states_a_thread = limits.states_a_thread;
+  options.ranks = limits.ranks;
   if (rules) {
     options.sets = &sets.emplace(system, rules->sets);
     options.puts_nothing_off = rules->puts_nothing_off;
@@ -183,6 +190,35 @@ SearchResult explore(const System& plain, std::optional<ReductionRules> rules, R
   });
   if (rules) search.reduction = chain > 1 ? Reduction::full : Reduction::order;
   return search;
+}
+
+// Searches breadth-first for the job's goal. With ranks, on all of them: the others are told.
+SearchResult explore(const System& plain, SearchJob::Goal goal, const Property& property,
+                     Reduction reduction, const SearchLimits& limits) {
+  if (limits.ranks != nullptr && limits.ranks->rank() == 0) {
+    Ranks::Bytes bytes = encode({goal, plain, property, reduction, limits.states, limits.depth,
+                                 limits.bytes, limits.states_a_thread, limits.threads});
+    limits.ranks->broadcast(bytes, 0);
+  }
+  using Goal = SearchJob::Goal;
+  switch (goal) {
+    case Goal::deadlock:
+      return explore_for(plain, rules_for_deadlock(), reduction, limits,
+                         [](const PackedSystem& system) { return DeadlockGoal{system}; });
+    case Goal::error:
+      return explore_for(plain, rules_for_error(), reduction, limits,
+                         [](const PackedSystem& system) { return ErrorGoal{system}; });
+    case Goal::cut:
+      return explore_for(plain, rules_for_cut(), reduction, limits,
+                         [](const PackedSystem&) { return CutGoal{}; });
+    case Goal::invariant:
+      return explore_for(plain, rules_for_invariant(plain, property), reduction, limits,
+                         [&](const PackedSystem& system) {
+                           return InvariantGoal{system, Condition(invariant_of(property), plain)};
+                         });
+    case Goal::none: break;
+  }
+  throw std::logic_error("a search without a goal");
 }
 
 // Calls `search(system, reduction, limits)`: on the system with merged calls, if `rules` say what
@@ -393,14 +429,12 @@ SearchResult find_at_start() {
 SearchResult search_for(const System& plain, const Property& property, Reduction reduction,
                         const SearchLimits& limits) {
   if (property.kind == Property::Kind::deadlock) {
-    return explore(plain, rules_for_deadlock(), reduction, limits,
-                   [](const PackedSystem& system) { return DeadlockGoal{system}; });
+    return explore(plain, SearchJob::Goal::deadlock, property, reduction, limits);
   }
   const bool begins_at_error = is_error(plain, initial_state(plain));
   if (property.kind == Property::Kind::error) {
     if (begins_at_error) return find_at_start();
-    return explore(plain, rules_for_error(), reduction, limits,
-                   [](const PackedSystem& system) { return ErrorGoal{system}; });
+    return explore(plain, SearchJob::Goal::error, property, reduction, limits);
   }
   const Condition condition(invariant_of(property), plain);
   const PackedSystem packed(plain);
@@ -414,13 +448,33 @@ SearchResult search_for(const System& plain, const Property& property, Reduction
     search.states = 1;
     return search;
   }
-  return explore(plain, rules_for_invariant(plain, property), reduction, limits,
-                 [&](const PackedSystem& system) {
-                   return InvariantGoal{system, condition};
-                 });
+  return explore(plain, SearchJob::Goal::invariant, property, reduction, limits);
 }
 
 }  // namespace
+
+void serve_searches(Ranks& ranks) {
+  MAIDE_CHECK_ALWAYS(ranks.rank() != 0);
+  while (true) {
+    Ranks::Bytes bytes;
+    ranks.broadcast(bytes, 0);
+    const SearchJob job = decode(bytes);
+    if (job.goal == SearchJob::Goal::none) return;
+    SearchLimits limits;
+    limits.bytes = job.bytes;
+    limits.states = job.states;
+    limits.depth = job.depth;
+    limits.threads = job.threads;
+    limits.states_a_thread = job.states_a_thread;
+    limits.ranks = &ranks;
+    explore(job.system, job.goal, job.property, job.reduction, limits);
+  }
+}
+
+void end_searches(Ranks& ranks) {
+  Ranks::Bytes bytes = encode(SearchJob{});
+  ranks.broadcast(bytes, 0);
+}
 
 std::string NativeEngine::obstacle(const System& /*system*/, const Property& /*property*/) const {
   return "";
@@ -457,6 +511,7 @@ PropertyResult NativeEngine::check(const System& system, const Property& propert
   result.states = search.states;
   result.transitions = search.transitions;
   result.peak_bytes = search.bytes;
+  result.sent_bytes = search.sent_bytes;
   result.reduction = search.reduction;
   result.remarkable = std::move(search.remarkable);
   result.stays_within_learned = !needs_cycle(property) && !search.has_cut &&
@@ -481,8 +536,7 @@ CutResult NativeEngine::find_cut(const System& system, const EngineOptions& opti
   SearchResult search = search_for_shortest(
       system, CallRules{}, options,
       [&](const System& reduced, Reduction reduction, const SearchLimits& limits) {
-        return explore(reduced, rules_for_cut(), reduction, limits,
-                       [](const PackedSystem&) { return CutGoal{}; });
+        return explore(reduced, SearchJob::Goal::cut, Property{}, reduction, limits);
       });
   CutResult result;
   switch (search.end) {

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "maide/base/run_control.hpp"
+#include "maide/check/explore/ranks.hpp"
 #include "maide/check/explore/reduction.hpp"
 #include "maide/check/trace/trace.hpp"
 
@@ -25,6 +26,7 @@ struct PropertyResult {
   std::uint64_t transitions = 0;          // seen, or taken in a search for cycles
   double seconds = 0;                     // of the search, wall clock
   std::uint64_t peak_bytes = 0;           // memory of the search
+  std::uint64_t sent_bytes = 0;           // between ranks
   Reduction reduction = Reduction::none;  // what was used
   std::optional<Trace> trace;             // of a violation
   std::optional<Trace> remarkable;        // of `stuck`, if it holds: a run that is not fair enough
@@ -54,14 +56,22 @@ struct EngineOptions {
   // on it.
   unsigned threads = 0;
   std::size_t states_a_thread = 256;  // at least, for it to be worth a thread
+  // Not owned; those of rank 0, while the others serve_searches(). Null: this process is alone.
+  // Memory and threads are those of each. Which counterexample is shown, and the counts of a
+  // search that does not come to its end, depend on their number.
+  Ranks* ranks = nullptr;
   RunControl control;
 };
 
+// Takes part in the native engine's searches of rank 0, until it calls end_searches().
+void serve_searches(Ranks& ranks);
+void end_searches(Ranks& ranks);
+
 // The limit of a search in MiB: what the options say, or three quarters of the machine's memory, at
-// least 256.
+// least 256; a rank's share of it.
 std::uint64_t memory_limit_mib(const EngineOptions& options);
 
-// What the options say, or as many as this process may use processors.
+// What the options say, or as many as this process may use processors; a rank's share of them.
 unsigned thread_count(const EngineOptions& options);
 
 // "interrupted" or "out of time": why a search that was told to stop was.

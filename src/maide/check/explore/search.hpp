@@ -12,6 +12,7 @@
 #include <string>
 
 #include "maide/base/run_control.hpp"
+#include "maide/check/explore/ranks.hpp"
 #include "maide/check/explore/reduction.hpp"
 #include "maide/check/trace/trace.hpp"
 
@@ -23,6 +24,7 @@ struct SearchLimits {
   std::uint64_t depth = ~std::uint64_t{0};   // levels; what lies deeper is not looked at
   unsigned threads = 1;                      // of searches that can use several
   std::size_t states_a_thread = 256;         // EngineOptions
+  Ranks* ranks = nullptr;                    // of searches that can use them
   RunControl control;
 };
 
@@ -40,6 +42,7 @@ struct SearchResult {
   bool has_cut = false;                   // one of them leaves what was learned
   bool has_violation = false;             // of a search for cycles, though perhaps not shown
   std::uint64_t bytes = 0;                // the most that the search had
+  std::uint64_t sent_bytes = 0;           // between ranks
   std::optional<Trace> trace;             // of what was found
   std::optional<Trace> remarkable;        // of a run that is almost what was looked for
   Reduction reduction = Reduction::none;  // what was used

@@ -1,0 +1,37 @@
+// What a rank needs to take part in another one's search (ranks.hpp): the system, as far as
+// its states and steps go, and what is looked for.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "maide/check/explore/ranks.hpp"
+#include "maide/check/explore/reduction.hpp"
+#include "maide/check/language/system.hpp"
+
+namespace maide {
+
+struct SearchJob {
+  enum class Goal : std::uint8_t {
+    none,  // there are no more searches
+    deadlock,
+    error,
+    cut,
+    invariant,  // a position at which it does not hold
+  };
+  Goal goal = Goal::none;
+  System system;      // without what only messages need
+  Property property;  // of an invariant
+  Reduction reduction = Reduction::none;
+  // SearchLimits: of all ranks together, then of each.
+  std::uint64_t states = 0, depth = 0;
+  std::uint64_t bytes = 0, states_a_thread = 0;
+  unsigned threads = 0;
+};
+
+// Both ways; ranks run the same program on machines of one kind. Throws std::logic_error for bytes
+// of another program.
+Ranks::Bytes encode(SearchJob job);
+SearchJob decode(std::span<const unsigned char> bytes);
+
+}  // namespace maide
