@@ -40,19 +40,25 @@ int compare(Ranks& ranks, std::uint64_t seed, int count) {
   Random random(seed);
   test::RandomSystemSize size;
   size.most_models = 3;
-  size.loops = 0.5;
+  size.most_programs = 4;
+  size.counters = 0.8;
+  size.loops = 0.9;
+  size.mailboxes = 0.5;
+  Property deadlock;
+  deadlock.kind = Property::Kind::deadlock;
   int violated = 0;
-  for (int i = 0; i < count; ++i) {
+  for (int i = 0; i < count;) {
     const System system = test::random_system(random, size);
+    const bool has_one = NativeEngine().check(system, deadlock, {}).verdict == Verdict::violated;
+    if (has_one && violated >= count / 2) continue;  // half of them cannot
+    violated += has_one ? 1 : 0;
+    ++i;
     for (const Reduction reduction : {Reduction::none, Reduction::order, Reduction::full}) {
       const std::string found = difference(system, reduction, ranks);
       if (found.empty()) continue;
       fmt::print("system {} of seed {}, {}: {}\n", i, seed, to_string(reduction), found);
       return 1;
     }
-    Property property;
-    property.kind = Property::Kind::deadlock;
-    if (NativeEngine().check(system, property, {}).verdict == Verdict::violated) ++violated;
   }
   fmt::print("{} systems agree on {} ranks, {} violated\n", count, ranks.size(), violated);
   return 0;

@@ -10,13 +10,13 @@
 
 #include <chrono>
 #include <filesystem>
-#include <fstream>
 #include <string>
 #include <thread>
 #include <vector>
 
 #include "check_systems.hpp"
 #include "maide/base/file.hpp"
+#include "maide/base/random.hpp"
 #include "maide/base/subprocess.hpp"
 #include "maide/workflow/open_system.hpp"
 #include "processes.hpp"
@@ -138,6 +138,45 @@ TEST_F(Mpirun, ADeadRankEndsAll) {
     EXPECT_THAT(said, Not(HasSubstr("verdict")));
     EXPECT_TRUE(mark.find().empty());
   }
+}
+
+// kill -9 of a rank at random moments, each run with another number of them, until one comes to its
+// end.
+TEST_F(Mpirun, AKilledSearchGoesOn) {
+  const std::string file = write(bench::philosophers(14)).string();
+  const fs::path folder = fs::path(testing::TempDir()) / "mpi-checkpoints";
+  fs::remove_all(folder);
+  Random random(5);
+  int kills = 0;
+  SubprocessResult last;
+  for (int run = 0; run < 40; ++run) {
+    const fs::path out = fs::path(testing::TempDir()) / "mpi-resumed.txt";
+    const int output = ::open(out.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
+    ASSERT_GE(output, 0);
+    const std::vector<std::string> line =
+        command(1 + run % 3, {MAIDE_PROGRAM, "check", file, "--property", "deadlock", "--json",
+                              "--checkpoint", folder.string(), "--checkpoint-interval", "0"});
+    const pid_t mpirun = start_program({line, {0, output, output}, {}, {}});
+    ::close(output);
+    int status = 0;
+    if (run < 6) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(300 + random.below(900)));
+      const std::vector<pid_t> ranks = test::children_of(mpirun, "maide");
+      if (!ranks.empty() && ::kill(ranks[random.below(ranks.size())], SIGKILL) == 0) ++kills;
+    }
+    ASSERT_EQ(::waitpid(mpirun, &status, 0), mpirun);
+    if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) continue;
+    last.out = read_file(out);
+    break;
+  }
+  EXPECT_GE(kills, 4);
+  const auto begin = last.out.find("{\"schema\"");
+  ASSERT_NE(begin, std::string::npos) << last.out;
+  const Json resumed = Json::parse(last.out.substr(begin, last.out.find('\n', begin) - begin));
+  const Json alone =
+      test::json_of(test::run_maide({"check", file, "--property", "deadlock", "--json"}));
+  EXPECT_EQ(resumed["properties"][0]["states"], alone["properties"][0]["states"]);
+  EXPECT_EQ(resumed["properties"][0]["transitions"], alone["properties"][0]["transitions"]);
 }
 
 // A rank without the module says what is missing, instead of searching alone.

@@ -49,6 +49,8 @@ struct CheckArguments {
   std::size_t refinements = 100;
   std::uint64_t memory_mib = 0;
   unsigned threads = 0;
+  std::string checkpoints;
+  double checkpoint_seconds = 60;
   double seconds = 0;
 };
 
@@ -267,6 +269,9 @@ ExitStatus serve(Ranks& ranks) {
   } catch (const std::bad_alloc&) {
     status = ExitStatus::inconclusive;
     message = "out of memory";
+  } catch (const Error& error) {
+    status = error.status();
+    message = error.what();
   } catch (const std::exception& error) {
     message = describe_internal_error(error.what());
   }
@@ -290,6 +295,9 @@ ExitStatus run_check(const CheckArguments& arguments, Context& context) {
   if (arguments.threads > 0 && arguments.engine == "spin") {
     throw UsageError("spin searches with one thread; --threads is for native and ltsmin");
   }
+  if (!arguments.checkpoints.empty() && arguments.engine != "native") {
+    throw UsageError("--checkpoint is for the engine native, not for " + arguments.engine);
+  }
   if (ranks != nullptr && arguments.engine != "native") {
     throw UsageError("mpirun is for the engine native, not for " + arguments.engine);
   }
@@ -305,6 +313,8 @@ ExitStatus run_check(const CheckArguments& arguments, Context& context) {
   request.options.reduction = reduction_of(arguments.reduction);
   request.options.control = context.control();
   request.options.threads = arguments.threads;
+  request.options.checkpoints = arguments.checkpoints;
+  request.options.checkpoint_seconds = arguments.checkpoint_seconds;
   if (arguments.memory_mib > 0) request.options.memory_mib = arguments.memory_mib;
   if (arguments.seconds > 0) request.options.control.deadline = deadline_in(arguments.seconds);
   const RefinedCheck checked = check(arguments, *engine, request);
@@ -392,6 +402,17 @@ RunFunction set_up_check(CommandLine& line) {
            "Most seconds in all. What is not decided by then is inconclusive")
       .check(check_seconds)
       .no_default();
+  line.add("--checkpoint", arguments->checkpoints,
+           "Write how far native's searches have come to this folder, and begin where one that was "
+           "stopped had come to, even by kill -9. With any number of threads and ranks. Not for "
+           "`stuck` and formulas other than `always`")
+      .value_name("FOLDER");
+  line.add("--checkpoint-interval", arguments->checkpoint_seconds,
+           "Least seconds between two checkpoints, and at least twenty times what the last took; "
+           "0: at "
+           "the end of each level")
+      .number_between(0, 1e6)
+      .value_name("SECONDS");
   add_jobs_option(line, arguments->jobs);
   line.add_flag("--refine", arguments->refine,
                 "Believe no verdict before the real system was asked. A counterexample is replayed "

@@ -15,6 +15,7 @@
 #include "maide/base/invariant.hpp"
 #include "maide/base/text.hpp"
 #include "maide/base/thread_team.hpp"
+#include "maide/check/explore/checkpoint.hpp"
 #include "maide/check/explore/explorer.hpp"
 #include "maide/check/explore/fair_cycle.hpp"
 #include "maide/check/explore/merged_calls.hpp"
@@ -80,6 +81,8 @@ SearchLimits limits_of(const EngineOptions& options) {
   limits.threads = thread_count(options);
   limits.states_a_thread = options.states_a_thread;
   limits.ranks = options.ranks;
+  limits.checkpoints = options.checkpoints;
+  limits.checkpoint_seconds = options.checkpoint_seconds;
   limits.control = options.control;
   return limits;
 }
@@ -165,7 +168,8 @@ unsigned chain_length(const PackedSystem& system) {
 // step.
 template <typename MakeGoal>
 SearchResult explore_for(const System& plain, std::optional<ReductionRules> rules,
-                         Reduction reduction, const SearchLimits& limits, MakeGoal&& make_goal) {
+                         Reduction reduction, const SearchLimits& limits, Checkpoint* checkpoint,
+                         MakeGoal&& make_goal) {
   PackedSystem system(plain);
   if (!leaves_out_orders(reduction) || plain.programs.size() > most_reduced_programs) rules.reset();
   // A death stays possible where nothing else is: steps that are put off might be missed.
@@ -177,6 +181,7 @@ SearchResult explore_for(const System& plain, std::optional<ReductionRules> rule
   options.threads = limits.threads;
   options.states_a_thread = limits.states_a_thread;
   options.ranks = limits.ranks;
+  options.checkpoint = checkpoint;
   if (rules) {
     options.sets = &sets.emplace(system, rules->sets);
     options.puts_nothing_off = rules->puts_nothing_off;
@@ -195,24 +200,41 @@ SearchResult explore_for(const System& plain, std::optional<ReductionRules> rule
 // Searches breadth-first for the job's goal. With ranks, on all of them: the others are told.
 SearchResult explore(const System& plain, SearchJob::Goal goal, const Property& property,
                      Reduction reduction, const SearchLimits& limits) {
+  const auto job = [&] {
+    return SearchJob{goal,
+                     plain,
+                     property,
+                     reduction,
+                     limits.states,
+                     limits.depth,
+                     limits.bytes,
+                     limits.states_a_thread,
+                     limits.threads,
+                     limits.checkpoints,
+                     limits.checkpoint_seconds};
+  };
+  std::optional<Checkpoint> saved;
+  if (!limits.checkpoints.empty()) {
+    saved.emplace(limits.checkpoints, key_of(job()), limits.checkpoint_seconds);
+  }
+  Checkpoint* checkpoint = saved ? &*saved : nullptr;
   if (limits.ranks != nullptr && limits.ranks->rank() == 0) {
-    Ranks::Bytes bytes = encode({goal, plain, property, reduction, limits.states, limits.depth,
-                                 limits.bytes, limits.states_a_thread, limits.threads});
+    Ranks::Bytes bytes = encode(job());
     limits.ranks->broadcast(bytes, 0);
   }
   using Goal = SearchJob::Goal;
   switch (goal) {
     case Goal::deadlock:
-      return explore_for(plain, rules_for_deadlock(), reduction, limits,
+      return explore_for(plain, rules_for_deadlock(), reduction, limits, checkpoint,
                          [](const PackedSystem& system) { return DeadlockGoal{system}; });
     case Goal::error:
-      return explore_for(plain, rules_for_error(), reduction, limits,
+      return explore_for(plain, rules_for_error(), reduction, limits, checkpoint,
                          [](const PackedSystem& system) { return ErrorGoal{system}; });
     case Goal::cut:
-      return explore_for(plain, rules_for_cut(), reduction, limits,
+      return explore_for(plain, rules_for_cut(), reduction, limits, checkpoint,
                          [](const PackedSystem&) { return CutGoal{}; });
     case Goal::invariant:
-      return explore_for(plain, rules_for_invariant(plain, property), reduction, limits,
+      return explore_for(plain, rules_for_invariant(plain, property), reduction, limits, checkpoint,
                          [&](const PackedSystem& system) {
                            return InvariantGoal{system, Condition(invariant_of(property), plain)};
                          });
@@ -467,6 +489,8 @@ void serve_searches(Ranks& ranks) {
     limits.threads = job.threads;
     limits.states_a_thread = job.states_a_thread;
     limits.ranks = &ranks;
+    limits.checkpoints = job.checkpoints;
+    limits.checkpoint_seconds = job.checkpoint_seconds;
     explore(job.system, job.goal, job.property, job.reduction, limits);
   }
 }

@@ -60,6 +60,10 @@ struct EngineOptions {
   // Memory and threads are those of each. Which counterexample is shown, and the counts of a
   // search that does not come to its end, depend on their number.
   Ranks* ranks = nullptr;
+  // A folder; not empty: the breadth-first searches of the native engine begin where one that was
+  // stopped there had come to, and write how far they have come, every so many seconds.
+  std::string checkpoints;
+  double checkpoint_seconds = 60;
   RunControl control;
 };
 

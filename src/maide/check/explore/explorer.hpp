@@ -30,11 +30,15 @@
 #include <new>
 #include <optional>
 #include <stdexcept>
+#include <string>
 #include <utility>
 #include <vector>
 
+#include "maide/base/error.hpp"
 #include "maide/base/invariant.hpp"
+#include "maide/base/log.hpp"
 #include "maide/base/numbers.hpp"
+#include "maide/check/explore/checkpoint.hpp"
 #include "maide/check/explore/packed_system.hpp"
 #include "maide/check/explore/ranks.hpp"
 #include "maide/check/explore/rounds.hpp"
@@ -65,17 +69,19 @@ class BreadthFirstSearch {
   SearchResult run() {
     if (batches_) {
       search_on_ranks();
-      return std::move(result_);
+    } else {
+      try {
+        search();
+      } catch (const std::bad_alloc&) {
+        result_.end = End::out_of_memory;
+      }
+      result_.states = rounds_.table().size();
+      result_.transitions = rounds_.transitions();
+      result_.has_cut = rounds_.has_cut();
+      result_.bytes = std::max(result_.bytes, rounds_.bytes());
     }
-    try {
-      search();
-    } catch (const std::bad_alloc&) {
-      result_.end = End::out_of_memory;
-    }
-    result_.states = rounds_.table().size();
-    result_.transitions = rounds_.transitions();
-    result_.has_cut = rounds_.has_cut();
-    result_.bytes = std::max(result_.bytes, rounds_.bytes());
+    if (saved_.is_done) return saved_result();
+    if (options_.checkpoint != nullptr && result_.end == End::complete) save_end();
     return std::move(result_);
   }
 
@@ -89,9 +95,10 @@ class BreadthFirstSearch {
   using End = SearchResult::End;
 
   void search() {
-    rounds_.begin_at(initial_);
+    begin();
     std::uint64_t visited = 0;
     while (rounds_.next_size() > 0 && result_.depth <= limits_.depth) {
+      if (is_due()) save(rounds_.table().size(), rounds_.next_size());
       rounds_.begin_level();
       ++result_.depth;
       const std::size_t size = rounds_.level_size();
@@ -120,6 +127,102 @@ class BreadthFirstSearch {
     return find.has_value();
   }
 
+  // At the initial state, or where a search that was stopped had come to.
+  void begin() {
+    std::optional<SearchProgress> saved;
+    if (options_.checkpoint != nullptr) {
+      Ranks::Bytes bytes;
+      if (is_first()) bytes = encode(options_.checkpoint->find());
+      if (batches_) batches_->ranks().broadcast(bytes, 0);
+      saved = decode_progress(bytes);
+    }
+    if (!saved) {
+      rounds_.begin_at(initial_);
+      return;
+    }
+    saved_ = *saved;
+    result_.depth = saved->depth;
+    if (saved->is_done) return;
+    if (is_first()) rounds_.count_on(saved->transitions, saved->has_cut);
+    for (unsigned part = 0; part < saved->parts; ++part) {
+      options_.checkpoint->read_part(saved->number, part,
+                                     [&](Checkpoint::Reader& reader) { rounds_.load(reader); });
+    }
+  }
+  bool is_first() const { return !batches_ || batches_->ranks().rank() == 0; }
+  bool is_due() const {
+    return options_.checkpoint != nullptr && is_first() && options_.checkpoint->is_due();
+  }
+
+  // All ranks write how far the search has come. Where one cannot, the checkpoint before stays.
+  void save(std::uint64_t states, std::uint64_t next) {
+    Checkpoint& checkpoint = *options_.checkpoint;
+    const unsigned rank = batches_ ? batches_->ranks().rank() : 0;
+    SearchProgress now;
+    now.number = saved_.number + 1;
+    now.parts = batches_ ? batches_->ranks().size() : 1;
+    now.depth = result_.depth;
+    now.states = states;
+    now.next = next;
+    RankReport own = report();
+    own.has_failed = !can_write([&] {
+      checkpoint.write_part(now.number, rank,
+                            [&](Checkpoint::Writer& writer) { rounds_.save(writer); });
+    });
+    RankReport sum = together(own);
+    now.transitions = sum.transitions;
+    now.has_cut = sum.has_cut;
+    // The parts of one that failed go; else those of the one before.
+    own.has_failed =
+        sum.has_failed || (is_first() && !can_write([&] { checkpoint.write_manifest(now); }));
+    sum = together(own);
+    remove_parts(sum.has_failed ? now : std::exchange(saved_, now));
+    checkpoint.start_interval();
+  }
+  // The search has come to its end: what it found stays.
+  void save_end() {
+    SearchProgress now;
+    now.number = saved_.number + 1;
+    now.depth = result_.depth;
+    now.states = result_.states;
+    now.transitions = result_.transitions;
+    now.has_cut = result_.has_cut;
+    now.is_done = true;
+    const bool is_written =
+        !is_first() || can_write([&] { options_.checkpoint->write_manifest(now); });
+    RankReport own;
+    own.has_failed = !is_written;
+    if (!together(own).has_failed) remove_parts(saved_);
+  }
+  void remove_parts(const SearchProgress& outdated) {
+    const unsigned ranks = batches_ ? batches_->ranks().size() : 1;
+    for (unsigned part = batches_ ? batches_->ranks().rank() : 0; part < outdated.parts;
+         part += ranks) {
+      options_.checkpoint->remove_part(outdated.number, part);
+    }
+  }
+  // The result of a search that had come to its end.
+  SearchResult saved_result() {
+    result_.states = saved_.states;
+    result_.transitions = saved_.transitions;
+    result_.has_cut = saved_.has_cut;
+    return std::move(result_);
+  }
+  template <typename Write>
+  static bool can_write(Write&& write) {
+    try {
+      write();
+      return true;
+    } catch (const Error& error) {
+      log_warning(std::string("no checkpoint was written: ") + error.what());
+      return false;
+    }
+  }
+  // What all ranks tell now.
+  RankReport together(const RankReport& own) {
+    return batches_ ? sum_of(batches_->exchange(own)) : own;
+  }
+
   bool look_at_limits(std::uint64_t states) {
     return may_go_on(limits_, states, rounds_.bytes(), rounds_.growth_bytes(), result_);
   }
@@ -137,7 +240,7 @@ class BreadthFirstSearch {
     own.states = rounds_.table().size();
     own.transitions = rounds_.transitions();
     own.bytes = rounds_.bytes();
-    own.sent_bytes = batches_->sent_bytes() + replies_->sent_bytes();
+    if (batches_) own.sent_bytes = batches_->sent_bytes() + replies_->sent_bytes();
     own.next = rounds_.next_size();
     own.has_cut = rounds_.has_cut();
     own.stop = static_cast<std::uint8_t>(stop_);
@@ -145,16 +248,23 @@ class BreadthFirstSearch {
   }
 
   void search_on_ranks() {
-    rounds_.begin_at(initial_);
+    try {
+      begin();
+    } catch (const std::bad_alloc&) {
+      stop_ = End::out_of_memory;
+    }
     std::uint64_t most_bytes = 0;
     RankReport sum;
-    while (true) {
-      sum = sum_of(batches_->exchange(report()));
+    while (!saved_.is_done) {
+      RankReport own = report();
+      own.is_due = is_due();
+      sum = together(own);
       most_bytes = std::max(most_bytes, sum.bytes);
       all_states_ = sum.states;
       end_ = static_cast<End>(sum.stop);
       if (end_ != End::complete) break;
       if (sum.next == 0 || result_.depth > limits_.depth) break;
+      if (sum.is_due) save(sum.states, sum.next);
       rounds_.begin_level();
       ++result_.depth;
       run_level_on_ranks();
@@ -365,6 +475,7 @@ class BreadthFirstSearch {
   BreadthFirstOptions options_;
   State initial_;
   Rounds rounds_;
+  SearchProgress saved_;  // by the last checkpoint
   // With ranks.
   std::optional<RankBatches<Parcel>> batches_;
   std::optional<RankBatches<std::uint32_t>> replies_;  // tags of reduced states that led on

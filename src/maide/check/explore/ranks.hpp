@@ -49,7 +49,9 @@ struct RankReport {
   bool is_left = false;           // it has something left to expand
   bool has_cut = false;
   bool is_found = false;
-  std::uint8_t stop = 0;  // why it must end: a SearchResult::End; 0: it need not
+  bool is_due = false;      // a checkpoint
+  bool has_failed = false;  // to write its part of it
+  std::uint8_t stop = 0;    // why it must end: a SearchResult::End; 0: it need not
 };
 
 // The batches of a search: lists of `Item`, which is copied as bytes, each with a report.
@@ -145,6 +147,8 @@ RankReport sum_of(const Batches& batches) {
     sum.is_left = sum.is_left || one.is_left;
     sum.has_cut = sum.has_cut || one.has_cut;
     sum.is_found = sum.is_found || one.is_found;
+    sum.is_due = sum.is_due || one.is_due;
+    sum.has_failed = sum.has_failed || one.has_failed;
     sum.stop = std::max(sum.stop, one.stop);
   }
   return sum;

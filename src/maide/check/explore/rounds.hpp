@@ -22,6 +22,7 @@
 #include "maide/base/invariant.hpp"
 #include "maide/base/numbers.hpp"
 #include "maide/base/thread_team.hpp"
+#include "maide/check/explore/checkpoint.hpp"
 #include "maide/check/explore/packed_system.hpp"
 #include "maide/check/explore/ranks.hpp"
 #include "maide/check/explore/state_table.hpp"
@@ -41,7 +42,8 @@ struct BreadthFirstOptions {
   unsigned threads = 1;  // at least 1
   // At least, for it to be worth a thread; a round has sixteen times as many.
   std::size_t states_a_thread = 256;
-  Ranks* ranks = nullptr;  // not owned; null: this process searches alone
+  Ranks* ranks = nullptr;            // not owned; null: this process searches alone
+  Checkpoint* checkpoint = nullptr;  // not owned; null: there are none
 };
 
 // Bits of payload of a search with chains of that length.
@@ -158,6 +160,53 @@ class SearchRounds {
     if (options_.order == nullptr) return;
     next_lasts_.resize(1);
     next_lasts_[0] = StepOrder::first_state;
+  }
+
+  // ---- Checkpoints, at the end of a level ----
+
+  // This rank's states, and the next level.
+  void save(Checkpoint::Writer& writer) {
+    writer.put(table_.size());
+    writer.put(next_level_.size());
+    table_.for_each([&](const State& state, std::uint64_t payload) {
+      for (const std::uint64_t word : state) writer.put(word);
+      writer.put(payload);
+    });
+    for (std::size_t i = 0; i < next_level_.size(); ++i) {
+      for (const std::uint64_t word : next_level_[i]) writer.put(word);
+      writer.put(options_.order != nullptr ? next_lasts_[i] : 0);
+    }
+  }
+  // Of what was saved by any rank, that which this rank owns.
+  void load(Checkpoint::Reader& reader) {
+    const std::uint64_t states = reader.get(), next = reader.get();
+    const auto get_own = [&](auto&& keep) {
+      State state;
+      for (std::uint64_t& word : state) word = reader.get();
+      const std::uint64_t more = reader.get();
+      const auto address = table_.address_of(state);
+      if (is_own(address)) keep(state, address, more);
+    };
+    for (std::uint64_t i = 0; i < states; ++i) {
+      get_own([&](const State& state, const auto& address, std::uint64_t payload) {
+        table_.insert(state, address, payload);
+      });
+    }
+    for (std::uint64_t i = 0; i < next; ++i) {
+      get_own([&](const State& state, const auto&, std::uint64_t last) {
+        const std::size_t at = next_level_.size();
+        next_level_.resize(at + 1);
+        next_level_[at] = state;
+        if (options_.order == nullptr) return;
+        next_lasts_.resize(at + 1);
+        next_lasts_[at] = static_cast<std::uint32_t>(last);
+      });
+    }
+  }
+  // What was counted before.
+  void count_on(std::uint64_t transitions, bool has_cut) {
+    transitions_ = transitions;
+    has_cut_ = has_cut;
   }
 
   // The next level becomes the level.

@@ -9,6 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include "maide/base/hash.hpp"
+
 namespace maide {
 namespace {
 
@@ -212,7 +214,7 @@ template <typename Archive>
 void pass(Archive& archive, SearchJob& job) {
   all(archive, job.goal, job.system.models, job.system.programs, job.system.expressions,
       job.property, job.reduction, job.states, job.depth, job.bytes, job.states_a_thread,
-      job.threads);
+      job.threads, job.checkpoints, job.checkpoint_seconds);
 }
 
 template <typename Archive, typename... Parts>
@@ -226,6 +228,16 @@ Ranks::Bytes encode(SearchJob job) {
   JobWriter writer;
   pass(writer, job);
   return writer.take();
+}
+
+std::uint64_t key_of(SearchJob job) {
+  job.states = job.bytes = job.states_a_thread = 0;
+  job.threads = 0;
+  job.checkpoints.clear();
+  job.checkpoint_seconds = 0;
+  std::uint64_t key = hash_start;
+  for (const unsigned char byte : encode(std::move(job))) key = hash_step(key, byte);
+  return key;
 }
 
 SearchJob decode(std::span<const unsigned char> bytes) {

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <span>
+#include <string>
 
 #include "maide/check/explore/ranks.hpp"
 #include "maide/check/explore/reduction.hpp"
@@ -27,11 +28,15 @@ struct SearchJob {
   std::uint64_t states = 0, depth = 0;
   std::uint64_t bytes = 0, states_a_thread = 0;
   unsigned threads = 0;
+  std::string checkpoints;  // a folder, or empty
+  double checkpoint_seconds = 0;
 };
 
 // Both ways; ranks run the same program on machines of one kind. Throws std::logic_error for bytes
 // of another program.
 Ranks::Bytes encode(SearchJob job);
+// The same for two jobs whose searches find the same, whatever their limits.
+std::uint64_t key_of(SearchJob job);
 SearchJob decode(std::span<const unsigned char> bytes);
 
 }  // namespace maide
