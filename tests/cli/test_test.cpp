@@ -106,7 +106,7 @@ TEST(Test, ThePortConformsToItsModelAndNotToALongerOne) {
   const Json json = json_of(longer);
   EXPECT_EQ(json.at("verdict"), "differs");
   EXPECT_EQ(json.at("failures").at(0).at("word"), Json::parse(R"(["write", "write", "write"])"));
-  EXPECT_EQ(json.at("failures").at(0).at("system"), "unexplored");
+  EXPECT_EQ(json.at("failures").at(0).at("seen"), "unexplored");
 }
 
 TEST(Test, WhatTheModelNeverTriedIsNotJudged) {

@@ -20,7 +20,7 @@ if(NOT output STREQUAL "maide ${version}\n")
 endif()
 
 # The pages that the program names, and the examples, come along.
-foreach(file docs/README.md docs/middleware/yarp.md examples/case-study-1/strict-6.yaml)
+foreach(file docs/README.md docs/middleware/yarp.md docs/schemas/learn.json examples/case-study-1/strict-6.yaml)
   if(NOT EXISTS "${work_dir}/prefix/share/doc/maide/${file}")
     message(FATAL_ERROR "${file} is not installed")
   endif()

@@ -162,7 +162,7 @@ class Commands(unittest.TestCase):
 
         result = maide.test(switch(), Switch())
         self.assertEqual(result.failures[0]["word"], ["press"] * 4)
-        self.assertEqual(result.failures[0]["system"], "dim")
+        self.assertEqual(result.failures[0]["seen"], "dim")
 
     def test_any_command(self):
         self.assertIn("port", {one["name"] for one in maide.command("doctor").findings})

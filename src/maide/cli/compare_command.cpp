@@ -205,7 +205,7 @@ Outcome compare_automata(const InterfaceAutomaton& left, const InterfaceAutomato
     outcome.text = describe(*result.hard, names);
   }
   outcome.json = {{"same", outcome.same},
-                  {"kind", "interface automaton"},
+                  {"kind", "ia"},
                   {"hard", result.hard ? to_json(*result.hard) : Json(nullptr)},
                   {"soft", Json::array()}};
   for (const SoftDifference& difference : result.soft) {

@@ -120,7 +120,7 @@ Json describe_model(const Mealy& machine) {
   return {{"states", automaton.size()},
           {"transitions", automaton.transition_count()},
           {"mealy_states", machine.size()},
-          {"model", dot_of(machine)}};
+          {"dot", dot_of(machine)}};
 }
 
 // Whether the system does what is known of it: YARP what the paper found, any other what one would
@@ -199,7 +199,7 @@ ExitStatus reproduce_interrupt(const ReproduceArguments& arguments, Context& con
                        {"states", model.states()},
                        {"transitions", model.transitions()},
                        {"mealy_states", finding.learned.size()},
-                       {"model", dot_of(finding.learned)},
+                       {"dot", dot_of(finding.learned)},
                        {"experiments", model.experiment.experiments},
                        {"seconds", model.experiment.seconds},
                        {"from_expected", describe(finding.from_expected, "expected")},

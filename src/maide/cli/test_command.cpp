@@ -272,14 +272,14 @@ Json to_json(const Report& report) {
   Json failures = Json::array(), unsteady = Json::array();
   for (const ConformanceFailure& failure : result.failures) {
     failures.push_back({{"word", names_of(failure.word, result.model)},
-                        {"model", failure.expected},
-                        {"system", failure.observed},
+                        {"expected", failure.expected},
+                        {"seen", failure.observed},
                         {"text", describe(failure, report)}});
   }
   for (const UnsteadyWord& word : result.unsteady) {
     unsteady.push_back({{"word", names_of(word.word, result.model)},
-                        {"model", word.expected},
-                        {"system", word.observed}});
+                        {"expected", word.expected},
+                        {"seen", word.observed}});
   }
   const auto or_null = [](const std::string& text) { return text.empty() ? Json() : Json(text); };
   return {{"verdict", verdict(report)},

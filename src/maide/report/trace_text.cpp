@@ -265,7 +265,9 @@ Json report_to_json(const System& system, const CheckReport& report) {
     }
     entry["component"] = result.programs.empty() ? Json() : program_names(system, result.programs);
     entry["trace"] = result.trace ? trace_to_json(system, *result.trace) : Json::array();
-    if (result.trace && result.trace->loop_start) entry["loop_start"] = *result.trace->loop_start;
+    if (result.trace) {
+      entry["loop_start"] = result.trace->loop_start ? Json(*result.trace->loop_start) : Json();
+    }
     properties.push_back(std::move(entry));
   }
   return {{"verdict", to_string(report.verdict)},

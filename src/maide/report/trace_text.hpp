@@ -20,8 +20,8 @@ void write_trace_text(std::ostream& out, const System& system, const Trace& trac
                       TraceFormat format = TraceFormat::chart, const ChartTextStyle& style = {});
 
 // The report of `maide check --json`. A result's `component` names the programs whose runs it is
-// about; it is null if these are all. A result with a trace has `explanation`, and, if the trace
-// repeats, `loop_start`; one that is inconclusive has `reason`.
+// about; it is null if these are all. A result with a trace has `explanation` and `loop_start`,
+// which is null if nothing repeats; one that is inconclusive has `reason`.
 Json report_to_json(const System& system, const CheckReport& report);
 
 }  // namespace maide
