@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <memory>
-#include <new>
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <string>
@@ -259,32 +258,12 @@ Json refinements_to_json(const std::vector<RefinementRound>& rounds) {
   return json;
 }
 
-// A later rank: searches until the first one is done, and says nothing but what goes wrong.
-ExitStatus serve(Ranks& ranks) {
-  ExitStatus status = ExitStatus::internal;
-  std::string message;
-  try {
-    serve_searches(ranks);
-    return ExitStatus::ok;
-  } catch (const std::bad_alloc&) {
-    status = ExitStatus::inconclusive;
-    message = "out of memory";
-  } catch (const Error& error) {
-    status = error.status();
-    message = error.what();
-  } catch (const std::exception& error) {
-    message = describe_internal_error(error.what());
-  }
-  write_error_line(fmt::format("rank {}: {}", ranks.rank(), message));
-  ranks.abort(static_cast<int>(status));
-  return status;
-}
-
 ExitStatus run_check(const CheckArguments& arguments, Context& context) {
   const std::unique_ptr<Ranks> ranks = open_ranks();
   if (ranks != nullptr && ranks->rank() > 0) {
     context.leave_result_to_another();
-    return serve(*ranks);
+    serve_searches(*ranks);
+    return ExitStatus::ok;
   }
   const FirstRank first(ranks.get());
   if (!arguments.report.empty() && !arguments.report.ends_with(".html") &&

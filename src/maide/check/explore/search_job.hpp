@@ -8,6 +8,7 @@
 
 #include "maide/check/explore/ranks.hpp"
 #include "maide/check/explore/reduction.hpp"
+#include "maide/check/explore/search.hpp"
 #include "maide/check/language/system.hpp"
 
 namespace maide {
@@ -38,5 +39,11 @@ Ranks::Bytes encode(SearchJob job);
 // The same for two jobs whose searches find the same, whatever their limits.
 std::uint64_t key_of(SearchJob job);
 SearchJob decode(std::span<const unsigned char> bytes);
+
+// Searches the system breadth-first for that goal, with checkpoints if the limits name a folder for
+// them. With ranks, on all of them, which have the same result. If the search of a rank fails, that
+// is one line, and all ranks end.
+SearchResult explore(const System& system, SearchJob::Goal goal, const Property& property,
+                     Reduction reduction, const SearchLimits& limits);
 
 }  // namespace maide
