@@ -14,6 +14,7 @@
 #include "maide/automata/compare.hpp"
 #include "maide/automata/minimize.hpp"
 #include "maide/base/error.hpp"
+#include "maide/base/thread_team.hpp"
 #include "maide/conformance/method/known_words.hpp"
 #include "maide/conformance/method/test_chain.hpp"
 #include "maide/learn/cache/cache.hpp"
@@ -172,8 +173,7 @@ class Bench {
   }
 
   bool run() {
-    const std::size_t wanted =
-        options_.jobs != 0 ? options_.jobs : std::max(1U, std::thread::hardware_concurrency());
+    const std::size_t wanted = options_.jobs != 0 ? options_.jobs : processor_count();
     {
       std::vector<std::jthread> threads;
       for (std::size_t job = 1; job < std::min(wanted, runs_.size()); ++job) {

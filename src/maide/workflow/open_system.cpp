@@ -23,6 +23,7 @@
 #include "maide/base/hash.hpp"
 #include "maide/base/log.hpp"
 #include "maide/base/text.hpp"
+#include "maide/base/thread_team.hpp"
 #include "maide/formats/model_file.hpp"
 #include "maide/sul/ia_translation.hpp"
 #include "maide/sul/simulated_sul.hpp"
@@ -340,7 +341,7 @@ std::vector<SulPool::Member> open_wrappers(const std::vector<WrapperEndpoint>& e
 
 std::size_t default_jobs(const SystemSpec& spec) {
   switch (spec.kind) {
-    case SystemSpec::Kind::wrapper: return std::max(1U, std::thread::hardware_concurrency());
+    case SystemSpec::Kind::wrapper: return processor_count();
     case SystemSpec::Kind::tcp: return split(spec.target, ',').size();
     case SystemSpec::Kind::simulated:
     case SystemSpec::Kind::program:

@@ -93,7 +93,7 @@ class SearchRounds {
     typename Table::Address address;
     std::uint32_t payload = 0;
     // With an order of steps, the place of the last one. Else, of what a reduced state leads to,
-    // that state's piece and its number there (tag_of); or 0.
+    // that state's piece and its number there (tag_bits); or 0.
     std::uint32_t tag = 0;
   };
   // The same, on its way to another rank.
