@@ -18,7 +18,6 @@
 #include "maide/base/numbers.hpp"
 #include "maide/base/text.hpp"
 #include "maide/base/version.hpp"
-#include "maide/conformance/method/error_output_test.hpp"
 #include "maide/conformance/method/known_words.hpp"
 #include "maide/conformance/method/test_chain.hpp"
 #include "maide/learn/cache/cache.hpp"

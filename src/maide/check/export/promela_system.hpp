@@ -2,9 +2,9 @@
 // proctype, whose labels are its control states. There are two forms.
 //
 // A system of plain rendezvous has its models as processes, which meet the programs on channels, as
-// in the paper (promela_rendezvous.cpp). A system with more than that - shared variables, steps
-// with several models, arms of `select`, deaths, errors, programs at rest - has the state of each
-// model in a variable, and makes each step one `d_step` (promela_steps.cpp).
+// in the paper. A system with more than that - shared variables, steps with several models, arms of
+// `select`, deaths, errors, programs at rest - has the state of each model in a variable, and makes
+// each step one `d_step` (promela_steps.cpp).
 //
 // Invariant: one transition of the Promela is one step of the system. So the states of the text,
 // explored without reduction, are those of the system, but for what PromelaSystem names.

@@ -11,7 +11,7 @@
 //   ErrorAwareOracle  stands on top of it, and answers what the assumption answers
 //
 // To find out whether the assumption is right, a word is asked of the check alone
-// (conformance/method/error_output_test.hpp).
+// (conformance/method/known_words.hpp).
 #pragma once
 
 #include <map>
