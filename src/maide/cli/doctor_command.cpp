@@ -166,10 +166,8 @@ std::vector<Finding> examine_all(const RunControl& control) {
   }
   for (const KernelFeature& feature : examine_kernel()) findings.push_back(examine(feature));
   std::vector<Middleware> all;
-  for (const auto& [name, title, install, is_built] : own_wrappers) {
-    all.push_back({std::string(name), std::string(title),
-                   is_built ? fmt::format("build the target maide-wrap-{} of maide", name)
-                            : fmt::format("{}; then configure and build maide again", install)});
+  for (const auto& [name, title, advice] : own_wrappers) {
+    all.push_back({std::string(name), std::string(title), std::string(advice)});
   }
   for (const std::string& name : list_wrappers()) {
     const bool known = std::any_of(all.begin(), all.end(),
