@@ -56,5 +56,26 @@ TEST(LearnStatistics, ThePlotHasAStepForEachHypothesis) {
                "/no/such/folder");
 }
 
+// An output may be a whole page; the warning stays a line or three.
+TEST(LearnStatistics, AWarningOfEndlessOutputsShowsTheirBeginnings) {
+  constexpr std::size_t states = 260;
+  std::string machine = "digraph {";
+  std::string rest;
+  for (int i = 0; i < 500; ++i) rest += "\u00e9";
+  for (std::size_t i = 0; i < states; ++i) {
+    machine += " s" + std::to_string(i) + " -> s" + std::to_string((i + 1) % states) +
+               " [label=\"x / " + std::to_string(1000 + i) + rest + "\"];";
+  }
+  const TempDir folder;
+  const std::string file = (folder.path() / "long.dot").string();
+  write_file_atomically(file, machine + " }");
+  const SubprocessResult result =
+      run_maide({"learn", "sim:" + file, "-o", (folder.path() / "model.dot").string()});
+  EXPECT_EQ(result.exit_status, 0) << result.err;
+  EXPECT_THAT(result.err, HasSubstr("new outputs come without end: 200 in "));
+  EXPECT_THAT(result.err, HasSubstr("the last '1198" + rest.substr(0, 2 * 56) + "...' and '1199"));
+  EXPECT_THAT(result.err, HasSubstr("mostly to x. Let the wrapper say a few classes"));
+}
+
 }  // namespace
 }  // namespace maide::test

@@ -245,8 +245,8 @@ std::string describe_rest(const Report& report) {
                       counted(result.pairs, "pairs of transitions"));
   const std::size_t untried = result.model.size() * inputs - result.transitions.total;
   if (untried > 0) {
-    text +=
-        fmt::format("  not judged {} inputs of states where the model was never tried\n", untried);
+    text += fmt::format("  not judged {} input{} of states where the model was never tried\n",
+                        untried, untried == 1 ? "" : "s");
   }
   if (!result.other_inputs.empty()) {
     text += fmt::format("  not tested inputs that the model does not have: {}\n",

@@ -53,13 +53,21 @@ class OutputWatch : public OracleDecorator {
       log_warning(fmt::format(
           "new outputs come without end: {} in {} words, the last '{}' and '{}', mostly to {}. Let "
           "the wrapper say a few classes in place of values (lengths, identifiers, times)",
-          known, words_, outputs().names()[known - 2], outputs().names()[known - 1],
-          most_giving_input()));
+          known, words_, beginning(outputs().names()[known - 2]),
+          beginning(outputs().names()[known - 1]), most_giving_input()));
     }
     return answers;
   }
 
  private:
+  // What is shown of an output, which may be a whole list or a page.
+  static std::string beginning(const std::string& output) {
+    constexpr std::size_t most_shown = 60;  // characters
+    std::string_view rest = output;
+    for (std::size_t shown = 0; shown < most_shown && !rest.empty(); ++shown) take_character(rest);
+    return rest.empty() ? output : output.substr(0, output.size() - rest.size()) + "...";
+  }
+
   void look_at(const MealyAnswer& answer) {
     ++words_;
     new_by_input_.resize(inputs().size());
