@@ -50,7 +50,7 @@ const std::vector<Tool>& tools() {
       {"mpirun",
        "checks systems on many processors and machines (mpirun -n 4 maide check)",
        {"mpirun", "--version"},
-       "apt-get install openmpi-bin libopenmpi-dev; then configure and build maide again"},
+       std::string(mpi_advice)},
       {"python3",
        "runs wrappers written in Python",
        {"python3", "--version"},
@@ -115,9 +115,7 @@ Finding examine(const Tool& tool, const RunControl& control) {
                                  result.timed_out ? "does not end" : "fails");
   } else if (tool.name == "mpirun" && !find_mpi_module()) {
     finding.state = State::broken;
-    finding.advice =
-        "maide has no module for it: apt-get install libopenmpi-dev; then configure "
-        "and build maide again";
+    finding.advice = fmt::format("maide has no module for it: {}", mpi_advice);
   }
   return finding;
 }

@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstdlib>
+#include <own_wrappers.hpp>  // made by the build
 #include <string>
 #include <string_view>
 
@@ -42,11 +43,10 @@ std::unique_ptr<Ranks> open_ranks() {
   if (variable == nullptr) return nullptr;
   const auto path = find_mpi_module();
   if (!path) {
-    throw UsageError(fmt::format(
-        "this is a rank of mpirun ({} is set), but {} is neither beside maide nor in "
-        "../libexec/maide; install MPI (apt-get install libopenmpi-dev), then configure and build "
-        "maide again",
-        variable, module_name));
+    throw UsageError(
+        fmt::format("this is a rank of mpirun ({} is set), but {} is neither beside maide nor in "
+                    "../libexec/maide: {}",
+                    variable, module_name, mpi_advice));
   }
   // MPI loads parts of its own, which look for its symbols.
   void* module = ::dlopen(path->c_str(), RTLD_NOW | RTLD_GLOBAL);
