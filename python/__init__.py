@@ -58,6 +58,8 @@ class Result(Dict[str, Any]):
     differ; 3 inconclusive.
     """
 
+    status: int
+
     def __init__(self, status: int, members: Mapping[str, Any]):
         super().__init__(members)
         self.__dict__["status"] = status
@@ -65,7 +67,7 @@ class Result(Dict[str, Any]):
     @property
     def ok(self) -> bool:
         """Whether the status is 0."""
-        return self.__dict__["status"] == 0
+        return bool(self.__dict__["status"] == 0)
 
     def __getattr__(self, name: str) -> Any:
         try:
@@ -190,7 +192,7 @@ class Model:
     def to_networkx(self) -> Any:
         """A networkx.MultiDiGraph: edges have `input` and `output`, or `action`, and a `label`; the
         graph has `initial`."""
-        import networkx  # only who wants a graph needs it
+        import networkx  # type: ignore  # only who wants a graph needs it
 
         graph = networkx.MultiDiGraph(initial=self.initial, origin=dict(self.origin))
         graph.add_nodes_from(range(len(self)))
@@ -218,7 +220,7 @@ class Model:
 
     def to_aalpy(self) -> Any:
         """AALpy's MealyMachine. Needs AALpy; export("mealy") is a text that AALpy reads."""
-        from aalpy.automata import MealyMachine, MealyState
+        from aalpy.automata import MealyMachine, MealyState  # type: ignore
 
         machine = self.to_mealy()
         states = [MealyState(f"s{number}") for number in range(len(machine))]
@@ -272,7 +274,7 @@ def _text(value: object) -> str:
         return "yes" if value else "no"
     if isinstance(value, (list, tuple)):
         return ",".join(_text(one) for one in value)
-    return os.fspath(value) if isinstance(value, os.PathLike) else str(value)
+    return str(os.fspath(value)) if isinstance(value, os.PathLike) else str(value)
 
 
 class _Call:
@@ -368,7 +370,7 @@ def compare(a: Union[Model, PathLike], b: Union[Model, PathLike], **options: obj
     """Whether two models are the same; if not, a shortest word that tells them apart, and all
     `differences`. `status` is 1 for a contradiction, with strict=True also for what one model knows
     and the other never tried. html=FILE draws both in one picture."""
-    return command("compare", a, b, **options)
+    return command("compare", a, b, progress=None, **options)
 
 
 def _alphabet(system: Any, inputs: Optional[Iterable[object]]) -> List[object]:
@@ -440,10 +442,10 @@ def learn(system: Any, *, inputs: Optional[Iterable[object]] = None,
     if isinstance(thrown, KeyboardInterrupt):
         raise Interrupted(result, learned) from thrown
     failure = thrown
-    if failure is None and (learned is None or result.__dict__["status"] not in (0, 3)):
-        failure = _error_of(result)
-    if failure is None:
+    if failure is None and learned is not None and result.__dict__["status"] in (0, 3):
         return learned
+    if failure is None:
+        failure = _error_of(result)
     try:
         failure.learned = learned
     except AttributeError:  # a class with slots

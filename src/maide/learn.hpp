@@ -18,7 +18,6 @@
 //   Switch machine;
 //   const maide::Learned learned = maide::learn_machine(machine);
 //
-// The long way. A learner asks output queries and makes hypotheses; an equivalence oracle looks for
 // The long way. A learner asks output queries and makes hypotheses. An equivalence oracle looks for
 // a word on which the hypothesis and the system differ. Decorators stand between them and the
 // system, and keep references. So a stack is written from the system upwards and destroyed from the
