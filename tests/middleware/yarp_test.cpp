@@ -55,7 +55,7 @@ TEST_P(YarpFacts, Hold) {
 }
 
 const SystemOptions port{{"kind", "port"}};
-const SystemOptions strict{{"kind", "strict"}, {"size", "10"}};
+const SystemOptions ten_messages{{"kind", "strict"}, {"size", "10"}};
 
 INSTANTIATE_TEST_SUITE_P(
     Port, YarpFacts,
@@ -128,7 +128,7 @@ INSTANTIATE_TEST_SUITE_P(
 INSTANTIATE_TEST_SUITE_P(
     Strict, YarpFacts,
     testing::Values(YarpFact{"WhatWasKeptComesBackAfterTheResume",
-                             strict,
+                             ten_messages,
                              "message,null",
                              {{"write", "quiet"},
                               {"interrupt_reader", "quiet"},
@@ -136,7 +136,7 @@ INSTANTIATE_TEST_SUITE_P(
                               {"resume_reader", "quiet"},
                               {"read", "message"}}},
                     YarpFact{"AWriteWhileInterruptedStopsTheWriterForGood",
-                             strict,
+                             ten_messages,
                              "message,written,done",
                              {{"interrupt", "done"},
                               {"write", "written"},

@@ -125,7 +125,7 @@ void Connection::call_reader_control(std::string_view input) {
 void Connection::call_network(std::string_view input) {
   const bool connects = input == "connect";
   const bool is_done = connects ? pair_->connect() : pair_->disconnect();
-  sink_.report(!is_done ? "refused" : connects ? "connected" : "disconnected");
+  sink_.report(!is_done ? "denied" : connects ? "connected" : "disconnected");
 }
 
 // Closing a port that writes sleeps and looks, up to some 5 s, whether the write is over; which it

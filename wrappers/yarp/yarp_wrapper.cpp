@@ -28,8 +28,8 @@ std::vector<SystemSetup::Input> all_inputs(Kind kind) {
       {"interrupt_reader", "reader_control", {"done_reader"}},
       {"resume_reader", "reader_control", {"resumed_reader"}},
       {"close_reader", "reader_control", {"closed_reader"}},
-      {"disconnect", "network", {"disconnected", "refused"}},
-      {"connect", "network", {"connected", "refused"}},
+      {"disconnect", "network", {"disconnected", "denied"}},
+      {"connect", "network", {"connected", "denied"}},
   };
   // A buffered write only waits to be strict: until the message before has arrived.
   if (kind != Kind::buffered) {
@@ -61,7 +61,7 @@ const std::vector<SystemSetup::Event>& all_events() {
       {"closed_reader", "reader_control"},
       {"disconnected", "network"},
       {"connected", "network"},
-      {"refused", "network"},
+      {"denied", "network"},
   };
   return events;
 }
