@@ -132,7 +132,8 @@ const char* shape_of(std::size_t states) {
 // In lines of some words.
 std::string folded(const std::string& name) {
   constexpr std::size_t widest = 20;
-  std::string lines = wrap(name, widest, 0);
+  std::string lines;
+  for (const auto line : split(name, '\n')) lines += wrap(line, widest, 0);
   lines.pop_back();  // the line break at the end
   return lines;
 }

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "maide/formats/model_file.hpp"
+#include "maide/report/picture.hpp"
 
 namespace maide {
 namespace {
@@ -53,6 +54,15 @@ TEST(StateNames, OfAMachineAreTheWordsThatLeadThere) {
   EXPECT_THAT(name_states(NondeterministicMealy(std::get<Mealy>(model))),
               ElementsAre("at the start", "after x", "after x twice", "after x 3 times",
                           "after x 3 times, y"));
+}
+
+// A state of two machines that name it apart has a line for each.
+TEST(JointPicture, ANameOfTwoLinesHasTwo) {
+  JointPicture picture;
+  picture.states.push_back({"A: holds 3\nB: holds 2", "both", "never tried: ?write"});
+  std::vector<std::size_t> edges;
+  const std::string dot = joint_picture(picture, {true}, edges);
+  EXPECT_NE(dot.find("A: holds 3\\nB: holds 2\\nnever tried: ?write"), std::string::npos) << dot;
 }
 
 }  // namespace
