@@ -58,7 +58,8 @@ def commands_for(states, cores):
     yield "pins2lts-dist, 2 ranks", ["mpirun", "--allow-run-as-root", "--oversubscribe", "-n", "2",
                                      "pins2lts-dist", "./system.so"]
     yield "pins2lts-sym, 1 core", ["pins2lts-sym", "--lace-workers=1", "./system.so"]
-    yield "SPIN", ["./pan", "-n", "-E", "-A", "-m10000000", f"-w{bits}"]
+    yield "SPIN", ["./pan", "-n", "-E", "-A", f"-m{max(10_000_000, 2 * states)}",
+                   f"-w{bits}"]
 
 
 def count(name, text):
