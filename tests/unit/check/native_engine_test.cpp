@@ -201,40 +201,37 @@ System large_system(int most = 100, const std::string& last = "") {
   return test::system_of(programs);
 }
 
-// Its levels are wide enough for several threads, and the table grows while they fill it.
-TEST(NativeEngine, ThreadsFindAndCountTheSame) {
+// Whatever searches it finds and counts the same: 25^4 states, and a deadlock at the end of all.
+void expect_all_of_large_system(const EngineOptions& options) {
   const System system = large_system(24);
   const System waits = large_system(24, "via.read -> message;");
+  const PropertyResult all = check(system, test::deadlock_property(), options);
+  EXPECT_EQ(all.verdict, Verdict::holds);
+  EXPECT_EQ(all.states, 25U * 25 * 25 * 25);
+  EXPECT_EQ(all.transitions, 8U * 24 * 25 * 25 * 25);
+  const PropertyResult found = check(waits, test::deadlock_property(), options);
+  EXPECT_EQ(found.verdict, Verdict::violated);
+  EXPECT_EQ(found.trace->steps.size(), 4U * 24 + 1);
+}
+
+// Its levels are wide enough for several threads, and the table grows while they fill it.
+TEST(NativeEngine, ThreadsFindAndCountTheSame) {
   for (const unsigned threads : {1U, 2U, 3U, 16U}) {
     EngineOptions options;
     options.threads = threads;
-    const PropertyResult all = check(system, test::deadlock_property(), options);
-    EXPECT_EQ(all.verdict, Verdict::holds);
-    EXPECT_EQ(all.states, 25U * 25 * 25 * 25);
-    EXPECT_EQ(all.transitions, 8U * 24 * 25 * 25 * 25);
-    const PropertyResult found = check(waits, test::deadlock_property(), options);
-    EXPECT_EQ(found.verdict, Verdict::violated);
-    EXPECT_EQ(found.trace->steps.size(), 4U * 24 + 1);
+    expect_all_of_large_system(options);
   }
 }
 
 // The batches of one round are on their way while the next one is expanded.
 TEST(NativeEngine, RanksFindAndCountTheSame) {
-  const System system = large_system(24);
-  const System waits = large_system(24, "via.read -> message;");
   for (const unsigned size : {1U, 2U, 3U, 5U}) {
     test::RanksOfThreads ranks(size);
     EngineOptions options;
     options.ranks = ranks.first();
     options.threads = size % 2 + 1;
     options.states_a_thread = 16;
-    const PropertyResult all = check(system, test::deadlock_property(), options);
-    EXPECT_EQ(all.verdict, Verdict::holds);
-    EXPECT_EQ(all.states, 25U * 25 * 25 * 25);
-    EXPECT_EQ(all.transitions, 8U * 24 * 25 * 25 * 25);
-    const PropertyResult found = check(waits, test::deadlock_property(), options);
-    EXPECT_EQ(found.verdict, Verdict::violated);
-    EXPECT_EQ(found.trace->steps.size(), 4U * 24 + 1);
+    expect_all_of_large_system(options);
     options.memory_mib = 1;
     const PropertyResult limited = check(large_system(), test::deadlock_property(), options);
     EXPECT_EQ(limited.verdict, Verdict::inconclusive);

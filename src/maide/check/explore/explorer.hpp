@@ -269,7 +269,7 @@ class BreadthFirstSearch {
       ++result_.depth;
       run_level_on_ranks();
       if (end_ != End::complete) {
-        sum = sum_of(batches_->exchange(report()));
+        sum = together(report());
         all_states_ = sum.states;
         break;
       }
