@@ -227,7 +227,7 @@ TEST_F(CacheCommand, CheckShowsEachChangedAnswerOnceShortestFirst) {
   EXPECT_EQ(found.at("different"), 13);
   ASSERT_EQ(found.at("answered_otherwise").size(), 12U);
   EXPECT_EQ(found.at("answered_otherwise").back(),
-            (Json{{"word", "l l"}, {"known", "no lie"}, {"other", "no no"}, {"words", 1}}));
+            (Json{{"word", {"l", "l"}}, {"known", "no lie"}, {"other", "no no"}, {"words", 1}}));
 }
 
 TEST_F(CacheCommand, OptionsOfAnotherVerbAreRefused) {

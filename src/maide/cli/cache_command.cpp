@@ -221,7 +221,8 @@ void refuse_options_without_system(const CacheArguments& arguments) {
 
 Json conflict_json(const std::optional<CacheConflict>& conflict) {
   if (!conflict) return nullptr;
-  return {{"word", conflict->word}, {"known", conflict->known}, {"other", conflict->other}};
+  return {
+      {"word", split(conflict->word, ' ')}, {"known", conflict->known}, {"other", conflict->other}};
 }
 
 // What the words are of, in the order in which people ask.

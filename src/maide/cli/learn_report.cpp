@@ -24,7 +24,7 @@ Json contradictions_as_json(const std::vector<Contradiction>& contradictions) {
     for (const auto& [answer, count] : contradiction.answers) {
       answers.push_back({{"answer", answer}, {"count", count}});
     }
-    list.push_back({{"word", contradiction.word}, {"answers", std::move(answers)}});
+    list.push_back({{"word", split(contradiction.word, ' ')}, {"answers", std::move(answers)}});
   }
   return list;
 }
@@ -63,7 +63,8 @@ std::string describe_contradictions(const std::vector<Contradiction>& contradict
 Json contradictions_as_json(const std::vector<LogContradiction>& contradictions) {
   Json list = Json::array();
   for (const LogContradiction& wrong : contradictions) {
-    list.push_back({{"word", wrong.word}, {"logged", wrong.logged}, {"answered", wrong.answered}});
+    list.push_back(
+        {{"word", split(wrong.word, ' ')}, {"logged", wrong.logged}, {"answered", wrong.answered}});
   }
   return list;
 }
