@@ -245,7 +245,8 @@ py::dict command_options(const std::string& name) {
 
 class AskedSystem {
  public:
-  AskedSystem(const std::string& name, const std::vector<std::string>& key_values, std::size_t jobs) {
+  AskedSystem(const std::string& name, const std::vector<std::string>& key_values,
+              std::size_t jobs) {
     const SystemSpec spec = parse_system_spec(name, key_values);
     SystemAccess access;
     access.jobs = jobs;
@@ -355,8 +356,9 @@ py::dict describe(const AnyModel& any) {
 }
 
 // Of rows (source, input, output, target), sources and targets numbered from 0.
-AnyModel make_mealy(std::size_t states, StateId initial, const std::vector<std::string>& inputs,
-                 const std::vector<std::tuple<StateId, std::string, std::string, StateId>>& rows) {
+AnyModel make_mealy(
+    std::size_t states, StateId initial, const std::vector<std::string>& inputs,
+    const std::vector<std::tuple<StateId, std::string, std::string, StateId>>& rows) {
   Mealy machine(Alphabet(std::span<const std::string>(inputs)), Alphabet(), states);
   if (initial >= states) throw UsageError("the initial state is none of the machine's");
   machine.set_initial(initial);
@@ -386,8 +388,8 @@ std::string picture(const AnyModel& any, const std::string& format) {
 py::object define_error(py::module_& module, const char* name, const char* doc,
                         const py::object& bases) {
   const std::string full = std::string("maide.") + name;
-  auto error =
-      py::reinterpret_steal<py::object>(PyErr_NewExceptionWithDoc(full.c_str(), doc, bases.ptr(), nullptr));
+  auto error = py::reinterpret_steal<py::object>(
+      PyErr_NewExceptionWithDoc(full.c_str(), doc, bases.ptr(), nullptr));
   module.attr(name) = error;
   return error;
 }
@@ -410,13 +412,14 @@ PYBIND11_MODULE(_core, module) {
                               py::make_tuple(errors.base, value_error));
   errors.failed = define_error(module, "SystemFailed",
                                "The system under learning, or its wrapper, failed.", errors.base);
-  py::register_exception_translator([](std::exception_ptr thrown) {  // NOLINT: the signature is given
-    try {
-      if (thrown) std::rethrow_exception(thrown);
-    } catch (const Error& error) {
-      set_python_error(error);
-    }
-  });
+  py::register_exception_translator(
+      [](std::exception_ptr thrown) {  // NOLINT: the signature is given
+        try {
+          if (thrown) std::rethrow_exception(thrown);
+        } catch (const Error& error) {
+          set_python_error(error);
+        }
+      });
 
   module.def("look_for_wrappers_in",
              [](const std::string& folder) { look_for_wrappers_in(folder); });
@@ -440,32 +443,29 @@ PYBIND11_MODULE(_core, module) {
            py::call_guard<py::gil_scoped_release>())
       .def("query_many", &AskedSystem::query_many)
       .def("close", &AskedSystem::close, py::call_guard<py::gil_scoped_release>())
-      .def_property_readonly("name", [](AskedSystem& system) { return system.translator().info().name; })
-      .def_property_readonly("inputs",
-                             [](AskedSystem& system) { return system.translator().inputs().names(); })
+      .def_property_readonly("name",
+                             [](AskedSystem& system) { return system.translator().info().name; })
+      .def_property_readonly(
+          "inputs", [](AskedSystem& system) { return system.translator().inputs().names(); })
       .def_property_readonly("options",
                              [](AskedSystem& system) { return system.translator().info().options; })
-      .def_property_readonly("versions",
-                             [](AskedSystem& system) { return system.translator().info().versions; });
+      .def_property_readonly(
+          "versions", [](AskedSystem& system) { return system.translator().info().versions; });
 
   py::class_<AnyModel>(module, "Model")
       .def_static("read", [](const std::string& path) { return AnyModel{read_model(path)}; })
-      .def_static("parse",
-                  [](const std::string& text, const std::string& file) {
-                    return AnyModel{read_dot(text, file)};
-                  })
+      .def_static("parse", [](const std::string& text,
+                              const std::string& file) { return AnyModel{read_dot(text, file)}; })
       .def_static("make", &make_mealy)
       .def("describe", &describe)
       .def("transitions", &transitions_of)
       .def("export", &export_model)
       .def("picture", &picture, py::call_guard<py::gil_scoped_release>())
-      .def("is_automaton",
-           [](const AnyModel& any) {
-             return std::holds_alternative<InterfaceAutomaton>(any.model);
-           })
+      .def(
+          "is_automaton",
+          [](const AnyModel& any) { return std::holds_alternative<InterfaceAutomaton>(any.model); })
       .def("to_mealy", [](const AnyModel& any) {
         const auto* automaton = std::get_if<InterfaceAutomaton>(&any.model);
-        return automaton == nullptr ? any
-                                    : AnyModel{to_mealy(*automaton, Translation::eager)};
+        return automaton == nullptr ? any : AnyModel{to_mealy(*automaton, Translation::eager)};
       });
 }
