@@ -190,7 +190,10 @@ class Referee:
         return self.has_bad_prefix(positions, formula)
 
     def has_bad_prefix(self, positions: Positions, formula: Formula) -> bool:
-        """Whether some run has a prefix after which the formula cannot hold any more."""
+        """Whether some run has a prefix after which the formula cannot hold any more.
+
+        A run is cut before its step into an error.
+        """
         good = satisfiable_states(formula)
         start = frozenset([formula])
         first = (0, frozenset([start]) & frozenset(good))
@@ -207,6 +210,8 @@ class Referee:
             if not after:
                 return True
             for _, target in positions.after(at):
+                if positions.component.states[positions.states[target]].failed:
+                    continue
                 if (target, after) not in known:
                     known.add((target, after))
                     waiting.append((target, after))

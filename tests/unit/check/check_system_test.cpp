@@ -265,5 +265,23 @@ TEST(CheckSystem, TheFirstPositionCountsWhereARunBeginsAtAnError) {
   EXPECT_EQ(report.properties[4].verdict, Verdict::violated);
 }
 
+// For a formula the run is cut before its step into an error, whatever that step gives.
+TEST(CheckSystem, AStepIntoAnErrorIsNoPosition) {
+  const System system = parse_system(
+      "models:\n  m: {use: mutex}\nprograms:\n"
+      "  p: |\n    var x: 0..2; m.lock; m.unlock; x = 1; m.lock; x = x + 2;\n"
+      "properties:\n  few: {ltl: G (m.lock -> p.x == 0)}\n  small: {always: p.x < 2}\n"
+      "  unlocked: G !m.unlock\n",
+      "system.yaml", test::test_model);
+  NativeEngine engine;
+  const CheckReport report = check_system(system, engine, {{"few", "small", "unlocked"}, {}});
+  ASSERT_EQ(report.properties.size(), 4U);
+  EXPECT_EQ(report.properties[0].verdict, Verdict::inconclusive);  // x is 1 at the second lock
+  EXPECT_EQ(report.properties[1].verdict, Verdict::inconclusive);
+  EXPECT_EQ(report.properties[2].verdict, Verdict::violated);
+  EXPECT_EQ(report.properties[3].name, "error");
+  EXPECT_EQ(report.properties[3].verdict, Verdict::violated);
+}
+
 }  // namespace
 }  // namespace maide
