@@ -55,24 +55,30 @@ TEST_F(CheckCommand, ReadableTrace) {
 class CheckThreads : public CheckCommand {};
 
 TEST_F(CheckThreads, FindTheSame) {
-  std::string programs;
-  for (const char* name : {"a", "b", "c", "d"}) {
-    programs += "  " + std::string(name) +
-                ": \"repeat 13 { if * { sync.write; sync.read -> "
-                "message; } }\"\n";
-  }
-  const auto result = [&](const std::string& threads) {
-    const SubprocessResult run = run_maide(
-        {"check", system(programs), "--property", "deadlock", "--threads", threads, "--json"});
+  const auto programs = [](const std::string& rounds) {
+    std::string text;
+    for (const char* name : {"a", "b", "c", "d"}) {
+      text += "  " + std::string(name) + ": \"repeat " + rounds +
+              " { if * { sync.write; sync.read -> message; } }\"\n";
+    }
+    return text;
+  };
+  const auto result = [&](const std::string& threads, const std::string& name = "deadlock") {
+    const SubprocessResult run = run_maide({"check", system(programs(name == "stuck" ? "3" : "13")),
+                                            "--property", name, "--threads", threads, "--json"});
     EXPECT_LE(run.exit_status, 1) << run.err;
     Json property = Json::parse(run.out).at("properties").at(0);
-    for (const char* name : {"seconds", "peak_bytes", "bytes_per_state"}) property.erase(name);
+    for (const char* other : {"seconds", "peak_bytes", "bytes_per_state"}) property.erase(other);
     return property;
   };
   const Json one = result("1");
   EXPECT_GT(one.at("states"), 20'000);
   EXPECT_EQ(result("2"), one);
   EXPECT_EQ(result("5"), one);
+  const Json stuck = result("1", "stuck");
+  EXPECT_GT(stuck.at("states"), 70'000);
+  EXPECT_EQ(result("2", "stuck"), stuck);
+  EXPECT_EQ(result("5", "stuck"), stuck);
   expect_error(run_maide({"check", system(waiting), "--threads", "0"}), 2, "--threads");
   expect_error(run_maide({"check", system(waiting), "--threads", "2", "--engine", "spin"}), 2,
                "spin searches with one thread; --threads is for native and ltsmin");

@@ -369,11 +369,9 @@ RunFunction set_up_check(CommandLine& line) {
       .between(1, std::uint64_t{1} << 30)
       .no_default()
       .value_name("MIB");
-  line.add(
-          "--threads", arguments->threads,
-          "How many threads of native or ltsmin search. Several search for a deadlock, an error or "
-          "a violation of `always`, one for all else. What is found and counted does not depend "
-          "on it. Default: one a processor")
+  line.add("--threads", arguments->threads,
+           "How many threads of native or ltsmin search. Verdicts do not depend on it, nor what is "
+           "counted where a property holds without reduction. Default: one a processor")
       .between(1, 1024)
       .no_default()
       .value_name("NUMBER");

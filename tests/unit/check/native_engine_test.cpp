@@ -223,6 +223,57 @@ TEST(NativeEngine, ThreadsFindAndCountTheSame) {
   }
 }
 
+// A product is searched in parts: one a program that may be stuck; of these formulas one, behind
+// the states in which the automaton waits, and two where there is nothing to wait for.
+TEST(NativeEngine, ThreadsSearchForCyclesInParts) {
+  const std::string counts = "\"repeat 6 { if * {} }\"\n";
+  const std::string programs = "  a: " + counts + "  b: " + counts + "  c: " + counts;
+  const std::string formulas =
+      "  once: G (a@end -> G F b@end)\n  either: '!(F G !a@end || F G !b@end)'\n";
+  const System good =
+      test::system_of(programs + "  d: loop { sync.write; sync.read -> message; }\n", formulas);
+  const System bad = test::system_of(programs +
+                                         "  d: loop { sync.write; sync.read -> message; }\n"
+                                         "  e: \"repeat 5 { if * {} } via.read -> message;\"\n",
+                                     formulas + "  never: G (a@end -> F G !b@end)\n");
+  const auto check_all = [](const System& system, const EngineOptions& options) {
+    std::vector<PropertyResult> results{check(system, stuck(), options)};
+    for (const Property& property : system.properties) {
+      results.push_back(check(system, property, options));
+    }
+    return results;
+  };
+  const auto with_threads = [](unsigned threads) {
+    EngineOptions options;
+    options.threads = threads;
+    options.states_a_thread = 8;
+    return options;
+  };
+  const auto one = check_all(good, with_threads(1)), one_bad = check_all(bad, with_threads(1));
+  const auto two_bad = check_all(bad, with_threads(2));
+  for (const unsigned threads : {2U, 5U}) {
+    const auto several = check_all(good, with_threads(threads));
+    for (std::size_t i = 0; i < one.size(); ++i) {
+      EXPECT_EQ(one[i].verdict, Verdict::holds) << one[i].name;
+      EXPECT_EQ(several[i].verdict, Verdict::holds) << one[i].name;
+      EXPECT_GT(one[i].states, 300) << one[i].name;
+      EXPECT_EQ(several[i].states, one[i].states) << one[i].name;
+      EXPECT_EQ(several[i].transitions, one[i].transitions) << one[i].name;
+    }
+    const auto several_bad = check_all(bad, with_threads(threads));
+    for (std::size_t i = 0; i < one_bad.size(); ++i) {
+      EXPECT_EQ(several_bad[i].verdict, one_bad[i].verdict) << one_bad[i].name;
+      EXPECT_EQ(several_bad[i].states, two_bad[i].states) << one_bad[i].name;
+      ASSERT_EQ(several_bad[i].trace.has_value(), one_bad[i].trace.has_value());
+      if (!one_bad[i].trace) continue;
+      EXPECT_EQ(several_bad[i].trace->steps, two_bad[i].trace->steps) << one_bad[i].name;
+      EXPECT_EQ(several_bad[i].trace->loop_start, two_bad[i].trace->loop_start);
+    }
+    EXPECT_EQ(several_bad.front().verdict, Verdict::violated);
+    EXPECT_EQ(several_bad.back().verdict, Verdict::violated);
+  }
+}
+
 // The batches of one round are on their way while the next one is expanded.
 TEST(NativeEngine, RanksFindAndCountTheSame) {
   for (const unsigned size : {1U, 2U, 3U, 5U}) {
@@ -254,6 +305,16 @@ TEST(NativeEngine, LimitsMakeTheVerdictInconclusive) {
   EXPECT_EQ(result.verdict, Verdict::inconclusive);
   EXPECT_THAT(result.reason, HasSubstr("more than 1 MiB"));
   EXPECT_THAT(result.reason, HasSubstr("depth"));
+  for (const unsigned threads : {1U, 2U}) {
+    options.threads = threads;
+    EXPECT_THAT(check(large_system(), stuck(), options).reason, HasSubstr("more than 1 MiB"));
+  }
+  // The states of the system fit, and parts of the product do not.
+  const System system = large_system(20);
+  options.memory_mib = 2;
+  options.states_a_thread = 8;
+  EXPECT_EQ(check(system, test::deadlock_property(), options).verdict, Verdict::holds);
+  EXPECT_THAT(check(system, stuck(), options).reason, HasSubstr("more than 2 MiB"));
 }
 
 TEST(NativeEngine, StopsWhenTold) {

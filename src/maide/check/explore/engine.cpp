@@ -174,6 +174,8 @@ SearchResult find_fair_cycle(const PackedSystem& system, const Monitor& monitor,
   std::optional<StubbornSets> sets;
   if (rules) sets.emplace(system, std::move(rules->sets));
   SearchResult search = with_words_for<Monitor>(system, [&](auto words) {
+    PartsSearch<words.value, Monitor> parts(system, monitor, limits);
+    if (!sets && limits.threads > 1 && parts.pays()) return parts.run();
     return FairCycleSearch<words.value, Monitor>(system, monitor, limits, sets ? &*sets : nullptr)
         .run();
   });

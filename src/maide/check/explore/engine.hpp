@@ -52,8 +52,8 @@ struct EngineOptions {
   std::optional<std::uint64_t> memory_mib;  // limit of a search; none: most of the machine's
   // What the native engine may leave out, as far as the property allows.
   Reduction reduction = Reduction::none;
-  // Of searches that can use several; 0: one a processor. What they find and count does not depend
-  // on it.
+  // Of searches that can use several; 0: one a processor. Verdicts do not depend on it, nor what is
+  // found and counted breadth-first, or counted where nothing is put off and no cycle is found.
   unsigned threads = 0;
   std::size_t states_a_thread = 256;  // at least, for it to be worth a thread
   // Not owned; those of rank 0, while the others serve_searches(). Null: this process is alone.
@@ -105,7 +105,8 @@ std::unique_ptr<Engine> make_engine(const std::string& name);
 
 // Maide's own engine: explicit states, packed (packed_system.hpp, state_table.hpp). Deadlocks, cuts
 // and invariants by breadth-first search, so that what it shows is a shortest run; `stuck` and all
-// other formulas by an on-the-fly search for a fair cycle (fair_cycle.hpp).
+// other formulas by an on-the-fly search for a fair cycle (fair_cycle.hpp), in parts by several
+// threads.
 class NativeEngine : public Engine {
  public:
   std::string name() const override { return "native"; }

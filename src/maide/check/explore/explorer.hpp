@@ -85,6 +85,13 @@ class BreadthFirstSearch {
     return std::move(result_);
   }
 
+  // ---- behind run(), of this process ----
+
+  const StateTable<words>& table() const { return rounds_.table(); }
+  std::uint64_t bytes() const { return rounds_.bytes(); }
+  // The run by which the search came to a state of the table.
+  Trace run_to(const State& state) const { return trace_to(system_.unpack(state)); }
+
  private:
   using Rounds = SearchRounds<words, Goal>;
   using Batch = typename Rounds::Batch;

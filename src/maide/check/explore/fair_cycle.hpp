@@ -11,9 +11,22 @@
 //
 // Without stubborn sets all nodes are visited. Among nodes in which the monitor still waits there
 // is no cycle to be found, so not every transition between them is taken (step_order.hpp).
+//
+// Several threads search parts of the product beside each other (PartsSearch). A monitor's root is
+// a state in which it waits, and may begin, and to which nothing else leads. So the nodes with a
+// root are the system's states, which are searched breadth-first by all threads (explorer.hpp).
+// Where a root goes depends on the system's state alone: the nodes behind are found from the table
+// of these states. They fall into parts between which nothing leads, one for each program that may
+// be stuck. No cycle lies in two parts, so each is searched as above, with a table of its own that
+// goes when it is done. Parts of an automaton as the unit of distribution: Barnat, Brim & Cerna,
+// "Property driven distribution of nested DFS", VMCAI 2002.
+//
+// Invariant: states and transitions of a search that comes to its end are the same whole and in
+// parts. Of several parts with a violation the first counts, whatever the number of threads.
 #pragma once
 
 #include <algorithm>
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -24,6 +37,8 @@
 
 #include "maide/base/error.hpp"
 #include "maide/base/invariant.hpp"
+#include "maide/base/thread_team.hpp"
+#include "maide/check/explore/explorer.hpp"
 #include "maide/check/explore/fair_lasso.hpp"
 #include "maide/check/explore/product_graph.hpp"
 #include "maide/check/explore/search.hpp"
@@ -75,16 +90,52 @@ class ChunkedStack {
   std::size_t size_ = 0;
 };
 
+// All that can be reached is looked for.
+struct NoGoal {
+  template <typename State>
+  bool on_step(const State&, const State&, std::size_t, std::uint32_t, bool) const {
+    return false;
+  }
+  template <typename State>
+  bool on_end(const State&) const {
+    return false;
+  }
+};
+
+// A part of the product that is searched beside others: nodes in whose monitor state the part is.
+template <std::size_t words>
+struct ProductPart {
+  using Reached = BreadthFirstSearch<words, NoGoal>;
+  // What the searches of all parts tell each other.
+  struct Shared {
+    explicit Shared(unsigned count) : threads(count) {}
+    unsigned threads;
+    std::atomic<std::uint64_t> states = 0, bytes = 0;  // of all, what was reached included
+    std::atomic<std::uint32_t> least_found = no_part;  // where there is a violation
+  };
+  const Reached& reached;  // the system's states, in each of which a root goes on to the part
+  std::uint32_t number = 0;
+  Shared& shared;
+};
+
 template <std::size_t words, typename Monitor>
 class FairCycleSearch {
  public:
+  using Part = ProductPart<words>;
+  static constexpr std::uint64_t no_budget = ~std::uint64_t{0};
+
   // `system` was made with node_number_bits of payload and the monitor's states. `sets`: null takes
-  // every step; of at most 64 programs.
+  // every step; of at most 64 programs. `budget`: of nodes. `part`: null searches all. Keeps
+  // references.
   FairCycleSearch(const PackedSystem& system, const Monitor& monitor, const SearchLimits& limits,
-                  StubbornSets* sets = nullptr)
-      : graph_(system, monitor), limits_(limits), sets_(sets) {
-    if (sets_ == nullptr && monitor.may_wait()) order_.emplace(system);
+                  StubbornSets* sets = nullptr, std::uint64_t budget = no_budget,
+                  const Part* part = nullptr)
+      : graph_(system, monitor), limits_(limits), sets_(sets), budget_(budget), part_(part) {
+    if (sets_ == nullptr && may_wait()) order_.emplace(system);
   }
+
+  // It ended for its budget, and would have gone on.
+  bool is_over_budget() const { return is_over_budget_; }
 
   SearchResult run() {
     try {
@@ -95,6 +146,7 @@ class FairCycleSearch {
       result_.end = SearchResult::End::stopped;
     }
     result_.states = graph_.size();
+    if (part_ != nullptr) tell(0);
     result_.bytes = std::max(result_.bytes, bytes());
     return std::move(result_);
   }
@@ -108,6 +160,7 @@ class FairCycleSearch {
 
   using Address = typename Graph::Address;
   using Step = typename Graph::Steps::One;
+  static constexpr std::uint32_t no_edge = ~std::uint32_t{0};
 
   // A node on the path.
   struct Frame {
@@ -149,9 +202,91 @@ class FairCycleSearch {
 
   void search() {
     for (const State& node : graph_.first_nodes()) {
-      if (!enter({node, StepOrder::first_state})) continue;
-      if (is_over_ || search_from_top()) return;
+      if (is_mine(graph_.monitor_state(node)) && search_from(node)) return;
     }
+    if (part_ != nullptr) search_from_roots();
+  }
+  // True if the search is over.
+  bool search_from(const State& node) {
+    if (!enter({node, StepOrder::first_state})) return false;
+    return is_over_ || search_from_top();
+  }
+
+  bool is_mine(std::uint32_t monitor_state) const {
+    return part_ == nullptr || graph_.monitor().part_of(monitor_state) == part_->number;
+  }
+  bool may_wait() const {
+    const Monitor& monitor = graph_.monitor();
+    if (part_ == nullptr) return monitor.may_wait();
+    for (std::uint32_t at = 0; at < monitor.states(); ++at) {
+      if (is_mine(at) && monitor.is_waiting(at)) return true;
+    }
+    return false;
+  }
+
+  // Calls `visit(node)` for nodes of this part to which a root goes in that state of the system.
+  template <typename Visit>
+  void for_each_entry(const State& state, Visit&& visit) const {
+    const Monitor& monitor = graph_.monitor();
+    for (std::uint32_t root = 0; root < monitor.states(); ++root) {
+      if (!monitor.is_root(root)) continue;
+      // Where a root goes depends on that state alone.
+      monitor.step(state, 0, no_edge, Bits{}, root, [&](std::uint32_t at, const Bits&) {
+        if (!is_mine(at)) return;
+        State node = state;
+        graph_.system().monitor().set(node, at);
+        visit(node);
+      });
+    }
+  }
+
+  void search_from_roots() {
+    constexpr std::size_t together = 32;  // fetched ahead
+    std::vector<State> entries;
+    const auto search_all = [&] {
+      for (const State& node : entries) {
+        if (!is_over_) search_from(node);
+      }
+      entries.clear();
+    };
+    part_->reached.table().for_each([&](const State& state, std::uint64_t) {
+      if (is_over_ || graph_.system().is_error(state)) return;
+      for_each_entry(state, [&](const State& node) {
+        graph_.prefetch(graph_.address_of(node));
+        entries.push_back(node);
+      });
+      if (entries.size() >= together) search_all();
+    });
+    search_all();
+  }
+
+  // Of parts beside each other, this one takes so many bytes now.
+  void tell(std::uint64_t bytes_now) {
+    auto& shared = part_->shared;
+    shared.states += graph_.size() - told_states_;
+    told_states_ = graph_.size();
+    const std::uint64_t all = shared.bytes += bytes_now - told_bytes_;
+    told_bytes_ = bytes_now;
+    result_.bytes = std::max(result_.bytes, all);
+  }
+
+  bool may_go_on_here() {
+    if (graph_.size() == budget_) {
+      is_over_budget_ = true;
+      return false;
+    }
+    if (graph_.size() % limit_interval != 0) return true;
+    if (part_ == nullptr) {
+      return may_go_on(limits_, graph_.size(), bytes(), growth_bytes(), result_);
+    }
+    auto& shared = part_->shared;
+    if (shared.least_found < part_->number) {
+      result_.end = SearchResult::End::stopped;
+      return false;
+    }
+    tell(bytes());
+    return may_go_on(limits_, shared.states, shared.bytes, shared.threads * growth_bytes(),
+                     result_);
   }
 
   // True if the search is over.
@@ -189,17 +324,15 @@ class FairCycleSearch {
     roots_.push(
         {{}, has_last ? Bits{} : edge.marks_or_last, number, first_active, false, may_accept});
     active_.push(number);
+    if (frames_.empty()) entry_ = number;
     frames_.push({number, 0});
     result_.depth = std::max<std::uint64_t>(result_.depth, frames_.size());
     if (graph_.monitor_state(node) == graph_.monitor().universal()) {
-      found([at = number](FairLasso<Graph>& lasso) { return lasso.prefix_to({at}); });
+      found({number}, [at = number](FairLasso<Graph>& lasso) { return lasso.prefix_to({at}); });
       return true;
     }
     expand(edge);
-    if (!is_over_ && graph_.size() % limit_interval == 0 &&
-        !may_go_on(limits_, graph_.size(), bytes(), growth_bytes(), result_)) {
-      is_over_ = true;
-    }
+    if (!is_over_ && !may_go_on_here()) is_over_ = true;
     return true;
   }
 
@@ -214,14 +347,16 @@ class FairCycleSearch {
     } else {
       find_reduced_successors(node);
     }
+    const bool waits = is_waiting(node);
+    // Which are left out depends on how the search came to the node.
+    result_.transitions += waits ? steps_.seen : successors_.size();
     for (const Successor& successor : successors_) {
-      ++result_.transitions;
       const Edge& edge = successor.edge;
       if (successor.number == Graph::no_node) {
         open_.push({edge.target, marks_or_last(node, edge)});
         ++frames_.top().open;
       } else {
-        merge(successor.number, is_waiting(node) ? Bits{} : edge.marks);
+        merge(successor.number, waits ? Bits{} : edge.marks);
         if (is_over_) return;
       }
     }
@@ -318,24 +453,68 @@ class FairCycleSearch {
   }
 
   void found_round(const std::vector<Number>& members) {
-    found([&](FairLasso<Graph>& lasso) { return lasso.run_round(members); });
+    found(members, [&](FairLasso<Graph>& lasso) { return lasso.run_round(members); });
   }
 
-  // There is a violation; `run(lasso)` makes the run that is shown.
+  // There is a violation; `run(lasso)` makes the run that is shown, by way of the members.
   template <typename Run>
-  void found(Run&& run) {
+  void found(const std::vector<Number>& members, Run&& run) {
     is_over_ = true;
     result_.has_violation = true;
+    if (part_ != nullptr) {
+      auto& least = part_->shared.least_found;
+      std::uint32_t before = least;
+      while (part_->number < before && !least.compare_exchange_weak(before, part_->number)) {
+      }
+    }
     graph_.list_nodes();
-    FairLasso<Graph> lasso(graph_, limits_.control);
-    result_.bytes = std::max(result_.bytes, bytes() + lasso.bytes(graph_));
-    result_.trace = run(lasso);
+    typename FairLasso<Graph>::Set first;
+    Trace way;
+    if (part_ != nullptr) {
+      const Number entry = nearest_entry(members);
+      way = part_->reached.run_to(graph_.plain(graph_.node(entry)));
+      first.push_back(entry);
+    }
+    FairLasso<Graph> lasso(graph_, limits_.control, std::move(first));
+    const std::uint64_t most = bytes() + lasso.bytes(graph_);
+    if (part_ != nullptr) tell(most);
+    result_.bytes = std::max(result_.bytes, most);
+    Trace trace = run(lasso);
+    if (trace.loop_start) *trace.loop_start += way.steps.size();
+    trace.steps.insert(trace.steps.begin(), way.steps.begin(), way.steps.end());
+    result_.trace = std::move(trace);
     result_.end = SearchResult::End::found;
+  }
+
+  // Of the members to which a root goes at once, one with a short way there; else where the search
+  // came into this part.
+  Number nearest_entry(const std::vector<Number>& members) const {
+    constexpr std::size_t most_looked_at = std::size_t{1} << 10;
+    Number best = entry_;
+    std::size_t length = ~std::size_t{0};
+    for (std::size_t i = 0; i < std::min(members.size(), most_looked_at); ++i) {
+      const State& node = graph_.node(members[i]);
+      const State state = graph_.plain(node);
+      bool is_entry = false;
+      for_each_entry(state, [&](const State& one) { is_entry = is_entry || one == node; });
+      if (!is_entry) continue;
+      const std::size_t own = part_->reached.run_to(state).steps.size();
+      if (own < length) {
+        length = own;
+        best = members[i];
+      }
+    }
+    return best;
   }
 
   Graph graph_;
   const SearchLimits& limits_;
   StubbornSets* sets_;
+  std::uint64_t budget_;
+  const Part* part_;
+  bool is_over_budget_ = false;
+  std::uint64_t told_states_ = 0, told_bytes_ = 0;  // to the searches of other parts
+  Number entry_ = 0;                                // at the path's beginning
   std::optional<StepOrder> order_;
   std::vector<bool> is_dead_, is_on_path_;  // by node
   ChunkedStack<Frame> frames_;
@@ -347,6 +526,112 @@ class FairCycleSearch {
   typename Graph::Steps steps_;
   std::vector<Successor> successors_;
   SearchResult result_;
+};
+
+// Searches the parts of a product beside each other, with all steps taken. A small product, or one
+// with a violation near the start, is searched by one thread whole.
+template <std::size_t words, typename Monitor>
+class PartsSearch {
+ public:
+  // Keeps references. `system` as above.
+  PartsSearch(const PackedSystem& system, const Monitor& monitor, const SearchLimits& limits)
+      : system_(system), monitor_(monitor), limits_(limits) {
+    for (std::uint32_t at = 0; at < monitor.states(); ++at) roots_ += monitor.is_root(at) ? 1 : 0;
+  }
+
+  // Whether there is work for several threads.
+  bool pays() const { return roots_ > 0 || monitor_.parts() > 1; }
+
+  SearchResult run() {
+    {
+      const std::uint64_t budget = limits_.states_a_thread * limits_.states_a_thread;
+      FairCycleSearch<words, Monitor> small(system_, monitor_, limits_, nullptr, budget);
+      SearchResult result = small.run();
+      if (!small.is_over_budget()) return result;
+    }
+    SearchLimits limits = limits_;
+    limits.ranks = nullptr;
+    const StepOrder order(system_);
+    BreadthFirstOptions options;
+    options.threads = limits.threads;
+    options.states_a_thread = limits.states_a_thread;
+    options.order = &order;
+    const NoGoal goal;
+    Reached reached(system_, goal, limits, options);
+    SearchResult result;
+    if (roots_ > 0) {
+      result = reached.run();
+      if (result.end != SearchResult::End::complete) return result;
+      count_roots(reached, result);
+    }
+    search_parts(reached, result);
+    return result;
+  }
+
+ private:
+  using Part = ProductPart<words>;
+  using Reached = typename Part::Reached;
+
+  // What was reached is a node with each root, but for errors.
+  void count_roots(const Reached& reached, SearchResult& result) const {
+    if (system_.has_errors()) {
+      reached.table().for_each([&](const PackedState<words>& state, std::uint64_t) {
+        if (system_.is_error(state)) --result.states;
+      });
+    }
+    result.states *= roots_;
+    result.transitions *= roots_;
+    result.has_cut = false;
+  }
+
+  void search_parts(const Reached& reached, SearchResult& result) const {
+    const std::uint32_t parts = monitor_.parts();
+    ThreadTeam team(std::min<unsigned>(limits_.threads, std::max(parts, 1U)));
+    typename Part::Shared shared(team.size());
+    shared.states = result.states;
+    shared.bytes = reached.bytes();
+    std::vector<SearchResult> results(parts);
+    std::atomic<std::uint32_t> next = 0;
+    const auto work = [&](unsigned member) {
+      SearchLimits limits = limits_;
+      if (member != 0) limits.control.progress = nullptr;
+      for (std::uint32_t number = next++; number < parts; number = next++) {
+        if (shared.least_found < number) return;
+        const Part part{reached, number, shared};
+        results[number] =
+            FairCycleSearch<words, Monitor>(system_, monitor_, limits, nullptr,
+                                            FairCycleSearch<words, Monitor>::no_budget, &part)
+                .run();
+      }
+    };
+    if (team.size() == 1) {
+      work(0);
+    } else {
+      team.run(work);
+    }
+    add_up(results, shared.least_found, result);
+  }
+
+  // The violation of the least part is shown; of those behind it nothing is counted.
+  static void add_up(std::vector<SearchResult>& results, std::uint32_t least_found,
+                     SearchResult& sum) {
+    for (std::uint32_t number = 0; number < results.size() && number <= least_found; ++number) {
+      SearchResult& one = results[number];
+      sum.states += one.states;
+      sum.transitions += one.transitions;
+      sum.depth = std::max(sum.depth, one.depth);
+      sum.bytes = std::max(sum.bytes, one.bytes);
+      if (one.end == SearchResult::End::complete) continue;
+      sum.end = one.end;
+      sum.has_violation = one.has_violation;
+      sum.trace = std::move(one.trace);
+    }
+  }
+
+  const PackedSystem& system_;
+  const Monitor& monitor_;
+  const SearchLimits& limits_;
+  std::uint64_t roots_ = 0;
 };
 
 }  // namespace maide

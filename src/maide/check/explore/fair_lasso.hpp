@@ -153,24 +153,25 @@ class FairLasso {
   using Share = typename Graph::Share;
   using Set = std::vector<Number>;  // sorted
 
-  // Of the graph's nodes now. Keeps references. Throws std::bad_alloc.
-  FairLasso(const Graph& graph, const RunControl& control)
-      : graph_(graph), control_(control), parents_(graph.size(), unseen) {
+  // Of the graph's nodes now. Keeps references. Throws std::bad_alloc. `first`: where runs begin;
+  // none: at the graph's first nodes.
+  FairLasso(const Graph& graph, const RunControl& control, Set first = {})
+      : graph_(graph), control_(control), first_(std::move(first)), parents_(graph.size(), unseen) {
     queue_.reserve(graph.size());
+    if (!first_.empty()) return;
+    for (const auto& node : graph_.first_nodes()) {
+      const Number number = graph_.find(node);
+      if (number != Graph::no_node) first_.push_back(number);
+    }
   }
 
   static std::uint64_t bytes(const Graph& graph) { return 2 * sizeof(Number) * graph.size(); }
 
   // A shortest run, in nodes that the graph knows, to one of `goals`.
   Trace prefix_to(const Set& goals, Number* reached = nullptr) {
-    Set first;
-    for (const auto& node : graph_.first_nodes()) {
-      const Number number = graph_.find(node);
-      if (number != Graph::no_node) first.push_back(number);
-    }
     std::vector<Edge> path;
     const Number end = shortest_path(
-        first, nullptr,
+        first_, nullptr,
         [&](Number node) { return std::binary_search(goals.begin(), goals.end(), node); }, path);
     if (reached != nullptr) *reached = end;
     Trace trace;
@@ -298,6 +299,7 @@ class FairLasso {
 
   const Graph& graph_;
   const RunControl& control_;
+  Set first_;                    // in any order
   std::vector<Number> parents_;  // by node: on the way from the first ones, whose is no_node
   Set queue_;                    // nodes that were seen
   std::uint64_t looked_at_ = 0;

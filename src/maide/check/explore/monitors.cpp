@@ -94,4 +94,45 @@ std::uint32_t Condition::add(const Formula& formula, const System& system) {
   return static_cast<std::uint32_t>(nodes_.size() - 1);
 }
 
+std::vector<std::uint32_t> find_parts(const LtlAutomaton& automaton,
+                                      const std::vector<bool>& is_waiting) {
+  const auto states = static_cast<std::uint32_t>(automaton.states.size());
+  std::vector<bool> is_root = is_waiting;
+  for (std::uint32_t state = 0; state < states; ++state) {
+    is_root[state] =
+        is_root[state] && std::count(automaton.initial.begin(), automaton.initial.end(), state) > 0;
+  }
+  for (std::uint32_t state = 0; state < states; ++state) {
+    for (const auto& transition : automaton.states[state]) {
+      if (transition.target != state) is_root[transition.target] = false;
+    }
+  }
+  std::vector<std::vector<std::uint32_t>> beside(states);
+  for (std::uint32_t state = 0; state < states; ++state) {
+    for (const auto& transition : automaton.states[state]) {
+      if (is_root[state]) continue;
+      beside[state].push_back(transition.target);
+      beside[transition.target].push_back(state);
+    }
+  }
+  std::vector<std::uint32_t> part_of(states, no_part);
+  std::uint32_t parts = 0;
+  for (std::uint32_t first = 0; first < states; ++first) {
+    if (is_root[first] || part_of[first] != no_part) continue;
+    std::vector<std::uint32_t> open{first};
+    part_of[first] = parts;
+    while (!open.empty()) {
+      const std::uint32_t state = open.back();
+      open.pop_back();
+      for (const std::uint32_t next : beside[state]) {
+        if (part_of[next] != no_part) continue;
+        part_of[next] = parts;
+        open.push_back(next);
+      }
+    }
+    ++parts;
+  }
+  return part_of;
+}
+
 }  // namespace maide

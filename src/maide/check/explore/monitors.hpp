@@ -122,6 +122,11 @@ Bits weakly_fair_marks(std::size_t programs, std::size_t stepping, const Bits& e
   return first_bits<Bits>(programs) & (~enabled | bit_of<Bits>(stepping));
 }
 
+// By state of the automaton: no_part if it waits (`is_waiting`), may begin there and comes there
+// from nowhere else. Of the others, the number of its part: nothing leads from one part to another.
+std::vector<std::uint32_t> find_parts(const LtlAutomaton& automaton,
+                                      const std::vector<bool>& is_waiting);
+
 // Runs that the automaton accepts. Reads the letter of a state when it is entered. Marks of
 // programs come behind those of the automaton.
 template <typename BitSet = std::uint64_t>
@@ -136,6 +141,10 @@ class LtlMonitor {
     MAIDE_CHECK(automaton_.mark_count <= 64);
     for (const Atom& atom : automaton_.atoms) atoms_.emplace_back(atom, packed.system());
     is_waiting_ = find_waiting(automaton_);
+    part_of_ = find_parts(automaton_, is_waiting_);
+    for (const std::uint32_t part : part_of_) {
+      if (part != no_part) parts_ = std::max(parts_, part + 1);
+    }
     if (fairness == Fairness::weak) groups_ = packed.template groups_on_weak_runs<Bits>();
     if (fairness == Fairness::strong) groups_ = first_bits<Bits>(packed.group_count());
   }
@@ -151,6 +160,10 @@ class LtlMonitor {
   bool may_wait() const {
     return std::find(is_waiting_.begin(), is_waiting_.end(), true) != is_waiting_.end();
   }
+  bool is_root(std::uint32_t at) const { return part_of_[at] == no_part; }
+  std::uint32_t states() const { return static_cast<std::uint32_t>(part_of_.size()); }
+  std::uint32_t parts() const { return parts_; }
+  std::uint32_t part_of(std::uint32_t at) const { return part_of_[at]; }
 
   template <typename State, typename Follow>
   void start(const State& state, Follow&& follow) const {
@@ -196,7 +209,9 @@ class LtlMonitor {
   Fairness fairness_;
   Bits groups_{};
   std::vector<PackedAtom> atoms_;
-  std::vector<bool> is_waiting_;  // by state
+  std::vector<bool> is_waiting_;        // by state
+  std::vector<std::uint32_t> part_of_;  // by state
+  std::uint32_t parts_ = 0;
 };
 
 // Runs on which programs may be stuck.
@@ -231,6 +246,9 @@ class StuckMonitor {
   const Bits& groups() const { return groups_; }
   bool is_waiting(std::uint32_t at) const { return at == 0; }
   bool may_wait() const { return true; }
+  bool is_root(std::uint32_t at) const { return at == 0; }
+  std::uint32_t parts() const { return static_cast<std::uint32_t>(packed_.program_count()); }
+  std::uint32_t part_of(std::uint32_t at) const { return at == 0 ? no_part : at - 1; }
 
   template <typename State, typename Follow>
   void start(const State& state, Follow&& follow) const {

@@ -11,6 +11,10 @@
 //                                          mark passes there, and what it goes to depends on the
 //                                          system's next state alone
 //   bool may_wait() const;                 in any state
+//   bool is_root(state) const;             it waits there, may begin there, and comes there from
+//                                          nowhere else
+//   std::uint32_t parts() const;           of its other states, between which nothing leads
+//   std::uint32_t part_of(state) const;    no_part of a root
 //   void start(state, follow)              calls follow(monitor state, marks) for the initial state
 //   void step(next, program, edge, enabled programs, monitor state, follow)
 //   void stay(state, monitor state, follow)     nothing can happen any more; may follow nothing
@@ -33,6 +37,7 @@
 namespace maide {
 
 inline constexpr std::uint32_t no_monitor_state = ~std::uint32_t{0};
+inline constexpr std::uint32_t no_part = ~std::uint32_t{0};
 // Of a product's nodes, in the table.
 inline constexpr unsigned node_number_bits = 32;
 
@@ -80,6 +85,7 @@ class ProductGraph {
     std::vector<One> steps;  // but for those that cut the run, or come to an error
     Bits enabled{};          // programs that can do more than die, those steps among them
     Bits groups{};           // fair groups of which a step is possible
+    std::uint64_t seen = 0;  // steps, those that are not among `steps` included
   };
 
   // `system` was made with node_number_bits of payload and the monitor's states.
@@ -225,12 +231,14 @@ class ProductGraph {
     found.steps.clear();
     found.enabled = {};
     found.groups = {};
+    found.seen = 0;
     const State state = plain(node);
     for (std::size_t program = 0; program < system_.program_count(); ++program) {
       const Bits bit = bit_of<Bits>(program);
       system_.template for_each_step<is_plain>(
           state, program,
           [&](const State& next, std::uint32_t edge, bool is_cut, std::uint64_t code) {
+            ++found.seen;
             if (is_plain || !system_.is_death(program, edge)) found.enabled |= bit;
             if constexpr (!is_plain) {
               found.groups |= system_.template group_of<Bits>(program, edge);
