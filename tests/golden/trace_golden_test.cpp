@@ -9,7 +9,6 @@
 #include "maide/base/file.hpp"
 #include "maide/check/language/system_file.hpp"
 #include "maide/report/html_report.hpp"
-#include "maide/report/trace_chart.hpp"
 #include "maide/report/trace_text.hpp"
 #include "scheduled_run.hpp"
 

@@ -24,7 +24,6 @@
 #include "maide/report/html_report.hpp"
 #include "maide/report/picture.hpp"
 #include "maide/report/sequence_chart.hpp"
-#include "maide/report/trace_chart.hpp"
 #include "maide/report/trace_text.hpp"
 #include "maide/workflow/learned_models.hpp"
 #include "maide/workflow/refine_system.hpp"

@@ -16,7 +16,7 @@
 #include "maide/report/picture.hpp"
 #include "maide/report/picture_page.hpp"
 #include "maide/report/sequence_chart.hpp"
-#include "maide/report/trace_chart.hpp"
+#include "maide/report/trace_text.hpp"
 #include "maide/workflow/learned_models.hpp"
 
 namespace maide::cli {

@@ -13,7 +13,6 @@
 #include "maide/check/explore/waiting.hpp"
 #include "maide/report/explanation.hpp"
 #include "maide/report/sequence_chart.hpp"
-#include "maide/report/trace_chart.hpp"
 #include "maide/report/trace_text.hpp"
 
 namespace maide {

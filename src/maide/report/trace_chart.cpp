@@ -1,5 +1,4 @@
-#include "maide/report/trace_chart.hpp"
-
+// Makes message sequence charts of counterexamples (trace_text.hpp).
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -14,6 +13,7 @@
 #include "maide/check/explore/model_words.hpp"
 #include "maide/check/explore/waiting.hpp"
 #include "maide/check/trace/trace_file.hpp"
+#include "maide/report/trace_text.hpp"
 
 namespace maide {
 namespace {

@@ -12,7 +12,6 @@
 #include "maide/check/trace/trace_file.hpp"
 #include "maide/report/explanation.hpp"
 #include "maide/report/sequence_chart.hpp"
-#include "maide/report/trace_chart.hpp"
 
 namespace maide {
 namespace {

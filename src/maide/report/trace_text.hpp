@@ -1,12 +1,17 @@
-// Counterexamples as text: who did what, with the lines of the system file, and how the programs
-// and models stand in the end. The report of a check as JSON is here too.
+// Counterexamples as text and as message sequence charts: who did what, with the lines of the
+// system file, and how the programs and models stand in the end. The report of a check as JSON is
+// here too.
 #pragma once
 
 #include <cstdint>
 #include <iosfwd>
+#include <string>
+#include <string_view>
 
 #include "maide/base/json.hpp"
 #include "maide/check/explore/check_system.hpp"
+#include "maide/check/language/system.hpp"
+#include "maide/check/trace/trace.hpp"
 #include "maide/report/sequence_chart.hpp"
 
 namespace maide {
@@ -23,5 +28,18 @@ void write_trace_text(std::ostream& out, const System& system, const Trace& trac
 // about; it is null if these are all. A result with a trace has `explanation` and `loop_start`,
 // which is null if nothing repeats; one that is inconclusive has `reason`.
 Json report_to_json(const System& system, const CheckReport& report);
+
+// A chart has a lane for each program and model, and an arrow for each rendezvous. Below each
+// program stands what it waits for in the end. Programs and models that talk much stand side by
+// side. Messages that a program waits for in the end and that were lost have a remark.
+// O(steps x programs).
+SequenceChart make_trace_chart(const System& system, const Trace& trace, std::string title);
+
+// The chart of a trace as it stands in a file (`maide check --trace`), without its system: the
+// steps name programs, models and what happens.
+//
+// `file` is for messages. The first program comes leftmost, then the models, then the other
+// programs, in the order in which they appear. Throws UsageError for what is no trace. O(steps).
+SequenceChart chart_of_trace(std::string_view text, const std::string& file);
 
 }  // namespace maide

@@ -6,7 +6,7 @@
 #include <sstream>
 
 #include "maide/check/language/system_file.hpp"
-#include "maide/report/trace_chart.hpp"
+#include "maide/report/trace_text.hpp"
 
 namespace maide {
 namespace {
