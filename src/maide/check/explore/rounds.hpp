@@ -13,7 +13,6 @@
 #include <algorithm>
 #include <bit>
 #include <cstdint>
-#include <memory>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -23,6 +22,7 @@
 #include "maide/base/numbers.hpp"
 #include "maide/base/thread_team.hpp"
 #include "maide/check/explore/checkpoint.hpp"
+#include "maide/check/explore/chunks.hpp"
 #include "maide/check/explore/packed_system.hpp"
 #include "maide/check/explore/ranks.hpp"
 #include "maide/check/explore/state_table.hpp"
@@ -50,26 +50,6 @@ struct BreadthFirstOptions {
 constexpr unsigned chain_bits(unsigned chain, unsigned code_bits) {
   return chain <= 1 ? code_bits : chain * code_bits + bits_for(chain + 1);
 }
-
-// A list that grows without moving. New elements are not initialised.
-template <typename T>
-class LevelList {
- public:
-  std::size_t size() const { return size_; }
-  T& operator[](std::size_t i) { return blocks_[i / block][i % block]; }
-  void resize(std::size_t size) {
-    while (blocks_.size() * block < size) {
-      blocks_.push_back(std::make_unique_for_overwrite<T[]>(block));
-    }
-    size_ = size;
-  }
-  std::uint64_t bytes() const { return blocks_.size() * block * sizeof(T); }
-
- private:
-  static constexpr std::size_t block = 4096;
-  std::vector<std::unique_ptr<T[]>> blocks_;
-  std::size_t size_ = 0;
-};
 
 // A goal says what to look for, in the middle of the innermost loop, on all threads:
 //   bool on_step(const PackedState& from, const PackedState& next, std::size_t program,
@@ -551,8 +531,8 @@ class SearchRounds {
   ThreadTeam team_;
   std::vector<Piece> pieces_;
   unsigned threads_ = 1;
-  LevelList<State> level_, next_level_;
-  LevelList<std::uint32_t> lasts_, next_lasts_;  // by state of a level, with an order of steps
+  ChunkedList<State> level_, next_level_;
+  ChunkedList<std::uint32_t> lasts_, next_lasts_;  // by state of a level, with an order of steps
   std::vector<Reduced> postponed_;
   std::uint64_t transitions_ = 0;
   bool has_cut_ = false;
