@@ -1,8 +1,8 @@
-// The stack of the search for cycles.
+// The stack that lies in pieces.
 #include <gtest/gtest.h>
 
 #include "maide/base/random.hpp"
-#include "maide/check/explore/fair_cycle.hpp"
+#include "maide/check/explore/chunks.hpp"
 
 namespace maide {
 namespace {

@@ -228,15 +228,26 @@ TEST(Executors, WhatALookFoundGoesFirst) {
 }
 
 TEST(Executors, WhatVerdictsRestOnIsSaid) {
-  const CheckReport report = check_nodes(nodes_from(nested_system("{kind: single}", own)));
-  const auto says = [&](const std::string& what) {
+  const auto says = [](const std::string& text, const std::string& what) {
+    const CheckReport report = check_nodes(nodes_from(text));
     return std::any_of(
         report.assumptions.begin(), report.assumptions.end(),
         [&](const std::string& line) { return line.find(what) != std::string::npos; });
   };
-  EXPECT_TRUE(says("the callbacks of detector run on one thread, in any order"));
-  EXPECT_TRUE(says("lookup goes by the rules of services"));
-  EXPECT_TRUE(says("database uses lookup without executors"));
+  const std::string any = nested_system("{kind: single}", own);
+  EXPECT_TRUE(says(any, "the callbacks of detector run on one thread, in any order"));
+  EXPECT_TRUE(says(any, "lookup goes by the rules of services"));
+  EXPECT_TRUE(says(any, "database uses lookup without executors"));
+
+  const auto with_other = [](const std::string& text) {
+    return replaced(replaced(text, "[detector]", "[detector, other]"), "programs:\n",
+                    "programs:\n  other: \"lookup.send; lookup.receive -> answer;\"\n");
+  };
+  const std::string rounds = nested_system("{kind: single, order: rounds}", own);
+  const std::string looks = "lookup: a look of a client's executor finds no answers to other";
+  EXPECT_TRUE(says(with_other(rounds), looks));
+  EXPECT_FALSE(says(rounds, looks));
+  EXPECT_FALSE(says(with_other(any), looks));
 }
 
 // The search for a shorter run does not know all edges of what lies far from the start.
