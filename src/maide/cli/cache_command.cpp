@@ -230,7 +230,6 @@ std::string describe_system(const CacheFile& cache) {
   std::vector<std::string> options;
   std::string text, versions;
   for (const auto& [name, value] : cache.fingerprint()) {
-    constexpr std::string_view version_of = "the version of ";
     if (name.starts_with(version_of)) {
       versions += (versions.empty() ? "" : ", ") + name.substr(version_of.size()) + " " + value;
     } else if (name == "purpose") {

@@ -11,6 +11,7 @@
 
 #include "maide/base/file.hpp"
 #include "maide/base/log.hpp"
+#include "maide/base/text.hpp"
 #include "maide/check/explore/check_system.hpp"
 #include "maide/check/export/step_rules.hpp"
 #include "maide/check/export/system_exporters.hpp"

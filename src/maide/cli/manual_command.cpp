@@ -5,12 +5,14 @@
 #include <algorithm>
 #include <filesystem>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "maide/base/error.hpp"
 #include "maide/base/file.hpp"
+#include "maide/base/json.hpp"
 #include "maide/base/text.hpp"
 #include "maide/base/version.hpp"
 #include "maide/cli/command.hpp"

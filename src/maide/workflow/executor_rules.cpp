@@ -234,13 +234,13 @@ class Scheduler {
     Rules behind = rules;
     const auto before = runs_[step->program];
     const std::vector<std::uint32_t> picks = picks_;
-    if (const auto callback = started_by(system_, *step)) {
-      const std::uint32_t executor = system_.callbacks[*callback].executor;
+    if (const auto started = started_by(system_, *step)) {
+      const std::uint32_t executor = system_.callbacks[*started].executor;
       const auto& picked = rules.picked[executor];
-      if (std::find(picked.begin(), picked.end(), *callback) == picked.end()) {
-        return try_pick(progress, at, rules, executor, {*callback});
+      if (std::find(picked.begin(), picked.end(), *started) == picked.end()) {
+        return try_pick(progress, at, rules, executor, {*started});
       }
-      runs_[step->program] = {*callback, rules_.start(behind, *callback)};
+      runs_[step->program] = {*started, rules_.start(behind, *started)};
     } else if (const auto found = found_by(system_, *step); !found.empty()) {
       const auto callback =
           rules_.pick(behind, system_.callbacks[found.front()].executor, at, found);

@@ -9,8 +9,10 @@
 
 #include "maide/base/error.hpp"
 #include "maide/check/explore/check_system.hpp"
+#include "maide/check/explore/model_words.hpp"
 #include "maide/check/language/components.hpp"
 #include "maide/check/language/model_ends.hpp"
+#include "maide/check/trace/trace_file.hpp"
 #include "maide/sul/ia_translation.hpp"
 #include "maide/wire/wrapper/full_setup.hpp"
 

@@ -305,11 +305,11 @@ TEST(Language, ArmsWriteToTopicsWhenAllModelsTakeIt) {
 }
 
 TEST(Language, WhatIsDueToADeadEndIsThrownAway) {
-  const std::string queue = "models: {t: {use: queue, with: {size: 1}";
+  const std::string topic = "models: {t: {use: queue, with: {size: 1}";
   const std::string reader = "{do: \"t.read; t.read;\", may_die: true}";
-  EXPECT_FALSE(comes_behind(queue + "}}\n", "t.write; t.write;", reader));
-  EXPECT_TRUE(comes_behind(queue + ", ends: {reader: r}}}\n", "t.write; t.write;", reader));
-  EXPECT_FALSE(comes_behind(queue + ", ends: {reader: r}}}\n", "repeat 3 { t.write; }", reader));
+  EXPECT_FALSE(comes_behind(topic + "}}\n", "t.write; t.write;", reader));
+  EXPECT_TRUE(comes_behind(topic + ", ends: {reader: r}}}\n", "t.write; t.write;", reader));
+  EXPECT_FALSE(comes_behind(topic + ", ends: {reader: r}}}\n", "repeat 3 { t.write; }", reader));
 }
 
 TEST(Language, FormulasOverVariables) {
