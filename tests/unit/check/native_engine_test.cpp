@@ -346,6 +346,12 @@ TEST(NativeEngine, ASpinnerHidesNoStepOfOthers) {
       "  spinner: loop { sync.write; sync.read -> message; }\n  p: via.write; via.write;\n",
       "  never: {always: '!p@end'}\n");
   EXPECT_EQ(check(waits, waits.properties[0]).verdict, Verdict::violated);
+  Property error;
+  error.kind = Property::Kind::error;
+  const System fails = test::system_of(
+      "  spinner: loop { sync.write; sync.read -> message; }\n"
+      "  p: 'var n: 0..1; via.write; via.write; n = n + 2;'\n");
+  EXPECT_EQ(check(fails, error).verdict, Verdict::violated);
 }
 
 // A run that is cut ends there for everybody; what others do before must be seen all the same.
