@@ -30,10 +30,10 @@
 #include "maide/report/state_names.hpp"
 #include "maide/sul/ia_translation.hpp"
 #include "maide/workflow/experiment.hpp"
+#include "maide/workflow/known_models.hpp"
 #include "maide/workflow/learn_model.hpp"
 #include "maide/workflow/open_system.hpp"
 #include "maide/workflow/pacing.hpp"
-#include "maide/workflow/read_machine.hpp"
 
 namespace maide::cli {
 

@@ -34,7 +34,6 @@
 #include "maide/workflow/nondeterministic_run.hpp"
 #include "maide/workflow/open_system.hpp"
 #include "maide/workflow/pacing.hpp"
-#include "maide/workflow/read_machine.hpp"
 
 namespace maide::cli {
 

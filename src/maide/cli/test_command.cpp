@@ -34,8 +34,8 @@
 #include "maide/sul/ia_translation.hpp"
 #include "maide/workflow/conformance_run.hpp"
 #include "maide/workflow/experiment.hpp"
+#include "maide/workflow/known_models.hpp"
 #include "maide/workflow/open_system.hpp"
-#include "maide/workflow/read_machine.hpp"
 
 namespace maide::cli {
 namespace {

@@ -23,11 +23,11 @@
 #include "maide/check/language/built_in_models.hpp"
 #include "maide/formats/model_file.hpp"
 #include "maide/sul/ia_translation.hpp"
+#include "maide/workflow/known_models.hpp"
 #include "maide/workflow/learn_model.hpp"
 #include "maide/workflow/nondeterministic_run.hpp"
 #include "maide/workflow/open_system.hpp"
 #include "maide/workflow/pacing.hpp"
-#include "maide/workflow/read_machine.hpp"
 #include "maide/workflow/ros2_graph.hpp"
 #include "maide/workflow/valued_queue.hpp"
 

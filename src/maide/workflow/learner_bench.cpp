@@ -20,8 +20,8 @@
 #include "maide/learn/cache/cache.hpp"
 #include "maide/learn/oracle/mealy_oracle.hpp"
 #include "maide/learn/oracle/observing_oracle.hpp"
+#include "maide/workflow/known_models.hpp"
 #include "maide/workflow/pacing.hpp"
-#include "maide/workflow/read_machine.hpp"
 
 namespace maide {
 namespace {
