@@ -1,5 +1,6 @@
-// Random sequences of calls on a pool of systems that die, while batches are run to their end or
-// are stopped: each word is answered once, and rightly, and each death is counted.
+// Random sequences of calls on a pool of systems that die and of systems that come, also from
+// another thread, while batches are run to their end or are stopped: each word is answered once,
+// and rightly, and each death is counted.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -8,6 +9,7 @@
 #include <stop_token>
 #include <string>
 #include <string_view>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -44,17 +46,21 @@ class MortalSul : public SimulatedSul {
 
 class PoolWorld {
  public:
-  enum Kind : std::uint32_t { run, run_many, kill, stop_in_sink, stop_by_token };
-  static constexpr std::uint32_t kinds = 5;
+  enum Kind : std::uint32_t {
+    run,
+    run_many,
+    kill,
+    stop_in_sink,
+    stop_by_token,
+    come,
+    come_while_running,
+    come_as_another
+  };
+  static constexpr std::uint32_t kinds = 8;
 
   explicit PoolWorld(std::uint64_t seed) : machine_(random_machine(seed, 8)) {
     std::vector<SulPool::Member> members;
-    for (std::size_t i = 0; i < 2 + seed % 3; ++i) {
-      auto sul = std::make_unique<MortalSul>(machine_);
-      suls_.push_back(sul.get());
-      members.push_back({"m" + std::to_string(i), std::move(sul)});
-    }
-    size_ = members.size();
+    for (std::size_t i = 0; i < 2 + seed % 3; ++i) members.push_back(make_member());
     pool_ =
         std::make_unique<SulPool>(std::move(members), [this](std::string_view) { ++warnings_; });
   }
@@ -65,12 +71,38 @@ class PoolWorld {
       case run_many: run_words(40 + call.value % 60, call.value, End::never); break;
       case stop_in_sink: run_words(60, call.value, End::in_sink); break;
       case stop_by_token: run_words(60, call.value, End::by_token); break;
+      case come: pool_->admit(make_member()); break;
+      case come_while_running: {
+        // Made here, for the list of systems is this thread's.
+        std::vector<SulPool::Member> members;
+        for (std::size_t i = 0; i <= call.value % 3; ++i) {
+          members.push_back(make_member());
+          suls_.back()->words_left = call.value % 5 == 0 ? call.value % 7 : ~std::size_t{0};
+          if (call.value % 5 == 0) mortal_.insert(suls_.size() - 1);
+        }
+        const std::jthread comer([&] {
+          for (SulPool::Member& member : members) pool_->admit(std::move(member));
+        });
+        run_words(40 + call.value % 60, call.value, End::never);
+        break;
+      }
+      case come_as_another: {
+        SulPool::Member other{"other", std::make_unique<SimulatedSul>(machine_, "other")};
+        try {
+          pool_->admit(std::move(other));
+          promise(false, "another system is refused");
+        } catch (const UsageError&) {
+          promise(other.sul != nullptr, "what is refused stays the caller's");
+        }
+        break;
+      }
       default: {  // one of those that live dies soon
         MortalSul*& sul = suls_[call.value % suls_.size()];
         if (sul != nullptr) sul->words_left = call.value % 7;
         mortal_.insert(call.value % suls_.size());
       }
     }
+    count_the_dead();
   }
 
   void finish() {
@@ -80,6 +112,12 @@ class PoolWorld {
  private:
   enum class End : std::uint8_t { never, in_sink, by_token };
   struct Enough {};
+
+  SulPool::Member make_member() {
+    auto sul = std::make_unique<MortalSul>(machine_);
+    suls_.push_back(sul.get());
+    return {"m" + std::to_string(size_++), std::move(sul)};
+  }
 
   void run_words(std::size_t count, std::uint64_t seed, End end) {
     Random random(seed);
@@ -99,7 +137,6 @@ class PoolWorld {
       if (end == End::in_sink) throw Enough{};
       if (end == End::by_token) stop.request_stop();
     };
-    const std::size_t before = pool_->size();
     bool is_over = false;
     try {
       pool_->run(batch, sink, control);
@@ -111,13 +148,17 @@ class PoolWorld {
     } catch (const Enough&) {
       promise(end == End::in_sink, "what the sink throws comes out");
     }
-    forget_the_dead();
-    promise(pool_->size() <= before, "the dead do not rise");
-    promise(pool_->size() + mortal_.size() >= size_, "only those die that were to");
-    promise(pool_->incidents().count == size_ - pool_->size(), "each death is counted once");
     for (const int count_of : times) {
       promise(count_of <= 1 && (!is_over || count_of == 1), "each word is answered once");
     }
+  }
+
+  // Once nobody else comes.
+  void count_the_dead() {
+    pool_->run({}, {}, {});  // takes in who has come
+    forget_the_dead();
+    promise(pool_->size() + mortal_.size() >= size_, "only those die that were to");
+    promise(pool_->incidents().count == size_ - pool_->size(), "each death is counted once");
   }
 
   void expect_answer(const SulQuery& query, const SulAnswer& answer) const {

@@ -1,8 +1,11 @@
 #include "maide/sul/sul_pool.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <condition_variable>
 #include <deque>
+#include <list>
 #include <map>
 #include <mutex>
 #include <optional>
@@ -67,6 +70,14 @@ std::string find_difference(const SulInfo& left, const SulInfo& right) {
   return "";
 }
 
+std::string text_of(const std::exception_ptr& error) {
+  try {
+    std::rethrow_exception(error);
+  } catch (const std::exception& reason) {
+    return reason.what();
+  }
+}
+
 }  // namespace
 
 // One call of run(): what the threads share. What they have to tell waits here for the thread that
@@ -77,23 +88,43 @@ class SulPool::Batch {
     std::size_t index;
     SulAnswer answer;
   };
+  struct News {
+    std::vector<Answered> answers;
+    bool has_newcomers = false;
+    bool is_over = false;  // all threads have ended, and all is handed on
+  };
 
   Batch(std::span<const SulQuery> queries, std::span<const std::size_t> open,
-        const RunControl& control, std::size_t workers)
+        const RunControl& control)
       : queries_(queries),
         deadline_(control.deadline),
         forward_(control.stop, Forward{stop_}),
-        queue_(open.begin(), open.end()),
-        alive_(workers),
-        running_(workers) {}
+        queue_(open.begin(), open.end()) {}
 
-  // The work of one system's thread.
-  void work(Sul& sul) {
+  // Before the thread of a system begins.
+  void enter() {
+    const std::scoped_lock lock(mutex_);
+    ++alive_;
+    ++running_;
+  }
+
+  // From the thread that admits them.
+  void announce_newcomers() {
+    const std::scoped_lock lock(mutex_);
+    has_newcomers_ = true;
+    changed_.notify_all();
+  }
+
+  // The work of one system's thread. `prepare` is called first, and may fail as the system does.
+  template <typename Prepare>
+  void work(Sul& sul, Prepare&& prepare) {
     RunControl control;  // without progress, which is for the calling thread to report
     control.stop = stop_.get_token();
     control.deadline = deadline_;
-    for (auto portion = take(control); !portion.empty(); portion = take(control)) {
-      if (!run_portion(sul, portion, control)) break;
+    if (attempt(sul, {}, {}, prepare)) {
+      for (auto portion = take(control); !portion.empty(); portion = take(control)) {
+        if (!run_portion(sul, portion, control)) break;
+      }
     }
     const std::scoped_lock lock(mutex_);
     MAIDE_CHECK(running_ > 0);
@@ -101,11 +132,12 @@ class SulPool::Batch {
     changed_.notify_all();
   }
 
-  // Waits for answers; none: all threads have ended, and all is handed on.
-  std::vector<Answered> wait() {
+  // Waits for answers, for newcomers, or for the end.
+  News wait() {
     std::unique_lock lock(mutex_);
-    changed_.wait(lock, [this] { return running_ == 0 || !answered_.empty(); });
-    return std::exchange(answered_, {});
+    changed_.wait(lock, [this] { return running_ == 0 || !answered_.empty() || has_newcomers_; });
+    News news{std::exchange(answered_, {}), std::exchange(has_newcomers_, false), running_ == 0};
+    return news;
   }
 
   // Ends all work as if interrupted; the first error counts.
@@ -158,13 +190,22 @@ class SulPool::Batch {
       answered_.push_back({portion[index], std::move(answer)});
       changed_.notify_all();
     };
-    bool is_alive = true;
-    std::exception_ptr failure;
-    try {
+    return attempt(sul, portion, is_answered, [&] {
       sul.run(queries, sink, control);
       if (std::find(is_answered.begin(), is_answered.end(), false) != is_answered.end()) {
         throw std::logic_error("a system left a query without an answer");
       }
+    });
+  }
+
+  // The same for any work on the system; `portion` was taken for it.
+  template <typename Work>
+  bool attempt(Sul& sul, const Portion& portion, const std::vector<bool>& is_answered,
+               Work&& work) {
+    bool is_alive = true;
+    std::exception_ptr failure;
+    try {
+      work();
     } catch (const WrapperError&) {
       is_alive = false;
       failure = std::current_exception();
@@ -199,58 +240,116 @@ class SulPool::Batch {
   std::condition_variable_any changed_;
   std::deque<std::size_t> queue_;
   std::vector<Answered> answered_;
-  std::size_t alive_;          // systems that have not failed
-  std::size_t running_;        // threads that have not ended
+  std::size_t alive_ = 0;    // systems that have not failed
+  std::size_t running_ = 0;  // threads that have not ended
+  bool has_newcomers_ = false;
   std::size_t in_flight_ = 0;  // queries that a thread has taken
   std::exception_ptr error_;
   std::vector<std::pair<const Sul*, std::exception_ptr>> failed_;
 };
 
-SulPool::SulPool(std::vector<Member> members, Warn warn)
-    : members_(std::move(members)), warn_(std::move(warn)) {
-  if (members_.empty()) throw UsageError("a pool needs a system");
-  info_ = members_.front().sul->info();
-  for (const Member& member : members_) {
+SulPool::SulPool(std::vector<Member> members, Warn warn, std::chrono::milliseconds patience)
+    : warn_(std::move(warn)), patience_(patience) {
+  if (members.empty()) throw UsageError("a pool needs a system");
+  info_ = members.front().sul->info();
+  const std::string first = members.front().name;
+  for (Member& member : members) {
     const std::string difference = find_difference(info_, member.sul->info());
-    if (difference.empty()) continue;
-    throw UsageError("systems that are asked at once must be the same: " + difference + " (" +
-                     members_.front().name + ", " + member.name + ")");
+    if (!difference.empty()) {
+      throw UsageError("systems that are asked at once must be the same: " + difference + " (" +
+                       first + ", " + member.name + ")");
+    }
+    members_.push_back({std::move(member)});
+  }
+  most_ = members_.size();
+}
+
+SulPool::~SulPool() = default;
+
+void SulPool::admit(Member&& member) {
+  const std::string difference = find_difference(info_, member.sul->info());
+  if (!difference.empty()) {
+    throw UsageError("systems that are asked at once must be the same: " + difference);
+  }
+  const std::scoped_lock lock(mutex_);
+  newcomers_.push_back({std::move(member)});
+  if (running_ != nullptr) running_->announce_newcomers();
+  changed_.notify_all();
+}
+
+std::vector<SulPool::Place*> SulPool::take_newcomers() {
+  std::list<Place> taken;
+  {
+    const std::scoped_lock lock(mutex_);
+    taken.swap(newcomers_);
+  }
+  std::vector<Place*> places;
+  for (Place& place : taken) places.push_back(&place);
+  members_.splice(members_.end(), taken);
+  most_ = std::max(most_, members_.size());
+  return places;
+}
+
+// Nobody is left.
+void SulPool::await_newcomer(const RunControl& control) {
+  const auto seconds = std::chrono::duration<double>(patience_).count();
+  if (patience_.count() > 0 && warn_) {
+    warn_(fmt::format("no system is left: {} s are waited for another", seconds));
+  }
+  auto until = std::chrono::steady_clock::now() + patience_;
+  if (control.deadline) until = std::min(until, *control.deadline);
+  {
+    std::unique_lock lock(mutex_);
+    changed_.wait_until(lock, control.stop, until, [this] { return !newcomers_.empty(); });
+  }
+  control.check("waiting for a system");
+  if (!take_newcomers().empty()) return;
+  if (patience_.count() == 0) std::rethrow_exception(last_error_);
+  throw Error(ExitStatus::system_failed,
+              fmt::format("all systems are gone, and none has come within {} s; the last one: {}",
+                          seconds, text_of(last_error_)));
+}
+
+void SulPool::give_purposes(Place& place) const {
+  for (; place.purposes < purposes_.size(); ++place.purposes) {
+    place.member.sul->add_purpose(purposes_[place.purposes]);
   }
 }
 
 void SulPool::add_purpose(const LearningPurpose& purpose) {
+  take_newcomers();
+  purposes_.push_back(purpose);
   std::vector<std::pair<const Sul*, std::exception_ptr>> failed;
-  for (const Member& member : members_) {
+  for (Place& place : members_) {
     try {
-      member.sul->add_purpose(purpose);
+      give_purposes(place);
     } catch (const WrapperError&) {
-      failed.emplace_back(member.sul.get(), std::current_exception());
+      failed.emplace_back(place.member.sul.get(), std::current_exception());
+    } catch (...) {
+      purposes_.pop_back();
+      throw;
     }
   }
   for (const auto& [sul, error] : failed) give_up(*sul, error);
-  if (members_.empty()) std::rethrow_exception(last_error_);
+  if (members_.empty()) await_newcomer({});
 }
 
 SulIncidents SulPool::incidents() const {
   SulIncidents all = earlier_incidents_;
-  for (const Member& member : members_) all.add(member.sul->incidents());
+  for (const Place& place : members_) all.add(place.member.sul->incidents());
   return all;
 }
 
 void SulPool::give_up(const Sul& sul, const std::exception_ptr& error) {
   const auto member = std::find_if(members_.begin(), members_.end(),
-                                   [&](const Member& one) { return one.sul.get() == &sul; });
+                                   [&](const Place& one) { return one.member.sul.get() == &sul; });
   MAIDE_CHECK(member != members_.end());
-  const std::string name = member->name;
+  const std::string name = member->member.name;
   earlier_incidents_.add(sul.incidents());
   members_.erase(member);
   last_error_ = error;
-  if (!warn_ || members_.empty()) return;
-  try {
-    std::rethrow_exception(error);
-  } catch (const std::exception& reason) {
-    warn_(name + " is given up, its words are asked elsewhere: " + reason.what());
-  }
+  if (!warn_ || (members_.empty() && patience_.count() == 0)) return;
+  warn_(name + " is given up, its words are asked elsewhere: " + text_of(error));
 }
 
 void SulPool::run(std::span<const SulQuery> batch, const SulAnswerSink& sink,
@@ -261,33 +360,65 @@ void SulPool::run(std::span<const SulQuery> batch, const SulAnswerSink& sink,
     is_answered[index] = true;
     sink(index, std::move(answer));
   };
-  // Again only if all systems that took part failed, and there are others.
+  // Again only if all systems that took part failed, and there are others, or will be.
   while (true) {
     std::vector<std::size_t> open;
     for (std::size_t i = 0; i < batch.size(); ++i) {
       if (!is_answered[i]) open.push_back(i);
     }
+    take_newcomers();
     if (open.empty()) return;
-    if (members_.empty()) std::rethrow_exception(last_error_);
+    if (members_.empty()) await_newcomer(control);
     run_once(batch, open, checked_sink, control);
   }
 }
 
+// While it lives, newcomers are announced to the batch.
+class SulPool::Listening {
+ public:
+  Listening(SulPool& pool, Batch& batch) : pool_(pool) {
+    const std::scoped_lock lock(pool_.mutex_);
+    pool_.running_ = &batch;
+    if (!pool_.newcomers_.empty()) batch.announce_newcomers();
+  }
+  ~Listening() {
+    const std::scoped_lock lock(pool_.mutex_);
+    pool_.running_ = nullptr;
+  }
+  Listening(const Listening&) = delete;
+  Listening& operator=(const Listening&) = delete;
+
+ private:
+  SulPool& pool_;
+};
+
 void SulPool::run_once(std::span<const SulQuery> batch, std::span<const std::size_t> open,
                        const SulAnswerSink& sink, const RunControl& control) {
-  const std::size_t workers = std::min(members_.size(), open.size());
-  MAIDE_CHECK(workers > 0);
-  Batch shared(batch, open, control, workers);
+  MAIDE_CHECK(!members_.empty() && !open.empty());
+  Batch shared(batch, open, control);
   {
-    std::vector<std::jthread> threads;
-    for (std::size_t i = 0; i < workers; ++i) {
-      threads.emplace_back([&shared, sul = members_[i].sul.get()] { shared.work(*sul); });
+    std::list<std::jthread> threads;
+    const auto start = [&](Place& place) {
+      shared.enter();
+      threads.emplace_back([this, &shared, &place] {
+        shared.work(*place.member.sul, [&] { give_purposes(place); });
+      });
+    };
+    for (auto place = members_.begin(); place != members_.end() && threads.size() < open.size();
+         ++place) {
+      start(*place);
     }
-    for (auto news = shared.wait(); !news.empty(); news = shared.wait()) {
+    const Listening listening(*this, shared);
+    while (true) {
+      Batch::News news = shared.wait();
       try {
-        for (Batch::Answered& one : news) sink(one.index, std::move(one.answer));
+        for (Batch::Answered& one : news.answers) sink(one.index, std::move(one.answer));
       } catch (...) {
         shared.stop(std::current_exception());
+      }
+      if (news.is_over) break;
+      if (news.has_newcomers) {
+        for (Place* place : take_newcomers()) start(*place);
       }
     }
   }

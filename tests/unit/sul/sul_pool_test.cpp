@@ -5,9 +5,11 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <chrono>
 #include <condition_variable>
 #include <mutex>
 #include <set>
+#include <thread>
 
 #include "maide/base/error.hpp"
 #include "maide/sul/learning_purpose.hpp"
@@ -198,6 +200,90 @@ TEST(SulPool, AnExceptionOfTheSinkStopsAll) {
   const auto sink = [](std::size_t, const SulAnswer&) { throw std::length_error("enough"); };
   EXPECT_THROW(pool.run(all_words(9), sink, {}), std::length_error);
   EXPECT_EQ(busy, 0);
+}
+
+TEST(SulPool, WhoComesWhileABatchRunsTakesPart) {
+  std::atomic<int> busy = 0;
+  std::vector<SulPool::Member> members;
+  members.push_back(member<EndlessSul>("endless", busy));
+  SulPool pool(std::move(members));
+  std::stop_source stop;
+  RunControl control;
+  control.stop = stop.get_token();
+  std::size_t answered = 0;
+  const auto words = all_words(9);
+  // The first one answers one word and holds a portion for ever. Whatever else is answered, and
+  // only after that, is the newcomer's.
+  EXPECT_THROW(pool.run(
+                   words,
+                   [&](std::size_t, const SulAnswer&) {
+                     if (++answered == 1) pool.admit(member<MortalSul>("late"));
+                     if (answered == 300) stop.request_stop();
+                   },
+                   control),
+               Interrupted);
+  EXPECT_GE(answered, 300U);
+  EXPECT_EQ(pool.size(), 2U);
+  EXPECT_EQ(pool.most(), 2U);
+}
+
+TEST(SulPool, ANewcomerIsGivenThePurposes) {
+  std::vector<SulPool::Member> members;
+  members.push_back(member<MortalSul>("mortal", 0));
+  SulPool pool(std::move(members));
+  const std::vector<std::string> sends{"write"}, receives{"message"};
+  pool.add_purpose(LearningPurpose::in_flight(1, 0, sends, receives, AtBound::refuse));
+  pool.admit(member<MortalSul>("late"));
+  for (const std::string& answer : run(pool, std::vector<SulQuery>(50, {Word{0, 0}, {}}))) {
+    EXPECT_EQ(answer, "quiet unexplored ");
+  }
+}
+
+TEST(SulPool, WaitsForAnotherWhenNoneIsLeft) {
+  MortalSul alone;
+  const auto words = all_words(7);
+  std::vector<std::string> warnings;
+  std::vector<SulPool::Member> members;
+  members.push_back(member<MortalSul>("first", 20));
+  SulPool pool(
+      std::move(members), [&](std::string_view warning) { warnings.emplace_back(warning); },
+      std::chrono::minutes(5));
+  {
+    const std::jthread comer([&] {
+      std::this_thread::sleep_for(std::chrono::milliseconds(50));
+      pool.admit(member<MortalSul>("second"));
+    });
+    EXPECT_EQ(run(pool, words), run(alone, words));
+  }
+  ASSERT_EQ(warnings.size(), 2U);
+  EXPECT_THAT(warnings[0], testing::StartsWith("first is given up"));
+  EXPECT_EQ(warnings[1], "no system is left: 300 s are waited for another");
+  EXPECT_EQ(pool.most(), 1U);
+}
+
+TEST(SulPool, DoesNotWaitWithoutEndNorAgainstAStop) {
+  for (const bool is_stopped : {false, true}) {
+    std::vector<SulPool::Member> members;
+    members.push_back(member<MortalSul>("only", 0));
+    SulPool pool(std::move(members), {}, std::chrono::milliseconds(is_stopped ? 300'000 : 50));
+    std::stop_source stop;
+    RunControl control;
+    control.stop = stop.get_token();
+    const std::jthread stopper([&] {
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+      if (is_stopped) stop.request_stop();
+    });
+    try {
+      run(pool, all_words(3), control);
+      ADD_FAILURE() << "it ran";
+    } catch (const Interrupted&) {
+      EXPECT_TRUE(is_stopped);
+    } catch (const Error& error) {
+      EXPECT_FALSE(is_stopped);
+      EXPECT_EQ(error.status(), ExitStatus::system_failed);
+      EXPECT_THAT(error.what(), HasSubstr("none has come within 0.05 s; the last one: it died"));
+    }
+  }
 }
 
 std::string refusal(std::unique_ptr<Sul> other) {
