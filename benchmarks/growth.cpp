@@ -54,7 +54,8 @@ Measured measure(const std::string& system, std::uint64_t size, const Arguments&
   ExperimentOptions options;
   options.algorithm = arguments.algorithm;
   options.testing.seed = 1;
-  Measured result{learn_model(*opened.sul, Translation::eager, options), opened.jobs};
+  Measured result{learn_model(*opened.sul, Translation::eager, options),
+                  count_systems(*opened.sul)};
   if (result.learned.experiment.error) std::rethrow_exception(result.learned.experiment.error);
   return result;
 }

@@ -3,12 +3,16 @@
 // known to end so.
 #include <gtest/gtest.h>
 
+#include <string>
 #include <thread>
+#include <vector>
 
 #include "fragile_systems.hpp"
 #include "maide/automata/compare.hpp"
 #include "maide/base/file.hpp"
 #include "maide/learn/learner.hpp"
+#include "maide/wire/client/child_process.hpp"
+#include "maide/workflow/open_system.hpp"
 #include "processes.hpp"
 
 namespace maide {
@@ -66,6 +70,23 @@ INSTANTIATE_TEST_SUITE_P(
                     Case{"TeardownCorrupt", "abort", "", Translation::av, "corrupt"},
                     Case{"TeardownHang", "abort", "", Translation::eager, "hang"}),
     [](const auto& tested) { return tested.param.name; });
+
+// Each death costs a wrapper that has dialled in its process, and it dials again.
+TEST(CrashLearning, IsTheSameWithWrappersThatDialIn) {
+  const std::string program = MAIDE_BINARY_DIR "/bin/fragile_wrapper";
+  SystemAccess access;
+  access.accept = "127.0.0.1:" + std::to_string(free_loopback_port());
+  const ChildProcess first({program, "--connect", access.accept});
+  const ChildProcess second({program, "--connect", access.accept});
+  const std::vector<std::string> options{"death=abort"};
+  const OpenedSystem system = open_system(parse_system_spec("exec:" + program, options), access);
+  const LearnedModel learned = learn_model(*system.sul, Translation::eager, {});
+  if (learned.experiment.error) std::rethrow_exception(learned.experiment.error);
+  EXPECT_TRUE(
+      compare(std::get<InterfaceAutomaton>(*learned.model), test::make_lamp("crash")).same());
+  EXPECT_EQ(learned.incidents.count, 0U);
+  EXPECT_LE(count_systems(*system.sul), 2U);  // none is taken for one more
+}
 
 // A run that was ended goes on where it was, and what its cache knows to crash is not run again.
 TEST(CrashLearning, ResumesFromACacheWithoutAnotherCrash) {

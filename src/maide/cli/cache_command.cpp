@@ -423,10 +423,9 @@ RunFunction set_up_cache(CommandLine& line) {
                       if (parse_number<std::uint64_t>(text).value_or(0) >= 1) return std::string();
                       return "'" + text + "' is not a whole number from 1";
                     }));
-  only("check", line.add("--token-file", arguments->recheck.access.token_file,
-                         "check: a file with a listening wrapper's token. Or set "
-                         "MAIDE_TOKEN"));
-  only("check", add_jobs_option(line, arguments->recheck.access.jobs));
+  for (const Argument& option : add_access_options(line, arguments->recheck.access)) {
+    only("check", option);
+  }
   only("check", add_seed_option(line, arguments->recheck.seed));
   return [arguments](Context& context) {
     refuse_options_of_other_verbs(*arguments);

@@ -114,6 +114,7 @@ std::span<const Command> command_table() {
       Command{"learn", "Learn a model of a running system",
               "maide learn port kind=strict size=3 -o strict-3.dot\n"
               "maide learn cyclonedds history=keep_last depth=1 inputs=write,read -o via.dot\n"
+              "maide learn port --launch 'ssh {host} {wrapper}' --hosts hosts.txt -o port.dot\n"
               "maide learn sim:strict-3.dot --eq perfect | dot -Tsvg > strict-3.svg",
               set_up_learn},
       Command{"check", "Tell whether programs that use learned models deadlock or break a property",

@@ -26,6 +26,7 @@
 #include <stop_token>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "maide/base/error.hpp"
 #include "maide/base/json.hpp"
@@ -36,6 +37,10 @@
 
 // What a command works with: the options that every command has, the stop token and the progress
 // line for long work, and two ways to give a result, text for people or one JSON object.
+
+namespace maide {
+struct SystemAccess;
+}
 
 namespace maide::cli {
 
@@ -189,6 +194,16 @@ RunFunction set_up_view(CommandLine& line);
 Argument add_seed_option(CommandLine& line, std::uint64_t& seed);
 // 0: not given, the default of each system.
 Argument add_jobs_option(CommandLine& line, std::size_t& jobs);
+Argument add_token_option(CommandLine& line, std::string& token_file);
+// How the one system of a command is reached: the two above, and other machines
+// (machine_options()). `access` must live as long as the line.
+std::vector<Argument> add_access_options(CommandLine& line, SystemAccess& access);
+
+// An option that is about wrappers on other machines; `maide help systems` tells of them.
+struct MachineOption {
+  std::string_view flag, value, help;
+};
+std::span<const MachineOption> machine_options();
 // How long a running graph of ROS 2 must stay as it is.
 inline constexpr double ros2_settle_seconds = 2;
 Argument add_settle_option(CommandLine& line, double& settle);

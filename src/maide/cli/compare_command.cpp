@@ -487,9 +487,7 @@ RunFunction set_up_compare(CommandLine& line) {
   line.add_flag(
       "--strict", arguments->strict,
       "Exit status 1 also where one model knows what the other never tried, and that is all");
-  line.add("--token-file", arguments->token_file,
-           "A file with a listening wrapper's token. Or set MAIDE_TOKEN")
-      .value_name("FILE");
+  add_token_option(line, arguments->token_file);
   add_jobs_option(line, arguments->jobs);
   add_seed_option(line, arguments->seed);
   return [arguments](Context& context) { return run_compare(*arguments, context); };

@@ -59,6 +59,11 @@ std::string systems_page(std::size_t width) {
         std::string(wrapper.name),
         std::string(wrapper.title) + (find_wrapper(wrapper.name) ? "" : " (not on this machine)"));
   }
+  std::vector<TextRow> machines;
+  for (const MachineOption& option : machine_options()) {
+    machines.emplace_back(std::string(option.flag) + " " + std::string(option.value),
+                          std::string(option.help));
+  }
   return "Systems (SUL), with options behind them: KEY=VALUE ...\n\n" +
          two_columns({{"NAME",
                        "The program maide-wrap-NAME, found beside maide, in "
@@ -69,7 +74,9 @@ std::string systems_page(std::size_t width) {
                        "Wrappers that listen; the token comes from "
                        "--token-file or MAIDE_TOKEN"}},
                      width, widest_name) +
-         "\nWrappers that come with Maide\n\n" + two_columns(wrappers, width, widest_name) + "\n" +
+         "\nWrappers on other machines (maide learn, test, cache check)\n\n" +
+         two_columns(machines, width, widest_name) + "\nWrappers that come with Maide\n\n" +
+         two_columns(wrappers, width, widest_name) + "\n" +
          wrap(
              "'maide learn NAME --list-options' lists the options of a system, 'maide doctor' "
              "tells what is usable on this machine. In keys - and _ are the same.",

@@ -97,13 +97,12 @@ struct LearnArguments {
   std::string purpose;
   std::string start_from;
   std::string from_traces;
-  std::string token_file;
   std::vector<std::string> error_outputs;
   TestArguments tests;
   std::uint64_t max_experiments = 0;
   std::optional<double> time_limit;
   std::uint64_t seed = 1;
-  std::size_t jobs = 0;
+  SystemAccess access;  // the translation is of the two above
   VoteOptions vote;
   std::string confirm;
   bool list_options = false;
@@ -291,11 +290,9 @@ ExitStatus learn(const LearnArguments& arguments, const CommandLine& line, Conte
   }
   arguments.tests.check(arguments.algorithm);
   const SystemSpec spec = parse_system_spec(arguments.sul, arguments.key_values);
-  SystemAccess access;
-  access.token_file = arguments.token_file;
+  SystemAccess access = arguments.access;
   access.translation = wanted_translation(arguments);
   const Translation translation = access.translation.value_or(Translation::eager);
-  access.jobs = arguments.jobs;
   RunControl control = context.control();
   if (arguments.list_options) return list_options(spec, access, context);
   if (!arguments.output.empty()) check_can_write(arguments.output);
@@ -339,7 +336,8 @@ ExitStatus learn(const LearnArguments& arguments, const CommandLine& line, Conte
       learn_model(*system.sul, translation, options, control, read_model_kind(arguments.kind));
   if (reference) keep_kind(learned, *reference);
   keep_origin(learned, spec, system.sul->info());
-  const ExitStatus given = give_result(learned, arguments, {spec, line, system.jobs}, context);
+  const ExitStatus given =
+      give_result(learned, arguments, {spec, line, count_systems(*system.sul)}, context);
   if (!arguments.plot.empty()) {
     write_file_atomically(arguments.plot, draw_hypotheses(learned.experiment, spec.text));
   }
@@ -454,11 +452,8 @@ RunFunction set_up_learn(CommandLine& line) {
            "is the system's in any case. Of a folder, a few words tell which model the system has. "
            "That one is tested; if it is none of them, the system is learned")
       .value_name("FILE");
-  line.add("--token-file", arguments->token_file,
-           "A file with a listening wrapper's token. Or set MAIDE_TOKEN")
-      .value_name("FILE");
   add_limits(line, *arguments);
-  add_jobs_option(line, arguments->jobs);
+  add_access_options(line, arguments->access);
   add_confirmation(line, *arguments);
   add_seed_option(line, arguments->seed);
   line.add_flag("--list-options", arguments->list_options,

@@ -332,9 +332,7 @@ RunFunction set_up_replay(CommandLine& line) {
       .between(1, 1'000'000);
   line.add("--steps", arguments->steps, "Most steps of a random run").between(1, 1'000'000);
   add_seed_option(line, arguments->seed);
-  line.add("--token-file", arguments->token_file,
-           "A file with a listening wrapper's token. Or set MAIDE_TOKEN")
-      .value_name("FILE");
+  add_token_option(line, arguments->token_file);
   add_jobs_option(line, arguments->jobs);
   return [arguments](Context& context) { return run_replay(*arguments, context); };
 }

@@ -1,5 +1,6 @@
 // From argv to exit status.
 #include <algorithm>
+#include <array>
 #include <cstdio>
 #include <exception>
 #include <map>
@@ -9,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "maide/base/invariant.hpp"
 #include "maide/base/log.hpp"
 #include "maide/base/run_control.hpp"
 #include "maide/base/text.hpp"
@@ -18,6 +20,7 @@
 #include "maide/cli/mpi.hpp"
 #include "maide/cli/terminal.hpp"
 #include "maide/report/sequence_chart.hpp"
+#include "maide/workflow/open_system.hpp"
 
 namespace maide::cli {
 
@@ -178,6 +181,52 @@ Argument add_jobs_option(CommandLine& line, std::size_t& jobs) {
       .check(check_jobs)
       .no_default()
       .value_name("K");
+}
+
+Argument add_token_option(CommandLine& line, std::string& token_file) {
+  return line
+      .add("--token-file", token_file,
+           "A file with the token of wrappers that listen or dial in. Or set MAIDE_TOKEN")
+      .value_name("FILE");
+}
+
+std::span<const MachineOption> machine_options() {
+  static constexpr std::array options{
+      MachineOption{"--launch", "COMMAND",
+                    "Starts a wrapper on each of --hosts: 'ssh {host} {wrapper}'. It speaks over "
+                    "the command's standard input and output. {wrapper} is the wrapper's program, "
+                    "found there on PATH; 'ssh {host} /usr/libexec/maide/{wrapper}' finds it "
+                    "elsewhere"},
+      MachineOption{"--hosts", "FILE",
+                    "A host a line, and how many wrappers run there if it is not one: 'robot1 2'. "
+                    "A host that cannot be started or dies is left out; the run is the same"},
+      MachineOption{"--accept", "HOST:PORT",
+                    "Waits here for wrappers that dial in: maide-wrap-NAME --connect HOST:PORT. "
+                    "Late ones take part at once; the run is the same"},
+      MachineOption{"--accept-wait", "SECONDS",
+                    "How long to wait for a wrapper while there is none (default: 300)"},
+  };
+  return options;
+}
+
+std::vector<Argument> add_access_options(CommandLine& line, SystemAccess& access) {
+  std::vector<Argument> added{add_token_option(line, access.token_file),
+                              add_jobs_option(line, access.jobs)};
+  std::size_t next = 0;
+  const auto add = [&](auto& value) {
+    const MachineOption& option = machine_options()[next++];
+    added.push_back(line.add(std::string(option.flag), value, std::string(option.help))
+                        .no_default()
+                        .value_name(std::string(option.value))
+                        .topic("systems"));
+  };
+  add(access.launch);
+  add(access.hosts_file);
+  add(access.accept);
+  add(access.accept_wait);
+  added.back().check(check_seconds);
+  MAIDE_CHECK(next == machine_options().size());
+  return added;
 }
 
 int run_command_line(int argc, const char* const* argv) noexcept {

@@ -48,11 +48,10 @@ struct TestCommandArguments {
   std::string html;
   std::string cache;
   std::string words;
-  std::string token_file;
   TestArguments tests;
   std::optional<double> time_limit;
   std::uint64_t seed = 1;
-  std::size_t jobs = 0;
+  SystemAccess access;  // the translation is the model's
 };
 
 // All that the report speaks of.
@@ -459,10 +458,8 @@ ExitStatus test(const TestCommandArguments& arguments, Context& context) {
   const Translation translation =
       eager.inputs().find(delta_input) ? Translation::av : Translation::eager;
   const SystemSpec spec = find_system(arguments, eager);
-  SystemAccess access;
-  access.token_file = arguments.token_file;
+  SystemAccess access = arguments.access;
   access.translation = translation;
-  access.jobs = arguments.jobs;
   const OpenedSystem system = open_system(spec, access, control);
   if (arguments.time_limit) control.deadline = deadline_in(*arguments.time_limit);
   ConformanceOptions options = conformance_options(arguments, system);
@@ -518,10 +515,7 @@ RunFunction set_up_test(CommandLine& line) {
   line.add("--cache", arguments->cache,
            "Keep every answer in this file. A run that was ended resumes there")
       .value_name("FILE");
-  line.add("--token-file", arguments->token_file,
-           "A file with a listening wrapper's token. Or set MAIDE_TOKEN")
-      .value_name("FILE");
-  add_jobs_option(line, arguments->jobs);
+  add_access_options(line, arguments->access);
   add_seed_option(line, arguments->seed);
   return [arguments](Context& context) { return test(*arguments, context); };
 }

@@ -8,6 +8,7 @@
 #include <exception>
 #include <functional>
 #include <map>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <set>
@@ -30,6 +31,7 @@
 #include "maide/sul/sul_pool.hpp"
 #include "maide/wire/client/wrapper_proxy.hpp"
 #include "maide/wire/protocol/tcp.hpp"
+#include "maide/workflow/other_machines.hpp"
 
 namespace maide {
 namespace {
@@ -228,15 +230,9 @@ std::size_t wanted_jobs(const SystemSpec& spec, const SystemAccess& access) {
   return access.jobs != 0 ? access.jobs : default_jobs(spec);
 }
 
-OpenedSystem make_pool(std::vector<SulPool::Member> members) {
-  OpenedSystem opened;
-  opened.jobs = members.size();
-  if (members.size() == 1) {
-    opened.sul = std::move(members.front().sul);
-  } else {
-    opened.sul = std::make_unique<SulPool>(std::move(members), log_warning);
-  }
-  return opened;
+std::unique_ptr<Sul> make_pool(std::vector<SulPool::Member> members) {
+  if (members.size() == 1) return std::move(members.front().sul);
+  return std::make_unique<SulPool>(std::move(members), log_warning);
 }
 
 OpenedSystem simulate(Model model, const SystemSpec& spec, const SystemAccess& access) {
@@ -259,9 +255,7 @@ OpenedSystem simulate(Model model, const SystemSpec& spec, const SystemAccess& a
     }
     members.push_back({spec.text, std::move(simulated)});
   }
-  OpenedSystem opened = make_pool(std::move(members));
-  opened.reference = std::move(reference);
-  return opened;
+  return {make_pool(std::move(members)), std::move(reference)};
 }
 
 OpenedSystem open_simulation(const SystemSpec& spec, const SystemAccess& access) {
@@ -277,6 +271,12 @@ OpenedSystem open_simulation(const SystemSpec& spec, const SystemAccess& access)
   }
 }
 
+// As it is started on a machine where it can be anywhere.
+std::vector<std::string> wrapper_command(const SystemSpec& spec) {
+  if (spec.kind == SystemSpec::Kind::program) return spec.command;
+  return {std::string(wrapper_prefix) + spec.target};
+}
+
 std::vector<WrapperEndpoint> endpoints_of(const SystemSpec& spec, const SystemAccess& access) {
   if (spec.kind == SystemSpec::Kind::tcp) {
     const auto file =
@@ -288,6 +288,9 @@ std::vector<WrapperEndpoint> endpoints_of(const SystemSpec& spec, const SystemAc
       endpoints.push_back(WrapperEndpoint::tcp(std::string(host), token));
     }
     return endpoints;
+  }
+  if (!access.launch.empty()) {
+    return launched_endpoints(access, wrapper_command(spec));
   }
   if (spec.kind == SystemSpec::Kind::program) {
     return {WrapperEndpoint::program(spec.command, spec.text)};
@@ -304,37 +307,81 @@ std::vector<WrapperEndpoint> endpoints_of(const SystemSpec& spec, const SystemAc
   return {WrapperEndpoint::program({program->string()}, spec.target)};
 }
 
-// All at the same time: the start of some takes seconds. The first error counts.
-std::vector<SulPool::Member> open_wrappers(const std::vector<WrapperEndpoint>& endpoints,
-                                           const SystemSpec& spec, std::size_t jobs,
-                                           const RunControl& control) {
-  std::vector<SulPool::Member> members(jobs);
-  std::vector<std::exception_ptr> errors(jobs);
-  {
-    std::vector<std::jthread> threads;
-    for (std::size_t job = 0; job < jobs; ++job) {
-      const WrapperEndpoint& endpoint = endpoints[job % endpoints.size()];
-      members[job].name = endpoint.name();
-      if (!endpoint.is_tcp()) members[job].name += fmt::format(" (process {})", job + 1);
-      const auto open = [&, job] {
-        try {
-          members[job].sul =
-              std::make_unique<WrapperProxy>(endpoint, spec.options, ProxySettings{}, control);
-        } catch (...) {
-          errors[job] = std::current_exception();
-        }
-      };
-      if (job + 1 == jobs) {
-        open();
-      } else {
-        threads.emplace_back(open);
+// What became of a wrapper that was to be opened.
+struct Opening {
+  SulPool::Member member;
+  std::exception_ptr error;
+};
+
+// All at the same time: the start of some takes seconds.
+std::vector<Opening> open_wrappers(const std::vector<WrapperEndpoint>& endpoints,
+                                   const SystemSpec& spec, std::size_t jobs,
+                                   const RunControl& control) {
+  std::vector<Opening> openings(jobs);
+  std::vector<std::jthread> threads;
+  for (std::size_t job = 0; job < jobs; ++job) {
+    const WrapperEndpoint& endpoint = endpoints[job % endpoints.size()];
+    openings[job].member.name = endpoint.name();
+    if (spec.kind != SystemSpec::Kind::tcp && endpoints.size() < jobs) {
+      openings[job].member.name += fmt::format(" (process {})", job + 1);
+    }
+    const auto open = [&, job] {
+      try {
+        openings[job].member.sul =
+            std::make_unique<WrapperProxy>(endpoint, spec.options, ProxySettings{}, control);
+      } catch (...) {
+        openings[job].error = std::current_exception();
       }
+    };
+    if (job + 1 == jobs) {
+      open();
+    } else {
+      threads.emplace_back(open);
     }
   }
-  for (const std::exception_ptr& error : errors) {
-    if (error) std::rethrow_exception(error);
+  threads.clear();
+  return openings;
+}
+
+// The first error counts.
+std::vector<SulPool::Member> require_all(std::vector<Opening> openings) {
+  std::vector<SulPool::Member> members;
+  for (Opening& opening : openings) {
+    if (opening.error) std::rethrow_exception(opening.error);
+    members.push_back(std::move(opening.member));
   }
   return members;
+}
+
+// One that cannot be started is a warning, as long as another can.
+std::vector<SulPool::Member> require_one(std::vector<Opening> openings) {
+  std::vector<SulPool::Member> members;
+  std::exception_ptr first;
+  for (Opening& opening : openings) {
+    if (!opening.error) {
+      members.push_back(std::move(opening.member));
+      continue;
+    }
+    try {
+      std::rethrow_exception(opening.error);
+    } catch (const WrapperError& error) {
+      log_warning(opening.member.name + " is given up: " + error.what());
+      if (!first) first = opening.error;
+    }
+  }
+  if (members.empty()) std::rethrow_exception(first);
+  return members;
+}
+
+// The first that can be started.
+std::vector<SulPool::Member> open_any(const std::vector<WrapperEndpoint>& endpoints,
+                                      const SystemSpec& spec, const RunControl& control) {
+  std::vector<Opening> openings;
+  for (const WrapperEndpoint& endpoint : endpoints) {
+    openings.push_back(std::move(open_wrappers({endpoint}, spec, 1, control).front()));
+    if (!openings.back().error) break;
+  }
+  return require_one(std::move(openings));
 }
 
 }  // namespace
@@ -378,19 +425,36 @@ EmbeddedSystem::~EmbeddedSystem() {
 
 OpenedSystem open_system(const SystemSpec& spec, const SystemAccess& access,
                          const RunControl& control) {
+  check_machines(spec, access);
   if (spec.kind == SystemSpec::Kind::embedded) return open_embedded(spec, access);
   if (spec.kind == SystemSpec::Kind::simulated) return open_simulation(spec, access);
-  const std::size_t jobs = wanted_jobs(spec, access);
+  if (!access.accept.empty()) {
+    const std::string wrapper = join(wrapper_command(spec), " ");
+    return {await_wrappers(spec, access, wrapper, control), std::nullopt};
+  }
   const std::vector<WrapperEndpoint> endpoints = endpoints_of(spec, access);
+  if (!access.launch.empty()) {
+    return {make_pool(access.jobs == 1
+                          ? open_any(endpoints, spec, control)
+                          : require_one(open_wrappers(endpoints, spec, endpoints.size(), control))),
+            std::nullopt};
+  }
+  const std::size_t jobs = wanted_jobs(spec, access);
   if (jobs < endpoints.size()) {
     throw UsageError(fmt::format("{} hosts need at least as many jobs, not {} ({})",
                                  endpoints.size(), jobs, spec.text));
   }
-  return make_pool(open_wrappers(endpoints, spec, jobs, control));
+  return {make_pool(require_all(open_wrappers(endpoints, spec, jobs, control))), std::nullopt};
+}
+
+std::size_t count_systems(const Sul& sul) {
+  const auto* pool = dynamic_cast<const SulPool*>(&sul);
+  return pool == nullptr ? 1 : pool->most();
 }
 
 std::vector<OptionSpec> list_system_options(const SystemSpec& spec, const SystemAccess& access,
                                             const RunControl& control) {
+  check_machines(spec, access);
   const bool has_options =
       spec.kind != SystemSpec::Kind::simulated && spec.kind != SystemSpec::Kind::embedded;
   if (!has_options) return {};

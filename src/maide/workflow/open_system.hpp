@@ -71,12 +71,21 @@ std::string describe_wrapper_search();
 // More systems at once than this are a mistake.
 inline constexpr std::size_t most_jobs = 256;
 
+inline constexpr double default_accept_wait = 300;  // seconds
+
 struct SystemAccess {
-  std::string token_file;  // of a listening wrapper; empty: MAIDE_TOKEN, if it is set
+  // Of wrappers that listen or dial in; empty: MAIDE_TOKEN, if it is set.
+  std::string token_file;
   // The translation asked for; a simulated plain Mealy machine is only taken for an interface
   // automaton (outputs joined by ',', "quiet" for none) if one is.
   std::optional<Translation> translation;
   std::size_t jobs = 0;  // systems that are asked at once; 0: default_jobs()
+
+  // Wrappers on other machines, in place of those of this one. Either a command that starts one,
+  // and a file of hosts; or HOST:PORT, where wrappers dial in.
+  std::string launch, hosts_file;
+  std::string accept;
+  std::optional<double> accept_wait;  // seconds to wait for a wrapper when there is none
 };
 
 // A wrapper of ours: one for each processor. A program: one, since nobody knows whether a second
@@ -86,13 +95,16 @@ std::size_t default_jobs(const SystemSpec& spec);
 struct OpenedSystem {
   std::unique_ptr<Sul> sul;
   std::optional<Mealy> reference;  // the machine to be learned, where the system is a simulation
-  std::size_t jobs = 1;            // how many there are
 };
+
+// Systems that are asked at once; the most there were, if they come and go.
+std::size_t count_systems(const Sul& sul);
 
 // Throws UsageError for a system or an option that does not exist, for too many jobs, for fewer
 // jobs than hosts, and for systems that differ. Throws WrapperError if a system cannot be reached
-// or says nothing sensible within 10 s. A system that fails later is given up with a warning in the
-// log.
+// or says nothing sensible within 10 s; where a command launches them on hosts, only if none can be
+// started, and a host that cannot is a warning. A system that fails later is given up with a
+// warning in the log. Where wrappers dial in, this waits for the first one; later ones join in.
 OpenedSystem open_system(const SystemSpec& spec, const SystemAccess& access = {},
                          const RunControl& control = {});
 

@@ -89,7 +89,8 @@ std::optional<SlowerSystem> make_slower_system(const SystemSpec& spec, const Sys
                                                const Sul& sul, const std::filesystem::path& purpose,
                                                const RunControl& control) {
   const auto waits = longer_waits(sul.info().options);
-  if (waits.empty() || spec.kind != SystemSpec::Kind::wrapper) return std::nullopt;
+  const bool is_ours = spec.kind == SystemSpec::Kind::wrapper && access.accept.empty();
+  if (waits.empty() || !is_ours) return std::nullopt;
   SystemSpec slower = spec;
   SystemAccess alone = access;
   alone.jobs = 1;

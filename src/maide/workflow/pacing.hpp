@@ -54,8 +54,8 @@ std::map<std::string, std::string> longer_waits(const std::map<std::string, std:
 
 // The wrapper of `spec`, which is open as `sul`, with longer waits, and with the learning purpose
 // of a file unless that is empty. Nothing for a simulation, for a system without waits, and for a
-// system that runs by itself (tcp, exec), because nobody knows whether a second one can run beside
-// it.
+// system that runs by itself (tcp, exec, wrappers that dial in), because nobody knows whether a
+// second one can run beside it.
 std::optional<SlowerSystem> make_slower_system(const SystemSpec& spec, const SystemAccess& access,
                                                const Sul& sul, const std::filesystem::path& purpose,
                                                const RunControl& control);

@@ -122,9 +122,8 @@ std::unique_ptr<RealSystem> open_nodes(const RealSystemOptions& options) {
     real->description += fmt::format(" {}={}", key, value);
   }
   access.jobs = options.jobs;
-  OpenedSystem opened = open_system(spec, access, options.control);
-  real->sul = std::move(opened.sul);
-  real->jobs = opened.jobs;
+  real->sul = open_system(spec, access, options.control).sul;
+  real->jobs = count_systems(*real->sul);
   return real;
 }
 
@@ -156,9 +155,8 @@ std::unique_ptr<RealSystem> open(const System& system, std::uint32_t index,
       spec.options[key] = value;
       real->description += fmt::format(" {}={}", key, value);
     }
-    OpenedSystem opened = open_system(spec, access, options.control);
-    real->sul = std::move(opened.sul);
-    real->jobs = opened.jobs;
+    real->sul = open_system(spec, access, options.control).sul;
+    real->jobs = count_systems(*real->sul);
   } catch (const UsageError& error) {
     throw UsageError(fmt::format("{} {}: {} ({})", topic == nullptr ? "model" : "topic",
                                  real->instance, error.what(), to_string(instance.position)));

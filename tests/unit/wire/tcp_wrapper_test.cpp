@@ -144,7 +144,7 @@ class ReceptionTest : public testing::Test {
 };
 
 TEST_F(ReceptionTest, OnlyThoseWhoSendTheirOptionsAreReady) {
-  Reception reception(listener_.socket.get(), description_, std::nullopt);
+  Reception reception(listener_.socket.get(), rules_for_clients(description_, std::nullopt));
   const Descriptor silent = connect();
   const Descriptor half = connect();
   ASSERT_TRUE(write_all(half.get(), configure_.substr(0, 10)));
@@ -165,9 +165,9 @@ TEST_F(ReceptionTest, OnlyThoseWhoSendTheirOptionsAreReady) {
 }
 
 TEST_F(ReceptionTest, WhoeverIsLateIsDropped) {
-  ReceptionSettings settings;
-  settings.limit = std::chrono::milliseconds(200);
-  Reception reception(listener_.socket.get(), description_, "sesame", settings);
+  ReceptionRules rules = rules_for_clients(description_, "sesame");
+  rules.limit = std::chrono::milliseconds(200);
+  Reception reception(listener_.socket.get(), std::move(rules));
   const Descriptor silent = connect();
   const Descriptor known = connect();
   say(known, R"({"type":"token","token":"sesame"})");
@@ -181,9 +181,9 @@ TEST_F(ReceptionTest, WhoeverIsLateIsDropped) {
 }
 
 TEST_F(ReceptionTest, ANewcomerTakesThePlaceOfTheMostSilent) {
-  ReceptionSettings settings;
-  settings.most_waiting = 3;
-  Reception reception(listener_.socket.get(), description_, std::nullopt, settings);
+  ReceptionRules rules = rules_for_clients(description_, std::nullopt);
+  rules.most_waiting = 3;
+  Reception reception(listener_.socket.get(), std::move(rules));
   const Descriptor ready = connect();
   say(ready, configure_);
   while (reception.size() < 1) reception.wait(long_enough);
@@ -200,7 +200,7 @@ TEST_F(ReceptionTest, ANewcomerTakesThePlaceOfTheMostSilent) {
 }
 
 TEST_F(ReceptionTest, OptionsWithoutEndAreRefused) {
-  Reception reception(listener_.socket.get(), description_, std::nullopt);
+  Reception reception(listener_.socket.get(), rules_for_clients(description_, std::nullopt));
   const Descriptor endless = connect();
   std::thread writer([&] { write_all(endless.get(), std::string(200'000, 'x')); });
   do {

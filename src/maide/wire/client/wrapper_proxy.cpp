@@ -8,23 +8,13 @@
 #include "maide/base/error.hpp"
 #include "maide/base/invariant.hpp"
 #include "maide/base/numbers.hpp"
+#include "maide/base/text.hpp"
 #include "maide/wire/client/proxy_state.hpp"
 
 namespace maide {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-
-// For messages that come before there are queries.
-class NoQueries : public protocol::AnswerContext {
- public:
-  const SulInfo& info() const override { return info_; }
-  bool open_outputs() const override { return false; }
-  const SulQuery* find_query(std::uint64_t) const override { return nullptr; }
-
- private:
-  SulInfo info_;
-};
 
 // The next message, with everything that can go wrong before words are run. Throws ConnectionLost
 // too, for a wrapper that died may be started again.
@@ -45,7 +35,7 @@ protocol::FromWrapper await_message(WrapperConnection& connection, const Wrapper
       if (control.should_stop()) connection.kill();
       control.check("starting the wrapper");
       if (const auto line = connection.receive(wire_piece)) {
-        return protocol::decode_from_wrapper(*line, NoQueries());
+        return protocol::decode_from_wrapper(*line);
       }
       if (Clock::now() < deadline) continue;
       connection.kill();
@@ -149,6 +139,26 @@ void WrapperProxy::connect(const RunControl& control) {
 void WrapperProxy::connect_or_lose(const RunControl& control) {
   protocol::Hello hello;
   connection_ = open_connection(endpoint_, settings_, control, hello);
+  try {
+    set_up(hello, control);
+  } catch (const Interrupted&) {
+    throw;
+  } catch (const Error& error) {
+    refuse(error.what());
+    throw;
+  }
+}
+
+void WrapperProxy::refuse(const std::string& why) {
+  if (!connection_ || !endpoint_.has_dialled()) return;
+  connection_->send(protocol::encode(
+      protocol::ErrorReport{protocol::ErrorCode::system, one_line(why), std::nullopt}));
+}
+
+void WrapperProxy::set_up(const protocol::Hello& hello, const RunControl& control) {
+  if (!settings_.name.empty() && hello.name != settings_.name) {
+    fail("it is a wrapper of '" + hello.name + "', not of '" + settings_.name + "'");
+  }
   // A wrapper that lists its options need not check them itself.
   if (!hello.options.empty()) OptionValues(hello.options, options_);
   connection_->send(protocol::encode(protocol::Configure{options_}));

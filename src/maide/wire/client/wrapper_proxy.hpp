@@ -29,6 +29,7 @@ struct ProxySettings {
   // How long a step may take, where the wrapper does not say so itself (option step-limit).
   std::chrono::milliseconds step_limit{10'000};
   std::size_t window = 32;  // words in flight
+  std::string name{};       // that the wrapper must say; "": any
 };
 
 class WrapperProxy : public Sul {
@@ -45,6 +46,9 @@ class WrapperProxy : public Sul {
   void add_purpose(const LearningPurpose& purpose) override;
   void run(std::span<const SulQuery> batch, const SulAnswerSink& sink,
            const RunControl& control) override;
+
+  // Tells a wrapper that has dialled in that it is of no use, and why. It then does not dial again.
+  void refuse(const std::string& why);
 
   // Deaths of the wrapper that were nobody's fault, or that of a word answered before.
   SulIncidents incidents() const override { return incidents_; }
@@ -63,6 +67,7 @@ class WrapperProxy : public Sul {
 
   void connect(const RunControl& control);
   void connect_or_lose(const RunControl& control);
+  void set_up(const protocol::Hello& hello, const RunControl& control);
   void reconnect(const RunControl& control);
   void drop_connection();
   protocol::FromWrapper await_reply(const RunControl& control, const char* what);

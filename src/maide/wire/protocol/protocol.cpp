@@ -73,6 +73,7 @@ std::string encode(const Hello& hello) {
   if (hello.speaks_av) json["features"].push_back("av");
   if (hello.announces_steps) json["features"].push_back("announce");
   if (hello.needs_token) json["needs_token"] = true;
+  if (hello.dials_again) json["dials_again"] = true;
   for (const OptionSpec& spec : hello.options) json["options"].push_back(option_json(spec));
   return to_json_line(json);
 }
@@ -292,6 +293,15 @@ Purpose decode_purpose(const Json& json) {
   }
 }
 
+ErrorReport decode_error(const Json& json) {
+  ErrorReport error;
+  error.code = find_name(text_member(json, "code", "protocol"), "error code", code_names);
+  error.message = one_line(text_member(json, "message", ""));
+  if (error.message.empty()) error.message = "an error without a message";
+  if (find_member(json, "id") != nullptr) error.id = id_member(json);
+  return error;
+}
+
 }  // namespace
 
 ToWrapper decode_to_wrapper(std::string_view line, const SulInfo& info) {
@@ -303,6 +313,7 @@ ToWrapper decode_to_wrapper(std::string_view line, const SulInfo& info) {
   if (type == "cancel") return Cancel{};
   if (type == "bye") return Bye{};
   if (type == "token") return Token{text_member(json, "token")};
+  if (type == "error") return decode_error(json);
   throw ProtocolError(fmt::format("unknown type '{}' of line", excerpt(type)));
 }
 
@@ -327,6 +338,7 @@ Hello decode_hello(const Json& json) {
     hello.announces_steps = hello.announces_steps || feature == "announce";
   }
   hello.needs_token = flag_member(json, "needs_token");
+  hello.dials_again = flag_member(json, "dials_again");
   for (const Json& row : list_member(json, "options")) {
     OptionSpec spec;
     spec.key = text_member(row, "key");
@@ -533,16 +545,21 @@ Leaving decode_leaving(const Json& json) {
   return message;
 }
 
-ErrorReport decode_error(const Json& json) {
-  ErrorReport error;
-  error.code = find_name(text_member(json, "code", "protocol"), "error code", code_names);
-  error.message = one_line(text_member(json, "message", ""));
-  if (error.message.empty()) error.message = "an error without a message";
-  if (find_member(json, "id") != nullptr) error.id = id_member(json);
-  return error;
-}
+class NoQueries : public AnswerContext {
+ public:
+  const SulInfo& info() const override { return info_; }
+  bool open_outputs() const override { return false; }
+  const SulQuery* find_query(std::uint64_t) const override { return nullptr; }
+
+ private:
+  SulInfo info_;
+};
 
 }  // namespace
+
+FromWrapper decode_from_wrapper(std::string_view line) {
+  return decode_from_wrapper(line, NoQueries());
+}
 
 FromWrapper decode_from_wrapper(std::string_view line, const AnswerContext& context) {
   const Json json = parse_object(line);

@@ -43,6 +43,7 @@ struct Hello {
   bool speaks_trees = false, speaks_purposes = false, speaks_av = false;
   bool announces_steps = false;     // can say at once that a step is over, where a Run asks for it
   bool needs_token = false;         // the next line must be a Token
+  bool dials_again = false;         // dialling in, in place of a process that has ended
   std::vector<OptionSpec> options;  // may be empty: then it takes whatever it takes
 };
 // The answer to Configure. Name, versions and features are those of the hello.
@@ -103,7 +104,8 @@ struct Run {
 // Every query that is not answered yet is answered as aborted, or with what it has.
 struct Cancel {};
 struct Bye {};
-using ToWrapper = std::variant<Token, Configure, Purpose, Run, Cancel, Bye>;
+// An ErrorReport goes this way only to a wrapper that dialled in and is of no use.
+using ToWrapper = std::variant<Token, Configure, Purpose, Run, Cancel, Bye, ErrorReport>;
 
 // One line each, without its newline.
 std::string encode(const Hello& hello);
@@ -133,6 +135,8 @@ class AnswerContext {
 };
 
 // All throw ProtocolError.
+// Without a context: before there are queries.
+FromWrapper decode_from_wrapper(std::string_view line);
 FromWrapper decode_from_wrapper(std::string_view line, const AnswerContext& context);
 ToWrapper decode_to_wrapper(std::string_view line, const SulInfo& info);
 
