@@ -133,13 +133,10 @@ namespace {
 // slow keeps no other out.
 class Recruiter {
  public:
-  Recruiter(const SystemSpec& spec, const SystemAccess& access)
+  Recruiter(const SystemSpec& spec, const std::string& host_port,
+            const std::optional<std::string>& token)
       : spec_(spec),
-        dial_ins_(std::make_shared<DialIns>(
-            access.accept,
-            read_token(access.token_file.empty() ? std::nullopt
-                                                 : std::optional<std::string>(access.token_file)),
-            log_warning)),
+        dial_ins_(std::make_shared<DialIns>(host_port, token, log_warning)),
         thread_([this](const std::stop_token& stop) { receive(stop); }) {}
   ~Recruiter() {
     thread_.request_stop();
@@ -282,9 +279,12 @@ class GrowingPool : public SulPool {
 std::unique_ptr<Sul> await_wrappers(const SystemSpec& spec, const SystemAccess& access,
                                     const std::string& wrapper, const RunControl& control) {
   const double wait = access.accept_wait.value_or(default_accept_wait);
-  auto recruiter = std::make_unique<Recruiter>(spec, access);
-  log_note(fmt::format("waiting {} s for a wrapper; start some, here or elsewhere: {} --connect {}",
-                       wait, wrapper, recruiter->address()));
+  const auto token =
+      read_token(access.token_file.empty() ? std::nullopt : std::optional(access.token_file));
+  auto recruiter = std::make_unique<Recruiter>(spec, access.accept, token);
+  log_note(
+      fmt::format("waiting {} s for a wrapper; start some, here or elsewhere: {} --connect {}{}",
+                  wait, wrapper, recruiter->address(), token ? " --token-file FILE" : ""));
   auto first = recruiter->await_first(std::chrono::duration<double>(wait), control);
   if (!first) {
     throw Error(ExitStatus::system_failed,
