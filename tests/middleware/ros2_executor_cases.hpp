@@ -28,6 +28,8 @@ struct Ros2ExecutorCase {
     all["spin"] = executor.spin;
     all["groups"] = executor.groups;
     all["intraprocess"] = executor.intraprocess ? "on" : "off";
+    all["executor_clients"] = std::to_string(executor.clients);
+    if (executor.takes_one_by_one) all["rmw"] = "fastrtps";
     if (executor.threads > 1) {
       all["executor"] = "multi";
       all["threads"] = std::to_string(executor.threads);
@@ -53,11 +55,26 @@ inline std::vector<Ros2ExecutorCase> ros2_executor_cases() {
       {"service_once", {1, 0, 1}, 6, {}},
       {"one_of_each_some", {1, 1, 1, 1, 1, "some"}, 8, {}},
       {"intraprocess_some", {2, 1, 1, 1, 1, "some", "one", true}, 16, {}},
+      {"client_once", {1, 0, 0, 1, 1, "once", "one", false, 1}, 6, {}},
+      {"clients_once", {1, 0, 0, 1, 1, "once", "one", false, 2}, 34, {}},
+      {"clients_own_groups", {1, 0, 0, 1, 1, "once", "own", false, 2}, 34, {}},
+      {"clients_depth_2", {1, 0, 0, 2, 1, "once", "one", false, 2}, 123, {}},
+      {"clients_some", {1, 0, 0, 2, 1, "some", "one", false, 2}, 21, {}},
+      {"three_clients", {1, 0, 0, 1, 1, "once", "one", false, 3}, 128, {}},
       {"forever", {2, 0, 0, 1, 1, "forever"}, 11, {}},
       {"forever_one_group", {2, 0, 0, 1, 2, "forever", "one"}, 9, {}},
       {"forever_own_groups", {2, 0, 0, 1, 2, "forever", "own"}, 9, {}},
       {"forever_reentrant", {2, 0, 0, 1, 2, "forever", "reentrant"}, 19, {}},
       {"forever_timer", {1, 1, 0, 1, 1, "forever"}, 11, {}},
+  };
+}
+
+// The middleware of a process is chosen once, so these have wrappers of their own.
+inline std::vector<Ros2ExecutorCase> ros2_executor_cases_over_fastrtps() {
+  return {
+      {"clients_once", {1, 0, 0, 1, 1, "once", "one", false, 2, true}, 34, {}},
+      {"clients_depth_2", {1, 0, 0, 2, 1, "once", "one", false, 2, true}, 177, {}},
+      {"clients_some", {1, 0, 0, 2, 1, "some", "one", false, 2, true}, 21, {}},
   };
 }
 

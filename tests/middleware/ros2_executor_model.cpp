@@ -23,39 +23,73 @@ std::string joined(const std::vector<std::string>& events) {
 // Of each callback, in the order in which they are run.
 struct Work {
   std::vector<std::size_t> pending, running;
-  std::vector<char> seen;  // ready at the last look, and not begun since
+  std::vector<char> seen;                 // ready at the last look, and not begun since
+  std::vector<std::deque<char>> answers;  // by client, which come last; whether each is its own
   auto operator<=>(const Work&) const = default;
 };
 
 class Rule {
  public:
-  // `groups` by callback; "reentrant" is none.
-  Rule(std::size_t threads, std::vector<std::string> groups)
-      : threads_(threads), groups_(std::move(groups)) {}
+  // `groups` by callback; "reentrant" is none. The last `clients` callbacks are those of clients.
+  Rule(std::size_t threads, std::vector<std::string> groups, std::size_t clients = 0,
+       bool takes_one_by_one = false)
+      : threads_(threads),
+        groups_(std::move(groups)),
+        clients_(clients),
+        takes_one_by_one_(takes_one_by_one) {}
 
   Work idle() const {
     const std::size_t count = groups_.size();
     return {std::vector<std::size_t>(count), std::vector<std::size_t>(count),
-            std::vector<char>(count)};
+            std::vector<char>(count), std::vector<std::deque<char>>(clients_)};
   }
 
   void look(Work& work) const {
     for (std::size_t callback = 0; callback < groups_.size(); ++callback) {
-      work.seen[callback] = work.pending[callback] > 0 && is_free(work, callback) ? 1 : 0;
+      const bool is_ready = is_client(callback) ? !work.answers[client_of(callback)].empty()
+                                                : work.pending[callback] > 0;
+      work.seen[callback] = is_ready && is_free(work, callback) ? 1 : 0;
     }
   }
 
-  // Begins the next callback, if there is one and a thread for it.
-  std::optional<std::size_t> begin(Work& work) const {
+  // A client's answer arrives at all of them.
+  void answer(Work& work, std::size_t asking, std::size_t depth) const {
+    for (std::size_t client = 0; client < clients_; ++client) {
+      std::deque<char>& answers = work.answers[client];
+      answers.push_back(client == asking ? 1 : 0);
+      if (answers.size() > depth) answers.pop_front();
+    }
+  }
+
+  // The next callback's turn, if there is one and a thread for it. A client whose answers are to
+  // others begins nothing.
+  struct Turn {
+    std::size_t callback = 0;
+    bool begins = true;
+  };
+  std::optional<Turn> begin(Work& work) const {
     const std::size_t busy =
         std::accumulate(work.running.begin(), work.running.end(), std::size_t{0});
     if (busy == threads_) return std::nullopt;
-    if (const auto callback = begin_seen(work)) return callback;
+    if (const auto turn = begin_seen(work)) return turn;
     look(work);
     return begin_seen(work);
   }
 
  private:
+  bool is_client(std::size_t callback) const { return callback + clients_ >= groups_.size(); }
+  std::size_t client_of(std::size_t callback) const { return callback + clients_ - groups_.size(); }
+
+  // Whether what the client takes is its own.
+  bool take_answer(std::deque<char>& answers) const {
+    bool is_own = false;
+    do {
+      is_own = answers.front() != 0;
+      answers.pop_front();
+    } while (!takes_one_by_one_ && !is_own && !answers.empty());
+    return is_own;
+  }
+
   bool is_free(const Work& work, std::size_t callback) const {
     if (groups_[callback] == "reentrant") return true;
     for (std::size_t other = 0; other < groups_.size(); ++other) {
@@ -64,19 +98,25 @@ class Rule {
     return true;
   }
 
-  std::optional<std::size_t> begin_seen(Work& work) const {
+  std::optional<Turn> begin_seen(Work& work) const {
     for (std::size_t callback = 0; callback < groups_.size(); ++callback) {
       if (work.seen[callback] == 0 || !is_free(work, callback)) continue;
       work.seen[callback] = 0;
-      --work.pending[callback];
+      if (!is_client(callback)) {
+        --work.pending[callback];
+      } else if (!take_answer(work.answers[client_of(callback)])) {
+        return Turn{callback, false};
+      }
       ++work.running[callback];
-      return callback;
+      return Turn{callback};
     }
     return std::nullopt;
   }
 
   const std::size_t threads_;
   const std::vector<std::string> groups_;
+  const std::size_t clients_;
+  const bool takes_one_by_one_;
 };
 
 // The callbacks of kind=executor, and what makes each ready.
@@ -100,6 +140,7 @@ Callbacks callbacks_of(const Ros2Executor& executor) {
   if (!executor.intraprocess) all.add("arrive", "sub", executor.subscriptions, executor.depth);
   all.add("request", "service", executor.services, executor.depth);
   if (executor.intraprocess) all.add("arrive", "sub", executor.subscriptions, executor.depth);
+  all.add("ask", "client", executor.clients, executor.depth);
   return all;
 }
 
@@ -122,18 +163,22 @@ std::string spin(const Rule& rule, Work& work, const std::string& how,
   std::vector<std::string> ran;
   if (how == "some") rule.look(work);
   const auto has_seen = [&] { return std::count(work.seen.begin(), work.seen.end(), 1) > 0; };
-  while (how == "all" || ran.empty() || (how == "some" && has_seen())) {
-    const auto callback = rule.begin(work);
-    if (!callback) break;
-    work.running[*callback] = 0;
-    ran.push_back(events[*callback]);
+  for (std::size_t turns = 0; how == "all" || turns == 0 || (how == "some" && has_seen());
+       ++turns) {
+    const auto turn = rule.begin(work);
+    if (!turn) break;
+    if (!turn->begins) continue;
+    work.running[turn->callback] = 0;
+    ran.push_back(events[turn->callback]);
   }
   return ran.empty() ? "nothing" : joined(ran);
 }
 
 std::string begin_all(const Rule& rule, Work& work, const std::vector<std::string>& events) {
   std::vector<std::string> began;
-  while (const auto callback = rule.begin(work)) began.push_back(events[*callback]);
+  while (const auto turn = rule.begin(work)) {
+    if (turn->begins) began.push_back(events[turn->callback]);
+  }
   return joined(began);
 }
 
@@ -223,17 +268,18 @@ class NestedMachine {
   }
 
   void settle(Calls& calls, std::vector<std::string>& events) const {
-    while (const auto callback = rule_.begin(calls.work)) {
-      if (*callback < nested_.callers) {
-        calls.callers[*callback] = Calls::Phase::held;
-        events.push_back("began" + std::to_string(*callback + 1));
+    while (const auto turn = rule_.begin(calls.work)) {
+      const std::size_t callback = turn->callback;
+      if (callback < nested_.callers) {
+        calls.callers[callback] = Calls::Phase::held;
+        events.push_back("began" + std::to_string(callback + 1));
         continue;
       }
-      calls.work.running[*callback] = 0;
-      auto& queue = *callback == server_ ? calls.requests : calls.answers;
+      calls.work.running[callback] = 0;
+      auto& queue = callback == server_ ? calls.requests : calls.answers;
       const auto front = queue.front();
       queue.pop_front();
-      if (*callback == server_) {
+      if (callback == server_) {
         answer(calls, front);
       } else if (calls.callers[front.first] == Calls::Phase::waiting &&
                  calls.asked[front.first] == front.second) {
@@ -253,7 +299,7 @@ Mealy make_ros2_executor(const Ros2Executor& executor) {
   const Callbacks callbacks = callbacks_of(executor);
   std::vector<std::string> groups = callbacks.events;
   if (executor.groups != "own") std::fill(groups.begin(), groups.end(), executor.groups);
-  const Rule rule(executor.threads, groups);
+  const Rule rule(executor.threads, groups, executor.clients, executor.takes_one_by_one);
   const auto step = [&](Work work, const std::string& input) {
     if (input == "spin") {
       const std::string ran = spin(rule, work, executor.spin, callbacks.events);
@@ -262,6 +308,12 @@ Mealy make_ros2_executor(const Ros2Executor& executor) {
     const auto ready = std::find(callbacks.inputs.begin(), callbacks.inputs.end(), input);
     if (ready != callbacks.inputs.end()) {
       const auto callback = static_cast<std::size_t>(ready - callbacks.inputs.begin());
+      if (input.starts_with("ask")) {
+        rule.answer(work, callback + executor.clients - callbacks.inputs.size(), executor.depth);
+        const std::string began =
+            executor.spin == "forever" ? begin_all(rule, work, callbacks.events) : "quiet";
+        return std::pair(began, work);
+      }
       std::size_t& pending = work.pending[callback];
       pending = std::min(pending + 1, callbacks.most_pending[callback]);
     } else {

@@ -1,6 +1,8 @@
 // What an executor of rclcpp should do, by one rule: a thread that has nothing to do runs the first
 // of what was ready at the last look and whose group is free; only when nothing of that is left
-// does it look again, at the callbacks whose groups are free.
+// does it look again, at the callbacks whose groups are free. A client is ready when any answer is
+// in its queue; one that comes to answers to others takes all that are older than its first own
+// one, or one over Fast DDS, and may have nothing to run.
 #pragma once
 
 #include <cstddef>
@@ -16,6 +18,8 @@ struct Ros2Executor {
   std::size_t depth = 1, threads = 1;
   std::string spin = "once", groups = "one";  // as the wrapper's options say
   bool intraprocess = false;                  // subscriptions come after services
+  std::size_t clients = 0;                    // of one service, which answers at once
+  bool takes_one_by_one = false;              // what a client takes: Fast DDS
 };
 
 // The minimal machine over all of its inputs, in the wrapper's order.

@@ -265,6 +265,35 @@ nodes:
     callbacks: {{on_go: {{takes: go.read, do: "lookup.send;"}}}}
 """
 
+# The look finds the node's client by the other's answer, before the server writes to `a`. rclcpp
+# over both middlewares does what the verdicts say.
+FOUND = """
+topics:
+  go: {{writers: other, readers: n.on_go, use: queue, with: {{depth: 1}}}}
+  a: {{writers: server, readers: n.on_a, use: queue, with: {{depth: 1}}}}
+services: {{s: {{server: server, clients: [n, other], with: {options}}}}}
+executors: {{main: {{kind: single, order: rounds}}}}
+programs:
+  other: "s.send; s.receive -> answer; go.write;"
+  server: "s.serve -> request; s.answer; s.serve -> request; a.write; s.answer;"
+nodes:
+  n:
+    executor: main
+    clients: {{s: {{do: "answered = true;"}}}}
+    variables: "var came: bool; var answered: bool;"
+    callbacks:
+      on_go: {{takes: go.read, do: "s.send;"}}
+      on_a: {{takes: a.read, do: "came = true;"}}
+"""
+IN_ORDER = {"order": '{always: "n.answered -> n.came"}'}
+
+
+def found(options: str, verdict: str) -> Case:
+    """A client that is found by an answer to another."""
+    name = f"a client found by an answer to another, {options}"
+    return Case(name, FOUND.format(options=options), {**RUNS, "order": verdict}, IN_ORDER)
+
+
 REENTRANT_SERVER = """
 services: {lookup: {server: database, clients: [c], with: {depth: 2}}}
 executors: {main: {kind: multi, threads: 2}}
@@ -336,6 +365,9 @@ CASES = CALLS + [
         receive="lookup.receive -> answer;"), HANGS),
     Case("an answer that was seen and then pushed out by one that nobody awaits",
          PASSED_OVER.format(receive=""), RUNS),
+    found("{depth: 2, rmw: cyclonedds}", "violated"),
+    found("{depth: 2, rmw: fastrtps}", "holds"),
+    found("{depth: 1, rmw: fastrtps}", "violated"),
     Case("two robots, one thread", ARRAYS.format(executor=SINGLE),
          {"deadlock": "violated", "each_is_done": "violated", "one_at_a_time": "holds"}, DONE),
     Case("two robots, two threads", ARRAYS.format(executor=threads(2)),

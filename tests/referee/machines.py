@@ -183,25 +183,37 @@ def service(depth: int, inputs: list[str], clients: int = 1, one_open: bool = Fa
 
 
 class ExecutorMachine:
-    """A single-threaded executor of subscriptions, each with a topic of its own."""
+    """A single-threaded executor of subscriptions, each with a topic of its own, and of clients of
+    one service, which answers at once."""
 
-    def __init__(self, subscriptions: int, depth: int) -> None:
+    def __init__(self, subscriptions: int, depth: int, clients: int = 0, rmw: str = "") -> None:
         names = [f"t{k}" for k in range(subscriptions)]
+        askers = [f"c{k}" for k in range(clients)]
         lines = ["executors: {main: {kind: single, order: rounds}}", "topics:"]
         options = f"writers: world, readers: n, use: queue, with: {{depth: {depth}}}"
         lines += [f"  {name}: {{{options}}}" for name in names]
+        if askers:
+            options = f"server: map, clients: [{', '.join(askers)}]"
+            options += f", with: {{depth: {depth}, rmw: {rmw}}}"
+            lines += ["services:", f"  s: {{{options}}}"]
         writes = " ".join(f"{name}.write;" for name in names)
         lines += ["programs:", f"  world: {writes}"]
+        lines += ["  map: loop { s.serve -> request; s.answer; }"] if askers else []
         lines += ["nodes:", "  n:", "    executor: main", "    callbacks:"]
         lines += [f"      on_{name}: {{takes: {name}.read, do: skip;}}" for name in names]
+        for name in askers:
+            lines += [f"  {name}:", "    executor: main", "    clients: {s: {do: skip;}}"]
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / "system.yaml"
             path.write_text("\n".join(lines) + "\n", encoding="utf-8")
             self.system = System(str(path))
-        self.callbacks = self.system.programs[1:-1]
+        self.callbacks = self.system.programs[1 + bool(askers) : -1]
         self.look = self.system.programs[-1]
-        self.inputs = [f"arrive {name}" for name in names]
+        self.asking = {callback.name: callback.number for callback in self.callbacks}
+        self.inputs = [f"arrive {name}" for name in names] + [f"ask {name}" for name in askers]
         self.start = (tuple(use.initial for use in self.system.uses), ())
+
+    MAP = 1  # the program that answers
 
     def spin_once(self, world: tuple) -> tuple:
         """(the callback that ran, or `null`; the world after it)."""
@@ -209,10 +221,21 @@ class ExecutorMachine:
             for callback in self.callbacks:
                 for step in callback.steps(callback.start(), world):
                     (end,) = callback.steps(step.control, step.world)
-                    return callback.text.name, end.world
+                    return callback.text.full_name(), end.world
             for step in self.look.steps(self.look.start(), world):
                 world = step.world
+                if step.label[0] == "discard":
+                    return "null", world
         return "null", world
+
+    def ask(self, world: tuple, client: int) -> tuple:
+        """The world after that client's request was answered."""
+        number = self.system.numbers[("s", ())]
+        service = self.system.uses[number]
+        state = service.sent(world[0][number], client)
+        ((_, state, _),) = service.pick(state, self.MAP, ("serve", ()))[0]
+        ((state, _),) = service.give(state, self.MAP, ("answer", ()))[0]
+        return self.callbacks[0].with_model(world, number, state)
 
     def step(self, world: tuple, given: str) -> tuple:
         """(output, next state)."""
@@ -220,23 +243,38 @@ class ExecutorMachine:
             return self.spin_once(world)
         if given == "spin some":
             ran, world = self.spin_once(world)
-            output = ran
-            executor = self.look.executor
-            while ran != "null" and world[0][executor.use][1]:
+            output = [ran]
+            while world[0][self.look.executor.use][1]:
                 ran, world = self.spin_once(world)
-                output += " " + ran
-            return output, world
+                output.append(ran)
+            return " ".join(one for one in output if one != "null") or "null", world
+        if given.startswith("ask"):
+            return given, self.ask(world, self.asking[given.split()[1]])
         number = self.system.numbers[(given.split()[1], ())]
         ((state, _),) = self.system.uses[number].give(world[0][number], 0, ("write", ()))[0]
         return given, self.callbacks[0].with_model(world, number, state)
 
 
-def executor(subscriptions: int, spin: str, depth: int = 1) -> int:
+def executor(
+    subscriptions: int, spin: str, depth: int = 1, clients: int = 0, rmw: str = ""
+) -> int:
     """An executor's machine."""
-    machine = ExecutorMachine(subscriptions, depth)
+    machine = ExecutorMachine(subscriptions, depth, clients, rmw)
     return minimal_size(machine.start, machine.step, [*machine.inputs, spin])
 
 
+# Clients, depth, rmw, spin, states.
+CLIENTS = [
+    (1, 1, "cyclonedds", "spin once", 6),
+    (2, 1, "cyclonedds", "spin once", 34),
+    (2, 1, "fastrtps", "spin once", 34),
+    (2, 2, "cyclonedds", "spin once", 123),
+    (2, 2, "fastrtps", "spin once", 177),
+    (3, 1, "cyclonedds", "spin once", 128),
+    (3, 1, "fastrtps", "spin once", 128),
+    (2, 2, "cyclonedds", "spin some", 21),
+    (2, 2, "fastrtps", "spin some", 21),
+]
 MACHINES: list[tuple[str, Callable[[], int], int]] = [
     *((f"topic of depth {d}", lambda d=d: topic(d), d + 2) for d in (1, 2, 3, 10)),
     ("service of depth 1", lambda: service(1, ["send", "serve", "receive"]), 9),
@@ -254,6 +292,9 @@ MACHINES: list[tuple[str, Callable[[], int], int]] = [
       for k, d in ((2, 2), (3, 2), (2, 10))),
     ("executor of 2 subscriptions, spin some", lambda: executor(2, "spin some"), 4),
     ("executor of 3 subscriptions, spin some", lambda: executor(3, "spin some"), 8),
+    *((f"executor of a subscription and {k} clients, depth {d}, {rmw}, {spin}",
+       lambda k=k, d=d, rmw=rmw, spin=spin: executor(1, spin, d, k, rmw), size)
+      for k, d, rmw, spin, size in CLIENTS),
 ]  # fmt: skip
 
 

@@ -1,7 +1,7 @@
 """Nodes and executors: what they are in the file, and the programs that they stand for.
 
 Each copy of a callback is a program that stands at its start until it is started. An executor with
-rounds is a program, too, whose only step is to look. Which callbacks run, and what is left of the
+rounds is a program, too, which looks, and takes a client's turn if its answers are to others. Which callbacks run, and what is left of the
 last look, is the state of the executor, among those of the models.
 """
 
@@ -252,6 +252,13 @@ class Callback(Program):
         found, cut = self.takes(world)
         return bool(found) or cut
 
+    def is_found(self, world: World) -> bool:
+        """Whether a look finds it: a client by any answer, whosever it is."""
+        if self.text.kind != "client":
+            return self.has_something(world)
+        service = self.system.uses[self.first.model]
+        return service.is_found(world[0][self.first.model], service.client_of[self.number])
+
     def after_start(self, world: World) -> World | None:
         """The world after it got a thread; None if it cannot start."""
         executor = self.executor
@@ -310,7 +317,7 @@ class Callback(Program):
 def next_of(system: Any, left: tuple, world: World) -> int | None:
     """Which of what a look found is started next: the first that has something."""
     for at, number in enumerate(left):
-        if system.programs[number].has_something(world):
+        if system.programs[number].is_found(world):
             return at
     return None
 
@@ -337,8 +344,11 @@ class Look:
     def steps(self, control: Control, world: World) -> list[Step]:
         """A look, for each set of timers that may be due."""
         running, left = world[0][self.executor.use]
-        if running or next_of(self.system, left, world) is not None:
+        if running:
             return []
+        at = next_of(self.system, left, world)
+        if at is not None:
+            return self.turn_for_nobody(control, world, left[at], (running, left[at + 1 :]))
         there = [c for c in self.executor.callbacks if self.is_there(c, world)]
         timers = [c for c in there if c.kind == "timer"]
         found = []
@@ -352,6 +362,22 @@ class Look:
             found.append(Step(self.number, ("look", due), control, after, arm=("look", due)))
         return found
 
+    def turn_for_nobody(
+        self, control: Control, world: World, number: int, behind: tuple
+    ) -> list[Step]:
+        """The turn of a client whose answers are to others: it takes them, and nothing runs."""
+        program = self.system.programs[number]
+        if program.text.kind != "client":
+            return []
+        use = program.first.model
+        service = self.system.uses[use]
+        state = service.takes_others(world[0][use], service.client_of[number])
+        if state is None:
+            return []
+        after = Program.with_model(world, use, state)
+        after = Program.with_model(after, self.executor.use, behind)
+        return [Step(self.number, ("discard", number), control, after)]
+
     def is_there(self, callback: CallbackText, world: World) -> bool:
         """Whether there is something for a callback."""
-        return self.system.programs[callback.numbers[0]].has_something(world)
+        return self.system.programs[callback.numbers[0]].is_found(world)

@@ -63,7 +63,8 @@ class NodeMaker(TextMaker):
 
     def service_line(self, name: str, server: str, clients: list[str]) -> str:
         """The entry of a service."""
-        depth = f", with: {{depth: {self.rng.randint(1, 2)}}}"
+        rmw = self.rng.choice(["", "", ", rmw: fastrtps", ", rmw: cyclonedds"])
+        depth = f", with: {{depth: {self.rng.randint(1, 2)}{rmw}}}"
         return f"  {name}: {{server: {server}, clients: [{', '.join(clients)}]{depth}}}"
 
     def note_service(self, name: str, server: str, clients: list[str]) -> None:
@@ -164,10 +165,16 @@ class NodeMaker(TextMaker):
                  "{kind: multi, threads: 2}", "{kind: multi, threads: 2}",
                  "{kind: multi, threads: 3}"]
             )  # fmt: skip
+        # Looks that find answers to others are rare by chance alone.
+        self.shares_clients = self.chance(0.3)
+        if self.shares_clients:
+            executors[self.new("e")] = "{kind: single, order: rounds}"
         self.nodes = [Node(self.new("n")) for _ in range(rng.randint(1, 2))]
         chosen = {}
         for node in self.nodes:
             chosen[node.name] = rng.choice([*executors, *executors, None])
+            if self.shares_clients and self.chance(0.8):
+                chosen[node.name] = list(executors)[-1]
             node.size = 2 if self.chance(0.1) else 0
             for kind in ("exclusive", "reentrant"):
                 if self.chance(0.6):
@@ -307,13 +314,14 @@ class NodeMaker(TextMaker):
         rng = self.rng
         lines = ["services:"]
         names = programs + [node.name for node in self.nodes] * 2
-        for _ in range(rng.choice([0, 1, 1, 1, 2])):
+        for _ in range(1 if self.shares_clients else rng.choice([0, 1, 1, 1, 2])):
             name = self.new("f")
             server = rng.choice(names)
             if any(node.name == server and node.size for node in self.nodes):
                 server = programs[0]
             others = sorted(set(names) - {server})
-            clients = rng.sample(others, 1 if self.chance(0.7) else min(2, len(others)))
+            count = 2 if self.shares_clients or self.chance(0.3) else 1
+            clients = rng.sample(others, min(count, len(others)))
             node_of = {node.name: node for node in self.nodes}
             if server in node_of and self.chance(0.3) and server not in clients:
                 clients.append(server)  # it calls itself

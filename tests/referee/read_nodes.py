@@ -177,8 +177,9 @@ def add_services(system: Any, services: list) -> None:
     """Makes the services, whose ends have numbers."""
     for name, index, scope, description in services:
         options = description.get("with") or {}
-        if not set(options) <= {"depth"}:
-            raise Refused(f"service {name}: a depth is all that it has")
+        rmw = options.get("rmw", "cyclonedds")
+        if not set(options) <= {"depth", "rmw"} or rmw not in ("cyclonedds", "fastrtps"):
+            raise Refused(f"service {name}: {options}")
         depth = system.number(options.get("depth", 10), scope)
         servers = []
         for text in listed(description["server"]):
@@ -200,12 +201,13 @@ def add_services(system: Any, services: list) -> None:
             for node in dict.fromkeys(c.node for c in callbacks):
                 own = [c for c in node.callbacks if c.what == (name, index)]
                 over = not any(c.has_code for c in own if c.kind == "client")
-                clients.append(Client(node.numbers(), True, over))
+                clients.append(Client(node.numbers(), True, over, node.executor.rounds))
         if sum(len(c.programs) for c in clients) != len({p for c in clients for p in c.programs}):
             raise Refused(f"service {name}: a client is there twice")
         full = f"{name}[{','.join(map(str, index))}]" if index else name
         slots = slots_of(system, (name, index))
-        system.add_use(name, index, Service(full, depth, servers[0], clients, slots))
+        service = Service(full, depth, servers[0], clients, slots, rmw == "fastrtps")
+        system.add_use(name, index, service)
 
 
 def slots_of(system: Any, service: tuple) -> tuple[int, ...]:

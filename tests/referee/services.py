@@ -13,6 +13,9 @@ A Service answers what a program may do with it, as in use.py. Its state is
 A request is (number of the client, who asked). An answer in a client's queue is STRANGER or who
 asked: OWN where that is a program; in a node the copy of a callback whose run made the request, if
 it was the last one of that run and the run goes on, or else NOBODY.
+
+An executor with rounds finds a client by any answer in its queue, and the client takes answers to
+others in its turn: over Cyclone DDS all at once, over Fast DDS one a turn.
 """
 
 from __future__ import annotations
@@ -36,6 +39,7 @@ class Client:
     programs: frozenset[int]
     is_node: bool = False
     hands_over: bool = False  # answers go to the callback that asked
+    looked_at: bool = False  # by an executor with rounds
 
 
 class Service:
@@ -51,6 +55,7 @@ class Service:
         server: frozenset[int],
         clients: list[Client],
         slots: tuple[int, ...] = (),
+        one_by_one: bool = False,
     ) -> None:
         if depth < 1:
             raise Refused(f"service {name}: a depth below 1")
@@ -61,6 +66,7 @@ class Service:
         self.client_of = {p: i for i, client in enumerate(clients) for p in client.programs}
         self.standing = set(server) | set(self.client_of)
         self.slots = slots  # the copies that have one of their own
+        self.one_by_one = one_by_one  # a client takes one answer, whosever it is: Fast DDS
         at_first = [((), frozenset() if client.is_node else FREE) for client in clients]
         self.initial = ((), FREE, (None,) * max(1, len(slots)), tuple(at_first))
 
@@ -101,8 +107,17 @@ class Service:
         """The state with another queue of one client, without strangers' answers in its front: they
         are thrown away before anything is taken, and push nothing out."""
         clients = state[3]
-        client = (self.own_answers(answers), stands)
+        client = (self.what_counts(i, answers), stands)
         return (*state[:3], clients[:i] + (client,) + clients[i + 1 :])
+
+    def what_counts(self, i: int, answers: tuple) -> tuple:
+        """The part of a client's queue that makes a difference. An executor with rounds looks
+        whether there is anything in it; over Fast DDS it takes each answer by itself."""
+        if not self.clients[i].looked_at:
+            return self.own_answers(answers)
+        if self.one_by_one:
+            return answers
+        return self.own_answers(answers) or answers[-1:]
 
     def forgotten(self, state: tuple, program: int) -> tuple:
         """The state after nobody waits any more for what this copy of a callback asked for."""
@@ -251,9 +266,24 @@ class Service:
         events = (self.event(program, "?", "serve"), self.event(program, "!", "request"))
         return self.with_served((rest, *state[1:]), program, request), events
 
+    def is_found(self, state: tuple, i: int) -> bool:
+        """Whether a look finds something for a client: over its queue, whosever the answers."""
+        return bool(state[3][i][0])
+
+    def takes_others(self, state: tuple, i: int) -> tuple | None:
+        """The state after a client's turn in a round in which it takes no answer of its own; None
+        if it takes one, or there is nothing."""
+        answers, stands = state[3][i]
+        if not self.clients[i].looked_at or not answers or self.has_answer(state, i):
+            return None
+        return self.with_client(state, i, answers[1:] if self.one_by_one else (), stands)
+
     def has_answer(self, state: tuple, i: int) -> bool:
         """Whether there is something for the callback of a client."""
-        return bool(self.own_answers(state[3][i][0]))
+        answers = state[3][i][0]
+        if self.clients[i].looked_at and self.one_by_one:
+            return answers[:1] not in ((), (STRANGER,))
+        return bool(self.own_answers(answers))
 
     def received_by(self, state: tuple, i: int, program: int) -> tuple[tuple, tuple]:
         """The state after a client's callback took its oldest own answer, and the events."""

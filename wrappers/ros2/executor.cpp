@@ -25,12 +25,13 @@ struct Callbacks {
 std::vector<Callbacks> callbacks_of(const ExecutorKindSettings& settings) {
   return {{"due", "timer", settings.timers},
           {"arrive", "sub", settings.subscriptions},
-          {"request", "service", settings.services}};
+          {"request", "service", settings.services},
+          {"ask", "client", settings.clients}};
 }
 
 ExecutorKindSettings with_most() {
   ExecutorKindSettings most;
-  most.subscriptions = most.timers = most.services = most_of_each;
+  most.subscriptions = most.timers = most.services = most.clients = most_of_each;
   most.spin.reset();
   return most;
 }
@@ -55,6 +56,7 @@ std::vector<OptionSpec> ExecutorKindSettings::options() {
   return {count("subscriptions", 2, "kind=executor: subscriptions of its node"),
           count("timers", 0, "kind=executor: timers of its node, made due by an input"),
           count("services", 0, "kind=executor: services of its node"),
+          count("executor-clients", 0, "kind=executor: clients of its node, all of one service"),
           OptionSpec::choice("spin", "once", {"once", "some", "all", "forever"},
                              "kind=executor: spin_once, spin_some or spin_all, or a thread that "
                              "spins, whose callbacks end by an input"),
@@ -69,12 +71,13 @@ ExecutorKindSettings ExecutorKindSettings::from(const OptionValues& options) {
   settings.subscriptions = static_cast<std::size_t>(options.number("subscriptions"));
   settings.timers = static_cast<std::size_t>(options.number("timers"));
   settings.services = static_cast<std::size_t>(options.number("services"));
+  settings.clients = static_cast<std::size_t>(options.number("executor-clients"));
   settings.depth = static_cast<std::size_t>(options.number("depth"));
   settings.spin = spin_from(options);
   if (options.is("groups", "own")) settings.groups = Groups::own;
   if (options.is("groups", "reentrant")) settings.groups = Groups::reentrant;
   settings.intraprocess = options.is("intraprocess", "on");
-  if (settings.subscriptions + settings.timers + settings.services == 0) {
+  if (settings.subscriptions + settings.timers + settings.services + settings.clients == 0) {
     throw UsageError("option subscriptions: an executor without callbacks runs nothing");
   }
   return settings;
@@ -120,7 +123,8 @@ ExecutorKind::ExecutorKind(Nodes& nodes, const ExecutorKindSettings& settings, E
   const std::string name = nodes.next_word();
   ends_->sending = nodes.sending();
   ends_->receiving = nodes.receiving();
-  const std::size_t count = settings.timers + settings.subscriptions + settings.services;
+  const std::size_t count =
+      settings.timers + settings.subscriptions + settings.services + settings.clients;
   const bool has_own = settings.groups == ExecutorKindSettings::Groups::own;
   ends_->groups = make_groups(ends_->receiving, has_own ? count : 1,
                               settings.groups == ExecutorKindSettings::Groups::reentrant
@@ -133,6 +137,7 @@ ExecutorKind::ExecutorKind(Nodes& nodes, const ExecutorKindSettings& settings, E
   for (std::size_t i = 0; i < settings.services; ++i) {
     make_service(fmt::format("{}_service_{}", name, i));
   }
+  if (settings.clients > 0) make_clients(fmt::format("{}_service", name));
   ends_->executor = make_executor(settings.executor, ends_->receiving);
   for (const rclcpp::CallbackGroup::SharedPtr& group : ends_->groups) {
     ends_->executor->add_callback_group(group, ends_->receiving->get_node_base_interface());
@@ -184,15 +189,32 @@ void ExecutorKind::make_service(const std::string& name) {
       service_qos(settings_.depth), next_group()));
 }
 
+void ExecutorKind::make_clients(const std::string& name) {
+  ends_->answering = std::make_unique<Spinner>(ends_->sending);
+  ends_->asked = ends_->sending->create_service<Type>(
+      name,
+      [this](const std::shared_ptr<Type::Request>&, const std::shared_ptr<Type::Response>&) {
+        is_answered_ = true;
+      },
+      service_qos(settings_.depth), ends_->answering->group());
+  first_client_ = callbacks_.size();
+  for (std::size_t client = 1; client <= settings_.clients; ++client) {
+    callbacks_.push_back({fmt::format("client{}", client)});
+    ends_->asking.push_back(
+        ends_->receiving->create_client<Type>(name, service_qos(settings_.depth), next_group()));
+  }
+}
+
 bool ExecutorKind::is_matched() const {
-  return std::all_of(
+  const auto is_ready = [](const auto& client) { return client->service_is_ready(); };
+  return std::all_of(ends_->asking.begin(), ends_->asking.end(), is_ready) &&
+         std::all_of(
              ends_->publishers.begin(), ends_->publishers.end(),
              [](const auto& publisher) { return publisher->get_subscription_count() == 1; }) &&
          std::all_of(
              ends_->subscriptions.begin(), ends_->subscriptions.end(),
              [](const auto& subscription) { return subscription->get_publisher_count() == 1; }) &&
-         std::all_of(ends_->clients.begin(), ends_->clients.end(),
-                     [](const auto& client) { return client->service_is_ready(); });
+         std::all_of(ends_->clients.begin(), ends_->clients.end(), is_ready);
 }
 
 void ExecutorKind::wait_for_matches() const {
@@ -229,11 +251,24 @@ void ExecutorKind::call(std::string_view input) {
   } else if (input.starts_with("request")) {
     ends_->clients.at(number_of(input, "request"))
         ->async_send_request(std::make_shared<Type::Request>());
+  } else if (input.starts_with("ask")) {
+    ask(number_of(input, "ask"));
   } else if (input.starts_with("end_")) {
     end(std::string(input.substr(4)));
   } else {
     throw std::logic_error("no input '" + std::string(input) + "'");
   }
+}
+
+// The service takes the request, and its answer is under way, when this returns.
+void ExecutorKind::ask(std::size_t client) {
+  const rclcpp::Client<Type>::CallbackType on_answer =
+      [this, callback = first_client_ + client](const rclcpp::Client<Type>::SharedFuture&) {
+        run(callback);
+      };
+  is_answered_ = false;
+  ends_->asking.at(client)->async_send_request(std::make_shared<Type::Request>(), on_answer);
+  ends_->answering->run_until([&] { return is_answered_; });
 }
 
 void ExecutorKind::spin() {
@@ -262,6 +297,7 @@ void ExecutorKind::shutdown() {
     stopped_ = true;
     ended_.notify_all();
   }
+  if (ends_->answering) ends_->answering->stop();
   if (ends_->thread) ends_->thread->stop();
 }
 

@@ -1,14 +1,17 @@
-// kind=executor: an executor with subscriptions, timers and services. What becomes ready is one
-// input each; what is run, and in which order, are the outputs.
+// kind=executor: an executor with subscriptions, timers, services and clients of one service. What
+// becomes ready is one input each; what is run, and in which order, are the outputs.
 //
 //   arriveK   a message for subscription K arrives
 //   dueK      timer K becomes due, by a clock that is put forward by hand
 //   requestK  a request for service K arrives
-//   spin      spin_once, spin_some or spin_all without waiting: `subK`, `timerK`, `serviceK` for
-//             each callback that was run, or `nothing`
+//   askK      client K sends a request, which is served and answered at once: its answer arrives,
+//   at
+//             the other clients, too
+//   spin      spin_once, spin_some or spin_all without waiting: `subK`, `timerK`, `serviceK`,
+//             `clientK` for each callback that was run, or `nothing`
 //
 // With spin=forever the executor spins in a thread of its own. The same outputs say that a callback
-// began; it runs until the input `end_subK`, `end_timerK` or `end_serviceK`.
+// began; it runs until the input `end_subK`, `end_timerK`, `end_serviceK` or `end_clientK`.
 #pragma once
 
 #include <condition_variable>
@@ -34,7 +37,7 @@ namespace maide::ros2 {
 struct ExecutorKindSettings {
   enum class Groups { one, own, reentrant };
   ExecutorSettings executor;
-  std::size_t subscriptions = 2, timers = 0, services = 0;
+  std::size_t subscriptions = 2, timers = 0, services = 0, clients = 0;
   std::size_t depth = 10;
   std::optional<Spin> spin = Spin::once;  // none: forever
   Groups groups = Groups::one;
@@ -74,6 +77,9 @@ class ExecutorKind : public SystemInstance {
     std::vector<std::unique_ptr<ManualTimer>> timers;
     std::vector<rclcpp::Client<Type>::SharedPtr> clients;
     std::vector<rclcpp::Service<Type>::SharedPtr> services;
+    std::vector<rclcpp::Client<Type>::SharedPtr> asking;  // run by the executor
+    std::unique_ptr<Spinner> answering;                   // runs the service of these
+    rclcpp::Service<Type>::SharedPtr asked;
     std::unique_ptr<rclcpp::Executor> executor;
     std::unique_ptr<SpinningThread> thread;  // of spin=forever
   };
@@ -82,9 +88,11 @@ class ExecutorKind : public SystemInstance {
   void make_subscription(const std::string& name);
   void make_timer();
   void make_service(const std::string& name);
+  void make_clients(const std::string& name);
   bool is_matched() const;
   void wait_for_matches() const;
   void run(std::size_t callback);
+  void ask(std::size_t client);
   void spin();
   void end(const std::string& name);
 
@@ -93,7 +101,9 @@ class ExecutorKind : public SystemInstance {
   EventSink& sink_;
   const std::shared_ptr<Ends> ends_ = std::make_shared<Ends>();
   std::size_t groups_used_ = 0;
-  std::size_t run_ = 0;  // callbacks since the call of `spin` began
+  std::size_t first_client_ = 0;  // callback
+  std::size_t run_ = 0;           // callbacks since the call of `spin` began
+  bool is_answered_ = false;      // what was asked last
 
   std::mutex mutex_;  // for what follows
   std::condition_variable ended_;

@@ -23,8 +23,8 @@ class HeldExecutor : public rclcpp::Executor {
  public:
   // What a thread picked: the timer, subscription, service or client; null: nothing is ready.
   using OnPick = std::function<void(const void* picked)>;
-  // Whether only answers to other clients are there for it. To take them runs nothing, so the
-  // thread is not held, and picks again.
+  // Whether what the client takes next is for others, and that is no step. To take it runs nothing,
+  // so the thread is not held, and picks again.
   using IsForNobody = std::function<bool(const void* client)>;
 
   // Both are called by the threads; `on_pick` until set_free().

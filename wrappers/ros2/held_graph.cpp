@@ -57,9 +57,9 @@ HeldGraph graph_from(const Json& json) {
   HeldGraph graph;
   graph.nodes = json.at("nodes").get<std::vector<std::string>>();
   for (const Json& executor : json.at("executors")) {
-    graph.executors.push_back(
-        {executor.at("name").get<std::string>(),
-         std::max<std::size_t>(executor.at("threads").get<std::size_t>(), 1)});
+    graph.executors.push_back({executor.at("name").get<std::string>(),
+                               std::max<std::size_t>(executor.at("threads").get<std::size_t>(), 1),
+                               executor.value("rounds", false)});
   }
   for (const Json& group : json.at("groups")) {
     graph.groups.push_back({place(group, "node", graph.nodes.size()),
@@ -126,6 +126,7 @@ class SetupMaker {
     const std::size_t node = graph_.node_of(callback);
     add_event(fmt::format("e{}.c{}", graph_.groups[callback.group].executor, number));
     if (callback.kind == Kind::timer) add_input(fmt::format("c{}.due", number));
+    if (graph_.discards(callback)) add_input(fmt::format("c{}.discard", number));
     for (std::size_t run = 0; run < graph_.runs_of(callback); ++run) {
       const std::string prefix = fmt::format("c{}.{}.", number, run);
       add_input(prefix + "start");
@@ -214,6 +215,11 @@ bool HeldGraph::is_program(std::size_t node) const {
 std::size_t HeldGraph::runs_of(const Callback& callback) const {
   const Group& group = groups[callback.group];
   return group.is_reentrant ? executors[group.executor].threads : 1;
+}
+
+bool HeldGraph::discards(const Callback& callback) const {
+  return callback.kind == Callback::Kind::client &&
+         executors[groups[callback.group].executor].goes_by_rounds;
 }
 
 SystemSetup held_setup(const HeldGraph& graph) { return SetupMaker(graph).make(); }

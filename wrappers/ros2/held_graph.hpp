@@ -1,7 +1,7 @@
 // The nodes of a system file as kind=nodes is told of them: a JSON object on one line.
 //
 //   {"nodes": ["camera", "detector"],
-//    "executors": [{"name": "main", "threads": 2}],
+//    "executors": [{"name": "main", "threads": 2, "rounds": false}],
 //    "groups": [{"node": 1, "executor": 0, "reentrant": true}],
 //    "topics": [{"options": {"depth": "10"}, "writers": [0], "readers": []}],
 //    "services": [{"depth": 10, "server": 1, "clients": [1]}],
@@ -28,6 +28,7 @@ struct HeldGraph {
   struct Executor {
     std::string name;
     std::size_t threads = 1;
+    bool goes_by_rounds = false;  // what its clients discard is a step
   };
   struct Group {
     std::size_t node = 0, executor = 0;
@@ -62,6 +63,8 @@ struct HeldGraph {
   bool is_program(std::size_t node) const;
   // How often the callback may run at once.
   std::size_t runs_of(const Callback& callback) const;
+  // Whether it is a step when its client takes answers to others.
+  bool discards(const Callback& callback) const;
   std::size_t node_of(const Callback& callback) const { return groups[callback.group].node; }
 };
 
@@ -76,6 +79,9 @@ struct HeldGraph {
 //   cC.R.tT.write, cC.R.sS.send, cC.R.sS.answer
 //   cC.R.sS.wait  for the answer to its last request: `cC.R.answered`
 //   cC.R.end
+//   cC.discard    the thread that picked the client lets it take answers to others, and runs
+//   nothing.
+//                 Only where the executor goes by rounds; of other executors it is no step
 //   nN.tT.write, nN.tT.read, nN.sS.send, nN.sS.receive, nN.sS.serve, nN.sS.answer
 //                 of programs: `nN.tT.message` (or as above), `nN.sS.answer`, `nN.sS.request`
 //   free          no thread of an executor is held any more

@@ -81,7 +81,9 @@ void HeldSystem::make_executors() {
     };
     ends_->executors.push_back(std::make_unique<HeldExecutor>(
         options, graph_.executors[number].threads, on_pick,
-        [this](const void* client) { return takes_for_nobody(client); }));
+        [this, rounds = graph_.executors[number].goes_by_rounds](const void* client) {
+          return !rounds && takes_for_nobody(client);
+        }));
     for (std::size_t group = 0; group < graph_.groups.size(); ++group) {
       if (graph_.groups[group].executor != number) continue;
       ends_->executors.back()->add_callback_group(
@@ -268,6 +270,12 @@ void HeldSystem::make_calls_of_callbacks() {
     const HeldGraph::Callback& callback = graph_.callbacks[number];
     const std::size_t node = graph_.node_of(callback);
     HeldExecutor* const executor = ends_->executors[graph_.groups[callback.group].executor].get();
+    if (graph_.discards(callback)) {
+      calls_[fmt::format("c{}.discard", number)] = [this, number, executor] {
+        takes_for_nobody(callbacks_[number].picked);
+        executor->start(callbacks_[number].picked);
+      };
+    }
     for (std::size_t place = 0; place < callbacks_[number].runs.size(); ++place) {
       Run& run = callbacks_[number].runs[place];
       calls_[run.prefix + "start"] = [this, number, place, executor] {
@@ -396,11 +404,18 @@ void HeldSystem::answer(std::size_t service, std::optional<Served>& served) {
   served.reset();
 }
 
-// One look throws away all that are older than the first own one.
+// Taking an answer takes all that are older than the first own one, too (Cyclone DDS), or takes the
+// oldest, whosever it is (Fast DDS).
 bool HeldSystem::takes_for_nobody(const void* client) {
   const std::scoped_lock lock(mutex_);
   auto& left = answers_[client];
-  if (left.empty() || std::find(left.begin(), left.end(), true) != left.end()) return false;
+  if (left.empty()) return false;
+  if (takes_one_by_one_) {
+    if (left.front()) return false;
+    left.pop_front();
+    return true;
+  }
+  if (std::find(left.begin(), left.end(), true) != left.end()) return false;
   left.clear();
   return true;
 }

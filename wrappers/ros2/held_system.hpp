@@ -4,6 +4,8 @@
 // inputs are in held_graph.hpp.
 #pragma once
 
+#include <rmw/rmw.h>
+
 #include <condition_variable>
 #include <cstddef>
 #include <cstdint>
@@ -116,6 +118,8 @@ class HeldSystem : public SystemInstance {
   const HeldGraph& graph_;
   EventSink& sink_;
   const std::string name_;
+  const bool takes_one_by_one_ =
+      std::string_view(rmw_get_implementation_identifier()) == "rmw_fastrtps_cpp";
   const std::shared_ptr<Ends> ends_ = std::make_shared<Ends>();
   std::map<std::string, Call, std::less<>> calls_;  // by input
   std::map<const void*, std::size_t> callback_of_;  // by what executors pick

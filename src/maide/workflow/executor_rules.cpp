@@ -20,7 +20,17 @@ const Joint* joint_of(const System& system, const Step& step) {
 
 std::optional<std::uint32_t> started_by(const System& system, const Step& step) {
   const Joint* joint = joint_of(system, step);
-  return joint == nullptr ? std::nullopt : joint->starts;
+  return joint == nullptr || joint->role == Joint::Role::discard ? std::nullopt : joint->callback;
+}
+
+std::optional<std::uint32_t> discarded_by(const System& system, const Step& step) {
+  const Joint* joint = joint_of(system, step);
+  return joint == nullptr || joint->role != Joint::Role::discard ? std::nullopt : joint->callback;
+}
+
+std::optional<std::uint32_t> picked_for(const System& system, const Step& step) {
+  const Joint* joint = joint_of(system, step);
+  return joint == nullptr ? std::nullopt : joint->callback;
 }
 
 bool is_end_of_callback(const System& system, const Step& step) {
@@ -68,10 +78,13 @@ ExecutorRules::ExecutorRules(const System& system)
     for (const ProgramEdge& edge : program.edges) {
       if (edge.kind != ModelUse::Kind::joint) continue;
       const Joint& joint = program.joints[edge.symbol];
-      if (!joint.starts || joint.events.empty()) continue;
-      std::vector<ModelUse>& ways = ways_[*joint.starts];
+      const bool discards = joint.role == Joint::Role::discard;
+      if (!joint.callback || (joint.events.empty() && !discards)) continue;
+      std::vector<ModelUse>& ways = ways_[*joint.callback];
+      const std::uint32_t model =
+          discards ? system.callbacks[*joint.callback].model : joint.events.front().model;
       for (const ModelUse& use : joint.uses) {
-        if (use.model != joint.events.front().model) continue;
+        if (use.model != model) continue;
         if (std::find(ways.begin(), ways.end(), use) == ways.end()) ways.push_back(use);
       }
     }
@@ -140,10 +153,14 @@ std::optional<std::uint32_t> ExecutorRules::pick(State& state, std::uint32_t exe
   return callback;
 }
 
-std::size_t ExecutorRules::start(State& state, std::uint32_t callback) const {
+void ExecutorRules::discard(State& state, std::uint32_t callback) const {
   auto& picked = state.picked[system_.callbacks[callback].executor];
   const auto place = std::find(picked.begin(), picked.end(), callback);
   if (place != picked.end()) picked.erase(place);
+}
+
+std::size_t ExecutorRules::start(State& state, std::uint32_t callback) const {
+  discard(state, callback);
   auto& running = state.running[callback];
   const auto run = std::find(running.begin(), running.end(), false);
   if (run == running.end()) return 0;
@@ -234,13 +251,17 @@ class Scheduler {
     Rules behind = rules;
     const auto before = runs_[step->program];
     const std::vector<std::uint32_t> picks = picks_;
-    if (const auto started = started_by(system_, *step)) {
-      const std::uint32_t executor = system_.callbacks[*started].executor;
+    if (const auto callback = picked_for(system_, *step)) {
+      const std::uint32_t executor = system_.callbacks[*callback].executor;
       const auto& picked = rules.picked[executor];
-      if (std::find(picked.begin(), picked.end(), *started) == picked.end()) {
-        return try_pick(progress, at, rules, executor, {*started});
+      if (std::find(picked.begin(), picked.end(), *callback) == picked.end()) {
+        return try_pick(progress, at, rules, executor, {*callback});
       }
-      runs_[step->program] = {*started, rules_.start(behind, *started)};
+      if (started_by(system_, *step)) {
+        runs_[step->program] = {*callback, rules_.start(behind, *callback)};
+      } else {
+        rules_.discard(behind, *callback);
+      }
     } else if (const auto found = found_by(system_, *step); !found.empty()) {
       const auto callback =
           rules_.pick(behind, system_.callbacks[found.front()].executor, at, found);
@@ -296,7 +317,7 @@ std::vector<ScheduledStep> schedule(const System& system, const ExecutorRules& r
   std::vector<ScheduledStep> steps;
   for (const std::size_t move : moves) {
     steps.push_back({move, {}});
-    if (const auto callback = started_by(system, trace.steps[move])) {
+    if (const auto callback = picked_for(system, trace.steps[move])) {
       steps.back().picks = {*callback};
     }
   }
@@ -336,7 +357,7 @@ NodeRuns::NodeRuns(const System& system)
 // on.
 void NodeRuns::restrict(const GlobalState& at, std::vector<Step>& steps) const {
   std::erase_if(steps, [&](const Step& step) {
-    const auto callback = started_by(system_, step);
+    const auto callback = picked_for(system_, step);
     if (!callback) return false;
     const std::uint32_t executor = system_.callbacks[*callback].executor;
     const auto& picked = state_.picked[executor];
@@ -347,10 +368,14 @@ void NodeRuns::restrict(const GlobalState& at, std::vector<Step>& steps) const {
 }
 
 void NodeRuns::take(const GlobalState& at, const Step& step) {
-  if (const auto callback = started_by(system_, step)) {
+  if (const auto callback = picked_for(system_, step)) {
     const std::uint32_t executor = system_.callbacks[*callback].executor;
     if (state_.picked[executor].empty()) rules_.pick(state_, executor, at, {&*callback, 1});
-    runs_[step.program] = {*callback, rules_.start(state_, *callback)};
+    if (started_by(system_, step)) {
+      runs_[step.program] = {*callback, rules_.start(state_, *callback)};
+    } else {
+      rules_.discard(state_, *callback);
+    }
   } else if (is_end_of_callback(system_, step)) {
     rules_.end(state_, runs_[step.program].first, runs_[step.program].second);
   } else if (const auto found = found_by(system_, step); !found.empty()) {

@@ -4,6 +4,9 @@
 // A thread without a callback picks the first of what the last look found and whose group is free:
 // timers, subscriptions, services, clients. Of a kind, callbacks come group by group. If nothing is
 // left, it looks again, at what is ready and whose group is free.
+//
+// A client is ready when any answer is in its queue. Where that counts, with `order: rounds`, a
+// client that was picked may discard answers to others, and runs nothing.
 #pragma once
 
 #include <compare>
@@ -45,6 +48,8 @@ class ExecutorRules {
   // A picked callback starts; its run.
   std::size_t start(State& state, std::uint32_t callback) const;
   void end(State& state, std::uint32_t callback, std::size_t run) const;
+  // A picked client discards answers to others.
+  void discard(State& state, std::uint32_t callback) const;
 
  private:
   bool is_busy(const State& state, std::size_t group) const;
@@ -56,9 +61,12 @@ class ExecutorRules {
   std::vector<std::vector<ModelUse>> ways_;  // by callback: by one of them it starts
 };
 
-// Which callback a step starts, ends or, of an executor that goes by rounds, finds; of a step of
-// another kind nothing.
+// Which callback a step starts, ends or, of an executor that goes by rounds, finds, or whose client
+// discards answers to others; of a step of another kind nothing.
 std::optional<std::uint32_t> started_by(const System& system, const Step& step);
+std::optional<std::uint32_t> discarded_by(const System& system, const Step& step);
+// The one or the other: the step comes when the callback was picked.
+std::optional<std::uint32_t> picked_for(const System& system, const Step& step);
 bool is_end_of_callback(const System& system, const Step& step);
 // By the state behind the step; empty unless it is a look.
 std::vector<std::uint32_t> found_by(const System& system, const Step& step);

@@ -127,7 +127,9 @@ class ReplayedNodes::Describer {
   void add_executors() {
     for (const ExecutorInstance& executor : system_.executors) {
       nodes_.meanings_[fmt::format("e{}", graph_["executors"].size())] = executor.name;
-      graph_["executors"].push_back({{"name", executor.name}, {"threads", executor.threads}});
+      graph_["executors"].push_back({{"name", executor.name},
+                                     {"threads", executor.threads},
+                                     {"rounds", executor.goes_by_rounds}});
     }
     for (const auto& group : nodes_.rules_.groups()) {
       const CallbackInstance& first = system_.callbacks[group.front()];
@@ -253,14 +255,25 @@ ReplayedNodes::ReplayedNodes(const System& system, const std::vector<SystemSpec>
                                    to_string(model.position)));
     }
     const auto rmw = topics[topic].options.find("rmw");
-    if (rmw == topics[topic].options.end()) continue;
-    const auto [place, is_new] = spec_.options.insert(*rmw);
-    if (!is_new && place->second != rmw->second) {
-      throw UsageError(fmt::format("topics over {} and over {} have no nodes in common ({})",
-                                   place->second, rmw->second, to_string(model.position)));
-    }
+    if (rmw != topics[topic].options.end()) run_over(rmw->second, model);
+  }
+  for (const ServiceInstance& service : system.services) {
+    if (!contains(service.model)) continue;
+    const ModelInstance& model = system.models[service.model];
+    const auto rmw = model.automaton.origin.find("rmw");
+    if (rmw != model.automaton.origin.end()) run_over(rmw->second, model);
   }
   spec_.options["graph"] = Describer(*this, topics).describe();
+}
+
+void ReplayedNodes::run_over(const std::string& rmw, const ModelInstance& model) {
+  const auto [place, is_new] = spec_.options.try_emplace("rmw", rmw);
+  if (!is_new && place->second != rmw) {
+    throw UsageError(
+        fmt::format("what is over {} and what is over {} have no nodes in common: `rmw` of topics "
+                    "and services says it ({})",
+                    place->second, rmw, to_string(model.position)));
+  }
 }
 
 // ---- names --------------------------------------------------------------------------------------
@@ -283,6 +296,7 @@ std::string ReplayedNodes::describe(const std::string& name) const {
   std::string last = name.substr(name.rfind('.') + 1);
   if (name.front() == 'n') return last;
   if (last == "began") return what->second + " starts";
+  if (last == "discard") return what->second + " throws away answers to others";
   if (last == "answered") return what->second + " has its answer";
   return what->second + " starts: " + last;
 }
@@ -323,6 +337,9 @@ class ReplayedNodes::Caller {
       runs_[step.program] = {*started, nodes_.rules_.start(state_, *started)};
       const std::string prefix = prefix_of(step.program);
       calls.push_back({prefix + "start", {prefix + label_of(step, *started)}});
+    } else if (const auto discarding = discarded_by(system_, step)) {
+      nodes_.rules_.discard(state_, *discarding);
+      calls.push_back({fmt::format("c{}.discard", *discarding), {}});
     } else if (is_end_of_callback(system_, step)) {
       nodes_.rules_.end(state_, runs_[step.program].first, runs_[step.program].second);
       calls.push_back({prefix_of(step.program) + "end", {}});

@@ -61,6 +61,8 @@ class ReplayedNodes {
   std::string describe(const std::string& name) const;
 
  private:
+  // Throws UsageError if something else runs over another one.
+  void run_over(const std::string& rmw, const ModelInstance& model);
   class Describer;
   class Caller;
   // The call of a plain program ("n0."), or of a run of a callback ("c0.1.").

@@ -90,6 +90,9 @@ class Executor {
     }
     return names;
   }
+  bool is_found(const std::string& name) const {
+    return rules_.is_ready(callback_named(system_, name), at_);
+  }
   void start_and_end(const std::string& name) {
     const std::uint32_t callback = callback_named(system_, name);
     rules_.end(state_, callback, rules_.start(state_, callback));
@@ -140,6 +143,65 @@ TEST(ExecutorRules, ThreadsPickWhatGroupsAllow) {
     clients: {ask: open})"));
   executor.write("halt");
   EXPECT_THAT(executor.picks({"robot.tick"}), ElementsAre("robot.tick"));
+}
+
+// Two answers to another client are in its queue.
+Executor executor_of_client(const std::string& order, const std::string& rmw) {
+  Executor executor(parse_system(R"(services:
+  s: {server: map, clients: [robot, other], with: {depth: 2, rmw: )" +
+                                     rmw + R"(}}
+programs:
+  other: "s.send; s.send;"
+  map: "loop { s.serve -> request; s.answer; }"
+executors:
+  main: {kind: single, order: )" + order +
+                                     R"(}
+nodes:
+  robot:
+    executor: main
+    callbacks: {tick: {timer: 10, do: "s.send;"}}
+)",
+                                 "system.yaml"));
+  for (int call = 0; call < 2; ++call) {
+    for (const char* step : {"s.send2", "s.serve", "s!request", "s.answer"}) executor.take(step);
+  }
+  return executor;
+}
+
+TEST(ExecutorRules, AClientIsPickedForAnswersToOthers) {
+  const auto picks = [](const std::string& order) {
+    return executor_of_client(order, "cyclonedds").picks();
+  };
+  EXPECT_THAT(picks("any"), IsEmpty());
+  EXPECT_THAT(picks("rounds"), ElementsAre("robot.s"));
+}
+
+// The look picks it, and the step that discards asks for no other pick. Over Fast DDS there is a
+// second answer.
+TEST(ExecutorRules, AScheduleHasWhatClientsDiscard) {
+  for (const std::string rmw : {"cyclonedds", "fastrtps"}) {
+    Executor executor = executor_of_client("rounds", rmw);
+    const std::size_t before = executor.trace.steps.size();
+    const bool is_one = rmw == "fastrtps";
+    const int turns = is_one ? 2 : 1;
+    for (int turn = 0; turn < turns; ++turn) {
+      executor.take("finds robot.s");
+      executor.take(is_one ? "robot.s throws away an answer to another"
+                           : "robot.s throws away answers to others");
+    }
+    std::vector<std::size_t> moves(executor.trace.steps.size());
+    for (std::size_t move = 0; move < moves.size(); ++move) moves[move] = move;
+    const auto steps = schedule(executor.system(), executor.rules(), executor.trace, moves);
+    ASSERT_EQ(steps.size(), moves.size());
+    const std::uint32_t client = callback_named(executor.system(), "robot.s");
+    for (std::size_t step = before; step < steps.size(); step += 2) {
+      EXPECT_THAT(steps[step].picks, ElementsAre(client));
+      EXPECT_THAT(steps[step + 1].picks, IsEmpty());
+      EXPECT_EQ(discarded_by(executor.system(), executor.trace.steps[step + 1]), client);
+      EXPECT_FALSE(started_by(executor.system(), executor.trace.steps[step + 1]));
+    }
+    EXPECT_FALSE(executor.is_found("robot.s"));
+  }
 }
 
 // The message for on_halt comes first, but a thread that looks late runs on_go. One that looked as

@@ -274,30 +274,11 @@ class AssumptionList {
                                    fmt::join(of_it, ", "), execution));
     }
     if (has_timer) lines_.emplace_back("time is not modelled: a timer may be due at any moment");
-    state_looks();
     if (programs.empty()) return;
     lines_.push_back(fmt::format(
         "{} {} {} without executors: callbacks that wait, their order and threads are not looked "
         "at (`nodes:` does)",
         fmt::join(programs, ", "), programs.size() == 1 ? "uses" : "use", fmt::join(models, ", ")));
-  }
-
-  // A client's queue holds answers to others, too, which rclcpp's wait set takes for something to
-  // do.
-  void state_looks() {
-    const std::set<std::uint32_t> used = find_used(system_);
-    for (const ServiceInstance& service : system_.services) {
-      const bool is_looked_at = std::any_of(
-          system_.callbacks.begin(), system_.callbacks.end(), [&](const CallbackInstance& one) {
-            return one.kind == CallbackInstance::Kind::client && one.model == service.model &&
-                   system_.executors[one.executor].goes_by_rounds;
-          });
-      if (!is_looked_at || service.clients.size() < 2 || !used.contains(service.model)) continue;
-      lines_.push_back(fmt::format(
-          "{}: a look of a client's executor finds no answers to other clients, which it finds in "
-          "rclcpp",
-          service.name));
-    }
   }
 
   // Those who use it in reality are callbacks.

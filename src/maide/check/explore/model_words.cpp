@@ -73,7 +73,9 @@ std::vector<std::string> describe_unreal(const System& system,
     if (model.source == Source::built_in) names[describe_built_in(model)].push_back(model.name);
     if (model.source == Source::variable) names[""].push_back(model.name);
     if (model.source == Source::service) {
-      services["of depth " + model.automaton.origin.at("depth")].push_back(model.name);
+      const auto rmw = model.automaton.origin.find("rmw");
+      const std::string over = rmw == model.automaton.origin.end() ? "" : ", over " + rmw->second;
+      services["of depth " + model.automaton.origin.at("depth") + over].push_back(model.name);
     }
   }
   std::vector<std::string> lines;

@@ -158,7 +158,7 @@ void pass(Archive& archive, ProgramEdge& edge) {
 }
 template <typename Archive>
 void pass(Archive& archive, Joint& joint) {
-  all(archive, joint.role, joint.uses, joint.events, joint.text, joint.fair, joint.starts);
+  all(archive, joint.role, joint.uses, joint.events, joint.text, joint.fair, joint.callback);
 }
 template <typename Archive>
 void pass(Archive& archive, FairGroup& group) {

@@ -61,6 +61,7 @@ struct Joint {
     timer,      // an arm: a callback that starts at any moment
     end,        // of a callback
     look,       // of an executor that goes by rounds
+    discard,    // so is this: a client that was found has answers to others alone, or one of them
     death,      // the program ends here: no progress, and no fairness asks for it
   };
   Role role = Role::step;
@@ -68,7 +69,8 @@ struct Joint {
   std::vector<ModelUse> events;  // the inputs given and outputs taken, for formulas: give, take
   std::string text;              // in the file's words: "images.read -> message", "n = 3"
   std::uint32_t fair = 0;        // its fair group in the program; 0: none
-  std::optional<std::uint32_t> starts{};  // a callback, of the system's
+  // Of a start or a discard: the callback, of the system's.
+  std::optional<std::uint32_t> callback{};
 };
 
 // Edges of which one is to be taken again and again if one of them can be taken again and again, on

@@ -109,11 +109,11 @@ void Unroller::expand_arm(const Place& place, const SelectArm& arm, const Values
     const std::string prefix = arm.starts != nullptr ? arm.starts->whole_name() + " starts" : "";
     std::vector<Uses> ways = combine({std::move(uses)}, {conditions});
     const bool is_timer = arm.starts != nullptr && arm.starts->kind == Callback::Kind::timer;
-    std::optional<std::uint32_t> starts;
-    if (arm.starts != nullptr) starts = arm.starts->number;
+    std::optional<std::uint32_t> callback;
+    if (arm.starts != nullptr) callback = arm.starts->number;
     for (Uses& way : ways) {
       add_joint({is_timer ? Joint::Role::timer : Joint::Role::arm, std::move(way), events,
-                 prefix + (prefix.empty() || text.empty() ? "" : ": ") + text, fair, starts},
+                 prefix + (prefix.empty() || text.empty() ? "" : ": ") + text, fair, callback},
                 target, arm.line, arm.column);
     }
   };

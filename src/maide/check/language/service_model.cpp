@@ -15,13 +15,6 @@ std::uint32_t item_of(std::uint32_t client, std::uint32_t owner) { return (clien
 std::uint32_t client_of(std::uint32_t item) { return item >> 16; }
 std::uint32_t owner_of(std::uint32_t item) { return item & 0xFFFF; }
 
-// Of a client's queue: answers to others that are older than all its own. They are never taken, and
-// whether they are there changes nothing: an own one is pushed out by `depth` answers behind it.
-void drop_strangers(std::vector<std::uint32_t>& answers) {
-  answers.erase(answers.begin(), std::find_if(answers.begin(), answers.end(),
-                                              [](auto owner) { return owner != others; }));
-}
-
 }  // namespace
 
 struct ServiceModel::State {
@@ -42,6 +35,19 @@ struct ServiceModel::State {
                        [](const Client& c) { return c.waits == 2; });
   }
 };
+
+// Answers to others that are older than all own ones push nothing out: an own one is pushed out by
+// `depth` answers behind it. So they count only for who finds them, by their number or at all.
+void ServiceModel::tidy(State& state, std::uint32_t client) const {
+  if (shape_.is_looked_at[client] && shape_.takes_one_by_one) return;
+  auto& answers = state.clients[client].answers;
+  const bool is_something_there = !answers.empty();
+  answers.erase(answers.begin(), std::find_if(answers.begin(), answers.end(),
+                                              [](auto owner) { return owner != others; }));
+  if (is_something_there && answers.empty() && shape_.is_looked_at[client]) {
+    answers.push_back(others);
+  }
+}
 
 ServiceModel::ServiceModel(ServiceShape shape)
     : GrowingModel([&] {
@@ -72,6 +78,7 @@ InterfaceAutomaton ServiceModel::start() const {
       {"client", {inputs.begin() + 2, inputs.end()}, {outputs.begin() + 1, outputs.end()}}};
   automaton.origin["depth"] =
       shape_.is_depth_unknown ? unknown_depth : std::to_string(shape_.depth);
+  if (!shape_.rmw.empty()) automaton.origin["rmw"] = shape_.rmw;
   if (!shape_.sul.empty()) automaton.origin["sul"] = shape_.sul;
   return automaton;
 }
@@ -136,22 +143,32 @@ void ServiceModel::answer(State& state, std::uint32_t item) const {
       continue;
     }
     if (client.answers.size() == shape_.depth) {
-      // One to others would be thrown away unread.
-      if (client.answers.front() != others) state.is_beyond = shape_.is_depth_unknown;
+      // One to others would be thrown away unread, unless each is taken by itself.
+      if (client.answers.front() != others ||
+          (shape_.is_looked_at[number] && shape_.takes_one_by_one)) {
+        state.is_beyond = shape_.is_depth_unknown;
+      }
       client.answers.erase(client.answers.begin());
     }
     client.answers.push_back(is_own ? owner_of(item) : others);
-    drop_strangers(client.answers);
+    tidy(state, number);
   }
 }
 
-std::optional<std::uint32_t> ServiceModel::take_own(State& state, std::uint32_t client) {
+std::optional<std::uint32_t> ServiceModel::take_own(State& state, std::uint32_t client) const {
   auto& answers = state.clients[client].answers;
-  if (answers.empty()) return std::nullopt;
+  if (answers.empty() || answers.front() == others) return std::nullopt;
   const std::uint32_t owner = answers.front();
   answers.erase(answers.begin());
-  drop_strangers(answers);
+  tidy(state, client);
   return owner;
+}
+
+bool ServiceModel::take_others(State& state, std::uint32_t client) const {
+  auto& answers = state.clients[client].answers;
+  if (answers.empty() || answers.front() != others) return false;
+  answers.erase(answers.begin());
+  return true;
 }
 
 void ServiceModel::forget(State& state, std::uint32_t client, std::uint32_t run) const {
@@ -223,6 +240,7 @@ std::optional<ServiceModel::State> ServiceModel::after(State state,
       if (kind == Kind::hand_over && *owner != nobody(number)) client->handed[*owner - 1] = 1;
       return state;
     }
+    case Kind::take_others: return when(take_others(state, number));
     case Kind::wait:
       if (client->handed[run] == 0) return std::nullopt;
       client->handed[run] = 0;
@@ -283,7 +301,13 @@ std::string ServiceModel::describe(StateId at) const {
     const auto strangers =
         static_cast<std::size_t>(std::count(client.answers.begin(), client.answers.end(), others));
     add(client.answers.size() - strangers, "answer", " to " + name + " not taken");
-    add(strangers, "answer", " to others in the queue of " + name);
+    const bool is_any_number = shape_.is_looked_at[number] && !shape_.takes_one_by_one &&
+                               client.answers.size() == strangers;
+    if (strangers > 0 && is_any_number) {
+      parts.push_back("answers to others in the queue of " + name);
+    } else {
+      add(strangers, "answer", " to others in the queue of " + name);
+    }
     add(static_cast<std::size_t>(std::count(client.handed.begin(), client.handed.end(), 1U)),
         "answer", " handed over to its callback");
   }
@@ -313,6 +337,7 @@ std::string ServiceModel::text_of(const Operation& operation) const {
     case Kind::receive_at_once: return "receive -> answer" + of;
     case Kind::hand_over: return "an answer is handed over" + of;
     case Kind::take_own: return "an answer is taken" + of;
+    case Kind::take_others: return "answers to others are thrown away" + of;
     case Kind::wait: return "wait -> answer" + of;
     case Kind::end_run: return "end" + of;
   }

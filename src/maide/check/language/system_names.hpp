@@ -86,6 +86,8 @@ struct Service {
   std::vector<End> clients;
   std::uint32_t depth = 10;
   bool is_depth_unknown = false;
+  std::string rmw;                // of ROS 2: "cyclonedds", "fastrtps"; empty: not said
+  bool takes_one_by_one = false;  // of Fast DDS: one answer, whosever it is
   ServiceModel* rules = nullptr;
   std::uint32_t server_runs = 1;   // of its callback, at once
   std::set<std::string> own_code;  // nodes whose client has code of its own

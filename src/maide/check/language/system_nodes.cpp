@@ -167,10 +167,17 @@ void SystemReader::read_service(const std::string& name, const Indices& indices,
       model.origin = one_of<std::string>(node, "'learn' of a service", {{"ros2", "ros2"}});
     } else {
       for (const auto& [option, setting] :
-           entries(node, "'with' of a service, which is made by its rules,", {"depth", "kind"})) {
+           entries(node, "'with' of a service, which is made by its rules,",
+                   {"depth", "kind", "rmw"})) {
         scalar(setting, "'" + option.Scalar() + "'");
         if (option.Scalar() == "kind") {
           one_of<bool>(setting, "'kind'", {{"service", true}});
+          continue;
+        }
+        if (option.Scalar() == "rmw") {
+          service.takes_one_by_one =
+              one_of<bool>(setting, "'rmw'", {{"cyclonedds", false}, {"fastrtps", true}});
+          service.rmw = setting.Scalar();
           continue;
         }
         if (setting.Scalar() == unknown_depth) {

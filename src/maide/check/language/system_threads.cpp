@@ -156,12 +156,16 @@ void SystemReader::make_services() {
     for (const Service::End& client : service.clients) {
       shape.names.push_back(client.node.empty() ? texts_[client.program].name : client.node);
       std::uint32_t askers = 0;
+      bool is_looked_at = false;
       for (const NodeOf& node : nodes_) {
         if (node.name != client.node) continue;
+        is_looked_at = executors_[node.executor].goes_by_rounds;
         for (std::size_t i = 0; i < node.callbacks.size(); ++i) askers += runs_of(node, i);
       }
       shape.askers.push_back(askers);
+      shape.is_looked_at.push_back(is_looked_at);
     }
+    shape.takes_one_by_one = service.takes_one_by_one;
     for (const NodeOf& node : nodes_) {
       for (std::size_t i = 0; i < node.callbacks.size(); ++i) {
         const Callback& callback = node.callbacks[i];
@@ -182,7 +186,13 @@ void SystemReader::make_services() {
       shape.sul = system_.models[model].origin +
                   " kind=service depth=" + std::to_string(shape.depth) +
                   " clients=" + std::to_string(shape.askers.size());
+      if (!service.rmw.empty()) shape.sul += " rmw=" + service.rmw;
     }
+    // What looks find depends on it, whether the file says it or not.
+    const bool finds_others =
+        shape.askers.size() > 1 && std::find(shape.is_looked_at.begin(), shape.is_looked_at.end(),
+                                             true) != shape.is_looked_at.end();
+    shape.rmw = service.rmw.empty() && finds_others ? "cyclonedds" : service.rmw;
     auto rules = std::make_unique<ServiceModel>(std::move(shape));
     service.rules = rules.get();
     system_.models[model].automaton = rules->start();

@@ -131,13 +131,35 @@ std::pair<Uses, Uses> Unroller::start_of(const SelectArm& arm) {
                     callback.has_code ? ServiceModel::name_at("answer", client) : "")};
 }
 
+ModelUse Unroller::discard_of(const SelectArm& arm) {
+  const Callback& callback = *arm.starts;
+  const Service& service = names_.services.at(callback.model);
+  const std::uint32_t client = service.client_of(callback.node, number_).value_or(0);
+  return service.rules->use(actions_, callback.model, {Kind::take_others, client, nobody});
+}
+
+void Unroller::expand_discard(const Place& place, const SelectArm& arm, const Values& values,
+                              const Uses& conditions) {
+  if (arm.starts->kind != Callback::Kind::client) return;
+  const bool is_one = names_.services.at(arm.starts->model).takes_one_by_one;
+  for (Uses& way : combine({{discard_of(arm)}}, {conditions})) {
+    add_joint({Joint::Role::discard,
+               std::move(way),
+               {},
+               arm.starts->whole_name() + " throws away " +
+                   (is_one ? "an answer to another" : "answers to others"),
+               0,
+               arm.starts->number},
+              settle(place.frame, values), arm.line, arm.column);
+  }
+}
+
 std::vector<Uses> Unroller::nothing_for(const SelectArm& arm, const Values& values) {
   if (arm.starts->kind != Callback::Kind::subscription) {
-    Uses nothing;
-    for (const ModelUse& use : start_of(arm).first) {
-      nothing.push_back(actions_.impossible(use.model, {use}));
-    }
-    return {nothing};
+    const std::uint32_t service = arm.starts->model;
+    Uses taking = start_of(arm).first;
+    if (arm.starts->kind == Callback::Kind::client) taking.push_back(discard_of(arm));
+    return {{actions_.impossible(service, taking)}};
   }
   const std::uint32_t model = model_of(arm.model, values);
   Uses taking;
@@ -166,7 +188,10 @@ void Unroller::expand_rounds(const Place& place, const Statement& statement, con
     const SelectArm& arm = statement.select_arms[i];
     Values behind_it = values;
     behind_it[slot] = static_cast<Value>(left & ~((std::uint64_t{2} << i) - 1));
-    for (const Uses& conditions : passed) expand_arm(place, arm, behind_it, conditions, 0);
+    for (const Uses& conditions : passed) {
+      expand_arm(place, arm, behind_it, conditions, 0);
+      expand_discard(place, arm, behind_it, conditions);
+    }
     if (arm.starts->kind == Callback::Kind::timer) return;
     passed = combine(passed, nothing_for(arm, values));
   }

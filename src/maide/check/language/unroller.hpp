@@ -99,6 +99,10 @@ class Unroller : public Walker {
   Uses events_of(std::uint32_t model, const std::string& input, const std::string& output) const;
   // How a callback can start that takes nothing from a model of the file; and its events.
   std::pair<Uses, Uses> start_of(const SelectArm& arm);
+  // A client's callback is passed over for answers to others, which are thrown away.
+  ModelUse discard_of(const SelectArm& arm);
+  void expand_discard(const Place& place, const SelectArm& arm, const Values& values,
+                      const Uses& conditions);
   // Nothing is there for the arm's callback.
   std::vector<Uses> nothing_for(const SelectArm& arm, const Values& values);
   void expand_rounds(const Place& place, const Statement& statement, const Values& values);
