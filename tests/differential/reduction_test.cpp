@@ -82,7 +82,7 @@ class Comparison {
     } else {
       check_threads(system, property);
     }
-    if (property.kind != Property::Kind::stuck) check_ranks(system, property, all, is_cycle);
+    check_ranks(system, property, all, is_cycle);
     ++(all.verdict == Verdict::holds ? holds_ : violated_);
     for (const Reduction reduction : {Reduction::calls, Reduction::order, Reduction::full}) {
       const PropertyResult reduced = engine.check(system, property, with(reduction));

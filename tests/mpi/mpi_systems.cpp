@@ -15,19 +15,21 @@ namespace maide {
 namespace {
 
 // Nothing if both find and count the same.
-std::string difference(const System& system, Reduction reduction, Ranks& ranks) {
+std::string difference(const System& system, Property::Kind kind, Reduction reduction,
+                       Ranks& ranks) {
   NativeEngine engine;
   Property property;
-  property.name = "deadlock";
-  property.kind = Property::Kind::deadlock;
+  property.kind = kind;
   EngineOptions options;
+  options.threads = 1;
   options.reduction = reduction;
   const PropertyResult alone = engine.check(system, property, options);
   options.ranks = &ranks;
   options.states_a_thread = 2;  // so that a small system has many rounds
   const PropertyResult together = engine.check(system, property, options);
   if (alone.verdict != together.verdict) return "another verdict";
-  if (alone.trace && alone.trace->steps.size() != together.trace->steps.size()) {
+  const bool is_shortest = kind == Property::Kind::deadlock;
+  if (is_shortest && alone.trace && alone.trace->steps.size() != together.trace->steps.size()) {
     return "a run of another length";
   }
   const bool are_counts_equal =
@@ -53,11 +55,14 @@ int compare(Ranks& ranks, std::uint64_t seed, int count) {
     if (has_one && violated >= count / 2) continue;  // half of them cannot
     violated += has_one ? 1 : 0;
     ++i;
-    for (const Reduction reduction : {Reduction::none, Reduction::order, Reduction::full}) {
-      const std::string found = difference(system, reduction, ranks);
-      if (found.empty()) continue;
-      fmt::print("system {} of seed {}, {}: {}\n", i, seed, to_string(reduction), found);
-      return 1;
+    for (const auto kind : {Property::Kind::deadlock, Property::Kind::stuck}) {
+      for (const Reduction reduction : {Reduction::none, Reduction::order, Reduction::full}) {
+        const std::string found = difference(system, kind, reduction, ranks);
+        if (found.empty()) continue;
+        fmt::print("system {} of seed {}, {}{}: {}\n", i, seed, to_string(reduction),
+                   kind == Property::Kind::stuck ? ", stuck" : "", found);
+        return 1;
+      }
     }
   }
   fmt::print("{} systems agree on {} ranks, {} violated\n", count, ranks.size(), violated);

@@ -283,10 +283,12 @@ ExitStatus run_check(const CheckArguments& arguments, Context& context) {
   request.properties = arguments.properties;
   request.options.ranks = ranks.get();
   if (ranks != nullptr) {
-    log_note(
-        fmt::format("{} ranks search together; `stuck` and formulas other than `always` are "
-                    "searched by the first alone",
-                    ranks->size()));
+    log_note(fmt::format("{} ranks search together", ranks->size()));
+    if (leaves_out_orders(reduction_of(arguments.reduction))) {
+      log_note(
+          "with --reduction order and full the first rank alone searches for `stuck` and "
+          "formulas other than `always`");
+    }
   }
   request.options.reduction = reduction_of(arguments.reduction);
   request.options.control = context.control();

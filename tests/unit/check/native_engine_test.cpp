@@ -225,52 +225,89 @@ TEST(NativeEngine, ThreadsFindAndCountTheSame) {
 
 // A product is searched in parts: one a program that may be stuck; of these formulas one, behind
 // the states in which the automaton waits, and two where there is nothing to wait for.
-TEST(NativeEngine, ThreadsSearchForCyclesInParts) {
-  const std::string counts = "\"repeat 6 { if * {} }\"\n";
-  const std::string programs = "  a: " + counts + "  b: " + counts + "  c: " + counts;
-  const std::string formulas =
-      "  once: G (a@end -> G F b@end)\n  either: '!(F G !a@end || F G !b@end)'\n";
-  const System good =
-      test::system_of(programs + "  d: loop { sync.write; sync.read -> message; }\n", formulas);
-  const System bad = test::system_of(programs +
-                                         "  d: loop { sync.write; sync.read -> message; }\n"
-                                         "  e: \"repeat 5 { if * {} } via.read -> message;\"\n",
-                                     formulas + "  never: G (a@end -> F G !b@end)\n");
-  const auto check_all = [](const System& system, const EngineOptions& options) {
+class CyclesInParts : public testing::Test {
+ protected:
+  std::vector<PropertyResult> check_all(const System& system, unsigned threads,
+                                        Ranks* ranks = nullptr) const {
+    EngineOptions options;
+    options.threads = threads;
+    options.states_a_thread = 8;
+    options.ranks = ranks;
     std::vector<PropertyResult> results{check(system, stuck(), options)};
     for (const Property& property : system.properties) {
       results.push_back(check(system, property, options));
     }
     return results;
-  };
-  const auto with_threads = [](unsigned threads) {
-    EngineOptions options;
-    options.threads = threads;
-    options.states_a_thread = 8;
-    return options;
-  };
-  const auto one = check_all(good, with_threads(1)), one_bad = check_all(bad, with_threads(1));
-  const auto two_bad = check_all(bad, with_threads(2));
-  for (const unsigned threads : {2U, 5U}) {
-    const auto several = check_all(good, with_threads(threads));
-    for (std::size_t i = 0; i < one.size(); ++i) {
-      EXPECT_EQ(one[i].verdict, Verdict::holds) << one[i].name;
-      EXPECT_EQ(several[i].verdict, Verdict::holds) << one[i].name;
-      EXPECT_GT(one[i].states, 300) << one[i].name;
-      EXPECT_EQ(several[i].states, one[i].states) << one[i].name;
-      EXPECT_EQ(several[i].transitions, one[i].transitions) << one[i].name;
+  }
+  static void expect_same_counts(const std::vector<PropertyResult>& left,
+                                 const std::vector<PropertyResult>& right) {
+    for (std::size_t i = 0; i < left.size(); ++i) {
+      EXPECT_EQ(left[i].verdict, right[i].verdict) << left[i].name;
+      EXPECT_EQ(left[i].states, right[i].states) << left[i].name;
+      EXPECT_EQ(left[i].transitions, right[i].transitions) << left[i].name;
     }
-    const auto several_bad = check_all(bad, with_threads(threads));
+  }
+
+  const std::string counts_ = "\"repeat 6 { if * {} }\"\n";
+  const std::string programs_ = "  a: " + counts_ + "  b: " + counts_ + "  c: " + counts_ +
+                                "  d: loop { sync.write; sync.read -> message; }\n";
+  const std::string formulas_ =
+      "  once: G (a@end -> G F b@end)\n  either: '!(F G !a@end || F G !b@end)'\n"
+      "  strong: {ltl: G F b@end, fairness: strong}\n";
+  const System good_ = test::system_of(programs_, formulas_);
+  const System bad_ = test::system_of(
+      programs_ + "  e: \"repeat 5 { if * {} } via.read -> message;\"\n",
+      formulas_ +
+          "  late: {ltl: '!F e@end', fairness: strong}\n  never: G (a@end -> F G !b@end)\n");
+};
+
+TEST_F(CyclesInParts, ThreadsFindAndCountTheSame) {
+  const auto one = check_all(good_, 1), one_bad = check_all(bad_, 1);
+  for (const PropertyResult& result : one) {
+    EXPECT_EQ(result.verdict, Verdict::holds) << result.name;
+    EXPECT_GT(result.states, 300) << result.name;
+  }
+  EXPECT_EQ(one_bad.front().verdict, Verdict::violated);
+  EXPECT_EQ(one_bad.back().verdict, Verdict::violated);
+  const auto two_bad = check_all(bad_, 2);
+  for (const unsigned threads : {2U, 5U}) {
+    expect_same_counts(check_all(good_, threads), one);
+    const auto several_bad = check_all(bad_, threads);
+    expect_same_counts(several_bad, two_bad);
     for (std::size_t i = 0; i < one_bad.size(); ++i) {
       EXPECT_EQ(several_bad[i].verdict, one_bad[i].verdict) << one_bad[i].name;
-      EXPECT_EQ(several_bad[i].states, two_bad[i].states) << one_bad[i].name;
       ASSERT_EQ(several_bad[i].trace.has_value(), one_bad[i].trace.has_value());
       if (!one_bad[i].trace) continue;
       EXPECT_EQ(several_bad[i].trace->steps, two_bad[i].trace->steps) << one_bad[i].name;
       EXPECT_EQ(several_bad[i].trace->loop_start, two_bad[i].trace->loop_start);
     }
-    EXPECT_EQ(several_bad.front().verdict, Verdict::violated);
-    EXPECT_EQ(several_bad.back().verdict, Verdict::violated);
+  }
+}
+
+TEST_F(CyclesInParts, RanksFindAndCountTheSame) {
+  const auto one = check_all(good_, 1), one_bad = check_all(bad_, 1);
+  for (const unsigned size : {1U, 2U, 3U, 5U}) {
+    test::RanksOfThreads ranks(size);
+    const auto several = check_all(good_, size % 2 + 1, ranks.first());
+    expect_same_counts(several, one);
+    if (size > 1) {
+      EXPECT_GT(several.front().sent_bytes, 0);
+    }
+    const auto several_bad = check_all(bad_, 1, ranks.first());
+    for (std::size_t i = 0; i < one_bad.size(); ++i) {
+      EXPECT_EQ(several_bad[i].verdict, one_bad[i].verdict) << one_bad[i].name;
+    }
+    const System large = large_system(20);
+    EngineOptions options;
+    options.states_a_thread = 8;
+    options.ranks = ranks.first();
+    options.memory_mib = 1;
+    EXPECT_THAT(check(large, stuck(), options).reason, HasSubstr("more than 1 MiB"));
+    std::stop_source source;
+    source.request_stop();
+    options.memory_mib.reset();
+    options.control.stop = source.get_token();
+    EXPECT_THAT(check(large, stuck(), options).reason, HasSubstr("interrupted"));
   }
 }
 

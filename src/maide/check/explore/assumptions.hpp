@@ -2,12 +2,14 @@
 // system file says of places that were never tried, and fairness.
 #pragma once
 
+#include <cstdint>
 #include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "maide/check/explore/engine.hpp"
+#include "maide/check/explore/search.hpp"
 #include "maide/check/language/system.hpp"
 
 namespace maide {
@@ -32,6 +34,20 @@ std::optional<std::string> find_weakness(const System& system);
 // Callbacks whose code may go round for ever: what their threads and groups keep from starting then
 // `stuck` does not look at. None if there are none. O(edges).
 std::optional<std::string> find_endless_callbacks(const System& system);
+
+// A select of a program's text that waits in vain: from some point of some run on its time-outs
+// alone end it, because whatever happens then, none of its other arms can be taken again. One in
+// all rounds of its loops and copies of its procedure.
+struct LoneTimeOut {
+  std::uint32_t program = 0;
+  std::vector<ProgramEdge> arms;  // that are waited for in vain
+};
+
+// Some select has a time-out. O(steps of programs).
+bool has_time_outs(const System& system);
+
+// In the order of the programs and their texts. None if the limits end the search.
+std::vector<LoneTimeOut> find_lone_time_outs(const System& system, const SearchLimits& limits);
 
 // One line each.
 struct StatedAssumptions {

@@ -17,7 +17,6 @@
 #include "maide/base/error.hpp"
 #include "maide/base/text.hpp"
 #include "maide/check/explore/assumptions.hpp"
-#include "maide/check/explore/lone_time_outs.hpp"
 #include "maide/check/explore/model_words.hpp"
 #include "maide/check/trace/trace.hpp"
 

@@ -150,22 +150,32 @@ Formula negation_of(const Formula& formula) {
   return std::make_shared<const FormulaNode>(std::move(node));
 }
 
-// Calls `work` as with_words() does. Searches with wide sets are compiled for large states alone.
-template <typename Monitor>
-constexpr bool uses_wide_bits = std::is_same_v<typename Monitor::Bits, WideBits>;
-template <typename Monitor, typename Work>
-auto with_words_for(const PackedSystem& system, Work&& work) {
-  if constexpr (uses_wide_bits<Monitor>) {
-    return work(std::integral_constant<std::size_t, PackedSystem::most_words>());
-  } else {
-    return with_words(system.words(), work);
-  }
+// By several ranks. What they find is a node near a cycle; this one goes on from there.
+template <std::size_t words, typename Monitor>
+SearchResult find_fair_cycle_on_ranks(const PackedSystem& system, const Monitor& monitor,
+                                      const Property& property, const SearchLimits& limits,
+                                      const SearchJob::Monitor& job) {
+  if (auto small = search_small<words>(system, monitor, limits)) return std::move(*small);
+  SearchResult all =
+      explore(system.system(), SearchJob::Goal::cycle, property, Reduction::none, limits, job);
+  if (!all.near) return all;
+  auto node = system.pack<words>(all.near->first);
+  system.monitor().set(node, all.near->second);
+  SearchResult found = FairCycleSearch<words, Monitor>(system, monitor, limits)
+                           .run_from(node, std::move(*all.trace));
+  found.has_violation = true;
+  found.states = all.states;
+  found.transitions = all.transitions;
+  found.bytes = std::max(found.bytes, all.bytes);
+  found.sent_bytes = all.sent_bytes;
+  return found;
 }
 
+// `job`: the monitor, for other ranks.
 template <typename Monitor>
 SearchResult find_fair_cycle(const PackedSystem& system, const Monitor& monitor,
                              const Property& property, Reduction reduction,
-                             const SearchLimits& limits) {
+                             const SearchLimits& limits, const SearchJob::Monitor& job) {
   std::optional<ReductionRules> rules;
   if (leaves_out_orders(reduction) && !system.has_deaths() && system.group_count() == 0 &&
       system.program_count() <= most_reduced_programs) {
@@ -174,6 +184,9 @@ SearchResult find_fair_cycle(const PackedSystem& system, const Monitor& monitor,
   std::optional<StubbornSets> sets;
   if (rules) sets.emplace(system, std::move(rules->sets));
   SearchResult search = with_words_for<Monitor>(system, [&](auto words) {
+    if (!sets && limits.ranks != nullptr) {
+      return find_fair_cycle_on_ranks<words.value>(system, monitor, property, limits, job);
+    }
     PartsSearch<words.value, Monitor> parts(system, monitor, limits);
     if (!sets && limits.threads > 1 && parts.pays()) return parts.run();
     return FairCycleSearch<words.value, Monitor>(system, monitor, limits, sets ? &*sets : nullptr)
@@ -218,7 +231,11 @@ SearchResult search_for_stuck(const System& plain, const Property& property, Red
   const auto search = [&](StuckRuns runs) {
     Property wanted = property;
     wanted.fairness = runs == StuckRuns::strongly_fair ? Fairness::strong : Fairness::weak;
-    return find_fair_cycle(system, StuckMonitor<Bits>(system, runs), wanted, reduction, limits);
+    SearchJob::Monitor job;
+    job.stuck = runs;
+    job.has_wide_bits = std::is_same_v<Bits, WideBits>;
+    return find_fair_cycle(system, StuckMonitor<Bits>(system, runs), wanted, reduction, limits,
+                           job);
   };
   const auto shortened = [&](SearchResult found) {
     const StuckMonitor<Bits> monitor(system, StuckRuns::strongly_fair);
@@ -240,8 +257,11 @@ template <typename Bits>
 SearchResult search_for_run(const System& plain, const Property& property, LtlAutomaton automaton,
                             Reduction reduction, const SearchLimits& limits) {
   const PackedSystem system(plain, node_number_bits, automaton.states.size());
+  SearchJob::Monitor job;
+  job.automaton = automaton;
+  job.has_wide_bits = std::is_same_v<Bits, WideBits>;
   const LtlMonitor<Bits> monitor(system, std::move(automaton), property.fairness);
-  SearchResult search = find_fair_cycle(system, monitor, property, reduction, limits);
+  SearchResult search = find_fair_cycle(system, monitor, property, reduction, limits, job);
   shorten(system, monitor, property, limits.control, search);
   return search;
 }

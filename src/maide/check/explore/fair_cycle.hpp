@@ -79,6 +79,7 @@ template <std::size_t words, typename Monitor>
 class FairCycleSearch {
  public:
   using Part = ProductPart<words>;
+  using State = PackedState<words>;
   static constexpr std::uint64_t no_budget = ~std::uint64_t{0};
 
   // `system` was made with node_number_bits of payload and the monitor's states. `sets`: null takes
@@ -95,6 +96,17 @@ class FairCycleSearch {
   bool is_over_budget() const { return is_over_budget_; }
 
   SearchResult run() {
+    return run([this] { search(); });
+  }
+  // The same from that node on, to which `way` leads.
+  SearchResult run_from(const State& node, Trace way) {
+    way_ = std::move(way);
+    return run([&] { search_from(node); });
+  }
+
+ private:
+  template <typename Search>
+  SearchResult run(Search&& search) {
     try {
       search();
     } catch (const std::bad_alloc&) {
@@ -108,16 +120,13 @@ class FairCycleSearch {
     return std::move(result_);
   }
 
- private:
   using Graph = ProductGraph<words, Monitor>;
-  using State = typename Graph::State;
   using Edge = typename Graph::Edge;
   using Number = typename Graph::Number;
   using Bits = typename Graph::Bits;
 
   using Address = typename Graph::Address;
   using Step = typename Graph::Steps::One;
-  static constexpr std::uint32_t no_edge = ~std::uint32_t{0};
 
   // A node on the path.
   struct Frame {
@@ -181,22 +190,6 @@ class FairCycleSearch {
     return false;
   }
 
-  // Calls `visit(node)` for nodes of this part to which a root goes in that state of the system.
-  template <typename Visit>
-  void for_each_entry(const State& state, Visit&& visit) const {
-    const Monitor& monitor = graph_.monitor();
-    for (std::uint32_t root = 0; root < monitor.states(); ++root) {
-      if (!monitor.is_root(root)) continue;
-      // Where a root goes depends on that state alone.
-      monitor.step(state, 0, no_edge, Bits{}, root, [&](std::uint32_t at, const Bits&) {
-        if (!is_mine(at)) return;
-        State node = state;
-        graph_.system().monitor().set(node, at);
-        visit(node);
-      });
-    }
-  }
-
   void search_from_roots() {
     constexpr std::size_t together = 32;  // fetched ahead
     std::vector<State> entries;
@@ -208,7 +201,7 @@ class FairCycleSearch {
     };
     part_->reached.table().for_each([&](const State& state, std::uint64_t) {
       if (is_over_ || graph_.system().is_error(state)) return;
-      for_each_entry(state, [&](const State& node) {
+      graph_.for_each_entry(state, part_->number, [&](const State& node) {
         graph_.prefetch(graph_.address_of(node));
         entries.push_back(node);
       });
@@ -426,19 +419,22 @@ class FairCycleSearch {
     }
     graph_.list_nodes();
     typename FairLasso<Graph>::Set first;
-    Trace way;
     if (part_ != nullptr) {
       const Number entry = nearest_entry(members);
-      way = part_->reached.run_to(graph_.plain(graph_.node(entry)));
+      way_ = part_->reached.run_to(graph_.plain(graph_.node(entry)));
       first.push_back(entry);
+    } else if (way_) {
+      first.push_back(entry_);
     }
     FairLasso<Graph> lasso(graph_, limits_.control, std::move(first));
     const std::uint64_t most = bytes() + lasso.bytes(graph_);
     if (part_ != nullptr) tell(most);
     result_.bytes = std::max(result_.bytes, most);
     Trace trace = run(lasso);
-    if (trace.loop_start) *trace.loop_start += way.steps.size();
-    trace.steps.insert(trace.steps.begin(), way.steps.begin(), way.steps.end());
+    if (way_) {
+      if (trace.loop_start) *trace.loop_start += way_->steps.size();
+      trace.steps.insert(trace.steps.begin(), way_->steps.begin(), way_->steps.end());
+    }
     result_.trace = std::move(trace);
     result_.end = SearchResult::End::found;
   }
@@ -453,7 +449,8 @@ class FairCycleSearch {
       const State& node = graph_.node(members[i]);
       const State state = graph_.plain(node);
       bool is_entry = false;
-      for_each_entry(state, [&](const State& one) { is_entry = is_entry || one == node; });
+      graph_.for_each_entry(state, part_->number,
+                            [&](const State& one) { is_entry = is_entry || one == node; });
       if (!is_entry) continue;
       const std::size_t own = part_->reached.run_to(state).steps.size();
       if (own < length) {
@@ -469,6 +466,7 @@ class FairCycleSearch {
   StubbornSets* sets_;
   std::uint64_t budget_;
   const Part* part_;
+  std::optional<Trace> way_;  // to where the search began, if that is no first node
   bool is_over_budget_ = false;
   std::uint64_t told_states_ = 0, told_bytes_ = 0;  // to the searches of other parts
   Number entry_ = 0;                                // at the path's beginning
@@ -485,8 +483,37 @@ class FairCycleSearch {
   SearchResult result_;
 };
 
-// Searches the parts of a product beside each other, with all steps taken. A small product, or one
-// with a violation near the start, is searched by one thread whole.
+// What was reached is a node with each root, but for errors. `result`: of that search, on all
+// ranks.
+template <std::size_t words>
+void count_roots(const PackedSystem& system, const BreadthFirstSearch<words, NoGoal>& reached,
+                 std::uint64_t roots, SearchResult& result, Ranks* ranks = nullptr) {
+  if (system.has_errors()) {
+    RankReport errors;
+    reached.table().for_each([&](const PackedState<words>& state, std::uint64_t) {
+      if (system.is_error(state)) ++errors.states;
+    });
+    if (ranks != nullptr) errors = sum_of(RankBatches<std::uint64_t>(*ranks).exchange(errors));
+    result.states -= errors.states;
+  }
+  result.states *= roots;
+  result.transitions *= roots;
+  result.has_cut = false;
+}
+
+// By one thread: nothing if the product is large, and a violation is not soon found.
+template <std::size_t words, typename Monitor>
+std::optional<SearchResult> search_small(const PackedSystem& system, const Monitor& monitor,
+                                         const SearchLimits& limits) {
+  const std::uint64_t budget = limits.states_a_thread * limits.states_a_thread;
+  FairCycleSearch<words, Monitor> search(system, monitor, limits, nullptr, budget);
+  SearchResult result = search.run();
+  if (search.is_over_budget()) return std::nullopt;
+  return result;
+}
+
+// Searches the parts of a product beside each other, with all steps taken; a small product, or one
+// with a violation near the start, by one thread whole.
 template <std::size_t words, typename Monitor>
 class PartsSearch {
  public:
@@ -500,12 +527,7 @@ class PartsSearch {
   bool pays() const { return roots_ > 0 || monitor_.parts() > 1; }
 
   SearchResult run() {
-    {
-      const std::uint64_t budget = limits_.states_a_thread * limits_.states_a_thread;
-      FairCycleSearch<words, Monitor> small(system_, monitor_, limits_, nullptr, budget);
-      SearchResult result = small.run();
-      if (!small.is_over_budget()) return result;
-    }
+    if (auto small = search_small<words>(system_, monitor_, limits_)) return std::move(*small);
     SearchLimits limits = limits_;
     limits.ranks = nullptr;
     const StepOrder order(system_);
@@ -519,7 +541,7 @@ class PartsSearch {
     if (roots_ > 0) {
       result = reached.run();
       if (result.end != SearchResult::End::complete) return result;
-      count_roots(reached, result);
+      count_roots(system_, reached, roots_, result);
     }
     search_parts(reached, result);
     return result;
@@ -528,18 +550,6 @@ class PartsSearch {
  private:
   using Part = ProductPart<words>;
   using Reached = typename Part::Reached;
-
-  // What was reached is a node with each root, but for errors.
-  void count_roots(const Reached& reached, SearchResult& result) const {
-    if (system_.has_errors()) {
-      reached.table().for_each([&](const PackedState<words>& state, std::uint64_t) {
-        if (system_.is_error(state)) --result.states;
-      });
-    }
-    result.states *= roots_;
-    result.transitions *= roots_;
-    result.has_cut = false;
-  }
 
   void search_parts(const Reached& reached, SearchResult& result) const {
     const std::uint32_t parts = monitor_.parts();

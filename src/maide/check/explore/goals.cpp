@@ -1,5 +1,5 @@
 // What breadth-first searches look for, and how each is run: alone, or by several ranks, the first
-// of which tells the others.
+// of which tells the others. So are searches for cycles by ranks.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -16,6 +16,7 @@
 #include "maide/check/explore/checkpoint.hpp"
 #include "maide/check/explore/engine.hpp"
 #include "maide/check/explore/explorer.hpp"
+#include "maide/check/explore/fair_hull.hpp"
 #include "maide/check/explore/monitors.hpp"
 #include "maide/check/explore/search_job.hpp"
 
@@ -132,10 +133,29 @@ SearchResult explore_for(const System& plain, std::optional<ReductionRules> rule
   return search;
 }
 
-// Searches breadth-first for that goal.
+// Searches by all ranks for a cycle that is accepted by a monitor of that type.
+template <typename Monitor, typename... Arguments>
+SearchResult find_cycle(const System& plain, std::size_t monitor_states, const SearchLimits& limits,
+                        Arguments&&... arguments) {
+  const PackedSystem system(plain, node_number_bits, monitor_states);
+  const Monitor monitor(system, std::forward<Arguments>(arguments)...);
+  return with_words_for<Monitor>(
+      system, [&](auto words) { return search_hull<words.value>(system, monitor, limits); });
+}
+template <typename Bits>
+SearchResult find_cycle(const System& plain, const Property& property,
+                        const SearchJob::Monitor& monitor, const SearchLimits& limits) {
+  if (property.kind == Property::Kind::stuck) {
+    return find_cycle<StuckMonitor<Bits>>(plain, plain.programs.size() + 1, limits, monitor.stuck);
+  }
+  return find_cycle<LtlMonitor<Bits>>(plain, monitor.automaton.states.size(), limits,
+                                      monitor.automaton, property.fairness);
+}
+
+// Searches for that goal.
 SearchResult explore_for_goal(const System& plain, SearchJob::Goal goal, const Property& property,
                               Reduction reduction, const SearchLimits& limits,
-                              Checkpoint* checkpoint) {
+                              const SearchJob::Monitor& monitor, Checkpoint* checkpoint) {
   using Goal = SearchJob::Goal;
   switch (goal) {
     case Goal::deadlock:
@@ -152,6 +172,9 @@ SearchResult explore_for_goal(const System& plain, SearchJob::Goal goal, const P
                          [&](const PackedSystem& system) {
                            return InvariantGoal{system, Condition(invariant_of(property), plain)};
                          });
+    case Goal::cycle:
+      return monitor.has_wide_bits ? find_cycle<WideBits>(plain, property, monitor, limits)
+                                   : find_cycle<std::uint64_t>(plain, property, monitor, limits);
     case Goal::none: break;
   }
   throw std::logic_error("a search without a goal");
@@ -166,7 +189,8 @@ void end_all_ranks(Ranks& ranks, const std::string& why, ExitStatus status) {
 }  // namespace
 
 SearchResult explore(const System& plain, SearchJob::Goal goal, const Property& property,
-                     Reduction reduction, const SearchLimits& limits) {
+                     Reduction reduction, const SearchLimits& limits,
+                     const SearchJob::Monitor& monitor) {
   const auto job = [&] {
     return SearchJob{goal,
                      plain,
@@ -178,14 +202,16 @@ SearchResult explore(const System& plain, SearchJob::Goal goal, const Property& 
                      limits.states_a_thread,
                      limits.threads,
                      limits.checkpoints,
-                     limits.checkpoint_seconds};
+                     limits.checkpoint_seconds,
+                     monitor};
   };
   std::optional<Checkpoint> saved;
   const auto search = [&] {
-    if (!limits.checkpoints.empty()) {
+    if (!limits.checkpoints.empty() && goal != SearchJob::Goal::cycle) {
       saved.emplace(limits.checkpoints, key_of(job()), limits.checkpoint_seconds);
     }
-    return explore_for_goal(plain, goal, property, reduction, limits, saved ? &*saved : nullptr);
+    return explore_for_goal(plain, goal, property, reduction, limits, monitor,
+                            saved ? &*saved : nullptr);
   };
   if (limits.ranks == nullptr) return search();
   try {
@@ -222,7 +248,7 @@ void serve_searches(Ranks& ranks) {
     limits.ranks = &ranks;
     limits.checkpoints = job.checkpoints;
     limits.checkpoint_seconds = job.checkpoint_seconds;
-    explore(job.system, job.goal, job.property, job.reduction, limits);
+    explore(job.system, job.goal, job.property, job.reduction, limits, job.monitor);
   }
 }
 

@@ -1,5 +1,10 @@
-#include "maide/check/explore/lone_time_outs.hpp"
-
+// Time-outs that hide a program that waits in vain. Without its time-out such a program would be
+// stuck, or in a deadlock. A select that is `idle` may wait in vain.
+//
+// The reachable states are searched once, by Tarjan's components (Tarjan, "Depth-first search and
+// linear graph algorithms", SIAM J. Comput. 1972), path-based. A component knows which arms can be
+// taken in it and behind it. Beyond what was learned any arm may come. O(states + steps); nothing
+// is searched where no select has a time-out.
 #include <algorithm>
 #include <iterator>
 #include <map>
@@ -7,6 +12,7 @@
 #include <utility>
 
 #include "maide/base/invariant.hpp"
+#include "maide/check/explore/assumptions.hpp"
 #include "maide/check/explore/packed_system.hpp"
 #include "maide/check/explore/state_table.hpp"
 

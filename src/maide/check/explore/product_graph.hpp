@@ -28,6 +28,7 @@
 #include <limits>
 #include <new>
 #include <stdexcept>
+#include <type_traits>
 #include <vector>
 
 #include "maide/base/invariant.hpp"
@@ -201,6 +202,22 @@ class ProductGraph {
     for_each_wanted_edge(nodes_[number], scratch_, is_any, visit);
   }
 
+  // Calls `visit(node)` for nodes of that part to which a root goes in that state of the system.
+  template <typename Visit>
+  void for_each_entry(const State& state, std::uint32_t part, Visit&& visit) const {
+    constexpr std::uint32_t no_edge = ~std::uint32_t{0};
+    for (std::uint32_t root = 0; root < monitor_.states(); ++root) {
+      if (!monitor_.is_root(root)) continue;
+      // Where a root goes depends on that state alone.
+      monitor_.step(state, 0, no_edge, Bits{}, root, [&](std::uint32_t at, const Bits&) {
+        if (monitor_.part_of(at) != part) return;
+        State node = state;
+        system_.monitor().set(node, at);
+        visit(node);
+      });
+    }
+  }
+
   std::vector<State> first_nodes() const {
     std::vector<State> nodes;
     const State initial = system_.pack<words>(initial_state(system_.system()));
@@ -258,5 +275,17 @@ class ProductGraph {
   bool lists_nodes_ = false;
   mutable Steps scratch_;
 };
+
+// Calls `work` as with_words() does. Searches with wide sets are compiled for large states alone.
+template <typename Monitor>
+inline constexpr bool uses_wide_bits = std::is_same_v<typename Monitor::Bits, WideBits>;
+template <typename Monitor, typename Work>
+auto with_words_for(const PackedSystem& system, Work&& work) {
+  if constexpr (uses_wide_bits<Monitor>) {
+    return work(std::integral_constant<std::size_t, PackedSystem::most_words>());
+  } else {
+    return with_words(system.words(), work);
+  }
+}
 
 }  // namespace maide

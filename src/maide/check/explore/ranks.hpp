@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "maide/base/hash.hpp"
 #include "maide/base/invariant.hpp"
 
 namespace maide {
@@ -38,6 +39,12 @@ class Ranks {
   // Ends all ranks at once, with that status of the process. Does not return.
   virtual void abort(int status) = 0;
 };
+
+// The rank that owns a state, of `ranks`: by the state's place in a table of all states.
+inline unsigned owner_of(std::uint64_t scrambled, unsigned ranks) {
+  const std::uint64_t hash = hash_mix(0, scrambled) >> 32;
+  return static_cast<unsigned>(hash * ranks >> 32);
+}
 
 // What a rank tells of itself with each batch.
 struct RankReport {

@@ -17,7 +17,6 @@
 #include <utility>
 #include <vector>
 
-#include "maide/base/hash.hpp"
 #include "maide/base/invariant.hpp"
 #include "maide/base/numbers.hpp"
 #include "maide/base/thread_team.hpp"
@@ -284,8 +283,7 @@ class SearchRounds {
 
   // The rank that owns the state, of several.
   unsigned owner_of(const typename Table::Address& address) const {
-    const std::uint64_t hash = hash_mix(0, address.scrambled) >> 32;
-    return static_cast<unsigned>(hash * options_.ranks->size() >> 32);
+    return maide::owner_of(address.scrambled, options_.ranks->size());
   }
 
   // How a search came to a state of that payload.

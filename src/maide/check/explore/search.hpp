@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "maide/base/run_control.hpp"
 #include "maide/check/explore/ranks.hpp"
@@ -38,14 +39,17 @@ struct SearchResult {
     stopped,        // by the control, or another limit
   };
   End end = End::complete;
-  std::uint64_t states = 0;               // stored
-  std::uint64_t transitions = 0;          // seen, or taken in a search for cycles
-  std::uint64_t depth = 0;                // of the last level that was begun; of the longest path
-  bool has_cut = false;                   // one of them leaves what was learned
-  bool has_violation = false;             // of a search for cycles, though perhaps not shown
-  std::uint64_t bytes = 0;                // the most that the search had
-  std::uint64_t sent_bytes = 0;           // between ranks
-  std::optional<Trace> trace;             // of what was found
+  std::uint64_t states = 0;       // stored
+  std::uint64_t transitions = 0;  // seen, or taken in a search for cycles
+  std::uint64_t depth = 0;        // of the last level that was begun; of the longest path
+  bool has_cut = false;           // one of them leaves what was learned
+  bool has_violation = false;     // of a search for cycles, though perhaps not shown
+  std::uint64_t bytes = 0;        // the most that the search had
+  std::uint64_t sent_bytes = 0;   // between ranks
+  std::optional<Trace> trace;     // of what was found
+  // Of a search for cycles by ranks: the trace ends here, from where a violation comes; the
+  // monitor's state.
+  std::optional<std::pair<GlobalState, std::uint32_t>> near;
   std::optional<Trace> remarkable;        // of a run that is almost what was looked for
   Reduction reduction = Reduction::none;  // what was used
   std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();

@@ -196,13 +196,16 @@ void pass(Archive& archive, Expression& expression) {
       expression.dimensions, expression.operands);
 }
 template <typename Archive>
+void pass(Archive& archive, Atom& atom) {
+  all(archive, atom.kind, atom.owner, atom.symbol, atom.program);
+}
+template <typename Archive>
 void pass(Archive& archive, Formula& formula) {
   bool is_there = formula != nullptr;
   pass(archive, is_there);
   if (!is_there) return;
   FormulaNode node = formula == nullptr ? FormulaNode() : *formula;
-  all(archive, node.op, node.atom.kind, node.atom.owner, node.atom.symbol, node.atom.program,
-      node.left, node.right);
+  all(archive, node.op, node.atom, node.left, node.right);
   if constexpr (!Archive::writes) formula = std::make_shared<const FormulaNode>(std::move(node));
 }
 template <typename Archive>
@@ -211,10 +214,24 @@ void pass(Archive& archive, Property& property) {
 }
 
 template <typename Archive>
+void pass(Archive& archive, LtlAutomaton::Transition& transition) {
+  all(archive, transition.letter.positive, transition.letter.negative, transition.target,
+      transition.marks);
+}
+template <typename Archive>
+void pass(Archive& archive, LtlAutomaton& automaton) {
+  all(archive, automaton.atoms, automaton.mark_count, automaton.states, automaton.initial,
+      automaton.universal);
+}
+template <typename Archive>
+void pass(Archive& archive, SearchJob::Monitor& monitor) {
+  all(archive, monitor.automaton, monitor.stuck, monitor.has_wide_bits);
+}
+template <typename Archive>
 void pass(Archive& archive, SearchJob& job) {
   all(archive, job.goal, job.system.models, job.system.programs, job.system.expressions,
       job.property, job.reduction, job.states, job.depth, job.bytes, job.states_a_thread,
-      job.threads, job.checkpoints, job.checkpoint_seconds);
+      job.threads, job.checkpoints, job.checkpoint_seconds, job.monitor);
 }
 
 template <typename Archive, typename... Parts>

@@ -6,6 +6,7 @@
 #include <span>
 #include <string>
 
+#include "maide/check/explore/monitors.hpp"
 #include "maide/check/explore/ranks.hpp"
 #include "maide/check/explore/reduction.hpp"
 #include "maide/check/explore/search.hpp"
@@ -20,10 +21,17 @@ struct SearchJob {
     error,
     cut,
     invariant,  // a position at which it does not hold
+    cycle,      // a fair cycle that a monitor accepts
+  };
+  // Of a cycle: the monitor.
+  struct Monitor {
+    LtlAutomaton automaton;                    // of runs that violate a formula
+    StuckRuns stuck = StuckRuns::weakly_fair;  // the runs on which somebody is stuck
+    bool has_wide_bits = false;
   };
   Goal goal = Goal::none;
   System system;      // without what only messages need
-  Property property;  // of an invariant
+  Property property;  // of an invariant, or a cycle
   Reduction reduction = Reduction::none;
   // SearchLimits: of all ranks together, then of each.
   std::uint64_t states = 0, depth = 0;
@@ -31,6 +39,7 @@ struct SearchJob {
   unsigned threads = 0;
   std::string checkpoints;  // a folder, or empty
   double checkpoint_seconds = 0;
+  Monitor monitor;
 };
 
 // Both ways; ranks run the same program on machines of one kind. Throws std::logic_error for bytes
@@ -42,8 +51,9 @@ SearchJob decode(std::span<const unsigned char> bytes);
 
 // Searches the system breadth-first for that goal, with checkpoints if the limits name a folder for
 // them. With ranks, on all of them, which have the same result. If the search of a rank fails, that
-// is one line, and all ranks end.
+// is one line, and all ranks end. For cycles there must be ranks (fair_hull.hpp).
 SearchResult explore(const System& system, SearchJob::Goal goal, const Property& property,
-                     Reduction reduction, const SearchLimits& limits);
+                     Reduction reduction, const SearchLimits& limits,
+                     const SearchJob::Monitor& monitor = {});
 
 }  // namespace maide
