@@ -46,6 +46,18 @@
 
 namespace maide {
 
+// All that can be reached is looked for.
+struct NoGoal {
+  template <typename State>
+  bool on_step(const State&, const State&, std::size_t, std::uint32_t, bool) const {
+    return false;
+  }
+  template <typename State>
+  bool on_end(const State&) const {
+    return false;
+  }
+};
+
 template <std::size_t words, typename Goal>
 class BreadthFirstSearch {
  public:

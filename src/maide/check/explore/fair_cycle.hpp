@@ -47,18 +47,6 @@
 
 namespace maide {
 
-// All that can be reached is looked for.
-struct NoGoal {
-  template <typename State>
-  bool on_step(const State&, const State&, std::size_t, std::uint32_t, bool) const {
-    return false;
-  }
-  template <typename State>
-  bool on_end(const State&) const {
-    return false;
-  }
-};
-
 // A part of the product that is searched beside others: nodes in whose monitor state the part is.
 template <std::size_t words>
 struct ProductPart {
