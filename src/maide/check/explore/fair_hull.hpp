@@ -13,9 +13,10 @@
 // node's label is the greatest number of the nodes that lead to it, and the least label of all is
 // the number of a node in such a component. From there rank 0 makes the run that is shown.
 //
-// A rank owns the nodes whose states of the system it owns. Each node takes some 40 bytes, is
-// expanded once to be reached, and then once or more for each turn. Parts of the product
-// (fair_cycle.hpp) are searched one after another, each with memory of its own.
+// A rank owns the nodes whose states of the system it owns. Each node of a part takes some 40 bytes
+// (64 programs, states of 64 bits; without strong fairness). It is expanded once to be reached, and
+// then once or more for each turn. Parts of the product (fair_cycle.hpp) are searched one after
+// another, each with memory of its own.
 //
 // Sources: "one way catch them young": Fisler, Fraer, Kamhi, Vardi & Yang, "Is there a best
 // symbolic cycle-detection algorithm?", TACAS 2001; on many machines: Cerna & Pelanek, "Distributed
@@ -147,7 +148,6 @@ class FairHull {
     while (is_going_on()) {
       std::vector<std::vector<std::vector<Item>>> away(1);
       away[0].resize(ranks_.size());
-      RankReport own;
       bool is_left = false;
       const auto send = [&](const Item& item) {
         const unsigned owner = owner_of(item.node);
@@ -161,7 +161,7 @@ class FairHull {
         for (std::size_t i = 0; i < round && has_more; ++i) has_more = visit_next(send);
         is_left = is_left || has_more;
       });
-      own = report();
+      RankReport own = report();
       own.is_left = is_left;
       own.is_found = found_.has_value();
       batches.send(own, away);
