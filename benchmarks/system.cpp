@@ -49,8 +49,9 @@ Mealy learn(const SystemSpec& spec) {
 }
 
 Mealy read(const std::string& file) {
-  return open_system(parse_system_spec("sim:" + file, {}), {{}, Translation::eager})
-      .reference.value();
+  SystemAccess access;
+  access.translation = Translation::eager;
+  return open_system(parse_system_spec("sim:" + file, {}), access).reference.value();
 }
 
 // Words over the inputs of `info`, whatever their order in the model.
