@@ -92,7 +92,7 @@ def service_members(system: Any) -> list[tuple[str, tuple, Scope, dict]]:
     """(name, index, scope, description) of each service."""
     found = []
     for header, description in (system.document.get("services") or {}).items():
-        if not set(description) <= {"server", "clients", "with"}:
+        if not set(description) <= {"server", "clients", "with", "learn"}:
             raise Refused(f"service {header}: unknown keys")
         name, array = system.declare_array(header)
         found += [(name, index, scope, description) for index, scope in array]
