@@ -106,7 +106,7 @@ std::string describe_silence(std::chrono::milliseconds limit) {
 
 WrapperProxy::WrapperProxy(WrapperEndpoint endpoint, std::map<std::string, std::string> options,
                            ProxySettings settings, const RunControl& control)
-    : endpoint_(std::move(endpoint)), options_(std::move(options)), settings_(settings) {
+    : endpoint_(std::move(endpoint)), options_(std::move(options)), settings_(std::move(settings)) {
   connect(control);
 }
 
