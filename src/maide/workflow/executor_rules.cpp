@@ -263,10 +263,9 @@ class Scheduler {
         rules_.discard(behind, *callback);
       }
     } else if (const auto found = found_by(system_, *step); !found.empty()) {
-      const auto callback =
-          rules_.pick(behind, system_.callbacks[found.front()].executor, at, found);
-      if (!callback) return false;
-      picks_.push_back(*callback);
+      const auto first = rules_.pick(behind, system_.callbacks[found.front()].executor, at, found);
+      if (!first) return false;
+      picks_.push_back(*first);
     } else if (is_end_of_callback(system_, *step)) {
       rules_.end(behind, before.first, before.second);
     }
