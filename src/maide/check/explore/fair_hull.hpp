@@ -2,11 +2,11 @@
 // (fair_cycle.hpp) goes one way at a time; this one takes away, from all nodes that can be reached,
 // what no fair cycle leads to, until nothing more goes. What is left is empty, or has a fair cycle.
 //
-//   reach   all nodes, breadth-first, with the edges that come to each counted
-//   trim    a node to which no edge comes goes, and then those to which it led alone
-//   gather  each node learns which marks lie on edges by which it can be reached, and who steps on
+//   reach   All nodes are found, breadth-first. The edges that come to each are counted.
+//   trim    A node to which no edge comes goes. Then those go to which it led alone.
+//   gather  Each node learns which marks lie on edges by which it can be reached, and who steps on
 //           them. A node that lacks a mark goes. So does one in which a program can step that has
-//           to be treated fairly, if no step of it leads there
+//           to be treated fairly, if no step of it leads there.
 //
 // Trimming and gathering take turns. In the end, a component to which no other leads has every
 // mark, for the marks that its nodes gathered are its own. One of its nodes is found by labels: a
