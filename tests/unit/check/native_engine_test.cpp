@@ -311,6 +311,24 @@ TEST_F(CyclesInParts, RanksFindAndCountTheSame) {
   }
 }
 
+// Two programs share a mutex, so one may starve, but not on strongly fair runs. A third goes round
+// in a long circle. The first rank has no room to work out a run on which one starves.
+TEST(NativeEngine, WhoStarvesOnWeaklyFairRunsIsNotStuckWhereMemoryEnds) {
+  const System system = parse_system(
+      "models:\n  m: {use: mutex}\nprograms:\n  a: 'loop { m.lock; m.unlock; }'\n"
+      "  b: 'loop { m.lock; m.unlock; }'\n  c: 'loop { repeat 20000 { if * {} } }'\n",
+      "system.yaml", test::test_model);
+  test::RanksOfThreads ranks(3);
+  EngineOptions options;
+  options.reduction = Reduction::none;
+  options.ranks = ranks.first();
+  options.states_a_thread = 64;
+  EXPECT_EQ(check(system, stuck(), options).verdict, Verdict::holds);
+  options.memory_mib = 4;
+  const PropertyResult limited = check(system, stuck(), options);
+  EXPECT_EQ(limited.verdict, Verdict::holds) << limited.reason;
+}
+
 // The batches of one round are on their way while the next one is expanded.
 TEST(NativeEngine, RanksFindAndCountTheSame) {
   for (const unsigned size : {1U, 2U, 3U, 5U}) {

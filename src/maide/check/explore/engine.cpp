@@ -163,6 +163,9 @@ SearchResult find_fair_cycle_on_ranks(const PackedSystem& system, const Monitor&
   system.monitor().set(node, all.near->second);
   SearchResult found = FairCycleSearch<words, Monitor>(system, monitor, limits)
                            .run_from(node, std::move(*all.trace));
+  if (found.end == SearchResult::End::complete) {
+    throw std::logic_error("there is no fair cycle where the ranks found one");
+  }
   found.has_violation = true;
   found.states = all.states;
   found.transitions = all.transitions;
@@ -243,8 +246,12 @@ SearchResult search_for_stuck(const System& plain, const Property& property, Red
     return found;
   };
   SearchResult weak = search(StuckRuns::weakly_fair);
-  if (weak.end != SearchResult::End::found) return weak;
-  if (find_flaw(plain, property, *weak.trace).empty()) return shortened(std::move(weak));
+  const bool is_shown = weak.end == SearchResult::End::found;
+  // Where somebody starves on a weakly fair run that was not worked out, strong fairness decides.
+  if (!is_shown && !weak.has_violation) return weak;
+  if (is_shown && find_flaw(plain, property, *weak.trace).empty()) {
+    return shortened(std::move(weak));
+  }
   SearchResult strong = search(StuckRuns::strongly_fair);
   if (strong.end != SearchResult::End::complete) return shortened(std::move(strong));
   if (system.has_groups_on_weak_runs()) weak = search(StuckRuns::weakly_fair_with_groups);

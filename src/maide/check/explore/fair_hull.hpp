@@ -69,6 +69,7 @@ class FairHull {
     reach();
     if (is_going_on()) shrink();
     if (is_going_on() && has_any_left_) {
+      result_.has_violation = true;
       found_ = node_on_fair_cycle();
       if (is_going_on()) end_ = End::found;
     }
