@@ -147,9 +147,44 @@ TEST_F(CheckpointTest, ADamagedOneIsSaid) {
   std::ofstream(parts[0]) << content << "more";
   expect_damaged();
   std::ofstream(parts[0]) << content;
-  EXPECT_EQ(run(system, 1, 0).verdict, Verdict::holds);
-  std::ofstream(files(".json")[0]) << "{\"maide\":";
+  // A part less would be a search that found all there is.
+  const std::string manifest = files(".json").at(0);
+  const std::string said = read_file(manifest);
+  for (const std::string name : {"parts", "depth", "transitions"}) {
+    const std::size_t digit = said.find("\"" + name + "\":") + name.size() + 3;
+    std::string other = said;
+    other[digit] = static_cast<char>(other[digit] ^ 1);
+    std::ofstream(manifest) << other;
+    expect_damaged();
+  }
+  std::ofstream(manifest) << said;
+  // A part of an earlier checkpoint is whole, and yet wrong.
+  EXPECT_EQ(run(system, 1, 6).verdict, Verdict::inconclusive);
+  const std::string later = files(".states").at(0);
+  ASSERT_NE(later, parts[0]);
+  const std::string later_content = read_file(later);
+  std::ofstream(later) << content;
   expect_damaged();
+  std::ofstream(later) << later_content;
+  EXPECT_EQ(run(system, 1, 0).verdict, Verdict::holds);
+  std::ofstream(manifest) << "{\"maide\":";
+  expect_damaged();
+}
+
+// A search that is killed while it writes leaves parts that no manifest names.
+TEST_F(CheckpointTest, WhatAKilledSearchLeftBehindGoes) {
+  const System system = grid();
+  EXPECT_EQ(run(system, 2, 6).verdict, Verdict::inconclusive);
+  const std::string manifest = files(".json").at(0);
+  const std::string own = manifest.substr(0, manifest.size() - 5);
+  const std::string half = own + "-99-1.states.part-7-0", unnamed = own + "-99-0.states";
+  const std::string others = (folder_ / "0000000000000000-1-0.states").string();
+  for (const std::string& file : {half, unnamed, others}) std::ofstream(file) << "much";
+  EXPECT_EQ(run(system, 3, 2).verdict, Verdict::inconclusive);
+  EXPECT_FALSE(fs::exists(half));
+  EXPECT_FALSE(fs::exists(unnamed));
+  EXPECT_TRUE(fs::exists(others));
+  EXPECT_EQ(run(system, 1, 0).verdict, Verdict::holds);
 }
 
 // An earlier checkpoint stays, and the search goes on.

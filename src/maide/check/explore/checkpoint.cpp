@@ -47,13 +47,16 @@ std::filesystem::path Checkpoint::part_file(std::uint64_t number, unsigned part)
 std::optional<SearchProgress> Checkpoint::find() const {
   const std::string file = manifest().string();
   std::error_code error;
-  if (!std::filesystem::exists(file, error)) return std::nullopt;
+  if (!std::filesystem::exists(file, error) && !error) return std::nullopt;
   try {
-    const Json json = parse_json(read_file(file), file);
+    Json json = parse_json(read_file(file), file);
     const std::string writer = json.at("maide").get<std::string>();
     if (writer != version()) {
       throw UsageError(fmt::format("the checkpoint was written by maide {} ({})", writer, file));
     }
+    const auto sum = json.at("sum").get<std::uint64_t>();
+    json.erase("sum");
+    if (sum != hash_text(to_json_line(json))) throw damaged(file);
     SearchProgress progress;
     progress.number = json.at("number").get<std::uint64_t>();
     progress.parts = json.at("parts").get<unsigned>();
@@ -69,6 +72,25 @@ std::optional<SearchProgress> Checkpoint::find() const {
   } catch (const ParseError&) {
     throw damaged(file);
   }
+}
+
+void Checkpoint::remove_leftovers(const std::optional<SearchProgress>& last) const {
+  const std::string own = fmt::format("{:016x}", key_);
+  const std::string kept = last ? fmt::format("{}-{}-", own, last->number) : "";
+  std::error_code error;
+  for (auto entry = std::filesystem::directory_iterator(folder_, error);
+       !error && entry != std::filesystem::directory_iterator(); entry.increment(error)) {
+    const std::string name = entry->path().filename().string();
+    if (!name.starts_with(own) || entry->path() == manifest()) continue;
+    if (last && name.starts_with(kept) && name.ends_with(".states")) continue;
+    std::error_code ignored;  // it costs room alone
+    std::filesystem::remove(entry->path(), ignored);
+  }
+}
+
+void Checkpoint::check_total(const SearchProgress& last, std::uint64_t states,
+                             std::uint64_t next) const {
+  if (states != last.states || next != last.next) throw damaged(manifest().string());
 }
 
 void Checkpoint::Writer::put(std::uint64_t value) {
@@ -105,15 +127,16 @@ void Checkpoint::write_part(std::uint64_t number, unsigned part,
 }
 
 void Checkpoint::write_manifest(const SearchProgress& progress) const {
-  const Json json{{"maide", version()},
-                  {"number", progress.number},
-                  {"parts", progress.parts},
-                  {"depth", progress.depth},
-                  {"states", progress.states},
-                  {"next", progress.next},
-                  {"transitions", progress.transitions},
-                  {"has_cut", progress.has_cut},
-                  {"is_done", progress.is_done}};
+  Json json{{"maide", version()},
+            {"number", progress.number},
+            {"parts", progress.parts},
+            {"depth", progress.depth},
+            {"states", progress.states},
+            {"next", progress.next},
+            {"transitions", progress.transitions},
+            {"has_cut", progress.has_cut},
+            {"is_done", progress.is_done}};
+  json["sum"] = hash_text(to_json_line(json));
   write_file_atomically(manifest(), to_json_line(json) + "\n");
 }
 

@@ -35,6 +35,11 @@ class Checkpoint {
   // The last one; none: there is none. Throws UsageError for one that is damaged, or of another
   // version of Maide.
   std::optional<SearchProgress> find() const;
+  // Removes what a search left behind that was killed while it wrote: all files of this search but
+  // those of `last`. Nobody else writes to the folder meanwhile.
+  void remove_leftovers(const std::optional<SearchProgress>& last) const;
+  // Throws UsageError unless all parts of `last` together had so many states.
+  void check_total(const SearchProgress& last, std::uint64_t states, std::uint64_t next) const;
 
   // Numbers of eight bytes, in the order in which they were written.
   class Writer {

@@ -115,6 +115,7 @@ class BreadthFirstSearch {
 
   void search() {
     begin();
+    check_what_was_loaded(rounds_.table().size(), rounds_.next_size());
     std::uint64_t visited = 0;
     while (rounds_.next_size() > 0 && result_.depth <= limits_.depth) {
       if (is_due()) save(rounds_.table().size(), rounds_.next_size());
@@ -151,7 +152,11 @@ class BreadthFirstSearch {
     std::optional<SearchProgress> saved;
     if (options_.checkpoint != nullptr) {
       Ranks::Bytes bytes;
-      if (is_first()) bytes = encode(options_.checkpoint->find());
+      if (is_first()) {
+        const auto last = options_.checkpoint->find();
+        options_.checkpoint->remove_leftovers(last);
+        bytes = encode(last);
+      }
       if (batches_) batches_->ranks().broadcast(bytes, 0);
       saved = decode_progress(bytes);
     }
@@ -167,6 +172,11 @@ class BreadthFirstSearch {
       options_.checkpoint->read_part(saved->number, part,
                                      [&](Checkpoint::Reader& reader) { rounds_.load(reader); });
     }
+  }
+  // Of all parts together, before the first level.
+  void check_what_was_loaded(std::uint64_t states, std::uint64_t next) const {
+    if (saved_.number == 0 || saved_.is_done || result_.depth != saved_.depth) return;
+    options_.checkpoint->check_total(saved_, states, next);
   }
   bool is_first() const { return !batches_ || batches_->ranks().rank() == 0; }
   bool is_due() const {
@@ -282,6 +292,7 @@ class BreadthFirstSearch {
       all_states_ = sum.states;
       end_ = static_cast<End>(sum.stop);
       if (end_ != End::complete) break;
+      check_what_was_loaded(sum.states, sum.next);
       if (sum.next == 0 || result_.depth > limits_.depth) break;
       if (sum.is_due) save(sum.states, sum.next);
       rounds_.begin_level();
