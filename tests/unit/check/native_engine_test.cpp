@@ -329,6 +329,14 @@ TEST(NativeEngine, WhoStarvesOnWeaklyFairRunsIsNotStuckWhereMemoryEnds) {
   EXPECT_EQ(limited.verdict, Verdict::holds) << limited.reason;
 }
 
+// A rank that does not understand the first one ends all: they would wait for it.
+TEST(NativeEngineDeathTest, ARankOfAnotherVersionEndsAll) {
+  test::Mailboxes boxes(2);
+  boxes.put(0, 1, true, {1, 2, 3});
+  test::MailboxRanks rank(boxes, 1);
+  EXPECT_DEATH(serve_searches(rank), "rank 1 failed: the first rank's maide is of another version");
+}
+
 // The batches of one round are on their way while the next one is expanded.
 TEST(NativeEngine, RanksFindAndCountTheSame) {
   for (const unsigned size : {1U, 2U, 3U, 5U}) {

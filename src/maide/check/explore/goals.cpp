@@ -186,6 +186,18 @@ void end_all_ranks(Ranks& ranks, const std::string& why, ExitStatus status) {
   ranks.abort(static_cast<int>(status));
 }
 
+SearchJob decode_or_end(Ranks& ranks, const Ranks::Bytes& bytes) {
+  try {
+    return decode(bytes);
+  } catch (const Error& error) {
+    end_all_ranks(ranks, error.what(), error.status());
+    throw;
+  } catch (const std::exception& error) {
+    end_all_ranks(ranks, describe_internal_error(error.what()), ExitStatus::internal);
+    throw;
+  }
+}
+
 }  // namespace
 
 SearchResult explore(const System& plain, SearchJob::Goal goal, const Property& property,
@@ -237,7 +249,7 @@ void serve_searches(Ranks& ranks) {
   while (true) {
     Ranks::Bytes bytes;
     ranks.broadcast(bytes, 0);
-    const SearchJob job = decode(bytes);
+    const SearchJob job = decode_or_end(ranks, bytes);
     if (job.goal == SearchJob::Goal::none) return;
     SearchLimits limits;
     limits.bytes = job.bytes;

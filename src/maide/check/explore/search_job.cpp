@@ -3,16 +3,21 @@
 #include <cstring>
 #include <memory>
 #include <optional>
-#include <stdexcept>
 #include <string>
 #include <type_traits>
 #include <utility>
 #include <vector>
 
+#include "maide/base/error.hpp"
 #include "maide/base/hash.hpp"
+#include "maide/base/version.hpp"
 
 namespace maide {
 namespace {
+
+UsageError of_another_version() {
+  return UsageError("the first rank's maide is of another version; all ranks need the same");
+}
 
 // One function a type serves both ways: a JobWriter appends what it is given, a JobReader fills it
 // in.
@@ -37,7 +42,7 @@ class JobReader {
   explicit JobReader(std::span<const unsigned char> bytes) : bytes_(bytes) {}
   template <typename Number>
   void number(Number& value) {
-    if (bytes_.size() < sizeof value) throw std::logic_error("a job of another program");
+    if (bytes_.size() < sizeof value) throw of_another_version();
     std::memcpy(&value, bytes_.data(), sizeof value);
     bytes_ = bytes_.subspan(sizeof value);
   }
@@ -243,7 +248,8 @@ void all(Archive& archive, Parts&... parts) {
 
 Ranks::Bytes encode(SearchJob job) {
   JobWriter writer;
-  pass(writer, job);
+  std::string program(version());
+  all(writer, program, job);
   return writer.take();
 }
 
@@ -252,16 +258,21 @@ std::uint64_t key_of(SearchJob job) {
   job.threads = 0;
   job.checkpoints.clear();
   job.checkpoint_seconds = 0;
+  JobWriter writer;
+  pass(writer, job);
   std::uint64_t key = hash_start;
-  for (const unsigned char byte : encode(std::move(job))) key = hash_step(key, byte);
+  for (const unsigned char byte : writer.take()) key = hash_step(key, byte);
   return key;
 }
 
 SearchJob decode(std::span<const unsigned char> bytes) {
-  SearchJob job;
   JobReader reader(bytes);
+  std::string program;
+  pass(reader, program);
+  if (program != version()) throw of_another_version();
+  SearchJob job;
   pass(reader, job);
-  if (!reader.is_at_end()) throw std::logic_error("a job of another program");
+  if (!reader.is_at_end()) throw of_another_version();
   return job;
 }
 

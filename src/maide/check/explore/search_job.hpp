@@ -42,8 +42,8 @@ struct SearchJob {
   Monitor monitor;
 };
 
-// Both ways; ranks run the same program on machines of one kind. Throws std::logic_error for bytes
-// of another program.
+// Both ways; ranks run the same program on machines of one kind. Throws UsageError for bytes of
+// another version.
 Ranks::Bytes encode(SearchJob job);
 // The same for two jobs whose searches find the same, whatever their limits.
 std::uint64_t key_of(SearchJob job);
