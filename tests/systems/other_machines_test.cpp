@@ -311,6 +311,40 @@ TEST_F(DialledIn, WhenAllAreGoneANewOneIsWaitedFor) {
   EXPECT_EQ(run_learning(system, 1, options), run_learning(open_alone()));
 }
 
+// One of another version dials in just when the only one is gone, and is no loss.
+TEST_F(DialledIn, AStrangerInThePlaceOfOneThatIsGoneEndsNothing) {
+  auto first = dial();
+  std::unique_ptr<ChildProcess> second;
+  std::jthread helper;
+  const auto system = open_port(access());
+  const auto be_a_stranger = [&] {
+    Descriptor socket = tcp::connect(tcp::parse_address(address_), 10s, [] { return false; });
+    write_all(socket.get(), R"({"type":"hello","protocol":1,"name":"port"})"
+                            "\n"
+                            R"({"type":"error","code":"option","message":"there is no size"})"
+                            "\n");
+    return socket;
+  };
+  ExperimentOptions options;
+  options.on_hypothesis = [&](const Mealy&, std::uint64_t round) {
+    if (round != 1) return;
+    first->kill();
+    helper = std::jthread([&] {
+      std::vector<Descriptor> strangers;
+      try {
+        for (int i = 0; i < 30; ++i) {
+          strangers.push_back(be_a_stranger());
+          std::this_thread::sleep_for(50ms);
+        }
+      } catch (const std::runtime_error&) {
+        return;  // nobody listens any more
+      }
+      second = dial();
+    });
+  };
+  EXPECT_EQ(run_learning(system, 1, options), run_learning(open_alone()));
+}
+
 TEST_F(DialledIn, NobodyIsWaitedForWithoutEnd) {
   EXPECT_EQ(error_of([&] { open_port(access(0.2)); }),
             "4 no wrapper has come within 0.2 s (--accept " + address_ + ")");

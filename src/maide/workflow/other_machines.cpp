@@ -190,8 +190,9 @@ class Recruiter {
           *is_over = true;
         });
       }
-    } catch (const Error&) {
+    } catch (const std::exception& error) {
       fail(std::current_exception());
+      log_warning(std::string("no more wrappers are taken: ") + error.what());
     }
   }
 

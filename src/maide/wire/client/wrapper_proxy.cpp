@@ -186,7 +186,12 @@ void WrapperProxy::drop_connection() {
 void WrapperProxy::reconnect(const RunControl& control) {
   const SulInfo before = info_;
   connection_.reset();
-  connect(control);
+  try {
+    connect(control);
+  } catch (const UsageError& error) {
+    // Its options were taken before, so this one is another wrapper, and of no use.
+    fail(error.what());
+  }
   // Words that it answered and words that it will answer must be about the same system.
   const auto signature = [](const SulInfo& info) {
     std::string text = info.name + info.bound;
