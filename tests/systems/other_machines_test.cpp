@@ -31,8 +31,10 @@ namespace maide {
 namespace {
 
 using namespace std::chrono_literals;
+using testing::AllOf;
 using testing::HasSubstr;
 using testing::MatchesRegex;
+using testing::Not;
 
 const std::string port_program = MAIDE_BINARY_DIR "/bin/maide-wrap-port";
 const std::vector<std::string> small_port{"kind=strict", "size=4", "payload=gap"};
@@ -386,6 +388,13 @@ TEST_F(DialledIn, WithoutATokenItIsOnLoopbackOnly) {
   open_to_all.accept = "0.0.0.0:0";
   EXPECT_THAT(error_of([&] { open_port(open_to_all); }),
               HasSubstr("is not loopback, needs a token"));
+  // What it tells others to dial is no address that only this machine understands.
+  open_to_all.accept_wait = 0.1;
+  open_to_all.token_file = write_token("token", "sesame");
+  testing::internal::CaptureStderr();
+  EXPECT_THAT(error_of([&] { open_port(open_to_all); }), HasSubstr("4 no wrapper has come"));
+  EXPECT_THAT(testing::internal::GetCapturedStderr(),
+              AllOf(HasSubstr(" --connect "), Not(HasSubstr("0.0.0.0"))));
   open_to_all.accept = "nowhere";
   EXPECT_EQ(error_of([&] { open_port(open_to_all); }), "2 'nowhere' is not HOST:PORT");
 }

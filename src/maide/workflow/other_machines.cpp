@@ -1,8 +1,10 @@
 #include "maide/workflow/other_machines.hpp"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
@@ -275,6 +277,17 @@ class GrowingPool : public SulPool {
   std::unique_ptr<Recruiter> recruiter_;
 };
 
+// What others dial: the address of a listener on all interfaces is none.
+std::string dialled_address(const std::string& address) {
+  for (const std::string_view any : {"0.0.0.0", "[::]"}) {
+    if (!address.starts_with(std::string(any) + ":")) continue;
+    std::array<char, 256> name{};
+    if (::gethostname(name.data(), name.size() - 1) != 0) break;
+    return name.data() + address.substr(any.size());
+  }
+  return address;
+}
+
 }  // namespace
 
 std::unique_ptr<Sul> await_wrappers(const SystemSpec& spec, const SystemAccess& access,
@@ -283,9 +296,9 @@ std::unique_ptr<Sul> await_wrappers(const SystemSpec& spec, const SystemAccess& 
   const auto token =
       read_token(access.token_file.empty() ? std::nullopt : std::optional(access.token_file));
   auto recruiter = std::make_unique<Recruiter>(spec, access.accept, token);
-  log_note(
-      fmt::format("waiting {} s for a wrapper; start some, here or elsewhere: {} --connect {}{}",
-                  wait, wrapper, recruiter->address(), token ? " --token-file FILE" : ""));
+  log_note(fmt::format(
+      "waiting {} s for a wrapper; start some, here or elsewhere: {} --connect {}{}", wait, wrapper,
+      dialled_address(recruiter->address()), token ? " --token-file FILE" : ""));
   auto first = recruiter->await_first(std::chrono::duration<double>(wait), control);
   if (!first) {
     throw Error(ExitStatus::system_failed,
