@@ -4,6 +4,8 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <netinet/tcp.h>
 #include <poll.h>
 #include <sys/socket.h>
 
@@ -411,6 +413,21 @@ std::string hear(int socket, std::chrono::milliseconds limit) {
     if (result == ReadResult::some) text += bytes;
   }
   return text + "[still open]";
+}
+
+// The kernel asks a silent peer whether it is there, and ends the connection within a minute.
+TEST_F(DialledIn, AMachineThatVanishesIsNoticed) {
+  const tcp::Listener listener = tcp::listen(tcp::parse_address(address_));
+  const Descriptor socket = tcp::connect(tcp::parse_address(address_), 10s, [] { return false; });
+  const auto get = [&](int option) {
+    int value = 0;
+    socklen_t size = sizeof value;
+    EXPECT_EQ(::getsockopt(socket.get(), IPPROTO_TCP, option, &value, &size), 0);
+    return value;
+  };
+  EXPECT_LE(get(TCP_KEEPIDLE) + get(TCP_KEEPINTVL) * get(TCP_KEEPCNT), 60);
+  EXPECT_GT(get(TCP_USER_TIMEOUT), 0);
+  EXPECT_LE(get(TCP_USER_TIMEOUT), 60'000);
 }
 
 TEST_F(DialledIn, SilentConnectionsKeepNobodyOut) {

@@ -109,6 +109,13 @@ void set_up(int socket) {
   const int on = 1;
   ::setsockopt(socket, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
   ::setsockopt(socket, SOL_SOCKET, SO_KEEPALIVE, &on, sizeof on);
+  // By itself the kernel would begin to ask after two hours.
+  const int idle = 20, between = 10, most_asked = 3;  // seconds, seconds, times
+  ::setsockopt(socket, IPPROTO_TCP, TCP_KEEPIDLE, &idle, sizeof idle);
+  ::setsockopt(socket, IPPROTO_TCP, TCP_KEEPINTVL, &between, sizeof between);
+  ::setsockopt(socket, IPPROTO_TCP, TCP_KEEPCNT, &most_asked, sizeof most_asked);
+  const unsigned unanswered_ms = 50'000;  // what was sent and is not acknowledged
+  ::setsockopt(socket, IPPROTO_TCP, TCP_USER_TIMEOUT, &unanswered_ms, sizeof unanswered_ms);
 }
 
 void set_blocking(int socket, bool is_blocking) {

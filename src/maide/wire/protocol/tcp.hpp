@@ -38,7 +38,7 @@ Listener listen(const Address& address);
 Descriptor connect(const Address& address, std::chrono::milliseconds limit,
                    const std::function<bool()>& should_stop);
 
-// Small answers at once, and a peer that vanishes without a word is noticed in the end.
+// Small answers at once, and a peer that vanishes without a word is noticed within a minute.
 void set_up(int socket);
 void set_blocking(int socket, bool is_blocking);
 
