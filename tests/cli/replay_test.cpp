@@ -55,6 +55,25 @@ TEST_F(ReplayCommand, FollowsADeadlockThatIsReal) {
   EXPECT_EQ(json["steps"][0]["seen"], "quiet");
 }
 
+// A strict port of three keeps what the buffered one loses.
+TEST_F(ReplayCommand, PlaysOnASystemWithOtherOptions) {
+  const std::string file = system("learn: port, with: {kind: buffered}");
+  const std::string trace = find_deadlock(file);
+  const SubprocessResult result =
+      run_maide({"replay", file, trace, "--with", "kind=strict", "--with", "size=3"});
+  EXPECT_EQ(result.exit_status, 1) << result.err;
+  EXPECT_THAT(result.out, HasSubstr("via: port kind=buffered, with kind=strict size=3, waiting "
+                                    "longer: floor=10"));
+  EXPECT_THAT(result.out, HasSubstr("expected quiet, seen message"));
+  const SubprocessResult short_wait = run_maide({"replay", file, trace, "--with", "floor=3"});
+  EXPECT_EQ(short_wait.exit_status, 0) << short_wait.err;
+  EXPECT_THAT(short_wait.out, HasSubstr("via: port kind=buffered, with floor=3\n"));
+  const SubprocessResult unknown = run_maide({"replay", file, trace, "--with", "rmw=fastrtps"});
+  EXPECT_EQ(unknown.exit_status, 2);
+  EXPECT_THAT(unknown.err, HasSubstr("rmw"));
+  EXPECT_EQ(run_maide({"replay", file, trace, "--with", "kind"}).exit_status, 2);
+}
+
 // A model that says of itself that it is a strict port, and is none.
 TEST_F(ReplayCommand, ShowsThatAnAlarmIsFalse) {
   std::string text = read_file(std::string(MAIDE_SOURCE_DIR) + "/tests/models/buffered.dot");

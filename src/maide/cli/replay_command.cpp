@@ -31,6 +31,7 @@ struct ReplayArguments {
   std::size_t random_runs = 0;
   std::size_t steps = 60;
   std::uint64_t seed = 1;
+  std::vector<std::string> settings;  // "rmw=fastrtps"
   std::string token_file;
   std::size_t jobs = 0;
 };
@@ -304,8 +305,10 @@ ExitStatus run_replay(const ReplayArguments& arguments, Context& context) {
   read_traces(replay, arguments, requests, context.control());
   // One run keeps one system busy.
   const std::size_t jobs = replay.traces.size() == 1 ? 1 : arguments.jobs;
-  replay.real = open_real_systems(replay.system, requests,
-                                  {jobs, arguments.token_file, context.control(), replay.nodes});
+  const auto settings = parse_system_spec("sim", arguments.settings).options;
+  replay.real =
+      open_real_systems(replay.system, requests,
+                        {jobs, arguments.token_file, context.control(), replay.nodes, settings});
   const Tally tally = play(replay, arguments, context);
   const auto [verdict, status] = verdict_of(replay, tally, is_random);
   context.print(as_text(replay, tally, verdict, arguments));
@@ -331,6 +334,12 @@ RunFunction set_up_replay(CommandLine& line) {
       .value_name("N")
       .between(1, 1'000'000);
   line.add("--steps", arguments->steps, "Most steps of a random run").between(1, 1'000'000);
+  line.add("--with", arguments->settings,
+           "An option of the real systems, in place of the one with which they were learned: "
+           "--with rmw=fastrtps. May be given more than once")
+      .no_default()
+      .one_each()
+      .value_name("KEY=VALUE");
   add_seed_option(line, arguments->seed);
   add_token_option(line, arguments->token_file);
   add_jobs_option(line, arguments->jobs);

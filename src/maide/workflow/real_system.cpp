@@ -102,6 +102,24 @@ SystemSpec find_system_of_topic(const System& system, const TopicInstance& topic
   return *spec;
 }
 
+// Sets the options, and says so: ", with rmw=fastrtps".
+std::string change(SystemSpec& spec, const std::map<std::string, std::string>& settings,
+                   const std::string& what) {
+  std::string text = settings.empty() ? "" : ", " + what;
+  for (const auto& [key, value] : settings) {
+    spec.options[key] = value;
+    text += fmt::format(" {}={}", key, value);
+  }
+  return text;
+}
+
+// What a person says stands.
+std::string wait_longer(SystemSpec& spec, std::map<std::string, std::string> waits,
+                        const RealSystemOptions& options) {
+  for (const auto& [key, value] : options.settings) waits.erase(key);
+  return change(spec, waits, "waiting longer:");
+}
+
 // As waits_of(), for the nodes.
 std::unique_ptr<RealSystem> open_nodes(const RealSystemOptions& options) {
   auto real = std::make_unique<RealSystem>();
@@ -112,15 +130,12 @@ std::unique_ptr<RealSystem> open_nodes(const RealSystemOptions& options) {
   if (const auto rmw = spec.options.find("rmw"); rmw != spec.options.end()) {
     real->description += " rmw=" + rmw->second;
   }
+  real->description += change(spec, options.settings, "with");
   SystemAccess access;
   access.translation = Translation::eager;
   access.jobs = 1;
   const auto waits = longer_waits(open_system(spec, access, options.control).sul->info().options);
-  if (!waits.empty()) real->description += ", waiting longer:";
-  for (const auto& [key, value] : waits) {
-    spec.options[key] = value;
-    real->description += fmt::format(" {}={}", key, value);
-  }
+  real->description += wait_longer(spec, waits, options);
   access.jobs = options.jobs;
   real->sul = open_system(spec, access, options.control).sul;
   real->jobs = count_systems(*real->sul);
@@ -144,17 +159,13 @@ std::unique_ptr<RealSystem> open(const System& system, std::uint32_t index,
         fmt::format(" writers={} readers={}", topic->writers.size(), topic->readers.size());
   }
   if (request.learn.empty()) real->description += " as in " + instance.origin;
+  real->description += change(spec, options.settings, "with");
   SystemAccess access;
   access.translation = Translation::eager;
   access.jobs = spec.kind == SystemSpec::Kind::tcp ? 0 : options.jobs;  // at least all hosts
   access.token_file = options.token_file;
   try {
-    const auto waits = waits_of(instance, spec, options);
-    if (!waits.empty()) real->description += ", waiting longer:";
-    for (const auto& [key, value] : waits) {
-      spec.options[key] = value;
-      real->description += fmt::format(" {}={}", key, value);
-    }
+    real->description += wait_longer(spec, waits_of(instance, spec, options), options);
     real->sul = open_system(spec, access, options.control).sul;
     real->jobs = count_systems(*real->sul);
   } catch (const UsageError& error) {
