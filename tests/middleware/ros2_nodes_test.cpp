@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <iostream>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "maide/base/file.hpp"
@@ -60,11 +61,12 @@ class Nodes {
     return traces;
   }
 
-  // What came of each run.
-  std::vector<ReplayedRun> play(const std::vector<Trace>& traces) {
+  // What came of each run over that middleware.
+  std::vector<ReplayedRun> play(const std::vector<Trace>& traces,
+                                const std::string& rmw = "cyclonedds") {
     const auto nodes = meet_nodes(system_, traces) ? find_nodes(system_, requests_) : nullptr;
     EXPECT_EQ(find_unplayed(system_, traces, nodes.get()).models, std::vector<std::string>{});
-    const auto real = open_real_systems(system_, requests_, {0, "", {}, nodes});
+    const auto real = open_real_systems(system_, requests_, {0, "", {}, nodes, {{"rmw", rmw}}});
     std::vector<ReplayedRun> runs;
     play_on_real_system(system_, real, traces, {},
                         [&](std::size_t, ReplayedRun run) { runs.push_back(std::move(run)); });
@@ -97,20 +99,28 @@ void use_built_wrappers() {
   ::setenv("PATH", (MAIDE_BINARY_DIR "/bin:" + std::string(path ? path : "")).c_str(), 1);
 }
 
-class NodesReplay : public testing::TestWithParam<Case> {
+// The middlewares under rclcpp on which all examples are played.
+std::vector<std::string> installed_rmws() {
+  std::vector<std::string> installed{"cyclonedds"};
+  if (MAIDE_HAS_RMW_FASTRTPS) installed.push_back("fastrtps");
+  return installed;
+}
+
+class NodesReplay : public testing::TestWithParam<std::tuple<Case, std::string>> {
  protected:
   static void SetUpTestSuite() { use_built_wrappers(); }
 
-  void expect_followed(std::size_t rounds) {
-    Nodes nodes(folder / (GetParam().file + ".yaml"));
-    const Trace trace = nodes.find_trace(GetParam().property);
+  static void expect_followed(std::size_t rounds) {
+    const auto& [shown, rmw] = GetParam();
+    Nodes nodes(folder / (shown.file + ".yaml"));
+    const Trace trace = nodes.find_trace(shown.property);
     std::size_t followed = 0;
-    for (const ReplayedRun& run : nodes.play(std::vector<Trace>(rounds, trace))) {
+    for (const ReplayedRun& run : nodes.play(std::vector<Trace>(rounds, trace), rmw)) {
       EXPECT_FALSE(run.deviation) << text_of(*run.deviation);
       if (!run.deviation) ++followed;
     }
     EXPECT_EQ(followed, rounds);
-    std::cout << "| " << GetParam().file << " | " << GetParam().property << " | "
+    std::cout << "| " << shown.file << " | " << shown.property << " | " << rmw << " | "
               << trace.steps.size() << " | " << followed << " of " << rounds << " |\n";
   }
 };
@@ -121,27 +131,33 @@ TEST_P(NodesReplay, IsFollowedTwentyTimes) { expect_followed(20); }
 
 INSTANTIATE_TEST_SUITE_P(
     Examples, NodesReplay,
-    testing::Values(Case{"strangers/strangers-nodes", "planned"}, Case{"nested/nested", "deadlock"},
-                    Case{"nested/reentrant", "deadlock"}, Case{"nested/lost-update", "all"},
-                    Case{"burst/burst-nodes", "planned"}, Case{"snapshot/snapshot", "order"},
-                    Case{"snapshot/snapshot-answers", "order"},
-                    Case{"late-joiner/late-joiner", "once"},
-                    Case{"late-server/late-server", "stuck"}, Case{"camera/camera", "deadlock"},
-                    Case{"camera/camera-lost", "twelve"}),
-    [](const auto& row) { return name_of(row.param.file); });
+    testing::Combine(
+        testing::Values(Case{"strangers/strangers-nodes", "planned"},
+                        Case{"nested/nested", "deadlock"}, Case{"nested/reentrant", "deadlock"},
+                        Case{"nested/lost-update", "all"}, Case{"burst/burst-nodes", "planned"},
+                        Case{"snapshot/snapshot", "order"},
+                        Case{"snapshot/snapshot-answers", "order"},
+                        Case{"late-joiner/late-joiner", "once"},
+                        Case{"late-server/late-server", "stuck"}, Case{"camera/camera", "deadlock"},
+                        Case{"camera/camera-lost", "twelve"}),
+        testing::ValuesIn(installed_rmws())),
+    [](const auto& row) {
+      return name_of(std::get<0>(row.param).file) + "_" + std::get<1>(row.param);
+    });
 
 // ---- mended variants
 // -----------------------------------------------------------------------------
 
-class MendedNodes : public testing::TestWithParam<std::string> {
+class MendedNodes : public testing::TestWithParam<std::tuple<std::string, std::string>> {
  protected:
   static void SetUpTestSuite() { use_built_wrappers(); }
 
   static void expect_followed(std::size_t count) {
-    Nodes nodes(folder / (GetParam() + ".yaml"));
+    const auto& [file, rmw] = GetParam();
+    Nodes nodes(folder / (file + ".yaml"));
     const std::vector<Trace> traces = nodes.draw_runs(count);
     std::size_t followed = 0, steps = 0, deadlocks = 0;
-    for (const ReplayedRun& run : nodes.play(traces)) {
+    for (const ReplayedRun& run : nodes.play(traces, rmw)) {
       EXPECT_FALSE(run.deviation) << text_of(*run.deviation);
       if (ends_in_deadlock(nodes.system(), traces[followed])) ++deadlocks;
       if (!run.deviation) ++followed;
@@ -150,8 +166,8 @@ class MendedNodes : public testing::TestWithParam<std::string> {
     EXPECT_EQ(followed, count);
     EXPECT_GE(steps, 8 * count);
     EXPECT_EQ(deadlocks, 0u);
-    std::cout << "| " << GetParam() << " | " << followed << " of " << count << " | " << steps
-              << " | " << deadlocks << " |\n";
+    std::cout << "| " << file << " | " << rmw << " | " << followed << " of " << count << " | "
+              << steps << " | " << deadlocks << " |\n";
   }
 };
 
@@ -159,14 +175,15 @@ TEST_P(MendedNodes, FollowRandomRuns) { expect_followed(3); }
 
 TEST_P(MendedNodes, FollowAHundredRandomRuns) { expect_followed(100); }
 
-INSTANTIATE_TEST_SUITE_P(Examples, MendedNodes,
-                         testing::Values("strangers/strangers-mended", "nested/nested-mended",
-                                         "burst/burst-mended", "burst/burst-10-mended",
-                                         "snapshot/snapshot-mended",
-                                         "snapshot/snapshot-answers-mended",
-                                         "late-joiner/late-joiner-mended",
-                                         "late-server/late-server-mended", "camera/camera-mended"),
-                         [](const auto& row) { return name_of(row.param); });
+INSTANTIATE_TEST_SUITE_P(
+    Examples, MendedNodes,
+    testing::Combine(testing::Values("strangers/strangers-mended", "nested/nested-mended",
+                                     "burst/burst-mended", "burst/burst-10-mended",
+                                     "snapshot/snapshot-mended", "snapshot/snapshot-answers-mended",
+                                     "late-joiner/late-joiner-mended",
+                                     "late-server/late-server-mended", "camera/camera-mended"),
+                     testing::ValuesIn(installed_rmws())),
+    [](const auto& row) { return name_of(std::get<0>(row.param)) + "_" + std::get<1>(row.param); });
 
 // ---- real nodes that are others than the file says --------------------------------------------
 
