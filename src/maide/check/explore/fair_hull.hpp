@@ -205,6 +205,7 @@ class FairHull {
     if (queue_.empty()) return false;
     number = queue_.front();
     queue_.pop_front();
+    is_queued_[number] = false;
     return true;
   }
   // A cycle may lie in what is left, and the edges between its nodes alone count.
@@ -271,6 +272,7 @@ class FairHull {
       came_by_.push_back(item.value & ~is_counted);
       in_degree_.push_back(0);
       is_left_.push_back(!is_waiting(item.node));
+      is_queued_.push_back(false);
       if (!found_ && graph_.monitor_state(item.node) == graph_.monitor().universal()) {
         found_ = item.node;
       }
@@ -341,7 +343,6 @@ class FairHull {
         [&](auto& send) {
           Number number = 0;
           if (!pop(number)) return false;
-          is_queued_[number] = false;
           const Bits marks = marks_[number];
           const Share stepped = graph_.wants_more() ? stepped_[number] : Share();
           for_each_counted_edge(number, [&](const Edge& edge) {
@@ -404,7 +405,6 @@ class FairHull {
         [&](auto& send) {
           Number number = 0;
           if (!pop(number)) return false;
-          is_queued_[number] = false;
           const std::uint64_t label = std::max(labels_[number], own_label(number));
           for_each_counted_edge(number, [&](const Edge& edge) {
             send(NumberFor{edge.target, label});
