@@ -248,7 +248,7 @@ class CyclesInParts : public testing::Test {
     }
   }
 
-  const std::string counts_ = "\"repeat 6 { if * {} }\"\n";
+  const std::string counts_ = "\"repeat 4 { if * {} }\"\n";
   const std::string programs_ = "  a: " + counts_ + "  b: " + counts_ + "  c: " + counts_ +
                                 "  d: loop { sync.write; sync.read -> message; }\n";
   const std::string formulas_ =
@@ -265,7 +265,7 @@ TEST_F(CyclesInParts, ThreadsFindAndCountTheSame) {
   const auto one = check_all(good_, 1), one_bad = check_all(bad_, 1);
   for (const PropertyResult& result : one) {
     EXPECT_EQ(result.verdict, Verdict::holds) << result.name;
-    EXPECT_GT(result.states, 300) << result.name;
+    EXPECT_GT(result.states, 150) << result.name;
   }
   EXPECT_EQ(one_bad.front().verdict, Verdict::violated);
   EXPECT_EQ(one_bad.back().verdict, Verdict::violated);
