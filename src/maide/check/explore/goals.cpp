@@ -186,11 +186,16 @@ void end_all_ranks(Ranks& ranks, const std::string& why, ExitStatus status) {
   ranks.abort(static_cast<int>(status));
 }
 
-SearchJob decode_or_end(Ranks& ranks, const Ranks::Bytes& bytes) {
+// What `work` returns. If it fails, all ranks end.
+template <typename Work>
+auto end_together(Ranks& ranks, Work&& work) {
   try {
-    return decode(bytes);
+    return work();
   } catch (const Error& error) {
     end_all_ranks(ranks, error.what(), error.status());
+    throw;
+  } catch (const std::bad_alloc&) {
+    end_all_ranks(ranks, "out of memory", ExitStatus::inconclusive);
     throw;
   } catch (const std::exception& error) {
     end_all_ranks(ranks, describe_internal_error(error.what()), ExitStatus::internal);
@@ -226,22 +231,13 @@ SearchResult explore(const System& plain, SearchJob::Goal goal, const Property& 
                             saved ? &*saved : nullptr);
   };
   if (limits.ranks == nullptr) return search();
-  try {
+  return end_together(*limits.ranks, [&] {
     if (limits.ranks->rank() == 0) {
       Ranks::Bytes bytes = encode(job());
       limits.ranks->broadcast(bytes, 0);
     }
     return search();
-  } catch (const Error& error) {
-    end_all_ranks(*limits.ranks, error.what(), error.status());
-    throw;
-  } catch (const std::bad_alloc&) {
-    end_all_ranks(*limits.ranks, "out of memory", ExitStatus::inconclusive);
-    throw;
-  } catch (const std::exception& error) {
-    end_all_ranks(*limits.ranks, describe_internal_error(error.what()), ExitStatus::internal);
-    throw;
-  }
+  });
 }
 
 void serve_searches(Ranks& ranks) {
@@ -249,7 +245,7 @@ void serve_searches(Ranks& ranks) {
   while (true) {
     Ranks::Bytes bytes;
     ranks.broadcast(bytes, 0);
-    const SearchJob job = decode_or_end(ranks, bytes);
+    const SearchJob job = end_together(ranks, [&] { return decode(bytes); });
     if (job.goal == SearchJob::Goal::none) return;
     SearchLimits limits;
     limits.bytes = job.bytes;
