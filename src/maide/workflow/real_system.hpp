@@ -63,8 +63,9 @@ struct RealSystemOptions {
 
 // Opens the systems of the models that some program uses, in the order of the models; null for the
 // others. A topic's stands at the model of its first reader, that of nodes at their first model. A
-// version that is not the one that was learned is a warning in the log. Throws UsageError (also if a system has not all inputs of its
-// model, and for a topic whose readers have options of their own) and WrapperError.
+// version that is not the one that was learned is a warning in the log. Throws UsageError (also if
+// a system has not all inputs of its model, and for a topic whose readers have options of their
+// own) and WrapperError.
 std::vector<std::unique_ptr<RealSystem>> open_real_systems(const System& system,
                                                            const ModelRequests& requests,
                                                            const RealSystemOptions& options);
