@@ -57,7 +57,11 @@ def commands_for(states, cores):
     yield "pins2lts-seq", ["pins2lts-seq", "--strategy=bfs", "./system.so"]
     yield "pins2lts-dist, 2 ranks", ["mpirun", "--allow-run-as-root", "--oversubscribe", "-n", "2",
                                      "pins2lts-dist", "./system.so"]
-    yield "pins2lts-sym, 1 core", ["pins2lts-sym", "--lace-workers=1", "./system.so"]
+    if shutil.which("pins2lts-sym"):
+        # Without Sylvan it has one core and no such option.
+        known = subprocess.run(["pins2lts-sym", "--help"], capture_output=True, text=True).stdout
+        workers = ["--lace-workers=1"] if "lace-workers" in known else []
+        yield "pins2lts-sym, 1 core", ["pins2lts-sym", *workers, "./system.so"]
     yield "SPIN", ["./pan", "-n", "-E", "-A", f"-m{max(10_000_000, 2 * states)}",
                    f"-w{bits}"]
 
@@ -73,7 +77,9 @@ def count(name, text):
 
 def print_row(name, found, run):
     if found is None:
-        print(f"| {name} | not done in {run.clock:.0f} s | | | | | |", flush=True)
+        last = (run.text.strip().splitlines() or ["nothing"])[-1]
+        print(f"| {name} | not done in {run.clock:.0f} s; it said last: {last} | | | | | |",
+              flush=True)
         return
     print(f"| {name} | {found:,} | {run.seconds:.2f} | {run.clock:.2f} | "
           f"{found / max(run.seconds, 0.01):,.0f} | {run.bytes / 1e6:.0f} | "
@@ -103,8 +109,8 @@ def explore(system, arguments):
         for name, command in commands_for(states, arguments.cores):
             if name == "SPIN" and not shutil.which("spin"):
                 continue
-            if any(not shutil.which(word) for word in command if word in ("mpirun", "pins2lts-dist",
-                                                                          "pins2lts-sym")):
+            if any(not shutil.which(word) for word in command
+                   if word in ("mpirun", "pins2lts-dist")):
                 continue
             run = Run(command, folder, arguments.limit)
             found = count(name, run.text)
