@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "maide/base/invariant.hpp"
+#include "maide/check/explore/message_account.hpp"
 #include "maide/check/explore/model_words.hpp"
 #include "maide/check/explore/waiting.hpp"
 
@@ -196,8 +197,8 @@ class Sentence {
     if (property.kind != Property::Kind::ltl) return end;
     const std::string violation = describe_violation(system_, property.formula, trace_, states_);
     // What comes after a bad prefix does not matter; a promise that is not kept has its reason.
-    return end.empty() || is_syntactically_safe(property.formula) ? violation
-                                                                  : violation + ": " + end;
+    if (end.empty() || is_syntactically_safe(property.formula)) return violation;
+    return violation + ": " + end + describe_losses(end);
   }
 
  private:
@@ -210,10 +211,9 @@ class Sentence {
     return list(names);
   }
 
-  std::string input_names(const Waiting& waiting, const std::vector<Symbol>& inputs) const {
+  static std::string input_names(const ModelInstance& model, const std::vector<Symbol>& inputs) {
     std::vector<std::string> names;
-    for (const Symbol input : inputs)
-      names.push_back(model(waiting).automaton.inputs().name(input));
+    for (const Symbol input : inputs) names.push_back(model.automaton.inputs().name(input));
     return list(names, " or ");
   }
 
@@ -237,8 +237,7 @@ class Sentence {
   bool is_about_messages(const Waiting& waiting) const {
     const auto outputs = awaited_outputs(waiting);
     return std::any_of(outputs.begin(), outputs.end(), [&](Symbol output) {
-      const std::string& name = model(waiting).automaton.outputs().name(output);
-      return name == "message" || name == "next" || name == "gap";
+      return is_message_name(model(waiting).automaton.outputs().name(output));
     });
   }
 
@@ -275,11 +274,11 @@ class Sentence {
   }
 
   // The input that the step gives to the model.
-  Symbol given_input(const Waiting& waiting, const Step& step) const {
+  Symbol given_input(std::uint32_t model, const Step& step) const {
     const Program& giver = system_.programs[step.program];
     const auto events = giver.events_of(giver.edges[step.edge]);
     const auto event = std::find_if(events.begin(), events.end(), [&](const ModelUse& use) {
-      return use.kind == Kind::give && use.model == waiting.model;
+      return use.kind == Kind::give && use.model == model;
     });
     MAIDE_CHECK(event != events.end());
     return event->symbol;
@@ -287,12 +286,13 @@ class Sentence {
 
   // The first loss, before which it is known which messages the model held: "message 1, overwritten
   // when planner wrote message 2 before message 1 was read (step 2)".
-  std::string describe_loss(const Waiting& waiting) const {
-    const Loss& loss = waiting.account->losses.front();
+  std::string describe_loss(std::uint32_t index, const MessageAccount& account) const {
+    const Loss& loss = account.losses.front();
     const Step& step = trace_.steps[loss.step];
-    const auto& messages = waiting.account->messages;
-    const Symbol given = given_input(waiting, step);
-    const std::string& input = model(waiting).automaton.inputs().name(given);
+    const auto& messages = account.messages;
+    const ModelInstance& model = system_.models[index];
+    const Symbol given = given_input(index, step);
+    const std::string& input = model.automaton.inputs().name(given);
     const std::string giving = fmt::format("when {} {}", program(step.program), past_of(input));
     const std::string place = fmt::format("(step {})", loss.step + 1);
     if (std::find(messages.begin(), messages.end(), given) == messages.end()) {
@@ -304,8 +304,8 @@ class Sentence {
                          place);
     }
     if (loss.held == 0 || loss.held >= loss.given) {
-      return fmt::format("one {} {}, which made no difference to {} {}", giving, last,
-                         model(waiting).name, place);
+      return fmt::format("one {} {}, which made no difference to {} {}", giving, last, model.name,
+                         place);
     }
     const std::size_t oldest = loss.given - loss.held;
     const std::string unread =
@@ -322,9 +322,8 @@ class Sentence {
   }
 
   // "planner wrote 6, 1 was read and 5 were lost, the first ..."
-  std::string describe_account(const Waiting& waiting) const {
-    const MessageAccount& account = *waiting.account;
-    const std::string verb = past_of(input_names(waiting, account.messages));
+  std::string describe_account(std::uint32_t index, const MessageAccount& account) const {
+    const std::string verb = past_of(input_names(system_.models[index], account.messages));
     if (account.given == 0) return "";
     const std::string givers = programs({account.givers.begin(), account.givers.end()});
     std::string text = fmt::format("{} {} {}", givers, verb, account.given);
@@ -339,13 +338,25 @@ class Sentence {
     if (lost > 0) parts.push_back(fmt::format("{} {} lost", lost, were(lost)));
     text = list(parts);
     if (lost == 0) return text;
-    return text + (lost > 1 ? ", first " : ": ") + describe_loss(waiting);
+    return text + (lost > 1 ? ", first " : ": ") + describe_loss(index, account);
+  }
+
+  // What was lost and `told` does not say: "; image[detector]: camera wrote 12, 10 were read ...".
+  std::string describe_losses(const std::string& told) const {
+    std::string text;
+    for (const auto& [index, account] : find_losses(system_, trace_, states_)) {
+      const std::string losses = describe_account(index, account);
+      if (told.find(losses) == std::string::npos) {
+        text += fmt::format("; {}: {}", system_.models[index].name, losses);
+      }
+    }
+    return text;
   }
 
   // What would help: "writes there", "gives fork.release", "takes it".
   std::string help_verb(const Waiting& waiting) const {
     if (waiting.reason == Reason::output_due) return "take it";
-    const std::string inputs = input_names(waiting, waiting.wanted);
+    const std::string inputs = input_names(model(waiting), waiting.wanted);
     return inputs == "write" ? "write to " + model(waiting).name
                              : fmt::format("give {}.{}", model(waiting).name, inputs);
   }
@@ -431,7 +442,7 @@ class Sentence {
     if (waiting.account->held > 0) {
       return fmt::format("{} holds {}, but was not asked for it", name, waiting.account->held);
     }
-    const std::string account = describe_account(waiting);
+    const std::string account = describe_account(waiting.model, *waiting.account);
     return account.empty() ? name + " was given none" : name + " holds none: " + account;
   }
 
@@ -575,18 +586,6 @@ class Sentence {
 
 std::string explain(const System& system, const Property& property, const Trace& trace) {
   return Sentence(system, trace).write(property);
-}
-
-const PropertyResult* find_same_run(const CheckReport& report, const PropertyResult& result) {
-  for (const PropertyResult& before : report.properties) {
-    if (&before == &result) break;
-    if (before.trace && before.programs == result.programs &&
-        before.trace->steps == result.trace->steps &&
-        before.trace->loop_start == result.trace->loop_start) {
-      return &before;
-    }
-  }
-  return nullptr;
 }
 
 std::string explain_again(const System& system, const Property& property, const Trace& trace,

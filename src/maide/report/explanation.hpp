@@ -26,10 +26,6 @@ std::string describe_violation(const System& system, const Formula& formula, con
 // O(steps x programs).
 std::string explain(const System& system, const Property& property, const Trace& trace);
 
-// The first of the results before this one, of the same report, that show the same run; null if
-// there is none.
-const PropertyResult* find_same_run(const CheckReport& report, const PropertyResult& result);
-
 // What is left to say of a property whose run was shown as that of `before`: "planner@sent holds
 // after step 7, but controller@done never holds from step 7 on: the same run as deadlock".
 std::string explain_again(const System& system, const Property& property, const Trace& trace,

@@ -167,7 +167,8 @@ std::vector<std::size_t> number_messages(const SequenceChart& chart) {
   std::map<Look, std::size_t> numbers;
   std::vector<std::size_t> result;
   for (const SequenceChart::Message& message : chart.messages) {
-    const Look look{message.from, message.to, message.label, message.place, message.remark};
+    const Look look{message.from, message.to, message.label, message.place,
+                    message.counted.empty() ? message.remark : message.counted};
     result.push_back(numbers.try_emplace(look, numbers.size()).first->second);
   }
   return result;
@@ -180,7 +181,7 @@ std::string describe_steps(std::size_t begin, std::size_t end) {
 
 class Folder {
  public:
-  explicit Folder(std::vector<std::size_t> numbers) : numbers_(std::move(numbers)) {}
+  explicit Folder(const SequenceChart& chart) : chart_(chart), numbers_(number_messages(chart)) {}
 
   void fold(std::size_t begin, std::size_t end, std::vector<ChartRow>& rows) const {
     for (std::size_t at = begin; at < end;) {
@@ -192,8 +193,8 @@ class Folder {
       fold(at, at + best.period, rows);
       const std::size_t stop = at + best.period * best.rounds;
       rows.push_back(
-          {at, fmt::format("{} again, {} times, to step {}", describe_steps(at, at + best.period),
-                           best.rounds - 1, stop)});
+          {at, fmt::format("{} again, {} times, to step {}{}", describe_steps(at, at + best.period),
+                           best.rounds - 1, stop, describe_counts(at, best.period, stop))});
       at = stop;
     }
   }
@@ -204,6 +205,16 @@ class Folder {
     // Rows that folding it saves, one being the remark.
     std::size_t saved() const { return rounds < 3 ? 0 : (rounds - 1) * period - 1; }
   };
+
+  // What numbers that count on have become in the last round: ": n = 21".
+  std::string describe_counts(std::size_t at, std::size_t period, std::size_t stop) const {
+    std::vector<std::string> last;
+    for (std::size_t i = 0; i < period; ++i) {
+      const std::string& remark = chart_.messages[stop - period + i].remark;
+      if (remark != chart_.messages[at + i].remark) last.push_back(remark);
+    }
+    return last.empty() ? "" : ": " + join(last);
+  }
 
   // The repetition from `at` on that saves most; the shortest period of those.
   Repetition find_repetition(std::size_t at, std::size_t end) const {
@@ -218,6 +229,7 @@ class Folder {
     return best;
   }
 
+  const SequenceChart& chart_;
   std::vector<std::size_t> numbers_;
 };
 
@@ -238,7 +250,7 @@ void shorten(const SequenceChart& chart, std::size_t most, std::vector<ChartRow>
 }  // namespace
 
 std::vector<ChartRow> fold_chart(const SequenceChart& chart, std::size_t most) {
-  const Folder folder(number_messages(chart));
+  const Folder folder(chart);
   std::vector<ChartRow> rows;
   const std::size_t count = chart.messages.size();
   const std::size_t split = chart.loop_start.value_or(count);

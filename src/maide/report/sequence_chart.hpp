@@ -24,6 +24,9 @@ struct SequenceChart {
     std::string place;   // "line 8", shown small at the left; may be empty
     std::string source;  // the text of that line, where there is room for it
     std::string remark;  // what is worth knowing of this very message: "one is lost", "n = 3"
+    // The remark with what is added to numbers in place of what they become: "one is lost", "n +
+    // 1". Messages whose numbers count on are alike.
+    std::string counted{};
   };
   struct Note {
     std::size_t lane = 0;
@@ -46,11 +49,12 @@ void write_sequence_chart_svg(std::ostream& out, const SequenceChart& chart,
 //
 // Which rows of a long chart are drawn. A counterexample of a thousand steps is a few rounds that
 // repeat. So a stretch of messages that comes several times in a row is shown once, with a remark
-// how often it comes again. Stretches that differ in anything that a row shows are not folded. So
-// what happens once, such as the message that was lost or the last round, stays visible.
+// how often it comes again, and where numbers that count on end. Stretches that differ in anything
+// else that a row shows are not folded. So what happens once, such as the message that was lost or
+// the last round, stays visible.
 struct ChartRow {
   std::size_t message = 0;  // index into the chart's messages
-  std::string remark;       // in place of a message: "steps 3 to 6 again, 20 times, to step 86"
+  std::string remark;  // in place of a message: "steps 3 to 6 again, 20 times, to step 86: n = 21"
 };
 
 // Rows in order. Repetitions are folded, innermost ones within outer ones; a fold does not reach

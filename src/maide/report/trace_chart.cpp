@@ -9,6 +9,7 @@
 
 #include "maide/base/error.hpp"
 #include "maide/base/json.hpp"
+#include "maide/base/text.hpp"
 #include "maide/check/explore/check_system.hpp"
 #include "maide/check/explore/model_words.hpp"
 #include "maide/check/explore/waiting.hpp"
@@ -155,16 +156,14 @@ std::string describe_wait(const System& system, const Program& program, const Pr
   }
 }
 
-// Programs that have not ended and cannot go on, at the end or in the loop.
 void remark_on_losses(const System& system, const Trace& trace,
                       const std::vector<GlobalState>& states, SequenceChart& chart) {
-  const std::size_t at = states.size() - 1;
-  for (const std::uint32_t program : blocked_programs(system, states[at])) {
-    const Waiting waiting = find_waiting(system, trace, states, at, program);
-    if (!waiting.account) continue;
-    for (const auto& loss : waiting.account->losses) {
-      chart.messages[loss.step].remark =
+  for (const auto& [model, account] : find_losses(system, trace, states)) {
+    for (const auto& loss : account.losses) {
+      std::string& remark = chart.messages[loss.step].remark;
+      const std::string text =
           loss.count == 1 ? "one is lost" : fmt::format("{} are lost", loss.count);
+      remark += (remark.empty() ? "" : "; ") + text;
     }
   }
 }
@@ -173,15 +172,20 @@ void remark_on_losses(const System& system, const Trace& trace,
 void remark_on_values(const System& system, const Trace& trace,
                       const std::vector<GlobalState>& states, SequenceChart& chart) {
   for (std::size_t at = 0; at < trace.steps.size(); ++at) {
-    std::string text;
+    std::vector<std::string> values, counted;
     for (const ChangedValue& changed :
          find_changes(system, states[at], states[at + 1], trace.steps[at].program)) {
-      text += (text.empty() ? "" : ", ") + changed.name + " = " +
-              to_string(changed.value, changed.kind, system.words);
+      values.push_back(changed.name + " = " + to_string(changed.value, changed.kind, system.words));
+      const bool counts = changed.before && changed.kind == ValueKind::integer;
+      counted.push_back(counts
+                            ? fmt::format("{} + {}", changed.name, changed.value - *changed.before)
+                            : values.back());
     }
     SequenceChart::Message& message = chart.messages[at];
-    if (text.empty() || text == message.label) continue;
-    message.remark += (message.remark.empty() ? "" : "; ") + text;
+    if (values.empty() || join(values) == message.label) continue;
+    const std::string before = message.remark.empty() ? "" : message.remark + "; ";
+    message.remark = before + join(values);
+    message.counted = before + join(counted);
   }
 }
 

@@ -180,20 +180,26 @@ void write_steps(std::ostream& out, const System& system, const Trace& trace,
     event_width = std::max(event_width, event_of(step).size());
   }
   bool in_loop = false;
+  std::string shown;  // the place whose text was shown last
   for (const ChartRow& row : fold_chart(chart, style.most_rows)) {
     if (!in_loop && trace.loop_start && row.message >= *trace.loop_start) {
       in_loop = true;
+      shown.clear();
       out << "  from here on, again and again:\n";
     }
     if (!row.remark.empty()) {
       out << "       ... " << row.remark << " ...\n";
+      shown.clear();
       continue;
     }
     const Step& step = trace.steps[row.message];
     const SequenceChart::Message& message = chart.messages[row.message];
-    std::string line = fmt::format("{:>5}  {:<{}}  {:<{}}  {:<{}}  {}", row.message + 1,
-                                   program_of(step).name, name_width, place_of(step), place_width,
-                                   event_of(step), event_width, message.source);
+    std::string line =
+        fmt::format("{:>5}  {:<{}}  {:<{}}  {:<{}}  {}", row.message + 1, program_of(step).name,
+                    name_width, place_of(step), place_width, event_of(step), event_width,
+                    place_of(step) == shown ? "" : message.source);
+    shown = place_of(step);
+    line.erase(line.find_last_not_of(' ') + 1);
     if (!message.remark.empty()) line += "  (" + message.remark + ")";
     line.erase(line.find_last_not_of(' ') + 1);
     out << line << "\n";

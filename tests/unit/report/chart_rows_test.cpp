@@ -51,6 +51,18 @@ TEST(ChartRows, WhatDiffersInARemarkIsNotFolded) {
   EXPECT_EQ(show(chart), "aaaaa [step 5 again, 3 times, to step 8] ");
 }
 
+// A number that counts on is told where the fold ends; one that jumps is not folded.
+TEST(ChartRows, NumbersThatCountOnAreFolded) {
+  SequenceChart chart = chart_of("ababababab");
+  for (std::size_t i = 0; i < chart.messages.size(); i += 2) {
+    chart.messages[i].remark = "n = " + std::to_string(i / 2);
+    chart.messages[i].counted = "n + 1";
+  }
+  EXPECT_EQ(show(chart), "ab [steps 1 to 2 again, 4 times, to step 10: n = 4] ");
+  chart.messages[4].counted = "n + 2";
+  EXPECT_EQ(show(chart), "ababababab");
+}
+
 TEST(ChartRows, TheLoopBeginsARowOfItsOwn) {
   SequenceChart chart = chart_of("aaaaaaaaaa");
   chart.loop_start = 5;

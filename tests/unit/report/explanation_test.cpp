@@ -191,6 +191,38 @@ TEST(Explanation, KnowsFromGapsWhichMessageWasLost) {
   }
 }
 
+// Nobody waits for what was lost: callbacks never do. All the same it is why the count is short.
+TEST(Explanation, SaysWhatWasLostWhereAPromiseIsNotKept) {
+  const System system = parse_system(
+      "topics: {image: {writers: camera, readers: planner, use: queue, with: {depth: 2}}}\n"
+      "nodes:\n"
+      "  camera:\n"
+      "    variables: \"var sent: 0..3;\"\n"
+      "    callbacks: {tick: {timer: 1, do: \"if (sent < 3) { image.write; sent = sent + 1; }\"}}\n"
+      "  planner:\n"
+      "    variables: \"var n: 0..3;\"\n"
+      "    callbacks: {on_image: {takes: image.read, do: \"n = n + 1;\"}}\n"
+      "properties: {three: {ltl: \"F planner.n == 3\", fairness: strong}}\n",
+      "s.yaml");
+  NativeEngine engine;
+  const CheckReport report = check_system(system, engine, {});
+  const auto three =
+      std::find_if(report.properties.begin(), report.properties.end(),
+                   [](const PropertyResult& result) { return result.name == "three"; });
+  ASSERT_NE(three, report.properties.end());
+  ASSERT_TRUE(three->trace);
+  const std::string text = explain(system, system.properties.back(), *three->trace);
+  EXPECT_THAT(text,
+              testing::HasSubstr("image[planner]: camera wrote 3, 2 were read and 1 was lost"));
+  const SequenceChart chart = make_trace_chart(system, *three->trace, "");
+  EXPECT_EQ(std::count_if(chart.messages.begin(), chart.messages.end(),
+                          [](const auto& message) {
+                            return message.remark.starts_with("one is lost; ") ||
+                                   message.remark == "one is lost";
+                          }),
+            1);
+}
+
 TEST(Explanation, SaysWhoNeverStepsAgainWhileOthersGoOn) {
   const System system = system_of("via: {file: strict-2.dot}, sync: {file: buffered.dot}",
                                   "  p: via.read -> message;\n"

@@ -394,7 +394,8 @@ class Checker {
       const ControlState at = last.programs[index];
       if (steps[index] || program.edges_of(at).empty() || program.states[at].may_rest) continue;
       report_.remarks.push_back(
-          fmt::format("{} may never step again on a run that is weakly fair only: it waits at line "
+          fmt::format("{} may never step again on a run that is weakly fair only, which `stuck` "
+                      "leaves out: it waits at line "
                       "{}, and each "
                       "time it could go on, others are faster",
                       program.name, program.edges_of(at).front().line));
@@ -518,6 +519,18 @@ ExitStatus exit_status_of(const CheckReport& report) {
 
 CheckReport check_system(const System& system, Engine& engine, const CheckRequest& request) {
   return Checker(system, engine, request).run();
+}
+
+const PropertyResult* find_same_run(const CheckReport& report, const PropertyResult& result) {
+  for (const PropertyResult& before : report.properties) {
+    if (&before == &result) break;
+    if (before.trace && before.programs == result.programs &&
+        before.trace->steps == result.trace->steps &&
+        before.trace->loop_start == result.trace->loop_start) {
+      return &before;
+    }
+  }
+  return nullptr;
 }
 
 }  // namespace maide

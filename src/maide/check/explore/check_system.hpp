@@ -70,4 +70,8 @@ struct Shown {
 // The result has a trace. Keeps a reference to the system.
 Shown shown_part(const System& system, const PropertyResult& result);
 
+// The first of the results before this one, of the same report, that show the same run; null if
+// there is none.
+const PropertyResult* find_same_run(const CheckReport& report, const PropertyResult& result);
+
 }  // namespace maide

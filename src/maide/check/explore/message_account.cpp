@@ -63,6 +63,14 @@ std::vector<Symbol> asking_by_programs(const System& system, const Awaited& awai
   return asking;
 }
 
+// Puts the outputs in order, and adds what asks for them.
+void complete(const System& system, Awaited& awaited) {
+  sort_unique(awaited.outputs);
+  awaited.asking = asking_by_actors(system.models[awaited.model].automaton, awaited);
+  if (awaited.asking.empty()) awaited.asking = asking_by_programs(system, awaited);
+  sort_unique(awaited.asking);
+}
+
 bool is_asked(const Awaited& awaited, const InterfaceAutomaton::Transition& transition) {
   if (transition.absorbed) return false;
   return !transition.action.is_input() || contains_sorted(awaited.asking, transition.action.symbol);
@@ -172,6 +180,11 @@ std::size_t MessageAccount::lost() const {
   return count;
 }
 
+bool is_message_name(const std::string& output) {
+  const std::string name = output.substr(0, output.find('('));
+  return name == "message" || name == "next" || name == "gap";
+}
+
 std::optional<Awaited> find_awaited(const System& system, const Program& program,
                                     ControlState state) {
   Awaited awaited;
@@ -181,10 +194,7 @@ std::optional<Awaited> find_awaited(const System& system, const Program& program
     awaited.outputs.push_back(edge.symbol);
   }
   if (awaited.outputs.empty()) return std::nullopt;
-  sort_unique(awaited.outputs);
-  awaited.asking = asking_by_actors(system.models[awaited.model].automaton, awaited);
-  if (awaited.asking.empty()) awaited.asking = asking_by_programs(system, awaited);
-  sort_unique(awaited.asking);
+  complete(system, awaited);
   return awaited;
 }
 
@@ -266,6 +276,30 @@ std::optional<MessageAccount> take_account(const System& system, const Trace& tr
   if (first + account.given != account.taken + account.lost() + account.held) return std::nullopt;
   MAIDE_CHECK(is_consistent(account, trace));
   return account;
+}
+
+std::map<std::uint32_t, MessageAccount> find_losses(const System& system, const Trace& trace,
+                                                    const std::vector<GlobalState>& states) {
+  std::map<std::uint32_t, Awaited> taken;
+  for (const Program& program : system.programs) {
+    for (const ProgramEdge& edge : program.edges) {
+      for (const ModelUse& event : program.events_of(edge)) {
+        if (event.kind != Kind::take) continue;
+        const Alphabet& outputs = system.models[event.model].automaton.outputs();
+        if (!is_message_name(outputs.name(event.symbol))) continue;
+        Awaited& awaited = taken[event.model];
+        awaited.model = event.model;
+        awaited.outputs.push_back(event.symbol);
+      }
+    }
+  }
+  std::map<std::uint32_t, MessageAccount> losses;
+  for (auto& [model, awaited] : taken) {
+    complete(system, awaited);
+    auto account = take_account(system, trace, states, awaited);
+    if (account && account->lost() > 0) losses.emplace(model, std::move(*account));
+  }
+  return losses;
 }
 
 }  // namespace maide

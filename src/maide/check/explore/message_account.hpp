@@ -8,8 +8,10 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <set>
+#include <string>
 #include <vector>
 
 #include "maide/check/language/system.hpp"
@@ -39,6 +41,9 @@ struct MessageAccount {
   std::size_t lost() const;
 };
 
+// Whether an output of that name brings a message, and is no answer of another kind.
+bool is_message_name(const std::string& output);
+
 // Whether the edge, one of the program's, uses that instance.
 bool uses_model(const Program& program, const ProgramEdge& edge, std::uint32_t model);
 
@@ -65,5 +70,10 @@ std::vector<std::optional<std::size_t>> count_obtainable(const InterfaceAutomato
 std::optional<MessageAccount> take_account(const System& system, const Trace& trace,
                                            const std::vector<GlobalState>& states,
                                            const Awaited& awaited);
+
+// Of each instance that lost messages which some program takes: its account. `states` are
+// replay()'s. In the order of the system. O(instances x steps + states x transitions).
+std::map<std::uint32_t, MessageAccount> find_losses(const System& system, const Trace& trace,
+                                                    const std::vector<GlobalState>& states);
 
 }  // namespace maide

@@ -200,14 +200,16 @@ std::vector<ChangedValue> find_changes(const System& system, const GlobalState& 
   const Program& own = system.programs[program];
   for (std::uint32_t index = 0; index < own.variables.size(); ++index) {
     const auto value = own.value_of(after.programs[program], index);
-    if (!value || value == own.value_of(before.programs[program], index)) continue;
-    changes.push_back({own.variables[index].name, *value, own.variables[index].type.kind});
+    const auto old = own.value_of(before.programs[program], index);
+    if (!value || value == old) continue;
+    changes.push_back({own.variables[index].name, *value, own.variables[index].type.kind, old});
   }
   for (std::size_t model = 0; model < system.models.size(); ++model) {
     const ModelInstance& shared = system.models[model];
     if (shared.source != ModelInstance::Source::variable) continue;
     if (before.models[model] == after.models[model]) continue;
-    changes.push_back({shared.name, shared.type.at(after.models[model]), shared.type.kind});
+    changes.push_back({shared.name, shared.type.at(after.models[model]), shared.type.kind,
+                       shared.type.at(before.models[model])});
   }
   return changes;
 }

@@ -7,6 +7,7 @@
 //    "steps": [{"program": "planner", "line": 8, "model": "via", "event": "?write"}, ...]}
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -33,6 +34,7 @@ struct ChangedValue {
   std::string name;
   Value value = 0;
   ValueKind kind = ValueKind::integer;
+  std::optional<Value> before{};  // none: it was not in scope
 };
 // Of that program's variables, which took the step, and the shared ones.
 std::vector<ChangedValue> find_changes(const System& system, const GlobalState& before,
