@@ -4,14 +4,11 @@
 
 #include <algorithm>
 #include <cstdlib>
-#include <filesystem>
 #include <map>
 #include <optional>
 #include <set>
 #include <string_view>
-#include <system_error>
 #include <utility>
-#include <variant>
 
 #include "maide/base/error.hpp"
 #include "maide/base/invariant.hpp"
@@ -19,7 +16,6 @@
 #include "maide/base/text.hpp"
 #include "maide/check/explore/engine.hpp"
 #include "maide/check/language/system_file.hpp"
-#include "maide/formats/model_file.hpp"
 #include "maide/workflow/open_system.hpp"
 #include "maide/workflow/system_variant.hpp"
 #include "maide/workflow/valued_queue.hpp"
@@ -27,13 +23,11 @@
 namespace maide {
 namespace {
 
-namespace fs = std::filesystem;
-
-constexpr std::size_t most_files = 50;   // model files beside those in use
 constexpr std::size_t most_repeats = 8;  // different numbers of repetitions
 constexpr std::size_t most_constants = 16;
 constexpr std::int64_t most_below = 16;  // values of a constant that are all checked
 constexpr std::int64_t most_longer = 8;  // times as long a queue
+constexpr Value most_spoken_of = 64;     // of a variable's range: messages that are tried
 constexpr std::uint64_t memory_mib = 1024;
 constexpr std::string_view raised = "+";  // OptionSpec::keeps_more
 
@@ -64,6 +58,12 @@ class ChangeSearch {
       before_.emplace(result.name, result.verdict);
     }
     for (const Repeat& repeat : repeats_) burst_ = std::max(burst_, repeat.count);
+    for (const ModelInstance& model : system.models) {
+      if (model.source == ModelInstance::Source::variable) note_range(model.type);
+    }
+    for (const Program& program : system.programs) {
+      for (const ProgramVariable& variable : program.variables) note_range(variable.type);
+    }
     if (constants_.size() > most_constants) constants_.clear();
   }
 
@@ -75,11 +75,18 @@ class ChangeSearch {
     try_constants();
     try_fewer_repetitions();
     try_other_repetitions();
+    if (result_.changes.empty()) try_one_depth();
     if (!result_.changes.empty()) result_.in_part.clear();
     return std::move(result_);
   }
 
  private:
+  // Programs that count so far send as many.
+  void note_range(const ValueType& type) {
+    if (type.kind != ValueKind::integer || type.high < 0 || type.high > most_spoken_of) return;
+    burst_ = std::max(burst_, static_cast<std::uint32_t>(type.high));
+  }
+
   struct Outcome {
     bool holds = false;       // everything that was asked for
     bool is_unknown = false;  // what was learned ends too soon, or the time
@@ -122,41 +129,8 @@ class ChangeSearch {
         fmt::format("{} ({}checked: {} states)", change, how, outcome.states));
   }
 
-  // Model files in the folders of those in use.
-  std::map<std::string, InterfaceAutomaton> models_nearby() const {
-    std::map<std::string, InterfaceAutomaton> models;
-    const fs::path home = fs::path(system_.file).parent_path();
-    std::set<fs::path> folders;
-    for (const ModelInstance& model : system_.models) {
-      models.emplace(model.origin, model.automaton);
-      if (fs::path(model.origin).has_extension()) {
-        folders.insert(fs::path(model.origin).parent_path());
-      }
-    }
-    for (const fs::path& folder : folders) {
-      std::set<fs::path> files;
-      std::error_code ignored;
-      for (const auto& entry : fs::directory_iterator(home / folder, ignored)) {
-        if (entry.path().extension() == ".dot") files.insert(entry.path());
-      }
-      for (const fs::path& file : files) {
-        if (models.size() > most_files) break;
-        try {
-          Model model = read_model(file);
-          auto* automaton = std::get_if<InterfaceAutomaton>(&model);
-          if (automaton != nullptr) {
-            models.emplace((folder / file.filename()).string(), std::move(*automaton));
-          }
-        } catch (const Error&) {
-          continue;  // a picture, or another tool's file
-        }
-      }
-    }
-    return models;
-  }
-
   void try_other_models() {
-    const std::map<std::string, InterfaceAutomaton> models = models_nearby();
+    const std::map<std::string, InterfaceAutomaton> models = find_models_nearby(system_);
     for (const ModelInstance& instance : system_.models) {
       for (const auto& [name, automaton] : models) {
         if (name == instance.origin || automaton == instance.automaton) continue;
@@ -198,6 +172,11 @@ class ChangeSearch {
     return learned;
   }
 
+  struct LearnedWith {
+    Learned learned;
+    std::vector<OptionSpec> options;  // of that system
+  };
+
   static std::string plain(std::string key) {
     std::replace(key.begin(), key.end(), '-', '_');
     return key;
@@ -219,6 +198,7 @@ class ChangeSearch {
       // Numbers first: a larger one changes less than another kind of system.
       std::stable_partition(specs.begin(), specs.end(),
                             [](const OptionSpec& option) { return option.keeps_more == raised; });
+      learned_.emplace(instance.name, LearnedWith{*learned, specs});
       for (const OptionSpec& option : specs) {
         if (option.keeps_more.empty() || options_.control.should_stop()) continue;
         attempt(fmt::format("another {} of {}", option.key, instance.name), [&] {
@@ -244,8 +224,7 @@ class ChangeSearch {
     if (outcome.holds) found(change_of(instance, learned, changed), outcome, "learned and ");
   }
 
-  // The smallest number that is enough: up to the largest number of repetitions, which is as many
-  // messages as programs speak of.
+  // The smallest number that is enough: up to as many messages as programs speak of.
   void raise(const ModelInstance& instance, const Learned& learned,
              const std::vector<OptionSpec>& specs, const OptionSpec& option) {
     Learned changed = learned;
@@ -299,13 +278,30 @@ class ChangeSearch {
     return true;
   }
 
-  Outcome learn_and_check(const ModelInstance& instance, const Learned& learned) {
+  // What is the same without being said is not said.
+  static void drop_defaults(With& with, const std::vector<OptionSpec>& specs) {
+    for (const OptionSpec& spec : specs) {
+      std::erase_if(with, [&](const auto& entry) {
+        return same_key(entry.first, spec.key) && entry.second == spec.default_value;
+      });
+    }
+  }
+
+  InterfaceAutomaton model_of(const ModelInstance& instance, const Learned& learned) {
     ModelRequest request;
     request.instance = instance.name;
     request.learn = learned.name;
     request.position = instance.position;
-    request.with.assign(learned.with.begin(), learned.with.end());
-    return check({{}, {{instance.name, options_.models(request)}}, {}});
+    With with = learned.with;
+    drop_defaults(with, learned_.at(instance.name).options);
+    request.with.assign(with.begin(), with.end());
+    const auto known = made_.find({learned.name, with});
+    if (known != made_.end()) return known->second;
+    return made_.emplace(std::pair(learned.name, with), options_.models(request)).first->second;
+  }
+
+  Outcome learn_and_check(const ModelInstance& instance, const Learned& learned) {
+    return check({{}, {{instance.name, model_of(instance, learned)}}, {}});
   }
 
   // Of each node the first cure, which is the smallest.
@@ -315,11 +311,12 @@ class ChangeSearch {
       if (cured.contains(change.node)) continue;
       const Outcome outcome = check({{}, {}, {}, change.text});
       for (const std::string& property : outcome.mended) {
-        result_.in_part.emplace(property, change.description);
+        result_.in_part.emplace(property, change.description + "; " + change.lines);
       }
       if (!outcome.holds) continue;
       cured.insert(change.node);
       found(change.description, outcome, "");
+      result_.changes.back() += "; " + change.lines;
     }
   }
 
@@ -332,6 +329,95 @@ class ChangeSearch {
       found(fmt::format("{}: {} {} in place of {}", place.name, place.option, longer->first,
                         place.value),
             longer->second, "");
+    }
+  }
+
+  // ---- One depth for several ----
+
+  // A queue whose depth is a number: in the file, or an option with which its model was learned.
+  struct Queue {
+    std::string name;
+    std::int64_t depth = 0;
+    std::optional<DepthPlace> place;
+    const ModelInstance* instance = nullptr;
+    Learned learned{};
+    std::string key{};
+  };
+
+  std::vector<Queue> find_queues() {
+    std::vector<Queue> queues;
+    for (const DepthPlace& place : find_depths(text())) {
+      queues.push_back({place.name, place.value, place});
+    }
+    for (const ModelInstance& instance : system_.models) {
+      const auto learned = learned_.find(instance.name);
+      if (learned == learned_.end()) continue;
+      for (const OptionSpec& option : learned->second.options) {
+        if (option.keeps_more != raised || std::int64_t{burst_} > option.most) continue;
+        Learned with = learned->second.learned;
+        const auto depth = parse_number<std::int64_t>(value_of(with.with, option.key));
+        if (!depth) continue;
+        queues.push_back({instance.name, *depth, std::nullopt, &instance, with, option.key});
+        break;
+      }
+    }
+    std::erase_if(queues, [&](const Queue& queue) { return queue.depth >= burst_; });
+    return queues;
+  }
+
+  Outcome with_one_depth(const std::vector<Queue>& queues, std::int64_t depth) {
+    SystemVariant variant;
+    for (const Queue& queue : queues) {
+      if (queue.depth >= depth) continue;
+      if (queue.place) {
+        variant.text =
+            with_depth(variant.text.empty() ? text() : variant.text, *queue.place, depth);
+        continue;
+      }
+      Learned changed = queue.learned;
+      value_of(changed.with, queue.key) = std::to_string(depth);
+      variant.models.emplace(queue.instance->name, model_of(*queue.instance, changed));
+    }
+    return check(variant);
+  }
+
+  // Where each queue alone is not enough: the fewest and the smallest that are.
+  void try_one_depth() {
+    std::vector<Queue> queues = find_queues();
+    if (queues.size() < 2) return;
+    try {
+      Outcome best = with_one_depth(queues, burst_);
+      if (!best.holds) return;
+      for (std::size_t i = queues.size(); i-- > 0 && queues.size() > 1;) {
+        std::vector<Queue> fewer = queues;
+        fewer.erase(fewer.begin() + static_cast<std::ptrdiff_t>(i));
+        const Outcome outcome = with_one_depth(fewer, burst_);
+        if (!outcome.holds) continue;
+        queues = std::move(fewer);
+        best = outcome;
+      }
+      std::int64_t low = burst_, high = burst_;
+      for (const Queue& queue : queues) low = std::min(low, queue.depth);
+      while (high - low > 1 && !options_.control.should_stop()) {
+        const std::int64_t middle = low + (high - low) / 2;
+        const Outcome outcome = with_one_depth(queues, middle);
+        (outcome.holds ? high : low) = middle;
+        if (outcome.holds) best = outcome;
+      }
+      std::map<std::string, std::vector<std::string>> changes;
+      for (const Queue& queue : queues) {
+        if (queue.depth >= high) continue;
+        changes[fmt::format("{} {} in place of {}", queue.place ? queue.place->option : queue.key,
+                            high, queue.depth)]
+            .push_back(queue.name);
+      }
+      std::vector<std::string> lines;
+      for (const auto& [change, names] : changes) {
+        lines.push_back(change + " at " + join(names, " and "));
+      }
+      found("together: " + join(lines, ", "), best, "");
+    } catch (const Error& error) {
+      note(fmt::format("one depth for several was not tried: {}", error.what()));
     }
   }
 
@@ -469,7 +555,9 @@ class ChangeSearch {
   const SuggestOptions& options_;
   std::vector<Repeat> repeats_;
   std::vector<NumberConstant> constants_;
-  std::uint32_t burst_ = 0;  // the largest number of repetitions
+  std::uint32_t burst_ = 0;  // messages that programs speak of: repetitions, ranges of variables
+  std::map<std::string, LearnedWith> learned_;                       // by instance
+  std::map<std::pair<std::string, With>, InterfaceAutomaton> made_;  // by system and settings
   std::vector<std::string> properties_;
   std::map<std::string, Verdict> before_;  // by property
   Suggestions result_;

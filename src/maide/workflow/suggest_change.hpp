@@ -41,6 +41,7 @@ struct Suggestions {
 //   Other values of constants: the nearest ones that are enough.
 //   Another callback group for a client or a callback of a node, an executor with more threads.
 //   Longer queues of services, topics and models that are written by hand: the shortest.
+//   Where none of these is enough: one depth for several queues.
 //   Fewer repetitions wherever a number stands: the largest number that is few enough.
 //   One number of repetitions in place of another.
 //

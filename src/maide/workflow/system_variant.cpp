@@ -4,18 +4,27 @@
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <map>
+#include <set>
 #include <string_view>
+#include <system_error>
 #include <utility>
+#include <variant>
 
 #include "maide/base/error.hpp"
 #include "maide/base/invariant.hpp"
 #include "maide/base/numbers.hpp"
+#include "maide/base/text.hpp"
 #include "maide/check/language/yaml_reader.hpp"
+#include "maide/formats/model_file.hpp"
 
 namespace maide {
 namespace {
 
+namespace fs = std::filesystem;
+
+constexpr std::size_t most_files = 50;
 constexpr std::string_view blanks = " \t\r\n";
 
 // The offset of a place in the text; its size if there is none.
@@ -100,6 +109,38 @@ std::vector<Repeat> find_repeats(const System& system) {
                             [&](const Repeat& a, const Repeat& b) { return place(a) == place(b); }),
                 repeats.end());
   return repeats;
+}
+
+std::map<std::string, InterfaceAutomaton> find_models_nearby(const System& system) {
+  std::map<std::string, InterfaceAutomaton> models;
+  const fs::path home = fs::path(system.file).parent_path();
+  std::set<fs::path> folders;
+  for (const ModelInstance& model : system.models) {
+    models.emplace(model.origin, model.automaton);
+    if (fs::path(model.origin).has_extension()) {
+      folders.insert(fs::path(model.origin).parent_path());
+    }
+  }
+  for (const fs::path& folder : folders) {
+    std::set<fs::path> files;
+    std::error_code ignored;
+    for (const auto& entry : fs::directory_iterator(home / folder, ignored)) {
+      if (entry.path().extension() == ".dot") files.insert(entry.path());
+    }
+    for (const fs::path& file : files) {
+      if (models.size() > most_files) break;
+      try {
+        Model model = read_model(file);
+        auto* automaton = std::get_if<InterfaceAutomaton>(&model);
+        if (automaton != nullptr) {
+          models.emplace((folder / file.filename()).string(), std::move(*automaton));
+        }
+      } catch (const Error&) {
+        continue;  // a picture, or another tool's file
+      }
+    }
+  }
+  return models;
 }
 
 std::optional<System> make_variant(const System& system, const SystemVariant& variant,
@@ -240,6 +281,33 @@ class NodeChanger {
     }
   }
 
+  // On one line.
+  static std::string flow(const YAML::Node& node) {
+    YAML::Emitter emitter;
+    emitter.SetMapFormat(YAML::Flow);
+    emitter.SetSeqFormat(YAML::Flow);
+    emitter << node;
+    std::string text = emitter.c_str();
+    std::replace(text.begin(), text.end(), '\n', ' ');
+    return text;
+  }
+
+  // Those entries of the new map, and of maps in it, that the old one has not.
+  static YAML::Node new_in(const YAML::Node& after, const YAML::Node& before) {
+    YAML::Node result;
+    for (const auto& entry : after) {
+      const YAML::Node old = before && before.IsMap() ? before[entry.first.Scalar()]
+                                                      : YAML::Node(YAML::NodeType::Undefined);
+      if (!old || !old.IsDefined()) {
+        result[entry.first.Scalar()] = entry.second;
+      } else if (flow(old) != flow(entry.second)) {
+        result[entry.first.Scalar()] =
+            entry.second.IsMap() && old.IsMap() ? new_in(entry.second, old) : entry.second;
+      }
+    }
+    return result;
+  }
+
   template <typename Change>
   void add(std::vector<NodeChange>& changes, std::uint32_t threads, std::uint32_t now,
            const std::string& what, const Change& change) const {
@@ -257,7 +325,11 @@ class NodeChanger {
       description += fmt::format("{} a MultiThreadedExecutor with {} threads",
                                  what.empty() ? "" : ", and", threads);
     }
-    changes.push_back({name_, written(root), std::move(description)});
+    std::vector<std::string> lines;
+    for (const auto& section : new_in(root, parsed(text_))) {
+      lines.push_back(section.first.Scalar() + ": " + flow(section.second));
+    }
+    changes.push_back({name_, written(root), std::move(description), join(lines, ", ")});
   }
 
   const std::string& text_;

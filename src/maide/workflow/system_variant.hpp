@@ -47,6 +47,10 @@ struct SystemVariant {
 std::optional<System> make_variant(const System& system, const SystemVariant& variant,
                                    const ModelSource& learn = {}, const RunControl& control = {});
 
+// The models in use, and the model files in their folders (50 at most), by the names that a system
+// file would have for them. What is no interface automaton is left.
+std::map<std::string, InterfaceAutomaton> find_models_nearby(const System& system);
+
 // ---- Changes of the text ----
 //
 // Those of nodes and depths that are cures in C++: a callback group for a client or a
@@ -57,6 +61,7 @@ struct NodeChange {
   std::string node;         // whose cure it is
   std::string text;         // of the whole file
   std::string description;  // "detector: the client of lookup in a callback group of its own, ..."
+  std::string lines;        // what is new in the file: "nodes: {detector: {groups: ...}}"
 };
 
 // Of each node the smallest changes first. None of a file without nodes, or that is not YAML.

@@ -9,7 +9,9 @@
 namespace maide {
 namespace {
 
+using testing::AllOf;
 using testing::Contains;
+using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::StartsWith;
 
@@ -118,9 +120,13 @@ TEST(SuggestChange, NamesTheCallbackGroupAndTheExecutor) {
       "    callbacks: {on_image: {takes: image.read, do: \"lookup.send; wait lookup -> "
       "answer;\"}}\n",
       "s.yaml", [](const ModelRequest&) { return InterfaceAutomaton(); });
-  EXPECT_THAT(suggest(system).changes,
-              Contains(StartsWith("detector: the client of lookup in a callback group of its own, "
-                                  "and a MultiThreadedExecutor with 2 threads (checked: ")));
+  EXPECT_THAT(
+      suggest(system).changes,
+      Contains(AllOf(StartsWith("detector: the client of lookup in a callback group of its "
+                                "own, and a MultiThreadedExecutor with 2 threads"),
+                     HasSubstr("; nodes: {detector: {groups: {own_lookup: exclusive}, clients: "
+                               "{lookup: own_lookup}"),
+                     HasSubstr("executors: {executor_of_detector: {kind: multi, threads: 2}}"))));
 }
 
 // Two cures are needed, and each is named for what it cures.
@@ -144,6 +150,30 @@ TEST(SuggestChange, NamesWhatMakesAPartHold) {
   EXPECT_TRUE(found.changes.empty());
   ASSERT_TRUE(found.in_part.contains("deadlock"));
   EXPECT_THAT(found.in_part.at("deadlock"), HasSubstr("the client of lookup in a callback group"));
+}
+
+// Neither queue alone is enough; the service's depth makes no difference, and is not named.
+TEST(SuggestChange, NamesOneDepthForSeveral) {
+  const System system = parse_system(
+      "services: {lookup: {server: database, clients: [detector], with: {depth: 1}}}\n"
+      "topics:\n"
+      "  image: {writers: camera, readers: detector, use: queue, with: {depth: 2}}\n"
+      "  found: {writers: detector, readers: planner, use: queue, with: {depth: 2}}\n"
+      "programs:\n"
+      "  camera: \"repeat 4 { image.write; }\"\n"
+      "  database: \"loop { idle lookup.serve -> request; lookup.answer; }\"\n"
+      "nodes:\n"
+      "  detector:\n"
+      "    callbacks: {on_image: {takes: image.read, do: \"found.write;\"}}\n"
+      "  planner:\n"
+      "    variables: \"var n: 0..4;\"\n"
+      "    callbacks: {on_found: {takes: found.read, do: \"n = n + 1;\"}}\n"
+      "properties: {all: {ltl: \"F planner.n == 4\", fairness: strong}}\n",
+      "s.yaml", [](const ModelRequest&) { return InterfaceAutomaton(); });
+  NativeEngine engine;
+  const CheckReport before = check_system(system, engine, {});
+  EXPECT_THAT(suggest_changes(system, before, {}).changes,
+              ElementsAre(StartsWith("together: depth 4 in place of 2 at image and found (")));
 }
 
 TEST(SuggestChange, NamesTheDepthOfAService) {
