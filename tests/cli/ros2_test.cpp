@@ -46,6 +46,9 @@ TEST(Ros2Import, IsCheckedBeforeDepthsAreKnown) {
     text.replace(at, what.size(), by);
   };
   replace("logger: {depth: 5", "logger: {depth: unknown");
+  for (std::string::size_type at; (at = text.find("do: unknown}")) != std::string::npos;) {
+    text.replace(at, 11, "do: \"skip;\"");
+  }
   replace("tick: {timer: 100, do: \"skip;\"}", "tick: {timer: 33, do: \"image.write;\"}");
   write_file_atomically(file, text);
   const SubprocessResult open = run_maide({"check", file, "--property", "deadlock"});

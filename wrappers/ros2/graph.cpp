@@ -27,10 +27,18 @@ using Seconds = std::chrono::duration<double>;
 
 constexpr Seconds piece{0.1};                 // between looks
 constexpr Seconds most{30};                   // of waiting for a graph that does not change
+constexpr Seconds least_if_empty{10};         // of waiting for nodes
 constexpr std::size_t bytes_of_process = 12;  // of an end's number: those of its participant
 
 // Nodes of the graph whose participant has not told their names yet.
 constexpr const char* nameless = "_NODE_NAME_UNKNOWN_";
+
+// Who was there before tells of itself again after this time, if the first time was lost. Fast DDS
+// does so every three seconds (its default). Cyclone DDS answers whoever comes.
+Seconds least_wait() {
+  const std::string rmw = rmw_get_implementation_identifier();
+  return Seconds(rmw.starts_with("rmw_fastrtps") ? 4 : 0);
+}
 
 std::string full_name(const std::string& name, const std::string& name_space) {
   return (name_space.empty() || name_space == "/" ? "" : name_space) + "/" + name;
@@ -187,9 +195,18 @@ class GraphReader {
   std::map<std::string, std::string> processes_;  // by node
 };
 
-// Looks until nothing changed for `quiet`, and every node has a name.
+bool has_nodes(const Json& graph) {
+  return std::any_of(graph["nodes"].begin(), graph["nodes"].end(), [](const Json& node) {
+    const auto name = node["name"].get<std::string>();
+    return name[name.rfind('/') + 1] != '_';
+  });
+}
+
+// Looks until nothing changed for `quiet`, every node has a name, and whoever is there had the time
+// to tell.
 Json wait_for_graph(GraphReader& reader, Seconds quiet) {
   const Clock::time_point begin = Clock::now();
+  const Seconds least = least_wait();
   Clock::time_point changed = begin;
   Json graph = reader.read();
   std::string text = graph.dump();
@@ -202,7 +219,8 @@ Json wait_for_graph(GraphReader& reader, Seconds quiet) {
     graph = std::move(next);
     text = std::move(next_text);
     const bool is_named = text.find(nameless) == std::string::npos;
-    const bool is_settled = now - changed >= quiet && is_named;
+    const bool is_settled = now - changed >= quiet && is_named &&
+                            now - begin >= (has_nodes(graph) ? least : least_if_empty);
     if (!is_settled && now - begin < most + quiet) continue;
     graph["settled"] = is_settled;
     return graph;

@@ -34,8 +34,11 @@ Ros2Graph graph_of(const std::string& file, double settle, Context& context) {
     log_note("the graph still changed, or a node had not told its name: it is as it was then");
   }
   if (graph.topics.empty() && graph.services.empty()) {
-    const std::string where = file.empty() ? "ROS_DOMAIN_ID says which domain is looked at" : file;
-    throw UsageError("there is no topic and no service of ROS 2 (" + where + ")");
+    if (!file.empty()) throw UsageError("there is no topic and no service of ROS 2 (" + file + ")");
+    throw UsageError(fmt::format(
+        "nobody publishes, subscribes or serves in domain {} over {} (others: set ROS_DOMAIN_ID or "
+        "RMW_IMPLEMENTATION; slow ones: --settle SECONDS)",
+        graph.domain, graph.rmw));
   }
   return graph;
 }

@@ -101,6 +101,7 @@ Ros2Graph read_ros2_graph(const Json& json, const std::string& file) {
   Ros2Graph graph;
   try {
     graph.rmw = json.value("rmw", "");
+    graph.domain = json.value("domain", 0U);
     graph.is_settled = json.value("settled", true);
     for (const Json& node : json.at("nodes")) {
       graph.nodes.push_back({node.at("name").get<std::string>(), node.value("process", "")});
@@ -150,8 +151,9 @@ Json ros2_graph_to_json(const Ros2Graph& graph) {
     if (service.depth) json["depth"] = *service.depth;
     services.push_back(std::move(json));
   }
-  return {{"rmw", graph.rmw}, {"settled", graph.is_settled}, {"nodes", nodes},
-          {"topics", topics}, {"services", services},        {"actions", graph.actions}};
+  return {{"rmw", graph.rmw},        {"domain", graph.domain}, {"settled", graph.is_settled},
+          {"nodes", nodes},          {"topics", topics},       {"services", services},
+          {"actions", graph.actions}};
 }
 
 Ros2Graph observe_ros2_graph(double quiet, const RunControl& control) {

@@ -55,7 +55,8 @@ struct Ros2Node {
 // Without what every node has: parameters, logs, hidden nodes. Topics and services of actions are
 // not in it either: `actions` names them.
 struct Ros2Graph {
-  std::string rmw;         // "" of a system file
+  std::string rmw;  // "rmw_cyclonedds_cpp"; "" of a system file
+  std::uint32_t domain = 0;
   bool is_settled = true;  // nothing changed when it was read
   std::vector<Ros2Node> nodes;
   std::vector<Ros2Topic> topics;

@@ -47,6 +47,11 @@ std::string describe(const Ros2End& end) {
   return text;
 }
 
+// The middleware below, where it is not the one that is learned by default: ", rmw: fastrtps".
+std::string rmw_of(const Ros2Graph& graph) {
+  return graph.rmw.starts_with("rmw_fastrtps") ? ", rmw: fastrtps" : "";
+}
+
 // The options of `learn ros2` for a pair of ends, without those that have their defaults.
 std::string options_of(const Ros2Qos& publisher, const Ros2Qos& subscription) {
   std::string text;
@@ -203,9 +208,10 @@ class SystemWriter {
       NodeText& node = node_of(subscription->node);
       const std::string callback =
           add_callback(node, "on_" + connection.name,
-                       fmt::format("takes: {}.read, do: \"skip;\"", connection.name));
+                       fmt::format("takes: {}.read, do: unknown", connection.name));
       connection.readers.push_back(
-          {node.name, callback, options_of(publishers.front()->qos, subscription->qos)});
+          {node.name, callback,
+           options_of(publishers.front()->qos, subscription->qos) + rmw_of(graph_)});
     }
     connection.comment += ". " + join(ends, "; ");
     connections_.push_back(std::move(connection));
@@ -231,10 +237,10 @@ class SystemWriter {
       clients.push_back(node.name);
       node.says.push_back(fmt::format("{}.send; wait {} -> answer;", name, name));
     }
-    services_ +=
-        fmt::format("  # {}\n  {}: {{server: {}, clients: {}, learn: ros2, with: {{depth: {}}}}}\n",
-                    service.type, name, server_name, list_of(clients),
-                    service.depth ? std::to_string(*service.depth) : unknown_depth);
+    services_ += fmt::format(
+        "  # {}\n  {}: {{server: {}, clients: {}, learn: ros2, with: {{depth: {}{}}}}}\n",
+        service.type, name, server_name, list_of(clients),
+        service.depth ? std::to_string(*service.depth) : unknown_depth, rmw_of(graph_));
   }
 
   std::string head() {
@@ -242,11 +248,16 @@ class SystemWriter {
     if (!graph_.rmw.empty()) text += " (" + graph_.rmw + ")";
     text +=
         ". The graph does not tell:\n"
-        "# - what callbacks do: write it into each `do`, in place of `skip;`\n"
+        "# - what callbacks do: write it in place of each `do: unknown`, and `skip;` for nothing\n"
         "# - timers: a callback is added as `tick: {timer: 100, do: \"...\"}`\n"
         "# - depths: write a number in place of each `unknown`\n"
         "# - executors and callback groups: without `executor`, each node has one thread of its "
         "own\n";
+    const bool is_built_in = graph_.rmw.empty() || graph_.rmw == "rmw_cyclonedds_cpp";
+    if (!is_built_in && rmw_of(graph_).empty()) {
+      note(fmt::format("the models are those of rmw_cyclonedds_cpp: those of {} may differ",
+                       graph_.rmw));
+    }
     if (!graph_.is_settled) note("it still changed when it was read");
     for (const std::string& action : graph_.actions) {
       note("action " + action + " is left out: actions are not modelled");
@@ -299,7 +310,7 @@ class SystemWriter {
   std::string executors() {
     std::string text;
     for (const auto& [process, names] : processes()) {
-      const std::string name = take("process", "");
+      const std::string name = take("executor", "");
       executors_[process] = name;
       text += fmt::format(
           "  # {} are in one process; that one executor spins them is a guess\n"
@@ -324,7 +335,7 @@ class SystemWriter {
       for (const auto& [name, callback] : node.callbacks) {
         text += fmt::format("      {}: {{{}}}\n", name, callback);
       }
-      if (node.callbacks.empty()) text += "      tick: {timer: 100, do: \"skip;\"}\n";
+      if (node.callbacks.empty()) text += "      tick: {timer: 100, do: unknown}\n";
     }
     return text + left_out;
   }

@@ -135,9 +135,8 @@ TEST(Ros2System, IsLaidOutAndReadAndAsksForDepths) {
   const std::string text = write_ros2_system(graph());
   EXPECT_EQ(lay_out_system(text, "s.yaml"), text);
   const System system = parse_system(text, "s.yaml", without_ros2);
-  EXPECT_THAT(system.remarks, ElementsAre(HasSubstr("'depth: unknown'"),
-                                          HasSubstr("no program writes image, or writes found, or "
-                                                    "writes order, or asks lookup")));
+  EXPECT_THAT(system.remarks,
+              ElementsAre(HasSubstr("'depth: unknown'"), HasSubstr("'do: unknown'")));
   EXPECT_EQ(system.topics.size(), 3U);
   ASSERT_EQ(system.services.size(), 1U);
   EXPECT_EQ(system.services[0].server, "map");
@@ -151,6 +150,29 @@ TEST(Ros2System, IsLaidOutAndReadAndAsksForDepths) {
         "# camera, detector, map, planner are in one process"}) {
     EXPECT_THAT(text, HasSubstr(line));
   }
+}
+
+// What is learned and replayed is over the middleware of the graph.
+TEST(Ros2System, NamesTheMiddleware) {
+  Ros2Graph own = graph();
+  EXPECT_THAT(write_ros2_system(own), Not(HasSubstr("rmw:")));
+  own.rmw = "rmw_fastrtps_cpp";
+  const std::string text = write_ros2_system(own);
+  EXPECT_THAT(text, HasSubstr("logger: {depth: 5, sub-reliability: best_effort, rmw: fastrtps}"));
+  const System system = parse_system(text, "s.yaml", without_ros2);
+  EXPECT_EQ(system.models.front().automaton.origin.at("rmw"), "fastrtps");
+  own.rmw = "rmw_zenoh_cpp";
+  EXPECT_THAT(write_ros2_system(own),
+              HasSubstr("# the models are those of rmw_cyclonedds_cpp: those of rmw_zenoh_cpp"));
+}
+
+// A file that nobody filled in is not said to hold.
+TEST(Ros2System, IsInconclusiveAsLongAsCallbacksAreUnknown) {
+  const System system = parse_system(write_ros2_system(graph()), "s.yaml", without_ros2);
+  NativeEngine engine;
+  const CheckReport report = check_system(system, engine, {});
+  EXPECT_EQ(report.verdict, Verdict::inconclusive);
+  EXPECT_EQ(report.properties.front().reason, "what camera.tick does is not known (do: unknown)");
 }
 
 // A name that a node, a topic and a service have; nodes of two namespaces; two subscriptions.

@@ -141,6 +141,7 @@ class AssumptionList {
     state_hypotheses();
     state_strengths();
     state_unreal();
+    state_middlewares();
     state_executors();
     state_time_outs(results);
     state_reduction(results);
@@ -248,6 +249,25 @@ class AssumptionList {
     const std::set<std::uint32_t> used = find_used(system_);
     for (const std::string& line : describe_unreal(system_, {used.begin(), used.end()})) {
       lines_.push_back(line);
+    }
+  }
+
+  // Over what ROS 2 ran where models were learned from it.
+  void state_middlewares() {
+    constexpr std::string_view key = " rmw=";
+    std::map<std::string, std::vector<std::string>> models;
+    for (const ModelInstance* model : find_used_models(system_)) {
+      const auto sul = model->automaton.origin.find("sul");
+      if (sul == model->automaton.origin.end() || !sul->second.starts_with("ros2 ")) continue;
+      const std::size_t at = sul->second.find(key);
+      if (at == std::string::npos) continue;
+      const std::size_t begin = at + key.size();
+      models[sul->second.substr(begin, sul->second.find(' ', begin) - begin)].push_back(
+          model->name);
+    }
+    for (const auto& [rmw, names] : models) {
+      lines_.push_back(fmt::format("{} {} learned from rclcpp over {}", join(names, ", "),
+                                   names.size() == 1 ? "was" : "were", rmw));
     }
   }
 

@@ -18,6 +18,7 @@
 #include "maide/base/text.hpp"
 #include "maide/check/explore/assumptions.hpp"
 #include "maide/check/explore/model_words.hpp"
+#include "maide/check/language/built_in_models.hpp"
 #include "maide/check/trace/trace.hpp"
 
 namespace maide {
@@ -139,6 +140,7 @@ class PartChecker {
     for (const ModelUse& use : uses_beyond(system_, last_state(system_, before), step)) {
       const ModelInstance& model = system_.models[use.model];
       if (model.when_unexplored != WhenUnexplored::stop) continue;
+      if (find_unknown_code(model.automaton)) return describe_bound(model);
       return fmt::format("{}; {}'s {} at line {} goes beyond", describe_bound(model), program.name,
                          describe_edge(system_, program, edge), edge.line);
     }

@@ -14,6 +14,9 @@ std::string describe_bound(const ModelInstance& model) {
   if (has_unknown_depth(model.automaton)) {
     return "how much " + model.name + " keeps is not known (depth: unknown)";
   }
+  if (const auto callback = find_unknown_code(model.automaton)) {
+    return "what " + *callback + " does is not known (do: unknown)";
+  }
   const auto bound = model.automaton.origin.find("bound");
   if (bound == model.automaton.origin.end()) {
     return model.name + " was learned up to a bound that its file does not name";

@@ -79,6 +79,21 @@ bool has_unknown_depth(const InterfaceAutomaton& automaton) {
   return depth != automaton.origin.end() && depth->second == unknown_depth;
 }
 
+InterfaceAutomaton make_unknown_code(const std::string& callback) {
+  const std::vector<std::string> inputs{"begin"}, outputs;
+  InterfaceAutomaton automaton(Alphabet(std::span<const std::string>(inputs)),
+                               Alphabet(std::span<const std::string>(outputs)), 1);
+  automaton.origin = {{"callback", callback}};
+  automaton.mark_unexplored(0, 0);
+  return automaton;
+}
+
+std::optional<std::string> find_unknown_code(const InterfaceAutomaton& automaton) {
+  const auto callback = automaton.origin.find("callback");
+  if (callback == automaton.origin.end()) return std::nullopt;
+  return callback->second;
+}
+
 InterfaceAutomaton make_queue(const QueueSize& queue) {
   if (queue.is_unknown) return make_queue_of_unknown_size(queue);
   GrowingQueue states(queue);

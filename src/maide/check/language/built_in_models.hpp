@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -40,6 +41,12 @@ InterfaceAutomaton make_queue(const QueueSize& queue);
 // A `depth:` or an option in system files, and of a model's origin.
 inline constexpr const char* unknown_depth = "unknown";
 bool has_unknown_depth(const InterfaceAutomaton& automaton);
+
+inline constexpr const char* unknown_code = "unknown";
+// What a callback does whose code is not known: `begin` goes beyond what is known.
+InterfaceAutomaton make_unknown_code(const std::string& callback);
+// That callback; nothing of other models.
+std::optional<std::string> find_unknown_code(const InterfaceAutomaton& automaton);
 
 // A model whose states get their numbers as they are met, for one that has too many to make them
 // all, or whose number is not known. A state is what the model holds; what follows it is worked out

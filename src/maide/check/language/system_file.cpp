@@ -55,6 +55,7 @@ System SystemReader::read() {
   interfaces_ = system_.interfaces();
   if (const YAML::Node properties = section("properties")) read_properties(properties);
   remark_on_unknown_depths();
+  remark_on_unknown_code();
   remark_on_unused_models();
   remark_on_silent_connections();
   remark_on_unused_variables();
@@ -398,6 +399,17 @@ void SystemReader::remark_on_unknown_depths() {
       join(names, ", "));
 }
 
+void SystemReader::remark_on_unknown_code() {
+  std::vector<std::string> callbacks;
+  for (const ModelInstance& model : system_.models) {
+    const auto callback = find_unknown_code(model.automaton);
+    if (callback) callbacks.push_back(*callback + " (" + to_string(model.position) + ")");
+  }
+  if (callbacks.empty()) return;
+  system_.remarks.push_back("'do: unknown': write what is done, or 'skip;', for " +
+                            join(callbacks, ", "));
+}
+
 void SystemReader::remark_on_unused_models() {
   std::set<std::uint32_t> used;
   for (const Program& program : system_.programs) {
@@ -438,7 +450,10 @@ void SystemReader::remark_on_silent_connections() {
     });
     if (!is_asked) silent.push_back("asks " + service.name);
   }
-  if (!silent.empty()) system_.remarks.push_back("no program " + join(silent, ", or "));
+  const bool is_known = std::none_of(
+      system_.models.begin(), system_.models.end(),
+      [](const ModelInstance& model) { return find_unknown_code(model.automaton).has_value(); });
+  if (!silent.empty() && is_known) system_.remarks.push_back("no program " + join(silent, ", or "));
 }
 
 void SystemReader::remark_on_unused_variables() {

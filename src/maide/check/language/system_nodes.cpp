@@ -298,7 +298,8 @@ void SystemReader::read_callback(NodeOf& node, const YAML::Node& key, const YAML
         if (callback.outcomes.empty()) fail("'do' is empty", part);
       } else {
         scalar(part, "'do'");
-        callback.code = text_of(part);
+        callback.code =
+            part.Scalar() == unknown_code ? make_unknown(callback, word) : text_of(part);
       }
     } else {
       if (!by.empty()) fail("a callback has one of 'takes', 'timer' and 'serves'", word);
@@ -331,6 +332,20 @@ void SystemReader::read_callback(NodeOf& node, const YAML::Node& key, const YAML
   if (!callback.outcomes.empty() && by != "takes") fail("a map under 'do' goes with 'takes'", key);
   node.callbacks.push_back(std::move(callback));
   node.callback_groups.push_back(group);
+}
+
+ScalarText SystemReader::make_unknown(const Callback& callback, const YAML::Node& key) {
+  ModelInstance model;
+  model.name = "_unknown_" + std::to_string(system_.models.size());
+  take_name(model.name, key);
+  model.automaton = make_unknown_code(callback.whole_name());
+  model.source = ModelInstance::Source::executor;
+  model.position = at(key);
+  names_.models.emplace(
+      model.name, ModelName{static_cast<std::uint32_t>(system_.models.size()), {}, false, {}});
+  const ScalarText code = text_of(key).replaced_by(model.name + ".begin;");
+  system_.models.push_back(std::move(model));
+  return code;
 }
 
 void SystemReader::check_taken(const Callback& callback) const {

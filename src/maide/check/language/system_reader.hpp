@@ -118,6 +118,8 @@ class SystemReader : private YamlReader {
   std::vector<std::uint32_t> services_named(const YAML::Node& node, const Indices& indices);
   void read_callbacks(NodeOf& node);
   void read_callback(NodeOf& node, const YAML::Node& key, const YAML::Node& value);
+  // The code of `do: unknown`: it asks a model that knows nothing.
+  ScalarText make_unknown(const program_syntax::Callback& callback, const YAML::Node& key);
   // Of each service that has the node as a client.
   void read_clients(NodeOf& node);
   void check_plain_name(const YAML::Node& key, const std::string& what) const;
@@ -192,6 +194,7 @@ class SystemReader : private YamlReader {
   // The automaton of a file, whose name is relative to the system file's folder.
   std::shared_ptr<const LtlAutomaton> read_never(const YAML::Node& node) const;
   void remark_on_unknown_depths();
+  void remark_on_unknown_code();
   void remark_on_unused_models();
   void remark_on_silent_connections();
   void remark_on_unused_variables();

@@ -137,7 +137,8 @@ void SystemReader::make_thread(const std::string& name, const Executor& executor
   text.execution = executor.threads > 1
                        ? "on " + std::to_string(executor.threads) + " threads"
                        : std::string("on one thread, ") +
-                             (executor.goes_by_rounds ? "by rounds" : "in any order");
+                             (executor.goes_by_rounds ? "by rounds, in the order of rclcpp Humble"
+                                                      : "in any order");
   text.thread = std::make_shared<program_syntax::Thread>();
   text.thread->callbacks = std::move(callbacks);
   text.thread->goes_by_rounds = executor.goes_by_rounds;
