@@ -176,7 +176,9 @@ class TreeParser {
       const bool is_type = !statement.elements.empty() && statement.elements.back().piece.is(":");
       Piece piece = next();
       if (piece.is("{") && !is_type) {
-        statement.elements.push_back({{}, parse_braces(piece)});
+        Element element;
+        element.block = parse_braces(piece);
+        statement.elements.push_back(std::move(element));
         if (goes_on()) continue;
         return statement;
       }
