@@ -9,12 +9,14 @@
 #include <utility>
 
 #include "maide/base/error.hpp"
+#include "qos.hpp"
 
 namespace maide::ros2 {
 namespace {
 
 constexpr const char* elsewhere = "elsewhere";
 constexpr const char* reentrant = "reentrant";
+constexpr std::size_t service_depth = 10;  // ROS 2's default
 
 // A callback is triggered, begins, calls, and ends. Several runs of it at once would race for what
 // comes next; two callbacks show as much.
@@ -111,11 +113,11 @@ Nested::Nested(Nodes& nodes, const NestedSettings& settings, EventSink& sink)
   ends_->executor = make_executor(settings.executor, ends_->receiving);
   make_groups_of_executor();
   for (std::size_t caller = 0; caller < settings.callers; ++caller) make_caller(caller, name);
-  ends_->client = ends_->receiving->create_client<Type>(name, rmw_qos_profile_services_default,
+  ends_->client = ends_->receiving->create_client<Type>(name, service_qos(service_depth),
                                                         ends_->groups.at(settings.client_group));
   ends_->server = ends_->receiving->create_service<Type>(
       name, [](const std::shared_ptr<Type::Request>&, const std::shared_ptr<Type::Response>&) {},
-      rmw_qos_profile_services_default, ends_->groups.at(settings.server_group));
+      service_qos(service_depth), ends_->groups.at(settings.server_group));
   wait_for_matches();
   ends_->thread = std::make_unique<SpinningThread>(*ends_->executor);
   if (ends_->elsewhere) {

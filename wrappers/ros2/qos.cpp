@@ -24,6 +24,15 @@ std::vector<OptionSpec> rows_of_both() {
   };
 }
 
+template <typename Qos>
+Qos qos_of(const rmw_qos_profile_t& profile) {
+  if constexpr (std::is_same_v<Qos, rmw_qos_profile_t>) {
+    return profile;
+  } else {
+    return Qos(rclcpp::QoSInitialization::from_rmw(profile), profile);
+  }
+}
+
 }  // namespace
 
 std::vector<OptionSpec> qos_options() { return common_options::with_each_end(rows_of_both()); }
@@ -43,10 +52,10 @@ rclcpp::QoS qos_from(const OptionValues& options, const std::string& prefix) {
   return qos;
 }
 
-rmw_qos_profile_t service_qos(std::size_t depth) {
+ServiceQos service_qos(std::size_t depth) {
   rmw_qos_profile_t profile = rmw_qos_profile_services_default;
   profile.depth = depth;
-  return profile;
+  return qos_of<ServiceQos>(profile);
 }
 
 }  // namespace maide::ros2

@@ -27,9 +27,14 @@ class Spinner {
   bool is_stopped() const { return stopped_; }
 
  private:
+  // At the first call, when the group has its ends, as in programs. From rclcpp 28 on an executor
+  // sees an end that comes later by its second look only.
+  void add_group();
+
   rclcpp::Node::SharedPtr node_;  // lives as long as its group
   rclcpp::CallbackGroup::SharedPtr group_;
   rclcpp::executors::SingleThreadedExecutor executor_;
+  bool is_added_ = false;
   std::atomic<bool> stopped_ = false;
 };
 
