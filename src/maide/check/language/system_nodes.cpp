@@ -343,7 +343,7 @@ ScalarText SystemReader::make_unknown(const Callback& callback, const YAML::Node
   model.position = at(key);
   names_.models.emplace(
       model.name, ModelName{static_cast<std::uint32_t>(system_.models.size()), {}, false, {}});
-  const ScalarText code = text_of(key).replaced_by(model.name + ".begin;");
+  ScalarText code = text_of(key).replaced_by(model.name + ".begin;");
   system_.models.push_back(std::move(model));
   return code;
 }
