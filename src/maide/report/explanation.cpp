@@ -195,7 +195,7 @@ class Sentence {
       return end.empty() ? accepted : accepted + ": " + end;
     }
     if (property.kind != Property::Kind::ltl) return end;
-    const std::string violation = describe_violation(system_, property.formula, trace_, states_);
+    std::string violation = describe_violation(system_, property.formula, trace_, states_);
     // What comes after a bad prefix does not matter; a promise that is not kept has its reason.
     if (end.empty() || is_syntactically_safe(property.formula)) return violation;
     return violation + ": " + end + describe_losses(end);
