@@ -79,17 +79,21 @@ bool has_unknown_depth(const InterfaceAutomaton& automaton) {
   return depth != automaton.origin.end() && depth->second == unknown_depth;
 }
 
+namespace {
+constexpr const char* unknown_code_key = "unknown-code-of";  // a callback
+}  // namespace
+
 InterfaceAutomaton make_unknown_code(const std::string& callback) {
   const std::vector<std::string> inputs{"begin"}, outputs;
   InterfaceAutomaton automaton(Alphabet(std::span<const std::string>(inputs)),
                                Alphabet(std::span<const std::string>(outputs)), 1);
-  automaton.origin = {{"callback", callback}};
+  automaton.origin = {{unknown_code_key, callback}};
   automaton.mark_unexplored(0, 0);
   return automaton;
 }
 
 std::optional<std::string> find_unknown_code(const InterfaceAutomaton& automaton) {
-  const auto callback = automaton.origin.find("callback");
+  const auto callback = automaton.origin.find(unknown_code_key);
   if (callback == automaton.origin.end()) return std::nullopt;
   return callback->second;
 }
