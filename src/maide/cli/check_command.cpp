@@ -25,6 +25,7 @@
 #include "maide/report/picture.hpp"
 #include "maide/report/sequence_chart.hpp"
 #include "maide/report/trace_text.hpp"
+#include "maide/workflow/executor_rules.hpp"
 #include "maide/workflow/learned_models.hpp"
 #include "maide/workflow/refine_system.hpp"
 #include "maide/workflow/suggest_change.hpp"
@@ -153,11 +154,38 @@ void print(const System& system, const CheckReport& report, const TraceStyle& st
   context.print(describe(system, report, style, context.verbose()));
 }
 
-std::string describe(const Suggestions& suggestions) {
+// A counterexample may need an order of callbacks that executors do not take. Then one that they do
+// take is shown, if it is found.
+void prefer_runs_of_executors(const System& system, CheckReport& report,
+                              const RunControl& control) {
+  if (system.callbacks.empty()) return;
+  const ExecutorRules rules(system);
+  for (PropertyResult& result : report.properties) {
+    if (result.verdict != Verdict::violated || !result.trace) continue;
+    if (find_same_run(report, result) != nullptr) continue;
+    if (order_for_executors(system, rules, *result.trace)) continue;
+    constexpr std::uint64_t seed = 1;
+    auto run = find_run_of_executors(system, find_property(system, result.name), seed, control);
+    if (run) {
+      result.trace = std::move(run);
+      continue;
+    }
+    report.doubts.push_back(fmt::format(
+        "{}: no run was found in which executors pick the callbacks as rclcpp Humble's do. The "
+        "file leaves their order open, so this run counts, but a replay will not follow it",
+        result.name));
+  }
+}
+
+std::string describe(const Suggestions& suggestions, bool is_cut_short) {
   if (suggestions.changes.empty()) {
     std::string text =
-        fmt::format("no single change removes it, of {} that were checked\n", suggestions.tried);
-    if (!suggestions.in_part.empty()) text += "what makes a part of it hold:\n";
+        is_cut_short
+            ? fmt::format("ended early: none of the {} changes that were checked removes it\n",
+                          suggestions.tried)
+            : fmt::format("no single change removes it, of {} that were checked\n",
+                          suggestions.tried);
+    if (!suggestions.in_part.empty()) text += "what removes one violation, and not all:\n";
     for (const auto& [property, change] : suggestions.in_part) {
       text += fmt::format("  - {}: {}\n", property, change);
     }
@@ -297,9 +325,10 @@ ExitStatus run_check(const CheckArguments& arguments, Context& context) {
   request.options.checkpoint_seconds = arguments.checkpoint_seconds;
   if (arguments.memory_mib > 0) request.options.memory_mib = arguments.memory_mib;
   if (arguments.seconds > 0) request.options.control.deadline = deadline_in(arguments.seconds);
-  const RefinedCheck checked = check(arguments, *engine, request);
+  RefinedCheck checked = check(arguments, *engine, request);
   const System& system = checked.system;
-  const CheckReport& report = checked.report;
+  CheckReport& report = checked.report;
+  prefer_runs_of_executors(system, report, request.options.control);
   for (const std::string& remark : system.remarks) log_note(remark);
   for (const std::string& remark : report.remarks) log_note(remark);
   print(system, report, trace_style(arguments.trace_format), context);
@@ -311,7 +340,7 @@ ExitStatus run_check(const CheckArguments& arguments, Context& context) {
     options.note = [](const std::string& line) { log_note(line); };
     options.control = request.options.control;
     const Suggestions suggestions = suggest_changes(system, report, options);
-    context.print(describe(suggestions));
+    context.print(describe(suggestions, options.control.should_stop()));
     json["suggestions"] = suggestions.changes;
   }
   context.set_result(json);

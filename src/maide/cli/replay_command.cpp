@@ -253,7 +253,13 @@ void note_unplayed(Replay& replay) {
 // may come in another order than in the file.
 Trace in_order_of_executors(Replay& replay, const Trace& trace) {
   const auto ordered = order_for_executors(replay.system, replay.nodes->rules(), trace);
-  if (!ordered || *ordered == trace) return trace;
+  if (!ordered) {
+    log_note(
+        "no order of the steps was found in which executors pick the callbacks as rclcpp's do; "
+        "they are played as they stand");
+    return trace;
+  }
+  if (*ordered == trace) return trace;
   if (!replay.property.empty()) {
     const Property property = find_property(replay.system, replay.property);
     if (!find_flaw_in_parts(replay.system, property, *ordered).empty()) return trace;

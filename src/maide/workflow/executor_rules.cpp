@@ -1,9 +1,14 @@
 #include "maide/workflow/executor_rules.hpp"
 
 #include <algorithm>
+#include <map>
+#include <numeric>
 #include <set>
 #include <string>
 #include <tuple>
+
+#include "maide/base/random.hpp"
+#include "maide/check/explore/check_system.hpp"
 
 namespace maide {
 namespace {
@@ -380,6 +385,101 @@ void NodeRuns::take(const GlobalState& at, const Step& step) {
   } else if (const auto found = found_by(system_, step); !found.empty()) {
     rules_.pick(state_, system_.callbacks[found.front()].executor, at, found);
   }
+}
+
+namespace {
+
+class PriorityRuns {
+ public:
+  PriorityRuns(const System& system, const Property& property, std::uint64_t seed)
+      : system_(system), property_(property), random_(seed) {}
+
+  // Nothing if the run does not violate the property, or leaves what was learned.
+  std::optional<Trace> draw() {
+    std::vector<std::int64_t> priority(system_.programs.size());
+    std::iota(priority.begin(), priority.end(), 0);
+    random_.shuffle(priority);
+    std::int64_t lowest = 0;
+    NodeRuns nodes(system_);
+    GlobalState at = initial_state(system_);
+    Trace trace;
+    std::map<Place, std::size_t> seen;
+    for (std::size_t moves = 0; moves < most_moves; ++moves) {
+      const auto [place, is_new] =
+          seen.try_emplace(Place{at.models, at.programs, nodes.state()}, trace.steps.size());
+      if (!is_new) {
+        trace.loop_start = place->second;
+        if (violates(trace)) return trace;
+        // Round and round: whoever went there comes last from now on.
+        for (std::size_t step = place->second; step < trace.steps.size(); ++step) {
+          priority[trace.steps[step].program] = --lowest;
+        }
+        trace.steps.resize(place->second);
+        trace.loop_start.reset();
+        seen.clear();
+        continue;
+      }
+      std::vector<Step> steps = enabled_steps(system_, at);
+      std::erase_if(steps, [](const Step& step) { return step.is_beyond; });
+      nodes.restrict(at, steps);
+      if (steps.empty()) return violates(trace) ? std::optional(trace) : std::nullopt;
+      const Step step = choose(steps, priority);
+      if (random_.below(changes) == 0) priority[step.program] = --lowest;
+      nodes.take(at, step);
+      at = apply(system_, at, step);
+      trace.steps.push_back(step);
+    }
+    return std::nullopt;
+  }
+
+ private:
+  using Place = std::tuple<std::vector<StateId>, std::vector<ControlState>, ExecutorRules::State>;
+  static constexpr std::size_t most_moves = 5'000;
+  static constexpr std::uint64_t changes = 256;  // one step in so many loses its priority
+
+  Step choose(const std::vector<Step>& steps, const std::vector<std::int64_t>& priority) {
+    std::int64_t highest = priority[steps.front().program];
+    for (const Step& step : steps) highest = std::max(highest, priority[step.program]);
+    std::vector<Step> best;
+    for (const Step& step : steps) {
+      if (priority[step.program] == highest) best.push_back(step);
+    }
+    return best[random_.below(best.size())];
+  }
+
+  bool violates(const Trace& trace) const {
+    return find_flaw_in_parts(system_, property_, trace).empty();
+  }
+
+  const System& system_;
+  const Property& property_;
+  Random random_;
+};
+
+}  // namespace
+
+std::optional<Trace> find_run_of_executors(const System& system, const Property& property,
+                                           std::uint64_t seed, const RunControl& control) {
+  constexpr std::size_t most_runs = 100, most_found = 10;
+  // How often another program takes its turn, and how long it is.
+  const auto length_of = [](const Trace& trace) {
+    std::size_t turns = 0;
+    for (std::size_t step = 1; step < trace.steps.size(); ++step) {
+      turns += trace.steps[step].program != trace.steps[step - 1].program ? 1 : 0;
+    }
+    return std::pair(turns, trace.steps.size());
+  };
+  PriorityRuns runs(system, property, seed);
+  std::optional<Trace> shortest;
+  std::size_t found = 0;
+  for (std::size_t run = 0; run < most_runs && found < most_found; ++run) {
+    if (control.should_stop()) break;
+    std::optional<Trace> trace = runs.draw();
+    if (!trace) continue;
+    ++found;
+    if (!shortest || length_of(*trace) < length_of(*shortest)) shortest = std::move(trace);
+  }
+  return shortest;
 }
 
 }  // namespace maide

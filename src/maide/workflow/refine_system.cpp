@@ -172,7 +172,11 @@ class Refiner {
       }
     }
     for (const std::string& name : confirmed_) {
-      report.assumptions.push_back("the real system followed the counterexample to " + name);
+      report.assumptions.push_back(
+          result_.system.callbacks.empty()
+              ? "the real system followed the counterexample to " + name
+              : "the real connections followed the counterexample to " + name +
+                    "; executors were not asked (`maide replay` asks them)");
     }
     for (const auto& [name, tests] : tests_) {
       report.assumptions.push_back(

@@ -8,6 +8,8 @@
 #include <vector>
 
 #include "maide/base/random.hpp"
+#include "maide/check/explore/check_system.hpp"
+#include "maide/check/explore/engine.hpp"
 #include "maide/check/language/system_file.hpp"
 
 namespace maide {
@@ -254,6 +256,63 @@ TEST(NodeRuns, StartWhatExecutorsPick) {
     at = apply(system, at, step);
   }
   EXPECT_GT(starts, 20u);
+}
+
+// By `order: any` either queue may overflow. An executor that runs all that a look found never lets
+// more than two poses wait, so by its rules it is the first queue alone.
+const std::string pipeline =
+    "topics:\n"
+    "  scan: {writers: laser, readers: matcher, use: queue, with: {depth: FIRST}}\n"
+    "  pose: {writers: matcher, readers: mission, use: queue, with: {depth: 2}}\n"
+    "programs: {laser: \"repeat 4 { scan.write; }\"}\n"
+    "executors: {main: {kind: single}}\n"
+    "nodes:\n"
+    "  matcher:\n"
+    "    executor: main\n"
+    "    callbacks: {on_scan: {takes: scan.read, do: \"pose.write;\"}}\n"
+    "  mission:\n"
+    "    executor: main\n"
+    "    variables: \"var n: 0..4;\"\n"
+    "    callbacks: {on_pose: {takes: pose.read, do: \"n = n + 1;\"}}\n"
+    "properties: {all: {ltl: \"F mission.n == 4\", fairness: strong}}\n";
+
+System pipeline_of(const std::string& depth) {
+  std::string text = pipeline;
+  text.replace(text.find("FIRST"), 5, depth);
+  return parse_system(text, "s.yaml");
+}
+
+TEST(RunOfExecutors, ViolatesAndIsOneThatTheyTake) {
+  const System system = pipeline_of("2");
+  const Property all = find_property(system, "all");
+  const auto run = find_run_of_executors(system, all, 7, {});
+  ASSERT_TRUE(run);
+  EXPECT_EQ(find_flaw_in_parts(system, all, *run), "");
+  const ExecutorRules rules(system);
+  EXPECT_TRUE(order_for_executors(system, rules, *run));
+  // The same seed, the same run.
+  const auto again = find_run_of_executors(system, all, 7, {});
+  ASSERT_TRUE(again);
+  EXPECT_EQ(again->steps, run->steps);
+  EXPECT_EQ(again->loop_start, run->loop_start);
+}
+
+// The second queue overflows only if the mission's callback is passed over twice.
+TEST(RunOfExecutors, IsNoneWhereOnlyAnotherOrderViolates) {
+  const System system = pipeline_of("4");
+  NativeEngine engine;
+  CheckRequest request;
+  request.properties = {"all"};
+  EXPECT_EQ(check_system(system, engine, request).verdict, Verdict::violated);
+  EXPECT_FALSE(find_run_of_executors(system, find_property(system, "all"), 7, {}));
+}
+
+TEST(RunOfExecutors, IsNoneWhereItHolds) {
+  std::string text = pipeline;
+  text.replace(text.find("FIRST"), 5, "4");
+  text.replace(text.find("depth: 2"), 8, "depth: 4");
+  const System system = parse_system(text, "s.yaml");
+  EXPECT_FALSE(find_run_of_executors(system, find_property(system, "all"), 7, {}));
 }
 
 }  // namespace
