@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cstdlib>
 #include <map>
 #include <optional>
@@ -29,6 +30,7 @@ constexpr std::int64_t most_below = 16;  // values of a constant that are all ch
 constexpr std::int64_t most_longer = 8;  // times as long a queue
 constexpr Value most_spoken_of = 64;     // of a variable's range: messages that are tried
 constexpr std::uint64_t memory_mib = 1024;
+constexpr std::chrono::seconds seconds_between_notes{10};
 constexpr std::string_view raised = "+";  // OptionSpec::keeps_more
 
 // The settings of a system to be learned.
@@ -101,6 +103,11 @@ class ChangeSearch {
         make_variant(system_, variant, options_.models, options_.control);
     if (!changed) return outcome;
     ++result_.tried;
+    const auto now = std::chrono::steady_clock::now();
+    if (now - last_note_ > seconds_between_notes) {
+      note(fmt::format("{} changes were checked so far", result_.tried));
+      last_note_ = now;
+    }
     CheckRequest request;
     request.properties = properties_;
     request.options.memory_mib = memory_mib;
@@ -560,6 +567,7 @@ class ChangeSearch {
   std::map<std::pair<std::string, With>, InterfaceAutomaton> made_;  // by system and settings
   std::vector<std::string> properties_;
   std::map<std::string, Verdict> before_;  // by property
+  std::chrono::steady_clock::time_point last_note_ = std::chrono::steady_clock::now();
   Suggestions result_;
 };
 

@@ -176,7 +176,7 @@ TEST(UnknownDepth, IsAskedForInOneLine) {
   EXPECT_THAT(report.properties[0].reason,
               HasSubstr("how much image[b] keeps is not known (depth: unknown)"));
   EXPECT_THAT(testing::PrintToString(report.assumptions),
-              HasSubstr("image[b] is written by hand (a queue of unknown depth)"));
+              HasSubstr("image[b] stands for every depth (depth: unknown)"));
 }
 
 }  // namespace

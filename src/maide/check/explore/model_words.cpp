@@ -71,9 +71,14 @@ std::vector<std::string> describe_unreal(const System& system,
   using Source = ModelInstance::Source;
   std::map<std::string, std::vector<std::string>> names;  // by kind; "": shared variables
   std::map<std::string, std::vector<std::string>> services;
+  std::vector<std::string> of_any_depth;
   for (const std::uint32_t index : models) {
     const ModelInstance& model = system.models[index];
-    if (model.source == Source::built_in) names[describe_built_in(model)].push_back(model.name);
+    if (model.source == Source::built_in && has_unknown_depth(model.automaton)) {
+      of_any_depth.push_back(model.name);
+    } else if (model.source == Source::built_in) {
+      names[describe_built_in(model)].push_back(model.name);
+    }
     if (model.source == Source::variable) names[""].push_back(model.name);
     if (model.source == Source::service) {
       const auto rmw = model.automaton.origin.find("rmw");
@@ -93,6 +98,10 @@ std::vector<std::string> describe_unreal(const System& system,
                     (kind.empty() ? is_one ? " is a shared variable" : " are shared variables"
                                   : fmt::format(" {} written by hand ({}{})", is_one ? "is" : "are",
                                                 kind, is_one ? "" : " each")));
+  }
+  if (!of_any_depth.empty()) {
+    lines.push_back(fmt::format("{} {} for every depth (depth: unknown)", join(of_any_depth),
+                                of_any_depth.size() == 1 ? "stands" : "stand"));
   }
   std::sort(lines.begin(), lines.end());
   return lines;

@@ -158,8 +158,8 @@ Event EventParser::parse_event_name(const ModelReference& model, std::string_vie
   event.line = place.line;
   event.column = place.column;
   event.has_arguments = tokens_.peek().is("(");
-  check_received(model, event, is_input, name);
   check_event(model, event, name, what);
+  check_received(model, event, is_input, name);
   check_role(model, event, name);
   return event;
 }
