@@ -11,8 +11,8 @@
 #include "maide/base/json.hpp"
 #include "maide/base/text.hpp"
 #include "maide/check/explore/check_system.hpp"
+#include "maide/check/explore/message_account.hpp"
 #include "maide/check/explore/model_words.hpp"
-#include "maide/check/explore/waiting.hpp"
 #include "maide/check/trace/trace_file.hpp"
 #include "maide/report/trace_text.hpp"
 
@@ -156,6 +156,7 @@ std::string describe_wait(const System& system, const Program& program, const Pr
   }
 }
 
+// At each step in which a message was lost that some program would take.
 void remark_on_losses(const System& system, const Trace& trace,
                       const std::vector<GlobalState>& states, SequenceChart& chart) {
   for (const auto& [model, account] : find_losses(system, trace, states)) {

@@ -194,11 +194,11 @@ void write_steps(std::ostream& out, const System& system, const Trace& trace,
     }
     const Step& step = trace.steps[row.message];
     const SequenceChart::Message& message = chart.messages[row.message];
-    std::string line =
-        fmt::format("{:>5}  {:<{}}  {:<{}}  {:<{}}  {}", row.message + 1, program_of(step).name,
-                    name_width, place_of(step), place_width, event_of(step), event_width,
-                    place_of(step) == shown ? "" : message.source);
-    shown = place_of(step);
+    const std::string place = place_of(step);
+    std::string line = fmt::format(
+        "{:>5}  {:<{}}  {:<{}}  {:<{}}  {}", row.message + 1, program_of(step).name, name_width,
+        place, place_width, event_of(step), event_width, place == shown ? "" : message.source);
+    shown = place;
     line.erase(line.find_last_not_of(' ') + 1);
     if (!message.remark.empty()) line += "  (" + message.remark + ")";
     line.erase(line.find_last_not_of(' ') + 1);

@@ -31,7 +31,7 @@ Json report_to_json(const System& system, const CheckReport& report);
 
 // A chart has a lane for each program and model, and an arrow for each rendezvous. Below each
 // program stands what it waits for in the end. Programs and models that talk much stand side by
-// side. Messages that a program waits for in the end and that were lost have a remark.
+// side. A step in which a message was lost has a remark.
 // O(steps x programs).
 SequenceChart make_trace_chart(const System& system, const Trace& trace, std::string title);
 

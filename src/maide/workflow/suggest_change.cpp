@@ -347,8 +347,7 @@ class ChangeSearch {
     std::int64_t depth = 0;
     std::optional<DepthPlace> place;
     const ModelInstance* instance = nullptr;
-    Learned learned{};
-    std::string key{};
+    std::string key{};  // of the option
   };
 
   std::vector<Queue> find_queues() {
@@ -361,10 +360,10 @@ class ChangeSearch {
       if (learned == learned_.end()) continue;
       for (const OptionSpec& option : learned->second.options) {
         if (option.keeps_more != raised || std::int64_t{burst_} > option.most) continue;
-        Learned with = learned->second.learned;
-        const auto depth = parse_number<std::int64_t>(value_of(with.with, option.key));
+        With with = learned->second.learned.with;
+        const auto depth = parse_number<std::int64_t>(value_of(with, option.key));
         if (!depth) continue;
-        queues.push_back({instance.name, *depth, std::nullopt, &instance, with, option.key});
+        queues.push_back({instance.name, *depth, std::nullopt, &instance, option.key});
         break;
       }
     }
@@ -381,7 +380,7 @@ class ChangeSearch {
             with_depth(variant.text.empty() ? text() : variant.text, *queue.place, depth);
         continue;
       }
-      Learned changed = queue.learned;
+      Learned changed = learned_.at(queue.instance->name).learned;
       value_of(changed.with, queue.key) = std::to_string(depth);
       variant.models.emplace(queue.instance->name, model_of(*queue.instance, changed));
     }
@@ -393,36 +392,30 @@ class ChangeSearch {
     std::vector<Queue> queues = find_queues();
     if (queues.size() < 2) return;
     try {
-      Outcome best = with_one_depth(queues, burst_);
-      if (!best.holds) return;
+      if (!with_one_depth(queues, burst_).holds) return;
       for (std::size_t i = queues.size(); i-- > 0 && queues.size() > 1;) {
         std::vector<Queue> fewer = queues;
         fewer.erase(fewer.begin() + static_cast<std::ptrdiff_t>(i));
-        const Outcome outcome = with_one_depth(fewer, burst_);
-        if (!outcome.holds) continue;
-        queues = std::move(fewer);
-        best = outcome;
+        if (with_one_depth(fewer, burst_).holds) queues = std::move(fewer);
       }
-      std::int64_t low = burst_, high = burst_;
-      for (const Queue& queue : queues) low = std::min(low, queue.depth);
-      while (high - low > 1 && !options_.control.should_stop()) {
-        const std::int64_t middle = low + (high - low) / 2;
-        const Outcome outcome = with_one_depth(queues, middle);
-        (outcome.holds ? high : low) = middle;
-        if (outcome.holds) best = outcome;
-      }
+      std::int64_t shortest = burst_;
+      for (const Queue& queue : queues) shortest = std::min(shortest, queue.depth);
+      const auto enough = nearest(
+          shortest, burst_, [&](std::int64_t depth) { return with_one_depth(queues, depth); });
+      if (!enough) return;
+      const auto& [depth, outcome] = *enough;
       std::map<std::string, std::vector<std::string>> changes;
       for (const Queue& queue : queues) {
-        if (queue.depth >= high) continue;
+        if (queue.depth >= depth) continue;
         changes[fmt::format("{} {} in place of {}", queue.place ? queue.place->option : queue.key,
-                            high, queue.depth)]
+                            depth, queue.depth)]
             .push_back(queue.name);
       }
       std::vector<std::string> lines;
       for (const auto& [change, names] : changes) {
         lines.push_back(change + " at " + join(names, " and "));
       }
-      found("together: " + join(lines, ", "), best, "");
+      found("together: " + join(lines, ", "), outcome, "");
     } catch (const Error& error) {
       note(fmt::format("one depth for several was not tried: {}", error.what()));
     }

@@ -30,6 +30,12 @@ Suggestions suggest(const System& system, ModelSource models = {}) {
   return suggest_changes(system, check_deadlock(system), options);
 }
 
+// For all properties of the file.
+Suggestions suggest_for_all(const System& system) {
+  NativeEngine engine;
+  return suggest_changes(system, check_system(system, engine, {}), {});
+}
+
 TEST(SystemVariant, HasOtherCountsAndModels) {
   const System system = read_system(folder + "case-study-1/buffered.yaml");
   std::vector<Repeat> repeats = find_repeats(system);
@@ -144,9 +150,7 @@ TEST(SuggestChange, NamesWhatMakesAPartHold) {
       "n + 1;\"}}\n"
       "properties: {three: \"F detector.n == 3\"}\n",
       "s.yaml", [](const ModelRequest&) { return InterfaceAutomaton(); });
-  NativeEngine engine;
-  const CheckReport before = check_system(system, engine, {});
-  const Suggestions found = suggest_changes(system, before, {});
+  const Suggestions found = suggest_for_all(system);
   EXPECT_TRUE(found.changes.empty());
   ASSERT_TRUE(found.in_part.contains("deadlock"));
   EXPECT_THAT(found.in_part.at("deadlock"), HasSubstr("the client of lookup in a callback group"));
@@ -170,9 +174,7 @@ TEST(SuggestChange, NamesOneDepthForSeveral) {
       "    callbacks: {on_found: {takes: found.read, do: \"n = n + 1;\"}}\n"
       "properties: {all: {ltl: \"F planner.n == 4\", fairness: strong}}\n",
       "s.yaml", [](const ModelRequest&) { return InterfaceAutomaton(); });
-  NativeEngine engine;
-  const CheckReport before = check_system(system, engine, {});
-  EXPECT_THAT(suggest_changes(system, before, {}).changes,
+  EXPECT_THAT(suggest_for_all(system).changes,
               ElementsAre(StartsWith("together: depth 4 in place of 2 at image and found (")));
 }
 

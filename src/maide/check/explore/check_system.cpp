@@ -397,9 +397,8 @@ class Checker {
       if (steps[index] || program.edges_of(at).empty() || program.states[at].may_rest) continue;
       report_.remarks.push_back(
           fmt::format("{} may never step again on a run that is weakly fair only, which `stuck` "
-                      "leaves out: it waits at line "
-                      "{}, and each "
-                      "time it could go on, others are faster",
+                      "leaves out: it waits at line {}, and each time it could go on, others are "
+                      "faster",
                       program.name, program.edges_of(at).front().line));
     }
   }

@@ -54,8 +54,7 @@ System SystemReader::read() {
   keep_topics();
   interfaces_ = system_.interfaces();
   if (const YAML::Node properties = section("properties")) read_properties(properties);
-  remark_on_unknown_depths();
-  remark_on_unknown_code();
+  remark_on_what_is_unknown();
   remark_on_unused_models();
   remark_on_silent_connections();
   remark_on_unused_variables();
@@ -387,27 +386,22 @@ std::shared_ptr<const LtlAutomaton> SystemReader::read_never(const YAML::Node& n
   return std::make_shared<LtlAutomaton>(read_hoa(read_file(file), file.string(), scope()));
 }
 
-void SystemReader::remark_on_unknown_depths() {
-  std::vector<std::string> names;
+void SystemReader::remark_on_what_is_unknown() {
+  std::vector<std::string> depths, code;
   for (const ModelInstance& model : system_.models) {
-    if (!has_unknown_depth(model.automaton)) continue;
-    names.push_back(model.name + " (" + to_string(model.position) + ")");
+    const std::string place = " (" + to_string(model.position) + ")";
+    if (has_unknown_depth(model.automaton)) depths.push_back(model.name + place);
+    if (const auto callback = find_unknown_code(model.automaton)) code.push_back(*callback + place);
   }
-  if (names.empty()) return;
-  system_.remarks.push_back(
-      "'depth: unknown': write how many messages are kept, as in 'depth: 10', for " +
-      join(names, ", "));
-}
-
-void SystemReader::remark_on_unknown_code() {
-  std::vector<std::string> callbacks;
-  for (const ModelInstance& model : system_.models) {
-    const auto callback = find_unknown_code(model.automaton);
-    if (callback) callbacks.push_back(*callback + " (" + to_string(model.position) + ")");
+  if (!depths.empty()) {
+    system_.remarks.push_back(
+        "'depth: unknown': write how many messages are kept, as in 'depth: 10', for " +
+        join(depths, ", "));
   }
-  if (callbacks.empty()) return;
-  system_.remarks.push_back("'do: unknown': write what is done, or 'skip;', for " +
-                            join(callbacks, ", "));
+  if (!code.empty()) {
+    system_.remarks.push_back("'do: unknown': write what is done, or 'skip;', for " +
+                              join(code, ", "));
+  }
 }
 
 void SystemReader::remark_on_unused_models() {

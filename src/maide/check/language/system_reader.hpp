@@ -193,8 +193,7 @@ class SystemReader : private YamlReader {
   std::vector<FormulaInstance> invariants(const YAML::Node& node);
   // The automaton of a file, whose name is relative to the system file's folder.
   std::shared_ptr<const LtlAutomaton> read_never(const YAML::Node& node) const;
-  void remark_on_unknown_depths();
-  void remark_on_unknown_code();
+  void remark_on_what_is_unknown();
   void remark_on_unused_models();
   void remark_on_silent_connections();
   void remark_on_unused_variables();
