@@ -66,10 +66,11 @@ INSTANTIATE_TEST_SUITE_P(Short, Topics,
                          testing::Values(TopicCase{
                              "cyclonedds_last_1_2x2", "cyclonedds", {}, {2, false}, 2, ""}),
                          [](const auto& tested) { return tested.param.name; });
-INSTANTIATE_TEST_SUITE_P(Wide, Topics,
-                         testing::Values(TopicCase{
-                             "fastdds_last_1_2x2", "fastdds", {}, {2, false}, 2, ""}),
-                         [](const auto& tested) { return tested.param.name; });
+INSTANTIATE_TEST_SUITE_P(
+    Wide, Topics,
+    testing::Values(TopicCase{"fastdds_last_1_2x2", "fastdds", {}, {2, false}, 2, ""},
+                    TopicCase{"ros2_last_1_2x2", "ros2", {{"depth", "1"}}, {2, false}, 2, ""}),
+    [](const auto& tested) { return tested.param.name; });
 
 }  // namespace
 }  // namespace maide
