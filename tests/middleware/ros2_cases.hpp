@@ -101,6 +101,7 @@ struct Ros2ServiceCase {
 inline void PrintTo(const Ros2ServiceCase& tested, std::ostream* out) { *out << tested.name; }
 
 inline std::vector<Ros2ServiceCase> ros2_service_cases() {
+  const std::vector<std::string> usual{"send", "serve", "answer", "receive"};
   const std::vector<std::string> one{"send", "handle", "tryreceive"};
   const std::vector<std::string> served{"send", "tryserve", "handle", "tryreceive"};
   const std::vector<std::string> restarted{"send", "handle", "tryreceive", "stop", "start"};
@@ -113,6 +114,9 @@ inline std::vector<Ros2ServiceCase> ros2_service_cases() {
       {"restarted", {1, 1, true}, restarted, 18},
       {"two_clients", {1, 2, false}, two, 9},
       {"two_clients_gap", {1, 2, true}, two, 81},
+      {"usual_depth_1", {1, 1, false}, usual, 15},
+      {"usual_depth_2", {2, 1, false}, usual, 28},
+      {"waiting_for_a_callback", {1, 1, true}, {"send", "handle", "receive"}, 12},
       {"strangers_1", {1, 2, false}, strangers, 3},
       {"strangers_10", {10, 2, false}, strangers, 12},
       {"strangers_restarted", {2, 2, false}, {"ask", "wait", "call", "stop", "start"}, 8},

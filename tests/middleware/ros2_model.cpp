@@ -4,6 +4,7 @@
 #include <compare>
 #include <deque>
 #include <map>
+#include <optional>
 #include <stdexcept>
 #include <utility>
 
@@ -23,6 +24,7 @@ struct Client {
   std::size_t sent = 0, served = 0, received = 0;  // the newest of each, 0: none
   std::deque<Item> answers;                        // not received, oldest first
   bool is_open = false;                            // of ask
+  bool is_receiving = false;                       // waits
   auto operator<=>(const Client&) const = default;
 };
 
@@ -30,15 +32,21 @@ struct Content {
   std::deque<Item> requests;  // not served, oldest first
   std::vector<Client> clients;
   bool is_up = true;
+  bool is_serving = false;     // waits
+  std::optional<Item> served;  // not answered
   auto operator<=>(const Content&) const = default;
 };
 
-// The same future with small numbers: a distance above 1 is 2.
-void normalize(Content& content, std::size_t client) {
+// The same future with small numbers: a distance above 1 is 2, and where nothing tells gaps none
+// matters.
+void normalize(Content& content, std::size_t client, bool tells_gaps) {
   Client& own = content.clients[client];
   std::vector<std::size_t*> numbers{&own.sent, &own.served, &own.received};
   for (Item& item : content.requests) {
     if (item.client == client) numbers.push_back(&item.number);
+  }
+  if (content.served && content.served->client == client) {
+    numbers.push_back(&content.served->number);
   }
   for (Client& each : content.clients) {
     for (Item& item : each.answers) {
@@ -51,7 +59,7 @@ void normalize(Content& content, std::size_t client) {
   for (auto& [number, to] : small) {
     next += std::min<std::size_t>(number - last, 2);
     last = number;
-    to = next;
+    to = tells_gaps ? next : 0;
   }
   for (std::size_t* number : numbers) *number = small[*number];
 }
@@ -62,23 +70,60 @@ class ServiceMachine {
 
   std::string step(Content& content, const std::string& input) const {
     const bool is_second = input.ends_with('2') || input == "call";
-    Client& client = content.clients.at(is_second ? 1 : 0);
+    const std::size_t client = is_second ? 1 : 0;
     const std::string name = input.ends_with('2') ? input.substr(0, input.size() - 1) : input;
-    if (name == "send") return send(content, is_second ? 1 : 0);
-    if (name == "tryreceive") return try_receive(client, is_second ? "2" : "");
-    if (name == "tryserve") return serve(content, "request", false);
-    if (name == "handle") return serve(content, "handled", true);
-    if (name == "ask") return ask(content);
-    if (name == "wait") return wait(client);
-    if (name == "call") return call(content);
-    if (name == "start") return content.is_up = true, "quiet";
-    if (name != "stop") throw std::invalid_argument(input);
-    content.is_up = false;
-    content.requests.clear();
-    return "quiet";
+    const bool is_waiting =
+        is_of_server(name) ? content.is_serving : content.clients.at(client).is_receiving;
+    if (is_waiting) return "refused";
+    if (name == "receive" || name == "serve") {
+      (name == "serve" ? content.is_serving : content.clients[client].is_receiving) = true;
+      return end_waiting(content, "quiet");
+    }
+    return end_waiting(content, step_without_waiting(content, name, client));
   }
 
  private:
+  static bool is_of_server(const std::string& name) {
+    return name == "serve" || name == "tryserve" || name == "answer" || name == "handle" ||
+           name == "stop" || name == "start";
+  }
+
+  std::string step_without_waiting(Content& content, const std::string& name,
+                                   std::size_t number) const {
+    if (name == "send") return send(content, number);
+    if (name == "tryreceive") return try_receive(content.clients[number], number);
+    if (name == "tryserve") return serve(content, "request");
+    if (name == "handle") return handle(content);
+    if (name == "answer") return answer(content) ? "quiet" : "unexplored";
+    if (name == "ask") return ask(content);
+    if (name == "wait") return wait(content.clients[number]);
+    if (name == "call") return call(content);
+    if (name == "start") return content.is_up = true, "quiet";
+    if (name != "stop") throw std::invalid_argument(name);
+    content.is_up = false;
+    content.requests.clear();
+    content.served.reset();
+    return "quiet";
+  }
+
+  // What waits ends if it can: a serve by what a client sent, which says nothing itself; a receive
+  // by what the server did, and clients come first in an answer.
+  std::string end_waiting(Content& content, const std::string& output) const {
+    if (content.is_serving && (!content.is_up || !content.requests.empty())) {
+      content.is_serving = false;
+      return serve(content, "request");
+    }
+    for (std::size_t number = 0; number < content.clients.size(); ++number) {
+      Client& client = content.clients[number];
+      if (!client.is_receiving) continue;
+      const std::string answer = try_receive(client, number);
+      if (answer.starts_with("null")) continue;
+      client.is_receiving = false;
+      return output == "quiet" ? answer : answer + "," + output;
+    }
+    return output;
+  }
+
   void keep(std::deque<Item>& queue, const Item& item) const {
     queue.push_back(item);
     if (queue.size() > service_.depth) queue.pop_front();
@@ -90,7 +135,7 @@ class ServiceMachine {
     return "quiet";
   }
 
-  std::string serve(Content& content, const std::string& event, bool answers) const {
+  std::string serve(Content& content, const std::string& event) const {
     if (!content.is_up) return "down";
     if (content.requests.empty()) return "none";
     const Item item = content.requests.front();
@@ -98,14 +143,25 @@ class ServiceMachine {
     Client& asked = content.clients[item.client];
     const bool is_next = item.number == asked.served + 1;
     asked.served = item.number;
-    if (answers) {
-      for (Client& client : content.clients) keep(client.answers, item);
-    }
+    content.served = item;
     return with_gap(event, is_next);
   }
 
-  std::string try_receive(Client& client, const std::string& suffix) const {
-    const std::size_t own = suffix.empty() ? 0 : 1;
+  bool answer(Content& content) const {
+    if (!content.served) return false;
+    for (Client& client : content.clients) keep(client.answers, *content.served);
+    content.served.reset();
+    return true;
+  }
+
+  std::string handle(Content& content) const {
+    const std::string event = serve(content, "handled");
+    if (event.starts_with("handled")) answer(content);
+    return event;
+  }
+
+  std::string try_receive(Client& client, std::size_t own) const {
+    const std::string suffix = own == 0 ? "" : "2";
     while (!client.answers.empty()) {
       const Item item = client.answers.front();
       client.answers.pop_front();
@@ -121,12 +177,12 @@ class ServiceMachine {
     if (content.clients[0].is_open) return "quiet";
     content.clients[0].is_open = true;
     send(content, 0);
-    serve(content, "", true);
+    handle(content);
     return "quiet";
   }
 
   std::string wait(Client& client) const {
-    if (try_receive(client, "") == "null") return "pending";
+    if (try_receive(client, 0) == "null") return "pending";
     client.is_open = false;
     return "answer";
   }
@@ -134,8 +190,8 @@ class ServiceMachine {
   std::string call(Content& content) const {
     send(content, 1);
     if (!content.is_up) return "failed";
-    serve(content, "", true);
-    try_receive(content.clients[1], "2");
+    handle(content);
+    try_receive(content.clients[1], 1);
     return "called";
   }
 
@@ -150,11 +206,32 @@ class ServiceMachine {
 
 Mealy make_ros2_service(const Ros2Service& service, const std::vector<std::string>& inputs) {
   const ServiceMachine machine(service);
-  const Content first{{}, std::vector<Client>(service.clients), true};
+  Content first;
+  first.clients.resize(service.clients);
   return make_machine(inputs, first, [&](Content content, const std::string& input) {
     const std::string output = machine.step(content, input);
-    for (std::size_t client = 0; client < service.clients; ++client) normalize(content, client);
+    for (std::size_t client = 0; client < service.clients; ++client) {
+      normalize(content, client, service.tells_gaps);
+    }
     return std::pair(output, content);
+  });
+}
+
+Mealy make_ros2_topic(std::size_t depth) {
+  struct Queue {
+    std::size_t messages = 0;
+    bool is_reading = false;  // waits
+    auto operator<=>(const Queue&) const = default;
+  };
+  const std::vector<std::string> inputs{"write", "read"};
+  return make_machine(inputs, Queue{}, [&](Queue queue, const std::string& input) {
+    const bool writes = input == "write";
+    if (!writes && queue.is_reading) return std::pair<std::string, Queue>("refused", queue);
+    if (writes) queue.messages = std::min(queue.messages + 1, depth);
+    if (!writes) queue.is_reading = true;
+    const bool reads = queue.is_reading && queue.messages > 0;
+    if (reads) queue = {queue.messages - 1, false};
+    return std::pair<std::string, Queue>(reads ? "message" : "quiet", queue);
   });
 }
 
