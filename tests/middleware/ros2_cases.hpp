@@ -100,13 +100,17 @@ struct Ros2ServiceCase {
 
 inline void PrintTo(const Ros2ServiceCase& tested, std::ostream* out) { *out << tested.name; }
 
+inline Ros2ServiceCase ros2_strangers(std::size_t depth) {
+  return {
+      "strangers_" + std::to_string(depth), {depth, 2, false}, {"ask", "wait", "call"}, depth + 2};
+}
+
 inline std::vector<Ros2ServiceCase> ros2_service_cases() {
   const std::vector<std::string> usual{"send", "serve", "answer", "receive"};
   const std::vector<std::string> one{"send", "handle", "tryreceive"};
   const std::vector<std::string> served{"send", "tryserve", "handle", "tryreceive"};
   const std::vector<std::string> restarted{"send", "handle", "tryreceive", "stop", "start"};
   const std::vector<std::string> two{"send", "handle", "tryreceive", "send2", "tryreceive2"};
-  const std::vector<std::string> strangers{"ask", "wait", "call"};
   return {
       {"depth_1", {1, 1, true}, one, 9},
       {"depth_2", {2, 1, true}, one, 25},
@@ -117,8 +121,8 @@ inline std::vector<Ros2ServiceCase> ros2_service_cases() {
       {"usual_depth_1", {1, 1, false}, usual, 15},
       {"usual_depth_2", {2, 1, false}, usual, 28},
       {"waiting_for_a_callback", {1, 1, true}, {"send", "handle", "receive"}, 12},
-      {"strangers_1", {1, 2, false}, strangers, 3},
-      {"strangers_10", {10, 2, false}, strangers, 12},
+      ros2_strangers(1),
+      ros2_strangers(10),
       {"strangers_restarted", {2, 2, false}, {"ask", "wait", "call", "stop", "start"}, 8},
   };
 }

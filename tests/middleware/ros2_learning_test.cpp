@@ -2,6 +2,7 @@
 // the paper's ports among them.
 #include <gtest/gtest.h>
 
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -46,13 +47,23 @@ TEST_P(Ros2LearnedService, IsTheModel) {
 std::vector<test::Ros2ServiceCase> learned_services() {
   std::vector<test::Ros2ServiceCase> cases = test::ros2_service_cases();
   std::erase_if(cases, [](const test::Ros2ServiceCase& tested) {
-    return tested.name != "depth_1" && !tested.name.starts_with("usual") &&
-           tested.name != "strangers_10";
+    return tested.name != "depth_1" && !tested.name.starts_with("usual");
   });
+  for (const std::size_t depth : {2, 5, 20}) cases.push_back(test::ros2_strangers(depth));
+  return cases;
+}
+
+std::vector<test::Ros2ServiceCase> strangers_of_other_depths() {
+  std::vector<test::Ros2ServiceCase> cases;
+  for (std::size_t depth = 3; depth < 20; ++depth) {
+    if (depth != 5) cases.push_back(test::ros2_strangers(depth));
+  }
   return cases;
 }
 
 INSTANTIATE_TEST_SUITE_P(Services, Ros2LearnedService, testing::ValuesIn(learned_services()),
+                         [](const auto& tested) { return tested.param.name; });
+INSTANTIATE_TEST_SUITE_P(Wide, Ros2LearnedService, testing::ValuesIn(strangers_of_other_depths()),
                          [](const auto& tested) { return tested.param.name; });
 
 TEST(Ros2LearnedExecutor, IsTheModel) {
