@@ -118,6 +118,7 @@ inline std::vector<Ros2ServiceCase> ros2_service_cases() {
       {"restarted", {1, 1, true}, restarted, 18},
       {"two_clients", {1, 2, false}, two, 9},
       {"two_clients_gap", {1, 2, true}, two, 81},
+      {"two_clients_gap_depth_2", {2, 2, true}, two, 679},
       {"usual_depth_1", {1, 1, false}, usual, 15},
       {"usual_depth_2", {2, 1, false}, usual, 28},
       {"waiting_for_a_callback", {1, 1, true}, {"send", "handle", "receive"}, 12},

@@ -49,6 +49,13 @@ TEST_P(Ros2ExecutorRule, AnswersAllWordsAsItsModel) {
   test::expect_answers(wrapper, GetParam().options(), model, length_for(model.inputs().size()));
 }
 
+TEST_P(Ros2ExecutorRule, IsToldByWordsFromOtherMachines) {
+  const Mealy model = test::make_ros2_executor(GetParam().executor);
+  ros2::Ros2Wrapper wrapper;
+  LocalSul sul(wrapper, GetParam().options());
+  test::expect_answers(sul, model, test::telling_words(model));
+}
+
 INSTANTIATE_TEST_SUITE_P(Executors, Ros2ExecutorRule,
                          testing::ValuesIn(test::ros2_executor_cases()),
                          [](const auto& tested) { return tested.param.name; });

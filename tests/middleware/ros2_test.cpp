@@ -1,5 +1,6 @@
 // ROS 2 for real, in this process, over Cyclone DDS: the answers to all words up to a length are
-// those of the models written by hand, and those models have the sizes that theory gives.
+// those of the models written by hand, and so are those to words that tell a model from all others
+// of its size. Those models have the sizes that theory gives.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -35,6 +36,13 @@ TEST_P(Ros2Topic, AnswersAllWordsAsItsModel) {
   EXPECT_EQ(model.size(), GetParam().states);
   ros2::Ros2Wrapper wrapper;
   test::expect_answers(wrapper, GetParam().options, model, GetParam().model.reconnects ? 5 : 8);
+}
+
+TEST_P(Ros2Topic, IsToldByWordsFromOtherMachines) {
+  const Mealy model = test::make_connection(GetParam().model);
+  ros2::Ros2Wrapper wrapper;
+  LocalSul sul(wrapper, GetParam().options);
+  test::expect_answers(sul, model, test::telling_words(model));
 }
 
 INSTANTIATE_TEST_SUITE_P(Qos, Ros2Topic, testing::ValuesIn(test::ros2_topic_cases()),
@@ -92,6 +100,13 @@ TEST_P(Ros2ServiceRule, AnswersAllWordsAsItsModel) {
   ros2::Ros2Wrapper wrapper;
   const std::size_t inputs = tested.inputs.size();
   test::expect_answers(wrapper, tested.options(), model, inputs == 3 ? 6 : inputs == 4 ? 5 : 4);
+}
+
+TEST_P(Ros2ServiceRule, IsToldByWordsFromOtherMachines) {
+  const Mealy model = test::make_ros2_service(GetParam().service, GetParam().inputs);
+  ros2::Ros2Wrapper wrapper;
+  LocalSul sul(wrapper, GetParam().options());
+  test::expect_answers(sul, model, test::telling_words(model));
 }
 
 INSTANTIATE_TEST_SUITE_P(Services, Ros2ServiceRule, testing::ValuesIn(test::ros2_service_cases()),

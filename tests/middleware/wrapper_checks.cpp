@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <exception>
 #include <ostream>
 #include <sstream>
@@ -9,6 +10,9 @@
 #include "busy_machine.hpp"
 #include "maide/automata/compare.hpp"
 #include "maide/base/error.hpp"
+#include "maide/base/random.hpp"
+#include "maide/conformance/identify/state_identifiers.hpp"
+#include "maide/conformance/suite/identifier_suite.hpp"
 #include "maide/formats/model_file.hpp"
 #include "maide/wire/client/wrapper_proxy.hpp"
 #include "maide/wire/wrapper/wrapper_session.hpp"
@@ -51,21 +55,38 @@ std::vector<std::string> outputs(const SulAnswer& answer) {
   return names;
 }
 
-void expect_answers(SystemWrapper& wrapper, const SystemOptions& options, const Mealy& model,
-                    std::size_t length) {
-  LocalSul sul(wrapper, options);
+std::vector<SulQuery> telling_words(const Mealy& model) {
+  IdentifierSuite suite(model, compute_adaptive_words(model, Random(1)), 0);
+  std::vector<Word> words;
+  for (Word word; suite.next(word);) words.push_back(word);
+  std::sort(words.begin(), words.end());
+  std::vector<SulQuery> longest;
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    const bool goes_on = i + 1 < words.size() && words[i].size() <= words[i + 1].size() &&
+                         std::equal(words[i].begin(), words[i].end(), words[i + 1].begin());
+    if (!goes_on) longest.push_back({words[i], Translation::eager});
+  }
+  return longest;
+}
+
+void expect_answers(Sul& sul, const Mealy& model, std::span<const SulQuery> words) {
   ASSERT_EQ(sul.info().inputs.size(), model.inputs().size());
-  const std::vector<SulQuery> batch = all_words(model.inputs().size(), length);
   std::size_t answered = 0;
-  sul.run(batch,
+  sul.run(words,
           [&](std::size_t index, const SulAnswer& answer) {
-            const Word& word = std::get<Word>(batch[index].inputs);
+            const Word& word = std::get<Word>(words[index].inputs);
             ASSERT_EQ(answer.end, WordEnd::complete);
             ASSERT_EQ(outputs(answer), outputs(model, word)) << to_string(word, model.inputs());
             ++answered;
           },
           {});
-  EXPECT_EQ(answered, batch.size());
+  EXPECT_EQ(answered, words.size());
+}
+
+void expect_answers(SystemWrapper& wrapper, const SystemOptions& options, const Mealy& model,
+                    std::size_t length) {
+  LocalSul sul(wrapper, options);
+  expect_answers(sul, model, all_words(model.inputs().size(), length));
 }
 
 std::string usage_error_of(SystemWrapper& wrapper, const SystemOptions& options) {

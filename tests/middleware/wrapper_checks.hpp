@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <iosfwd>
 #include <map>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -25,8 +26,14 @@ std::vector<SulQuery> all_words(std::size_t inputs, std::size_t length);
 
 std::vector<std::string> outputs(const SulAnswer& answer);
 
-// Plays all words of `length` on a system and fails the test unless it answers as `model`, over the
-// same inputs in the same order.
+// Words that `model` answers in its own way: every other machine of at most its size answers one of
+// them otherwise (hybrid ADS). They go deeper than all words of a length can.
+std::vector<SulQuery> telling_words(const Mealy& model);
+
+// Plays the words on a system and fails the test unless it answers as `model`, over the same inputs
+// in the same order.
+void expect_answers(Sul& sul, const Mealy& model, std::span<const SulQuery> words);
+// The same of all words of `length`.
 void expect_answers(SystemWrapper& wrapper, const SystemOptions& options, const Mealy& model,
                     std::size_t length);
 
