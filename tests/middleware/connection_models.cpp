@@ -87,17 +87,21 @@ Content unblock(const ConnectionModel& model, Content content) {
   return accept(model, content);
 }
 
-Step try_read(const ConnectionModel& model, Content content) {
-  if (!content.connected) return {content, model.read_alone};
-  if (content.queue.empty()) return {content, "null"};
+// The oldest message, of at least one.
+std::string take(const ConnectionModel& model, Content& content) {
   const int number = content.queue.front();
   content.queue.pop_front();
   content.uncredited = (content.uncredited + 1) % model.credit_batch;
-  std::string output = "message";
-  if (model.payload_gap) {
-    output = number <= content.seen ? "old" : number == content.seen + 1 ? "next" : "gap";
-  }
-  content.seen = std::max(content.seen, number);
+  const int seen = std::exchange(content.seen, std::max(content.seen, number));
+  if (!model.payload_gap) return "message";
+  return number <= seen ? "old" : number == seen + 1 ? "next" : "gap";
+}
+
+Step try_read(const ConnectionModel& model, Content content) {
+  if (!content.connected) return {content, model.read_alone};
+  if (content.queue.empty()) return {content, "null"};
+  std::string output = take(model, content);
+  while (model.reads_all && !content.queue.empty()) output += "," + take(model, content);
   return {unblock(model, content), output};
 }
 
@@ -110,6 +114,7 @@ Step disconnect(Content content) {
 
 Step connect(const ConnectionModel& model, Content content) {
   if (!std::exchange(content.connected, true)) content.queue = content.history;
+  while (content.queue.size() > model.capacity) content.queue.pop_front();
   return {unblock(model, content), "quiet"};
 }
 

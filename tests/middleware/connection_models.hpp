@@ -32,12 +32,14 @@ struct ConnectionModel {
   bool reconnects = false;
   WhenAlone when_alone = WhenAlone::lose;
   std::string read_alone = "null";  // what a read says while disconnected
-  std::size_t replayed = 0;         // messages that the writer keeps for a reader that connects
+  // Messages that the writer keeps for a reader that connects, which has room for the newest.
+  std::size_t replayed = 0;
   // Messages that found no room and that the writer keeps, but that never arrive, whatever room
   // there is later: nor does anything written after them.
   std::size_t stranded = 0;
   // The writer hears of messages that were read, and so of room, only in batches of this size.
   std::size_t credit_batch = 1;
+  bool reads_all = false;  // a read gives all messages that are there
 };
 
 // Inputs write, tryread, and where it reconnects disconnect, connect; outputs of the reader and,

@@ -29,19 +29,33 @@ inline SystemOptions ros2_reading(SystemOptions options) {
   return options;
 }
 
-// A subscription that is dropped and made anew, with what the publisher keeps for it.
-inline Ros2TopicCase ros2_late_joiner(const std::string& durability, std::size_t states) {
-  Ros2TopicCase made{durability,
-                     {{"depth", "2"},
+// The depths of publisher and subscription.
+struct Ros2Depths {
+  std::size_t pub = 2, sub = 2;
+};
+
+// A subscription that is dropped and made anew, with what the publisher keeps for it: the newest of
+// its own depth, and of these the subscription takes the newest of its depth.
+inline Ros2TopicCase ros2_late_joiner(const std::string& name, const std::string& durability,
+                                      std::size_t states, Ros2Depths depths = {}) {
+  Ros2TopicCase made{name,
+                     {{"pub_depth", std::to_string(depths.pub)},
+                      {"sub_depth", std::to_string(depths.sub)},
                       {"durability", durability},
                       {"inputs", "write,tryread,unsubscribe,subscribe"},
                       {"payload", "gap"},
                       {"observe", "message,null,unsubscribed"}},
-                     {2, WhenFull::drop_oldest, true, true},
+                     {depths.sub, WhenFull::drop_oldest, true, true},
                      states};
-  if (durability == "transient_local") made.model.replayed = 2;
+  if (durability == "transient_local") made.model.replayed = depths.pub;
   made.model.read_alone = "unsubscribed";
   return made;
+}
+
+inline std::vector<Ros2TopicCase> ros2_kept_for_late_joiners() {
+  return {ros2_late_joiner("transient_local", "transient_local", 18),
+          ros2_late_joiner("short_history", "transient_local", 15, {1, 3}),
+          ros2_late_joiner("long_history", "transient_local", 9, {3, 1})};
 }
 
 // The subscription's depth alone decides what is kept, whatever else is set.
@@ -75,8 +89,25 @@ inline std::vector<Ros2TopicCase> ros2_topic_cases() {
                  ros2_reading({{"history", "system_default"}}),
                  {1, WhenFull::drop_oldest, true},
                  3});
-  all.push_back(ros2_late_joiner("volatile", 8));
-  all.push_back(ros2_late_joiner("transient_local", 18));
+  for (const std::size_t n : {2, 3}) {
+    Ros2TopicCase taken{"take_all_" + std::to_string(n),
+                        ros2_reading({{"depth", std::to_string(n)}, {"take", "all"}}),
+                        {n, WhenFull::drop_oldest, true},
+                        n + 2};
+    taken.model.reads_all = true;
+    all.push_back(std::move(taken));
+  }
+  all.push_back(ros2_late_joiner("volatile", "volatile", 8));
+  for (const Ros2TopicCase& late : ros2_kept_for_late_joiners()) all.push_back(late);
+  return all;
+}
+
+// The middleware of a process is chosen once, so these have wrappers of their own.
+inline std::vector<Ros2TopicCase> ros2_topic_cases_over_fastrtps() {
+  std::vector<Ros2TopicCase> all = ros2_kept_for_late_joiners();
+  all.push_back(
+      {"keep_last_2", ros2_reading({{"depth", "2"}}), {2, WhenFull::drop_oldest, true}, 4});
+  for (Ros2TopicCase& each : all) each.options["rmw"] = "fastrtps";
   return all;
 }
 

@@ -1,15 +1,17 @@
-// ROS 2 for real, in this process, over Cyclone DDS: the answers to all words up to a length are
-// those of the models written by hand, and so are those to words that tell a model from all others
-// of its size. Those models have the sizes that theory gives.
+// ROS 2 for real: the answers to all words up to a length are those of the models written by hand,
+// and so are those to words that tell a model from all others of its size. Over Cyclone DDS, in
+// this process; over Fast DDS in one of its own.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cstdlib>
 #include <filesystem>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "maide/wire/client/wrapper_proxy.hpp"
 #include "maide/wire/wrapper/system_wrapper.hpp"
 #include "maide/wire/wrapper/wrapper_session.hpp"
 #include "ros2_cases.hpp"
@@ -47,6 +49,68 @@ TEST_P(Ros2Topic, IsToldByWordsFromOtherMachines) {
 
 INSTANTIATE_TEST_SUITE_P(Qos, Ros2Topic, testing::ValuesIn(test::ros2_topic_cases()),
                          [](const auto& tested) { return tested.param.name; });
+
+std::unique_ptr<Sul> over_fastrtps(SystemOptions options) {
+  options["rmw"] = "fastrtps";
+  return spawn_wrapper({MAIDE_BINARY_DIR "/bin/maide-wrap-ros2"}, options);
+}
+
+class Ros2TopicOverFastDds : public testing::TestWithParam<test::Ros2TopicCase> {};
+
+TEST_P(Ros2TopicOverFastDds, AnswersAllWordsAsItsModel) {
+  if (!MAIDE_HAS_RMW_FASTRTPS) GTEST_SKIP() << "skipped: no rmw_fastrtps_cpp";
+  const Mealy model = test::make_connection(GetParam().model);
+  EXPECT_EQ(model.size(), GetParam().states);
+  const auto sul = over_fastrtps(GetParam().options);
+  const std::size_t length = GetParam().model.reconnects ? 5 : 8;
+  test::expect_answers(*sul, model, test::all_words(model.inputs().size(), length));
+}
+
+TEST_P(Ros2TopicOverFastDds, IsToldByWordsFromOtherMachines) {
+  if (!MAIDE_HAS_RMW_FASTRTPS) GTEST_SKIP() << "skipped: no rmw_fastrtps_cpp";
+  const Mealy model = test::make_connection(GetParam().model);
+  test::expect_answers(*over_fastrtps(GetParam().options), model, test::telling_words(model));
+}
+
+INSTANTIATE_TEST_SUITE_P(Qos, Ros2TopicOverFastDds,
+                         testing::ValuesIn(test::ros2_topic_cases_over_fastrtps()),
+                         [](const auto& tested) { return tested.param.name; });
+
+// The publisher keeps the newest of its own depth for whoever comes late, and the subscription has
+// room for the newest of its depth. One that was there gets what fits into its own.
+TEST(Ros2LateJoiner, GetsWhatBothDepthsLeave) {
+  enum : Symbol { write, try_read, unsubscribe, subscribe };
+  const Word late{write, write, write, unsubscribe, subscribe, try_read, try_read};
+  const Word early{write, write, write, try_read, try_read, try_read, try_read};
+  const auto last = [](Sul& sul, const Word& word, std::size_t count) {
+    const Outputs all = play(sul, word);
+    return Outputs(all.end() - static_cast<std::ptrdiff_t>(count), all.end());
+  };
+  std::vector<std::string> middlewares{"cyclonedds"};
+  if (MAIDE_HAS_RMW_FASTRTPS) middlewares.emplace_back("fastrtps");
+  for (const std::string& rmw : middlewares) {
+    const auto spawn = [&](const test::Ros2Depths& depths) {
+      SystemOptions options = test::ros2_late_joiner("", "transient_local", 0, depths).options;
+      options["rmw"] = rmw;
+      return spawn_wrapper({MAIDE_BINARY_DIR "/bin/maide-wrap-ros2"}, options);
+    };
+    const auto short_history = spawn({1, 3}), long_history = spawn({3, 1}), same = spawn({3, 3});
+    EXPECT_EQ(last(*short_history, late, 2), (Outputs{"gap", "null"})) << rmw;
+    EXPECT_EQ(last(*short_history, early, 4), (Outputs{"next", "next", "next", "null"})) << rmw;
+    EXPECT_EQ(last(*long_history, late, 2), (Outputs{"gap", "null"})) << rmw;
+    EXPECT_EQ(last(*long_history, early, 4), (Outputs{"gap", "null", "null", "null"})) << rmw;
+    EXPECT_EQ(last(*same, late, 2), (Outputs{"next", "next"})) << rmw;
+  }
+}
+
+TEST(Ros2ServiceOverFastDds, AnswersAllWordsAsItsModel) {
+  if (!MAIDE_HAS_RMW_FASTRTPS) GTEST_SKIP() << "skipped: no rmw_fastrtps_cpp";
+  const test::Ros2ServiceCase tested{"depth_1", {1, 1, true}, {"send", "handle", "tryreceive"}, 9};
+  const Mealy model = test::make_ros2_service(tested.service, tested.inputs);
+  EXPECT_EQ(model.size(), tested.states);
+  test::expect_answers(*over_fastrtps(tested.options()), model,
+                       test::all_words(tested.inputs.size(), 6));
+}
 
 // Four messages in a queue of two or three: what one read without waiting gives.
 TEST(Ros2Take, AllGivesAllAndTheOthersGiveOne) {
