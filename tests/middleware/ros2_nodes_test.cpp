@@ -52,6 +52,12 @@ class Nodes {
     return order_for_executors(system_, ExecutorRules(system_), trace).value_or(trace);
   }
 
+  // Another one, found among random runs of executors.
+  Trace find_run(const std::string& property) const {
+    const Property violated = find_property(system_, property);
+    return find_run_of_executors(system_, violated, 1, {}).value_or(Trace{});
+  }
+
   std::vector<Trace> draw_runs(std::size_t count) const {
     Random random(1);
     std::vector<Trace> traces;
@@ -151,6 +157,29 @@ std::vector<std::tuple<Case, std::string>> cases() {
 INSTANTIATE_TEST_SUITE_P(Examples, NodesReplay, testing::ValuesIn(cases()), [](const auto& row) {
   return name_of(std::get<0>(row.param).file) + "_" + std::get<1>(row.param);
 });
+
+// Runs that the search for runs of executors finds by itself.
+class FoundRuns : public NodesReplay {};
+
+TEST_P(FoundRuns, AreFollowed) {
+  const auto& [shown, rmw] = GetParam();
+  Nodes nodes(folder / (shown.file + ".yaml"));
+  const Trace trace = nodes.find_run(shown.property);
+  ASSERT_FALSE(trace.steps.empty());
+  for (const ReplayedRun& run : nodes.play({trace, trace}, rmw)) {
+    EXPECT_FALSE(run.deviation) << text_of(*run.deviation);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Examples, FoundRuns,
+                         testing::Combine(testing::Values(Case{"nested/lost-update", "all"},
+                                                          Case{"snapshot/snapshot", "order"},
+                                                          Case{"camera/camera-lost", "twelve"}),
+                                          testing::ValuesIn(installed_rmws())),
+                         [](const auto& row) {
+                           return name_of(std::get<0>(row.param).file) + "_" +
+                                  std::get<1>(row.param);
+                         });
 
 // ---- mended variants
 // -----------------------------------------------------------------------------

@@ -82,6 +82,7 @@ Json end_of(const rclcpp::TopicEndpointInfo& info) {
   json["history"] = history;
   if (history == "keep_last" && qos.depth > 0) json["depth"] = qos.depth;
   add_time(json, "deadline", qos.deadline);
+  add_time(json, "lifespan", qos.lifespan);
   json["liveliness"] =
       text_of(qos.liveliness, {{RMW_QOS_POLICY_LIVELINESS_AUTOMATIC, "automatic"},
                                {RMW_QOS_POLICY_LIVELINESS_MANUAL_BY_TOPIC, "manual_by_topic"}});

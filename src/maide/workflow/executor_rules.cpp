@@ -400,11 +400,13 @@ class PriorityRuns {
     std::iota(priority.begin(), priority.end(), 0);
     random_.shuffle(priority);
     std::int64_t lowest = 0;
+    // One step in so many loses its priority: in 4 where a run is short, in 256 where it is long.
+    const std::uint64_t changes = std::uint64_t{4} << random_.below(7);
     NodeRuns nodes(system_);
     GlobalState at = initial_state(system_);
     Trace trace;
     std::map<Place, std::size_t> seen;
-    for (std::size_t moves = 0; moves < most_moves; ++moves) {
+    for (std::size_t moves = 0; moves < most_moves; ++moves, ++moves_) {
       const auto [place, is_new] =
           seen.try_emplace(Place{at.models, at.programs, nodes.state()}, trace.steps.size());
       if (!is_new) {
@@ -432,10 +434,11 @@ class PriorityRuns {
     return std::nullopt;
   }
 
+  std::size_t moves() const { return moves_; }  // of all runs so far
+
  private:
   using Place = std::tuple<std::vector<StateId>, std::vector<ControlState>, ExecutorRules::State>;
   static constexpr std::size_t most_moves = 5'000;
-  static constexpr std::uint64_t changes = 256;  // one step in so many loses its priority
 
   Step choose(const std::vector<Step>& steps, const std::vector<std::int64_t>& priority) {
     std::int64_t highest = priority[steps.front().program];
@@ -454,13 +457,14 @@ class PriorityRuns {
   const System& system_;
   const Property& property_;
   Random random_;
+  std::size_t moves_ = 0;
 };
 
 }  // namespace
 
 std::optional<Trace> find_run_of_executors(const System& system, const Property& property,
                                            std::uint64_t seed, const RunControl& control) {
-  constexpr std::size_t most_runs = 100, most_found = 10;
+  constexpr std::size_t most_runs = 2'000, most_moves = 500'000, most_found = 10;
   // How often another program takes its turn, and how long it is.
   const auto length_of = [](const Trace& trace) {
     std::size_t turns = 0;
@@ -473,6 +477,7 @@ std::optional<Trace> find_run_of_executors(const System& system, const Property&
   std::optional<Trace> shortest;
   std::size_t found = 0;
   for (std::size_t run = 0; run < most_runs && found < most_found; ++run) {
+    if (runs.moves() > most_moves) break;
     if (control.should_stop()) break;
     std::optional<Trace> trace = runs.draw();
     if (!trace) continue;

@@ -110,12 +110,12 @@ class NodeRuns {
   std::vector<std::pair<std::uint32_t, std::size_t>> runs_;  // by program: callback and run
 };
 
-// A run that rclcpp's executors may do and that violates the property: of the first
-// ten that are found among 100 runs, the one in which programs take turns most seldom. The program
-// with the highest of random priorities steps, and loses it now and then, and where all goes round
-// (Burckhardt, Kothari, Musuvathi & Nagarakatte, A randomized scheduler with probabilistic
-// guarantees of finding bugs, ASPLOS 2010). So each sort of burst and of delay comes up. The same
-// seed gives the same run.
+// A run that rclcpp's executors may do and that violates the property: of the first ten that are
+// found among 2,000 runs or 500,000 steps, the one in which programs take turns most seldom. The
+// program with the highest of random priorities steps, and loses it now and then, and where all
+// goes round (Burckhardt, Kothari, Musuvathi & Nagarakatte, A randomized scheduler with
+// probabilistic guarantees of finding bugs, ASPLOS 2010). So each sort of burst and of delay comes
+// up. The same seed gives the same run.
 std::optional<Trace> find_run_of_executors(const System& system, const Property& property,
                                            std::uint64_t seed, const RunControl& control);
 

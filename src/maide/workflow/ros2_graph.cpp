@@ -75,6 +75,7 @@ Ros2End end_from(const Json& json) {
   end.qos.history = json.value("history", "unknown");
   if (json.contains("depth")) end.qos.depth = json.at("depth").get<std::uint32_t>();
   end.qos.deadline = time_of(json, "deadline");
+  end.qos.lifespan = time_of(json, "lifespan");
   end.qos.liveliness = json.value("liveliness", "automatic");
   end.qos.lease = time_of(json, "lease");
   return end;
@@ -88,6 +89,7 @@ Json to_json(const Ros2End& end) {
             {"history", end.qos.history}};
   if (end.qos.depth) json["depth"] = *end.qos.depth;
   if (end.qos.deadline) json["deadline"] = *end.qos.deadline;
+  if (end.qos.lifespan) json["lifespan"] = *end.qos.lifespan;
   json["liveliness"] = end.qos.liveliness;
   if (end.qos.lease) json["lease"] = *end.qos.lease;
   return json;
@@ -323,6 +325,10 @@ std::string find_mismatch(const Ros2End& publisher, const Ros2End& subscription)
   return "";
 }
 
+bool hears_history(const Ros2Qos& publisher, const Ros2Qos& subscription) {
+  return publisher.durability == "transient_local" && subscription.durability == "transient_local";
+}
+
 namespace {
 
 class Examination {
@@ -340,6 +346,8 @@ class Examination {
  private:
   using Kind = Ros2Finding::Kind;
 
+  static constexpr std::uint32_t all = ~0U;  // messages
+
   void add(Kind kind, const std::string& where, const std::string& text) {
     const auto is_same = [&](const Ros2Finding& finding) {
       return finding.kind == kind && finding.where == where && finding.text == text;
@@ -355,6 +363,7 @@ class Examination {
     std::vector<std::string> forgotten;  // who gets nothing old
     for (const Ros2End& subscription : topic.subscriptions) {
       bool hears = false, hears_old = false;
+      std::optional<std::uint32_t> most_old = 0;  // none: nobody knows
       for (const Ros2End& publisher : topic.publishers) {
         const std::string mismatch = find_mismatch(publisher, subscription);
         if (!mismatch.empty()) {
@@ -362,16 +371,23 @@ class Examination {
           continue;
         }
         hears = true;
-        hears_old = hears_old || (publisher.qos.durability == "transient_local" &&
-                                  subscription.qos.durability == "transient_local");
+        if (publisher.qos.lifespan) {
+          add(Kind::loss, topic.name,
+              fmt::format("what {} published {} s ago is thrown away before {} sees it (lifespan)",
+                          publisher.node, *publisher.qos.lifespan, subscription.node));
+        }
+        if (!hears_history(publisher.qos, subscription.qos)) continue;
+        hears_old = true;
+        const auto kept = history_of(publisher.qos, subscription.qos);
+        most_old = most_old && kept ? std::optional(std::max(*most_old, *kept)) : std::nullopt;
       }
       if (!hears) continue;
       add(Kind::loss, topic.name, describe_loss(subscription));
       if (hears_old) {
         add(Kind::late, topic.name,
-            subscription.node +
-                " gets the newest messages once more when it starts again (transient_local), and "
-                "acts twice");
+            fmt::format("{} gets {} once more when it starts again (transient_local), and acts "
+                        "twice",
+                        subscription.node, describe_history(most_old)));
       } else {
         forgotten.push_back(subscription.node);
       }
@@ -381,6 +397,24 @@ class Examination {
         fmt::format("{} get{} nothing of what was published before {} there", join(forgotten),
                     forgotten.size() == 1 ? "s" : "",
                     forgotten.size() == 1 ? "it was" : "they were"));
+  }
+
+  // How many messages a late subscription gets of one publisher, at most; none: nobody knows.
+  static std::optional<std::uint32_t> history_of(const Ros2Qos& publisher,
+                                                 const Ros2Qos& subscription) {
+    std::uint32_t least = all;
+    for (const Ros2Qos& end : {publisher, subscription}) {
+      if (end.history == "keep_all") continue;
+      if (!end.depth) return std::nullopt;
+      least = std::min(least, std::max(*end.depth, 1U));
+    }
+    return least;
+  }
+
+  static std::string describe_history(std::optional<std::uint32_t> kept) {
+    if (!kept) return "the newest messages";
+    if (*kept == all) return "all messages";
+    return *kept == 1 ? "the newest message" : fmt::format("the newest {} messages", *kept);
   }
 
   static std::string describe_loss(const Ros2End& subscription) {

@@ -25,7 +25,7 @@ struct Ros2Qos {
   std::string reliability = "reliable", durability = "volatile";  // or "unknown"
   std::string history = "keep_last";                              // or "keep_all", "unknown"
   std::optional<std::uint32_t> depth;                             // none: nobody knows
-  std::optional<double> deadline;                                 // seconds; none: infinite
+  std::optional<double> deadline, lifespan;                       // seconds; none: infinite
   std::string liveliness = "automatic";
   std::optional<double> lease;  // seconds; none: infinite
 };
@@ -101,6 +101,9 @@ struct Ros2Finding {
 
 // Why these two never match; "" if they do, as far as is known.
 std::string find_mismatch(const Ros2End& publisher, const Ros2End& subscription);
+
+// A subscription that comes late gets what the publisher keeps.
+bool hears_history(const Ros2Qos& publisher, const Ros2Qos& subscription);
 
 // By kind, in the order of the graph.
 std::vector<Ros2Finding> examine_ros2_graph(const Ros2Graph& graph);

@@ -43,6 +43,7 @@ std::string describe(const Ros2End& end) {
   if (end.qos.history == "keep_all") text += ", keep_all";
   if (end.qos.depth) text += fmt::format(", depth {}", *end.qos.depth);
   if (end.qos.deadline) text += fmt::format(", deadline {} s", *end.qos.deadline);
+  if (end.qos.lifespan) text += fmt::format(", lifespan {} s", *end.qos.lifespan);
   if (end.qos.lease) text += fmt::format(", {}, lease {} s", end.qos.liveliness, *end.qos.lease);
   return text;
 }
@@ -55,10 +56,17 @@ std::string rmw_of(const Ros2Graph& graph) {
 // The options of `learn ros2` for a pair of ends, without those that have their defaults.
 std::string options_of(const Ros2Qos& publisher, const Ros2Qos& subscription) {
   std::string text;
+  const auto depth_of = [](const Ros2Qos& end) {
+    return end.depth ? std::to_string(*end.depth) : std::string(unknown_depth);
+  };
+  // The publisher's depth counts for who comes late alone.
+  const bool has_late = hears_history(publisher, subscription) && publisher.history != "keep_all";
   if (subscription.history == "keep_all") {
     text = "history: keep_all, size: 20";
+  } else if (has_late && depth_of(publisher) != depth_of(subscription)) {
+    text = fmt::format("pub-depth: {}, sub-depth: {}", depth_of(publisher), depth_of(subscription));
   } else {
-    text = "depth: " + (subscription.depth ? std::to_string(*subscription.depth) : unknown_depth);
+    text = "depth: " + depth_of(subscription);
   }
   const auto add = [&](const std::string& key, const std::string& pub, const std::string& sub,
                        const std::string& otherwise) {
@@ -205,6 +213,15 @@ class SystemWriter {
     }
     for (const Ros2End* subscription : subscriptions) {
       ends.push_back(describe(*subscription));
+      const Ros2Qos& first = publishers.front()->qos;
+      if (hears_history(first, subscription->qos) &&
+          std::any_of(publishers.begin(), publishers.end(),
+                      [&](const Ros2End* other) { return other->qos.depth != first.depth; })) {
+        note(
+            fmt::format("{}: its publishers keep different numbers of messages for who comes "
+                        "late; here all keep what {} does",
+                        topic.name, publishers.front()->node));
+      }
       NodeText& node = node_of(subscription->node);
       const std::string callback =
           add_callback(node, "on_" + connection.name,
@@ -361,8 +378,16 @@ std::optional<InterfaceAutomaton> ros2_topic_of_unknown_depth(const ModelRequest
     std::replace(key.begin(), key.end(), '_', '-');
     options[key] = value;
   }
-  const auto depth = options.find(options.contains("sub-depth") ? "sub-depth" : "depth");
-  if (depth == options.end() || depth->second != unknown_depth) return std::nullopt;
+  const auto is_unknown_of = [&](const std::string& end) {
+    const auto own = options.find(end + "-depth"), both = options.find("depth");
+    const auto depth = own == options.end() || own->second == "both" ? both : own;
+    return depth != options.end() && depth->second == unknown_depth;
+  };
+  const Ros2End publisher{"the publisher", "", ros2_qos_of(options, "pub")};
+  const Ros2End subscription{"the subscription", "", ros2_qos_of(options, "sub")};
+  const bool is_unknown = is_unknown_of("sub") ||
+                          (hears_history(publisher.qos, subscription.qos) && is_unknown_of("pub"));
+  if (!is_unknown) return std::nullopt;
   static const std::set<std::string> known{"depth", "reliability", "durability"};
   for (const auto& [key, value] : options) {
     if ((key == "kind" && value == "topic") || key == "rmw") continue;
@@ -374,8 +399,6 @@ std::optional<InterfaceAutomaton> ros2_topic_of_unknown_depth(const ModelRequest
   }
   std::vector<std::string> values;
   for (const std::string& value : request.values) values.push_back("(" + value + ")");
-  const Ros2End publisher{"the publisher", "", ros2_qos_of(options, "pub")};
-  const Ros2End subscription{"the subscription", "", ros2_qos_of(options, "sub")};
   const std::string mismatch = find_mismatch(publisher, subscription);
   if (!mismatch.empty()) throw UsageError("its ends never match: " + mismatch);
   return make_queue({1, true, values, true});

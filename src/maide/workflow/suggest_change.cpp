@@ -139,6 +139,7 @@ class ChangeSearch {
   void try_other_models() {
     const std::map<std::string, InterfaceAutomaton> models = find_models_nearby(system_);
     for (const ModelInstance& instance : system_.models) {
+      if (!has_model(instance)) continue;
       for (const auto& [name, automaton] : models) {
         if (name == instance.origin || automaton == instance.automaton) continue;
         const Outcome outcome = check({{}, {{instance.name, automaton}}, {}});

@@ -111,11 +111,17 @@ std::vector<Repeat> find_repeats(const System& system) {
   return repeats;
 }
 
+bool has_model(const ModelInstance& instance) {
+  using Source = ModelInstance::Source;
+  return instance.source == Source::file || instance.source == Source::built_in;
+}
+
 std::map<std::string, InterfaceAutomaton> find_models_nearby(const System& system) {
   std::map<std::string, InterfaceAutomaton> models;
   const fs::path home = fs::path(system.file).parent_path();
   std::set<fs::path> folders;
   for (const ModelInstance& model : system.models) {
+    if (!has_model(model)) continue;
     models.emplace(model.origin, model.automaton);
     if (fs::path(model.origin).has_extension()) {
       folders.insert(fs::path(model.origin).parent_path());
@@ -238,6 +244,19 @@ class NodeChanger {
               node["callbacks"][callback]["group"] = "own_" + callback;
             });
       }
+      for (const auto& [group, members] : reentrant_groups(root)) {
+        add(changes, threads, now,
+            fmt::format("{} of the reentrant group {} in an exclusive one",
+                        members.size() == 1 ? "the callback " + members.front()
+                                            : "the callbacks " + join(members),
+                        group),
+            [&, &group = group, &members = members](YAML::Node node) {
+              node["groups"]["not_" + group] = "exclusive";
+              for (const std::string& callback : members) {
+                node["callbacks"][callback]["group"] = "not_" + group;
+              }
+            });
+      }
       if (threads > now) add(changes, threads, now, "", [](const YAML::Node&) {});
     }
   }
@@ -261,6 +280,20 @@ class NodeChanger {
     if (!section || !section.IsMap() || section.size() < 2) return callbacks;
     for (const auto& callback : section) callbacks.push_back(callback.first.Scalar());
     return callbacks;
+  }
+
+  // Their callbacks, without groups that have none.
+  std::map<std::string, std::vector<std::string>> reentrant_groups(const YAML::Node& root) const {
+    std::map<std::string, std::vector<std::string>> members;
+    const YAML::Node node = node_in(root);
+    if (!node["groups"] || !node["callbacks"]) return members;
+    for (const auto& callback : node["callbacks"]) {
+      const YAML::Node group = callback.second["group"];
+      if (!group || !node["groups"][group.Scalar()]) continue;
+      if (node["groups"][group.Scalar()].Scalar() != "reentrant") continue;
+      members[group.Scalar()].push_back(callback.first.Scalar());
+    }
+    return members;
   }
 
   std::uint32_t threads(const YAML::Node& root) const {

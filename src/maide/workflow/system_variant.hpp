@@ -47,6 +47,9 @@ struct SystemVariant {
 std::optional<System> make_variant(const System& system, const SystemVariant& variant,
                                    const ModelSource& learn = {}, const RunControl& control = {});
 
+// A model of its own stands behind it: not a rule of services or executors, nor a variable.
+bool has_model(const ModelInstance& instance);
+
 // The models in use, and the model files in their folders (50 at most), by the names that a system
 // file would have for them. What is no interface automaton is left.
 std::map<std::string, InterfaceAutomaton> find_models_nearby(const System& system);

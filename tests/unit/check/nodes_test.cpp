@@ -1,6 +1,9 @@
 // Services, executors and nodes. Which calls inside of a callback hang, and what ten strangers'
 // answers do, is what rclcpp (Humble) was measured to do. Random systems are held against an
 // interpreter of its own in tests/referee.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -9,10 +12,14 @@
 
 #include "maide/check/explore/check_system.hpp"
 #include "maide/check/explore/engine.hpp"
+#include "maide/check/language/built_in_models.hpp"
 #include "systems.hpp"
 
 namespace maide {
 namespace {
+
+using testing::HasSubstr;
+using testing::Not;
 
 System nodes_from(const std::string& text) {
   return parse_system(text, "s.yaml", test::test_model);
@@ -238,6 +245,42 @@ TEST(Executors, WhatVerdictsRestOnIsSaid) {
   EXPECT_TRUE(says(any, "the callbacks of detector run on one thread, in any order"));
   EXPECT_TRUE(says(any, "lookup goes by the rules of services"));
   EXPECT_TRUE(says(any, "database uses lookup without executors"));
+  EXPECT_FALSE(says(any, "a timer may be due at any moment"));
+  EXPECT_TRUE(says("nodes: {camera: {callbacks: {tick: {timer: 33, do: \"skip;\"}}}}\n",
+                   "a timer may be due at any moment"));
+}
+
+// Plain programs that use what has callbacks in reality; ends that come while the system runs.
+TEST(Executors, WhatIsLearnedFromRos2IsSaidToBeWithoutThem) {
+  const auto lines = [](const std::string& text, const std::string& sul) {
+    const System system = parse_system(text, "s.yaml", [&](const ModelRequest& request) {
+      if (!request.file.empty()) {
+        ModelRequest local = request;
+        local.file = std::string(MAIDE_SOURCE_DIR) + "/examples/ros2/late-server/server.dot";
+        return read_requested_model(local);
+      }
+      InterfaceAutomaton model = make_queue({1, true, {}, sul.empty()});
+      if (!sul.empty()) model.origin = {{"sul", sul}};
+      return model;
+    });
+    return fmt::format("{}", fmt::join(check_nodes(system).assumptions, "\n"));
+  };
+  const std::string topic =
+      "models: {image: {learn: ros2, with: {depth: unknown}}}\n"
+      "programs: {camera: \"image.write;\", planner: \"image.read -> message;\"}\n";
+  const std::string without = "camera, planner use image without executors";
+  const std::string learned = lines(topic, "ros2 kind=topic rmw=fastrtps");
+  EXPECT_THAT(learned, HasSubstr(without));
+  EXPECT_THAT(learned, HasSubstr("image was learned from rclcpp over fastrtps"));
+  EXPECT_THAT(learned, Not(HasSubstr("an end that comes")));
+  EXPECT_THAT(lines(topic, ""), HasSubstr(without));  // a queue of unknown depth
+
+  const std::string client =
+      "models: {lookup: {file: server.dot}}\n"
+      "programs: {client: \"lookup.send;\", server: \"";
+  const std::string comes = "lookup: an end that comes is there when both sides know it";
+  EXPECT_THAT(lines(client + "lookup.start;\"}\n", ""), HasSubstr(comes));
+  EXPECT_THAT(lines(client + "skip;\"}\n", ""), Not(HasSubstr(comes)));
 }
 
 // The server writes to `a` before it answers the node, which asks when the other client has its

@@ -170,5 +170,17 @@ TEST(OptionsOfEachEnd, AreThoseOfBothUnlessNamed) {
   EXPECT_THROW(OptionValues(table, {{"pub-depth", "10"}}), UsageError);
 }
 
+TEST(OptionsOfTime, AreRefusedWithTheReason) {
+  const std::vector<OptionSpec> table{OptionSpec::integer("depth", 1, 1, 9, "kept")};
+  for (const char* key : {"lifespan", "deadline", "sub_deadline", "pub-liveliness"}) {
+    try {
+      OptionValues(table, {{key, "100"}});
+      ADD_FAILURE() << key;
+    } catch (const UsageError& error) {
+      EXPECT_EQ(error.what(), "option '" + std::string(key) + "' is refused: time is not modelled");
+    }
+  }
+}
+
 }  // namespace
 }  // namespace maide

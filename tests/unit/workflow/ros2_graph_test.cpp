@@ -18,6 +18,7 @@
 namespace maide {
 namespace {
 
+using testing::Contains;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::Not;
@@ -122,6 +123,55 @@ TEST(Ros2Findings, AreThoseOfTheGraph) {
               ElementsAre(HasSubstr("/image: /detector, /operator/logger get nothing"),
                           HasSubstr("/found: /planner gets nothing"),
                           HasSubstr("/order: /planner gets the newest messages once more")));
+}
+
+// A late joiner gets what both ends keep; what is older than the lifespan is gone.
+TEST(Ros2Findings, SayHowManyMessagesComeAgain) {
+  const auto late = [](std::optional<std::uint32_t> published, std::uint32_t subscribed) {
+    Ros2Graph graph;
+    Ros2End publisher{"/sender", "", {}}, subscription{"/planner", "", {}};
+    publisher.qos.durability = subscription.qos.durability = "transient_local";
+    publisher.qos.depth = published;
+    publisher.qos.lifespan = 0.5;
+    subscription.qos.depth = subscribed;
+    graph.topics.push_back({"/order", {publisher}, {subscription}});
+    EXPECT_THAT(findings_of(graph, Ros2Finding::Kind::loss),
+                Contains("/order: what /sender published 0.5 s ago is thrown away before /planner "
+                         "sees it (lifespan)"));
+    return findings_of(graph, Ros2Finding::Kind::late);
+  };
+  EXPECT_THAT(late(1, 10), ElementsAre(HasSubstr("/planner gets the newest message once more")));
+  EXPECT_THAT(late(10, 3), ElementsAre(HasSubstr("gets the newest 3 messages once more")));
+  EXPECT_THAT(late(std::nullopt, 3), ElementsAre(HasSubstr("gets the newest messages once more")));
+}
+
+// The depth of the publisher is that of the history that a late subscription gets.
+TEST(Ros2System, HasBothDepthsUnderTransientLocal) {
+  using Depths = std::vector<std::optional<std::uint32_t>>;
+  const auto written = [](const std::string& durability, const Depths& published) {
+    Ros2Graph graph;
+    Ros2End publisher{"/sender", "", {}}, subscription{"/planner", "", {}};
+    publisher.qos.durability = subscription.qos.durability = durability;
+    subscription.qos.depth = 10;
+    graph.nodes = {{"/sender", ""}, {"/planner", ""}};
+    graph.topics.push_back({"/order", {}, {subscription}});
+    for (const auto& depth : published) {
+      publisher.qos.depth = depth;
+      graph.topics.back().publishers.push_back(publisher);
+    }
+    return write_ros2_system(graph);
+  };
+  EXPECT_THAT(written("transient_local", {1}), HasSubstr("pub-depth: 1, sub-depth: 10"));
+  EXPECT_THAT(written("transient_local", {10}), HasSubstr("with: {depth: 10"));
+  EXPECT_THAT(written("volatile", {1, 2}), HasSubstr("with: {depth: 10"));
+  EXPECT_THAT(written("volatile", {1, 2}), Not(HasSubstr("keep different numbers")));
+  EXPECT_THAT(written("transient_local", {1, 2}), HasSubstr("keep different numbers"));
+  const std::string unknown = written("transient_local", {std::nullopt});
+  EXPECT_THAT(unknown, HasSubstr("pub-depth: unknown, sub-depth: 10"));
+  const System system = parse_system(unknown, "s.yaml", [](const ModelRequest& request) {
+    return ros2_topic_of_unknown_depth(request).value();
+  });
+  EXPECT_THAT(system.remarks, Contains(HasSubstr("'depth: unknown'")));
 }
 
 // Where ROS 2 would learn a model, a queue of that depth.

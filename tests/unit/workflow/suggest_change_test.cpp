@@ -135,6 +135,29 @@ TEST(SuggestChange, NamesTheCallbackGroupAndTheExecutor) {
                      HasSubstr("executors: {executor_of_detector: {kind: multi, threads: 2}}"))));
 }
 
+// Two runs of one callback that read a variable before either writes it.
+TEST(SuggestChange, NamesTheExclusiveGroup) {
+  const System system = parse_system(
+      "topics: {image: {writers: camera, readers: detector, use: queue, with: {size: 2}}}\n"
+      "programs: {camera: \"repeat 2 { image.write; }\"}\n"
+      "executors: {main: {kind: multi, threads: 2}}\n"
+      "nodes:\n"
+      "  detector:\n"
+      "    executor: main\n"
+      "    groups: {open: reentrant}\n"
+      "    variables: \"var seen: 0..2; var ended: 0..2;\"\n"
+      "    callbacks: {on_image: {takes: image.read, group: open, do: \"seen = seen + 1; atomic { "
+      "ended = ended + 1; }\"}}\n"
+      "properties: {all: \"G (detector.ended == 2 -> detector.seen == 2)\"}\n",
+      "s.yaml", [](const ModelRequest&) { return InterfaceAutomaton(); });
+  EXPECT_THAT(suggest_for_all(system).changes,
+              ElementsAre(AllOf(StartsWith("detector: the callback on_image of the reentrant group "
+                                           "open in an exclusive one"),
+                                HasSubstr("; nodes: {detector: {groups: {not_open: exclusive}, "
+                                          "callbacks: {on_image: {group: not_open}}}}")),
+                          StartsWith("`repeat 1` in place of `repeat 2`")));
+}
+
 // Two cures are needed, and each is named for what it cures.
 TEST(SuggestChange, NamesWhatMakesAPartHold) {
   const System system = parse_system(

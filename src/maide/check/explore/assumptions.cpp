@@ -142,6 +142,7 @@ class AssumptionList {
     state_strengths();
     state_unreal();
     state_middlewares();
+    state_discovery();
     state_executors();
     state_time_outs(results);
     state_reduction(results);
@@ -257,13 +258,12 @@ class AssumptionList {
     constexpr std::string_view key = " rmw=";
     std::map<std::string, std::vector<std::string>> models;
     for (const ModelInstance* model : find_used_models(system_)) {
-      const auto sul = model->automaton.origin.find("sul");
-      if (sul == model->automaton.origin.end() || !sul->second.starts_with("ros2 ")) continue;
-      const std::size_t at = sul->second.find(key);
+      if (!is_learned_from_ros2(*model)) continue;
+      const std::string& sul = model->automaton.origin.at("sul");
+      const std::size_t at = sul.find(key);
       if (at == std::string::npos) continue;
       const std::size_t begin = at + key.size();
-      models[sul->second.substr(begin, sul->second.find(' ', begin) - begin)].push_back(
-          model->name);
+      models[sul.substr(begin, sul.find(' ', begin) - begin)].push_back(model->name);
     }
     for (const auto& [rmw, names] : models) {
       lines_.push_back(fmt::format("{} {} learned from rclcpp over {}", join(names, ", "),
@@ -303,10 +303,36 @@ class AssumptionList {
 
   // Those who use it in reality are callbacks.
   static bool is_of_nodes(const ModelInstance& model) {
-    if (model.source == ModelInstance::Source::service) return true;
+    const bool is_rule = model.source == ModelInstance::Source::service;
+    const bool is_asked_for = model.is_learned && model.origin == "ros2";  // of unknown depth, too
+    return is_rule || is_asked_for || is_learned_from_ros2(model);
+  }
+
+  static bool is_learned_from_ros2(const ModelInstance& model) {
     const auto sul = model.automaton.origin.find("sul");
-    const bool is_ros2 = sul != model.automaton.origin.end() && sul->second.starts_with("ros2");
-    return model.source == ModelInstance::Source::file && is_ros2;
+    return model.source == ModelInstance::Source::file && sul != model.automaton.origin.end() &&
+           sul->second.starts_with("ros2 ");
+  }
+
+  // Ends that come while the system runs count from the moment at which both sides know them.
+  void state_discovery() {
+    std::set<std::string> names;
+    for (const Program& program : system_.programs) {
+      for (const ProgramEdge& edge : program.edges) {
+        for (const ModelUse& use : program.uses_of(edge)) {
+          if (use.kind != ModelUse::Kind::give) continue;
+          const ModelInstance& model = system_.models[use.model];
+          const std::string& input = model.automaton.inputs().name(use.symbol);
+          const bool makes_end = input == "start" || input == "subscribe";
+          if (makes_end && is_learned_from_ros2(model)) names.insert(model.name);
+        }
+      }
+    }
+    if (names.empty()) return;
+    lines_.push_back(fmt::format(
+        "{}: an end that comes is there when both sides know it; what is lost before (a request, "
+        "an answer, a message) is not looked at",
+        fmt::join(names, ", ")));
   }
 
   void state_time_outs(const std::vector<PropertyResult>& results) {

@@ -61,6 +61,13 @@ bool is_in_range(std::string_view value, const OptionSpec& spec) {
   return number && *number >= spec.least && *number <= spec.most;
 }
 
+// Quality of service by the clock, which no wrapper has.
+bool is_of_time(std::string_view key) {
+  const bool is_of_end = key.starts_with("pub-") || key.starts_with("sub-");
+  return is_one_of(is_of_end ? key.substr(4) : key,
+                   {"deadline", "lifespan", "liveliness", "latency-budget", "lease"});
+}
+
 [[noreturn]] void reject(const OptionSpec& spec, std::string_view value, std::string_view why) {
   throw UsageError(fmt::format("option {}={}: {}", spec.key, value, why));
 }
@@ -220,6 +227,9 @@ OptionValues::OptionValues(const std::vector<OptionSpec>& table,
         std::find_if(table.begin(), table.end(),
                      [&name = key](const OptionSpec& row) { return same_key(row.key, name); });
     if (spec == table.end()) {
+      if (is_of_time(normalised(key))) {
+        throw UsageError("option '" + key + "' is refused: time is not modelled");
+      }
       std::vector<std::string> known;
       for (const OptionSpec& row : table) known.push_back(row.key);
       throw UsageError("unknown option '" + key + "'" + near_or_known(normalised(key), known));
