@@ -3,7 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <functional>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -11,6 +14,7 @@
 #include "maide/check/explore/check_system.hpp"
 #include "maide/check/explore/engine.hpp"
 #include "maide/check/language/system_file.hpp"
+#include "maide/formats/model_file.hpp"
 
 namespace maide {
 namespace {
@@ -313,6 +317,152 @@ TEST(RunOfExecutors, IsNoneWhereItHolds) {
   text.replace(text.find("depth: 2"), 8, "depth: 4");
   const System system = parse_system(text, "s.yaml");
   EXPECT_FALSE(find_run_of_executors(system, find_property(system, "all"), 7, {}));
+}
+
+// ---- the machine that was learned from rclcpp ---------------------------------------------------
+
+// Two subscriptions of depth 1 on one executor: what each word of arrivals and spins runs.
+class TwoSubscriptions {
+ public:
+  explicit TwoSubscriptions(const std::string& order)
+      : system_(parse_system(R"(topics:
+  first: {writers: one, readers: robot.sub1, use: queue, with: {depth: 1}}
+  second: {writers: two, readers: robot.sub2, use: queue, with: {depth: 1}}
+programs:
+  one: "loop { first.write; }"
+  two: "loop { second.write; }"
+executors:
+  main: {kind: single, order: )" +
+                                 order + R"(}
+nodes:
+  robot:
+    executor: main
+    callbacks:
+      sub1: {takes: first.read, do: "skip;"}
+      sub2: {takes: second.read, do: "skip;"}
+)",
+                             "system.yaml")),
+        rules_(system_) {}
+
+  void restart() {
+    at_ = initial_state(system_);
+    state_ = rules_.initial();
+  }
+  void arrive(const std::string& topic) {
+    do_step([&](const Step& step) {
+      const auto events = events_of(step);
+      return events.find(topic + "[robot.") == 0 && events.find(".write") != std::string::npos;
+    });
+  }
+  // By the rules of the replay: what the thread picks, started and ended.
+  std::string spin_by_rules() {
+    const auto picked = rules_.pick(state_, 0, at_, {});
+    if (!picked) return "nothing";
+    do_step([&](const Step& step) { return started_by(system_, step) == picked; });
+    do_step([&](const Step& step) { return is_end_of_callback(system_, step); });
+    rules_.end(state_, *picked, rules_.start(state_, *picked));
+    return name_of(*picked);
+  }
+  // By the steps of the system, of which all that start a callback must start the same one.
+  std::string spin_by_steps() {
+    std::set<std::uint32_t> startable = find_startable();
+    if (startable.empty() &&
+        do_step([&](const Step& step) { return !found_by(system_, step).empty(); })) {
+      startable = find_startable();
+    }
+    if (startable.empty()) return "nothing";
+    if (startable.size() > 1) return "several";
+    const std::uint32_t callback = *startable.begin();
+    do_step([&](const Step& step) { return started_by(system_, step) == callback; });
+    do_step([&](const Step& step) { return is_end_of_callback(system_, step); });
+    return name_of(callback);
+  }
+
+ private:
+  std::string name_of(std::uint32_t callback) const {  // "robot.sub1" is "sub1"
+    return system_.callbacks[callback].name.substr(6);
+  }
+  std::string events_of(const Step& step) const {
+    const Program& program = system_.programs[step.program];
+    std::string events;
+    for (const ModelUse& event : program.events_of(program.edges[step.edge])) {
+      const ModelInstance& model = system_.models[event.model];
+      if (event.kind != ModelUse::Kind::give) continue;
+      events += model.name + "." + model.automaton.inputs().name(event.symbol);
+    }
+    return events;
+  }
+  template <typename Wanted>
+  bool do_step(const Wanted& wanted) {
+    for (const Step& step : enabled_steps(system_, at_)) {
+      if (!wanted(step)) continue;
+      at_ = apply(system_, at_, step);
+      return true;
+    }
+    return false;
+  }
+  std::set<std::uint32_t> find_startable() const {
+    std::set<std::uint32_t> callbacks;
+    for (const Step& step : enabled_steps(system_, at_)) {
+      if (const auto started = started_by(system_, step)) callbacks.insert(*started);
+    }
+    return callbacks;
+  }
+
+  System system_;
+  ExecutorRules rules_;
+  GlobalState at_;
+  ExecutorRules::State state_;
+};
+
+// All words of that length that the machine takes, with what it runs at each spin.
+void for_each_word(const InterfaceAutomaton& machine, std::size_t length,
+                   const std::function<void(const std::vector<std::string>&,
+                                            const std::vector<std::string>&)>& look) {
+  const std::vector<std::string> inputs{"arrive1", "arrive2", "spin"};
+  for (std::size_t code = 0; code < static_cast<std::size_t>(std::pow(3, length)); ++code) {
+    StateId state = machine.initial();
+    std::vector<std::string> word, ran;
+    for (std::size_t i = 0, rest = code; i < length; ++i, rest /= 3) {
+      word.push_back(inputs[rest % 3]);
+      const Symbol input = machine.inputs().at(word.back());
+      state = machine.successor(state, {Action::Kind::input, input});
+      for (const auto& transition : machine.transitions(state)) {
+        if (transition.action.is_input()) continue;
+        ran.push_back(machine.outputs().name(transition.action.symbol));
+        state = transition.target;
+        break;
+      }
+    }
+    look(word, ran);
+  }
+}
+
+TEST(ExecutorRules, AreThoseOfTheMachineLearnedFromRclcpp) {
+  const InterfaceAutomaton machine =
+      read_interface_automaton(MAIDE_SOURCE_DIR "/examples/models/ros2-executor-once.dot");
+  const auto expect_same = [&](const std::string& order, auto spin) {
+    TwoSubscriptions system(order);
+    std::size_t words = 0, runs = 0;
+    for_each_word(machine, 7, [&](const auto& word, const auto& expected) {
+      system.restart();
+      std::vector<std::string> ran;
+      for (const std::string& input : word) {
+        if (input == "spin") {
+          ran.push_back((system.*spin)());
+        } else {
+          system.arrive(input == "arrive1" ? "first" : "second");
+        }
+      }
+      ASSERT_EQ(ran, expected) << order << ": " << testing::PrintToString(word);
+      ++words;
+      runs += ran.size();
+    });
+    EXPECT_EQ(words, 2187U);
+    EXPECT_GT(runs, words);
+  };
+  expect_same("rounds", &TwoSubscriptions::spin_by_steps);
+  expect_same("any", &TwoSubscriptions::spin_by_rules);
 }
 
 }  // namespace
