@@ -107,7 +107,6 @@ inline std::vector<Ros2TopicCase> ros2_topic_cases_over_fastrtps() {
   std::vector<Ros2TopicCase> all = ros2_kept_for_late_joiners();
   all.push_back(
       {"keep_last_2", ros2_reading({{"depth", "2"}}), {2, WhenFull::drop_oldest, true}, 4});
-  for (Ros2TopicCase& each : all) each.options["rmw"] = "fastrtps";
   return all;
 }
 

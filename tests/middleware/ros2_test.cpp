@@ -50,8 +50,8 @@ TEST_P(Ros2Topic, IsToldByWordsFromOtherMachines) {
 INSTANTIATE_TEST_SUITE_P(Qos, Ros2Topic, testing::ValuesIn(test::ros2_topic_cases()),
                          [](const auto& tested) { return tested.param.name; });
 
-std::unique_ptr<Sul> over_fastrtps(SystemOptions options) {
-  options["rmw"] = "fastrtps";
+std::unique_ptr<Sul> spawn_over(const std::string& rmw, SystemOptions options) {
+  options["rmw"] = rmw;
   return spawn_wrapper({MAIDE_BINARY_DIR "/bin/maide-wrap-ros2"}, options);
 }
 
@@ -61,7 +61,7 @@ TEST_P(Ros2TopicOverFastDds, AnswersAllWordsAsItsModel) {
   if (!MAIDE_HAS_RMW_FASTRTPS) GTEST_SKIP() << "skipped: no rmw_fastrtps_cpp";
   const Mealy model = test::make_connection(GetParam().model);
   EXPECT_EQ(model.size(), GetParam().states);
-  const auto sul = over_fastrtps(GetParam().options);
+  const auto sul = spawn_over("fastrtps", GetParam().options);
   const std::size_t length = GetParam().model.reconnects ? 5 : 8;
   test::expect_answers(*sul, model, test::all_words(model.inputs().size(), length));
 }
@@ -69,7 +69,8 @@ TEST_P(Ros2TopicOverFastDds, AnswersAllWordsAsItsModel) {
 TEST_P(Ros2TopicOverFastDds, IsToldByWordsFromOtherMachines) {
   if (!MAIDE_HAS_RMW_FASTRTPS) GTEST_SKIP() << "skipped: no rmw_fastrtps_cpp";
   const Mealy model = test::make_connection(GetParam().model);
-  test::expect_answers(*over_fastrtps(GetParam().options), model, test::telling_words(model));
+  test::expect_answers(*spawn_over("fastrtps", GetParam().options), model,
+                       test::telling_words(model));
 }
 
 INSTANTIATE_TEST_SUITE_P(Qos, Ros2TopicOverFastDds,
@@ -90,9 +91,7 @@ TEST(Ros2LateJoiner, GetsWhatBothDepthsLeave) {
   if (MAIDE_HAS_RMW_FASTRTPS) middlewares.emplace_back("fastrtps");
   for (const std::string& rmw : middlewares) {
     const auto spawn = [&](const test::Ros2Depths& depths) {
-      SystemOptions options = test::ros2_late_joiner("", "transient_local", 0, depths).options;
-      options["rmw"] = rmw;
-      return spawn_wrapper({MAIDE_BINARY_DIR "/bin/maide-wrap-ros2"}, options);
+      return spawn_over(rmw, test::ros2_late_joiner("", "transient_local", 0, depths).options);
     };
     const auto short_history = spawn({1, 3}), long_history = spawn({3, 1}), same = spawn({3, 3});
     EXPECT_EQ(last(*short_history, late, 2), (Outputs{"gap", "null"})) << rmw;
@@ -108,7 +107,7 @@ TEST(Ros2ServiceOverFastDds, AnswersAllWordsAsItsModel) {
   const test::Ros2ServiceCase tested{"depth_1", {1, 1, true}, {"send", "handle", "tryreceive"}, 9};
   const Mealy model = test::make_ros2_service(tested.service, tested.inputs);
   EXPECT_EQ(model.size(), tested.states);
-  test::expect_answers(*over_fastrtps(tested.options()), model,
+  test::expect_answers(*spawn_over("fastrtps", tested.options()), model,
                        test::all_words(tested.inputs.size(), 6));
 }
 

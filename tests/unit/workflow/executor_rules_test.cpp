@@ -56,6 +56,19 @@ std::uint32_t callback_named(const System& system, const std::string& name) {
   return number;
 }
 
+// "go[robot.on_go].write": the events of a step, inputs behind a dot and outputs behind a `!`.
+std::string events_of(const System& system, const Step& step) {
+  const Program& program = system.programs[step.program];
+  std::string events;
+  for (const ModelUse& event : program.events_of(program.edges[step.edge])) {
+    const ModelInstance& model = system.models[event.model];
+    const bool gives = event.kind == ModelUse::Kind::give;
+    events += model.name + (gives ? "." : "!") +
+              (gives ? model.automaton.inputs() : model.automaton.outputs()).name(event.symbol);
+  }
+  return events;
+}
+
 // A system with the rules of its executors, on which steps are taken by what they say.
 class Executor {
  public:
@@ -68,13 +81,7 @@ class Executor {
     for (const Step& step : enabled_steps(system_, at_)) {
       const Program& program = system_.programs[step.program];
       const ProgramEdge& edge = program.edges[step.edge];
-      std::string events;
-      for (const ModelUse& event : program.events_of(edge)) {
-        const ModelInstance& model = system_.models[event.model];
-        const bool gives = event.kind == ModelUse::Kind::give;
-        events += model.name + (gives ? "." : "!") +
-                  (gives ? model.automaton.inputs() : model.automaton.outputs()).name(event.symbol);
-      }
+      const std::string events = events_of(system_, step);
       const bool is_joint = edge.kind == ModelUse::Kind::joint;
       if (events != text && !(is_joint && program.joints[edge.symbol].text == text)) continue;
       trace.steps.push_back(step);
@@ -350,8 +357,8 @@ nodes:
   }
   void arrive(const std::string& topic) {
     do_step([&](const Step& step) {
-      const auto events = events_of(step);
-      return events.find(topic + "[robot.") == 0 && events.find(".write") != std::string::npos;
+      const std::string events = events_of(system_, step);
+      return events.starts_with(topic + "[robot.") && events.ends_with(".write");
     });
   }
   // By the rules of the replay: what the thread picks, started and ended.
@@ -381,16 +388,6 @@ nodes:
  private:
   std::string name_of(std::uint32_t callback) const {  // "robot.sub1" is "sub1"
     return system_.callbacks[callback].name.substr(6);
-  }
-  std::string events_of(const Step& step) const {
-    const Program& program = system_.programs[step.program];
-    std::string events;
-    for (const ModelUse& event : program.events_of(program.edges[step.edge])) {
-      const ModelInstance& model = system_.models[event.model];
-      if (event.kind != ModelUse::Kind::give) continue;
-      events += model.name + "." + model.automaton.inputs().name(event.symbol);
-    }
-    return events;
   }
   template <typename Wanted>
   bool do_step(const Wanted& wanted) {
