@@ -49,13 +49,13 @@ class Nodes {
     const PropertyResult result = check_system(system_, engine, request).properties.front();
     EXPECT_EQ(result.verdict, Verdict::violated) << result.reason;
     const Trace trace = result.trace.value();
-    return order_for_executors(system_, ExecutorRules(system_), trace).value_or(trace);
+    return order_for_executors(system_, ExecutorRules(system_), trace, {}).value_or(trace);
   }
 
   // Another one, found among random runs of executors.
   Trace find_run(const std::string& property) const {
     const Property violated = find_property(system_, property);
-    return find_run_of_executors(system_, violated, 1, {}).value_or(Trace{});
+    return find_run_of_executors(system_, violated, {}, 1, {}).value_or(Trace{});
   }
 
   std::vector<Trace> draw_runs(std::size_t count) const {

@@ -154,29 +154,6 @@ void print(const System& system, const CheckReport& report, const TraceStyle& st
   context.print(describe(system, report, style, context.verbose()));
 }
 
-// A counterexample may need an order of callbacks that executors do not take. Then one that they do
-// take is shown, if it is found.
-void prefer_runs_of_executors(const System& system, CheckReport& report,
-                              const RunControl& control) {
-  if (system.callbacks.empty()) return;
-  const ExecutorRules rules(system);
-  for (PropertyResult& result : report.properties) {
-    if (result.verdict != Verdict::violated || !result.trace) continue;
-    if (find_same_run(report, result) != nullptr) continue;
-    if (order_for_executors(system, rules, *result.trace)) continue;
-    constexpr std::uint64_t seed = 1;
-    auto run = find_run_of_executors(system, find_property(system, result.name), seed, control);
-    if (run) {
-      result.trace = std::move(run);
-      continue;
-    }
-    report.doubts.push_back(fmt::format(
-        "{}: no run was found in which executors pick the callbacks as rclcpp Humble's do. The "
-        "file leaves their order open, so this run counts, but a replay will not follow it",
-        result.name));
-  }
-}
-
 std::string describe(const Suggestions& suggestions, bool is_cut_short) {
   if (suggestions.changes.empty()) {
     std::string text =
@@ -262,6 +239,7 @@ RefinedCheck check(const CheckArguments& arguments, Engine& engine, const CheckR
     checked.system =
         read_system(arguments.system, make_learning_source(models), request.options.control);
     checked.report = check_system(checked.system, engine, request);
+    prefer_runs_of_executors(checked.system, checked.report, request.options.control);
     return checked;
   }
   RefinementOptions options;
@@ -328,7 +306,6 @@ ExitStatus run_check(const CheckArguments& arguments, Context& context) {
   RefinedCheck checked = check(arguments, *engine, request);
   const System& system = checked.system;
   CheckReport& report = checked.report;
-  prefer_runs_of_executors(system, report, request.options.control);
   for (const std::string& remark : system.remarks) log_note(remark);
   for (const std::string& remark : report.remarks) log_note(remark);
   print(system, report, trace_style(arguments.trace_format), context);

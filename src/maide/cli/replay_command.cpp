@@ -251,8 +251,9 @@ void note_unplayed(Replay& replay) {
 
 // Callbacks start when executors pick them. So steps of programs that do not wait for one another
 // may come in another order than in the file.
-Trace in_order_of_executors(Replay& replay, const Trace& trace) {
-  const auto ordered = order_for_executors(replay.system, replay.nodes->rules(), trace);
+Trace in_order_of_executors(Replay& replay, const Trace& trace, const RunControl& control) {
+  const auto ordered = order_for_executors(replay.system, replay.nodes->rules(), trace, control);
+  control.check("replaying");
   if (!ordered) {
     log_note(
         "no order of the steps was found in which executors pick the callbacks as rclcpp's do; "
@@ -290,7 +291,7 @@ void read_traces(Replay& replay, const ReplayArguments& arguments, const ModelRe
   replay.assumptions = find_assumptions(replay.system, file.trace);
   replay.traces = {file.trace};
   find_played();
-  if (replay.nodes) file.trace = in_order_of_executors(replay, file.trace);
+  if (replay.nodes) file.trace = in_order_of_executors(replay, file.trace, control);
   replay.traces.assign(arguments.rounds, file.trace);
 }
 

@@ -1,5 +1,7 @@
 #include "maide/workflow/executor_rules.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <map>
 #include <numeric>
@@ -8,7 +10,7 @@
 #include <tuple>
 
 #include "maide/base/random.hpp"
-#include "maide/check/explore/check_system.hpp"
+#include "maide/check/explore/model_words.hpp"
 
 namespace maide {
 namespace {
@@ -199,124 +201,166 @@ class Scheduler {
  public:
   using Queue = std::vector<std::size_t>;  // steps of the trace
 
-  Scheduler(const System& system, const ExecutorRules& rules, const Trace& trace)
-      : system_(system),
-        rules_(rules),
-        trace_(trace),
-        runs_(system.programs.size()),
-        rules_state_(rules.initial()),
-        state_(initial_state(system)) {}
+  Scheduler(const System& system, const ExecutorRules& rules, const Trace& trace,
+            const RunControl& control)
+      : system_(system), rules_(rules), trace_(trace), control_(control) {
+    end_.at = initial_state(system);
+    end_.rules = rules.initial();
+    end_.runs.resize(system.programs.size());
+  }
 
   // Goes on behind the last call. `goal`: the state in which it must end. False if there is no way.
   bool run(std::vector<Queue> queues, const GlobalState* goal) {
     queues_ = std::move(queues);
-    goal_ = goal;
     visited_.clear();
-    return search(Progress(queues_.size()), state_, rules_state_);
+    end_.progress.assign(queues_.size(), 0);
+    std::vector<Place> path;
+    path.push_back(std::move(end_));
+    if (!enter(path.back())) return false;
+    while (!path.empty()) {
+      if (is_done(path.back()) && (goal == nullptr || path.back().at == *goal)) {
+        for (Place& place : path) {
+          if (place.step) steps_.push_back(std::move(*place.step));
+        }
+        end_ = std::move(path.back());
+        end_.step.reset();
+        return true;
+      }
+      std::optional<Place> next = next_of(path.back());
+      if (!next) {
+        path.pop_back();
+      } else if (enter(*next)) {
+        path.push_back(std::move(*next));
+      }
+    }
+    return false;
   }
 
   const std::vector<ScheduledStep>& steps() const { return steps_; }
 
  private:
-  using Progress = std::vector<std::size_t>;
-  using Rules = ExecutorRules::State;
+  // A way to go on: with a queue's next step or, where that is none, with a pick.
+  struct Way {
+    std::optional<std::size_t> queue;
+    std::uint32_t executor = 0;
+  };
+  struct Place {
+    std::vector<std::size_t> progress;  // by queue
+    GlobalState at;
+    ExecutorRules::State rules;
+    std::vector<std::uint32_t> picks;                         // since the last step
+    std::vector<std::pair<std::uint32_t, std::size_t>> runs;  // by program: callback and run
+    std::optional<ScheduledStep> step;                        // that led here
+    std::vector<Way> ways;
+    std::size_t tried = 0;  // of them
+  };
   static constexpr std::size_t most_visited = 200'000;
 
-  bool search(const Progress& progress, const GlobalState& at, const Rules& rules) {
-    // By step of the trace and queue.
-    std::vector<std::pair<std::size_t, std::size_t>> next;
-    for (std::size_t queue = 0; queue < queues_.size(); ++queue) {
-      if (progress[queue] < queues_[queue].size()) {
-        next.emplace_back(queues_[queue][progress[queue]], queue);
-      }
-    }
-    if (next.empty()) {
-      if (goal_ != nullptr && at != *goal_) return false;
-      state_ = at;
-      rules_state_ = rules;
-      return true;
-    }
-    if (visited_.size() == most_visited) return false;
-    if (!visited_.emplace(progress, at.models, rules).second) return false;
-    std::sort(next.begin(), next.end());
-    for (const auto& [step, queue] : next) {
-      if (try_step(progress, at, rules, step, queue)) return true;
-    }
-    // Some thread may have picked before.
-    for (std::uint32_t executor = 0; executor < system_.executors.size(); ++executor) {
-      if (try_pick(progress, at, rules, executor, {})) return true;
-    }
-    return false;
+  std::size_t step_of(const Place& place, std::size_t queue) const {
+    return queues_[queue][place.progress[queue]];
   }
 
-  bool try_step(const Progress& progress, const GlobalState& at, const Rules& rules,
-                std::size_t number, std::size_t queue) {
-    const auto step = step_like(system_, at, trace_.steps[number]);
-    if (!step) return false;
-    Rules behind = rules;
-    const auto before = runs_[step->program];
-    const std::vector<std::uint32_t> picks = picks_;
+  bool is_done(const Place& place) const {
+    for (std::size_t queue = 0; queue < queues_.size(); ++queue) {
+      if (place.progress[queue] < queues_[queue].size()) return false;
+    }
+    return true;
+  }
+
+  // False if the search was there, or has to end.
+  bool enter(Place& place) {
+    if (visited_.size() == most_visited || control_.should_stop()) return false;
+    if (!visited_.emplace(place.progress, place.at.models, place.rules).second) return false;
+    if (is_done(place)) return true;
+    for (std::size_t queue = 0; queue < queues_.size(); ++queue) {
+      if (place.progress[queue] < queues_[queue].size()) place.ways.push_back({queue, 0});
+    }
+    std::sort(place.ways.begin(), place.ways.end(), [&](const Way& a, const Way& b) {
+      return step_of(place, *a.queue) < step_of(place, *b.queue);
+    });
+    // Some thread may have picked before.
+    for (std::uint32_t executor = 0; executor < system_.executors.size(); ++executor) {
+      place.ways.push_back({std::nullopt, executor});
+    }
+    return true;
+  }
+
+  std::optional<Place> next_of(Place& place) const {
+    while (place.tried < place.ways.size()) {
+      const Way way = place.ways[place.tried++];
+      std::optional<Place> next =
+          way.queue ? behind_step(place, *way.queue) : behind_pick(place, way.executor, {});
+      if (next) return next;
+    }
+    return std::nullopt;
+  }
+
+  static Place copy_of(const Place& place) {
+    return {place.progress, place.at, place.rules, place.picks, place.runs, {}, {}, 0};
+  }
+
+  // Behind the queue's next step; or behind the pick that it needs first.
+  std::optional<Place> behind_step(const Place& place, std::size_t queue) const {
+    const std::size_t number = step_of(place, queue);
+    const auto step = step_like(system_, place.at, trace_.steps[number]);
+    if (!step) return std::nullopt;
+    Place next = copy_of(place);
+    auto& run = next.runs[step->program];
     if (const auto callback = picked_for(system_, *step)) {
       const std::uint32_t executor = system_.callbacks[*callback].executor;
-      const auto& picked = rules.picked[executor];
+      const auto& picked = place.rules.picked[executor];
       if (std::find(picked.begin(), picked.end(), *callback) == picked.end()) {
-        return try_pick(progress, at, rules, executor, {*callback});
+        return behind_pick(place, executor, {*callback});
       }
       if (started_by(system_, *step)) {
-        runs_[step->program] = {*callback, rules_.start(behind, *callback)};
+        run = {*callback, rules_.start(next.rules, *callback)};
       } else {
-        rules_.discard(behind, *callback);
+        rules_.discard(next.rules, *callback);
       }
     } else if (const auto found = found_by(system_, *step); !found.empty()) {
-      const auto first = rules_.pick(behind, system_.callbacks[found.front()].executor, at, found);
-      if (!first) return false;
-      picks_.push_back(*first);
+      const std::uint32_t executor = system_.callbacks[found.front()].executor;
+      const auto first = rules_.pick(next.rules, executor, place.at, found);
+      if (!first) return std::nullopt;
+      next.picks.push_back(*first);
     } else if (is_end_of_callback(system_, *step)) {
-      rules_.end(behind, before.first, before.second);
+      rules_.end(next.rules, run.first, run.second);
     }
-    Progress further = progress;
-    ++further[queue];
-    steps_.push_back({number, std::exchange(picks_, {})});
-    if (search(further, apply(system_, at, *step), behind)) return true;
-    steps_.pop_back();
-    picks_ = picks;
-    runs_[step->program] = before;
-    return false;
+    ++next.progress[queue];
+    next.step = ScheduledStep{number, std::exchange(next.picks, {})};
+    next.at = apply(system_, place.at, *step);
+    return next;
   }
 
   // One that is picked already is not there a second time: its message may be the only one.
-  bool try_pick(const Progress& progress, const GlobalState& at, const Rules& rules,
-                std::uint32_t executor, const std::vector<std::uint32_t>& due) {
-    Rules behind = rules;
-    const auto callback = rules_.pick(behind, executor, at, due);
-    const auto& before = rules.picked[executor];
+  std::optional<Place> behind_pick(const Place& place, std::uint32_t executor,
+                                   const std::vector<std::uint32_t>& due) const {
+    Place next = copy_of(place);
+    const auto callback = rules_.pick(next.rules, executor, place.at, due);
+    const auto& before = place.rules.picked[executor];
     if (!callback || std::find(before.begin(), before.end(), *callback) != before.end()) {
-      return false;
+      return std::nullopt;
     }
-    picks_.push_back(*callback);
-    if (search(progress, at, behind)) return true;
-    picks_.pop_back();
-    return false;
+    next.picks.push_back(*callback);
+    return next;
   }
 
   const System& system_;
   const ExecutorRules& rules_;
   const Trace& trace_;
+  const RunControl& control_;
   std::vector<Queue> queues_;
-  const GlobalState* goal_ = nullptr;
   std::vector<ScheduledStep> steps_;
-  std::vector<std::uint32_t> picks_;                         // before the next step
-  std::vector<std::pair<std::uint32_t, std::size_t>> runs_;  // by program: callback and run
-  Rules rules_state_;                                        // where the last search ended
-  GlobalState state_;
-  std::set<std::tuple<Progress, std::vector<StateId>, Rules>> visited_;
+  Place end_;  // where the last search ended
+  std::set<std::tuple<std::vector<std::size_t>, std::vector<StateId>, ExecutorRules::State>>
+      visited_;
 };
 
 }  // namespace
 
 std::vector<ScheduledStep> schedule(const System& system, const ExecutorRules& rules,
                                     const Trace& trace, std::span<const std::size_t> moves) {
-  Scheduler scheduler(system, rules, trace);
+  const RunControl control;
+  Scheduler scheduler(system, rules, trace, control);
   if (scheduler.run({{moves.begin(), moves.end()}}, nullptr)) return scheduler.steps();
   std::vector<ScheduledStep> steps;
   for (const std::size_t move : moves) {
@@ -329,10 +373,10 @@ std::vector<ScheduledStep> schedule(const System& system, const ExecutorRules& r
 }
 
 std::optional<Trace> order_for_executors(const System& system, const ExecutorRules& rules,
-                                         const Trace& trace) {
+                                         const Trace& trace, const RunControl& control) {
   const std::vector<GlobalState> states = replay(system, trace);
   const std::size_t first_of_loop = trace.loop_start.value_or(trace.steps.size());
-  Scheduler scheduler(system, rules, trace);
+  Scheduler scheduler(system, rules, trace, control);
   for (const auto& [from, to] :
        {std::pair{std::size_t{0}, first_of_loop}, std::pair{first_of_loop, trace.steps.size()}}) {
     std::vector<Scheduler::Queue> queues(system.programs.size());
@@ -391,8 +435,12 @@ namespace {
 
 class PriorityRuns {
  public:
-  PriorityRuns(const System& system, const Property& property, std::uint64_t seed)
-      : system_(system), property_(property), random_(seed) {}
+  PriorityRuns(const System& system, const Property& property,
+               const std::vector<std::uint32_t>& programs, std::uint64_t seed)
+      : system_(system),
+        part_(system, programs, &property),
+        property_(part_.property(property)),
+        random_(seed) {}
 
   // Nothing if the run does not violate the property, or leaves what was learned.
   std::optional<Trace> draw() {
@@ -421,8 +469,7 @@ class PriorityRuns {
         seen.clear();
         continue;
       }
-      std::vector<Step> steps = enabled_steps(system_, at);
-      std::erase_if(steps, [](const Step& step) { return step.is_beyond; });
+      std::vector<Step> steps = steps_of_part(at);
       nodes.restrict(at, steps);
       if (steps.empty()) return violates(trace) ? std::optional(trace) : std::nullopt;
       const Step step = choose(steps, priority);
@@ -437,6 +484,18 @@ class PriorityRuns {
   std::size_t moves() const { return moves_; }  // of all runs so far
 
  private:
+  // None behind an error: its component stops there. None beyond what was learned.
+  std::vector<Step> steps_of_part(const GlobalState& at) const {
+    std::vector<Step> steps;
+    for (const std::uint32_t program : part_.programs()) {
+      if (system_.programs[program].states[at.programs[program]].error != 0) return {};
+      for (const Step& step : enabled_steps(system_, at, program)) {
+        if (!step.is_beyond) steps.push_back(step);
+      }
+    }
+    return steps;
+  }
+
   using Place = std::tuple<std::vector<StateId>, std::vector<ControlState>, ExecutorRules::State>;
   static constexpr std::size_t most_moves = 5'000;
 
@@ -451,11 +510,12 @@ class PriorityRuns {
   }
 
   bool violates(const Trace& trace) const {
-    return find_flaw_in_parts(system_, property_, trace).empty();
+    return find_flaw(part_.system(), property_, from_whole(part_, trace)).empty();
   }
 
   const System& system_;
-  const Property& property_;
+  const Part part_;
+  const Property property_;  // of the part
   Random random_;
   std::size_t moves_ = 0;
 };
@@ -463,6 +523,7 @@ class PriorityRuns {
 }  // namespace
 
 std::optional<Trace> find_run_of_executors(const System& system, const Property& property,
+                                           const std::vector<std::uint32_t>& programs,
                                            std::uint64_t seed, const RunControl& control) {
   constexpr std::size_t most_runs = 2'000, most_moves = 500'000, most_found = 10;
   // How often another program takes its turn, and how long it is.
@@ -473,7 +534,7 @@ std::optional<Trace> find_run_of_executors(const System& system, const Property&
     }
     return std::pair(turns, trace.steps.size());
   };
-  PriorityRuns runs(system, property, seed);
+  PriorityRuns runs(system, property, programs, seed);
   std::optional<Trace> shortest;
   std::size_t found = 0;
   for (std::size_t run = 0; run < most_runs && found < most_found; ++run) {
@@ -485,6 +546,51 @@ std::optional<Trace> find_run_of_executors(const System& system, const Property&
     if (!shortest || length_of(*trace) < length_of(*shortest)) shortest = std::move(trace);
   }
   return shortest;
+}
+
+namespace {
+
+// Of an error, the reason names what is wrong where the run ends.
+void replace_run(const System& system, PropertyResult& result, Trace run) {
+  const auto error_at_end = [&] {
+    const Shown shown = shown_part(system, result);
+    return describe_error(shown.part.system(), replay(shown.part.system(), shown.trace).back());
+  };
+  const bool is_error = find_property(system, result.name).kind == Property::Kind::error;
+  const std::string before = is_error ? error_at_end() : "";
+  result.trace = std::move(run);
+  if (is_error && result.reason.starts_with(before)) {
+    result.reason.replace(0, before.size(), error_at_end());
+  }
+}
+
+}  // namespace
+
+void prefer_runs_of_executors(const System& system, CheckReport& report,
+                              const RunControl& control) {
+  if (system.callbacks.empty()) return;
+  const ExecutorRules rules(system);
+  for (PropertyResult& result : report.properties) {
+    if (result.verdict != Verdict::violated || !result.trace) continue;
+    if (find_same_run(report, result) != nullptr) continue;
+    if (order_for_executors(system, rules, *result.trace, control)) continue;
+    constexpr std::uint64_t seed = 1;
+    auto run = find_run_of_executors(system, find_property(system, result.name), result.programs,
+                                     seed, control);
+    if (run) {
+      replace_run(system, result, std::move(*run));
+      continue;
+    }
+    const std::string open = "The file leaves their order open, so this run counts";
+    report.doubts.push_back(
+        control.should_stop()
+            ? fmt::format("{}: whether executors pick the callbacks as in this run was not found "
+                          "out in the time. {}",
+                          result.name, open)
+            : fmt::format("{}: no run was found in which executors pick the callbacks as rclcpp "
+                          "Humble's do. {}, but a replay will not follow it",
+                          result.name, open));
+  }
 }
 
 }  // namespace maide

@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "maide/base/run_control.hpp"
+#include "maide/check/explore/check_system.hpp"
 #include "maide/check/trace/trace.hpp"
 
 namespace maide {
@@ -87,9 +88,10 @@ std::vector<ScheduledStep> schedule(const System& system, const ExecutorRules& r
 
 // The steps of the trace in an order in which executors can do them: each program does its own, and
 // they lead to the same state, and to the same one where a loop begins. None if the search, which
-// begins with the trace's own order and ends after 200,000 states, finds none.
+// begins with the trace's own order and ends after 200,000 states or when it is told to stop, finds
+// none.
 std::optional<Trace> order_for_executors(const System& system, const ExecutorRules& rules,
-                                         const Trace& trace);
+                                         const Trace& trace, const RunControl& control);
 
 // ---- random runs ----
 //
@@ -115,8 +117,13 @@ class NodeRuns {
 // program with the highest of random priorities steps, and loses it now and then, and where all
 // goes round (Burckhardt, Kothari, Musuvathi & Nagarakatte, A randomized scheduler with
 // probabilistic guarantees of finding bugs, ASPLOS 2010). So each sort of burst and of delay comes
-// up. The same seed gives the same run.
+// up. The same seed gives the same run. Only these programs step; none: all do.
 std::optional<Trace> find_run_of_executors(const System& system, const Property& property,
+                                           const std::vector<std::uint32_t>& programs,
                                            std::uint64_t seed, const RunControl& control);
+
+// A counterexample may need an order of callbacks that executors do not take. Then one that they do
+// take is shown in its place. If none is found, a doubt says so.
+void prefer_runs_of_executors(const System& system, CheckReport& report, const RunControl& control);
 
 }  // namespace maide

@@ -10,6 +10,7 @@
 #include "maide/base/file.hpp"
 #include "maide/base/text.hpp"
 #include "maide/check/language/system_file.hpp"
+#include "maide/workflow/executor_rules.hpp"
 #include "maide/workflow/replay.hpp"
 #include "maide/workflow/replay_plan.hpp"
 
@@ -45,6 +46,7 @@ class Refiner {
                      record_requests(make_learning_source(options_.models), requests_), control());
     options_.models.note = {};  // where models come from is told once
     result_.report = check_system(result_.system, engine_, request_);
+    prefer_runs_of_executors(result_.system, result_.report, control());
     confirmed_.clear();
   }
 

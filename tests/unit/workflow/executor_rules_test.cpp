@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <functional>
 #include <optional>
@@ -242,7 +244,7 @@ TEST(ExecutorRules, StepsOfOthersMayComeLater) {
   executor.write("halt");
   executor.take("robot.on_halt ends");
   executor.take("robot.on_halt starts: halt[robot.on_halt].read -> message");
-  const auto ordered = order_for_executors(executor.system(), executor.rules(), executor.trace);
+  const auto ordered = order_for_executors(executor.system(), executor.rules(), executor.trace, {});
   ASSERT_TRUE(ordered);
   EXPECT_EQ(replay(executor.system(), *ordered).back(),
             replay(executor.system(), executor.trace).back());
@@ -296,13 +298,13 @@ System pipeline_of(const std::string& depth) {
 TEST(RunOfExecutors, ViolatesAndIsOneThatTheyTake) {
   const System system = pipeline_of("2");
   const Property all = find_property(system, "all");
-  const auto run = find_run_of_executors(system, all, 7, {});
+  const auto run = find_run_of_executors(system, all, {}, 7, {});
   ASSERT_TRUE(run);
   EXPECT_EQ(find_flaw_in_parts(system, all, *run), "");
   const ExecutorRules rules(system);
-  EXPECT_TRUE(order_for_executors(system, rules, *run));
+  EXPECT_TRUE(order_for_executors(system, rules, *run, {}));
   // The same seed, the same run.
-  const auto again = find_run_of_executors(system, all, 7, {});
+  const auto again = find_run_of_executors(system, all, {}, 7, {});
   ASSERT_TRUE(again);
   EXPECT_EQ(again->steps, run->steps);
   EXPECT_EQ(again->loop_start, run->loop_start);
@@ -315,7 +317,7 @@ TEST(RunOfExecutors, IsNoneWhereOnlyAnotherOrderViolates) {
   CheckRequest request;
   request.properties = {"all"};
   EXPECT_EQ(check_system(system, engine, request).verdict, Verdict::violated);
-  EXPECT_FALSE(find_run_of_executors(system, find_property(system, "all"), 7, {}));
+  EXPECT_FALSE(find_run_of_executors(system, find_property(system, "all"), {}, 7, {}));
 }
 
 TEST(RunOfExecutors, IsNoneWhereItHolds) {
@@ -323,7 +325,91 @@ TEST(RunOfExecutors, IsNoneWhereItHolds) {
   text.replace(text.find("FIRST"), 5, "4");
   text.replace(text.find("depth: 2"), 8, "depth: 4");
   const System system = parse_system(text, "s.yaml");
-  EXPECT_FALSE(find_run_of_executors(system, find_property(system, "all"), 7, {}));
+  EXPECT_FALSE(find_run_of_executors(system, find_property(system, "all"), {}, 7, {}));
+}
+
+// Of a system whose components do not notice each other.
+CheckReport check_preferring(const System& system, const RunControl& control = {}) {
+  NativeEngine engine;
+  CheckReport report = check_system(system, engine, {});
+  prefer_runs_of_executors(system, report, control);
+  return report;
+}
+
+const PropertyResult& result_of(const CheckReport& report, const std::string& name) {
+  return *std::find_if(report.properties.begin(), report.properties.end(),
+                       [&](const PropertyResult& result) { return result.name == name; });
+}
+
+// An error by an order that executors do not take, beside an error of another program.
+TEST(RunOfExecutors, IsOneOfTheComponentThatIsShown) {
+  const System system = parse_system(R"(topics:
+  a: {writers: w, readers: n, use: queue, with: {depth: 1}}
+  b: {writers: w, readers: n, use: queue, with: {depth: 1}}
+models: {m: {use: mutex}}
+programs:
+  w: "a.write; b.write;"
+  p: "var k: 0..1; loop { m.lock; m.unlock; k = k + 1; }"
+nodes:
+  n:
+    variables: "var seen: bool; var bad: 0..1;"
+    callbacks:
+      on_a: {takes: a.read, do: "seen = true;"}
+      on_b: {takes: b.read, do: "if (!seen) { bad = bad + 2; }"}
+)",
+                                     "s.yaml");
+  const CheckReport report = check_preferring(system);
+  const PropertyResult& error = result_of(report, "error");
+  ASSERT_EQ(error.verdict, Verdict::violated);
+  const Shown shown = shown_part(system, error);
+  EXPECT_EQ(find_flaw(shown.part.system(), shown.property, shown.trace), "");
+  EXPECT_THAT(report.doubts, ElementsAre(testing::HasSubstr("error: no run was found in which")));
+}
+
+// Both components go on; the run is of the first alone, and the reason is that of its end.
+TEST(RunOfExecutors, LeavesOtherComponentsOut) {
+  const System system = parse_system(R"(topics:
+  a: {writers: w, readers: n, use: queue, with: {depth: 2}}
+models: {m: {use: mutex}}
+programs:
+  w: "loop { a.write; }"
+  p: "loop { m.lock; m.unlock; }"
+nodes:
+  n:
+    variables: "var count: 0..2;"
+    callbacks: {on_a: {takes: a.read, do: "count = count + 1;"}}
+)",
+                                     "s.yaml");
+  const CheckReport report = check_preferring(system);
+  const PropertyResult& error = result_of(report, "error");
+  ASSERT_EQ(error.verdict, Verdict::violated);
+  const auto run =
+      find_run_of_executors(system, find_property(system, "error"), error.programs, 1, {});
+  ASSERT_TRUE(run);
+  for (const Step& step : run->steps) EXPECT_NE(system.programs[step.program].name, "p");
+  EXPECT_THAT(report.doubts, IsEmpty());
+}
+
+TEST(RunOfExecutors, IsNotLookedForWhenTheTimeIsUp) {
+  const System system = pipeline_of("4");
+  RunControl control;
+  control.deadline = std::chrono::steady_clock::now();
+  EXPECT_THAT(check_preferring(system, control).doubts,
+              testing::Contains(testing::HasSubstr("was not found out in the time")));
+}
+
+TEST(RunOfExecutors, MayBeLong) {
+  const System system = parse_system(
+      "models: {m: {use: mutex}}\n"
+      "programs: {p: \"repeat 20000 { m.lock; m.unlock; } m.lock; m.lock;\"}\n"
+      "nodes: {n: {callbacks: {tick: {timer: 1, do: \"skip;\"}}}}\n",
+      "s.yaml");
+  NativeEngine engine;
+  const CheckReport report = check_system(system, engine, {});
+  const PropertyResult& deadlock = result_of(report, "deadlock");
+  ASSERT_TRUE(deadlock.trace);
+  EXPECT_EQ(order_for_executors(system, ExecutorRules(system), *deadlock.trace, {}),
+            deadlock.trace);
 }
 
 // ---- the machine that was learned from rclcpp ---------------------------------------------------
