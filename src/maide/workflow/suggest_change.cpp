@@ -122,7 +122,9 @@ class ChangeSearch {
     bool breaks = false;
     for (const PropertyResult& property : report.properties) {
       outcome.states = std::max(outcome.states, property.states);
-      const bool held = before_.at(property.name) == Verdict::holds;
+      // `error` is there only where a program can come to one.
+      const auto before = before_.find(property.name);
+      const bool held = before == before_.end() || before->second == Verdict::holds;
       const bool holds = property.verdict == Verdict::holds;
       if (!held && holds) outcome.mended.push_back(property.name);
       breaks = breaks || (held && !holds);
@@ -132,8 +134,11 @@ class ChangeSearch {
   }
 
   void found(const std::string& change, const Outcome& outcome, const std::string& how) {
-    result_.changes.push_back(
-        fmt::format("{} ({}checked: {} states)", change, how, outcome.states));
+    std::string line = fmt::format("{} ({}checked: {} states)", change, how, outcome.states);
+    std::vector<std::string>& changes = result_.changes;
+    if (std::find(changes.begin(), changes.end(), line) == changes.end()) {
+      changes.push_back(std::move(line));
+    }
   }
 
   void try_other_models() {

@@ -56,12 +56,15 @@ bool write_count(std::string& text, const Repeat& repeat) {
   return number != std::string::npos && write_number(text, number, repeat.count);
 }
 
-// The model that a request stands for in the system; of an array, any of its members. The system
-// was read with the same requests.
-const ModelInstance& instance_of(const System& system, const ModelRequest& request) {
-  return *std::find_if(system.models.begin(), system.models.end(), [&](const auto& candidate) {
-    return candidate.name == request.instance || candidate.name.starts_with(request.instance + "[");
-  });
+// The model that a request stands for in the system; of an array, any of its members. Null if the
+// system was read without that request.
+const InterfaceAutomaton* find_model(const System& system, const ModelRequest& request) {
+  for (const ModelInstance& candidate : system.models) {
+    if (candidate.name == request.instance || candidate.name.starts_with(request.instance + "[")) {
+      return &candidate.automaton;
+    }
+  }
+  return nullptr;
 }
 
 using Options = std::vector<std::pair<std::string, std::string>>;
@@ -71,7 +74,9 @@ std::map<std::string, Options> options_of_instances(const System& system, const 
   std::map<std::string, Options> result;
   parse_system(text, system.file, [&](const ModelRequest& request) {
     result[request.instance] = request.with;
-    return instance_of(system, request).automaton;
+    const InterfaceAutomaton* const model = find_model(system, request);
+    MAIDE_CHECK(model != nullptr);
+    return *model;
   });
   return result;
 }
@@ -176,10 +181,11 @@ std::optional<System> make_variant(const System& system, const SystemVariant& va
       const auto changed = variant.models.find(request.instance);
       if (changed != variant.models.end()) return changed->second;
       const auto known = options.find(request.instance);
-      if (known == options.end() || known->second == request.with || request.learn.empty()) {
-        return instance_of(system, request).automaton;
-      }
-      if (!learn) throw UsageError("no model was learned with these options");
+      const bool is_same =
+          known == options.end() || known->second == request.with || request.learn.empty();
+      const InterfaceAutomaton* const model = is_same ? find_model(system, request) : nullptr;
+      if (model != nullptr) return *model;
+      if (!learn) throw UsageError("there is no model for " + request.instance);
       return learn(request);
     };
     return parse_system(text, system.file, asked, control);
@@ -227,7 +233,8 @@ class NodeChanger {
     const YAML::Node root = parsed(text_);
     const std::vector<std::string> clients = clients_of(root), callbacks = callbacks_of(root);
     const std::uint32_t now = threads(root);
-    for (std::uint32_t threads = std::max(now, 2U); threads <= most_threads; ++threads) {
+    for (std::uint32_t threads = std::max(now, 2U); threads <= std::max(now, most_threads);
+         ++threads) {
       for (const std::string& client : clients) {
         add(changes, threads, now,
             fmt::format("the client of {} in a callback group of its own", client),
@@ -301,7 +308,10 @@ class NodeChanger {
     if (!executor || !root["executors"]) return 1;
     const YAML::Node kind = root["executors"][executor.Scalar()];
     if (!kind || !kind["threads"]) return 1;
-    return parse_number<std::uint32_t>(kind["threads"].Scalar()).value_or(1);
+    const std::string said = kind["threads"].Scalar();
+    const YAML::Node constant = root["constants"] ? root["constants"][said] : YAML::Node();
+    const std::string number = constant && constant.IsScalar() ? constant.Scalar() : said;
+    return parse_number<std::uint32_t>(number).value_or(1);
   }
 
   static void set_client_group(YAML::Node node, const std::string& client,

@@ -158,6 +158,58 @@ TEST(SuggestChange, NamesTheExclusiveGroup) {
                           StartsWith("`repeat 1` in place of `repeat 2`")));
 }
 
+// A longer burst brings an error that the system as it is does not have.
+TEST(SuggestChange, PassesOverAChangeThatBringsAnError) {
+  const System system = parse_system(
+      "constants: {n: 3}\n"
+      "models: {q: {use: queue, with: {size: 2}}}\n"
+      "programs:\n"
+      "  w: \"var k: 0..3; repeat n { q.write; k = k + 1; }\"\n"
+      "  r: \"repeat 4 { q.read -> message; }\"\n",
+      "s.yaml", [](const ModelRequest&) { return InterfaceAutomaton(); });
+  EXPECT_THAT(suggest_for_all(system).changes, ElementsAre(StartsWith("`repeat 3` in place of")));
+}
+
+// With another value there is a reader that the system as it is does not have.
+TEST(SuggestChange, AsksForAModelThatIsNew) {
+  const auto source = [](const ModelRequest& request) {
+    ModelRequest file = request;
+    file.file = folder + "models/ros2-topic-1.dot";
+    return read_requested_model(file);
+  };
+  const System system = parse_system(
+      "constants: {robots: 2}\n"
+      "topics: {order: {writers: desk, readers: robot, file: topic.dot}}\n"
+      "programs:\n"
+      "  desk: \"order.write; order.write;\"\n"
+      "  robot[i in 0..robots-1]: \"repeat 2 { order.read -> message; }\"\n",
+      "s.yaml", source);
+  EXPECT_GT(suggest(system, source).tried, suggest(system).tried);
+}
+
+// On six threads the group alone is missing; how many threads there are, a constant says.
+TEST(SuggestChange, NamesTheCallbackGroupOnManyThreads) {
+  const System system = parse_system(
+      "constants: {n: 6}\n"
+      "services: {lookup: {server: database, clients: [detector]}}\n"
+      "topics: {image: {writers: camera, readers: detector, use: queue, with: {size: 1}}}\n"
+      "programs:\n"
+      "  camera: \"image.write;\"\n"
+      "  database: \"loop { idle lookup.serve -> request; lookup.answer; }\"\n"
+      "executors: {main: {kind: multi, threads: n}}\n"
+      "nodes:\n"
+      "  detector:\n"
+      "    executor: main\n"
+      "    callbacks: {on_image: {takes: image.read, do: \"lookup.send; wait lookup -> "
+      "answer;\"}}\n",
+      "s.yaml", [](const ModelRequest&) { return InterfaceAutomaton(); });
+  EXPECT_THAT(
+      suggest(system).changes,
+      Contains(AllOf(StartsWith("detector: the client of lookup in a callback group of its own ("),
+                     HasSubstr("; nodes: {detector: {groups: {own_lookup: exclusive}, clients: "
+                               "{lookup: own_lookup}}}"))));
+}
+
 // Two cures are needed, and each is named for what it cures.
 TEST(SuggestChange, NamesWhatMakesAPartHold) {
   const System system = parse_system(
