@@ -234,6 +234,71 @@ TEST(Executors, WhatALookFoundGoesFirst) {
   EXPECT_EQ(verdict(replaced(two_subscriptions, "order: rounds", "order: any"), "old"), "violated");
 }
 
+// The first callback takes what the look found for both.
+TEST(Executors, WhatALookFoundMayBeGone) {
+  const std::string one_unit =
+      "models: {go: {use: semaphore, with: {count: 1}}}\n"
+      "executors: {main: {kind: single, order: rounds}}\n"
+      "nodes:\n"
+      "  n:\n"
+      "    executor: main\n"
+      "    callbacks: {a: {takes: go.acquire, do: \"skip;\"}, b: {takes: go.acquire, do: "
+      "\"skip;\"}}\n";
+  for (const char* property : {"deadlock", "stuck"}) {
+    EXPECT_EQ(verdict(one_unit, property), "holds");
+    EXPECT_EQ(verdict(replaced(one_unit, "order: rounds", "order: any"), property), "holds");
+  }
+}
+
+// Two nodes on one thread are one program, and still two nodes.
+TEST(Nodes, WriteOnlyWhereTheyAreWriters) {
+  const std::string text =
+      "topics: {image: {writers: camera, readers: detector, use: queue, with: {depth: 1}}}\n"
+      "executors: {main: {kind: single}}\n"
+      "nodes:\n"
+      "  camera: {executor: main, callbacks: {tick: {timer: 1, do: \"image.write;\"}}}\n"
+      "  detector: {executor: main, callbacks: {on_image: {takes: image.read, do: \"DO\"}}}\n";
+  EXPECT_EQ(verdict(replaced(text, "DO", "skip;"), "deadlock"), "holds");
+  try {
+    nodes_from(replaced(text, "DO", "image.write;"));
+    FAIL() << "is accepted";
+  } catch (const ParseError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("this node is no writer of image"));
+  }
+}
+
+// A node with two groups on two threads is one end, and the next one is the second.
+TEST(Nodes, AreOneEndOfAModel) {
+  InterfaceAutomaton line({"write", "write2"}, {}, 1);
+  line.actors = {{"writer", {"write", "write2"}, {}}};
+  line.add_transition(0, {Action::Kind::input, 0}, 0);
+  line.add_transition(0, {Action::Kind::input, 1}, 0);
+  const System system = parse_system(
+      "models: {line: {file: two-writers.dot, ends: {writer: [robot, desk]}}}\n"
+      "programs: {desk: \"line.write;\"}\n"
+      "executors: {main: {kind: multi, threads: 2}}\n"
+      "nodes:\n"
+      "  robot:\n"
+      "    executor: main\n"
+      "    groups: {other: exclusive}\n"
+      "    callbacks:\n"
+      "      tick: {timer: 1, do: \"line.write;\"}\n"
+      "      tock: {timer: 2, group: other, do: \"line.write;\"}\n",
+      "s.yaml", [&](const ModelRequest&) { return line; });
+  std::vector<std::string> inputs;
+  for (const Program& program : system.programs) {
+    for (const ProgramEdge& edge : program.edges) {
+      for (const ModelUse& event : program.events_of(edge)) {
+        const ModelInstance& model = system.models[event.model];
+        if (model.name != "line") continue;
+        inputs.push_back(program.name + " " + model.automaton.inputs().name(event.symbol));
+      }
+    }
+  }
+  EXPECT_THAT(inputs,
+              testing::UnorderedElementsAre("robot write", "robot.other write", "desk write2"));
+}
+
 TEST(Executors, WhatVerdictsRestOnIsSaid) {
   const auto says = [](const std::string& text, const std::string& what) {
     const CheckReport report = check_nodes(nodes_from(text));
@@ -248,6 +313,14 @@ TEST(Executors, WhatVerdictsRestOnIsSaid) {
   EXPECT_FALSE(says(any, "a timer may be due at any moment"));
   EXPECT_TRUE(says("nodes: {camera: {callbacks: {tick: {timer: 33, do: \"skip;\"}}}}\n",
                    "a timer may be due at any moment"));
+  EXPECT_TRUE(says(any, "nodes begin when all ends know each other"));
+  // Groups come in the file's order, and rclcpp's is another one.
+  EXPECT_FALSE(says(two_subscriptions, "that of addresses"));
+  EXPECT_TRUE(
+      says(replaced(replaced(two_subscriptions, "{takes: b.read,", "{takes: b.read, group: other,"),
+                    "executor: main\n", "executor: main\n    groups: {other: exclusive}\n"),
+           "main: callbacks of one kind in several groups or nodes come in the file's order; "
+           "rclcpp's is that of addresses"));
 }
 
 // Plain programs that use what has callbacks in reality; ends that come while the system runs.

@@ -143,6 +143,7 @@ class AssumptionList {
     state_unreal();
     state_middlewares();
     state_discovery();
+    state_best_effort();
     state_executors();
     state_time_outs(results);
     state_reduction(results);
@@ -293,12 +294,32 @@ class AssumptionList {
       lines_.push_back(fmt::format("the callbacks of {} run {} (the rules of executors)",
                                    fmt::join(of_it, ", "), execution));
     }
+    state_order_of_groups();
     if (has_timer) lines_.emplace_back("time is not modelled: a timer may be due at any moment");
     if (programs.empty()) return;
     lines_.push_back(fmt::format(
         "{} {} {} without executors: callbacks that wait, their order and threads are not looked "
         "at (`nodes:` does)",
         fmt::join(programs, ", "), programs.size() == 1 ? "uses" : "use", fmt::join(models, ", ")));
+  }
+
+  // rclcpp's order among groups is that of their addresses.
+  void state_order_of_groups() {
+    using Group = std::pair<std::string, std::string>;  // of a node
+    std::map<std::pair<std::uint32_t, CallbackInstance::Kind>, std::set<Group>> groups;
+    for (const CallbackInstance& callback : system_.callbacks) {
+      groups[{callback.executor, callback.kind}].emplace(callback.node, callback.group);
+    }
+    std::set<std::string> executors;
+    for (const auto& [place, of_kind] : groups) {
+      const ExecutorInstance& executor = system_.executors[place.first];
+      if (executor.goes_by_rounds && of_kind.size() > 1) executors.insert(executor.name);
+    }
+    if (executors.empty()) return;
+    lines_.push_back(fmt::format(
+        "{}: callbacks of one kind in several groups or nodes come in the file's order; rclcpp's "
+        "is that of addresses, which no program controls (`order: any` covers all)",
+        fmt::join(executors, ", ")));
   }
 
   // Those who use it in reality are callbacks.
@@ -328,10 +349,28 @@ class AssumptionList {
         }
       }
     }
+    if (!names.empty()) {
+      lines_.push_back(fmt::format(
+          "{}: an end that comes is there when both sides know it; what is lost before (a request, "
+          "an answer, a message) is not looked at",
+          fmt::join(names, ", ")));
+    }
+    if (system_.callbacks.empty() || (system_.topics.empty() && system_.services.empty())) return;
+    lines_.emplace_back(
+        "nodes begin when all ends know each other: what is lost before, at the start, is not "
+        "looked at");
+  }
+
+  void state_best_effort() {
+    std::set<std::string> names;
+    for (const ModelInstance* model : find_used_models(system_)) {
+      const auto sul = model->automaton.origin.find("sul");
+      if (sul == model->automaton.origin.end()) continue;
+      if (sul->second.find("best_effort") != std::string::npos) names.insert(model->name);
+    }
     if (names.empty()) return;
     lines_.push_back(fmt::format(
-        "{}: an end that comes is there when both sides know it; what is lost before (a request, "
-        "an answer, a message) is not looked at",
+        "{}: best_effort, learned where nothing is lost on the way; a network loses messages",
         fmt::join(names, ", ")));
   }
 

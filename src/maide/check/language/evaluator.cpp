@@ -44,10 +44,10 @@ void Evaluator::check_end(const ModelReference& model, const Event& event,
   if (!model.is_topic) return;
   const bool writes = written_topic(model, event.name, values) != nullptr;
   const Topic& topic = names_.topics[element(model.leaf, values)];
-  if (topic.has_end(number_, writes)) return;
-  throw EvaluationError{
-      "this program is no " + std::string(writes ? "writer" : "reader") + " of " + topic.name,
-      event.line, event.column};
+  if (topic.has_end(number_, writes, event.node)) return;
+  throw EvaluationError{"this " + std::string(event.node.empty() ? "program" : "node") + " is no " +
+                            (writes ? "writer" : "reader") + " of " + topic.name,
+                        event.line, event.column};
 }
 
 std::uint32_t Evaluator::model_of(const ModelReference& model, const Values& values) const {

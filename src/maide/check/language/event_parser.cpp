@@ -58,12 +58,14 @@ const ModelInstance& EventParser::instance(const ModelReference& model) const {
 }
 
 std::string EventParser::name_at_end(const ModelReference& model, const std::string& name) const {
-  for (const auto& [role, programs] : model.known->ends) {
-    const auto place = std::find(programs.begin(), programs.end(), context_.program);
-    if (place == programs.begin() || place == programs.end()) continue;
+  for (const auto& [role, ends] : model.known->ends) {
+    const auto place = std::find_if(ends.begin(), ends.end(), [&](const End& end) {
+      return end.is_of(node(), context_.program);
+    });
+    if (place == ends.begin() || place == ends.end()) continue;
     for (const Actor& actor : instance(model).automaton.actors) {
       if (actor.name == role && (contains(actor.inputs, name) || contains(actor.outputs, name))) {
-        return name + std::to_string(place - programs.begin() + 1);
+        return name + std::to_string(place - ends.begin() + 1);
       }
     }
   }
@@ -81,14 +83,13 @@ std::string EventParser::name_at_service(const ModelReference& model, const std:
   const bool is_servers = name == "serve" || name == "request" || (name == "answer" && is_input);
   const bool is_clients = name == "send" || name == "receive" || (name == "answer" && !is_input);
   if (!is_servers && !is_clients) return name;  // unknown, as check_event() says
-  const std::string node = context_.callback != nullptr ? context_.callback->node : "";
   std::optional<std::string> at_end;
   std::string services;
   for_each_member(model, [&](std::uint32_t member) {
     const Service& service = context_.names.services.at(member);
     services += (services.empty() ? "" : ", ") + service.name;
     if (is_servers) {
-      if (service.is_server(node, context_.program)) at_end = name;
+      if (service.is_server(node(), context_.program)) at_end = name;
       const bool serves =
           context_.callback == nullptr || context_.callback->kind == Callback::Kind::service;
       if (name == "answer" && service.server_runs > 1 && !serves) {
@@ -98,10 +99,10 @@ std::string EventParser::name_at_service(const ModelReference& model, const std:
       }
       return;
     }
-    const auto client = service.client_of(node, context_.program);
+    const auto client = service.client_of(node(), context_.program);
     if (!client) return;
-    if (name == "answer" && service.own_code.contains(node)) {
-      tokens_.fail("answers of " + service.name + " go to the code of its client in " + node,
+    if (name == "answer" && service.own_code.contains(node())) {
+      tokens_.fail("answers of " + service.name + " go to the code of its client in " + node(),
                    token);
     }
     const std::string numbered = ServiceModel::name_at(name, *client);
@@ -111,7 +112,7 @@ std::string EventParser::name_at_service(const ModelReference& model, const std:
     at_end = numbered;
   });
   if (!at_end && !services.empty()) {
-    tokens_.fail("this " + std::string(node.empty() ? "program" : "node") + " is no " +
+    tokens_.fail("this " + std::string(node().empty() ? "program" : "node") + " is no " +
                      (is_servers ? "server" : "client") + " of " + services,
                  token);
   }
@@ -135,12 +136,13 @@ void EventParser::check_role(const ModelReference& model, const Event& event, co
   std::string topics;
   const bool is_write = model.is_topic && is_of_writer(instance(model).automaton, event.name);
   for_each_topic(model, [&](const Topic& topic) {
-    may = may || topic.has_end(context_.program, is_write);
+    may = may || topic.has_end(context_.program, is_write, node());
     topics += (topics.empty() ? "" : ", ") + topic.name;
   });
   if (may || topics.empty()) return;
-  tokens_.fail(
-      "this program is no " + std::string(is_write ? "writer" : "reader") + " of " + topics, name);
+  tokens_.fail("this " + std::string(node().empty() ? "program" : "node") + " is no " +
+                   (is_write ? "writer" : "reader") + " of " + topics,
+               name);
 }
 
 Event EventParser::parse_event_name(const ModelReference& model, std::string_view what) {
@@ -155,6 +157,7 @@ Event EventParser::parse_event_name(const ModelReference& model, std::string_vie
   const bool is_input = what == "input";
   event.name = service_of(model) != nullptr ? name_at_service(model, name.text, is_input, name)
                                             : name_at_end(model, name.text);
+  event.node = node();
   event.line = place.line;
   event.column = place.column;
   event.has_arguments = tokens_.peek().is("(");

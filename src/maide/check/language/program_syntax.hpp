@@ -46,6 +46,7 @@ struct Event {
     ValueType type;  // of the variable
   };
   std::string name;
+  std::string node;            // of the callback that it is in; empty: it is in none
   bool is_any = false;         // an output, whatever its name
   bool has_arguments = false;  // without, an output is any of that name
   std::vector<Argument> arguments;

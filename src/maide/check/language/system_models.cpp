@@ -40,8 +40,8 @@ void SystemReader::read_models(const YAML::Node& section) {
 
 SystemReader::Ends SystemReader::read_ends(const YAML::Node& node) {
   Ends ends;
-  for (const auto& [role, programs] : entries(node, "'ends'", {})) {
-    ends.emplace(role.Scalar(), programs_named(programs, {}));
+  for (const auto& [role, names] : entries(node, "'ends'", {})) {
+    ends.emplace(role.Scalar(), ends_named(names, {}));
   }
   return ends;
 }

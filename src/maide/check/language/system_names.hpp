@@ -29,12 +29,22 @@ std::string member_suffix(const Dimensions& dimensions, std::uint64_t member);
 // The indices of the member with that number.
 std::vector<Value> member_indices(const Dimensions& dimensions, std::uint64_t member);
 
+// Who stands at an end: a program, or a node, whose callbacks may be several programs.
+struct End {
+  std::uint32_t program = 0;
+  std::string node;  // empty: it is a program
+  // Whether the code that runs there is the end's: that of a node's callback, or of the program.
+  bool is_of(const std::string& its_node, std::uint32_t its_program) const {
+    return node == its_node && (!node.empty() || program == its_program);
+  }
+};
+
 struct ModelName {
   std::uint32_t first = 0;  // the instance or topic; of an array its first member
   Dimensions dimensions;
   bool is_topic = false;
-  // Which programs stand at which end, in order: the second writer's `write` is `write2`. By actor.
-  std::map<std::string, std::vector<std::uint32_t>> ends;
+  // Who stands at which end, in order: the second writer's `write` is `write2`. By actor.
+  std::map<std::string, std::vector<End>> ends;
 };
 
 // What a topic's readers see is a model each; its writers' inputs go to all of them.
@@ -59,16 +69,18 @@ struct Topic {
   std::string name;
   std::vector<std::string> writer_names;  // as the file has them
   std::set<std::uint32_t> writers;
-  std::vector<Reader> readers;  // at least one
-  bool delivers_one = false;    // a write goes to one of the models that take it
+  std::set<std::string> writer_nodes;  // of them those that are nodes
+  std::vector<Reader> readers;         // at least one
+  bool delivers_one = false;           // a write goes to one of the models that take it
   // The variable that says whose call has not returned, where there are several writers of which
   // some may die. Its values: `nobody`, and a word for each of `mortal`.
   std::optional<std::uint32_t> caller;
   Value nobody = 0;
   std::map<std::uint32_t, Value> mortal;  // writers that may die
 
-  bool has_end(std::uint32_t program, bool writes) const {
-    if (writes) return writers.contains(program);
+  // `node`: that of the callback whose code is meant; empty: any code of the program.
+  bool has_end(std::uint32_t program, bool writes, const std::string& node = "") const {
+    if (writes) return writers.contains(program) && (node.empty() || writer_nodes.contains(node));
     return std::any_of(readers.begin(), readers.end(), [&](const Reader& reader) {
       return reader.program == program && reader.callback.empty();
     });
@@ -77,10 +89,6 @@ struct Topic {
 
 // Who stands at the ends of a service: programs and nodes.
 struct Service {
-  struct End {
-    std::uint32_t program = 0;
-    std::string node;  // empty: it is a program
-  };
   std::string name;
   End server;
   std::vector<End> clients;

@@ -27,13 +27,13 @@ std::uint32_t number_of(const Expression& value, std::uint32_t most) {
 std::optional<std::uint32_t> Service::client_of(const std::string& node,
                                                 std::uint32_t program) const {
   for (std::uint32_t i = 0; i < clients.size(); ++i) {
-    if (clients[i].node == node && (!node.empty() || clients[i].program == program)) return i;
+    if (clients[i].is_of(node, program)) return i;
   }
   return std::nullopt;
 }
 
 bool Service::is_server(const std::string& node, std::uint32_t program) const {
-  return server.node == node && (!node.empty() || server.program == program);
+  return server.is_of(node, program);
 }
 
 // ---- names --------------------------------------------------------------------------------------
@@ -157,7 +157,7 @@ void SystemReader::read_service(const std::string& name, const Indices& indices,
   for (const auto& [word, node] :
        entries(value, "service '" + name + "'", {"server", "clients", "learn", "with"})) {
     if (word.Scalar() == "server") {
-      const std::vector<Service::End> ends = ends_named(node, indices);
+      const std::vector<End> ends = ends_named(node, indices);
       if (ends.size() != 1) fail("a service has one server", node);
       service.server = ends.front();
       has_server = true;
@@ -195,9 +195,9 @@ void SystemReader::read_service(const std::string& name, const Indices& indices,
   if (!has_server) fail("service '" + name + "' needs 'server:'", key);
   if (service.clients.empty()) fail("service '" + name + "' needs 'clients:'", key);
   const auto number = static_cast<std::uint32_t>(system_.models.size());
-  std::vector<Service::End> ends = service.clients;
+  std::vector<End> ends = service.clients;
   ends.push_back(service.server);
-  for (const Service::End& end : ends) {
+  for (const End& end : ends) {
     if (end.node.empty() && texts_[end.program].may_die) {
       fail("a program that may die is at no end of a service: that is not built", key);
     }
@@ -206,14 +206,13 @@ void SystemReader::read_service(const std::string& name, const Indices& indices,
   system_.models.push_back(std::move(model));
 }
 
-std::vector<Service::End> SystemReader::ends_named(const YAML::Node& node, const Indices& indices) {
-  std::vector<Service::End> ends;
+std::vector<End> SystemReader::ends_named(const YAML::Node& node, const Indices& indices) {
+  std::vector<End> ends;
   if (node.IsSequence()) {
     for (const YAML::Node& one : node) {
-      for (Service::End& end : ends_named(one, indices)) {
-        for (const Service::End& other : ends) {
-          if (other.node != end.node || (end.node.empty() && other.program != end.program))
-            continue;
+      for (End& end : ends_named(one, indices)) {
+        for (const End& other : ends) {
+          if (!other.is_of(end.node, end.program)) continue;
           fail((end.node.empty() ? texts_[end.program].name : end.node) + " is there twice", one);
         }
         ends.push_back(std::move(end));

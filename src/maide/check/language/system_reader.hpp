@@ -34,7 +34,7 @@ class SystemReader : private YamlReader {
 
  private:
   using Indices = std::map<std::string, Expression>;
-  using Ends = std::map<std::string, std::vector<std::uint32_t>>;  // programs, by actor
+  using Ends = std::map<std::string, std::vector<End>>;  // by actor
   program_syntax::Context context(Indices indices = {});
   // Models, programs, constants and variables share one space of names.
   void take_name(const std::string& name, const YAML::Node& key);
@@ -111,7 +111,7 @@ class SystemReader : private YamlReader {
   void read_service(const std::string& name, const Indices& indices, const YAML::Node& key,
                     const YAML::Node& value);
   // Programs and nodes that the text names.
-  std::vector<Service::End> ends_named(const YAML::Node& node, const Indices& indices);
+  std::vector<End> ends_named(const YAML::Node& node, const Indices& indices);
   // The members of the array that a text names: "a", "a[i]".
   std::vector<std::uint32_t> members_named(const YAML::Node& node, const ModelName& array,
                                            const Indices& indices);

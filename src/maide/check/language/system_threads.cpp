@@ -154,7 +154,7 @@ void SystemReader::make_services() {
     ServiceShape shape;
     shape.is_depth_unknown = service.is_depth_unknown;
     shape.depth = service.depth;
-    for (const Service::End& client : service.clients) {
+    for (const End& client : service.clients) {
       shape.names.push_back(client.node.empty() ? texts_[client.program].name : client.node);
       std::uint32_t askers = 0;
       bool is_looked_at = false;
@@ -174,7 +174,7 @@ void SystemReader::make_services() {
         shape.servers = runs_of(node, i);
       }
     }
-    const Service::End& server = service.server;
+    const End& server = service.server;
     system_.services.push_back({service.name,
                                 server.node.empty() ? texts_[server.program].name : server.node,
                                 shape.names, model});

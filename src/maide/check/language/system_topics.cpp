@@ -165,10 +165,16 @@ void SystemReader::read_topic(const std::string& name, const Indices& indices,
   for (const std::uint32_t writer : writers_named(part("writers"), indices)) {
     topic.writers.insert(writer);
   }
+  const auto add_writer = [&](const YAML::Node& one) {
+    topic.writer_names.push_back(one.Scalar());
+    for (const End& end : ends_named(one, indices)) {
+      if (!end.node.empty()) topic.writer_nodes.insert(end.node);
+    }
+  };
   if (part("writers").IsSequence()) {
-    for (const YAML::Node& one : part("writers")) topic.writer_names.push_back(one.Scalar());
+    for (const YAML::Node& one : part("writers")) add_writer(one);
   } else {
-    topic.writer_names.push_back(part("writers").Scalar());
+    add_writer(part("writers"));
   }
   if (const YAML::Node deliver = part("deliver")) {
     topic.delivers_one = one_of<bool>(deliver, "'deliver'", {{"one", true}, {"all", false}});
@@ -337,10 +343,13 @@ void SystemReader::name_ends(Program& program, std::uint32_t number) const {
     for (const Topic::Reader& reader : topic.readers) named.insert(reader.model);
   }
   for (const auto& [model, ends] : ends_of_) {
-    for (const auto& [actor, programs] : *ends) {
-      if (std::find(programs.begin(), programs.end(), number) != programs.end()) {
-        named.insert(model);
-      }
+    for (const auto& [actor, at_it] : *ends) {
+      const bool has_end = std::any_of(at_it.begin(), at_it.end(), [&](const End& end) {
+        if (end.node.empty()) return end.program == number;
+        const std::vector<std::string>& nodes = texts_[number].nodes;
+        return std::find(nodes.begin(), nodes.end(), end.node) != nodes.end();
+      });
+      if (has_end) named.insert(model);
     }
   }
   program.names.assign(named.begin(), named.end());
@@ -372,15 +381,15 @@ void SystemReader::add_model_ends(std::uint32_t model, const Ends& ends) {
   EndOptions options;
   options.when_unexplored = instance.when_unexplored;
   std::vector<std::uint32_t> dying;  // by end
-  for (const auto& [actor, programs] : ends) {
+  for (const auto& [actor, at_it] : ends) {
     std::set<std::string> others;
     for (const auto& [other, at_other] : ends) {
       if (other != actor) others.insert(other);
     }
-    for (std::size_t place = 0; place < programs.size(); ++place) {
-      if (!texts_[programs[place]].may_die) continue;
-      options.ends.push_back(find_end(instance.automaton, actor, place, programs.size(), others));
-      dying.push_back(programs[place]);
+    for (std::size_t place = 0; place < at_it.size(); ++place) {
+      if (!at_it[place].node.empty() || !texts_[at_it[place].program].may_die) continue;
+      options.ends.push_back(find_end(instance.automaton, actor, place, at_it.size(), others));
+      dying.push_back(at_it[place].program);
     }
   }
   if (dying.empty()) return;

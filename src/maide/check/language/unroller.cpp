@@ -44,9 +44,6 @@ void Unroller::expand(const Place place) {
   if (may_go_on) {
     const Statement& statement = statement_at(place.frame);
     state.may_rest = statement.is_idle && place.phase != Phase::writes;
-    if (statement.kind == Statement::Kind::rounds) {
-      state.may_rest = program_.valuations[place.valuation][statement.target.index] == 0;
-    }
     expand(place, statement);
     if (may_die_) add_death(place);
   }
