@@ -16,6 +16,7 @@
 #include "maide/base/text.hpp"
 #include "maide/check/explore/check_system.hpp"
 #include "maide/check/explore/engine.hpp"
+#include "maide/check/trace/trace_file.hpp"
 #include "maide/workflow/learned_models.hpp"
 #include "maide/workflow/real_system.hpp"
 #include "maide/workflow/replay.hpp"
@@ -305,6 +306,32 @@ TEST_F(OtherNodes, AnswersThatFastDdsTakesOneByOne) {
   const Trace trace = nodes.find_trace("order");
   EXPECT_EQ(deviation_of(nodes, trace, "fastrtps"),
             "step 16: expected robot.lookup starts, seen quiet");
+}
+
+// A request that was served may be answered by another callback of the node.
+TEST_F(OtherNodes, AnAnswerThatComesLater) {
+  Nodes nodes = nodes_of(R"yaml(services:
+  lookup: {server: map, clients: [planner], learn: ros2}
+programs:
+  planner: "loop { lookup.send; lookup.receive -> answer; }"
+nodes:
+  map:
+    callbacks:
+      find: {serves: lookup, do: "skip;"}
+      later: {timer: 10, do: "lookup.answer;"}
+)yaml");
+  std::size_t answers = 0;
+  const std::vector<Trace> traces = nodes.draw_runs(5);
+  for (const Trace& trace : traces) {
+    for (const Step& step : trace.steps) {
+      const std::string event = describe_step(nodes.system(), step).event;
+      if (event.find("!answer") != std::string::npos) ++answers;
+    }
+  }
+  EXPECT_GT(answers, 5U);
+  for (const ReplayedRun& run : nodes.play(traces)) {
+    EXPECT_FALSE(run.deviation) << text_of(*run.deviation);
+  }
 }
 
 TEST_F(OtherNodes, WhatCannotBePlayedIsOneLine) {

@@ -295,7 +295,7 @@ void HeldSystem::make_calls_of_callbacks() {
         const std::string prefix = fmt::format("s{}.", service);
         if (graph_.services[service].server == node) {
           add_call(number, place, prefix + "answer",
-                   [this, service, &run] { answer(service, run.served); });
+                   [this, service, &run] { answer(service, served_for(service, run)); });
         }
         if (!contains(graph_.services[service].clients, node)) continue;
         add_call(number, place, prefix + "send", [this, node, service, &run] {
@@ -387,21 +387,34 @@ void HeldSystem::wait_for(Run& run, std::size_t service) {
   if (!is_stopped_) sink_.report(run.prefix + "answered");
 }
 
+// Any callback of the server's node answers what was served last; where several runs serve at once,
+// each answers its own.
+std::optional<HeldSystem::Served>& HeldSystem::served_for(std::size_t service, Run& run) {
+  for (std::size_t number = 0; number < graph_.callbacks.size(); ++number) {
+    const HeldGraph::Callback& callback = graph_.callbacks[number];
+    if (callback.kind != Kind::service || callback.end != service) continue;
+    auto& runs = callbacks_[number].runs;
+    return runs.size() == 1 ? runs.front().served : run.served;
+  }
+  return run.served;
+}
+
 // All clients get it, and each keeps the newest ones.
 void HeldSystem::answer(std::size_t service, std::optional<Served>& served) {
-  if (!served) return;
+  std::optional<Served> request;
   {
     const std::scoped_lock lock(mutex_);
+    request = std::exchange(served, std::nullopt);
+    if (!request) return;
     for (const std::size_t node : graph_.services[service].clients) {
       if (graph_.is_program(node)) continue;
       auto& left = answers_[ends_->clients.at({node, service}).get()];
-      left.push_back(node == served->client);
+      left.push_back(node == request->client);
       if (left.size() > graph_.services[service].depth) left.pop_front();
     }
   }
   Type::Response response;
-  ends_->services[service]->send_response(served->id, response);
-  served.reset();
+  ends_->services[service]->send_response(request->id, response);
 }
 
 // Taking an answer takes all that are older than the first own one, too (Cyclone DDS), or takes the

@@ -108,6 +108,7 @@ class HeldSystem : public SystemInstance {
            const std::optional<Served>& served = std::nullopt);
   void send(std::size_t node, std::size_t service, const std::shared_ptr<bool>& answer);
   void wait_for(Run& run, std::size_t service);
+  std::optional<Served>& served_for(std::size_t service, Run& run);
   void answer(std::size_t service, std::optional<Served>& served);
   bool takes_for_nobody(const void* client);
   void publish(const End& end);

@@ -24,7 +24,6 @@ class Spinner {
   void run_until(const std::function<bool()>& is_done);
   // From another thread: waits end, now and later.
   void stop();
-  bool is_stopped() const { return stopped_; }
 
  private:
   // At the first call, when the group has its ends, as in programs. From rclcpp 28 on an executor

@@ -256,9 +256,11 @@ std::shared_ptr<const ReplayedNodes> find_nodes(const System& system,
     if (!ReplayedNodes::has_node(system, topic)) continue;
     const ModelInstance& model = system.models[topic.readers.front().model];
     if (model.source == ModelInstance::Source::built_in) {
-      throw UsageError(fmt::format(
-          "topic {} is a queue that is written by hand, so there is nothing real to run ({})",
-          topic.name, to_string(model.position)));
+      const std::string reason =
+          model.is_learned ? "has an unknown depth, so it is not known what to run"
+                           : "is a queue that is written by hand, so there is nothing real to run";
+      throw UsageError(
+          fmt::format("topic {} {} ({})", topic.name, reason, to_string(model.position)));
     }
     topics.back() = find_system_of_topic(system, topic, requests);
   }

@@ -23,7 +23,6 @@ namespace {
 using Kind = ProgramEdge::Kind;
 using Actions = std::vector<std::deque<std::string>>;  // outputs due, by actor
 
-constexpr std::size_t most_ends = 64;     // of a service, beside nodes
 constexpr std::size_t runs_at_once = 16;  // between two looks at whether to stop
 
 // Whether the automaton can emit all that is due, each actor's outputs in their order, and then has
@@ -72,7 +71,7 @@ class Walk {
       views_[model].answer = &answers[model];
       due_[model].resize(std::max<std::size_t>(real->sul->info().actors.size(), 1));
       const Seat& seat = stage.seat(model);
-      if (seat.nodes != nullptr) due_[model].resize(most_ends);
+      if (seat.nodes != nullptr) due_[model].resize(ends_beside_nodes(model));
       if (seat.topic != nullptr) views_[seat.host].written.resize(seat.topic->writers.size());
     }
   }
@@ -96,6 +95,14 @@ class Walk {
   }
 
  private:
+  // A service's server and clients; a topic has one end here.
+  std::size_t ends_beside_nodes(std::uint32_t model) const {
+    for (const ServiceInstance& service : system_.services) {
+      if (service.model == model) return service.clients.size() + 1;
+    }
+    return 1;
+  }
+
   void see(std::string what) {
     if (move_.round == 0) run_.seen.push_back(std::move(what));
   }
