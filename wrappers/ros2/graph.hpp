@@ -7,9 +7,10 @@
 //    "topics": [{"name": "/image", "publishers": [END], "subscriptions": [END]}],
 //    "services": [{"name": "/find", "type": "...", "servers": ["/map"], "clients": ["/detector"]}]}
 //
-// END is {"node", "type", "reliability", "durability", "history", "depth", "deadline",
-// "liveliness", "lease"}. Times are in seconds. `deadline` and `lease` are absent where they are
-// infinite, `depth` where the middleware does not tell it. Nodes of one `process` share a context.
+// END is {"node", "type", "reliability", "durability", "history", "depth", "deadline", "lifespan",
+// "liveliness", "lease"}. Times are in seconds. `deadline`, `lifespan` and `lease` are absent where
+// they are infinite, `depth` where the middleware does not tell it. Nodes of one `process` share a
+// context.
 // Actions are the services and topics of their protocol, under names with "/_action/".
 #pragma once
 

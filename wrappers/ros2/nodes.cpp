@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <cstdlib>
+#include <random>
 #include <rcpputils/shared_library.hpp>
 #include <stdexcept>
 
@@ -18,9 +19,11 @@ constexpr std::size_t words_per_node = 200;
 constexpr std::size_t most_retired = 50;
 constexpr std::size_t deleting_threads = 4;
 
-// No other process may be on this domain; Cyclone needs no network at all within a process, the
-// others stay on the loopback device.
+// Cyclone needs no network at all within a process, the others stay on the loopback device. There
+// another process may be on this domain, but has other names.
 std::size_t domain() { return static_cast<std::size_t>(1 + ::getpid() % 100); }
+
+std::string own_name() { return fmt::format("maide_{}_{}", ::getpid(), std::random_device()()); }
 
 // Fast DDS answers a late subscription 70 ms after it has matched, while all threads sleep. With
 // these timers it does so at once, as wrappers/fastdds/protocol_timers.cpp says in more detail.
@@ -80,7 +83,7 @@ void prepare_process(const std::string& rmw) {
   }
 }
 
-Nodes::Nodes(std::size_t contexts) {
+Nodes::Nodes(std::size_t contexts) : name_(own_name()) {
   for (std::size_t context = 0; context < contexts; ++context) {
     rclcpp::InitOptions options;
     options.auto_initialize_logging(false);
@@ -101,7 +104,7 @@ Nodes::~Nodes() {
 std::string Nodes::next_word() {
   if (retired_.size() >= most_retired) delete_retired();
   if (++words_ % words_per_node == 0) make_nodes();
-  return "maide_" + std::to_string(words_);
+  return fmt::format("{}_{}", name_, words_);
 }
 
 void Nodes::retire(std::shared_ptr<void> ends) { retired_.push_back(std::move(ends)); }
@@ -133,7 +136,7 @@ rclcpp::Node::SharedPtr Nodes::make_node(const std::string& name, std::size_t co
 void Nodes::make_nodes() {
   nodes_.clear();
   for (std::size_t context = 0; context < contexts_.size(); ++context) {
-    nodes_.push_back(make_node(fmt::format("maide_{}_{}", context, words_), context));
+    nodes_.push_back(make_node(fmt::format("{}_{}_{}", name_, context, words_), context));
   }
 }
 

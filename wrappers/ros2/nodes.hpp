@@ -42,6 +42,7 @@ class Nodes {
   void make_nodes();
   void delete_retired();
 
+  const std::string name_;  // that no other process has
   std::vector<rclcpp::Context::SharedPtr> contexts_;
   std::vector<rclcpp::Node::SharedPtr> nodes_;  // by context
   std::size_t words_ = 0;

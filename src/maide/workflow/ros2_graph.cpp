@@ -15,6 +15,7 @@
 #include "maide/base/subprocess.hpp"
 #include "maide/base/text.hpp"
 #include "maide/check/language/built_in_models.hpp"
+#include "maide/workflow/learned_models.hpp"
 #include "maide/workflow/open_system.hpp"
 
 namespace maide {
@@ -184,23 +185,32 @@ Ros2Graph observe_ros2_graph(double quiet, const RunControl& control) {
 
 namespace {
 
-// The names that topics of ROS 2 have: for reading a system file without learning its models. Any
-// of the reader's outputs may follow any of its inputs.
-InterfaceAutomaton any_topic() {
-  const std::vector<std::string> inputs{"write", "read", "tryread", "unsubscribe", "subscribe"};
-  const std::vector<std::string> outputs{"written", "message", "next",        "gap",
-                                         "old",     "null",    "unsubscribed"};
-  InterfaceAutomaton automaton(Alphabet(std::span<const std::string>(inputs)),
-                               Alphabet(std::span<const std::string>(outputs)), 1);
-  automaton.actors = {
-      {"writer", {inputs.begin(), inputs.begin() + 1}, {outputs.begin(), outputs.begin() + 1}},
-      {"reader", {inputs.begin() + 1, inputs.end()}, {outputs.begin() + 1, outputs.end()}}};
-  automaton.add_transition(0, {Action::Kind::input, 0}, 0);
+// The names that topics of ROS 2 have, with the values that programs write: for reading a system
+// file without learning its models. Any of the reader's outputs may follow any of its inputs.
+InterfaceAutomaton any_topic(const std::vector<std::string>& values) {
+  const auto with_values = [&](const std::string& name) {
+    std::vector<std::string> names;
+    for (const std::string& value : values) names.push_back(name + "(" + value + ")");
+    return names.empty() ? std::vector<std::string>{name} : names;
+  };
+  const Actor writer{"writer", with_values("write"), {"written"}};
+  Actor reader{"reader",
+               {"read", "tryread", "unsubscribe", "subscribe"},
+               {"next", "gap", "old", "null", "unsubscribed"}};
+  for (const std::string& message : with_values("message")) reader.outputs.push_back(message);
+  const auto both = [](std::vector<std::string> names, const std::vector<std::string>& others) {
+    names.insert(names.end(), others.begin(), others.end());
+    return Alphabet(std::span<const std::string>(names));
+  };
+  InterfaceAutomaton automaton(both(writer.inputs, reader.inputs),
+                               both(writer.outputs, reader.outputs), 1);
+  automaton.actors = {writer, reader};
   const StateId due = automaton.add_state();
-  for (Symbol input = 1; input < inputs.size(); ++input) {
-    automaton.add_transition(0, {Action::Kind::input, input}, due);
+  for (Symbol input = 0; input < automaton.inputs().size(); ++input) {
+    const bool writes = input < writer.inputs.size();
+    automaton.add_transition(0, {Action::Kind::input, input}, writes ? 0 : due);
   }
-  for (Symbol output = 1; output < outputs.size(); ++output) {
+  for (Symbol output = 1; output < automaton.outputs().size(); ++output) {
     automaton.add_transition(due, {Action::Kind::output, output}, 0);
   }
   return automaton;
@@ -223,6 +233,8 @@ Ros2Qos ros2_qos_of(const Ros2Options& options, const std::string& end) {
   qos.durability = option_of(options, end, "durability", "volatile");
   qos.history = option_of(options, end, "history", "keep_last");
   qos.depth = parse_number<std::uint32_t>(option_of(options, end, "depth", "10"));
+  // What the middleware takes for it, it does not say.
+  if (qos.history == "system_default") qos.depth.reset();
   return qos;
 }
 
@@ -246,7 +258,13 @@ Ros2Graph graph_of_system(const std::string& text, const std::string& file,
       for (const auto& [key, value] : request.with) words.push_back(key + "=" + value);
       options[request.instance] = parse_system_spec("ros2", words).options;
     }
-    return any_topic();
+    const std::filesystem::path kept =
+        kept_model_path(std::filesystem::path(file).parent_path(), request);
+    if (!request.values.empty() || !std::filesystem::exists(kept)) return any_topic(request.values);
+    ModelRequest as_file = request;
+    as_file.learn.clear();
+    as_file.file = kept;
+    return read_requested_model(as_file);
   };
   const System system = parse_system(text, file, source, control);
   Ros2Graph graph;

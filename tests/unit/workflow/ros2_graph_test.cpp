@@ -272,6 +272,20 @@ TEST(Ros2System, IsReadBackByTheDoctor) {
   EXPECT_FALSE(read.services[0].depth);
 }
 
+// Programs write values; a topic keeps what the middleware takes for its default.
+TEST(Ros2System, OfValuesAndDefaultsIsReadByTheDoctor) {
+  const TempDir folder;
+  const std::filesystem::path file = folder.path() / "s.yaml";
+  write_file_atomically(file, R"(topics:
+  order: {writers: desk, readers: robot, learn: ros2, with: {kind: topic, history: system_default}}
+programs:
+  desk: "loop { order.write(go); order.write(halt); }"
+  robot: "loop { order.read -> message(go); }"
+)");
+  EXPECT_THAT(findings_of(read_ros2_file(file, {}), Ros2Finding::Kind::loss),
+              ElementsAre(HasSubstr("order: robot keeps the newest messages, and nobody knows")));
+}
+
 ModelRequest topic(std::vector<std::pair<std::string, std::string>> with) {
   ModelRequest request;
   request.learn = "ros2";
