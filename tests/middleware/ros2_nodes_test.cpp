@@ -321,7 +321,7 @@ nodes:
       later: {timer: 10, do: "lookup.answer;"}
 )yaml");
   std::size_t answers = 0;
-  const std::vector<Trace> traces = nodes.draw_runs(5);
+  const std::vector<Trace> traces = nodes.draw_runs(20);
   for (const Trace& trace : traces) {
     for (const Step& step : trace.steps) {
       const std::string event = describe_step(nodes.system(), step).event;

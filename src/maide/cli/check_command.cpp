@@ -25,7 +25,7 @@
 #include "maide/report/picture.hpp"
 #include "maide/report/sequence_chart.hpp"
 #include "maide/report/trace_text.hpp"
-#include "maide/workflow/executor_rules.hpp"
+#include "maide/workflow/executor_runs.hpp"
 #include "maide/workflow/learned_models.hpp"
 #include "maide/workflow/refine_system.hpp"
 #include "maide/workflow/suggest_change.hpp"

@@ -10,7 +10,7 @@
 #include "maide/base/file.hpp"
 #include "maide/base/text.hpp"
 #include "maide/check/language/system_file.hpp"
-#include "maide/workflow/executor_rules.hpp"
+#include "maide/workflow/executor_runs.hpp"
 #include "maide/workflow/replay.hpp"
 #include "maide/workflow/replay_plan.hpp"
 

@@ -5,7 +5,7 @@
 // A callback is held at each of its calls until the run goes on. Which callback an executor picks
 // is rclcpp's own decision. What is open is when a thread picks: the system's scheduler may let it
 // do so as soon as something is there, or hold it up to the step at which its callback starts. A
-// schedule (executor_rules.hpp) says when. If there is none, threads pick at the last moment, and
+// schedule (executor_runs.hpp) says when. If there is none, threads pick at the last moment, and
 // what they pick is a deviation.
 #pragma once
 
@@ -18,7 +18,7 @@
 #include <vector>
 
 #include "maide/check/trace/trace.hpp"
-#include "maide/workflow/executor_rules.hpp"
+#include "maide/workflow/executor_runs.hpp"
 #include "maide/workflow/open_system.hpp"
 
 namespace maide {

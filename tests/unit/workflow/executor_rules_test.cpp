@@ -1,3 +1,4 @@
+// The rules of executors, and the runs that go by them.
 #include "maide/workflow/executor_rules.hpp"
 
 #include <gmock/gmock.h>
@@ -17,6 +18,7 @@
 #include "maide/check/explore/engine.hpp"
 #include "maide/check/language/system_file.hpp"
 #include "maide/formats/model_file.hpp"
+#include "maide/workflow/executor_runs.hpp"
 
 namespace maide {
 namespace {
@@ -395,7 +397,52 @@ TEST(RunOfExecutors, IsNotLookedForWhenTheTimeIsUp) {
   RunControl control;
   control.deadline = std::chrono::steady_clock::now();
   EXPECT_THAT(check_preferring(system, control).doubts,
-              testing::Contains(testing::HasSubstr("was not found out in the time")));
+              testing::Contains(testing::HasSubstr("for the search ended early")));
+}
+
+// Two subscriptions of one node: a run that leaves one of them out for ever is none of executors.
+TEST(RunOfExecutors, HasLoopsThatExecutorsRepeat) {
+  const System system = parse_system(R"(topics:
+  t: {writers: w, readers: [n.on_t, n.also], use: queue, with: {depth: 1}}
+programs: {w: "loop { t.write; }"}
+nodes:
+  n:
+    callbacks:
+      on_t: {takes: t.read, do: "skip;"}
+      also: {takes: t.read, do: "@z skip;"}
+properties: {two: "F n.also@z"}
+)",
+                                     "s.yaml");
+  const CheckReport report = check_preferring(system);
+  ASSERT_EQ(result_of(report, "two").verdict, Verdict::violated);
+  const ExecutorRules rules(system);
+  const Trace& shown = *result_of(report, "two").trace;
+  const auto ordered = order_for_executors(system, rules, shown, {});
+  EXPECT_EQ(ordered.has_value(), report.doubts.empty());
+  if (ordered) {
+    const auto again = order_for_executors(system, rules, *ordered, {});
+    EXPECT_EQ(again, ordered);
+  }
+}
+
+// What the look found for the second callback, the first one took.
+TEST(RunOfExecutors, PassesOverWhatIsGone) {
+  const System system = parse_system(
+      R"(models: {go: {use: semaphore, with: {count: 1}}, q: {use: queue, with: {size: 1}}}
+executors: {main: {kind: single, order: rounds}}
+nodes:
+  n:
+    executor: main
+    callbacks:
+      a: {takes: go.acquire, do: "q.write;"}
+      b: {takes: go.acquire, do: "q.write;"}
+      c: {takes: q.read -> message, do: "@x skip;"}
+properties: {p: "G !n@x"}
+)",
+      "s.yaml");
+  const CheckReport report = check_preferring(system);
+  EXPECT_EQ(result_of(report, "p").verdict, Verdict::violated);
+  EXPECT_THAT(report.doubts, IsEmpty());
 }
 
 TEST(RunOfExecutors, MayBeLong) {
