@@ -146,7 +146,7 @@ class ChangeSearch {
     for (const ModelInstance& instance : system_.models) {
       if (!has_model(instance)) continue;
       for (const auto& [name, automaton] : models) {
-        if (name == instance.origin || automaton == instance.automaton) continue;
+        if (name == instance.origin || automaton == instance.read_automaton()) continue;
         const Outcome outcome = check({{}, {{instance.name, automaton}}, {}});
         if (!outcome.holds) continue;
         found(fmt::format("{}: {} in place of {}", instance.name, name, instance.origin), outcome,

@@ -61,7 +61,7 @@ bool write_count(std::string& text, const Repeat& repeat) {
 const InterfaceAutomaton* find_model(const System& system, const ModelRequest& request) {
   for (const ModelInstance& candidate : system.models) {
     if (candidate.name == request.instance || candidate.name.starts_with(request.instance + "[")) {
-      return &candidate.automaton;
+      return &candidate.read_automaton();
     }
   }
   return nullptr;
@@ -127,7 +127,7 @@ std::map<std::string, InterfaceAutomaton> find_models_nearby(const System& syste
   std::set<fs::path> folders;
   for (const ModelInstance& model : system.models) {
     if (!has_model(model)) continue;
-    models.emplace(model.origin, model.automaton);
+    models.emplace(model.origin, model.read_automaton());
     if (fs::path(model.origin).has_extension()) {
       folders.insert(fs::path(model.origin).parent_path());
     }

@@ -170,6 +170,36 @@ TEST(SuggestChange, PassesOverAChangeThatBringsAnError) {
   EXPECT_THAT(suggest_for_all(system).changes, ElementsAre(StartsWith("`repeat 3` in place of")));
 }
 
+// The model's writer waits for its call's return, which the topic's models do not have any more.
+TEST(SuggestChange, TriesModelsAsTheyWereRead) {
+  InterfaceAutomaton queue({"write", "read"}, {"written", "message"}, 1);
+  queue.actors = {{"writer", {"write"}, {"written"}}, {"reader", {"read"}, {"message"}}};
+  StateId before = 0;
+  for (int i = 0; i < 2; ++i) {
+    const StateId written = queue.add_state(), full = queue.add_state(), due = queue.add_state();
+    queue.add_transition(before, {Action::Kind::input, 0}, written);
+    queue.add_transition(written, {Action::Kind::output, 0}, full);
+    queue.add_transition(full, {Action::Kind::input, 1}, due);
+    queue.add_transition(due, {Action::Kind::output, 1}, before);
+    before = full;
+  }
+  const System system = parse_system(
+      "topics: {t: {writers: a, readers: b, file: q.dot}}\n"
+      "services: {s: {server: d, clients: c, with: {depth: 2}}}\n"
+      "programs:\n"
+      "  d: \"loop { idle s.serve -> request; s.answer; }\"\n"
+      "  c: \"s.send; s.receive -> answer;\"\n"
+      "  a: \"t.write -> written; t.write -> written;\"\n"
+      "  b: \"t.read -> message; loop { idle select { on t.read -> message { @second skip; } } "
+      "}\"\n"
+      "properties: {one: \"G !b@second\"}\n",
+      "s.yaml", [&](const ModelRequest&) { return queue; });
+  const auto same = make_variant(system, {{}, {}, {}});
+  ASSERT_TRUE(same);
+  EXPECT_EQ(same->models[0].automaton, system.models[0].automaton);
+  EXPECT_THAT(suggest_for_all(system).changes, testing::IsEmpty());
+}
+
 // With another value there is a reader that the system as it is does not have.
 TEST(SuggestChange, AsksForAModelThatIsNew) {
   const auto source = [](const ModelRequest& request) {

@@ -70,9 +70,18 @@ struct ModelInstance {
   std::vector<std::string> state_texts;  // of a service, by state: what is on its way
   WhenUnexplored when_unexplored = WhenUnexplored::stop;
   WhenWeak when_weak = WhenWeak::inconclusive;
-  std::string origin;       // the file, or what it was learned from; for messages
+  std::string origin;  // the file, or what it was learned from; for messages
+  // The automaton as it was read, where programs at its ends made another one of it; else null.
+  std::shared_ptr<const InterfaceAutomaton> as_read;
   bool is_learned = false;  // `origin` is a system: learned for this check, or an earlier one
   SourcePosition position;
+
+  const InterfaceAutomaton& read_automaton() const { return as_read ? *as_read : automaton; }
+  // What was read is another one now.
+  void read(InterfaceAutomaton other) {
+    automaton = std::move(other);
+    as_read.reset();
+  }
 };
 
 // A topic of the file, for who plays runs on a real one: its steps are joint steps of these models.

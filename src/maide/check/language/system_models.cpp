@@ -283,9 +283,10 @@ void SystemReader::make_valued(std::uint32_t model) {
     for (const std::string& value : values) {
       queue.learned->values.push_back(value.substr(1, value.size() - 2));
     }
-    system_.models[model].automaton = std::move(names_alone);
+    system_.models[model].read(std::move(names_alone));
     return;
   }
+  system_.models[model].as_read.reset();
   make_queue_of(system_.models[model], model, queue.size);
   add_ends(model);
 }
@@ -293,7 +294,7 @@ void SystemReader::make_valued(std::uint32_t model) {
 void SystemReader::learn_values() {
   for (const auto& [model, queue] : queues_) {
     if (!queue.learned || queue.types.empty()) continue;
-    system_.models[model].automaton = ask_source(*queue.learned, YAML::Node());
+    system_.models[model].read(ask_source(*queue.learned, YAML::Node()));
     add_ends(model);
   }
 }

@@ -295,6 +295,13 @@ Death compose(const Death& one, const Death& other) {
   return both;
 }
 
+void replace_automaton(ModelInstance& instance, InterfaceAutomaton by) {
+  if (!instance.as_read) {
+    instance.as_read = std::make_shared<const InterfaceAutomaton>(std::move(instance.automaton));
+  }
+  instance.automaton = std::move(by);
+}
+
 bool changes_nothing(const Death& death) {
   for (StateId state = 0; state < death.size(); ++state) {
     if (death[state] != std::vector<ModelStep>{{state, false}}) return false;
@@ -366,7 +373,7 @@ void SystemReader::add_topic_ends(const Topic& topic, Topic::Reader& reader,
     if (topic.writers.size() > 1) options.ends.front().disconnect.reset();
   }
   EndedModel ended = with_ends(instance.automaton, options);
-  instance.automaton = std::move(ended.automaton);
+  replace_automaton(instance, std::move(ended.automaton));
   reader.collected = std::move(ended.collected);
   reader.cleared = std::move(ended.cleared);
   reader.gone = ended.gone;
@@ -395,7 +402,7 @@ void SystemReader::add_model_ends(std::uint32_t model, const Ends& ends) {
   if (dying.empty()) return;
   if (instance.is_grown) fail_large_queue(model);
   EndedModel ended = with_ends(instance.automaton, options);
-  instance.automaton = std::move(ended.automaton);
+  replace_automaton(instance, std::move(ended.automaton));
   for (const std::uint32_t program : dying) names_.deaths[program].erase(model);
   for (std::size_t end = 0; end < dying.size(); ++end) {
     auto& deaths = names_.deaths[dying[end]];
