@@ -7,6 +7,8 @@
 #include <map>
 #include <set>
 
+#include "maide/check/explore/check_system.hpp"
+#include "maide/check/explore/engine.hpp"
 #include "maide/check/language/tokens.hpp"
 #include "systems.hpp"
 
@@ -134,6 +136,27 @@ TEST(Language, ArraysAreWrittenOnce) {
   EXPECT_EQ(system.properties[2].name, "fed[2]");
   const Explored explored = explore(system);
   EXPECT_EQ(explored.deadlocks, 1u);  // each has its own fork
+}
+
+// A member, and a member's reader.
+TEST(Language, FormulasNameMembersOfTopics) {
+  const System system = parse_system(
+      "topics:\n  t[i in 0..1]: {writers: w, readers: r, use: queue, with: {size: 1}}\n"
+      "programs: {w: \"t[0].write;\", r: \"t[0].read -> message;\"}\n"
+      "properties:\n"
+      "  first: \"G !(t[0]!message)\"\n"
+      "  reader: \"G !(t[0][r]!message)\"\n"
+      "  each: \"forall i in 0..1: G !t[i]!message\"\n",
+      "s.yaml", test::test_model);
+  std::map<std::string, Verdict> verdicts;
+  NativeEngine engine;
+  for (const PropertyResult& result : check_system(system, engine, {}).properties) {
+    verdicts[result.name] = result.verdict;
+  }
+  EXPECT_EQ(verdicts.at("first"), Verdict::violated);
+  EXPECT_EQ(verdicts.at("reader"), Verdict::violated);
+  EXPECT_EQ(verdicts.at("each[0]"), Verdict::violated);
+  EXPECT_EQ(verdicts.at("each[1]"), Verdict::holds);
 }
 
 TEST(Language, SharedVariablesAreReadInOneStepAndWrittenInAnother) {

@@ -299,6 +299,42 @@ TEST(Nodes, AreOneEndOfAModel) {
               testing::UnorderedElementsAre("robot write", "robot.other write", "desk write2"));
 }
 
+// The second reader's callback takes what comes at its own end.
+TEST(Nodes, TakeAtTheirOwnEnd) {
+  InterfaceAutomaton line({"write", "read", "read2"}, {"message", "message2"}, 1);
+  line.actors = {{"writer", {"write"}, {}}, {"reader", {"read", "read2"}, {"message", "message2"}}};
+  const StateId full = line.add_state();
+  line.add_transition(0, {Action::Kind::input, 0}, full);
+  for (Symbol reader : {0U, 1U}) {
+    const StateId due = line.add_state();
+    line.add_transition(full, {Action::Kind::input, reader + 1}, due);
+    line.add_transition(due, {Action::Kind::output, reader}, 0);
+  }
+  const System system = parse_system(
+      "models: {o: {file: two.dot, ends: {reader: [a, b]}}}\n"
+      "programs: {w: \"o.write;\"}\n"
+      "nodes:\n"
+      "  a: {callbacks: {on_o: {takes: o.read, do: \"skip;\"}}}\n"
+      "  b: {callbacks: {on_o: {takes: o.read, do: \"skip;\"}}}\n"
+      "properties: {second: \"G !o!message2\"}\n",
+      "s.yaml", [&](const ModelRequest&) { return line; });
+  EXPECT_EQ(check_nodes(system, Reduction::none, {"second"}).properties.front().verdict,
+            Verdict::violated);
+}
+
+TEST(Nodes, TheSlipIsNamedAndNotWhatFollowsFromIt) {
+  const std::string text =
+      "topics: {t: {writers: w, readers: n, use: queue, with: {size: 1}}}\n"
+      "programs: {w: \"t.write(1);\"}\n"
+      "nodes:\n"
+      "  n:\n"
+      "    variables: \"var last: 0..1;\"\n"
+      "    callbacks: {c: {takes: \"t.read -> message(last)\", do: \"if (last == 1) { skip } "
+      "skip;\"}}\n";
+  EXPECT_THAT(test::error_of([&] { nodes_from(text); }), HasSubstr("expected ';'"));
+  EXPECT_EQ(verdict(replaced(text, "skip }", "skip; }"), "deadlock"), "holds");
+}
+
 TEST(Executors, WhatVerdictsRestOnIsSaid) {
   const auto says = [](const std::string& text, const std::string& what) {
     const CheckReport report = check_nodes(nodes_from(text));
@@ -314,6 +350,8 @@ TEST(Executors, WhatVerdictsRestOnIsSaid) {
   EXPECT_TRUE(says("nodes: {camera: {callbacks: {tick: {timer: 33, do: \"skip;\"}}}}\n",
                    "a timer may be due at any moment"));
   EXPECT_TRUE(says(any, "nodes begin when all ends know each other"));
+  EXPECT_FALSE(says("nodes: {camera: {callbacks: {tick: {timer: 33, do: \"skip;\"}}}}\n",
+                    "nodes begin when all ends know each other"));
   // Groups come in the file's order, and rclcpp's is another one.
   EXPECT_FALSE(says(two_subscriptions, "that of addresses"));
   EXPECT_TRUE(

@@ -46,8 +46,12 @@ class EventParser : public NameParser {
   [[noreturn]] void fail_unknown_model(const Token& name, bool is_unknown);
   // The model, or one like it: the first member's, the first reader's.
   const ModelInstance& instance(const ModelReference& model) const;
-  // Whose callback this is code of; empty: a program's.
-  std::string node() const { return context_.callback == nullptr ? "" : context_.callback->node; }
+  // Whose callback this is code of, or starts; empty: a program's.
+  std::string node() const {
+    const Callback* const callback =
+        context_.callback != nullptr ? context_.callback : context_.starts;
+    return callback == nullptr ? "" : callback->node;
+  }
   // The name in the model of what this program calls so: the second writer's `write` is `write2`.
   std::string name_at_end(const ModelReference& model, const std::string& name) const;
   // A topic's writers write, and its readers read. Which topic it is that an index names shows when

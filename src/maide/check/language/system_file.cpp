@@ -185,13 +185,26 @@ void SystemReader::read_programs() {
   find_own_variables();
 }
 
+// Behind an error it was not found out which variables are the program's own. So what is wrong with
+// others is not told in its place.
+program_syntax::Tree SystemReader::parse_as_known(std::uint32_t program,
+                                                  const program_syntax::Context& known) const {
+  const auto before = first_errors_.find(program);
+  if (before == first_errors_.end()) return parse(program, known);
+  try {
+    return parse(program, known);
+  } catch (const ParseError&) {
+    throw before->second;
+  }
+}
+
 void SystemReader::make_programs(SharedActions& actions) {
   for (std::uint32_t number = 0; number < texts_.size(); ++number) {
     const ProgramText& text = texts_[number];
     program_syntax::Context known = context(text.indices);
     known.program = number;
     known.own = text.own;
-    const program_syntax::Tree tree = parse(number, known);
+    const program_syntax::Tree tree = parse_as_known(number, known);
     system_.programs.push_back(program_syntax::make_program(
         tree, {text.name, number, {}, text.may_die}, text.text, actions, names_));
     system_.programs.back().nodes = text.nodes;
@@ -226,7 +239,9 @@ void SystemReader::collect() {
       std::set<std::string> used;
       try {
         used = parse(known.program, known).file_variables;
-      } catch (const ParseError&) {
+        first_errors_.erase(index);
+      } catch (const ParseError& error) {
+        first_errors_.insert_or_assign(index, error);
       }
       for (const std::string& name : used) users[name].insert(index);
     }

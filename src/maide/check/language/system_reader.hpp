@@ -141,6 +141,9 @@ class SystemReader : private YamlReader {
   std::vector<std::string> takers_of(const NodeOf& node, const std::string& callback,
                                      const std::string& topic);
   program_syntax::Tree parse(std::uint32_t program, const program_syntax::Context& known) const;
+  // When collect() is done.
+  program_syntax::Tree parse_as_known(std::uint32_t program,
+                                      const program_syntax::Context& known) const;
 
   void read_programs();
   // Parses their texts; actions of models are made as they are needed.
@@ -220,7 +223,8 @@ class SystemReader : private YamlReader {
   std::map<std::uint32_t, std::pair<std::size_t, std::size_t>> topic_of_;
   std::map<std::uint32_t, const Ends*> ends_of_;  // of models, those of names_
   bool has_new_values_ = false;
-  std::set<std::string> own_;  // variables of the file that one program uses
+  std::map<std::size_t, ParseError> first_errors_;  // by program: what collect() met last
+  std::set<std::string> own_;                       // variables of the file that one program uses
   std::vector<VariableName> unused_variables_;
   std::vector<ProgramInterface> interfaces_;
 };

@@ -373,7 +373,8 @@ class Parser {
   // program@label, program.variable, model.input, model!output, program:model.input.
   Operand parse_owned(const Token& token) {
     Token owner = token;
-    owner.text += parse_suffix() + parse_reader(token.text);
+    owner.text += parse_suffix();
+    owner.text += parse_reader(token.text);
     const Token separator = tokens_.next();
     if (separator.is(":")) return parse_of_program(owner);
     if (!separator.is("@") && !separator.is(".") && !separator.is("!")) {
@@ -415,7 +416,8 @@ class Parser {
     Token owner = tokens_.next();
     if (!owner.is_name()) tokens_.fail("expected a model, not " + to_string(owner), owner);
     const std::string model = owner.text;
-    owner.text += parse_suffix() + parse_reader(model);
+    owner.text += parse_suffix();
+    owner.text += parse_reader(model);
     const Token separator = tokens_.next();
     if (!separator.is(".") && !separator.is("!")) {
       tokens_.fail("expected model.input or model!output behind a program and ':'", separator);
