@@ -191,7 +191,8 @@ programs:
   EXPECT_EQ(run_maide({"export", system, "--to", "aut"}).exit_status, 0);
   EXPECT_THAT(run_maide({"export", system, "--to", "aut", "--component", "robot[0]"}).out,
               StartsWith("des (0, 2, 2)"));
-  expect_error(promela("robot[5]"), 2, "there is no program 'robot[5]'");
+  expect_error(promela("robot[5]"), 2,
+               "there is no program or node 'robot[5]'; there is: robot[0]");
   expect_error(run_maide({"export", model("port"), "--to", "smv", "--component", "x"}), 2,
                "--component goes with a system");
 }

@@ -17,6 +17,7 @@
 #include "maide/check/export/system_exporters.hpp"
 #include "maide/check/language/components.hpp"
 #include "maide/check/language/system_file.hpp"
+#include "maide/check/language/tokens.hpp"
 #include "maide/check/ltl/ltl_automaton.hpp"
 #include "maide/cli/command.hpp"
 #include "maide/formats/exporters.hpp"
@@ -156,12 +157,18 @@ Part find_part(const System& system, const SystemExporter& exporter, const std::
                     "PROGRAM says whose, {} ({})",
                     components.size(), exporter.name, first, system.file));
   }
+  std::vector<std::string> known;
   for (const auto& component : components) {
     for (const std::uint32_t index : component) {
-      if (system.programs[index].name == program) return Part(system, component);
+      const Program& own = system.programs[index];
+      const bool is_meant = own.name == program || std::find(own.nodes.begin(), own.nodes.end(),
+                                                             program) != own.nodes.end();
+      if (is_meant) return Part(system, component);
+      known.push_back(own.name);
     }
   }
-  throw UsageError(fmt::format("there is no program '{}' ({})", program, system.file));
+  throw UsageError(fmt::format("there is no program or node '{}'; there is: {} ({})", program,
+                               known_instead(program, known), system.file));
 }
 
 Export export_system(const ExportArguments& arguments, Context& context) {

@@ -216,6 +216,32 @@ InterfaceAutomaton any_topic(const std::vector<std::string>& values) {
   return automaton;
 }
 
+// As any_topic(), of kind=service with one or two clients.
+InterfaceAutomaton any_service() {
+  const std::vector<std::string> names{"send",  "receive", "tryreceive", "ready",  "serve",
+                                       "start", "stop",    "tryserve",   "handle", "answer",
+                                       "ask",   "wait",    "call",       "burst"};
+  std::vector<std::string> inputs = names, outputs{"request",     "request_gap", "handled",
+                                                   "handled_gap", "none",        "down"};
+  for (const char* of_client : {"send", "receive", "tryreceive", "ready"}) {
+    inputs.push_back(of_client + std::string("2"));
+  }
+  for (const char* of_client : {"answer", "null", "present", "absent", "pending", "answer_gap"}) {
+    outputs.emplace_back(of_client);
+    outputs.push_back(of_client + std::string("2"));
+  }
+  InterfaceAutomaton automaton(Alphabet(std::span<const std::string>(inputs)),
+                               Alphabet(std::span<const std::string>(outputs)), 1);
+  const StateId due = automaton.add_state();
+  for (Symbol input = 0; input < inputs.size(); ++input) {
+    automaton.add_transition(0, {Action::Kind::input, input}, due);
+  }
+  for (Symbol output = 0; output < outputs.size(); ++output) {
+    automaton.add_transition(due, {Action::Kind::output, output}, 0);
+  }
+  return automaton;
+}
+
 std::string option_of(const Ros2Options& options, const std::string& end, const std::string& key,
                       const std::string& otherwise) {
   for (const std::string& name : {end + "-" + key, key}) {
@@ -260,7 +286,12 @@ Ros2Graph graph_of_system(const std::string& text, const std::string& file,
     }
     const std::filesystem::path kept =
         kept_model_path(std::filesystem::path(file).parent_path(), request);
-    if (!request.values.empty() || !std::filesystem::exists(kept)) return any_topic(request.values);
+    if (!request.values.empty() || !std::filesystem::exists(kept)) {
+      const auto kind = std::find_if(request.with.begin(), request.with.end(),
+                                     [](const auto& option) { return option.first == "kind"; });
+      const bool is_service = kind != request.with.end() && kind->second == "service";
+      return is_service ? any_service() : any_topic(request.values);
+    }
     ModelRequest as_file = request;
     as_file.learn.clear();
     as_file.file = kept;

@@ -91,6 +91,11 @@ class SystemWriter {
 
   std::string write() {
     name_nodes();
+    for (const Ros2Service& service : graph_.services) {
+      for (const char* suffix : {"", service_suffix}) {
+        names_of_services_.insert(plain(service.name) + suffix);
+      }
+    }
     for (const Ros2Topic& topic : graph_.topics) add(topic);
     for (const Ros2Service& service : graph_.services) add(service);
     std::string text = topics() + services();
@@ -143,10 +148,12 @@ class SystemWriter {
     return nodes_[place->second];
   }
 
-  static std::string add_callback(NodeText& node, const std::string& name, std::string text) {
+  // The callback of a node's client has the name of the service.
+  std::string add_callback(NodeText& node, const std::string& name, std::string text) const {
     std::string own = name;
     const auto is_taken = [&] {
-      return std::any_of(node.callbacks.begin(), node.callbacks.end(),
+      return names_of_services_.contains(own) ||
+             std::any_of(node.callbacks.begin(), node.callbacks.end(),
                          [&](const auto& other) { return other.first == own; });
     };
     for (int i = 2; is_taken(); ++i) own = name + "_" + std::to_string(i);
@@ -242,7 +249,7 @@ class SystemWriter {
                                                      : "several servers"));
       return;
     }
-    const std::string name = take(plain(service.name), "_service");
+    const std::string name = take(plain(service.name), service_suffix);
     NodeText& server = node_of(service.servers.front());
     const std::string server_name = server.name;
     add_callback(server, "serve_" + name,
@@ -337,9 +344,9 @@ class SystemWriter {
     return text.empty() ? "" : "executors:\n" + text;
   }
 
-  std::string nodes() const {
+  std::string nodes() {
     std::string text = "nodes:\n", left_out;
-    for (const NodeText& node : nodes_) {
+    for (NodeText& node : nodes_) {
       if (!is_connected(node)) {
         left_out += "# " + node.name + " is left out: it has no connections\n";
         continue;
@@ -348,17 +355,19 @@ class SystemWriter {
       if (!node.says.empty()) text += fmt::format("    # may say: {}\n", fmt::join(node.says, " "));
       const auto executor = executors_.find(node.process);
       if (executor != executors_.end()) text += "    executor: " + executor->second + "\n";
+      if (node.callbacks.empty()) add_callback(node, "tick", "timer: 100, do: unknown");
       text += "    callbacks:\n";
       for (const auto& [name, callback] : node.callbacks) {
         text += fmt::format("      {}: {{{}}}\n", name, callback);
       }
-      if (node.callbacks.empty()) text += "      tick: {timer: 100, do: unknown}\n";
     }
     return text + left_out;
   }
 
   const Ros2Graph& graph_;
-  std::set<std::string> taken_;
+  static constexpr const char* service_suffix = "_service";
+  std::set<std::string> taken_{"", "null", "Null", "NULL"};  // to YAML the last three are no words
+  std::set<std::string> names_of_services_;
   std::map<std::string, std::size_t> names_;  // of nodes, by their names in the graph
   std::vector<NodeText> nodes_;
   std::vector<Connection> connections_;
@@ -401,7 +410,9 @@ std::optional<InterfaceAutomaton> ros2_topic_of_unknown_depth(const ModelRequest
   for (const std::string& value : request.values) values.push_back("(" + value + ")");
   const std::string mismatch = find_mismatch(publisher, subscription);
   if (!mismatch.empty()) throw UsageError("its ends never match: " + mismatch);
-  return make_queue({1, true, values, true});
+  InterfaceAutomaton queue = make_queue({1, true, values, true});
+  if (subscription.qos.reliability == "best_effort") queue.origin["reliability"] = "best_effort";
+  return queue;
 }
 
 }  // namespace maide

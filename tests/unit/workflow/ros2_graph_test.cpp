@@ -225,6 +225,18 @@ TEST(Ros2System, IsInconclusiveAsLongAsCallbacksAreUnknown) {
   EXPECT_EQ(report.properties.front().reason, "what camera.tick does is not known (do: unknown)");
 }
 
+TEST(Ros2System, OfBestEffortSaysSo) {
+  const System system = parse_system(
+      "topics: {image: {writers: camera, readers: detector, learn: ros2, with: {kind: topic, "
+      "depth: "
+      "unknown, reliability: best_effort}}}\n"
+      "programs: {camera: \"image.write;\", detector: \"image.read -> message;\"}\n",
+      "s.yaml", without_ros2);
+  NativeEngine engine;
+  EXPECT_THAT(check_system(system, engine, {}).assumptions,
+              Contains(HasSubstr("image[detector]: best_effort, as where nothing is lost")));
+}
+
 // A name that a node, a topic and a service have; nodes of two namespaces; two subscriptions.
 TEST(Ros2System, NamesAreTheFilesOwn) {
   Ros2Graph graph;
@@ -240,6 +252,20 @@ TEST(Ros2System, NamesAreTheFilesOwn) {
   EXPECT_EQ(system.topics[0].readers.size(), 3U);
   EXPECT_THAT(text, HasSubstr("[a_scan.on_scan_topic, a_scan.on_scan_topic_2, b_scan]"));
   EXPECT_THAT(text, HasSubstr("with: {depth: 3}"));
+}
+
+// Names that are none to YAML, and those of callbacks that a node's client has.
+TEST(Ros2System, NamesAreWords) {
+  const Ros2End null{"/null", "T", {}}, reader{"/b", "T", {}};
+  Ros2Graph graph;
+  graph.nodes = {{"/null", ""}, {"/b", ""}, {"/a", ""}};
+  graph.topics = {{"/null", {null}, {reader}}, {"/chatter", {null}, {reader}}};
+  graph.services = {{"/tick", "S", {"/b"}, {"/a"}, 3}, {"/on_chatter", "S", {"/a"}, {"/b"}, 3}};
+  const System system = parse_system(write_ros2_system(graph), "s.yaml", [](const ModelRequest&) {
+    return make_queue({10, true, {}});
+  });
+  EXPECT_EQ(system.topics.size(), 2U);
+  EXPECT_EQ(system.services.size(), 2U);
 }
 
 // One publisher reaches both, the other one alone: two topics.
@@ -284,6 +310,21 @@ programs:
 )");
   EXPECT_THAT(findings_of(read_ros2_file(file, {}), Ros2Finding::Kind::loss),
               ElementsAre(HasSubstr("order: robot keeps the newest messages, and nobody knows")));
+}
+
+TEST(Ros2System, OfALearnedServiceIsReadByTheDoctor) {
+  const TempDir folder;
+  const std::filesystem::path file = folder.path() / "s.yaml";
+  write_file_atomically(file, R"(models:
+  map: {learn: ros2, with: {kind: service, depth: 10}}
+topics:
+  order: {writers: desk, readers: robot, learn: ros2, with: {kind: topic, depth: 3}}
+programs:
+  desk: "order.write; map.send; map.receive -> answer;"
+  robot: "order.read -> message;"
+)");
+  EXPECT_THAT(findings_of(read_ros2_file(file, {}), Ros2Finding::Kind::loss),
+              ElementsAre(HasSubstr("order: robot keeps the newest 3")));
 }
 
 ModelRequest topic(std::vector<std::pair<std::string, std::string>> with) {

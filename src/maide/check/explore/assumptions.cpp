@@ -145,6 +145,7 @@ class AssumptionList {
     state_discovery();
     state_best_effort();
     state_executors();
+    state_callbacks_that_are_not_run(results);
     state_time_outs(results);
     state_reduction(results);
     return {std::move(lines_), std::move(doubts_), std::move(brief_)};
@@ -303,6 +304,26 @@ class AssumptionList {
         fmt::join(programs, ", "), programs.size() == 1 ? "uses" : "use", fmt::join(models, ", ")));
   }
 
+  // What runs callbacks is a program for `stuck`, and a callback is none.
+  void state_callbacks_that_are_not_run(const std::vector<PropertyResult>& results) {
+    const bool holds = std::any_of(results.begin(), results.end(), [](const auto& result) {
+      return result.name == "stuck" && result.verdict == Verdict::holds;
+    });
+    std::set<std::string> names;
+    for (const Program& program : system_.programs) {
+      std::set<std::uint32_t> callbacks;
+      for (const Joint& joint : program.joints) {
+        if (joint.callback) callbacks.insert(*joint.callback);
+      }
+      if (callbacks.size() > 1) names.insert(program.nodes.begin(), program.nodes.end());
+    }
+    if (!holds || names.empty()) return;
+    lines_.push_back(fmt::format(
+        "stuck: of {} it is looked at whether callbacks run, not whether each does (a formula says "
+        "`G F node.callback@label`)",
+        fmt::join(names, ", ")));
+  }
+
   // rclcpp's order among groups is that of their addresses.
   void state_order_of_groups() {
     using Group = std::pair<std::string, std::string>;  // of a node
@@ -363,14 +384,17 @@ class AssumptionList {
 
   void state_best_effort() {
     std::set<std::string> names;
-    for (const ModelInstance* model : find_used_models(system_)) {
-      const auto sul = model->automaton.origin.find("sul");
-      if (sul == model->automaton.origin.end()) continue;
-      if (sul->second.find("best_effort") != std::string::npos) names.insert(model->name);
+    for (const std::uint32_t number : find_used(system_)) {
+      const ModelInstance& model = system_.models[number];
+      for (const char* key : {"sul", "reliability"}) {
+        const auto said = model.automaton.origin.find(key);
+        if (said == model.automaton.origin.end()) continue;
+        if (said->second.find("best_effort") != std::string::npos) names.insert(model.name);
+      }
     }
     if (names.empty()) return;
     lines_.push_back(fmt::format(
-        "{}: best_effort, learned where nothing is lost on the way; a network loses messages",
+        "{}: best_effort, as where nothing is lost on the way; a network loses messages",
         fmt::join(names, ", ")));
   }
 
