@@ -19,7 +19,7 @@ constexpr std::uint64_t max_isolated_states = 1'000'000;
 class AutReader {
  public:
   AutReader(std::string_view text, const std::string& file)
-      : cursor_(text, file, TextCursor::Columns::bytes) {
+      : cursor_(without_byte_order_mark(text), file, TextCursor::Columns::bytes) {
     graph_.file = file;
   }
 

@@ -65,9 +65,6 @@ class Tokenizer {
   }
 
  private:
-  static std::string_view without_byte_order_mark(std::string_view text) {
-    return text.substr(text.starts_with("\xEF\xBB\xBF") ? 3 : 0);
-  }
   static bool begins_name(char letter) {
     return is_letter(letter) || letter == '_' || static_cast<unsigned char>(letter) >= 0x80;
   }

@@ -5,6 +5,7 @@
 #include <ostream>
 #include <string>
 #include <string_view>
+#include <unordered_set>
 #include <vector>
 
 #include "maide/automata/mealy.hpp"
@@ -105,9 +106,10 @@ class DotReader {
   }
 
   void read_graph_attributes() {
+    std::unordered_set<std::string_view> later;
     for (auto list = dot_.attributes; list != no_dot_attributes; list = dot_.arena[list].older) {
       const Attribute& attribute = dot_.arena[list];
-      if (dot_.find(dot_.attributes, attribute.key) != &attribute) continue;  // overwritten
+      if (!later.insert(attribute.key).second) continue;  // it is overwritten
       const std::string value = unescape_dot_label(attribute.value);
       if (attribute.key == "inputs") {
         graph_.inputs = alphabet(attribute);

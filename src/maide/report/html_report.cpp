@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 #include <ostream>
 #include <set>
 #include <sstream>
@@ -35,24 +36,34 @@ std::string escape_markup(std::string_view text) {
 
 namespace {
 
-// The text of the program, line by line as it stands in its file.
-std::vector<std::string> lines_of(const System& system, const Program& program) {
-  const auto source = system.sources.find(program.position.file);
-  std::vector<std::string> lines;
-  if (source == system.sources.end()) return lines;
-  int line = 0;
-  for (const std::string_view text : split(source->second, '\n')) {
-    if (++line >= program.position.line && line <= program.last_line) lines.emplace_back(text);
-  }
-  return lines;
-}
-
 // Where a program is in the end.
 struct Standing {
   std::set<int> waits;  // lines at which it stands
   std::set<int> loops;  // lines that it repeats for ever
   std::string note;
 };
+
+// The text of the program, by lines of its file: of what runs callbacks, that of these; and where
+// it is, which may be in a procedure.
+std::map<int, std::string> lines_of(const System& system, const Program& program,
+                                    const Standing& standing) {
+  const auto source = system.sources.find(program.position.file);
+  std::map<int, std::string> lines;
+  if (source == system.sources.end()) return lines;
+  const auto is_shown = [&](int line) {
+    const auto is_within = [&](int first, int last) { return line >= first && line <= last; };
+    if (standing.waits.contains(line) || standing.loops.contains(line)) return true;
+    if (program.callbacks.empty()) return is_within(program.position.line, program.last_line);
+    return std::any_of(
+        program.callbacks.begin(), program.callbacks.end(),
+        [&](const auto& callback) { return is_within(callback.first, callback.last); });
+  };
+  int line = 0;
+  for (const std::string_view text : split(source->second, '\n')) {
+    if (is_shown(++line)) lines.emplace(line, text);
+  }
+  return lines;
+}
 
 Standing find_standing(const System& system, const Trace& trace, const GlobalState& last,
                        std::uint32_t index) {
@@ -79,9 +90,13 @@ Standing find_standing(const System& system, const Trace& trace, const GlobalSta
     standing.waits.insert(error.position.line);
     return standing;
   }
-  for (const ProgramEdge& edge : program.edges_of(control)) standing.waits.insert(edge.line);
   const auto blocked = blocked_programs(system, last);
   const bool is_blocked = std::find(blocked.begin(), blocked.end(), index) != blocked.end();
+  if (program.states[control].may_rest && !is_blocked) {
+    standing.note = "rests";
+    return standing;
+  }
+  for (const ProgramEdge& edge : program.edges_of(control)) standing.waits.insert(edge.line);
   standing.note = is_blocked ? "waits here" : "stands here";
   for (std::uint32_t at = program.states[control].round; at != 0; at = program.rounds[at].outer) {
     const Program::Round& round = program.rounds[at];
@@ -98,18 +113,16 @@ void write_program_listing(std::ostream& out, const System& system, const Trace&
   const GlobalState last = replay(system, trace).back();
   for (std::uint32_t index = 0; index < system.programs.size(); ++index) {
     const Program& program = system.programs[index];
-    const std::vector<std::string> lines = lines_of(system, program);
-    if (lines.empty()) continue;
     const Standing standing = find_standing(system, trace, last, index);
+    const std::map<int, std::string> lines = lines_of(system, program, standing);
+    if (lines.empty()) continue;
     out << fmt::format("<h3>{} <small>{}</small></h3>\n<pre class=\"program\">",
                        escape_markup(program.name), escape_markup(standing.note));
-    int number = program.position.line;
-    for (const std::string& line : lines) {
+    for (const auto& [number, line] : lines) {
       std::string text = fmt::format("{:>5}  {}", number, escape_markup(line));
       if (standing.waits.contains(number)) text = "<mark class=\"waits\">" + text + "</mark>";
       if (standing.loops.contains(number)) text = "<mark class=\"loops\">" + text + "</mark>";
       out << text << "\n";
-      ++number;
     }
     out << "</pre>\n";
   }
@@ -185,10 +198,15 @@ void write_html_report(std::ostream& out, const System& system, const CheckRepor
     if (result.trace) write_counterexample(out, system, report, result);
   }
   for (const ModelInstance& model : system.models) {
+    if (model.source == ModelInstance::Source::executor) continue;
     const std::string picture = paint ? paint(model.automaton) : "";
-    out << fmt::format("<h2>model {}</h2>\n<p>{} states, {} transitions, from {}</p>\n{}\n",
+    const bool is_rule = model.source == ModelInstance::Source::service;
+    const std::string origin = is_rule                ? ", by the rules of services"
+                               : model.origin.empty() ? ""
+                                                      : ", from " + model.origin;
+    out << fmt::format("<h2>model {}</h2>\n<p>{} states, {} transitions{}</p>\n{}\n",
                        escape_markup(model.name), model.automaton.size(),
-                       model.automaton.transition_count(), escape_markup(model.origin), picture);
+                       model.automaton.transition_count(), escape_markup(origin), picture);
   }
   out << "</body></html>\n";
 }

@@ -50,7 +50,7 @@ class NondeterministicTests {
   std::string guarantee() const { return guarantee_; }
 
  private:
-  std::vector<Word> covering_words();
+  std::vector<Word> covering_words(const RunControl& control);
   std::vector<Word> random_words();
 
   const NStar& learner_;
@@ -64,14 +64,16 @@ constexpr std::size_t portion = 50;  // words between two looks at the samples
 
 // The transition cover, each word followed by all words of extra_states + 1 inputs; or so many of
 // these, drawn at random, as may be run.
-std::vector<Word> NondeterministicTests::covering_words() {
+std::vector<Word> NondeterministicTests::covering_words(const RunControl& control) {
   const auto inputs = static_cast<Symbol>(samples_.inputs().size());
   std::vector<Word> words = learner_.transition_cover();
   for (std::size_t step = 0; step <= options_.extra_states; ++step) {
+    control.check("the equivalence test");
     random_.shuffle(words);
     if (words.size() > options_.max_tests) words.resize(options_.max_tests);
     std::vector<Word> longer;
     for (const Word& word : words) {
+      if (longer.size() % 4096 < inputs) control.check("the equivalence test");
       for (Symbol input = 0; input < inputs; ++input) {
         longer.push_back(word);
         longer.back().push_back(input);
@@ -98,7 +100,7 @@ bool NondeterministicTests::is_refuted(const RunControl& control) {
   const std::vector<Word> random = random_words();
   samples_.run(random, control);
   if (learner_.find_mismatch()) return true;
-  const std::vector<Word> covering = covering_words();
+  const std::vector<Word> covering = covering_words(control);
   for (std::size_t start = 0; start < covering.size(); start += portion) {
     const auto first = covering.begin() + static_cast<std::ptrdiff_t>(start);
     const std::size_t size = std::min(portion, covering.size() - start);

@@ -484,6 +484,21 @@ TEST(Executors, ATakenValueIsKeptInAVariableOfTheNode) {
   EXPECT_EQ(verdict(text, "two"), "violated");
 }
 
+// Names of old files need not be words.
+TEST(Executors, WhatRunsCallbacksHasANameOfItsOwn) {
+  const std::string text =
+      "programs: {\"n.g\": \"skip;\"}\n"
+      "executors: {main: {kind: multi, threads: 2}}\n"
+      "nodes:\n"
+      "  n:\n"
+      "    executor: main\n"
+      "    groups: {g: exclusive}\n"
+      "    callbacks: {c: {timer: 1, group: g, do: \"skip;\"}}\n";
+  EXPECT_THAT(test::error_of([&] { nodes_from(text); }),
+              HasSubstr("the program 'n.g' has the name of what runs a node's callbacks here"));
+  EXPECT_EQ(verdict(replaced(text, "n.g", "p"), "deadlock"), "holds");
+}
+
 TEST(Executors, ErrorsNameThePlace) {
   const std::string text = nested_system("{kind: single}", own);
   const auto error_of = [](const std::string& changed) {

@@ -148,6 +148,9 @@ TEST(SystemFile, ErrorsNameThePlace) {
        "one of 'file', 'learn' and 'use'"},
       {"models:\n  via: {file: nowhere.dot}\nprograms: {p: via.write;}", "there is no file"},
       {models + "programs: {p: via.write;}\nproperties: {deadlock: \"true\"}", "always there"},
+      {models + "programs: {p: via.write;}\nproperties:\n  f: \"forall i in 0..0: F p@end\"\n"
+                "  \"f[0]\": \"G p@end\"\n",
+       "the property 'f[0]' is there twice (s.yaml:6:3)"},
       {models + "programs: {p: via.write;}\nproperties: {x: {fairness: none}}", "needs 'ltl:'"},
       {models + "programs: {p: via.write;}\nproperties: {x: {always: \"G p@end\"}}",
        "without X, F, G, U, R, W"},

@@ -73,6 +73,11 @@ TEST(TraceFile, ThatIsNoneIsRefused) {
   EXPECT_THAT(error(R"({"steps": [{"program": 1}]})"), HasSubstr("there is no text 'program'"));
   const std::string step = R"({"program": "p", "line": 5, "model": "sync", "event": "?write"})";
   EXPECT_THAT(error(R"({"steps": [{"program": "p", "event": "if"}]})"), HasSubstr("'line'"));
+  for (const char* line : {"4294967301", "18446744073709551615", "-1"}) {
+    EXPECT_THAT(
+        error(R"({"steps": [{"program": "p", "event": "if", "line": )" + std::string(line) + "}]}"),
+        HasSubstr("'line' is no line's number"));
+  }
   EXPECT_THAT(error(R"({"loop_start": 1, "steps": [)" + step + "]}"), HasSubstr("'loop_start'"));
   EXPECT_THAT(error(R"({"loop_start": 0, "steps": [)" + step + "]}"),
               HasSubstr("do not come back to where they began"));

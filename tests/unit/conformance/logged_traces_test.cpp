@@ -47,6 +47,22 @@ TEST(LoggedTraces, AsksOnlyWhereHypothesisAndLogDiffer) {
   EXPECT_EQ(traces.guarantee(), "agrees with 2000 logged traces");
 }
 
+TEST(LoggedTraces, SaysWhatTheSystemHasNoInputsFor) {
+  Random random(1);
+  const Mealy machine = example(random);
+  MealyOracle system(machine);
+  TraceLog log;
+  const std::vector<std::string> inputs{machine.inputs().name(0), "other"};
+  log.inputs = Alphabet(std::span<const std::string>(inputs));
+  log.outputs = machine.outputs();
+  const Symbol output = machine.output(machine.initial(), 0);
+  log.traces = {{{0, 1}, {output, output}}, {{1}, {output}}, {{0}, {output}}};
+  EXPECT_EQ(LoggedTraces(system, log).guarantee(),
+            "agrees with 3 logged traces, of 2 only up to an input that the system does not have");
+  log.traces = {{{1}, {output}}};
+  EXPECT_THROW(LoggedTraces(system, log), UsageError);
+}
+
 // The log is of another version: whatever it says, the system has the last word.
 TEST(LoggedTraces, ALogOfAnotherVersionIsCorrected) {
   Random random(2);

@@ -55,6 +55,15 @@ TEST(Aut, StrangeNamesRoundTrip) {
   EXPECT_EQ(automaton, std::get<InterfaceAutomaton>(read_aut(aut_of(automaton), "m.aut")));
 }
 
+TEST(Aut, MayBeginWithAByteOrderMark) {
+  const Model plain = read_aut("des (0, 2, 2)\r\n(0, \"?a\", 1)\r\n(1, \"!b\", 0)\r\n", "m.aut");
+  EXPECT_EQ(
+      std::get<InterfaceAutomaton>(plain),
+      std::get<InterfaceAutomaton>(read_aut("\xEF\xBB\xBF"
+                                            "des (0, 2, 2)\r\n(0, \"?a\", 1)\r\n(1, \"!b\", 0)\r\n",
+                                            "m.aut")));
+}
+
 TEST(Aut, MarksAreOnlyDroppedWhenAsked) {
   const std::string folder = MAIDE_SOURCE_DIR "/tests/models/";
   for (const char* name : {"strict-3.dot", "strict-1-absorb.dot", "port.dot"}) {

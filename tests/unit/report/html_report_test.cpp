@@ -5,6 +5,8 @@
 
 #include <sstream>
 
+#include "maide/check/explore/check_system.hpp"
+#include "maide/check/explore/engine.hpp"
 #include "maide/check/language/system_file.hpp"
 #include "maide/report/trace_text.hpp"
 
@@ -73,6 +75,38 @@ TEST(HtmlReport, ShowsVerdictsChartsAndModels) {
                                    "via; via has nothing to give"));
   EXPECT_THAT(out.str(),
               HasSubstr("<mark class=\"waits\">    5      via.read -&gt; message;</mark>"));
+}
+
+// The timer's callback waits in its second line; the other node rests. Models of executors are not
+// the file's.
+TEST(HtmlReport, ShowsWhereNodesWait) {
+  const System system = parse_system(
+      "models:\n"
+      "  go: {use: semaphore, with: {count: 1}}\n"
+      "  never: {use: queue, with: {size: 1}}\n"
+      "executors:\n"
+      "  main: {kind: multi, threads: 2}\n"
+      "nodes:\n"
+      "  n:\n"
+      "    executor: main\n"
+      "    callbacks:\n"
+      "      t:\n"
+      "        timer: 1\n"
+      "        do: |\n"
+      "          go.acquire;\n"
+      "          go.acquire;\n"
+      "  idle:\n"
+      "    callbacks: {c: {takes: never.read -> message, do: \"go.release;\"}}\n",
+      "s.yaml");
+  NativeEngine engine;
+  const CheckReport report = check_system(system, engine, {{"deadlock"}, {}});
+  ASSERT_EQ(report.verdict, Verdict::violated);
+  std::ostringstream out;
+  write_html_report(out, system, report, {});
+  EXPECT_THAT(out.str(), HasSubstr("<h3>n <small>waits here</small></h3>"));
+  EXPECT_THAT(out.str(), HasSubstr("<mark class=\"waits\">   14            go.acquire;</mark>"));
+  EXPECT_THAT(out.str(), HasSubstr("<h3>idle <small>rests</small></h3>"));
+  EXPECT_THAT(out.str(), Not(HasSubstr("model main.threads")));
 }
 
 }  // namespace

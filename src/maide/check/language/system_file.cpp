@@ -357,12 +357,19 @@ void SystemReader::read_property(const YAML::Node& key, const YAML::Node& value)
     }
     if (is_invariant && has_fairness) fail("an invariant does not depend on fairness", key);
   }
-  if (property.never) system_.properties.push_back(property);
+  const auto add = [&] {
+    for (const Property& other : system_.properties) {
+      if (other.name == property.name)
+        fail("the property '" + other.name + "' is there twice", key);
+    }
+    system_.properties.push_back(property);
+  };
+  if (property.never) add();
   const std::string name = property.name;
   for (FormulaInstance& instance : instances) {
     property.name = name + instance.suffix;
     property.formula = std::move(instance.formula);
-    system_.properties.push_back(property);
+    add();
   }
 }
 

@@ -129,6 +129,11 @@ void SystemReader::make_thread(const std::string& name, const Executor& executor
                                std::vector<Callback> callbacks,
                                const std::vector<std::uint32_t>& nodes) {
   if (texts_.size() == max_components) fail("too many programs", executor.key);
+  for (const ProgramText& other : texts_) {
+    if (other.name != name) continue;
+    fail("the program '" + name + "' has the name of what runs a node's callbacks here",
+         executor.key);
+  }
   std::stable_sort(callbacks.begin(), callbacks.end(),
                    [](const Callback& a, const Callback& b) { return a.kind < b.kind; });
   ProgramText text;

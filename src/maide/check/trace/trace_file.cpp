@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdint>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <vector>
@@ -73,7 +75,9 @@ class TraceReader {
     if (model != step.end() && !model->is_null()) text.model = member(step, "model");
     const auto line = step.find("line");
     if (line == step.end() || !line->is_number_integer()) fail("there is no number 'line'");
-    text.line = line->get<int>();
+    const auto number = line->get<std::int64_t>();  // of one beyond it, something negative
+    if (number < 0 || number > std::numeric_limits<int>::max()) fail("'line' is no line's number");
+    text.line = static_cast<int>(number);
     check_names(text);
     return text;
   }

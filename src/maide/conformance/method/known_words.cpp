@@ -11,6 +11,7 @@
 #include "maide/automata/alphabet.hpp"
 #include "maide/base/error.hpp"
 #include "maide/base/random.hpp"
+#include "maide/base/text.hpp"
 #include "maide/conformance/identify/separating_words.hpp"
 #include "maide/conformance/suite/test_suite.hpp"
 #include "maide/learn/counterexample.hpp"
@@ -75,6 +76,13 @@ std::vector<Word> choose_confirmation_words(const Mealy& model, std::uint64_t se
 LoggedTraces::LoggedTraces(OutputOracle& oracle, const TraceLog& log)
     : oracle_(oracle), outputs_(log.outputs), traces_(log.traces.size()) {
   for (const TraceLog::Trace& trace : log.traces) insert(log, trace);
+  std::vector<TraceTree::Node> begins;
+  tree_.children(TraceTree::root, begins);
+  if (cut_ == 0 || !begins.empty()) return;
+  throw UsageError(
+      located(fmt::format("no logged trace begins with an input of the system, which has: {}",
+                          join(oracle.inputs().names())),
+              log));
 }
 
 void LoggedTraces::insert(const TraceLog& log, const TraceLog::Trace& trace) {
@@ -146,8 +154,13 @@ std::optional<Word> LoggedTraces::find_counterexample(const Mealy& hypothesis,
 
 std::string LoggedTraces::guarantee() const {
   if (contradictions_.size() >= most_contradictions) return "the log was given up";
-  return fmt::format("agrees with {} logged trace{}{}", traces_, traces_ == 1 ? "" : "s",
-                     contradictions_.empty() ? "" : " as far as the system does");
+  std::string text =
+      fmt::format("agrees with {} logged trace{}{}", traces_, traces_ == 1 ? "" : "s",
+                  contradictions_.empty() ? "" : " as far as the system does");
+  if (cut_ > 0) {
+    text += fmt::format(", of {} only up to an input that the system does not have", cut_);
+  }
+  return text;
 }
 
 namespace {

@@ -69,7 +69,8 @@ class LoggedTraces : public EquivalenceOracle {
   static constexpr std::size_t most_contradictions = 100;
 
   // Keeps a reference to `oracle`. Inputs and outputs go by name; a trace is cut at the first input
-  // that the system does not have. Throws UsageError if the log contradicts itself.
+  // that the system does not have, and the guarantee says of how many. Throws UsageError if the log
+  // contradicts itself, or nothing of it is left.
   LoggedTraces(OutputOracle& oracle, const TraceLog& log);
 
   // Shortest words first. O(the log as a tree).
