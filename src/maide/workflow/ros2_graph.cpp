@@ -185,8 +185,25 @@ Ros2Graph observe_ros2_graph(double quiet, const RunControl& control) {
 
 namespace {
 
-// The names that topics of ROS 2 have, with the values that programs write: for reading a system
-// file without learning its models. Any of the reader's outputs may follow any of its inputs.
+// A machine with these names, for reading a system file without learning its models. Any output may
+// follow any input; but nothing follows the first `writes` inputs, and the first `returns` outputs
+// never come.
+InterfaceAutomaton any_machine(const std::vector<std::string>& inputs,
+                               const std::vector<std::string>& outputs, Symbol writes,
+                               Symbol returns) {
+  InterfaceAutomaton automaton(Alphabet(std::span<const std::string>(inputs)),
+                               Alphabet(std::span<const std::string>(outputs)), 1);
+  const StateId due = automaton.add_state();
+  for (Symbol input = 0; input < inputs.size(); ++input) {
+    automaton.add_transition(0, {Action::Kind::input, input}, input < writes ? 0 : due);
+  }
+  for (Symbol output = returns; output < outputs.size(); ++output) {
+    automaton.add_transition(due, {Action::Kind::output, output}, 0);
+  }
+  return automaton;
+}
+
+// Of a topic of ROS 2, with the values that programs write.
 InterfaceAutomaton any_topic(const std::vector<std::string>& values) {
   const auto with_values = [&](const std::string& name) {
     std::vector<std::string> names;
@@ -200,46 +217,30 @@ InterfaceAutomaton any_topic(const std::vector<std::string>& values) {
   for (const std::string& message : with_values("message")) reader.outputs.push_back(message);
   const auto both = [](std::vector<std::string> names, const std::vector<std::string>& others) {
     names.insert(names.end(), others.begin(), others.end());
-    return Alphabet(std::span<const std::string>(names));
+    return names;
   };
-  InterfaceAutomaton automaton(both(writer.inputs, reader.inputs),
-                               both(writer.outputs, reader.outputs), 1);
+  InterfaceAutomaton automaton =
+      any_machine(both(writer.inputs, reader.inputs), both(writer.outputs, reader.outputs),
+                  static_cast<Symbol>(writer.inputs.size()), 1);
   automaton.actors = {writer, reader};
-  const StateId due = automaton.add_state();
-  for (Symbol input = 0; input < automaton.inputs().size(); ++input) {
-    const bool writes = input < writer.inputs.size();
-    automaton.add_transition(0, {Action::Kind::input, input}, writes ? 0 : due);
-  }
-  for (Symbol output = 1; output < automaton.outputs().size(); ++output) {
-    automaton.add_transition(due, {Action::Kind::output, output}, 0);
-  }
   return automaton;
 }
 
-// As any_topic(), of kind=service with one or two clients.
+// Of kind=service, with one or two clients.
 InterfaceAutomaton any_service() {
-  const std::vector<std::string> names{"send",  "receive", "tryreceive", "ready",  "serve",
-                                       "start", "stop",    "tryserve",   "handle", "answer",
-                                       "ask",   "wait",    "call",       "burst"};
-  std::vector<std::string> inputs = names, outputs{"request",     "request_gap", "handled",
-                                                   "handled_gap", "none",        "down"};
-  for (const char* of_client : {"send", "receive", "tryreceive", "ready"}) {
-    inputs.push_back(of_client + std::string("2"));
+  std::vector<std::string> inputs{"serve",  "start", "stop", "tryserve", "handle",
+                                  "answer", "ask",   "wait", "call",     "burst"};
+  std::vector<std::string> outputs{"request",     "request_gap", "handled",
+                                   "handled_gap", "none",        "down"};
+  for (const std::string client : {"", "2"}) {
+    for (const char* input : {"send", "receive", "tryreceive", "ready"}) {
+      inputs.push_back(input + client);
+    }
+    for (const char* output : {"answer", "null", "present", "absent", "pending", "answer_gap"}) {
+      outputs.push_back(output + client);
+    }
   }
-  for (const char* of_client : {"answer", "null", "present", "absent", "pending", "answer_gap"}) {
-    outputs.emplace_back(of_client);
-    outputs.push_back(of_client + std::string("2"));
-  }
-  InterfaceAutomaton automaton(Alphabet(std::span<const std::string>(inputs)),
-                               Alphabet(std::span<const std::string>(outputs)), 1);
-  const StateId due = automaton.add_state();
-  for (Symbol input = 0; input < inputs.size(); ++input) {
-    automaton.add_transition(0, {Action::Kind::input, input}, due);
-  }
-  for (Symbol output = 0; output < outputs.size(); ++output) {
-    automaton.add_transition(due, {Action::Kind::output, output}, 0);
-  }
-  return automaton;
+  return any_machine(inputs, outputs, 0, 0);
 }
 
 std::string option_of(const Ros2Options& options, const std::string& end, const std::string& key,
