@@ -6,7 +6,7 @@
 
 #include <string>
 
-#include "maide/check/language/system.hpp"
+#include "maide/check/system/system.hpp"
 
 namespace maide::bench {
 

@@ -17,9 +17,9 @@
 
 #include "maide/base/error.hpp"
 #include "maide/base/file.hpp"
+#include "maide/experiment/learn_model.hpp"
+#include "maide/experiment/open_system.hpp"
 #include "maide/report/line_plot.hpp"
-#include "maide/workflow/learn_model.hpp"
-#include "maide/workflow/open_system.hpp"
 
 namespace maide {
 namespace {

@@ -14,8 +14,8 @@
 
 #include "maide/base/error.hpp"
 #include "maide/base/random.hpp"
-#include "maide/workflow/open_system.hpp"
-#include "maide/workflow/pacing.hpp"
+#include "maide/experiment/open_system.hpp"
+#include "maide/experiment/pacing.hpp"
 
 namespace maide {
 namespace {

@@ -16,8 +16,8 @@
 #include "busy_machine.hpp"
 #include "maide/base/error.hpp"
 #include "maide/base/random.hpp"
-#include "maide/workflow/learn_model.hpp"
-#include "maide/workflow/open_system.hpp"
+#include "maide/experiment/learn_model.hpp"
+#include "maide/experiment/open_system.hpp"
 
 namespace maide {
 namespace {

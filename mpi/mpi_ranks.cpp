@@ -14,7 +14,7 @@
 #include <utility>
 #include <vector>
 
-#include "maide/check/explore/ranks.hpp"
+#include "maide/check/search/ranks.hpp"
 
 namespace {
 

@@ -29,12 +29,12 @@
 #include "maide/base/log.hpp"
 #include "maide/base/version.hpp"
 #include "maide/cli/command.hpp"
+#include "maide/experiment/open_system.hpp"
 #include "maide/formats/exporters.hpp"
 #include "maide/formats/model_file.hpp"
 #include "maide/report/picture.hpp"
 #include "maide/sul/ia_translation.hpp"
 #include "maide/sul/ia_translator.hpp"
-#include "maide/workflow/open_system.hpp"
 #include "python_sul.hpp"
 
 namespace py = pybind11;

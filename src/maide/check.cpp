@@ -3,9 +3,9 @@
 #include <sstream>
 
 #include "maide/base/log.hpp"
+#include "maide/join/learned_models.hpp"
 #include "maide/report/explanation.hpp"
 #include "maide/report/trace_text.hpp"
-#include "maide/workflow/learned_models.hpp"
 
 namespace maide {
 

@@ -19,7 +19,7 @@
 // Formulas of LTL multiply the states by those of their automaton. Nothing is kept between calls
 // but the learned models, which lie beside the system file.
 //
-// For engines, traces and formulas themselves: maide/check/explore/check_system.hpp.
+// For engines, traces and formulas themselves: maide/check/verdict/check_system.hpp.
 #pragma once
 
 #include <cstdint>
@@ -30,7 +30,7 @@
 
 #include "maide/base/error.hpp"
 #include "maide/base/run_control.hpp"
-#include "maide/check/explore/check_system.hpp"
+#include "maide/check/verdict/check_system.hpp"
 
 namespace maide {
 

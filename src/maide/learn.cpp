@@ -4,10 +4,10 @@
 
 #include "maide/automata/strength.hpp"
 #include "maide/base/text.hpp"
+#include "maide/experiment/learn_model.hpp"
+#include "maide/experiment/open_system.hpp"
+#include "maide/experiment/pacing.hpp"
 #include "maide/sul/ia_translation.hpp"
-#include "maide/workflow/learn_model.hpp"
-#include "maide/workflow/open_system.hpp"
-#include "maide/workflow/pacing.hpp"
 
 namespace maide {
 namespace {

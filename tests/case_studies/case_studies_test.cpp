@@ -6,11 +6,11 @@
 #include <algorithm>
 
 #include "maide/base/file.hpp"
-#include "maide/check/explore/check_system.hpp"
-#include "maide/check/explore/engine.hpp"
-#include "maide/check/export/promela_system.hpp"
-#include "maide/check/language/system_file.hpp"
-#include "maide/check/spin/spin_engine.hpp"
+#include "maide/check/build/system_file.hpp"
+#include "maide/check/engines/engine.hpp"
+#include "maide/check/engines/export/promela_system.hpp"
+#include "maide/check/engines/spin_engine.hpp"
+#include "maide/check/verdict/check_system.hpp"
 #include "run_maide.hpp"
 
 namespace maide::test {

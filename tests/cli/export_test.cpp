@@ -7,9 +7,9 @@
 #include "maide/automata/compare.hpp"
 #include "maide/base/file.hpp"
 #include "maide/base/text.hpp"
+#include "maide/experiment/open_system.hpp"
 #include "maide/formats/model_file.hpp"
 #include "maide/sul/ia_translation.hpp"
-#include "maide/workflow/open_system.hpp"
 #include "run_maide.hpp"
 
 namespace maide::test {

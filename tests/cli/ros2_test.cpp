@@ -7,7 +7,7 @@
 #include <string>
 
 #include "maide/base/file.hpp"
-#include "maide/workflow/open_system.hpp"
+#include "maide/experiment/open_system.hpp"
 #include "run_maide.hpp"
 
 namespace maide::test {

@@ -8,11 +8,11 @@
 
 #include "check_systems.hpp"
 #include "maide/base/file.hpp"
-#include "maide/check/explore/check_system.hpp"
-#include "maide/check/explore/engine.hpp"
-#include "maide/check/language/system_file.hpp"
-#include "maide/check/spin/spin_engine.hpp"
-#include "maide/workflow/open_system.hpp"
+#include "maide/check/build/system_file.hpp"
+#include "maide/check/engines/engine.hpp"
+#include "maide/check/engines/spin_engine.hpp"
+#include "maide/check/verdict/check_system.hpp"
+#include "maide/experiment/open_system.hpp"
 #include "random_system.hpp"
 
 namespace maide {

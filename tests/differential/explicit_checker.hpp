@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "maide/check/language/system.hpp"
+#include "maide/check/system/system.hpp"
 
 namespace maide::test {
 

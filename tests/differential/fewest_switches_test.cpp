@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "maide/check/explore/engine.hpp"
-#include "maide/check/trace/trace.hpp"
+#include "maide/check/engines/engine.hpp"
+#include "maide/check/system/trace.hpp"
 #include "random_system.hpp"
 
 namespace maide {

@@ -8,8 +8,8 @@
 #include <utility>
 
 #include "joint_systems.hpp"
-#include "maide/check/explore/engine.hpp"
-#include "maide/check/spin/spin_engine.hpp"
+#include "maide/check/engines/engine.hpp"
+#include "maide/check/engines/spin_engine.hpp"
 
 namespace maide {
 namespace {

@@ -6,8 +6,8 @@
 
 #include "explicit_checker.hpp"
 #include "joint_systems.hpp"
-#include "maide/check/explore/engine.hpp"
-#include "maide/check/explore/packed_system.hpp"
+#include "maide/check/engines/engine.hpp"
+#include "maide/check/packed/packed_system.hpp"
 
 namespace maide {
 namespace {

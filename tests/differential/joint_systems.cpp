@@ -5,8 +5,8 @@
 #include <utility>
 #include <vector>
 
-#include "maide/check/explore/check_system.hpp"
-#include "maide/check/explore/model_words.hpp"
+#include "maide/check/rules/model_words.hpp"
+#include "maide/check/verdict/check_system.hpp"
 
 namespace maide::test {
 namespace {

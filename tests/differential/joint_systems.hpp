@@ -6,7 +6,7 @@
 #include <string>
 
 #include "maide/base/random.hpp"
-#include "maide/check/language/system.hpp"
+#include "maide/check/system/system.hpp"
 #include "random_system.hpp"
 
 namespace maide::test {

@@ -10,10 +10,10 @@
 #include "joint_systems.hpp"
 #include "maide/base/file.hpp"
 #include "maide/base/subprocess.hpp"
-#include "maide/check/explore/check_system.hpp"
-#include "maide/check/export/system_exporters.hpp"
-#include "maide/check/ltsmin/ltsmin_engine.hpp"
-#include "maide/workflow/open_system.hpp"
+#include "maide/check/engines/export/system_exporters.hpp"
+#include "maide/check/engines/ltsmin_engine.hpp"
+#include "maide/check/verdict/check_system.hpp"
+#include "maide/experiment/open_system.hpp"
 #include "random_system.hpp"
 
 namespace maide {

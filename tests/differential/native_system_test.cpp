@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "explicit_checker.hpp"
-#include "maide/check/explore/engine.hpp"
-#include "maide/check/explore/packed_system.hpp"
-#include "maide/check/export/promela_system.hpp"
+#include "maide/check/engines/engine.hpp"
+#include "maide/check/engines/export/promela_system.hpp"
+#include "maide/check/packed/packed_system.hpp"
 #include "random_system.hpp"
 
 namespace maide {

@@ -1,4 +1,4 @@
-// Systems as plug-ins of LTSmin against their meaning (check/language/system.hpp). This program
+// Systems as plug-ins of LTSmin against their meaning (check/system/system.hpp). This program
 // stands in for LTSmin: it has the functions that a plug-in calls, loads compiled exports and
 // explores them. In every state the transitions are the system's steps, labels say what the meaning
 // says, and what the matrices promise is tried out. LTSmin itself does the same where it is
@@ -20,9 +20,9 @@
 #include "joint_systems.hpp"
 #include "maide/base/file.hpp"
 #include "maide/base/subprocess.hpp"
-#include "maide/check/explore/step_action.hpp"
-#include "maide/check/export/system_exporters.hpp"
-#include "maide/check/language/system_file.hpp"
+#include "maide/check/build/system_file.hpp"
+#include "maide/check/engines/export/step_action.hpp"
+#include "maide/check/engines/export/system_exporters.hpp"
 #include "random_system.hpp"
 
 // ---- What LTSmin has for its plug-ins, in our own words ----

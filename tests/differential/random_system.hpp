@@ -2,7 +2,7 @@
 #pragma once
 
 #include "maide/base/random.hpp"
-#include "maide/check/language/system.hpp"
+#include "maide/check/system/system.hpp"
 
 namespace maide::test {
 

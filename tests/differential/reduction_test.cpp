@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "explicit_checker.hpp"
-#include "maide/check/explore/engine.hpp"
-#include "maide/check/export/promela_system.hpp"
+#include "maide/check/engines/engine.hpp"
+#include "maide/check/engines/export/promela_system.hpp"
 #include "mailbox_ranks.hpp"
 #include "random_system.hpp"
 

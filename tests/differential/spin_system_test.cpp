@@ -6,8 +6,8 @@
 #include <array>
 
 #include "explicit_checker.hpp"
-#include "maide/check/explore/engine.hpp"
-#include "maide/check/spin/spin_engine.hpp"
+#include "maide/check/engines/engine.hpp"
+#include "maide/check/engines/spin_engine.hpp"
 #include "random_system.hpp"
 
 namespace maide {

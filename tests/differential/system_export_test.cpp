@@ -1,4 +1,4 @@
-// Systems in other languages against their meaning (check/language/system.hpp): on random systems
+// Systems in other languages against their meaning (check/system/system.hpp): on random systems
 // with fixed seeds, with joint steps and without, in all three ways of meeting the bound, as many
 // states, steps and deadlocks.
 // SMV and mCRL2 are explored by small readers of the part of these languages that the exports use
@@ -17,9 +17,9 @@
 #include "maide/base/error.hpp"
 #include "maide/base/file.hpp"
 #include "maide/base/subprocess.hpp"
-#include "maide/check/explore/step_action.hpp"
-#include "maide/check/export/system_exporters.hpp"
-#include "maide/workflow/open_system.hpp"
+#include "maide/check/engines/export/step_action.hpp"
+#include "maide/check/engines/export/system_exporters.hpp"
+#include "maide/experiment/open_system.hpp"
 #include "random_system.hpp"
 
 namespace maide {

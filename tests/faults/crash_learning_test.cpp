@@ -10,9 +10,9 @@
 #include "fragile_systems.hpp"
 #include "maide/automata/compare.hpp"
 #include "maide/base/file.hpp"
+#include "maide/experiment/open_system.hpp"
 #include "maide/learn/learner.hpp"
 #include "maide/wire/client/child_process.hpp"
-#include "maide/workflow/open_system.hpp"
 #include "processes.hpp"
 
 namespace maide {

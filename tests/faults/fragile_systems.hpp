@@ -6,8 +6,8 @@
 #include <string>
 
 #include "maide/automata/interface_automaton.hpp"
+#include "maide/experiment/learn_model.hpp"
 #include "maide/wire/client/wrapper_proxy.hpp"
-#include "maide/workflow/learn_model.hpp"
 
 namespace maide::test {
 

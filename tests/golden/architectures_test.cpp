@@ -9,7 +9,7 @@
 #include "expected_verdicts.hpp"
 #include "maide/base/file.hpp"
 #include "maide/base/text.hpp"
-#include "maide/check/language/system_file.hpp"
+#include "maide/check/build/system_file.hpp"
 
 namespace maide {
 namespace {

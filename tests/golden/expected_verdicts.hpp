@@ -6,9 +6,9 @@
 #include <string_view>
 
 #include "maide/base/text.hpp"
-#include "maide/check/explore/check_system.hpp"
-#include "maide/check/explore/engine.hpp"
-#include "maide/check/language/system.hpp"
+#include "maide/check/engines/engine.hpp"
+#include "maide/check/system/system.hpp"
+#include "maide/check/verdict/check_system.hpp"
 
 namespace maide::test {
 

@@ -10,8 +10,8 @@
 #include <tuple>
 
 #include "maide/base/file.hpp"
-#include "maide/check/export/system_exporters.hpp"
-#include "maide/check/language/system_file.hpp"
+#include "maide/check/build/system_file.hpp"
+#include "maide/check/engines/export/system_exporters.hpp"
 #include "maide/formats/exporters.hpp"
 #include "maide/formats/model_file.hpp"
 

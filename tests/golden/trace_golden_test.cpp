@@ -7,7 +7,7 @@
 #include <sstream>
 
 #include "maide/base/file.hpp"
-#include "maide/check/language/system_file.hpp"
+#include "maide/check/build/system_file.hpp"
 #include "maide/report/html_report.hpp"
 #include "maide/report/trace_text.hpp"
 #include "scheduled_run.hpp"

@@ -10,10 +10,10 @@
 #include "maide/automata/nondeterministic_mealy.hpp"
 #include "maide/automata/random_automata.hpp"
 #include "maide/base/error.hpp"
+#include "maide/experiment/learn_model.hpp"
+#include "maide/experiment/nondeterministic_run.hpp"
 #include "maide/formats/model_file.hpp"
 #include "maide/sul/simulated_sul.hpp"
-#include "maide/workflow/learn_model.hpp"
-#include "maide/workflow/nondeterministic_run.hpp"
 
 namespace maide {
 namespace {

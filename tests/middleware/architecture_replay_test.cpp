@@ -10,13 +10,13 @@
 
 #include "maide/base/file.hpp"
 #include "maide/base/text.hpp"
-#include "maide/check/explore/check_system.hpp"
-#include "maide/check/explore/engine.hpp"
-#include "maide/workflow/learned_models.hpp"
-#include "maide/workflow/open_system.hpp"
-#include "maide/workflow/real_system.hpp"
-#include "maide/workflow/replay.hpp"
-#include "maide/workflow/replay_plan.hpp"
+#include "maide/check/engines/engine.hpp"
+#include "maide/check/verdict/check_system.hpp"
+#include "maide/experiment/open_system.hpp"
+#include "maide/join/learned_models.hpp"
+#include "maide/join/real_system.hpp"
+#include "maide/join/replay.hpp"
+#include "maide/join/replay_plan.hpp"
 
 namespace maide {
 namespace {

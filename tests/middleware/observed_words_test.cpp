@@ -12,10 +12,10 @@
 #include "busy_machine.hpp"
 #include "maide/automata/compare.hpp"
 #include "maide/base/random.hpp"
+#include "maide/experiment/experiment.hpp"
 #include "maide/formats/model_file.hpp"
 #include "maide/sul/ia_translation.hpp"
 #include "maide/wire/client/wrapper_proxy.hpp"
-#include "maide/workflow/experiment.hpp"
 #include "wrapper_checks.hpp"
 
 namespace maide {

@@ -7,9 +7,9 @@
 #include <string>
 
 #include "maide/base/file.hpp"
-#include "maide/check/explore/engine.hpp"
-#include "maide/workflow/open_system.hpp"
-#include "maide/workflow/refine_system.hpp"
+#include "maide/check/engines/engine.hpp"
+#include "maide/experiment/open_system.hpp"
+#include "maide/join/refine_system.hpp"
 
 namespace maide {
 namespace {

@@ -1,6 +1,6 @@
 // A running graph of ROS 2, as the wrapper's program sees it from another process: ends with their
 // QoS, services with their servers and clients.
-#include "maide/workflow/ros2_graph.hpp"
+#include "maide/ros2/ros2_graph.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

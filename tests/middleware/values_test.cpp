@@ -11,9 +11,9 @@
 
 #include "maide/automata/compare.hpp"
 #include "maide/base/file.hpp"
-#include "maide/workflow/learned_models.hpp"
-#include "maide/workflow/open_system.hpp"
-#include "maide/workflow/valued_queue.hpp"
+#include "maide/experiment/open_system.hpp"
+#include "maide/join/learned_models.hpp"
+#include "maide/join/valued_queue.hpp"
 
 namespace maide {
 namespace {

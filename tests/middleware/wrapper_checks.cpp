@@ -13,10 +13,10 @@
 #include "maide/base/random.hpp"
 #include "maide/conformance/identify/state_identifiers.hpp"
 #include "maide/conformance/suite/identifier_suite.hpp"
+#include "maide/experiment/experiment.hpp"
 #include "maide/formats/model_file.hpp"
 #include "maide/wire/client/wrapper_proxy.hpp"
 #include "maide/wire/wrapper/wrapper_session.hpp"
-#include "maide/workflow/experiment.hpp"
 
 namespace maide::test {
 namespace {

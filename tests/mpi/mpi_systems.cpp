@@ -7,7 +7,7 @@
 #include <string>
 
 #include "maide/base/random.hpp"
-#include "maide/check/explore/engine.hpp"
+#include "maide/check/engines/engine.hpp"
 #include "maide/cli/mpi.hpp"
 #include "random_system.hpp"
 

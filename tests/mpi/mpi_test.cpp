@@ -18,7 +18,7 @@
 #include "maide/base/file.hpp"
 #include "maide/base/random.hpp"
 #include "maide/base/subprocess.hpp"
-#include "maide/workflow/open_system.hpp"
+#include "maide/experiment/open_system.hpp"
 #include "processes.hpp"
 #include "run_maide.hpp"
 

@@ -10,11 +10,29 @@ import subprocess
 import sys
 from pathlib import Path
 
-# What each layer of src/maide may include. A wrapper's process carries no learner, so sul and wire
-# do without formats; check knows nothing of learning.
-LAYERS = ["base", "automata", "formats", "sul", "wire", "learn", "conformance", "check", "workflow",
-          "report", "cli"]
+# The layers of src/maide, lowest first. A file includes its own layer and those below it, with two
+# exceptions: a wrapper's process carries no learner, so sul and wire do without formats; and check
+# knows nothing of learning.
+LAYERS = ["base", "automata", "formats", "sul", "wire", "learn", "conformance", "experiment", "check",
+          "ros2", "join", "report", "cli"]
 WRAPPER_LAYERS = ["base", "automata", "sul", "wire"]
+LEARNING_LAYERS = ["sul", "wire", "learn", "conformance", "experiment"]
+
+# The rooms of src/maide/check, lowest first. A file includes its own room and those below it.
+ROOMS = ["text", "tree", "language", "ltl", "system", "rules", "build", "packed", "reduce", "search",
+         "engines/export", "engines", "verdict"]
+
+# Includes against the order that are still there, by the including file. This list only shrinks.
+UPWARD = {
+    "check/language/event_parser.cpp": {"check/rules/model_ends.hpp"},
+    "check/language/program_syntax.hpp": {"check/rules/service_model.hpp",
+                                          "check/system/system.hpp"},
+    "check/language/system_names.hpp": {"check/system/program.hpp"},
+    "check/language/thread_parser.cpp": {"check/rules/model_ends.hpp"},
+    "check/ltl/formula.hpp": {"check/system/program.hpp"},
+    "check/search/goals.cpp": {"check/engines/engine.hpp"},
+    "ros2/ros2_graph.cpp": {"join/learned_models.hpp"},
+}
 
 
 def allowed_layers(layer):
@@ -22,7 +40,7 @@ def allowed_layers(layer):
         return set(WRAPPER_LAYERS[: WRAPPER_LAYERS.index(layer) + 1])
     allowed = set(LAYERS[: LAYERS.index(layer) + 1])
     if layer == "check":
-        allowed -= {"sul", "wire", "learn", "conformance"}
+        allowed -= set(LEARNING_LAYERS)
     return allowed
 
 
@@ -53,18 +71,33 @@ class Sources:
                 (path.parts[0] in ("scripts", ".ci") and path.suffix == "")]
 
 
-def layer_of(path):
-    """The layer of a file or of an include, such as "maide/base/error.hpp"; else None."""
+def inside(path):
+    """The path below src/maide of a file or of an include, such as "maide/base/error.hpp"; else None."""
     parts = path.parts[1:] if path.parts[0] == "src" else path.parts
-    return parts[1] if len(parts) > 2 and parts[0] == "maide" else None
+    return Path(*parts[1:]) if len(parts) > 2 and parts[0] == "maide" else None
+
+
+def layer_of(path):
+    below = inside(path)
+    return below.parts[0] if below else None
+
+
+def room_of(path):
+    """The room in check of a file or of an include; None outside of check."""
+    below = inside(path)
+    return "/".join(below.parts[1:-1]) if below and below.parts[0] == "check" else None
 
 
 def check_layering(sources):
+    upward = {file: set(includes) for file, includes in UPWARD.items()}
     for path in sources.code():
         if path.suffix not in (".cpp", ".hpp"):
             continue
         in_library = path.parts[:2] == ("src", "maide")
         in_wrapper = path.parts[0] == "wrappers"
+        if in_library and layer_of(path) == "check" and room_of(path) not in ROOMS:
+            yield path, 1, f"lies in no room of check; they are {', '.join(ROOMS)}"
+            continue
         for number, line in enumerate(sources.text(path).splitlines(), 1):
             match = INCLUDE.match(line)
             if not match:
@@ -80,11 +113,36 @@ def check_layering(sources):
                 continue
             if not (sources.root / "src" / included).is_file():
                 yield path, number, f"includes {included}, which is not there"
-            own = layer_of(path) if in_library else None
-            if own is not None and layer not in allowed_layers(own):
-                yield path, number, f"layer {own} must not include {included}"
+                continue
             if in_wrapper and layer not in WRAPPER_LAYERS:
                 yield path, number, f"a wrapper must not include {included}"
+            own = layer_of(path) if in_library else None
+            if own is None:
+                continue
+            known = upward.get(str(inside(path)), set())
+            if str(inside(Path(included))) in known:
+                known.discard(str(inside(Path(included))))
+            elif layer not in allowed_layers(own):
+                yield path, number, f"layer {own} must not include {included}"
+            elif own == layer == "check" and (ROOMS.index(room_of(Path(included))) >
+                                              ROOMS.index(room_of(path))):
+                yield path, number, f"room {room_of(path)} must not include {included}"
+    for file, includes in upward.items():
+        for included in sorted(includes):
+            yield Path("src/maide") / file, 1, (
+                f"does not include {included}: take it out of UPWARD in check_sources.py")
+
+
+def check_rooms(sources):
+    """No room of check has more than a quarter of its lines."""
+    lines = {room: 0 for room in ROOMS}
+    for path in sources.files:
+        if path.parts[:2] == ("src", "maide") and path.suffix in (".cpp", ".hpp"):
+            if room_of(path) in lines:
+                lines[room_of(path)] += sources.text(path).count("\n")
+    for room, count in lines.items():
+        if count > sum(lines.values()) / 4:
+            yield Path("src/maide/check") / room, 1, f"has {count} of {sum(lines.values())} lines"
 
 
 def check_listed(sources):

@@ -9,8 +9,8 @@
 #include <utility>
 #include <vector>
 
-#include "maide/check/explore/engine.hpp"
-#include "maide/check/explore/ranks.hpp"
+#include "maide/check/engines/engine.hpp"
+#include "maide/check/search/ranks.hpp"
 
 namespace maide::test {
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "maide/check/trace/trace.hpp"
+#include "maide/check/system/trace.hpp"
 
 namespace maide::test {
 

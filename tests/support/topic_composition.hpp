@@ -21,8 +21,8 @@
 #include "maide/automata/interface_automaton.hpp"
 #include "maide/base/error.hpp"
 #include "maide/base/run_control.hpp"
-#include "maide/check/language/model_ends.hpp"
-#include "maide/check/language/system.hpp"
+#include "maide/check/rules/model_ends.hpp"
+#include "maide/check/system/system.hpp"
 #include "maide/wire/wrapper/full_setup.hpp"
 
 namespace maide::test {

@@ -7,9 +7,9 @@
 #include <string>
 
 #include "maide/automata/compare.hpp"
+#include "maide/experiment/experiment.hpp"
 #include "maide/formats/model_file.hpp"
 #include "maide/wire/client/wrapper_proxy.hpp"
-#include "maide/workflow/experiment.hpp"
 
 namespace maide {
 namespace {

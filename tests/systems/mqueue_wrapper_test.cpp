@@ -1,8 +1,8 @@
 // The wrapper of docs/writing-a-wrapper.md: real queues of the kernel, learned like any middleware.
 #include <gtest/gtest.h>
 
+#include "maide/experiment/learn_model.hpp"
 #include "maide/wire/client/wrapper_proxy.hpp"
-#include "maide/workflow/learn_model.hpp"
 
 namespace maide {
 namespace {

@@ -11,10 +11,10 @@
 
 #include "maide/base/file.hpp"
 #include "maide/base/subprocess.hpp"
+#include "maide/experiment/learn_model.hpp"
 #include "maide/wire/client/child_process.hpp"
 #include "maide/wire/client/wrapper_proxy.hpp"
 #include "maide/wire/protocol/line_io.hpp"
-#include "maide/workflow/learn_model.hpp"
 
 namespace maide {
 namespace {

@@ -1,6 +1,6 @@
 // Wrappers on other machines, as processes of this one: launched by a command, or dialling in. The
 // run is the one of a single wrapper, whoever comes late or is killed.
-#include "maide/workflow/other_machines.hpp"
+#include "maide/experiment/other_machines.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -21,12 +21,12 @@
 
 #include "maide/base/error.hpp"
 #include "maide/base/file.hpp"
+#include "maide/experiment/learn_model.hpp"
+#include "maide/experiment/open_system.hpp"
 #include "maide/formats/model_file.hpp"
 #include "maide/wire/client/child_process.hpp"
 #include "maide/wire/protocol/line_io.hpp"
 #include "maide/wire/protocol/tcp.hpp"
-#include "maide/workflow/learn_model.hpp"
-#include "maide/workflow/open_system.hpp"
 #include "processes.hpp"
 
 namespace maide {

@@ -5,9 +5,9 @@
 
 #include "listening_wrapper.hpp"
 #include "maide/base/error.hpp"
+#include "maide/experiment/learn_model.hpp"
+#include "maide/experiment/open_system.hpp"
 #include "maide/formats/model_file.hpp"
-#include "maide/workflow/learn_model.hpp"
-#include "maide/workflow/open_system.hpp"
 
 namespace maide {
 namespace {

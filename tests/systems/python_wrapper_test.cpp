@@ -4,8 +4,8 @@
 #include <utility>
 
 #include "maide/base/error.hpp"
+#include "maide/experiment/experiment.hpp"
 #include "maide/wire/client/wrapper_proxy.hpp"
-#include "maide/workflow/experiment.hpp"
 
 namespace maide {
 namespace {

@@ -19,14 +19,14 @@
 #include "maide/cli/command.hpp"
 #include "maide/cli/command_line.hpp"
 #include "maide/cli/test_arguments.hpp"
+#include "maide/experiment/learner_bench.hpp"
+#include "maide/join/published_results.hpp"
 #include "maide/learn/learner.hpp"
-#include "maide/workflow/learner_bench.hpp"
-#include "maide/workflow/published_results.hpp"
 
 namespace maide::cli {
 
 // What `maide bench` prints: an aligned table with other tools' figures beside ours, means, CSV,
-// JSON. Numbers only; what is measured, and how, is workflow/learner_bench.hpp.
+// JSON. Numbers only; what is measured, and how, is experiment/learner_bench.hpp.
 
 // The table, a piece at a time, so that it can be watched.
 class BenchTable {

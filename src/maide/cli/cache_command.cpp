@@ -23,13 +23,13 @@
 #include "maide/base/run_control.hpp"
 #include "maide/base/text.hpp"
 #include "maide/cli/command.hpp"
+#include "maide/experiment/experiment.hpp"
+#include "maide/experiment/open_system.hpp"
 #include "maide/formats/model_file.hpp"
 #include "maide/learn/cache/cache_file.hpp"
 #include "maide/learn/cache/cache_survey.hpp"
 #include "maide/learn/oracle/sul_oracle.hpp"
 #include "maide/sul/learning_purpose.hpp"
-#include "maide/workflow/experiment.hpp"
-#include "maide/workflow/open_system.hpp"
 
 namespace maide::cli {
 namespace {

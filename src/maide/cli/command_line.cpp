@@ -14,8 +14,8 @@
 #include "maide/base/numbers.hpp"
 #include "maide/base/text.hpp"
 #include "maide/cli/terminal.hpp"
+#include "maide/experiment/open_system.hpp"
 #include "maide/report/sequence_chart.hpp"
-#include "maide/workflow/open_system.hpp"
 
 namespace maide::cli {
 namespace {

@@ -24,16 +24,16 @@
 #include "maide/base/file.hpp"
 #include "maide/base/log.hpp"
 #include "maide/cli/command.hpp"
+#include "maide/experiment/experiment.hpp"
+#include "maide/experiment/known_models.hpp"
+#include "maide/experiment/learn_model.hpp"
+#include "maide/experiment/open_system.hpp"
+#include "maide/experiment/pacing.hpp"
 #include "maide/formats/model_file.hpp"
 #include "maide/report/difference_page.hpp"
 #include "maide/report/picture.hpp"
 #include "maide/report/state_names.hpp"
 #include "maide/sul/ia_translation.hpp"
-#include "maide/workflow/experiment.hpp"
-#include "maide/workflow/known_models.hpp"
-#include "maide/workflow/learn_model.hpp"
-#include "maide/workflow/open_system.hpp"
-#include "maide/workflow/pacing.hpp"
 
 namespace maide::cli {
 

@@ -18,8 +18,8 @@
 #include "maide/cli/command.hpp"
 #include "maide/cli/command_line.hpp"
 #include "maide/cli/mpi.hpp"
+#include "maide/experiment/open_system.hpp"
 #include "maide/wire/observe/kernel_support.hpp"
-#include "maide/workflow/open_system.hpp"
 
 namespace maide::cli {
 

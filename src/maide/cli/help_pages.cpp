@@ -7,14 +7,14 @@
 #include <vector>
 
 #include "maide/base/text.hpp"
-#include "maide/check/export/system_exporters.hpp"
+#include "maide/check/engines/export/system_exporters.hpp"
 #include "maide/cli/command.hpp"
 #include "maide/cli/terminal.hpp"
 #include "maide/conformance/method/test_methods.hpp"
+#include "maide/experiment/open_system.hpp"
 #include "maide/formats/exporters.hpp"
 #include "maide/learn/learner.hpp"
 #include "maide/report/sequence_chart.hpp"
-#include "maide/workflow/open_system.hpp"
 
 namespace maide::cli {
 namespace {
@@ -126,7 +126,7 @@ std::string describe_help_pages() {
 }
 
 // What `maide help language` prints: the language of system files on a page. The grammar of
-// programs stands in check/language/program.hpp, that of formulas in check/ltl/formula.hpp.
+// programs stands in check/system/program.hpp, that of formulas in check/ltl/formula.hpp.
 
 std::string_view language_help() {
   return R"(The language of system files (what it means: docs/systems.md)

@@ -24,16 +24,16 @@
 #include "maide/cli/command_line.hpp"
 #include "maide/cli/learn_report.hpp"
 #include "maide/cli/test_arguments.hpp"
+#include "maide/experiment/known_models.hpp"
+#include "maide/experiment/learn_model.hpp"
+#include "maide/experiment/nondeterministic_run.hpp"
+#include "maide/experiment/open_system.hpp"
+#include "maide/experiment/pacing.hpp"
 #include "maide/formats/model_file.hpp"
 #include "maide/learn/learner.hpp"
 #include "maide/learn/passive/rpni.hpp"
 #include "maide/sul/learning_purpose.hpp"
 #include "maide/wire/protocol/json_members.hpp"
-#include "maide/workflow/known_models.hpp"
-#include "maide/workflow/learn_model.hpp"
-#include "maide/workflow/nondeterministic_run.hpp"
-#include "maide/workflow/open_system.hpp"
-#include "maide/workflow/pacing.hpp"
 
 namespace maide::cli {
 

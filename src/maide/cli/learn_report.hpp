@@ -9,10 +9,10 @@
 #include "maide/base/json.hpp"
 #include "maide/cli/command_line.hpp"
 #include "maide/conformance/method/known_words.hpp"
+#include "maide/experiment/experiment.hpp"
+#include "maide/experiment/learn_model.hpp"
+#include "maide/experiment/open_system.hpp"
 #include "maide/learn/oracle/vote.hpp"
-#include "maide/workflow/experiment.hpp"
-#include "maide/workflow/learn_model.hpp"
-#include "maide/workflow/open_system.hpp"
 
 namespace maide::cli {
 

@@ -10,8 +10,8 @@
 #include <string_view>
 
 #include "maide/base/error.hpp"
-#include "maide/check/explore/engine.hpp"
-#include "maide/workflow/open_system.hpp"
+#include "maide/check/engines/engine.hpp"
+#include "maide/experiment/open_system.hpp"
 
 namespace maide::cli {
 namespace {

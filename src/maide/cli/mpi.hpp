@@ -6,7 +6,7 @@
 #include <memory>
 #include <optional>
 
-#include "maide/check/explore/ranks.hpp"
+#include "maide/check/search/ranks.hpp"
 
 namespace maide::cli {
 

@@ -21,8 +21,8 @@
 #include "maide/base/subprocess.hpp"
 #include "maide/base/text.hpp"
 #include "maide/cli/command.hpp"
+#include "maide/experiment/open_system.hpp"
 #include "maide/formats/names.hpp"
-#include "maide/workflow/open_system.hpp"
 
 namespace maide::cli {
 namespace {

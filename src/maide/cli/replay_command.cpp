@@ -10,15 +10,15 @@
 
 #include "maide/base/log.hpp"
 #include "maide/base/text.hpp"
-#include "maide/check/explore/check_system.hpp"
-#include "maide/check/language/system_file.hpp"
-#include "maide/check/trace/trace_file.hpp"
+#include "maide/check/build/system_file.hpp"
+#include "maide/check/system/trace_file.hpp"
+#include "maide/check/verdict/check_system.hpp"
 #include "maide/cli/command.hpp"
 #include "maide/cli/command_line.hpp"
-#include "maide/workflow/learned_models.hpp"
-#include "maide/workflow/real_system.hpp"
-#include "maide/workflow/replay.hpp"
-#include "maide/workflow/replay_plan.hpp"
+#include "maide/join/learned_models.hpp"
+#include "maide/join/real_system.hpp"
+#include "maide/join/replay.hpp"
+#include "maide/join/replay_plan.hpp"
 
 namespace maide::cli {
 namespace {

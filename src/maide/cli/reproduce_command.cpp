@@ -20,14 +20,14 @@
 #include "maide/automata/minimize.hpp"
 #include "maide/base/error.hpp"
 #include "maide/base/text.hpp"
-#include "maide/check/explore/check_system.hpp"
-#include "maide/check/language/system_file.hpp"
+#include "maide/check/build/system_file.hpp"
+#include "maide/check/verdict/check_system.hpp"
 #include "maide/cli/command.hpp"
+#include "maide/experiment/learn_model.hpp"
+#include "maide/experiment/open_system.hpp"
 #include "maide/formats/model_file.hpp"
+#include "maide/join/published_results.hpp"
 #include "maide/sul/ia_translation.hpp"
-#include "maide/workflow/learn_model.hpp"
-#include "maide/workflow/open_system.hpp"
-#include "maide/workflow/published_results.hpp"
 
 namespace maide::cli {
 

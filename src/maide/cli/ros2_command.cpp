@@ -12,7 +12,7 @@
 #include "maide/cli/command.hpp"
 #include "maide/cli/command_line.hpp"
 #include "maide/report/sequence_chart.hpp"
-#include "maide/workflow/ros2_graph.hpp"
+#include "maide/ros2/ros2_graph.hpp"
 
 namespace maide::cli {
 

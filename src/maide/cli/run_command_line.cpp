@@ -19,8 +19,8 @@
 #include "maide/cli/command_line.hpp"
 #include "maide/cli/mpi.hpp"
 #include "maide/cli/terminal.hpp"
+#include "maide/experiment/open_system.hpp"
 #include "maide/report/sequence_chart.hpp"
-#include "maide/workflow/open_system.hpp"
 
 namespace maide::cli {
 

@@ -2,8 +2,8 @@
 
 #include "maide/base/error.hpp"
 #include "maide/conformance/method/test_chain.hpp"
+#include "maide/experiment/experiment.hpp"
 #include "maide/learn/learner.hpp"
-#include "maide/workflow/experiment.hpp"
 
 namespace maide::cli {
 

@@ -24,6 +24,10 @@
 #include "maide/base/version.hpp"
 #include "maide/cli/command.hpp"
 #include "maide/cli/test_arguments.hpp"
+#include "maide/experiment/conformance_run.hpp"
+#include "maide/experiment/experiment.hpp"
+#include "maide/experiment/known_models.hpp"
+#include "maide/experiment/open_system.hpp"
 #include "maide/formats/model_file.hpp"
 #include "maide/formats/names.hpp"
 #include "maide/learn/learner.hpp"
@@ -32,10 +36,6 @@
 #include "maide/report/picture.hpp"
 #include "maide/report/state_names.hpp"
 #include "maide/sul/ia_translation.hpp"
-#include "maide/workflow/conformance_run.hpp"
-#include "maide/workflow/experiment.hpp"
-#include "maide/workflow/known_models.hpp"
-#include "maide/workflow/open_system.hpp"
 
 namespace maide::cli {
 namespace {

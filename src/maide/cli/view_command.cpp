@@ -10,14 +10,14 @@
 
 #include "maide/base/file.hpp"
 #include "maide/base/log.hpp"
-#include "maide/check/language/system_file.hpp"
+#include "maide/check/build/system_file.hpp"
 #include "maide/cli/command.hpp"
 #include "maide/formats/model_file.hpp"
+#include "maide/join/learned_models.hpp"
 #include "maide/report/picture.hpp"
 #include "maide/report/picture_page.hpp"
 #include "maide/report/sequence_chart.hpp"
 #include "maide/report/trace_text.hpp"
-#include "maide/workflow/learned_models.hpp"
 
 namespace maide::cli {
 

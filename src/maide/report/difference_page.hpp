@@ -15,9 +15,9 @@
 
 #include "maide/automata/behaviour.hpp"
 #include "maide/automata/differences.hpp"
+#include "maide/experiment/conformance_run.hpp"
 #include "maide/report/picture.hpp"
 #include "maide/report/picture_page.hpp"
-#include "maide/workflow/conformance_run.hpp"
 
 namespace maide {
 

@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "maide/base/invariant.hpp"
-#include "maide/check/explore/message_account.hpp"
-#include "maide/check/explore/model_words.hpp"
-#include "maide/check/explore/waiting.hpp"
+#include "maide/check/rules/model_words.hpp"
+#include "maide/check/verdict/message_account.hpp"
+#include "maide/check/verdict/waiting.hpp"
 
 namespace maide {
 namespace {

@@ -1,14 +1,14 @@
 // A counterexample in one sentence of plain words: who waits for what, what became of the messages,
 // who could still change that, or where a run breaks a formula. The sentence is made from facts
-// alone (check/explore/waiting.hpp). It knows nothing of particular middlewares.
+// alone (check/verdict/waiting.hpp). It knows nothing of particular middlewares.
 #pragma once
 
 #include <string>
 #include <vector>
 
-#include "maide/check/explore/check_system.hpp"
-#include "maide/check/language/system.hpp"
-#include "maide/check/trace/trace.hpp"
+#include "maide/check/system/system.hpp"
+#include "maide/check/system/trace.hpp"
+#include "maide/check/verdict/check_system.hpp"
 
 namespace maide {
 

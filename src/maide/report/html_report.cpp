@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "maide/base/text.hpp"
-#include "maide/check/explore/waiting.hpp"
+#include "maide/check/verdict/waiting.hpp"
 #include "maide/report/explanation.hpp"
 #include "maide/report/sequence_chart.hpp"
 #include "maide/report/trace_text.hpp"

@@ -9,9 +9,9 @@
 #include <string>
 #include <string_view>
 
-#include "maide/check/explore/check_system.hpp"
-#include "maide/check/language/system.hpp"
-#include "maide/check/trace/trace.hpp"
+#include "maide/check/system/system.hpp"
+#include "maide/check/system/trace.hpp"
+#include "maide/check/verdict/check_system.hpp"
 
 namespace maide {
 

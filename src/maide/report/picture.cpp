@@ -20,13 +20,13 @@
 #include "maide/base/json.hpp"
 #include "maide/base/subprocess.hpp"
 #include "maide/base/text.hpp"
-#include "maide/check/explore/check_system.hpp"
-#include "maide/check/explore/model_words.hpp"
+#include "maide/check/rules/model_words.hpp"
+#include "maide/check/verdict/check_system.hpp"
+#include "maide/experiment/open_system.hpp"
 #include "maide/formats/dot_syntax.hpp"
 #include "maide/formats/names.hpp"
 #include "maide/report/sequence_chart.hpp"
 #include "maide/report/state_names.hpp"
-#include "maide/workflow/open_system.hpp"
 
 namespace maide {
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "maide/base/run_control.hpp"
-#include "maide/check/language/system.hpp"
+#include "maide/check/system/system.hpp"
 #include "maide/formats/labelled_graph.hpp"
 
 namespace maide {

@@ -6,7 +6,7 @@
 #include <iosfwd>
 #include <string>
 
-#include "maide/check/language/system.hpp"
+#include "maide/check/system/system.hpp"
 #include "maide/formats/labelled_graph.hpp"
 
 namespace maide {

@@ -8,7 +8,7 @@
 #include <optional>
 
 #include "maide/base/text.hpp"
-#include "maide/check/explore/message_account.hpp"
+#include "maide/check/verdict/message_account.hpp"
 
 namespace maide {
 namespace {

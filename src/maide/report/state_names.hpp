@@ -1,7 +1,7 @@
 // Names of a model's states for people, in place of numbers. A state of an interface automaton is
 // named by what it holds ("holds 2"), who waits in a call ("reader waits") and what is due
 // ("message due"). All of it is read off the automaton: what it holds is the number of outputs that
-// can be had by asking alone (check/explore/message_account.hpp). Where that says nothing, and
+// can be had by asking alone (check/verdict/message_account.hpp). Where that says nothing, and
 // where it says the same of two states, the shortest word that leads there is the name.
 //
 // A name does not imply that the real system keeps messages; only that the model behaves so.

@@ -10,10 +10,10 @@
 #include "maide/base/error.hpp"
 #include "maide/base/json.hpp"
 #include "maide/base/text.hpp"
-#include "maide/check/explore/check_system.hpp"
-#include "maide/check/explore/message_account.hpp"
-#include "maide/check/explore/model_words.hpp"
-#include "maide/check/trace/trace_file.hpp"
+#include "maide/check/rules/model_words.hpp"
+#include "maide/check/system/trace_file.hpp"
+#include "maide/check/verdict/check_system.hpp"
+#include "maide/check/verdict/message_account.hpp"
 #include "maide/report/trace_text.hpp"
 
 namespace maide {

@@ -8,8 +8,8 @@
 #include <ostream>
 #include <vector>
 
-#include "maide/check/explore/model_words.hpp"
-#include "maide/check/trace/trace_file.hpp"
+#include "maide/check/rules/model_words.hpp"
+#include "maide/check/system/trace_file.hpp"
 #include "maide/report/explanation.hpp"
 #include "maide/report/sequence_chart.hpp"
 

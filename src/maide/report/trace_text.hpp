@@ -9,9 +9,9 @@
 #include <string_view>
 
 #include "maide/base/json.hpp"
-#include "maide/check/explore/check_system.hpp"
-#include "maide/check/language/system.hpp"
-#include "maide/check/trace/trace.hpp"
+#include "maide/check/system/system.hpp"
+#include "maide/check/system/trace.hpp"
+#include "maide/check/verdict/check_system.hpp"
 #include "maide/report/sequence_chart.hpp"
 
 namespace maide {

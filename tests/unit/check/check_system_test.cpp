@@ -1,5 +1,5 @@
 // What check_system makes of an engine's answers; the engine here is one that breaks.
-#include "maide/check/explore/check_system.hpp"
+#include "maide/check/verdict/check_system.hpp"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 #include <stdexcept>
 #include <thread>
 
-#include "maide/check/explore/engine.hpp"
+#include "maide/check/engines/engine.hpp"
 #include "systems.hpp"
 
 namespace maide {

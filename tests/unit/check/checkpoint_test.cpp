@@ -10,7 +10,7 @@
 
 #include "maide/base/error.hpp"
 #include "maide/base/file.hpp"
-#include "maide/check/explore/engine.hpp"
+#include "maide/check/engines/engine.hpp"
 #include "mailbox_ranks.hpp"
 #include "systems.hpp"
 

@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "maide/base/random.hpp"
-#include "maide/check/explore/chunks.hpp"
+#include "maide/check/packed/chunks.hpp"
 
 namespace maide {
 namespace {

@@ -1,4 +1,4 @@
-#include "maide/check/explore/commutation.hpp"
+#include "maide/check/reduce/commutation.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,9 +1,9 @@
 // Systems of several components: what is decided in each, and what is added up.
-#include "maide/check/language/components.hpp"
+#include "maide/check/system/components.hpp"
 
 #include <gtest/gtest.h>
 
-#include "maide/check/explore/check_system.hpp"
+#include "maide/check/verdict/check_system.hpp"
 #include "systems.hpp"
 
 namespace maide {

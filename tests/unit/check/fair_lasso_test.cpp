@@ -1,9 +1,9 @@
-#include "maide/check/explore/fair_lasso.hpp"
+#include "maide/check/search/fair_lasso.hpp"
 
 #include <gtest/gtest.h>
 
 #include "maide/base/error.hpp"
-#include "maide/check/explore/monitors.hpp"
+#include "maide/check/search/monitors.hpp"
 #include "systems.hpp"
 
 namespace maide {

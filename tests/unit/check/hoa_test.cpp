@@ -5,10 +5,10 @@
 #include <sstream>
 
 #include "maide/base/file.hpp"
-#include "maide/check/explore/check_system.hpp"
-#include "maide/check/explore/engine.hpp"
+#include "maide/check/engines/engine.hpp"
+#include "maide/check/engines/spin_engine.hpp"
 #include "maide/check/ltl/ltl_automaton.hpp"
-#include "maide/check/spin/spin_engine.hpp"
+#include "maide/check/verdict/check_system.hpp"
 #include "systems.hpp"
 
 namespace maide {

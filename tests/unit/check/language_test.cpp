@@ -7,9 +7,9 @@
 #include <map>
 #include <set>
 
-#include "maide/check/explore/check_system.hpp"
-#include "maide/check/explore/engine.hpp"
-#include "maide/check/language/tokens.hpp"
+#include "maide/check/engines/engine.hpp"
+#include "maide/check/text/tokens.hpp"
+#include "maide/check/verdict/check_system.hpp"
 #include "systems.hpp"
 
 namespace maide {

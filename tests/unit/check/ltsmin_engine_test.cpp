@@ -1,4 +1,4 @@
-#include "maide/check/ltsmin/ltsmin_engine.hpp"
+#include "maide/check/engines/ltsmin_engine.hpp"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -8,8 +8,8 @@
 #include <filesystem>
 
 #include "maide/base/file.hpp"
-#include "maide/check/explore/check_system.hpp"
-#include "maide/check/language/system_file.hpp"
+#include "maide/check/build/system_file.hpp"
+#include "maide/check/verdict/check_system.hpp"
 #include "systems.hpp"
 
 namespace maide {

@@ -1,6 +1,6 @@
 // An input and its answer as one step: what is saved, and one system for each rule that says where
 // that may be.
-#include "maide/check/explore/merged_calls.hpp"
+#include "maide/check/reduce/merged_calls.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "maide/check/explore/engine.hpp"
+#include "maide/check/engines/engine.hpp"
 #include "systems.hpp"
 
 namespace maide {

@@ -1,5 +1,5 @@
 // What a deadlocked program waits for, counted in messages.
-#include "maide/check/explore/message_account.hpp"
+#include "maide/check/verdict/message_account.hpp"
 
 #include <gtest/gtest.h>
 

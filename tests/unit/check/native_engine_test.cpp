@@ -2,7 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "maide/check/explore/engine.hpp"
+#include "maide/check/engines/engine.hpp"
 #include "mailbox_ranks.hpp"
 #include "systems.hpp"
 

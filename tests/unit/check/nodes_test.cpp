@@ -10,9 +10,9 @@
 #include <string>
 #include <vector>
 
-#include "maide/check/explore/check_system.hpp"
-#include "maide/check/explore/engine.hpp"
-#include "maide/check/language/built_in_models.hpp"
+#include "maide/check/engines/engine.hpp"
+#include "maide/check/rules/built_in_models.hpp"
+#include "maide/check/verdict/check_system.hpp"
 #include "systems.hpp"
 
 namespace maide {

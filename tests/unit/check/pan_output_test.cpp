@@ -1,7 +1,7 @@
 // What SPIN and pan print.
 #include <gtest/gtest.h>
 
-#include "maide/check/spin/spin_engine.hpp"
+#include "maide/check/engines/spin_engine.hpp"
 
 namespace maide {
 namespace {

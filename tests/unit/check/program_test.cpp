@@ -1,10 +1,10 @@
-#include "maide/check/language/program.hpp"
+#include "maide/check/system/program.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
-#include "maide/check/language/system.hpp"
+#include "maide/check/system/system.hpp"
 #include "systems.hpp"
 
 namespace maide {

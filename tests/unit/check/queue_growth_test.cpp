@@ -1,6 +1,6 @@
 // Queues that have too many states to make them all: what programs see of one is what they see of
 // the whole, and who gives up says so.
-#include "maide/check/language/queue_growth.hpp"
+#include "maide/check/build/queue_growth.hpp"
 
 #include <gtest/gtest.h>
 
@@ -13,9 +13,9 @@
 #include "maide/base/error.hpp"
 #include "maide/base/random.hpp"
 #include "maide/base/run_control.hpp"
-#include "maide/check/explore/check_system.hpp"
-#include "maide/check/explore/engine.hpp"
-#include "maide/check/language/system_reader.hpp"
+#include "maide/check/build/system_reader.hpp"
+#include "maide/check/engines/engine.hpp"
+#include "maide/check/verdict/check_system.hpp"
 #include "systems.hpp"
 
 namespace maide {

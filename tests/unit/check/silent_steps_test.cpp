@@ -1,7 +1,7 @@
 // Steps that no formula sees.
 #include <gtest/gtest.h>
 
-#include "maide/check/explore/reduction.hpp"
+#include "maide/check/reduce/reduction.hpp"
 #include "systems.hpp"
 
 namespace maide {

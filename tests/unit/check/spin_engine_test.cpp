@@ -1,4 +1,4 @@
-#include "maide/check/spin/spin_engine.hpp"
+#include "maide/check/engines/spin_engine.hpp"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <filesystem>
 
 #include "maide/base/file.hpp"
-#include "maide/check/language/system_file.hpp"
+#include "maide/check/build/system_file.hpp"
 #include "systems.hpp"
 
 namespace maide {

@@ -1,5 +1,5 @@
 // The compact table against a plain set: it may forget nothing and invent nothing, at every size.
-#include "maide/check/explore/state_table.hpp"
+#include "maide/check/packed/state_table.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "maide/check/language/system_file.hpp"
+#include "maide/check/build/system_file.hpp"
 
 #include <gtest/gtest.h>
 

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "maide/automata/interface_automaton.hpp"
-#include "maide/check/language/system_file.hpp"
+#include "maide/check/build/system_file.hpp"
 
 namespace maide::test {
 

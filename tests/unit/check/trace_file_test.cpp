@@ -1,14 +1,14 @@
 // Traces read back: what was written is found again, and a trace of another system is refused with
 // the step that is not possible.
-#include "maide/check/trace/trace_file.hpp"
+#include "maide/check/system/trace_file.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
 
-#include "maide/check/explore/check_system.hpp"
-#include "maide/check/explore/engine.hpp"
+#include "maide/check/engines/engine.hpp"
+#include "maide/check/verdict/check_system.hpp"
 #include "systems.hpp"
 
 namespace maide::test {

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "maide/base/random.hpp"
-#include "maide/check/explore/check_system.hpp"
-#include "maide/check/explore/engine.hpp"
+#include "maide/check/engines/engine.hpp"
+#include "maide/check/verdict/check_system.hpp"
 #include "systems.hpp"
 
 namespace maide {

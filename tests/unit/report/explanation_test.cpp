@@ -6,9 +6,9 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "maide/check/explore/check_system.hpp"
-#include "maide/check/explore/engine.hpp"
-#include "maide/check/language/system_file.hpp"
+#include "maide/check/build/system_file.hpp"
+#include "maide/check/engines/engine.hpp"
+#include "maide/check/verdict/check_system.hpp"
 #include "maide/report/trace_text.hpp"
 #include "scheduled_run.hpp"
 

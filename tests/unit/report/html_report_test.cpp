@@ -5,9 +5,9 @@
 
 #include <sstream>
 
-#include "maide/check/explore/check_system.hpp"
-#include "maide/check/explore/engine.hpp"
-#include "maide/check/language/system_file.hpp"
+#include "maide/check/build/system_file.hpp"
+#include "maide/check/engines/engine.hpp"
+#include "maide/check/verdict/check_system.hpp"
 #include "maide/report/trace_text.hpp"
 
 namespace maide {

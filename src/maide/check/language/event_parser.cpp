@@ -4,8 +4,8 @@
 
 #include "maide/base/text.hpp"
 #include "maide/base/text_cursor.hpp"
-#include "maide/check/language/model_ends.hpp"
 #include "maide/check/language/program_parser.hpp"
+#include "maide/check/rules/model_ends.hpp"
 #include "maide/formats/names.hpp"
 
 namespace maide::program_syntax {

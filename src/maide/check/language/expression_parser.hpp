@@ -7,7 +7,7 @@
 
 #include "maide/check/language/expression.hpp"
 #include "maide/check/language/system_names.hpp"
-#include "maide/check/language/tokens.hpp"
+#include "maide/check/text/tokens.hpp"
 
 namespace maide {
 

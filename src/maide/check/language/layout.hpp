@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-#include "maide/check/language/scalar_text.hpp"
+#include "maide/check/text/scalar_text.hpp"
 
 namespace maide {
 

@@ -16,7 +16,7 @@
 
 #include "maide/check/language/expression_parser.hpp"
 #include "maide/check/language/program_syntax.hpp"
-#include "maide/check/language/tokens.hpp"
+#include "maide/check/text/tokens.hpp"
 
 namespace maide::program_syntax {
 

@@ -12,9 +12,9 @@
 #include <vector>
 
 #include "maide/check/language/expression.hpp"
-#include "maide/check/language/service_model.hpp"
-#include "maide/check/language/system.hpp"
 #include "maide/check/language/system_names.hpp"
+#include "maide/check/rules/service_model.hpp"
+#include "maide/check/system/system.hpp"
 
 namespace maide {
 class SharedActions;

@@ -10,7 +10,7 @@
 
 #include "maide/base/text.hpp"
 #include "maide/check/language/layout.hpp"
-#include "maide/check/language/yaml_reader.hpp"
+#include "maide/check/text/yaml_reader.hpp"
 
 namespace maide {
 namespace {

@@ -12,8 +12,8 @@
 
 #include "maide/automata/interface_automaton.hpp"
 #include "maide/check/language/expression.hpp"
-#include "maide/check/language/program.hpp"
-#include "maide/check/language/scalar_text.hpp"
+#include "maide/check/system/program.hpp"
+#include "maide/check/text/scalar_text.hpp"
 
 namespace maide {
 

@@ -4,8 +4,8 @@
 #include <memory>
 #include <utility>
 
-#include "maide/check/language/model_ends.hpp"
 #include "maide/check/language/program_parser.hpp"
+#include "maide/check/rules/model_ends.hpp"
 
 namespace maide::program_syntax {
 namespace {

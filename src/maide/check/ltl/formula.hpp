@@ -10,9 +10,9 @@
 #include <string>
 #include <vector>
 
-#include "maide/check/language/program.hpp"
-#include "maide/check/language/scalar_text.hpp"
 #include "maide/check/language/system_names.hpp"
+#include "maide/check/system/program.hpp"
+#include "maide/check/text/scalar_text.hpp"
 
 namespace maide {
 

@@ -6,8 +6,8 @@
 
 #include "maide/base/text.hpp"
 #include "maide/check/language/expression_parser.hpp"
-#include "maide/check/language/tokens.hpp"
 #include "maide/check/ltl/formula.hpp"
+#include "maide/check/text/tokens.hpp"
 
 namespace maide {
 namespace {

@@ -1,0 +1,162 @@
+#include "maide/check/build/evaluator.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "maide/base/invariant.hpp"
+#include "maide/check/rules/model_ends.hpp"
+
+namespace maide::program_syntax {
+
+Value Evaluator::evaluate(const Expression& expression, const Values& values,
+                          const SharedValues* shared, const SharedValues* writes) const {
+  return maide::evaluate(expression, [&](const Expression& leaf, std::uint32_t index) {
+    if (!is_shared(leaf)) {
+      MAIDE_CHECK(values[index].has_value());
+      return *values[index];
+    }
+    MAIDE_CHECK(shared != nullptr);
+    if (writes != nullptr) {
+      if (const auto place = writes->find(index); place != writes->end()) return place->second;
+    }
+    const auto place = shared->find(index);
+    if (place == shared->end()) throw SharedDemand{index};
+    return place->second;
+  });
+}
+
+std::uint32_t Evaluator::element(const Expression& leaf, const Values& values) const {
+  std::vector<Value> indices;
+  for (const Expression& index : leaf.operands) indices.push_back(evaluate(index, values));
+  return leaf.index + element_of(leaf, indices);
+}
+
+const Topic* Evaluator::written_topic(const ModelReference& model, const std::string& event,
+                                      const Values& values) const {
+  if (!model.is_topic) return nullptr;
+  const Topic& topic = names_.topics[element(model.leaf, values)];
+  const InterfaceAutomaton& automaton = actions_.model(topic.readers.front().model).automaton;
+  return is_of_writer(automaton, event) ? &topic : nullptr;
+}
+
+void Evaluator::check_end(const ModelReference& model, const Event& event,
+                          const Values& values) const {
+  if (!model.is_topic) return;
+  const bool writes = written_topic(model, event.name, values) != nullptr;
+  const Topic& topic = names_.topics[element(model.leaf, values)];
+  if (topic.has_end(number_, writes, event.node)) return;
+  throw EvaluationError{"this " + std::string(event.node.empty() ? "program" : "node") + " is no " +
+                            (writes ? "writer" : "reader") + " of " + topic.name,
+                        event.line, event.column};
+}
+
+std::uint32_t Evaluator::model_of(const ModelReference& model, const Values& values) const {
+  const std::uint32_t number = element(model.leaf, values);
+  if (!model.is_topic) return number;
+  for (const Topic::Reader& reader : names_.topics[number].readers) {
+    if (reader.program == number_) return reader.model;
+  }
+  return names_.topics[number].readers.front().model;
+}
+
+std::string Evaluator::text_of(Value value, ValueKind kind) const {
+  return to_string(value, kind, actions_.words());
+}
+
+void Evaluator::check_range(const Expression& target, const ValueType& type, Value value) const {
+  if (type.contains(value)) return;
+  throw EvaluationError{target.name + " = " + text_of(value, type.kind) + " is outside of " +
+                            to_string(type, actions_.words()),
+                        target.line, target.column};
+}
+
+void Evaluator::set(const Expression& target, const ValueType& type, Value value,
+                    Values& values) const {
+  check_range(target, type, value);
+  values[element(target, values)] = value;
+}
+
+// ---- inputs and outputs -------------------------------------------------------------------------
+
+std::string Evaluator::name_of(const Event& event, const Values& values) const {
+  if (!event.has_arguments) return event.name;
+  std::string name;
+  for (const auto& argument : event.arguments) {
+    name += name.empty() ? "" : ",";
+    name += text_of(evaluate(argument.expression, values), argument.expression.kind);
+  }
+  return event.name + "(" + name + ")";
+}
+
+Symbol Evaluator::input_of(std::uint32_t model, const Event& event, const Values& values) const {
+  const std::string name = name_of(event, values);
+  const ModelInstance& instance = actions_.model(model);
+  if (const auto symbol = instance.automaton.inputs().find(name)) return *symbol;
+  throw EvaluationError{"model " + instance.name + " has no input '" + name + "'", event.line,
+                        event.column};
+}
+
+bool Evaluator::matches(const Event& pattern, const NameParts& output, const std::string& symbol,
+                        const Values& values) const {
+  if (pattern.is_any || (pattern.name == symbol && !pattern.has_arguments)) return true;
+  if (pattern.name != output.name || output.arguments.empty()) return false;
+  if (!pattern.has_arguments) return true;
+  if (pattern.arguments.size() != output.arguments.size()) return false;
+  for (std::size_t i = 0; i < output.arguments.size(); ++i) {
+    const auto& argument = pattern.arguments[i];
+    if (argument.binds) continue;
+    const Value value = evaluate(argument.expression, values);
+    if (text_of(value, argument.expression.kind) != output.arguments[i]) return false;
+  }
+  return true;
+}
+
+bool Evaluator::binds(const Event& pattern) {
+  return !pattern.has_arguments || std::any_of(pattern.arguments.begin(), pattern.arguments.end(),
+                                               [](const auto& argument) { return argument.binds; });
+}
+
+const Arm* Evaluator::arm_for(const std::string& output, const std::vector<Arm>& arms,
+                              const Values& values) const {
+  for (const bool takes_any : {false, true}) {
+    for (const Arm& arm : arms) {
+      if (arm.is_quiet || binds(arm.output) != takes_any) continue;
+      if (matches(arm.output, split_name(output), output, values)) return &arm;
+    }
+  }
+  return nullptr;
+}
+
+std::vector<const Arm*> Evaluator::arms_of(std::uint32_t model, const std::vector<Arm>& arms,
+                                           const Values& values) const {
+  std::vector<const Arm*> result;
+  for (const std::string& output : actions_.model(model).automaton.outputs().names()) {
+    result.push_back(arm_for(output, arms, values));
+  }
+  return result;
+}
+
+Values Evaluator::bind(const Event& pattern, const std::string& output, Values values) {
+  if (!pattern.has_arguments) return values;
+  const NameParts parts = split_name(output);
+  for (std::size_t i = 0; i < pattern.arguments.size(); ++i) {
+    const auto& argument = pattern.arguments[i];
+    if (!argument.binds) continue;
+    auto [kind, value] = read_value(parts.arguments[i], actions_.words());
+    if (argument.type.kind == ValueKind::word && kind != ValueKind::word) {
+      value = actions_.words().intern(parts.arguments[i]);
+      kind = ValueKind::word;
+    }
+    if (kind != argument.type.kind) {
+      throw EvaluationError{"'" + output + "' does not fit into " + argument.expression.name,
+                            pattern.line, pattern.column};
+    }
+    Expression target = argument.expression;
+    target.line = pattern.line;
+    target.column = pattern.column;
+    set(target, argument.type, value, values);
+  }
+  return values;
+}
+
+}  // namespace maide::program_syntax

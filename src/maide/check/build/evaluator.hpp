@@ -1,0 +1,69 @@
+// What the values of a program's variables decide: the values of expressions, the member of an
+// array that its indices name, the input that is given, the arm that takes an output.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "maide/check/language/program_syntax.hpp"
+#include "maide/check/system/shared_steps.hpp"
+
+namespace maide::program_syntax {
+
+using Values = std::vector<std::optional<Value>>;  // by slot
+
+inline bool is_shared(const Expression& leaf) { return leaf.op == Expression::Operator::shared; }
+
+class Evaluator {
+ public:
+  // `number`: of the program. Keeps references.
+  Evaluator(std::uint32_t number, SharedActions& actions, const Names& names)
+      : number_(number), actions_(actions), names_(names) {}
+
+ protected:
+  // `shared`: values of shared variables; null: it reads none.
+  Value evaluate(const Expression& expression, const Values& values,
+                 const SharedValues* shared = nullptr, const SharedValues* writes = nullptr) const;
+  // The slot or model that a variable or model with indices stands for.
+  std::uint32_t element(const Expression& leaf, const Values& values) const;
+  // The topic, if the reference is one and the program writes that; none of what stands for a
+  // model.
+  const Topic* written_topic(const ModelReference& model, const std::string& event,
+                             const Values& values) const;
+  // Throws EvaluationError: the program has no such end of the topic.
+  void check_end(const ModelReference& model, const Event& event, const Values& values) const;
+  // The instance: of a topic the one that this program reads; or the first, whose alphabet is that
+  // of all.
+  std::uint32_t model_of(const ModelReference& model, const Values& values) const;
+  std::string text_of(Value value, ValueKind kind) const;
+  // Throws EvaluationError: the value is outside of the type.
+  void check_range(const Expression& target, const ValueType& type, Value value) const;
+  void set(const Expression& target, const ValueType& type, Value value, Values& values) const;
+
+  // ---- inputs and outputs -----------------------------------------------------------------------
+
+  // The name with its values: "write(3)".
+  std::string name_of(const Event& event, const Values& values) const;
+  // Throws EvaluationError: the model has no such input.
+  Symbol input_of(std::uint32_t model, const Event& event, const Values& values) const;
+  // Whether the arm is for an output of that name.
+  bool matches(const Event& pattern, const NameParts& output, const std::string& symbol,
+               const Values& values) const;
+  static bool binds(const Event& pattern);
+  // The arm that takes the output: one that names its values before one that does not; or null.
+  const Arm* arm_for(const std::string& output, const std::vector<Arm>& arms,
+                     const Values& values) const;
+  // By output symbol of the model.
+  std::vector<const Arm*> arms_of(std::uint32_t model, const std::vector<Arm>& arms,
+                                  const Values& values) const;
+  // The values after the output was taken. Throws EvaluationError: a value outside of its variable.
+  Values bind(const Event& pattern, const std::string& output, Values values);
+
+  std::uint32_t number_ = 0;  // of the program
+  SharedActions& actions_;
+  const Names& names_;
+};
+
+}  // namespace maide::program_syntax

@@ -1,0 +1,361 @@
+// Steps of a program with its models: an input that is given, an output that is taken; and those of
+// `select`: each arm whose guard holds and whose model can take its part, and `otherwise` or
+// `timeout` where there is none.
+#include <algorithm>
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "maide/check/build/unroller.hpp"
+
+namespace maide::program_syntax {
+
+void Unroller::expand_rendezvous(const Place& place, const Statement& statement,
+                                 const Values& values) {
+  const std::uint32_t model = model_of(statement.model, values);
+  if (names_.services.contains(model)) return expand_service(place, statement, values, model);
+  using Kind = ModelUse::Kind;
+  if (place.phase == Phase::before) {
+    const Symbol input = input_of(model, statement.input, values);
+    const ControlState target =
+        statement.arms.empty()
+            ? settle(behind(place.frame), values)
+            : control_state({place.frame, Phase::awaits, 0, place.valuation, 0, 0});
+    if (const Topic* topic = written_topic(statement.model, statement.input.name, values)) {
+      const std::string name = name_of(statement.input, values);
+      for (const Writing& way : writings(*topic, name, WriteKind::statement)) {
+        add_joint({Joint::Role::step, way.uses, way.events, topic->name + "." + name, 0}, target,
+                  statement.line, statement.column);
+      }
+      return;
+    }
+    return add_edge({Kind::give, model, input}, target, statement.line, statement.column);
+  }
+  const std::vector<const Arm*> taken = arms_of(model, statement.arms, values);
+  const Alphabet& outputs = actions_.model(model).automaton.outputs();
+  for (const Arm& arm : statement.arms) {
+    if (arm.is_quiet) {
+      const ControlState target = settle(enter(*arm.body, behind(place.frame)), values);
+      if (const Topic* topic = written_topic(statement.model, statement.input.name, values)) {
+        for (Uses& uses : quiet_of(*topic)) {
+          add_joint({Joint::Role::step, std::move(uses), {}, "quiet", 0}, target, arm.line,
+                    arm.column);
+        }
+      } else {
+        add_edge({Kind::quiet, model, 0}, target, arm.line, arm.column);
+      }
+      continue;
+    }
+    const Topic* topic = written_topic(statement.model, arm.output.name, values);
+    for (Symbol output = 0; output < outputs.size(); ++output) {
+      if (taken[output] != &arm) continue;
+      const std::string& name = outputs.name(output);
+      const ControlState target = take(arm.output, *arm.body, behind(place.frame), name, values);
+      if (topic == nullptr) {
+        add_edge({Kind::take, model, output}, target, arm.line, arm.column);
+      } else {
+        for (Taking& way : takings(*topic)) {
+          if (way.output != name) continue;
+          add_joint({Joint::Role::step, std::move(way.uses), std::move(way.events),
+                     topic->name + "!" + name, 0},
+                    target, arm.line, arm.column);
+        }
+      }
+    }
+  }
+}
+
+void Unroller::expand_select(const Place& place, const Statement& statement, const Values& values) {
+  for (const SelectArm& arm : statement.select_arms) {
+    const bool waits =
+        arm.kind == SelectArm::Kind::otherwise || arm.kind == SelectArm::Kind::timeout;
+    if (waits) {
+      expand_otherwise(place, statement, arm, values);
+      continue;
+    }
+    const Callback* const of = arm.starts != nullptr ? arm.starts : arm.callback;
+    const std::uint32_t fair = fair_group(of, arm.line, arm.column, 0, false, text_of(arm));
+    if (!arm.guard) {
+      expand_arm(place, arm, values, arm.starts != nullptr ? arm.starts->start : Uses{}, fair);
+      continue;
+    }
+    for (auto& [conditions, result] : outcomes(*arm.guard, values, at(arm.line, arm.column))) {
+      if (!result.value) {
+        add_joint({Joint::Role::arm, actions_.variables(conditions, {}), {}, "when", fair},
+                  error_state(result.error, result.line, result.column), arm.line, arm.column);
+      } else if (*result.value != 0) {
+        expand_arm(place, arm, values, actions_.variables(conditions, {}), fair);
+      }
+    }
+  }
+}
+
+std::string Unroller::text_of(const SelectArm& arm) {
+  if (arm.starts != nullptr) return arm.starts->whole_name();
+  switch (arm.kind) {
+    case SelectArm::Kind::input: return arm.model.name() + "." + arm.event.name;
+    case SelectArm::Kind::output: return arm.model.name() + "!" + arm.event.name;
+    default: return "when";
+  }
+}
+
+void Unroller::expand_arm(const Place& place, const SelectArm& arm, const Values& values,
+                          const std::vector<ModelUse>& conditions, std::uint32_t fair) {
+  const auto add = [&](std::vector<ModelUse> uses, const std::vector<ModelUse>& events,
+                       const std::string& text, ControlState target) {
+    const std::string prefix = arm.starts != nullptr ? arm.starts->whole_name() + " starts" : "";
+    std::vector<Uses> ways = combine({std::move(uses)}, {conditions});
+    const bool is_timer = arm.starts != nullptr && arm.starts->kind == Callback::Kind::timer;
+    std::optional<std::uint32_t> callback;
+    if (arm.starts != nullptr) callback = arm.starts->number;
+    for (Uses& way : ways) {
+      add_joint({is_timer ? Joint::Role::timer : Joint::Role::arm, std::move(way), events,
+                 prefix + (prefix.empty() || text.empty() ? "" : ": ") + text, fair, callback},
+                target, arm.line, arm.column);
+    }
+  };
+  const FrameId next = arm.end ? enter(*arm.end, behind(place.frame)) : behind(place.frame);
+  if (arm.starts != nullptr && arm.starts->kind != Callback::Kind::subscription) {
+    auto [uses, events] = start_of(arm);
+    return add(std::move(uses), events, "", settle(enter(*arm.body, next), values));
+  }
+  if (arm.kind == SelectArm::Kind::guard) {
+    const std::string text = conditions.empty() ? "when" : text_of(conditions, actions_);
+    return add({}, {}, text, settle(enter(*arm.body, next), values));
+  }
+  try {
+    check_arm(arm, values);
+  } catch (const EvaluationError& error) {
+    return add({}, {}, "when", error_state(error.text, error.line, error.column));
+  }
+  if (const Topic* topic = written_topic(arm.model, arm.event.name, values)) {
+    return expand_topic_arm(place, arm, *topic, values, add);
+  }
+  const std::uint32_t model = model_of(arm.model, values);
+  const InterfaceAutomaton& automaton = actions_.model(model).automaton;
+  const Alphabet& outputs = automaton.outputs();
+  using Kind = ModelUse::Kind;
+  if (names_.services.contains(model)) {
+    const ServiceArm way = service_arm(arm, model);
+    const bool gives = arm.kind == SelectArm::Kind::input;
+    const Block& body = arm.body ? *arm.body : *arm.arms.front().body;
+    return add({names_.services.at(model).rules->use(actions_, model, way.use)},
+               events_of(model, gives ? arm.event.name : "", way.output.value_or("")),
+               names_.services.at(model).name + (gives ? "." + arm.event.name : "") +
+                   (way.output ? (gives ? " -> " : "!") + *way.output : ""),
+               settle(enter(body, next), values));
+  }
+  if (arm.kind == SelectArm::Kind::output) {
+    for (Symbol output = 0; output < outputs.size(); ++output) {
+      const std::string& name = outputs.name(output);
+      if (!matches(arm.event, split_name(name), name, values)) continue;
+      const ModelUse use{Kind::take, model, output};
+      add({use}, {use}, actions_.model(model).name + "!" + name,
+          take(arm.event, *arm.body, next, name, values));
+    }
+    return;
+  }
+  const Symbol input = input_of(model, arm.event, values);
+  const std::string text = actions_.model(model).name + "." + automaton.inputs().name(input);
+  const ModelUse given{Kind::give, model, input};
+  const std::vector<const Arm*> taken = arms_of(model, arm.arms, values);
+  bool has_arm = arm.arms.empty();
+  for (const InputWay& way : ways_of(arm, model, input)) {
+    if (way.is_beyond) {
+      add({way.use}, {given}, text, control_state(place));
+    } else if (!way.output) {
+      add({way.use}, {given}, text, settle(enter(*arm.body, next), values));
+    } else {
+      const std::string& name = outputs.name(*way.output);
+      const Arm* of = taken[*way.output];
+      has_arm = has_arm || of != nullptr;
+      const ControlState target =
+          of != nullptr ? take(of->output, *of->body, next, name, values)
+                        : error_state(text + " -> " + name + ": this 'select' has no arm for it",
+                                      arm.line, arm.column);
+      add({way.use}, {given, {Kind::take, model, *way.output}}, text + " -> " + name, target);
+    }
+  }
+  if (!has_arm) {
+    throw ParseError("this arm's outputs never follow " + text + " at once",
+                     at(arm.line, arm.column));
+  }
+}
+
+std::vector<Unroller::InputWay> Unroller::ways_of(const SelectArm& arm, std::uint32_t model,
+                                                  Symbol input) {
+  std::vector<InputWay> ways;
+  const auto add = [&](const std::optional<ModelUse>& use, std::optional<Symbol> output,
+                       bool is_beyond) {
+    if (use) ways.push_back({*use, output, is_beyond});
+  };
+  const std::size_t outputs = actions_.model(model).automaton.outputs().size();
+  for (Symbol output = 0; output < outputs; ++output) {
+    add(actions_.input_and_output(model, input, output), output, false);
+  }
+  if (arm.body && ways.empty()) {
+    add(ModelUse{ModelUse::Kind::give, model, input}, std::nullopt, false);
+    return ways;
+  }
+  if (arm.body) add(actions_.input_and_output(model, input, std::nullopt), std::nullopt, false);
+  if (actions_.model(model).when_unexplored == WhenUnexplored::stop) {
+    add(actions_.beyond(model, input), std::nullopt, true);
+  }
+  return ways;
+}
+
+void Unroller::expand_otherwise(const Place& place, const Statement& statement,
+                                const SelectArm& waiting, const Values& values) {
+  using Guards = std::vector<std::int8_t>;  // by arm: 1 it holds, 0 it does not, -1 an error
+  SharedValues known;
+  const std::function<Guards(const SharedValues&)> run = [&](const SharedValues& shared) {
+    Guards guards;
+    for (const SelectArm& arm : statement.select_arms) {
+      try {
+        guards.push_back(!arm.guard || evaluate(*arm.guard, values, &shared) != 0 ? 1 : 0);
+      } catch (const EvaluationError&) {
+        guards.push_back(-1);
+      }
+    }
+    return guards;
+  };
+  const bool is_timeout = waiting.kind == SelectArm::Kind::timeout;
+  for (const auto& [conditions, guards] :
+       outcomes_of(run, actions_, at(waiting.line, waiting.column), known)) {
+    for (Uses& uses : idle_uses(statement, guards, values)) {
+      for (const ModelUse& use : actions_.variables(conditions, {})) uses.push_back(use);
+      const ControlState target = settle(enter(*waiting.body, behind(place.frame)), values);
+      add_joint({is_timeout ? Joint::Role::timeout : Joint::Role::otherwise,
+                 std::move(uses),
+                 {},
+                 is_timeout ? "timeout" : "otherwise",
+                 0},
+                target, waiting.line, waiting.column);
+    }
+  }
+}
+
+std::vector<Uses> Unroller::idle_uses(const Statement& statement,
+                                      const std::vector<std::int8_t>& guards,
+                                      const Values& values) {
+  std::map<std::uint32_t, std::vector<ModelUse>> by_model;
+  std::map<const Topic*, std::vector<WriteArm>> by_topic;
+  std::map<std::uint32_t, Uses> by_service;
+  for (std::size_t i = 0; i < guards.size(); ++i) {
+    const SelectArm& arm = statement.select_arms[i];
+    if (guards[i] == 0 || arm.kind == SelectArm::Kind::otherwise ||
+        arm.kind == SelectArm::Kind::timeout) {
+      continue;
+    }
+    if (guards[i] < 0 || arm.kind == SelectArm::Kind::guard) return {};
+    try {
+      const bool is_input = arm.kind == SelectArm::Kind::input;
+      if (const Topic* topic = written_topic(arm.model, arm.event.name, values)) {
+        check_arm(arm, values);
+        std::vector<WriteArm>& arms = by_topic[topic];
+        if (is_input) arms.push_back({name_of(arm.event, values), kind_of(arm)});
+        continue;
+      }
+      const std::uint32_t model = model_of(arm.model, values);
+      if (names_.services.contains(model)) {
+        const ServiceArm way = service_arm(arm, model);
+        ServiceModel& rules = *names_.services.at(model).rules;
+        Uses& uses = by_service[model];
+        uses.push_back(rules.use(actions_, model, way.use));
+        if (way.due) uses.push_back(rules.use(actions_, model, *way.due));
+        continue;
+      }
+      std::vector<ModelUse>& uses = by_model[model];
+      if (!is_input) continue;  // quiescence says it
+      for (const InputWay& way : ways_of(arm, model, input_of(model, arm.event, values))) {
+        uses.push_back(way.use);
+      }
+    } catch (const EvaluationError&) {
+      return {};  // the arm is an error
+    }
+  }
+  std::vector<Uses> ways{{}};
+  for (auto& [model, taking] : by_model) {
+    const auto idle = actions_.idle(model, taking);
+    if (!idle) return {};
+    ways.front().push_back(*idle);
+  }
+  for (const auto& [model, taking] : by_service) {
+    ways.front().push_back(actions_.impossible(model, taking));
+  }
+  for (const auto& [topic, arms] : by_topic) ways = combine(ways, idle_of(*topic, arms));
+  return ways;
+}
+
+std::vector<Uses> Unroller::combine(const std::vector<Uses>& some,
+                                    const std::vector<Uses>& others) {
+  std::vector<Uses> result;
+  for (const Uses& one : some) {
+    for (const Uses& other : others) {
+      Uses together = one;
+      bool is_possible = true;
+      for (const ModelUse& use : other) {
+        const auto same =
+            std::find_if(together.begin(), together.end(),
+                         [&](const ModelUse& known) { return known.model == use.model; });
+        if (same == together.end()) {
+          together.push_back(use);
+        } else if (const auto both = actions_.both(*same, use)) {
+          *same = *both;
+        } else {
+          is_possible = false;
+        }
+      }
+      if (is_possible) result.push_back(std::move(together));
+    }
+  }
+  return result;
+}
+
+Unroller::WriteKind Unroller::kind_of(const SelectArm& arm) {
+  return arm.body ? WriteKind::bare_arm : WriteKind::arm_with_outputs;
+}
+
+template <typename Add>
+void Unroller::expand_topic_arm(const Place& place, const SelectArm& arm, const Topic& topic,
+                                const Values& values, const Add& add) {
+  const FrameId next = behind(place.frame);
+  if (arm.kind == SelectArm::Kind::output) {
+    for (Taking& way : takings(topic)) {
+      const std::string& name = way.output;
+      if (!matches(arm.event, split_name(name), name, values)) continue;
+      add(std::move(way.uses), std::move(way.events), topic.name + "!" + name,
+          take(arm.event, *arm.body, next, name, values));
+    }
+    return;
+  }
+  const std::string input = name_of(arm.event, values);
+  const std::string text = topic.name + "." + input;
+  bool has_way = arm.body != nullptr;
+  for (const Writing& way : writings(topic, input, kind_of(arm))) {
+    ControlState target = 0;
+    std::string whole = text;
+    if (way.is_beyond) {
+      target = control_state(place);
+    } else if (!way.output) {
+      target = settle(enter(*arm.body, next), values);
+    } else {
+      whole += " -> " + *way.output;
+      const Arm* of = arm_for(*way.output, arm.arms, values);
+      has_way = has_way || of != nullptr;
+      target = of != nullptr
+                   ? take(of->output, *of->body, next, *way.output, values)
+                   : error_state(whole + ": this 'select' has no arm for it", arm.line, arm.column);
+    }
+    add(way.uses, way.events, whole, target);
+  }
+  if (!has_way) {
+    throw ParseError("this arm's outputs never follow " + text + " at once",
+                     at(arm.line, arm.column));
+  }
+}
+
+}  // namespace maide::program_syntax

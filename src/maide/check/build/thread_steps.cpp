@@ -1,0 +1,253 @@
+// Steps of programs with services, and of the threads that run callbacks: a callback starts, it
+// ends, an executor that goes by rounds looks.
+#include <algorithm>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "maide/check/build/unroller.hpp"
+
+namespace maide::program_syntax {
+namespace {
+
+using Kind = ServiceModel::Operation::Kind;
+constexpr std::uint32_t nobody = ~std::uint32_t{0};
+
+// What may be due when that input was given.
+ServiceModel::Operation due_behind(const ServiceModel::Operation& given) {
+  if (given.kind == Kind::answer) return {Kind::answer_due, 0, 0};
+  if (given.kind == Kind::receive) return {Kind::take_answer, given.client, nobody};
+  return {Kind::take_request, 0, 0};
+}
+
+}  // namespace
+
+// ---- services -----------------------------------------------------------------------------------
+
+Unroller::ServiceUse Unroller::operation_of(const Service& service, const std::string& name,
+                                            bool is_input, const Callback* callback) const {
+  const bool serves = callback != nullptr && callback->kind == Callback::Kind::service;
+  const std::uint32_t server_run = serves ? callback->run : 0;
+  if (name == "serve") return {Kind::serve, 0, 0};
+  if (name == "request") return {Kind::take_request, 0, 0};
+  if (is_input && name == "answer") return {Kind::answer, 0, server_run};
+  const std::string node = callback != nullptr ? callback->node : "";
+  const std::uint32_t client = service.client_of(node, number_).value_or(0);
+  // Where the client has code of its own, no callback waits for what it asked.
+  const bool may_wait = callback != nullptr && !service.own_code.contains(node);
+  const std::uint32_t run = may_wait ? callback->asker : nobody;
+  if (!is_input) return {callback != nullptr ? Kind::wait : Kind::take_answer, client, run};
+  const bool sends = name == ServiceModel::name_at("send", client);
+  return {sends ? Kind::send : Kind::receive, client, run};
+}
+
+Uses Unroller::events_of(std::uint32_t model, const std::string& input,
+                         const std::string& output) const {
+  const InterfaceAutomaton& automaton = actions_.model(model).automaton;
+  Uses events;
+  if (const auto symbol = automaton.inputs().find(input)) {
+    events.push_back({ModelUse::Kind::give, model, *symbol});
+  }
+  if (const auto symbol = automaton.outputs().find(output)) {
+    events.push_back({ModelUse::Kind::take, model, *symbol});
+  }
+  return events;
+}
+
+void Unroller::expand_service(const Place& place, const Statement& statement, const Values& values,
+                              std::uint32_t model) {
+  const Service& service = names_.services.at(model);
+  const auto add = [&](const ServiceUse& use, const std::string& input, const std::string& output,
+                       const std::string& text, ControlState target, int line, int column) {
+    add_joint({Joint::Role::step,
+               {service.rules->use(actions_, model, use)},
+               events_of(model, input, output),
+               text,
+               0},
+              target, line, column);
+  };
+  const std::string& input = statement.input.name;
+  if (place.phase == Phase::before) {
+    const ControlState target =
+        statement.arms.empty()
+            ? settle(behind(place.frame), values)
+            : control_state({place.frame, Phase::awaits, 0, place.valuation, 0, 0});
+    return add(operation_of(service, input, true, statement.callback), input, "",
+               service.name + "." + input, target, statement.line, statement.column);
+  }
+  for (const Arm& arm : statement.arms) {
+    if (!arm.is_quiet) {
+      const std::string& output = arm.output.name;
+      add(operation_of(service, output, false, statement.callback), "", output,
+          service.name + "!" + output,
+          take(arm.output, *arm.body, behind(place.frame), output, values), arm.line, arm.column);
+      continue;
+    }
+    const ServiceUse given = operation_of(service, input, true, statement.callback);
+    const ModelUse due = service.rules->use(actions_, model, due_behind(given));
+    add_joint({Joint::Role::step, {actions_.impossible(model, {due})}, {}, "quiet", 0},
+              settle(enter(*arm.body, behind(place.frame)), values), arm.line, arm.column);
+  }
+}
+
+Unroller::ServiceArm Unroller::service_arm(const SelectArm& arm, std::uint32_t model) const {
+  const Service& service = names_.services.at(model);
+  const std::string& name = arm.event.name;
+  if (arm.kind == SelectArm::Kind::output) {
+    return {operation_of(service, name, false, arm.callback), name, std::nullopt};
+  }
+  ServiceArm way{operation_of(service, name, true, arm.callback), std::nullopt, std::nullopt};
+  const ServiceUse given = way.use;
+  way.due = due_behind(given);
+  if (arm.body) return way;
+  const std::string& output = arm.arms.front().output.name;
+  const bool follows =
+      arm.arms.size() == 1 &&
+      ((given.kind == Kind::serve && output == "request") ||
+       (given.kind == Kind::receive && output == ServiceModel::name_at("answer", given.client)));
+  if (!follows) {
+    throw ParseError("this arm's outputs never follow " + service.name + "." + name + " at once",
+                     at(arm.line, arm.column));
+  }
+  way.use.kind = given.kind == Kind::serve ? Kind::serve_at_once : Kind::receive_at_once;
+  way.output = output;
+  return way;
+}
+
+// ---- callbacks ----------------------------------------------------------------------------------
+
+std::pair<Uses, Uses> Unroller::start_of(const SelectArm& arm) {
+  const Callback& callback = *arm.starts;
+  if (callback.kind == Callback::Kind::timer) return {};
+  const Service& service = names_.services.at(callback.model);
+  if (callback.kind == Callback::Kind::service) {
+    return {{service.rules->use(actions_, callback.model, {Kind::serve_at_once, 0, callback.run})},
+            events_of(callback.model, "serve", "request")};
+  }
+  const std::uint32_t client = service.client_of(callback.node, number_).value_or(0);
+  const Kind kind = callback.has_code ? Kind::take_own : Kind::hand_over;
+  return {{service.rules->use(actions_, callback.model, {kind, client, nobody})},
+          events_of(callback.model, ServiceModel::name_at("receive", client),
+                    callback.has_code ? ServiceModel::name_at("answer", client) : "")};
+}
+
+ModelUse Unroller::discard_of(const SelectArm& arm) {
+  const Callback& callback = *arm.starts;
+  const Service& service = names_.services.at(callback.model);
+  const std::uint32_t client = service.client_of(callback.node, number_).value_or(0);
+  return service.rules->use(actions_, callback.model, {Kind::take_others, client, nobody});
+}
+
+void Unroller::expand_discard(const Place& place, const SelectArm& arm, const Values& values,
+                              const Uses& conditions) {
+  if (arm.starts->kind != Callback::Kind::client) return;
+  const bool is_one = names_.services.at(arm.starts->model).takes_one_by_one;
+  for (Uses& way : combine({{discard_of(arm)}}, {conditions})) {
+    add_joint({Joint::Role::discard,
+               std::move(way),
+               {},
+               arm.starts->whole_name() + " throws away " +
+                   (is_one ? "an answer to another" : "answers to others"),
+               0,
+               arm.starts->number},
+              settle(place.frame, values), arm.line, arm.column);
+  }
+}
+
+std::vector<Uses> Unroller::nothing_for(const SelectArm& arm, const Values& values) {
+  if (arm.starts->kind != Callback::Kind::subscription) {
+    const std::uint32_t service = arm.starts->model;
+    Uses taking = start_of(arm).first;
+    if (arm.starts->kind == Callback::Kind::client) taking.push_back(discard_of(arm));
+    return {{actions_.impossible(service, taking)}};
+  }
+  const std::uint32_t model = model_of(arm.model, values);
+  Uses taking;
+  if (arm.kind == SelectArm::Kind::input) {
+    for (const InputWay& way : ways_of(arm, model, input_of(model, arm.event, values))) {
+      taking.push_back(way.use);
+    }
+  } else {
+    const Alphabet& outputs = actions_.model(model).automaton.outputs();
+    for (Symbol output = 0; output < outputs.size(); ++output) {
+      const std::string& name = outputs.name(output);
+      if (!matches(arm.event, split_name(name), name, values)) continue;
+      taking.push_back({ModelUse::Kind::take, model, output});
+    }
+  }
+  return {{actions_.impossible(model, taking)}};
+}
+
+void Unroller::expand_rounds(const Place& place, const Statement& statement, const Values& values) {
+  const std::uint32_t slot = statement.target.index;
+  const auto left = static_cast<std::uint64_t>(*values[slot]);
+  // The first of those that the last look found starts; what has nothing any more is passed over.
+  std::vector<Uses> passed{{}};
+  for (std::size_t i = 0; i < statement.select_arms.size(); ++i) {
+    if ((left >> i & 1) == 0) continue;
+    const SelectArm& arm = statement.select_arms[i];
+    Values behind_it = values;
+    behind_it[slot] = static_cast<Value>(left & ~((std::uint64_t{2} << i) - 1));
+    for (const Uses& conditions : passed) {
+      expand_arm(place, arm, behind_it, conditions, 0);
+      expand_discard(place, arm, behind_it, conditions);
+    }
+    if (arm.starts->kind == Callback::Kind::timer) return;
+    passed = combine(passed, nothing_for(arm, values));
+  }
+  // By which callbacks there is something for: each of some ways.
+  struct Look {
+    std::vector<Uses> ways;
+    std::uint64_t found = 0;
+    std::string text;
+  };
+  std::vector<Look> looks{{std::move(passed), 0, ""}};
+  std::uint64_t timers = 0;
+  for (std::size_t i = 0; i < statement.select_arms.size(); ++i) {
+    const SelectArm& arm = statement.select_arms[i];
+    const bool is_timer = arm.starts->kind == Callback::Kind::timer;
+    if (is_timer) timers |= std::uint64_t{1} << i;
+    const std::vector<Uses> nothing = is_timer ? std::vector<Uses>{{}} : nothing_for(arm, values);
+    std::vector<Uses> something{{}};
+    if (!is_timer)
+      something = {{actions_.impossible(nothing.front().front().model, nothing.front())}};
+    std::vector<Look> next;
+    for (const Look& look : looks) {
+      next.push_back({combine(look.ways, nothing), look.found, look.text});
+      next.push_back({combine(look.ways, something), look.found | std::uint64_t{1} << i,
+                      look.text + (look.text.empty() ? "" : ", ") + arm.starts->whole_name()});
+    }
+    looks = std::move(next);
+  }
+  for (const Look& look : looks) {
+    if (look.found == 0) continue;
+    Values behind_it = values;
+    behind_it[slot] = static_cast<Value>(look.found);
+    const ControlState target = settle(place.frame, behind_it);
+    // On fair runs each timer is due again and again, alone and together with others.
+    std::uint32_t fair = 0;
+    if (timers != 0) {
+      fair = fair_group(nullptr, statement.line, statement.column,
+                        static_cast<Value>(look.found & timers), false, "a look");
+    }
+    for (const Uses& way : look.ways) {
+      add_joint({Joint::Role::look, way, {}, "finds " + look.text, fair}, target, statement.line,
+                statement.column);
+    }
+  }
+}
+
+void Unroller::expand_end(const Place& place, const Statement& statement, const Values& values) {
+  const Callback& callback = *statement.callback;
+  Uses uses = callback.end;
+  for (const std::uint32_t model : statement.services) {
+    const Service& service = names_.services.at(model);
+    const auto client = service.client_of(callback.node, number_);
+    if (!client || service.own_code.contains(callback.node)) continue;
+    uses.push_back(service.rules->use(actions_, model, {Kind::end_run, *client, callback.asker}));
+  }
+  add_joint({Joint::Role::end, std::move(uses), {}, callback.whole_name() + " ends", 0},
+            settle(behind(place.frame), values), statement.line, statement.column);
+}
+
+}  // namespace maide::program_syntax

@@ -1,0 +1,282 @@
+#include "maide/check/build/unroller.hpp"
+
+#include <algorithm>
+#include <functional>
+#include <utility>
+
+namespace maide::program_syntax {
+
+Program Unroller::run() {
+  check_loops(tree_.statements);
+  settle(intern({&tree_.statements, 0, 1, 1, no_frame}), tree_.initial);
+  for (std::size_t next = 0; next < places_.size(); ++next) expand(places_[next]);
+  return std::move(program_);
+}
+
+void Unroller::add_edge(const ModelUse& use, ControlState target, int line, int column) {
+  program_.edges.push_back({use, target, line, column});
+}
+
+void Unroller::add_joint(Joint joint, ControlState target, int line, int column) {
+  std::sort(joint.uses.begin(), joint.uses.end(),
+            [](const ModelUse& a, const ModelUse& b) { return a.model < b.model; });
+  const auto number = static_cast<Symbol>(program_.joints.size());
+  program_.joints.push_back(std::move(joint));
+  add_edge({ModelUse::Kind::joint, 0, number}, target, line, column);
+}
+
+std::uint32_t Unroller::fair_group(const Callback* callback, int line, int column, Value outcome,
+                                   bool on_weak_runs, const std::string& text) {
+  const auto [place, is_new] = fair_ids_.try_emplace(
+      {callback, line, column, outcome}, static_cast<std::uint32_t>(program_.fair_groups.size()));
+  if (is_new) program_.fair_groups.push_back({on_weak_runs, text});
+  return place->second;
+}
+
+void Unroller::expand(const Place place) {
+  Program::State state;
+  state.first_edge = static_cast<std::uint32_t>(program_.edges.size());
+  state.label_set = place.label_set;
+  state.round = frame_rounds_[place.frame];
+  state.valuation = place.valuation;
+  state.error = place.error;
+  const bool may_go_on = place.frame != no_frame;
+  if (may_go_on) {
+    const Statement& statement = statement_at(place.frame);
+    state.may_rest = statement.is_idle && place.phase != Phase::writes;
+    expand(place, statement);
+    if (may_die_) add_death(place);
+  }
+  state.edge_count = static_cast<std::uint32_t>(program_.edges.size()) - state.first_edge;
+  state.waits = state.edge_count == 0 && may_go_on;
+  program_.states.push_back(state);
+}
+
+void Unroller::expand(const Place& place, const Statement& statement) {
+  const Values values = program_.valuations[place.valuation];
+  using Kind = Statement::Kind;
+  switch (statement.kind) {
+    case Kind::choice: expand_choice(place, statement, values); break;
+    case Kind::choose: {
+      if (place.phase == Phase::writes) {
+        add_write(place, statement, place.pending, values);
+      } else {
+        expand_any(place, statement, values);
+      }
+      break;
+    }
+    case Kind::assign: expand_assign(place, statement, values); break;
+    case Kind::when:
+    case Kind::repeat_while: expand_condition(place, statement, values); break;
+    case Kind::atomic: expand_atomic(place, statement, values); break;
+    case Kind::select: expand_select(place, statement, values); break;
+    case Kind::rounds: expand_rounds(place, statement, values); break;
+    case Kind::end_callback: expand_end(place, statement, values); break;
+    default: expand_rendezvous(place, statement, values); break;
+  }
+}
+
+void Unroller::add_death(const Place& place) {
+  Values values = program_.valuations[place.valuation];
+  for (FrameId id = place.frame; id != no_frame;) id = leave(id, values);
+  const ControlState end = control_state({no_frame, Phase::before, 0, intern_values(values), 0, 0});
+  for (const Uses& uses : deaths()) {
+    add_joint({Joint::Role::death, uses, {}, program_.name + " dies", 0}, end,
+              program_.position.line, program_.position.column);
+  }
+}
+
+const std::vector<Uses>& Unroller::deaths() {
+  if (!deaths_.empty()) return deaths_;
+  deaths_.emplace_back();
+  if (const auto own = names_.deaths.find(number_); own != names_.deaths.end()) {
+    for (const auto& [model, steps] : own->second) {
+      deaths_.front().push_back(actions_.action(model, program_.name + " dies",
+                                                [&own_steps = steps] { return own_steps; }));
+    }
+  }
+  for (const Topic& topic : names_.topics) {
+    const std::vector<Uses> ways = deaths_at(topic);
+    std::vector<Uses> all;
+    for (const Uses& before : deaths_) {
+      for (const Uses& way : ways) {
+        all.push_back(before);
+        all.back().insert(all.back().end(), way.begin(), way.end());
+      }
+    }
+    deaths_ = std::move(all);
+  }
+  return deaths_;
+}
+
+void Unroller::expand_choice(const Place& place, const Statement& statement, const Values& values) {
+  for (const Symbol branch : {0U, 1U}) {
+    const Block& body = branch == 0 ? *statement.body : *statement.otherwise;
+    const ControlState target = settle(enter(body, behind(place.frame)), values);
+    if (!statement.is_fair) {
+      add_edge({ModelUse::Kind::choice, 0, branch}, target, statement.line, statement.column);
+      continue;
+    }
+    const std::string text = branch == 0 ? "if fair *" : "if fair *, else";
+    const auto fair =
+        fair_group(statement.callback, statement.line, statement.column, branch, true, text);
+    add_joint({Joint::Role::choice, {}, {}, text, fair}, target, statement.line, statement.column);
+  }
+}
+
+void Unroller::expand_any(const Place& place, const Statement& statement, const Values& values) {
+  const Value low = evaluate(*statement.expression, values);
+  const Value high = evaluate(statement.upper, values);
+  if (distance(low, high) >= max_outcomes) {
+    throw ParseError("'any' chooses from more than " + std::to_string(max_outcomes) + " values",
+                     at(statement.line, statement.column));
+  }
+  for (Value value = low; value <= high; ++value) {
+    const std::string text = statement.target.name + " = " + std::to_string(value);
+    std::uint32_t fair = 0;
+    if (statement.is_fair) {
+      fair = fair_group(statement.callback, statement.line, statement.column, value, true, text);
+    }
+    add_joint({Joint::Role::choice, {}, {}, text, fair},
+              with_value(place, statement, value, values), statement.line, statement.column);
+  }
+}
+
+ControlState Unroller::with_value(const Place& place, const Statement& statement, Value value,
+                                  Values values) {
+  if (is_shared(statement.target)) {
+    return control_state({place.frame, Phase::writes, 0, place.valuation, 0, value});
+  }
+  try {
+    assign(statement, value, values);
+  } catch (const EvaluationError& error) {
+    return error_state(error.text, error.line, error.column);
+  }
+  return settle(behind(place.frame), std::move(values));
+}
+
+void Unroller::add_write(const Place& place, const Statement& statement, Value value,
+                         const Values& values) {
+  const std::uint32_t model = element(statement.target, values);
+  Joint joint;
+  joint.text = actions_.model(model).name + " = " + text_of(value, statement.type.kind);
+  ControlState target = 0;
+  try {
+    check_range(statement.target, statement.type, value);
+    joint.uses.push_back(actions_.variable(model, nullptr, value));
+    target = settle(behind(place.frame), values);
+  } catch (const EvaluationError& error) {
+    target = error_state(error.text, error.line, error.column);
+  }
+  add_joint(std::move(joint), target, statement.line, statement.column);
+}
+
+std::vector<Outcome<Result>> Unroller::outcomes(const Expression& expression, const Values& values,
+                                                const SourcePosition& where) {
+  SharedValues known;
+  return outcomes_of<Result>(
+      [&](const SharedValues& shared) {
+        try {
+          return Result{evaluate(expression, values, &shared), "", 0, 0};
+        } catch (const EvaluationError& error) {
+          return Result{std::nullopt, error.text, error.line, error.column};
+        }
+      },
+      actions_, where, known);
+}
+
+std::string Unroller::text_of(const std::vector<ModelUse>& uses, const SharedActions& actions) {
+  std::string text;
+  for (const ModelUse& use : uses) {
+    text += (text.empty() ? "" : ", ") + actions.model(use.model).actions[use.symbol].name;
+  }
+  return text;
+}
+
+void Unroller::expand_assign(const Place& place, const Statement& statement, const Values& values) {
+  if (place.phase == Phase::writes) {
+    return add_write(place, statement, place.pending, values);
+  }
+  if (!reads_shared(*statement.expression)) {
+    return add_write(place, statement, evaluate(*statement.expression, values), values);
+  }
+  for (auto& [conditions, result] :
+       outcomes(*statement.expression, values, at(statement.line, statement.column))) {
+    add_reading(statement, conditions,
+                result.value ? with_value(place, statement, *result.value, values)
+                             : error_state(result.error, result.line, result.column));
+  }
+}
+
+void Unroller::add_reading(const Statement& statement, const Conditions& conditions,
+                           ControlState target) {
+  Joint joint;
+  joint.uses = actions_.variables(conditions, {});
+  joint.text = joint.uses.empty() ? "reads" : text_of(joint.uses, actions_);
+  add_joint(std::move(joint), target, statement.line, statement.column);
+}
+
+void Unroller::expand_condition(const Place& place, const Statement& statement,
+                                const Values& values) {
+  for (auto& [conditions, result] :
+       outcomes(*statement.expression, values, at(statement.line, statement.column))) {
+    ControlState target = 0;
+    if (!result.value) {
+      target = error_state(result.error, result.line, result.column);
+    } else if (statement.kind == Statement::Kind::when) {
+      target = settle(enter(branch(statement, *result.value), behind(place.frame)), values);
+    } else if (*result.value == 0) {
+      target = settle(behind(place.frame), values);
+    } else {
+      target = settle(enter(*statement.body, behind(place.frame)), values);
+    }
+    add_reading(statement, conditions, target);
+  }
+}
+
+// ---- atomic -------------------------------------------------------------------------------------
+
+void Unroller::execute(const Block& block, const SharedValues& shared, AtomicResult& result) const {
+  for (const Statement& statement : block.statements) {
+    if (statement.kind == Statement::Kind::skip) continue;
+    const Value value = evaluate(*statement.expression, result.values, &shared, &result.writes);
+    if (statement.kind == Statement::Kind::when) {
+      execute(branch(statement, value), shared, result);
+    } else if (is_shared(statement.target)) {
+      check_range(statement.target, statement.type, value);
+      result.writes[element(statement.target, result.values)] = value;
+    } else {
+      set(statement.target, statement.type, value, result.values);
+    }
+  }
+}
+
+void Unroller::expand_atomic(const Place& place, const Statement& statement, const Values& values) {
+  SharedValues known;
+  const std::function<AtomicResult(const SharedValues&)> run = [&](const SharedValues& shared) {
+    AtomicResult result{values, {}, "", 0, 0};
+    try {
+      execute(*statement.body, shared, result);
+    } catch (const EvaluationError& error) {
+      result = {{}, {}, error.text, error.line, error.column};
+    }
+    return result;
+  };
+  for (auto& [conditions, result] :
+       outcomes_of(run, actions_, at(statement.line, statement.column), known)) {
+    Joint joint;
+    joint.uses = actions_.variables(conditions, result.writes);
+    joint.text = joint.uses.empty() ? "atomic" : text_of(joint.uses, actions_);
+    const ControlState target = result.error.empty()
+                                    ? settle(behind(place.frame), result.values)
+                                    : error_state(result.error, result.line, result.column);
+    add_joint(std::move(joint), target, statement.line, statement.column);
+  }
+}
+
+Program unroll(const Tree& tree, const Unrolled& program, SharedActions& actions,
+               const Names& names) {
+  return Unroller(tree, program, actions, names).run();
+}
+
+}  // namespace maide::program_syntax

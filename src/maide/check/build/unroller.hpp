@@ -1,0 +1,184 @@
+// Unrolling of a program's syntax tree into its automaton: each control state is expanded once,
+// when it is first met, into the edges of the statement that it rests before. Walker says where
+// control rests behind an edge. Choices, assignments, conditions and `atomic` are in unroller.cpp;
+// inputs and outputs of models, and `select`, in select_steps.cpp; those of topics in
+// topic_steps.cpp.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "maide/check/build/walker.hpp"
+
+namespace maide::program_syntax {
+
+// What the evaluation of an expression comes to.
+struct Result {
+  std::optional<Value> value;
+  std::string error;  // if there is no value
+  int line = 0, column = 0;
+  bool operator==(const Result&) const = default;
+};
+
+// Of `atomic`: what it leaves behind.
+struct AtomicResult {
+  Values values;
+  SharedValues writes;
+  std::string error;
+  int line = 0, column = 0;
+  bool operator==(const AtomicResult&) const = default;
+};
+
+using Uses = std::vector<ModelUse>;
+
+class Unroller : public Walker {
+ public:
+  // Keeps references.
+  Unroller(const Tree& tree, const Unrolled& program, SharedActions& actions, const Names& names)
+      : Walker(tree, program, actions, names), may_die_(program.may_die) {}
+
+  Program run();
+
+ private:
+  using Evaluator::text_of;
+
+  void add_edge(const ModelUse& use, ControlState target, int line, int column);
+  void add_joint(Joint joint, ControlState target, int line, int column);
+  // The text of each of a node array's members has groups of its own: they are of a callback.
+  std::uint32_t fair_group(const Callback* callback, int line, int column, Value outcome,
+                           bool on_weak_runs, const std::string& text);
+  void expand(const Place place);
+  void expand(const Place& place, const Statement& statement);
+  void add_death(const Place& place);
+  // What the program's death does to models: one of these.
+  const std::vector<Uses>& deaths();
+  void expand_choice(const Place& place, const Statement& statement, const Values& values);
+  void expand_any(const Place& place, const Statement& statement, const Values& values);
+  // Where the value of an assignment is known: before its writing to a shared variable, or behind
+  // that to one of the program's own.
+  ControlState with_value(const Place& place, const Statement& statement, Value value,
+                          Values values);
+  void add_write(const Place& place, const Statement& statement, Value value, const Values& values);
+  std::vector<Outcome<Result>> outcomes(const Expression& expression, const Values& values,
+                                        const SourcePosition& where);
+  static std::string text_of(const std::vector<ModelUse>& uses, const SharedActions& actions);
+  // One edge for each outcome of what is read.
+  void expand_assign(const Place& place, const Statement& statement, const Values& values);
+  void add_reading(const Statement& statement, const Conditions& conditions, ControlState target);
+  void expand_condition(const Place& place, const Statement& statement, const Values& values);
+
+  // ---- atomic -----------------------------------------------------------------------------------
+
+  void execute(const Block& block, const SharedValues& shared, AtomicResult& result) const;
+  void expand_atomic(const Place& place, const Statement& statement, const Values& values);
+
+  // ---- inputs and outputs -----------------------------------------------------------------------
+
+  void expand_rendezvous(const Place& place, const Statement& statement, const Values& values);
+
+  // ---- services and callbacks -------------------------------------------------------------------
+
+  using ServiceUse = ServiceModel::Operation;
+  // What the input or output is to the service, at this program's or callback's end.
+  ServiceUse operation_of(const Service& service, const std::string& name, bool is_input,
+                          const Callback* callback) const;
+  void expand_service(const Place& place, const Statement& statement, const Values& values,
+                      std::uint32_t model);
+  // The arm's use of the service, with the output that it takes, and what may be due before it is
+  // given.
+  struct ServiceArm {
+    ServiceUse use;
+    std::optional<std::string> output;
+    std::optional<ServiceUse> due;
+  };
+  ServiceArm service_arm(const SelectArm& arm, std::uint32_t model) const;
+  Uses events_of(std::uint32_t model, const std::string& input, const std::string& output) const;
+  // How a callback can start that takes nothing from a model of the file; and its events.
+  std::pair<Uses, Uses> start_of(const SelectArm& arm);
+  // A client's callback is passed over for answers to others, which are thrown away.
+  ModelUse discard_of(const SelectArm& arm);
+  void expand_discard(const Place& place, const SelectArm& arm, const Values& values,
+                      const Uses& conditions);
+  // Nothing is there for the arm's callback.
+  std::vector<Uses> nothing_for(const SelectArm& arm, const Values& values);
+  void expand_rounds(const Place& place, const Statement& statement, const Values& values);
+  void expand_end(const Place& place, const Statement& statement, const Values& values);
+
+  // ---- topics -----------------------------------------------------------------------------------
+
+  // A write of this program, and the taking of what is collected for it if that is due at once.
+  struct Writing {
+    Uses uses, events;
+    std::optional<std::string> output;  // that is taken
+    bool is_beyond = false;             // the input was never tried in some model
+  };
+  enum class WriteKind : std::uint8_t {
+    statement,
+    bare_arm,          // `on t.write { }`
+    arm_with_outputs,  // `on t.write -> written { }`: only where the output is due at once
+  };
+  const std::vector<Writing>& writings(const Topic& topic, const std::string& input,
+                                       WriteKind kind);
+  void add_writings(const Topic& topic, const std::string& input, WriteKind kind,
+                    const std::vector<bool>& living, std::vector<Writing>& writings);
+  // The writer takes what was collected.
+  struct Taking {
+    Uses uses, events;
+    std::string output;
+  };
+  std::vector<Taking> takings(const Topic& topic);
+  Uses taken_events(const Topic& topic, const std::string& output) const;
+  // For a writer: no model has an output due, and what it wrote is not collected.
+  std::vector<Uses> quiet_of(const Topic& topic);
+  // That, and none of these arms can be taken: inputs, and whether they name outputs.
+  struct WriteArm {
+    std::string input;
+    WriteKind kind = WriteKind::bare_arm;
+  };
+  std::vector<Uses> idle_of(const Topic& topic, const std::vector<WriteArm>& arms);
+  // The variable that says whose call has not returned, set to this program or to nobody.
+  void set_caller(const Topic& topic, bool is_this, Uses& uses);
+  // The steps of this program's death with a topic at which it stands: one, or one for each thing
+  // that it may leave behind.
+  std::vector<Uses> deaths_at(const Topic& topic);
+
+  // ---- select -----------------------------------------------------------------------------------
+
+  void expand_select(const Place& place, const Statement& statement, const Values& values);
+  static std::string text_of(const SelectArm& arm);
+  // The arm's steps where its guard holds, which asks for `conditions`.
+  void expand_arm(const Place& place, const SelectArm& arm, const Values& values,
+                  const std::vector<ModelUse>& conditions, std::uint32_t fair);
+  // `otherwise` and `timeout`: no arm whose guard holds can be taken, and none of their models has
+  // an output due.
+  void expand_otherwise(const Place& place, const Statement& statement, const SelectArm& waiting,
+                        const Values& values);
+  // Each is one way in which that can be. None: some arm can be taken whatever the models do.
+  std::vector<Uses> idle_uses(const Statement& statement, const std::vector<std::int8_t>& guards,
+                              const Values& values);
+  // Both, each of some ways, where that is possible.
+  std::vector<Uses> combine(const std::vector<Uses>& some, const std::vector<Uses>& others);
+  static WriteKind kind_of(const SelectArm& arm);
+  // The steps of an arm that writes to a topic, or takes what was written.
+  template <typename Add>
+  void expand_topic_arm(const Place& place, const SelectArm& arm, const Topic& topic,
+                        const Values& values, const Add& add);
+  // What an arm for an input does with its model in one of its steps.
+  struct InputWay {
+    ModelUse use;
+    std::optional<Symbol> output;  // that is taken, too
+    bool is_beyond = false;        // the input was never tried there
+  };
+  std::vector<InputWay> ways_of(const SelectArm& arm, std::uint32_t model, Symbol input);
+
+  bool may_die_ = false;
+  std::map<std::tuple<const Topic*, std::string, WriteKind>, std::vector<Writing>> writings_;
+  std::vector<Uses> deaths_;  // empty: not known yet
+  std::map<std::tuple<const Callback*, int, int, Value>, std::uint32_t> fair_ids_;
+};
+
+}  // namespace maide::program_syntax

@@ -1,0 +1,426 @@
+#include "maide/check/engines/engine.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <memory>
+#include <new>
+#include <optional>
+#include <stdexcept>
+#include <type_traits>
+#include <utility>
+
+#include "maide/base/error.hpp"
+#include "maide/base/text.hpp"
+#include "maide/base/thread_team.hpp"
+#include "maide/check/engines/ltsmin_engine.hpp"
+#include "maide/check/engines/spin_engine.hpp"
+#include "maide/check/reduce/merged_calls.hpp"
+#include "maide/check/search/fair_cycle.hpp"
+#include "maide/check/search/monitors.hpp"
+#include "maide/check/search/search_job.hpp"
+#include "maide/check/search/short_lasso.hpp"
+
+namespace maide {
+
+std::string to_string(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::holds: return "holds";
+    case Verdict::violated: return "violated";
+    case Verdict::inconclusive: return "inconclusive";
+  }
+  return "";
+}
+
+std::uint64_t memory_limit_mib(const EngineOptions& options) {
+  if (options.memory_mib) return *options.memory_mib;
+  const auto pages = static_cast<std::uint64_t>(::sysconf(_SC_PHYS_PAGES));
+  const auto page = static_cast<std::uint64_t>(::sysconf(_SC_PAGE_SIZE));
+  const unsigned sharers = options.ranks == nullptr ? 1 : options.ranks->on_this_machine();
+  return std::max<std::uint64_t>(256, (pages * page / 4 * 3 >> 20) / sharers);
+}
+
+unsigned thread_count(const EngineOptions& options) {
+  if (options.threads != 0) return options.threads;
+  const unsigned sharers = options.ranks == nullptr ? 1 : options.ranks->on_this_machine();
+  return std::max(1U, processor_count() / sharers);
+}
+
+std::string why_stopped(const EngineOptions& options) {
+  return options.control.stop.stop_requested() ? "interrupted" : "out of time";
+}
+
+void require_sound(const std::string& engine, const System& system, const Property& property,
+                   const Trace& trace) {
+  const std::string flaw = find_flaw(system, property, trace);
+  if (flaw.empty()) return;
+  throw std::logic_error(
+      fmt::format("{}'s counterexample for '{}' does not replay: {}", engine, property.name, flaw));
+}
+
+std::unique_ptr<Engine> make_engine(const std::string& name) {
+  if (name == "spin") return std::make_unique<SpinEngine>();
+  if (name == "ltsmin") return std::make_unique<LtsminEngine>();
+  if (name == "native") return std::make_unique<NativeEngine>();
+  const std::vector<std::string> known{"native", "spin", "ltsmin"};
+  throw UsageError("there is no engine '" + name + "'; there is: " + join(known) +
+                   did_you_mean(name, known));
+}
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+SearchLimits limits_of(const EngineOptions& options) {
+  SearchLimits limits;
+  limits.bytes = memory_limit_mib(options) << 20;
+  limits.threads = thread_count(options);
+  limits.states_a_thread = options.states_a_thread;
+  limits.ranks = options.ranks;
+  limits.checkpoints = options.checkpoints;
+  limits.checkpoint_seconds = options.checkpoint_seconds;
+  limits.control = options.control;
+  return limits;
+}
+
+// Calls `search(system, reduction, limits)`: on the system with merged calls, if `rules` say what
+// may be merged and anything is. What it finds is told of the system itself.
+template <typename Search>
+auto search_with_calls(const System& system, const std::optional<CallRules>& rules,
+                       const EngineOptions& options, Search&& search) {
+  std::optional<MergedCalls> merged;
+  if (rules && merges_calls(options.reduction) && MergedCalls::has_calls(system)) {
+    merged.emplace(system, *rules);
+  }
+  if (!merged || merged->is_empty()) return search(system, options.reduction, limits_of(options));
+  auto result = search(merged->system(), options.reduction, limits_of(options));
+  const auto expand = [&](SearchResult& found) {
+    found.reduction = found.reduction == Reduction::none ? Reduction::calls : Reduction::full;
+    if (found.trace) found.trace = merged->expand(*found.trace);
+    if (found.remarkable) found.remarkable = merged->expand(*found.remarkable);
+  };
+  if constexpr (std::is_same_v<decltype(result), SearchResult>) {
+    expand(result);
+  } else if (result) {
+    expand(*result);
+  }
+  return result;
+}
+
+// A reduced search shows some run, not a shortest one: that is looked for among all runs that are
+// no longer, unless it takes too many states.
+constexpr std::uint64_t shortening_states = std::uint64_t{1} << 22;
+
+// Searches breadth-first by `search(system, reduction, limits)`.
+template <typename Search>
+SearchResult search_for_shortest(const System& system, const std::optional<CallRules>& rules,
+                                 const EngineOptions& options, Search&& search) {
+  SearchResult result = search_with_calls(system, rules, options, search);
+  if (result.reduction == Reduction::none || result.end != SearchResult::End::found) return result;
+  SearchLimits limits = limits_of(options);
+  limits.depth = result.trace->steps.size();
+  limits.states = std::max(shortening_states, 16 * result.states);
+  SearchResult shorter = search(system, Reduction::none, limits);
+  result.bytes = std::max(result.bytes, shorter.bytes);
+  if (shorter.trace && shorter.trace->steps.size() < result.trace->steps.size()) {
+    result.trace = std::move(shorter.trace);
+  }
+  return result;
+}
+
+std::string why_incomplete(const SearchResult& search, const EngineOptions& options) {
+  const std::string reached =
+      fmt::format("after {} states, to depth {}", search.states, search.depth);
+  const std::string found = search.has_violation
+                                ? "it is violated, but no run that shows it was worked out"
+                                : "nothing found so far";
+  if (search.end == SearchResult::End::out_of_memory) {
+    return fmt::format("the search needs more than {} MiB of memory {}: {}",
+                       limits_of(options).bytes >> 20, reached, found);
+  }
+  return fmt::format("{} {}: {}", why_stopped(options), reached, found);
+}
+
+Formula negation_of(const Formula& formula) {
+  FormulaNode node;
+  node.op = FormulaNode::Operator::negation;
+  node.left = formula;
+  return std::make_shared<const FormulaNode>(std::move(node));
+}
+
+// By several ranks. What they find is a node near a cycle; this one goes on from there.
+template <std::size_t words, typename Monitor>
+SearchResult find_fair_cycle_on_ranks(const PackedSystem& system, const Monitor& monitor,
+                                      const Property& property, const SearchLimits& limits,
+                                      const SearchJob::Monitor& job) {
+  if (auto small = search_small<words>(system, monitor, limits)) return std::move(*small);
+  SearchResult all =
+      explore(system.system(), SearchJob::Goal::cycle, property, Reduction::none, limits, job);
+  if (!all.near) return all;
+  auto node = system.pack<words>(all.near->first);
+  system.monitor().set(node, all.near->second);
+  SearchResult found = FairCycleSearch<words, Monitor>(system, monitor, limits)
+                           .run_from(node, std::move(*all.trace));
+  if (found.end == SearchResult::End::complete) {
+    throw std::logic_error("there is no fair cycle where the ranks found one");
+  }
+  found.has_violation = true;
+  found.states = all.states;
+  found.transitions = all.transitions;
+  found.bytes = std::max(found.bytes, all.bytes);
+  found.sent_bytes = all.sent_bytes;
+  return found;
+}
+
+// `job`: the monitor, for other ranks.
+template <typename Monitor>
+SearchResult find_fair_cycle(const PackedSystem& system, const Monitor& monitor,
+                             const Property& property, Reduction reduction,
+                             const SearchLimits& limits, const SearchJob::Monitor& job) {
+  std::optional<ReductionRules> rules;
+  if (leaves_out_orders(reduction) && !system.has_deaths() && system.group_count() == 0 &&
+      system.program_count() <= most_reduced_programs) {
+    rules = rules_for_cycle(system.system(), property);
+  }
+  std::optional<StubbornSets> sets;
+  if (rules) sets.emplace(system, std::move(rules->sets));
+  SearchResult search = with_words_for<Monitor>(system, [&](auto words) {
+    if (!sets && limits.ranks != nullptr) {
+      return find_fair_cycle_on_ranks<words.value>(system, monitor, property, limits, job);
+    }
+    PartsSearch<words.value, Monitor> parts(system, monitor, limits);
+    if (!sets && limits.threads > 1 && parts.pays()) return parts.run();
+    return FairCycleSearch<words.value, Monitor>(system, monitor, limits, sets ? &*sets : nullptr)
+        .run();
+  });
+  if (rules) search.reduction = Reduction::order;
+  return search;
+}
+
+// Puts a shorter run into the place of the one that was found, if there is one near the start. Not
+// with wide sets: ways round past so many needs are not compared.
+template <typename Monitor>
+requires(!uses_wide_bits<Monitor>) void shorten(const PackedSystem& system, const Monitor& monitor,
+                                                const Property& property, const RunControl& control,
+                                                SearchResult& search) {
+  if (search.end != SearchResult::End::found || !search.trace) return;
+  const auto is_good = [&](const Trace& trace) {
+    return find_flaw(system.system(), property, trace).empty();
+  };
+  try {
+    auto shorter = with_words(system.words(), [&](auto words) {
+      return ShortLasso<words.value, Monitor>(system, monitor, control)
+          .find(search.trace->steps.size(), is_good);
+    });
+    if (shorter) search.trace = std::move(shorter);
+  } catch (const std::bad_alloc&) {  // the longer one is a violation, too
+  } catch (const Interrupted&) {
+  }
+}
+
+template <typename Monitor>
+requires(uses_wide_bits<Monitor>) void shorten(const PackedSystem&, const Monitor&, const Property&,
+                                               const RunControl&, SearchResult&) {}
+
+// Whoever is stuck starves on runs that are weakly fair, too, and those are found faster. So they
+// are looked for first, and strong fairness matters only where there are some. If strongly fair
+// runs leave nobody stuck, one that starves on weakly fair runs is only remarked.
+template <typename Bits>
+SearchResult search_for_stuck(const System& plain, const Property& property, Reduction reduction,
+                              const SearchLimits& limits) {
+  const PackedSystem system(plain, node_number_bits, plain.programs.size() + 1);
+  const auto search = [&](StuckRuns runs) {
+    Property wanted = property;
+    wanted.fairness = runs == StuckRuns::strongly_fair ? Fairness::strong : Fairness::weak;
+    SearchJob::Monitor job;
+    job.stuck = runs;
+    job.has_wide_bits = std::is_same_v<Bits, WideBits>;
+    return find_fair_cycle(system, StuckMonitor<Bits>(system, runs), wanted, reduction, limits,
+                           job);
+  };
+  const auto shortened = [&](SearchResult found) {
+    const StuckMonitor<Bits> monitor(system, StuckRuns::strongly_fair);
+    shorten(system, monitor, property, limits.control, found);
+    return found;
+  };
+  SearchResult weak = search(StuckRuns::weakly_fair);
+  const bool is_shown = weak.end == SearchResult::End::found;
+  // Where somebody starves on a weakly fair run that was not worked out, strong fairness decides.
+  if (!is_shown && !weak.has_violation) return weak;
+  if (is_shown && find_flaw(plain, property, *weak.trace).empty()) {
+    return shortened(std::move(weak));
+  }
+  SearchResult strong = search(StuckRuns::strongly_fair);
+  if (strong.end != SearchResult::End::complete) return shortened(std::move(strong));
+  if (system.has_groups_on_weak_runs()) weak = search(StuckRuns::weakly_fair_with_groups);
+  strong.bytes = std::max(strong.bytes, weak.bytes);
+  if (weak.end == SearchResult::End::found) strong.remarkable = std::move(weak.trace);
+  return strong;
+}
+
+template <typename Bits>
+SearchResult search_for_run(const System& plain, const Property& property, LtlAutomaton automaton,
+                            Reduction reduction, const SearchLimits& limits) {
+  const PackedSystem system(plain, node_number_bits, automaton.states.size());
+  SearchJob::Monitor job;
+  job.automaton = automaton;
+  job.has_wide_bits = std::is_same_v<Bits, WideBits>;
+  const LtlMonitor<Bits> monitor(system, std::move(automaton), property.fairness);
+  SearchResult search = find_fair_cycle(system, monitor, property, reduction, limits, job);
+  shorten(system, monitor, property, limits.control, search);
+  return search;
+}
+
+// Nothing if the system is too large for it.
+std::optional<SearchResult> search_for_cycle(const System& plain, const Property& property,
+                                             Reduction reduction, const SearchLimits& limits) {
+  const std::size_t programs = plain.programs.size();
+  std::size_t bits = programs;
+  std::size_t groups = 0;
+  for (const Program& program : plain.programs) {
+    groups += std::max<std::size_t>(program.fair_groups.size(), 1) - 1;
+  }
+  bits = std::max(bits, groups);
+  if (property.kind == Property::Kind::stuck) {
+    if (bits <= bit_count_of<std::uint64_t>) {
+      return search_for_stuck<std::uint64_t>(plain, property, reduction, limits);
+    }
+    if (bits > bit_count_of<WideBits>) return std::nullopt;
+    return search_for_stuck<WideBits>(plain, property, reduction, limits);
+  }
+  LtlAutomaton automaton = property.kind == Property::Kind::never
+                               ? *property.never
+                               : translate(negation_of(property.formula));
+  const std::size_t marks =
+      automaton.mark_count + (property.fairness == Fairness::weak ? programs : 0);
+  bits = std::max(bits, marks);
+  if (bits <= bit_count_of<std::uint64_t>) {
+    return search_for_run<std::uint64_t>(plain, property, std::move(automaton), reduction, limits);
+  }
+  // The automaton's own marks are bits of a word.
+  if (bits > bit_count_of<WideBits> || automaton.mark_count >= 64) return std::nullopt;
+  return search_for_run<WideBits>(plain, property, std::move(automaton), reduction, limits);
+}
+
+bool needs_cycle(const Property& property) {
+  if (property.kind == Property::Kind::stuck) return true;
+  if (property.kind == Property::Kind::never) return true;
+  return property.kind == Property::Kind::ltl && !invariant_of(property);
+}
+
+// The initial state shows the violation.
+SearchResult find_at_start() {
+  SearchResult search;
+  search.end = SearchResult::End::found;
+  search.states = 1;
+  search.trace.emplace();
+  return search;
+}
+
+SearchResult search_for(const System& plain, const Property& property, Reduction reduction,
+                        const SearchLimits& limits) {
+  if (property.kind == Property::Kind::deadlock) {
+    return explore(plain, SearchJob::Goal::deadlock, property, reduction, limits);
+  }
+  const bool begins_at_error = is_error(plain, initial_state(plain));
+  if (property.kind == Property::Kind::error) {
+    if (begins_at_error) return find_at_start();
+    return explore(plain, SearchJob::Goal::error, property, reduction, limits);
+  }
+  const Condition condition(invariant_of(property), plain);
+  const PackedSystem packed(plain);
+  const bool holds_first = with_words(packed.words(), [&](auto words) {
+    const auto initial = packed.pack<words.value>(initial_state(plain));
+    return condition.is_true(packed, initial, 0, PackedAtom::no_edge);
+  });
+  if (!holds_first) return find_at_start();
+  if (begins_at_error) {
+    SearchResult search;
+    search.states = 1;
+    return search;
+  }
+  return explore(plain, SearchJob::Goal::invariant, property, reduction, limits);
+}
+
+}  // namespace
+
+std::string NativeEngine::obstacle(const System& /*system*/, const Property& /*property*/) const {
+  return "";
+}
+
+PropertyResult NativeEngine::check(const System& system, const Property& property,
+                                   const EngineOptions& options) {
+  const auto start = Clock::now();
+  PropertyResult result;
+  result.name = property.name;
+  SearchResult search;
+  const std::optional<CallRules> rules = rules_for_calls(system, property);
+  if (needs_cycle(property)) {
+    std::optional<SearchResult> cycle = search_with_calls(
+        system, rules, options,
+        [&](const System& reduced, Reduction reduction, const SearchLimits& limits) {
+          return search_for_cycle(reduced, property, reduction, limits);
+        });
+    if (!cycle) {
+      result.reason = fmt::format(
+          "the engine native takes at most {} programs, together with the formula's "
+          "eventualities, and as many arms and fair choices",
+          bit_count_of<WideBits>);
+      return result;
+    }
+    search = std::move(*cycle);
+  } else {
+    search = search_for_shortest(
+        system, rules, options,
+        [&](const System& reduced, Reduction reduction, const SearchLimits& limits) {
+          return search_for(reduced, property, reduction, limits);
+        });
+  }
+  result.states = search.states;
+  result.transitions = search.transitions;
+  result.peak_bytes = search.bytes;
+  result.sent_bytes = search.sent_bytes;
+  result.reduction = search.reduction;
+  result.remarkable = std::move(search.remarkable);
+  result.stays_within_learned = !needs_cycle(property) && !search.has_cut &&
+                                search.reduction == Reduction::none &&
+                                search.end == SearchResult::End::complete;
+  result.seconds = std::chrono::duration<double>(Clock::now() - start).count();
+  switch (search.end) {
+    case SearchResult::End::complete: result.verdict = Verdict::holds; break;
+    case SearchResult::End::found: {
+      require_sound(name(), system, property, *search.trace);
+      result.verdict = Verdict::violated;
+      result.trace = std::move(search.trace);
+      break;
+    }
+    default: result.reason = why_incomplete(search, options); break;
+  }
+  return result;
+}
+
+CutResult NativeEngine::find_cut(const System& system, const EngineOptions& options) {
+  if (!PackedSystem(system).has_cuts()) return {Verdict::holds, "", std::nullopt};
+  SearchResult search = search_for_shortest(
+      system, CallRules{}, options,
+      [&](const System& reduced, Reduction reduction, const SearchLimits& limits) {
+        return explore(reduced, SearchJob::Goal::cut, Property{}, reduction, limits);
+      });
+  CutResult result;
+  switch (search.end) {
+    case SearchResult::End::complete: result.verdict = Verdict::holds; break;
+    case SearchResult::End::found:
+      if (!replay(system, *search.trace).back().is_cut) {
+        throw std::logic_error("the run to the bound does not replay");
+      }
+      result.verdict = Verdict::violated;
+      result.trace = std::move(search.trace);
+      break;
+    default: result.reason = why_incomplete(search, options); break;
+  }
+  return result;
+}
+
+}  // namespace maide

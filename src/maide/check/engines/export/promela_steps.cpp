@@ -1,0 +1,510 @@
+// Systems in Promela whose models are variables: each step is one line, a `d_step` of what makes it
+// possible and what it changes, and a goto, which costs nothing.
+//
+// What a model does is written as it is read best: as comparisons and assignments where these are
+// short, else as a table by its state. Tables are `hidden`, no part of pan's states. A step that
+// has several outcomes is a line for each.
+//
+// Where a program comes to an error, `is_halted` keeps all others from stepping. Deaths are a step
+// of their own that nobody has to take. SPIN's end states and fairness know no such step, so a
+// process says at any moment that there will be no more of them: what comes then is a deadlock, or
+// a run that is fair, by SPIN's own measure.
+//
+// What a formula sees of a program, its labels, its end and its variables, stands in a variable
+// too. Programs' control states that look alike to the formula have one value there.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "maide/base/error.hpp"
+#include "maide/base/text.hpp"
+#include "maide/check/engines/export/promela_text.hpp"
+#include "maide/check/rules/model_words.hpp"
+
+namespace maide {
+namespace {
+
+using Purpose = PromelaOptions::Purpose;
+
+constexpr StateId no_state = 32767;           // `none` in a table
+constexpr std::size_t longest_table = 8000;   // SPIN's parser takes no longer lists
+constexpr std::size_t most_intervals = 3;     // of a comparison, before a table takes its place
+constexpr std::size_t most_values = 100'000;  // that an atom is evaluated for
+
+std::string_view type_for(std::size_t values) {
+  return values <= 256 ? "byte" : values <= 32768 ? "short" : "int";
+}
+
+// "m == 3 || m >= 5 && m <= 7": `values` ascending, among 0 to below `size`; "" if they are all.
+// Nothing if that takes too many intervals.
+std::optional<std::string> membership(const std::string& variable,
+                                      const std::vector<std::uint32_t>& values, std::size_t size,
+                                      std::size_t intervals) {
+  if (values.size() == size) return "";
+  std::vector<std::string> parts;
+  for (std::size_t begin = 0; begin < values.size();) {
+    std::size_t end = begin + 1;
+    while (end < values.size() && values[end] == values[end - 1] + 1) ++end;
+    const std::uint32_t low = values[begin], high = values[end - 1];
+    const bool to_end = high + 1 == size && low != high;
+    if (low == high) {
+      parts.push_back(fmt::format("{} == {}", variable, low));
+    } else if (low == 0 || to_end) {
+      parts.push_back(
+          fmt::format("{} {} {}", variable, low == 0 ? "<=" : ">=", low == 0 ? high : low));
+    } else {
+      parts.push_back(fmt::format("({0} >= {1} && {0} <= {2})", variable, low, high));
+    }
+    begin = end;
+  }
+  if (parts.size() > intervals) return std::nullopt;
+  if (parts.empty()) return "false";
+  return parts.size() == 1 ? parts.front() : "(" + join(parts, " || ") + ")";
+}
+
+// What one choice of moves of a relation is in Promela.
+struct Move {
+  std::string guard;   // "" if it is always possible
+  std::string effect;  // "" if nothing changes
+};
+
+// The part of a program's control state, or the model's state, that a formula's atom depends on.
+struct Field {
+  std::string variable;
+  bool is_model = false;
+  std::uint32_t index = 0;              // of the program or model
+  std::vector<std::uint32_t> examples;  // a control state for each value; of a model all its states
+};
+
+class StepWriter {
+ public:
+  StepWriter(const System& system, const PromelaOptions& options)
+      : system_(system),
+        options_(options),
+        rules_(std::make_shared<const StepRules>(system)),
+        views_(system.programs.size()) {
+    for (const Program& program : system.programs) {
+      for (const Program::State& state : program.states) has_errors_ |= state.error != 0;
+      for (const Joint& joint : program.joints) has_deaths_ |= joint.role == Joint::Role::death;
+    }
+    knows_deaths_ = has_deaths_ && (is_ltl() || options.purpose == Purpose::deadlock);
+    has_cuts_ = rules_->may_cut() || has_errors_;
+    if (is_ltl()) atoms_ = atoms_of(options.formula);
+    for (const Atom& atom : atoms_) has_events_ |= atom.is_event();
+  }
+
+  PromelaSystem run() {
+    PromelaSystem& result = text_.result();
+    result.processes = system_.programs.size() + (is_ltl() ? 1 : 0) + (knows_deaths_ ? 1 : 0);
+    if (result.processes > most_promela_names) {
+      throw UsageError(
+          fmt::format("SPIN takes at most {} programs ({})", most_promela_names - 2, system_.file));
+    }
+    result.rules = rules_;
+    result.is_doubled = knows_deaths_;
+    text_.heading(system_, options_.purpose);
+    find_views();
+    write_models();
+    write_flags();
+    for (std::uint32_t index = 0; index < system_.programs.size(); ++index) write_program(index);
+    if (knows_deaths_) write_survival();
+    if (is_ltl()) {
+      text_.idling("active proctype", has_events_);
+      std::vector<std::string> expressions;
+      for (const Atom& atom : atoms_) expressions.push_back(expression(atom));
+      text_.claim(options_.formula, expressions, has_cuts_);
+    }
+    return std::move(result);
+  }
+
+ private:
+  bool is_ltl() const { return options_.purpose == Purpose::ltl; }
+
+  // ---- Models ----
+
+  const std::string& variable(std::uint32_t model) {
+    return names_.of("model_", system_.models[model].name);
+  }
+
+  void write_models() {
+    for (std::uint32_t index = 0; index < system_.models.size(); ++index) {
+      const ModelInstance& model = system_.models[index];
+      if (model.automaton.size() >= no_state) {
+        throw UsageError(fmt::format("SPIN takes at most {} states of a model: {} has {} ({})",
+                                     no_state, model.name, model.automaton.size(), system_.file));
+      }
+      text_.line(fmt::format("{} {} = {};  /* {} */", type_for(model.automaton.size()),
+                             variable(index), model.automaton.initial(),
+                             promela_comment(model.origin.empty() ? model.name : model.origin)));
+    }
+    for (const ModelRelation& relation : rules_->relations()) {
+      moves_.push_back(write_relation(relation));
+    }
+  }
+
+  // The relation's moves: the first from each state, the second, ...
+  std::vector<Move> write_relation(const ModelRelation& relation) {
+    std::vector<std::vector<std::pair<StateId, StateId>>> ranks;
+    std::size_t rank = 0;
+    for (std::size_t i = 0; i < relation.moves.size(); ++i) {
+      rank = i > 0 && relation.moves[i].first == relation.moves[i - 1].first ? rank + 1 : 0;
+      if (rank == ranks.size()) ranks.emplace_back();
+      ranks[rank].push_back(relation.moves[i]);
+    }
+    std::vector<Move> moves;
+    for (rank = 0; rank < ranks.size(); ++rank) {
+      moves.push_back(write_move(relation, ranks[rank], rank));
+    }
+    return moves;
+  }
+
+  Move write_move(const ModelRelation& relation,
+                  const std::vector<std::pair<StateId, StateId>>& moves, std::size_t rank) {
+    const std::string& name = variable(relation.model());
+    const std::size_t size = system_.models[relation.model()].automaton.size();
+    std::vector<std::uint32_t> sources;
+    bool is_constant = true, is_shift = true;
+    const auto shift = [](const auto& move) {
+      return std::int64_t{move.second} - std::int64_t{move.first};
+    };
+    for (const auto& move : moves) {
+      sources.push_back(move.first);
+      is_constant = is_constant && move.second == moves.front().second;
+      is_shift = is_shift && shift(move) == shift(moves.front());
+    }
+    std::string table;
+    const auto needs_table = [&] {
+      if (table.empty()) table = write_table(relation, moves, rank);
+      return fmt::format("{}[{}]", table, name);
+    };
+    Move move;
+    const auto guard = membership(name, sources, size, most_intervals);
+    move.guard = guard ? *guard : needs_table() + " != none";
+    if (is_constant && !(is_shift && shift(moves.front()) == 0)) {
+      move.effect = fmt::format("{} = {}", name, moves.front().second);
+    } else if (is_shift) {
+      const std::int64_t by = shift(moves.front());
+      if (by != 0)
+        move.effect = fmt::format("{0} = {0} {1} {2}", name, by > 0 ? '+' : '-', std::abs(by));
+    } else {
+      move.effect = fmt::format("{} = {}", name, needs_table());
+    }
+    // SPIN leaves a variable that nothing reads out of its states.
+    if (move.guard.empty() && !move.effect.empty()) {
+      move.guard = fmt::format("{} <= {}", name, size - 1);
+    }
+    return move;
+  }
+
+  std::string write_table(const ModelRelation& relation,
+                          const std::vector<std::pair<StateId, StateId>>& moves, std::size_t rank) {
+    const ModelInstance& model = system_.models[relation.model()];
+    if (model.automaton.size() > longest_table) {
+      throw UsageError(fmt::format("SPIN takes no table of more than {} states: {} has {} ({})",
+                                   longest_table, model.name, model.automaton.size(),
+                                   system_.file));
+    }
+    const std::string what = rules_->describe(relation);
+    // Tables of several models may be for the same.
+    std::string name =
+        names_.another("after_", what + (rank > 0 ? " " + std::to_string(rank + 1) : ""));
+    if (!has_tables_) text_.line(fmt::format("#define none {}", no_state));
+    has_tables_ = true;
+    std::vector<StateId> targets(model.automaton.size(), no_state);
+    for (const auto& [from, to] : moves) targets[from] = to;
+    std::vector<std::string> entries;
+    for (const StateId target : targets) {
+      entries.push_back(target == no_state ? "none" : std::to_string(target));
+    }
+    text_.line(fmt::format("hidden short {}[{}] = {{ {} }};  /* {} */", name, entries.size(),
+                           join(entries, ", "), promela_comment(what)));
+    return name;
+  }
+
+  // ---- What a formula sees ----
+
+  // Of each program that the formula's atoms name: its control states by what these see of it.
+  void find_views() {
+    if (!is_ltl()) return;
+    std::map<std::uint32_t, std::set<std::uint32_t>> variables;  // by program that is named
+    for (const Atom& atom : atoms_) {
+      if (atom.kind == Atom::Kind::label || atom.kind == Atom::Kind::end) variables[atom.owner];
+      if (atom.kind != Atom::Kind::expression) continue;
+      for_each_variable(system_.expressions[atom.owner], [&](const Expression& leaf) {
+        if (leaf.op != Expression::Operator::local) return;
+        for (std::uint32_t i = 0; i < element_count(leaf); ++i) {
+          variables[leaf.owner].insert(leaf.index + i);
+        }
+      });
+    }
+    for (const auto& [program, seen] : variables) find_view(program, seen);
+  }
+
+  struct View {
+    std::vector<std::uint32_t> values;   // by control state; none: nothing is seen
+    std::vector<ControlState> examples;  // by value
+  };
+
+  void find_view(std::uint32_t index, const std::set<std::uint32_t>& variables) {
+    const Program& program = system_.programs[index];
+    View& view = views_[index];
+    std::map<std::pair<std::vector<bool>, std::vector<std::optional<Value>>>, std::uint32_t> known;
+    for (ControlState state = 0; state < program.states.size(); ++state) {
+      std::vector<bool> marks;
+      for (const Atom& atom : atoms_) {
+        if (atom.kind == Atom::Kind::end && atom.owner == index) {
+          marks.push_back(program.is_end(state));
+        } else if (atom.kind == Atom::Kind::label && atom.owner == index) {
+          marks.push_back(program.has_label(state, atom.symbol));
+        }
+      }
+      std::vector<std::optional<Value>> values;
+      for (const std::uint32_t number : variables)
+        values.push_back(program.value_of(state, number));
+      const auto [entry, is_new] = known.try_emplace(
+          {std::move(marks), std::move(values)}, static_cast<std::uint32_t>(view.examples.size()));
+      if (is_new) view.examples.push_back(state);
+      view.values.push_back(entry->second);
+    }
+  }
+
+  const std::string& view_variable(std::uint32_t program) {
+    return names_.of("seen_", system_.programs[program].name);
+  }
+
+  std::string expression(const Atom& atom) {
+    if (atom.is_event()) {
+      std::vector<std::uint32_t> codes;
+      for (const auto& [events, code] : event_codes_) {
+        const auto at = std::lower_bound(atoms_.begin(), atoms_.end(), atom) - atoms_.begin();
+        if (events[static_cast<std::size_t>(at)]) codes.push_back(code);
+      }
+      std::sort(codes.begin(), codes.end());
+      const auto text = membership("event", codes, event_codes_.size() + 2, codes.size());
+      return *text;
+    }
+    std::vector<Field> fields;
+    const auto add = [&](bool is_model, std::uint32_t index) {
+      for (const Field& field : fields) {
+        if (field.is_model == is_model && field.index == index) return;
+      }
+      if (!is_model) {
+        fields.push_back({view_variable(index), false, index, views_[index].examples});
+        return;
+      }
+      Field field{variable(index), true, index, {}};
+      for (StateId at = 0; at < system_.models[index].automaton.size(); ++at) {
+        field.examples.push_back(at);
+      }
+      fields.push_back(std::move(field));
+    };
+    if (atom.kind != Atom::Kind::expression) {
+      add(false, atom.owner);
+    } else {
+      for_each_variable(system_.expressions[atom.owner], [&](const Expression& leaf) {
+        if (leaf.op == Expression::Operator::local) return add(false, leaf.owner);
+        for (std::uint32_t i = 0; i < element_count(leaf); ++i) add(true, leaf.index + i);
+      });
+    }
+    std::size_t values = 1;
+    for (const Field& field : fields) {
+      values *= field.examples.size();
+      if (values <= most_values) continue;
+      throw UsageError(
+          fmt::format("SPIN takes no formula that compares so many values: more than "
+                      "{} ({})",
+                      most_values, system_.file));
+    }
+    GlobalState state = initial_state(system_);
+    return decide(atom, fields, 0, state);
+  }
+
+  // Where the atom is true, by the values of fields from `next` on.
+  std::string decide(const Atom& atom, const std::vector<Field>& fields, std::size_t next,
+                     GlobalState& state) const {
+    if (next == fields.size()) return is_true(atom, system_, state, nullptr) ? "true" : "false";
+    const Field& field = fields[next];
+    std::map<std::string, std::vector<std::uint32_t>> values;  // by what is left to ask
+    for (std::uint32_t value = 0; value < field.examples.size(); ++value) {
+      (field.is_model ? state.models : state.programs)[field.index] = field.examples[value];
+      values[decide(atom, fields, next + 1, state)].push_back(value);
+    }
+    std::vector<std::string> parts;
+    for (const auto& [rest, of_rest] : values) {
+      if (rest == "false") continue;
+      const std::string here =
+          *membership(field.variable, of_rest, field.examples.size(), of_rest.size());
+      if (here.empty()) return rest;
+      parts.push_back(rest == "true" ? here : "(" + here + " && " + rest + ")");
+    }
+    if (parts.empty()) return "false";
+    return parts.size() == 1 ? parts.front() : "(" + join(parts, " || ") + ")";
+  }
+
+  // The number of what happens in the edge, as far as the formula's atoms see it; 0: nothing.
+  std::uint32_t event_code(std::uint32_t program, const ProgramEdge& edge) {
+    std::vector<bool> events;
+    for (const Atom& atom : atoms_) {
+      events.push_back(atom.is_event() && is_event_of(atom, system_, program, edge));
+    }
+    if (std::find(events.begin(), events.end(), true) == events.end()) return 0;
+    return event_codes_.try_emplace(events, static_cast<std::uint32_t>(event_codes_.size() + 1))
+        .first->second;
+  }
+
+  // ---- Programs ----
+
+  void write_flags() {
+    if (has_errors_) {
+      text_.line(
+          fmt::format("bool is_halted = {};  /* a program is at an error: nothing follows */",
+                      is_error(system_, initial_state(system_))));
+    }
+    if (knows_deaths_) text_.line("bool no_more_deaths;");
+    if (has_events_) text_.line("short event;  /* of the step that reached this state; 0: none */");
+    if (is_ltl() && has_cuts_)
+      text_.line("bit cut;  /* the run left what was learned, or failed */");
+    for (std::uint32_t program = 0; program < views_.size(); ++program) {
+      if (views_[program].values.empty()) continue;
+      text_.line(fmt::format("{} {} = {};  /* what the formula sees of it */",
+                             type_for(views_[program].examples.size()), view_variable(program),
+                             views_[program].values.front()));
+    }
+  }
+
+  static std::string label(const Program& program, ControlState state) {
+    const bool may_stay = program.is_end(state) || program.states[state].may_rest;
+    return (may_stay ? "end_s" : "s") + std::to_string(state);
+  }
+
+  void write_program(std::uint32_t index) {
+    const Program& program = system_.programs[index];
+    text_.line("");
+    text_.line(fmt::format("/* program {}, line {} */", promela_comment(program.name),
+                           program.position.line));
+    text_.line(fmt::format("active proctype {}() {{", names_.of("program_", program.name)));
+    for (ControlState state = 0; state < program.states.size(); ++state) {
+      if (program.is_error(state)) {
+        write_error(program, state);
+        continue;
+      }
+      const std::vector<StepRule> rules = rules_->rules_of(index, state);
+      if (rules.empty()) {
+        text_.line(label(program, state) + ": false;");
+        continue;
+      }
+      text_.line(label(program, state) + ": if");
+      for (const StepRule& rule : rules) write_rule(rule, {});
+      text_.line("  fi;");
+    }
+    text_.line("}");
+  }
+
+  void write_error(const Program& program, ControlState state) {
+    const std::string here = label(program, state);
+    const ProgramError& error = program.errors[program.states[state].error];
+    text_.line(fmt::format("/* line {}: {} */", error.position.line, promela_comment(error.text)));
+    if (options_.purpose == Purpose::cut) {
+      text_.line(here + ": false;");
+    } else {
+      text_.line(fmt::format("{}: if :: d_step {{ is_halted -> {} }} -> goto {} fi;", here,
+                             is_ltl() ? "cut = 1" : "assert(false)", here));
+    }
+  }
+
+  // A line for each choice of moves of the rule's relations.
+  void write_rule(const StepRule& rule, std::vector<std::uint32_t> ranks) {
+    if (ranks.size() < rule.relations.size()) {
+      const std::size_t count = moves_[rule.relations[ranks.size()]].size();
+      ranks.push_back(0);
+      for (std::uint32_t rank = 0; rank < count; ++rank) {
+        ranks.back() = rank;
+        write_rule(rule, ranks);
+      }
+      return;
+    }
+    const Program& program = system_.programs[rule.program];
+    const ProgramEdge& edge = program.edges[rule.edge];
+    std::vector<std::string> guards, effects;
+    if (has_errors_) guards.push_back("!is_halted");
+    if (knows_deaths_ && program.is_death(edge)) guards.push_back("!no_more_deaths");
+    for (std::size_t i = 0; i < ranks.size(); ++i) {
+      const Move& move = moves_[rule.relations[i]][ranks[i]];
+      if (!move.guard.empty()) guards.push_back(move.guard);
+      if (!move.effect.empty() && !rule.is_cut) effects.push_back(move.effect);
+    }
+    if (rule.is_cut) {
+      if (options_.purpose == Purpose::cut) effects.push_back("assert(false)");
+      if (is_ltl()) effects.push_back("cut = 1");
+    } else {
+      add_effects(rule, effects);
+    }
+    const std::string text =
+        fmt::format("  :: d_step {{ {}{}{} }} -> goto {}  /* line {}: {}{} */",
+                    guards.empty() ? "true" : join(guards, " && "), effects.empty() ? "" : " -> ",
+                    join(effects, "; "), label(program, rule.is_cut ? rule.source : edge.target),
+                    edge.line, promela_comment(describe_edge(system_, program, edge)),
+                    rule.is_cut      ? ", beyond"
+                    : rule.is_beyond ? ", dropped"
+                                     : "");
+    auto& steps = text_.result().steps;
+    text_.line(text, {PromelaLine::Kind::step, rule.program,
+                      static_cast<std::uint32_t>(steps.size()), 0, rule.is_beyond});
+    steps.push_back({rule, std::move(ranks)});
+  }
+
+  // But for those on models.
+  void add_effects(const StepRule& rule, std::vector<std::string>& effects) {
+    const Program& program = system_.programs[rule.program];
+    const ProgramEdge& edge = program.edges[rule.edge];
+    if (program.is_error(edge.target)) {
+      effects.emplace_back("is_halted = true");
+      if (is_ltl()) effects.emplace_back("cut = 1");
+    }
+    if (has_events_) {
+      effects.push_back(fmt::format("event = {}", event_code(rule.program, edge)));
+    }
+    const std::vector<std::uint32_t>& seen = views_[rule.program].values;
+    if (!seen.empty() && seen[rule.source] != seen[edge.target]) {
+      effects.push_back(fmt::format("{} = {}", view_variable(rule.program), seen[edge.target]));
+    }
+  }
+
+  void write_survival() {
+    text_.line("");
+    text_.line("/* Nobody has to die: at any moment it may be that nobody does any more. */");
+    text_.line("active proctype survival() {");
+    text_.line(
+        "end_s0: if :: d_step { !no_more_deaths -> no_more_deaths = true } -> goto end_s0 fi;");
+    text_.line("}");
+  }
+
+  const System& system_;
+  const PromelaOptions& options_;
+  std::shared_ptr<const StepRules> rules_;
+  PromelaNames names_;
+  PromelaText text_;
+  bool has_errors_ = false, has_deaths_ = false, has_cuts_ = false, has_events_ = false;
+  bool knows_deaths_ = false;  // the text has them as steps that nobody has to take
+  bool has_tables_ = false;
+  std::vector<std::vector<Move>> moves_;                    // by relation, rank
+  std::vector<Atom> atoms_;                                 // of the formula
+  std::vector<View> views_;                                 // by program
+  std::map<std::vector<bool>, std::uint32_t> event_codes_;  // by which atoms are true
+};
+
+}  // namespace
+
+PromelaSystem write_promela_steps(const System& system, const PromelaOptions& options) {
+  return StepWriter(system, options).run();
+}
+
+}  // namespace maide

@@ -1,0 +1,139 @@
+#include "maide/check/engines/export/step_action.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <set>
+
+#include "maide/base/invariant.hpp"
+#include "maide/formats/names.hpp"
+
+namespace maide {
+namespace {
+
+using Kind = ProgramEdge::Kind;
+
+std::string shown_name(const std::string& name) {
+  const bool is_plain = !name.empty() && std::all_of(name.begin(), name.end(), [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';
+  });
+  return is_plain ? name : quote_name(name);
+}
+
+// The input's, output's or branch's name.
+const std::string& symbol_name(const StepAction& action, const System& system) {
+  static const std::string quiet = "quiet", branches[] = {"if", "else"};
+  switch (action.kind) {
+    case Kind::give: return system.models[action.model].automaton.inputs().name(action.symbol);
+    case Kind::take: return system.models[action.model].automaton.outputs().name(action.symbol);
+    case Kind::quiet: return quiet;
+    case Kind::act: return system.models[action.model].actions[action.symbol].name;
+    case Kind::joint: return system.programs[action.program].joints[action.symbol].text;
+    case Kind::choice: break;
+  }
+  return branches[action.symbol];
+}
+
+StepAction action_of_edge(std::uint32_t program, const ProgramEdge& edge) {
+  const bool has_model = edge.kind != Kind::choice && edge.kind != Kind::joint;
+  const bool has_symbol = edge.kind != Kind::quiet;
+  return {program, edge.kind, has_model ? edge.model : 0, has_symbol ? edge.symbol : 0, false};
+}
+
+// What is done, without who does it and whether that was never tried.
+std::string text_of(const StepAction& action, const System& system) {
+  const std::string& symbol = symbol_name(action, system);
+  const auto model = [&] { return shown_name(system.models[action.model].name); };
+  switch (action.kind) {
+    case Kind::give: return model() + "?" + shown_name(symbol);
+    case Kind::take: return model() + "!" + shown_name(symbol);
+    case Kind::quiet: return model() + " " + symbol;
+    case Kind::act:
+    case Kind::joint:
+    case Kind::choice: break;
+  }
+  return symbol;
+}
+
+}  // namespace
+
+StepAction action_of(const System& system, const Step& step) {
+  StepAction action = action_of_edge(step.program, system.programs[step.program].edges[step.edge]);
+  action.is_beyond = step.is_beyond;
+  return action;
+}
+
+bool is_cut(const System& system, const StepAction& action) {
+  const auto stops = [&](std::uint32_t model) {
+    return system.models[model].when_unexplored == WhenUnexplored::stop;
+  };
+  if (!action.is_beyond || action.kind != Kind::joint) {
+    return action.is_beyond && stops(action.model);
+  }
+  const auto& uses = system.programs[action.program].joints[action.symbol].uses;
+  return std::any_of(uses.begin(), uses.end(),
+                     [&](const ModelUse& use) { return stops(use.model); });
+}
+
+ActionNames::ActionNames(const System& system) : system_(system) {
+  for (std::uint32_t index = 0; index < system.programs.size(); ++index) {
+    std::set<StepAction> actions;
+    for (const ProgramEdge& edge : system.programs[index].edges) {
+      actions.insert(action_of_edge(index, edge));
+    }
+    auto& texts = texts_.emplace_back();
+    for (const StepAction& action : actions) ++texts[text_of(action, system)];
+  }
+}
+
+std::string ActionNames::number_of_joint(const StepAction& action) const {
+  MAIDE_CHECK(action.kind == Kind::joint);
+  const std::string& text = symbol_name(action, system_);
+  return texts_[action.program].find(text)->second == 1 ? "" : fmt::format(" #{}", action.symbol);
+}
+
+std::string ActionNames::of(const StepAction& action) const {
+  std::string text =
+      shown_name(system_.programs[action.program].name) + " " + text_of(action, system_);
+  if (action.kind == Kind::joint) text += number_of_joint(action);
+  if (action.is_beyond) text += is_cut(system_, action) ? " beyond" : " dropped";
+  return text;
+}
+
+const std::string& ExportNames::of(std::initializer_list<std::string_view> parts) {
+  const auto [entry, is_new] =
+      known_.try_emplace(std::vector<std::string>(parts.begin(), parts.end()));
+  if (is_new) {
+    std::string wanted;
+    for (const std::string_view part : parts) {
+      if (part.empty()) continue;
+      wanted += wanted.empty() ? "" : "_";
+      wanted += part;
+    }
+    entry->second = identifiers_.unique(wanted);
+  }
+  return entry->second;
+}
+
+const std::string& ExportNames::of(const StepAction& action, const System& system,
+                                   bool of_program) {
+  std::string_view program;
+  if (of_program) program = system.programs[action.program].name;
+  const std::string& symbol = symbol_name(action, system);
+  const std::string_view bound = !action.is_beyond        ? ""
+                                 : is_cut(system, action) ? "beyond"
+                                                          : "dropped";
+  if (action.kind == Kind::choice) return of({program, "choose", symbol});
+  if (action.kind == Kind::joint) {
+    return of({program, "do", symbol, actions_.number_of_joint(action), bound});
+  }
+  const std::string& model = system.models[action.model].name;
+  switch (action.kind) {
+    case Kind::quiet: return of({program, "quiet", model});
+    case Kind::take: return of({program, "out", model, symbol});
+    case Kind::act: return of({program, "do", model, symbol, bound});
+    default: return of({program, action.is_beyond ? bound : "in", model, symbol});
+  }
+}
+
+}  // namespace maide

@@ -1,0 +1,339 @@
+#include "maide/check/packed/packed_system.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "maide/base/error.hpp"
+#include "maide/base/invariant.hpp"
+#include "maide/base/numbers.hpp"
+
+namespace maide {
+namespace {
+
+// What a StateTable can do: see there.
+constexpr unsigned first_word = 44, most_payload = 32;
+constexpr unsigned most_code_bits = 31;  // what a table of steps has room for
+
+}  // namespace
+
+PackedSystem::PackedSystem(const System& system, unsigned least_payload_bits,
+                           std::size_t monitor_states)
+    : system_(&system) {
+  for (const ModelInstance& model : system.models) {
+    tables_.emplace_back(model.automaton.inputs().size() + model.automaton.outputs().size() + 1 +
+                         model.actions.size());
+  }
+  for (const Program& program : system.programs) add_program(program);
+  add_calls();
+  number_codes();
+  lay_out(std::max(code_bits_, least_payload_bits), monitor_states);
+  place_fields();
+}
+
+std::size_t PackedSystem::action_index(const ModelUse& use) const {
+  const InterfaceAutomaton& automaton = system_->models[use.model].automaton;
+  const std::size_t inputs = automaton.inputs().size(), outputs = automaton.outputs().size();
+  switch (use.kind) {
+    case ModelUse::Kind::give: return use.symbol;
+    case ModelUse::Kind::take: return inputs + use.symbol;
+    case ModelUse::Kind::act: return inputs + outputs + 1 + use.symbol;
+    default: return inputs + outputs;  // quiet
+  }
+}
+
+const PackedSystem::ActionTable& PackedSystem::table_of(const ModelUse& use) const {
+  return tables_[use.model][action_index(use)];
+}
+
+void PackedSystem::add_program(const Program& program) {
+  PackedProgram& packed = programs_.emplace_back();
+  packed.edges_into.resize(program.states.size());
+  packed.edges.resize(program.edges.size());
+  packed.sources.resize(program.edges.size());
+  for (ControlState at = 0; at < program.states.size(); ++at) {
+    const Program::State& state = program.states[at];
+    packed.first_edge.push_back(state.first_edge);
+    packed.may_stay.push_back(program.is_end(at) || state.may_rest);
+    packed.is_error.push_back(state.error != 0);
+    for (std::uint32_t i = state.first_edge; i < state.first_edge + state.edge_count; ++i) {
+      const ProgramEdge& edge = program.edges[i];
+      packed.sources[i] = at;
+      packed.edges_into[edge.target].push_back(i);
+      for (const ModelUse& use : program.uses_of(edge)) add_action(use);
+    }
+  }
+  packed.first_edge.push_back(static_cast<std::uint32_t>(program.edges.size()));
+  for (const ProgramEdge& edge : program.edges) {
+    packed.is_death.push_back(program.is_death(edge));
+    has_deaths_ = has_deaths_ || program.is_death(edge);
+  }
+  if (std::find(packed.is_error.begin(), packed.is_error.end(), true) != packed.is_error.end()) {
+    erring_.push_back(static_cast<std::uint32_t>(programs_.size() - 1));
+  }
+  add_groups(program, packed);
+}
+
+void PackedSystem::add_groups(const Program& program, PackedProgram& packed) {
+  packed.groups.assign(program.edges.size(), no_group);
+  for (std::uint32_t group = 1; group < program.fair_groups.size(); ++group) {
+    const auto number = static_cast<std::uint32_t>(weak_groups_.size());
+    weak_groups_.push_back(program.fair_groups[group].on_weak_runs);
+    has_weak_groups_ = has_weak_groups_ || weak_groups_.back();
+    for (std::size_t i = 0; i < program.edges.size(); ++i) {
+      if (program.fair_group_of(program.edges[i]) == group) packed.groups[i] = number;
+    }
+  }
+}
+
+void PackedSystem::add_calls() {
+  const auto& models = system_->models;
+  const auto is_call = [&](const ModelUse& use) {
+    return use.kind == ModelUse::Kind::act && models[use.model].actions[use.symbol].is_call;
+  };
+  for (std::size_t index = 0; index < programs_.size(); ++index) {
+    const Program& program = system_->programs[index];
+    auto& called = programs_[index].called;
+    called.assign(program.edges.size(), no_model);
+    for (std::size_t edge = 0; edge < program.edges.size(); ++edge) {
+      for (const ModelUse& use : program.uses_of(program.edges[edge])) {
+        if (!is_call(use)) continue;
+        called[edge] = use.model;
+        users_.resize(models.size());
+      }
+    }
+  }
+  if (!has_calls()) return;
+  for (std::uint32_t index = 0; index < programs_.size(); ++index) {
+    const Program& program = system_->programs[index];
+    for (std::size_t edge = 0; edge < program.edges.size(); ++edge) {
+      for (const ModelUse& use : program.uses_of(program.edges[edge])) {
+        auto& users = users_[use.model];
+        if (users.empty() || users.back().program != index) {
+          users.push_back({index, std::vector<bool>(program.states.size())});
+        }
+        users.back().uses[programs_[index].sources[edge]] = true;
+      }
+    }
+  }
+}
+
+// The steps of check/system/system.cpp, for each state of the model.
+void PackedSystem::add_action(const ModelUse& use) {
+  ActionTable& table = tables_[use.model][action_index(use)];
+  if (table.first != no_table) return;
+  const ModelInstance& model = system_->models[use.model];
+  const InterfaceAutomaton& automaton = model.automaton;
+  table.first = static_cast<std::uint32_t>(targets_.size());
+  table.sources.resize(automaton.size());
+  for (StateId at = 0; at < automaton.size(); ++at) {
+    std::vector<Target> steps;
+    for (const ModelStep& met : model_steps(model, at, use)) {
+      auto& sources = table.sources[met.target];
+      Target step;
+      step.state = met.target;
+      step.is_cut = cuts(model, met) ? 1 : 0;
+      has_cuts_ = has_cuts_ || step.is_cut != 0;
+      step.code = static_cast<std::uint32_t>(sources.size()) & 0x7fffffff;
+      sources.push_back({at, met.is_beyond});
+      steps.push_back(step);
+    }
+    Target target;
+    if (steps.size() == 1) target = steps.front();
+    if (steps.size() > 1) {
+      table.is_deterministic = false;
+      target.state = several;
+      target.code = static_cast<std::uint32_t>(several_.size()) & 0x7fffffff;
+      several_.push_back(std::move(steps));
+    }
+    targets_.push_back(target);
+  }
+  MAIDE_CHECK(targets_.size() < first_joint);
+  std::size_t most = 1;
+  for (const auto& sources : table.sources) most = std::max(most, sources.size());
+  table.source_bits = bits_for(most);
+}
+
+void PackedSystem::number_codes() {
+  std::size_t most_into = 1;
+  for (const PackedProgram& program : programs_) {
+    for (const auto& edges : program.edges_into) most_into = std::max(most_into, edges.size());
+  }
+  unsigned most_source_bits = 0;
+  for (const Program& program : system_->programs) {
+    for (const ProgramEdge& edge : program.edges) {
+      unsigned bits = 0;
+      for (const ModelUse& use : program.uses_of(edge)) bits += table_of(use).source_bits;
+      most_source_bits = std::max(most_source_bits, bits);
+    }
+  }
+  program_bits_ = bits_for(programs_.size());
+  into_bits_ = bits_for(most_into);
+  code_bits_ = program_bits_ + into_bits_ + most_source_bits;
+  const unsigned shift = program_bits_ + into_bits_;
+  for (Target& target : targets_) {
+    if (target.state < several) target.code = (target.code << shift) & 0x7fffffff;
+  }
+  for (auto& steps : several_) {
+    for (Target& target : steps) target.code = (target.code << shift) & 0x7fffffff;
+  }
+}
+
+// First fit, the largest first; in one word if that is enough.
+void PackedSystem::lay_out(unsigned payload_bits, std::size_t monitor_states) {
+  std::vector<std::pair<unsigned, PackedField*>> fields;
+  models_.resize(system_->models.size());
+  for (std::size_t i = 0; i < models_.size(); ++i) {
+    fields.emplace_back(bits_for(system_->models[i].automaton.size()), &models_[i]);
+  }
+  for (std::size_t i = 0; i < programs_.size(); ++i) {
+    fields.emplace_back(bits_for(system_->programs[i].states.size()), &programs_[i].field);
+  }
+  fields.emplace_back(bits_for(monitor_states), &monitor_);
+  for (const auto& [bits, field] : fields) state_bits_ += bits;
+  std::stable_sort(fields.begin(), fields.end(),
+                   [](const auto& left, const auto& right) { return left.first > right.first; });
+  const bool is_one_word = state_bits_ <= 64 && state_bits_ + payload_bits <= most_bits_together;
+  std::vector<unsigned> used{0};
+  for (const auto& [bits, field] : fields) {
+    std::size_t word = 0;
+    const auto fits = [&, width = bits](std::size_t at) {
+      return used[at] + width <= (at == 0 && !is_one_word ? first_word : 64);
+    };
+    while (word < used.size() && !fits(word)) ++word;
+    if (word == used.size()) used.push_back(0);
+    field->word = static_cast<std::uint8_t>(word);
+    // A field of no bits may come when a word is full: anywhere will do.
+    field->shift = static_cast<std::uint8_t>(std::min(used[word], 63U));
+    field->mask = low_bits(bits);
+    used[word] += bits;
+  }
+  MAIDE_CHECK(std::ranges::all_of(used, [](unsigned bits) { return bits <= 64; }));
+  words_ = used.size();
+  address_bits_ = used.front();
+  if (words_ > most_words || payload_bits > most_payload || code_bits_ > most_code_bits) {
+    throw UsageError(
+        fmt::format("{}: the system is too large for the engine native: {} bits a state, {} a step",
+                    system_->file, state_bits_, payload_bits));
+  }
+}
+
+// What depends on where the fields are.
+void PackedSystem::place_fields() {
+  for (std::size_t index = 0; index < programs_.size(); ++index) {
+    PackedProgram& packed = programs_[index];
+    for (const auto& edges : packed.edges_into) {
+      for (std::size_t place = 0; place < edges.size(); ++place) {
+        const ProgramEdge& edge = system_->programs[index].edges[edges[place]];
+        PackedEdge& compiled = packed.edges[edges[place]];
+        compiled.code = static_cast<std::uint32_t>(index | (place << program_bits_));
+        MAIDE_CHECK(compiled.code <= low_bits(program_bits_ + into_bits_));
+        compiled.control_change = (std::uint64_t{edge.target} - packed.sources[edges[place]])
+                                  << packed.field.shift;
+        place_uses(system_->programs[index], edge, compiled);
+      }
+    }
+  }
+}
+
+void PackedSystem::place_uses(const Program& program, const ProgramEdge& edge,
+                              PackedEdge& compiled) {
+  const auto uses = program.uses_of(edge);
+  if (uses.empty()) return;
+  if (uses.size() == 1 && table_of(uses.front()).is_deterministic) {
+    compiled.model = models_[uses.front().model];
+    compiled.table = table_of(uses.front()).first;
+    MAIDE_CHECK(compiled.table < first_joint);
+    return;
+  }
+  PackedJoint& joint = joints_.emplace_back();
+  compiled.table = first_joint + static_cast<std::uint32_t>(joints_.size() - 1);
+  unsigned code_shift = 0;
+  for (const ModelUse& use : uses) {
+    const ActionTable& table = table_of(use);
+    MAIDE_CHECK(table.first != no_table);
+    joint.push_back({models_[use.model], table.first, code_shift});
+    code_shift += table.source_bits;
+  }
+}
+
+PackedSystem::Origin PackedSystem::undo(const GlobalState& state, std::uint64_t code) const {
+  const auto cut_off = [&code](unsigned bits) {
+    const std::uint64_t value = code & low_bits(bits);
+    code >>= bits;
+    return static_cast<std::size_t>(value);
+  };
+  Origin origin{{}, state};
+  const std::size_t index = cut_off(program_bits_);
+  const std::size_t place = cut_off(into_bits_);
+  const PackedProgram& program = programs_.at(index);
+  origin.step.program = static_cast<std::uint32_t>(index);
+  origin.step.edge = program.edges_into.at(state.programs[index]).at(place);
+  origin.before.programs[index] = program.sources[origin.step.edge];
+  const ProgramEdge& edge = system_->programs[index].edges[origin.step.edge];
+  const auto uses = system_->programs[index].uses_of(edge);
+  for (const ModelUse& use : uses) {
+    const ActionTable& table = table_of(use);
+    // Behind a single use there is room for that of any other.
+    const std::size_t source = uses.size() == 1 ? static_cast<std::size_t>(std::exchange(code, 0))
+                                                : cut_off(table.source_bits);
+    const Source& from = table.sources.at(state.models[use.model]).at(source);
+    origin.step.targets.push_back(state.models[use.model]);
+    origin.step.is_beyond = origin.step.is_beyond || from.is_beyond;
+    const ModelStep met{state.models[use.model], from.is_beyond};
+    origin.step.is_cut = origin.step.is_cut || cuts(system_->models[use.model], met);
+    origin.before.models[use.model] = from.state;
+  }
+  MAIDE_CHECK(code == 0 && edge.target == state.programs[index]);
+  return origin;
+}
+
+template <std::size_t words>
+void PackedSystem::check_steps() const {
+  GlobalState state = initial_state(*system_);
+  for (std::size_t index = 0; index < programs_.size(); ++index) {
+    for (std::uint32_t edge = 0; edge < programs_[index].edges.size(); ++edge) {
+      const Program& program = system_->programs[index];
+      const auto uses = program.uses_of(program.edges[edge]);
+      const auto check = [&] {
+        state.programs[index] = programs_[index].sources[edge];
+        const PackedState<words> packed = pack<words>(state);
+        MAIDE_CHECK_ALWAYS(unpack(packed) == state);
+        for_each_step(
+            packed, index,
+            [&](const PackedState<words>& next, std::uint32_t by, bool, std::uint64_t code) {
+              MAIDE_CHECK_ALWAYS(code <= low_bits(code_bits_));
+              const Origin origin = undo(unpack(next), code);
+              MAIDE_CHECK_ALWAYS(origin.before == state && origin.step.edge == by);
+            });
+      };
+      if (uses.empty()) check();
+      for (const ModelUse& use : uses) {
+        const StateId first = state.models[use.model];
+        for (StateId at = 0; at < system_->models[use.model].automaton.size(); ++at) {
+          state.models[use.model] = at;
+          check();
+        }
+        state.models[use.model] = first;
+      }
+    }
+    state = initial_state(*system_);
+  }
+}
+
+void PackedSystem::check_invariants() const {
+  std::vector<std::uint64_t> taken(words_, 0);
+  std::vector<PackedField> fields = models_;
+  for (const PackedProgram& program : programs_) fields.push_back(program.field);
+  fields.push_back(monitor_);
+  for (const PackedField& field : fields) {
+    const std::uint64_t bits = field.mask << field.shift;
+    MAIDE_CHECK_ALWAYS((bits >> field.shift) == field.mask && (taken.at(field.word) & bits) == 0);
+    taken[field.word] |= bits;
+  }
+  MAIDE_CHECK_ALWAYS(taken.front() <= low_bits(address_bits_));
+  with_words(words_, [&](auto words) { check_steps<decltype(words)::value>(); });
+}
+
+}  // namespace maide

@@ -1,0 +1,163 @@
+#include "maide/check/reduce/commutation.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+#include <tuple>
+
+#include "maide/base/invariant.hpp"
+#include "maide/base/numbers.hpp"
+
+namespace maide {
+
+std::vector<std::vector<ModelUse>> find_actions(const System& system) {
+  std::vector<std::vector<ModelUse>> actions(system.models.size());
+  for (const Program& program : system.programs) {
+    for (const ProgramEdge& edge : program.edges) {
+      for (const ModelUse& use : program.uses_of(edge)) {
+        auto& known = actions[use.model];
+        if (action_number(known, use) == known.size()) known.push_back(use);
+      }
+    }
+  }
+  return actions;
+}
+
+std::uint32_t action_number(const std::vector<ModelUse>& actions, const ModelUse& use) {
+  const auto place = std::find_if(actions.begin(), actions.end(), [&use](const ModelUse& other) {
+    return other.kind == use.kind &&
+           (use.kind == ModelUse::Kind::quiet || other.symbol == use.symbol);
+  });
+  return static_cast<std::uint32_t>(place - actions.begin());
+}
+
+Commutation::Commutation(const ModelInstance& model, const std::vector<ModelUse>& actions,
+                         Watch watch)
+    : states_(model.automaton.size()), watch_(watch), answers_(actions.size()) {
+  if (actions.size() > 64) throw std::invalid_argument("too many actions for a set of bits");
+  for (const ModelUse& action : actions) {
+    is_call_.push_back(action.kind == ModelUse::Kind::act && model.actions[action.symbol].is_call);
+    auto& outcomes = outcomes_.emplace_back(states_);
+    for (StateId at = 0; at < states_; ++at) {
+      for (const ModelStep& step : model_steps(model, at, action)) {
+        outcomes[at].push_back({step.target, cuts(model, step)});
+      }
+      std::sort(outcomes[at].begin(), outcomes[at].end());
+    }
+  }
+}
+
+bool Commutation::may_be_cut(std::size_t action, StateId at) const {
+  const auto& outcomes = outcomes_[action][at];
+  return std::any_of(outcomes.begin(), outcomes.end(), [](const Outcome& o) { return o.is_cut; });
+}
+
+// What is said of one y and one b in the header.
+bool Commutation::commute(std::size_t a, std::size_t b, StateId at) const {
+  MAIDE_CHECK(a < outcomes_.size() && b < outcomes_.size() && at < states_);
+  if (!is_possible(b, at)) return true;
+  const bool was_possible = is_possible(a, at);
+  for (const Outcome& after_b : outcomes_[b][at]) {
+    if (is_possible(a, after_b.target) != was_possible) return false;
+  }
+  if (!was_possible) return true;
+  using Both = std::tuple<Outcome, bool>;  // the last state and whether b is cut, whether a is
+  std::vector<Both> a_first;
+  for (const Outcome& after_a : outcomes_[a][at]) {
+    for (const Outcome& end : outcomes_[b][after_a.target]) {
+      a_first.emplace_back(end, after_a.is_cut);
+    }
+  }
+  for (const Outcome& after_b : outcomes_[b][at]) {
+    for (const Outcome& end : outcomes_[a][after_b.target]) {
+      const Both both{{end.target, after_b.is_cut}, end.is_cut};
+      if (std::find(a_first.begin(), a_first.end(), both) == a_first.end()) return false;
+    }
+    for (const Outcome& after_a : outcomes_[a][at]) {
+      const auto& ends = outcomes_[b][after_a.target];
+      const bool meet = std::any_of(ends.begin(), ends.end(), [&](const Outcome& end) {
+        const auto& others = outcomes_[a][after_b.target];
+        return end.is_cut == after_b.is_cut &&
+               std::find(others.begin(), others.end(), Outcome{end.target, after_a.is_cut}) !=
+                   others.end();
+      });
+      if (!meet) return false;
+    }
+  }
+  return true;
+}
+
+bool Commutation::makes_possible(std::size_t a, std::size_t b, StateId at) const {
+  if (is_possible(b, at)) return false;
+  const auto& outcomes = outcomes_[a][at];
+  return std::any_of(outcomes.begin(), outcomes.end(),
+                     [&](const Outcome& outcome) { return is_possible(b, outcome.target); });
+}
+
+bool Commutation::is_disturbed(std::size_t a, std::size_t b, StateId at) const {
+  if (!commute(a, b, at)) return true;
+  if (watch_ == Watch::strong) return makes_possible(a, b, at);
+  return watch_ == Watch::weak && (is_call_[a] || is_call_[b]) && is_possible(b, at);
+}
+
+void Commutation::spread_backwards(std::vector<std::uint8_t>& marked, std::uint64_t others) const {
+  MAIDE_CHECK(marked.size() == states_);
+  std::vector<std::vector<StateId>> before(states_);
+  for (std::size_t b = 0; b < outcomes_.size(); ++b) {
+    if ((others >> b & 1) == 0) continue;
+    for (StateId at = 0; at < states_; ++at) {
+      for (const Outcome& outcome : outcomes_[b][at]) before[outcome.target].push_back(at);
+    }
+  }
+  std::vector<StateId> open;
+  for (StateId at = 0; at < states_; ++at) {
+    if (marked[at] != 0) open.push_back(at);
+  }
+  while (!open.empty()) {
+    const StateId at = open.back();
+    open.pop_back();
+    for (const StateId source : before[at]) {
+      if (marked[source] != 0) continue;
+      marked[source] = 1;
+      open.push_back(source);
+    }
+  }
+}
+
+std::vector<std::uint8_t> Commutation::compute(std::size_t action, std::uint64_t others) const {
+  std::vector<std::uint8_t> disturbed(states_, 0);
+  for (std::size_t b = 0; b < outcomes_.size(); ++b) {
+    if ((others >> b & 1) == 0) continue;
+    for (StateId at = 0; at < states_; ++at) {
+      if (is_disturbed(action, b, at)) disturbed[at] = 1;
+    }
+  }
+  spread_backwards(disturbed, others);
+  for (std::size_t b = 0; b < outcomes_.size() && watch_ == Watch::weak; ++b) {
+    if ((others >> b & 1) == 0) continue;
+    std::vector<std::uint8_t> enabling(states_, 0), possible(states_, 0);
+    for (StateId at = 0; at < states_; ++at) {
+      enabling[at] = makes_possible(action, b, at) ? 1 : 0;
+      possible[at] = is_possible(b, at) ? 1 : 0;
+    }
+    spread_backwards(enabling, others);
+    spread_backwards(possible, others);
+    for (StateId at = 0; at < states_; ++at) {
+      if (enabling[at] != 0 && possible[at] != 0) disturbed[at] = 1;
+    }
+  }
+  for (std::uint8_t& value : disturbed) value = value == 0 ? 1 : 0;
+  return disturbed;
+}
+
+const std::vector<std::uint8_t>& Commutation::undisturbed(std::size_t action,
+                                                          std::uint64_t others) {
+  MAIDE_CHECK((others & ~low_bits(static_cast<unsigned>(outcomes_.size()))) == 0);
+  auto& answers = answers_[action];
+  for (const Answer& answer : answers) {
+    if (answer.others == others) return answer.undisturbed;
+  }
+  answers.push_back({others, compute(action, others)});
+  return answers.back().undisturbed;
+}
+
+}  // namespace maide

@@ -1,0 +1,84 @@
+#include "maide/check/reduce/step_order.hpp"
+
+#include <algorithm>
+#include <map>
+#include <utility>
+
+#include "maide/base/invariant.hpp"
+#include "maide/check/reduce/commutation.hpp"
+
+namespace maide {
+namespace {
+
+// Of one model, times its states: pairs of actions, programs with actions. A larger one would take
+// longer than the order of its steps saves.
+constexpr std::uint64_t most_pairs = std::uint64_t{1} << 20;
+
+bool is_kept(const Program& program, const ProgramEdge& edge) {
+  return program.uses_of(edge).size() > 1 || program.is_error(edge.target);
+}
+
+}  // namespace
+
+StepOrder::StepOrder(const PackedSystem& packed) {
+  const System& system = packed.system();
+  for (const Program& program : system.programs) steps_.emplace_back(program.edges.size());
+  if (system.programs.size() > 64) return;
+  for (std::uint32_t p = 0; p < system.programs.size(); ++p) {
+    const auto choice = static_cast<std::uint32_t>(lasts_.size());
+    lasts_.push_back({0, no_model, p});
+    const Program& program = system.programs[p];
+    for (std::size_t i = 0; i < steps_[p].size(); ++i) {
+      const std::size_t uses = program.uses_of(program.edges[i]).size();
+      steps_[p][i].is_kept = is_kept(program, program.edges[i]);
+      if (uses == 0 && !steps_[p][i].is_kept) steps_[p][i].first = choice;
+    }
+  }
+  const std::vector<std::vector<ModelUse>> actions = find_actions(system);
+  for (std::uint32_t m = 0; m < system.models.size(); ++m) add_model(system, m, actions[m]);
+}
+
+void StepOrder::add_model(const System& system, std::uint32_t model,
+                          const std::vector<ModelUse>& actions) {
+  if (actions.empty()) return;
+  const std::size_t states = system.models[model].automaton.size();
+  const std::size_t widest = std::max(actions.size(), system.programs.size());
+  const bool is_known =
+      actions.size() <= no_action && states * actions.size() * widest <= most_pairs;
+  // By action and state: what commutes with it.
+  std::vector<std::vector<std::uint64_t>> commuting(actions.size());
+  if (is_known) {
+    const Commutation commutation(system.models[model], actions, Commutation::Watch::nothing);
+    for (std::size_t a = 0; a < actions.size(); ++a) {
+      for (StateId at = 0; at < states; ++at) {
+        std::uint64_t& set = commuting[a].emplace_back(0);
+        for (std::size_t b = 0; b < actions.size(); ++b) {
+          if (commutation.commute(b, a, at)) set |= std::uint64_t{1} << b;
+        }
+      }
+    }
+  }
+  for (std::uint32_t p = 0; p < system.programs.size(); ++p) {
+    std::map<std::uint32_t, std::uint32_t> first;  // of the program's lasts, by action
+    for (std::size_t i = 0; i < steps_[p].size(); ++i) {
+      const auto uses = system.programs[p].uses_of(system.programs[p].edges[i]);
+      if (steps_[p][i].is_kept || uses.empty() || uses.front().model != model) continue;
+      const std::uint32_t action = is_known ? action_number(actions, uses.front()) : no_action;
+      const auto [place, is_new] =
+          first.try_emplace(action, static_cast<std::uint32_t>(lasts_.size()));
+      steps_[p][i] = {model, action, place->second};
+      if (!is_new) continue;
+      if (!is_known) {
+        lasts_.push_back({0, model, p});
+        continue;
+      }
+      MAIDE_CHECK(action < actions.size() && commuting[action].size() == states);
+      for (StateId at = 0; at < states; ++at) {
+        MAIDE_CHECK(place->second + at == lasts_.size());  // found by its state
+        lasts_.push_back({commuting[action][at], model, p});
+      }
+    }
+  }
+}
+
+}  // namespace maide

@@ -1,0 +1,246 @@
+#include "maide/check/rules/built_in_models.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "maide/base/invariant.hpp"
+
+namespace maide {
+namespace {
+
+Action input(Symbol symbol) { return {Action::Kind::input, symbol}; }
+Action output(Symbol symbol) { return {Action::Kind::output, symbol}; }
+
+}  // namespace
+
+InterfaceAutomaton make_mutex() {
+  InterfaceAutomaton mutex({"lock", "unlock"}, {}, 2);
+  mutex.add_transition(0, input(0), 1);
+  mutex.add_transition(1, input(1), 0);
+  return mutex;
+}
+
+InterfaceAutomaton make_semaphore(std::uint32_t count) {
+  InterfaceAutomaton semaphore({"acquire", "release"}, {}, std::size_t{count} + 1);
+  for (StateId taken = 0; taken < count; ++taken) {
+    semaphore.add_transition(taken, input(0), taken + 1);
+    semaphore.add_transition(taken + 1, input(1), taken);
+  }
+  return semaphore;
+}
+
+double queue_states(const QueueSize& queue) {
+  const double letters = queue.values.empty() ? 1 : static_cast<double>(queue.values.size());
+  if (queue.is_unknown) return 2 * letters + 5;
+  double words = 0, longest = 1;
+  for (std::uint32_t length = 0; length <= queue.size; ++length, longest *= letters)
+    words += longest;
+  // Contents when nobody waits, contents behind a message that is due, a reader that waits.
+  return words + (words - longest / letters) * letters + 1;
+}
+
+namespace {
+
+InterfaceAutomaton make_queue_of_unknown_size(const QueueSize& queue) {
+  InterfaceAutomaton automaton = GrowingQueue(queue).start();
+  automaton.origin = {{"depth", unknown_depth}};
+  const auto letters = static_cast<Symbol>(automaton.outputs().size());
+  const Action read = input(letters);
+  const StateId empty = automaton.initial();
+  const StateId waiting = automaton.add_state(), many = automaton.add_state();
+  automaton.add_transition(empty, read, waiting);
+  for (Symbol letter = 0; letter < letters; ++letter) {
+    const StateId one = automaton.add_state(), due = automaton.add_state();
+    automaton.add_transition(empty, input(letter), one);
+    automaton.add_transition(waiting, input(letter), due);
+    automaton.add_transition(one, read, due);
+    automaton.add_transition(due, output(letter), empty);
+    automaton.add_transition(many, input(letter), many);
+    for (Symbol second = 0; second < letters; ++second) {
+      automaton.add_transition(one, input(second), many);
+    }
+  }
+  if (letters > 1) {
+    automaton.mark_unexplored(many, letters);
+    return automaton;
+  }
+  const StateId due = automaton.add_state(), rest = automaton.add_state();
+  automaton.add_transition(many, read, due);
+  automaton.add_transition(due, output(0), rest);
+  automaton.add_transition(rest, input(0), many);
+  automaton.mark_unexplored(rest, letters);
+  return automaton;
+}
+
+}  // namespace
+
+bool has_unknown_depth(const InterfaceAutomaton& automaton) {
+  const auto depth = automaton.origin.find("depth");
+  return depth != automaton.origin.end() && depth->second == unknown_depth;
+}
+
+namespace {
+constexpr const char* unknown_code_key = "unknown-code-of";  // a callback
+}  // namespace
+
+InterfaceAutomaton make_unknown_code(const std::string& callback) {
+  const std::vector<std::string> inputs{"begin"}, outputs;
+  InterfaceAutomaton automaton(Alphabet(std::span<const std::string>(inputs)),
+                               Alphabet(std::span<const std::string>(outputs)), 1);
+  automaton.origin = {{unknown_code_key, callback}};
+  automaton.mark_unexplored(0, 0);
+  return automaton;
+}
+
+std::optional<std::string> find_unknown_code(const InterfaceAutomaton& automaton) {
+  const auto callback = automaton.origin.find(unknown_code_key);
+  if (callback == automaton.origin.end()) return std::nullopt;
+  return callback->second;
+}
+
+InterfaceAutomaton make_queue(const QueueSize& queue) {
+  if (queue.is_unknown) return make_queue_of_unknown_size(queue);
+  GrowingQueue states(queue);
+  InterfaceAutomaton automaton = states.start();
+  automaton.origin.clear();
+  for (StateId state = 0; state < automaton.size(); ++state) states.expand(automaton, state);
+  return automaton;
+}
+
+// ---- models that grow ---------------------------------------------------------------------------
+
+GrowingModel::GrowingModel(Contents initial) {
+  states_.emplace(initial, 0);
+  met_.push_back(std::move(initial));
+  is_expanded_.push_back(false);
+}
+
+StateId GrowingModel::state_of(InterfaceAutomaton& automaton, Contents contents) {
+  if (is_cut_down_) {
+    const auto place = states_.find(contents);
+    return place != states_.end() ? place->second : static_cast<StateId>(met_.size() - 1);
+  }
+  const auto [place, is_new] = states_.try_emplace(contents, static_cast<StateId>(met_.size()));
+  if (is_new) {
+    automaton.add_state();
+    met_.push_back(std::move(contents));
+    is_expanded_.push_back(false);
+  }
+  return place->second;
+}
+
+void GrowingModel::expand(InterfaceAutomaton& automaton, StateId state) {
+  if (is_expanded_[state]) return;
+  is_expanded_[state] = true;
+  for (Follower& next : followers(Contents(met_[state]))) {
+    const StateId target = state_of(automaton, std::move(next.contents));
+    automaton.add_transition(state, next.action, target);
+  }
+}
+
+void GrowingModel::expand_with_messages(InterfaceAutomaton& automaton, StateId state) {
+  expand(automaton, state);
+  for (std::size_t i = 0; i < automaton.transitions(state).size(); ++i) {
+    const StateId target = automaton.transitions(state)[i].target;
+    if (is_due(met_[target])) expand(automaton, target);
+  }
+}
+
+InterfaceAutomaton GrowingModel::cut_down(const InterfaceAutomaton& automaton,
+                                          const std::vector<bool>& reached,
+                                          std::vector<StateId>& numbers) {
+  MAIDE_CHECK(!is_cut_down_);
+  InterfaceAutomaton result = start();
+  constexpr StateId none = ~StateId{0};
+  numbers.assign(automaton.size(), none);
+  std::vector<StateId> kept{automaton.initial()};
+  numbers[automaton.initial()] = 0;
+  const auto keep = [&](StateId state) {
+    if (numbers[state] != none) return;
+    numbers[state] = result.add_state();
+    kept.push_back(state);
+  };
+  for (StateId state = 0; state < automaton.size(); ++state) {
+    if (!reached[state]) continue;
+    MAIDE_CHECK(is_expanded_[state]);
+    keep(state);
+    for (const auto& transition : automaton.transitions(state)) {
+      if (is_due(met_[transition.target])) keep(transition.target);
+    }
+  }
+  const StateId elsewhere = result.add_state();
+  for (Symbol input = 0; input < result.inputs().size(); ++input) {
+    result.mark_unexplored(elsewhere, input);
+  }
+  std::replace(numbers.begin(), numbers.end(), none, elsewhere);
+  std::vector<Contents> met;
+  for (const StateId state : kept) {
+    for (const auto& transition : automaton.transitions(state)) {
+      result.add_transition(numbers[state], transition.action, numbers[transition.target]);
+    }
+    met.push_back(met_[state]);
+  }
+  states_.clear();
+  for (StateId state = 0; state < met.size(); ++state) states_.emplace(met[state], state);
+  met.emplace_back();  // elsewhere
+  met_ = std::move(met);
+  is_cut_down_ = true;
+  return result;
+}
+
+GrowingQueue::GrowingQueue(QueueSize queue) : GrowingModel({idle}), queue_(std::move(queue)) {
+  if (!queue_.values.empty()) letters_ = static_cast<Symbol>(queue_.values.size());
+}
+
+InterfaceAutomaton GrowingQueue::start() const {
+  std::vector<std::string> inputs, outputs;
+  for (const std::string& value : queue_.values) {
+    inputs.push_back("write" + value);
+    outputs.push_back("message" + value);
+  }
+  if (queue_.values.empty()) {
+    inputs = {"write"};
+    outputs = {"message"};
+  }
+  inputs.emplace_back("read");
+  InterfaceAutomaton automaton(Alphabet(std::span<const std::string>(inputs)),
+                               Alphabet(std::span<const std::string>(outputs)), 1);
+  automaton.actors = {{"writer", {inputs.begin(), inputs.end() - 1}, {}},
+                      {"reader", {"read"}, outputs}};
+  automaton.origin[queue_.drops_oldest ? "depth" : "size"] = std::to_string(queue_.size);
+  return automaton;
+}
+
+std::vector<GrowingModel::Follower> GrowingQueue::followers(const Contents& contents) const {
+  Contents free = contents;
+  free[0] = idle;
+  if (is_due(contents)) return {{output(contents[0] - first_message), free}};
+  std::vector<Follower> result;
+  const std::size_t kept = contents.size() - 1;
+  for (Symbol letter = 0; letter < letters_; ++letter) {
+    Contents next = contents;
+    if (contents[0] == waiting) {
+      next[0] = first_message + letter;
+    } else if (kept < queue_.size) {
+      next.push_back(letter);
+    } else if (queue_.drops_oldest) {
+      next.erase(next.begin() + 1);
+      next.push_back(letter);
+    } else {
+      continue;
+    }
+    result.push_back({input(letter), std::move(next)});
+  }
+  if (contents[0] == waiting) return result;
+  Contents next = contents;
+  if (kept == 0) {
+    next[0] = waiting;
+  } else {
+    next[0] = first_message + contents[1];
+    next.erase(next.begin() + 1);
+  }
+  result.push_back({input(letters_), std::move(next)});
+  return result;
+}
+
+}  // namespace maide

@@ -1,0 +1,106 @@
+// A service as its rules say: two topics with numbers. Requests go from the clients to the server;
+// an answer goes from the server to *all* clients, each of which throws away what answers none of
+// its own open requests. Both directions keep the last `depth`.
+//
+// Callbacks of a node ask under their own names: a request is its run's until that run is over or
+// has asked again, and then nobody's. Its client still takes the answer.
+//
+// An executor that goes by rounds finds a client ready when any answer is in its queue. If its
+// place in the round comes and the queue begins with answers to others, those are thrown away and
+// nothing runs: all that are older than the first own answer, which then is taken in the same step
+// (Cyclone DDS), or one (Fast DDS). Other clients lose such answers unseen.
+//
+// What programs do with a service are actions on its state. Its automaton has as transitions what
+// programs, not nodes, do, for a run to be played on a real service.
+// Invariant: an item is one request. Of the own answers in a client's queue at most one is that of
+// a run, for a run's earlier requests are nobody's. The oldest answer in a client's queue is its
+// own, except where an executor goes by rounds: over Cyclone DDS the queue then is one answer to
+// others where it holds only such answers; over Fast DDS it is as it is.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "maide/check/rules/built_in_models.hpp"
+#include "maide/check/system/shared_steps.hpp"
+
+namespace maide {
+
+struct ServiceShape {
+  std::uint32_t depth = 10;           // at least 1
+  bool is_depth_unknown = false;      // what would be lost at depth 1 goes beyond what is known
+  std::vector<std::uint32_t> askers;  // by client: runs of callbacks that may wait; 0: a program
+  std::uint32_t servers = 1;          // runs of the server's callback at once
+  bool is_served_by_node = false;
+  std::vector<bool> is_looked_at;  // by client: its executor goes by rounds
+  bool takes_one_by_one = false;   // a look's client takes one answer, whosever it is: Fast DDS
+  std::vector<std::string> names;  // of the clients
+  std::string rmw;                 // on which it is to run; may be empty
+  std::string sul;  // the real system of programs' runs: "ros2 kind=service ..."; may be empty
+};
+
+class ServiceModel : public GrowingModel {
+ public:
+  struct Operation {
+    enum class Kind : std::uint8_t {
+      // Of the server. Where its callback runs several times at once, `run` is the number.
+      serve,         // asks for a request
+      take_request,  // takes the one that is due
+      serve_at_once,
+      answer,
+      answer_due,  // an answer is due to some client: a condition
+      // Of a client.
+      send,     // by the run number `run` of its callbacks; beyond them, or of a program: by nobody
+      receive,  // asks for an answer
+      take_answer,  // takes the one that is due
+      receive_at_once,
+      // Of a client that is a node.
+      hand_over,    // its callback takes an answer to one of its requests, for the run that asked
+      take_own,     // for code of its own
+      take_others,  // its place in a round comes, and what it takes is for nobody here
+      wait,         // the run takes the answer that was handed over for it
+      end_run,
+    };
+    Kind kind = Kind::send;
+    std::uint32_t client = 0, run = 0;
+    auto operator<=>(const Operation&) const = default;
+  };
+
+  explicit ServiceModel(ServiceShape shape);
+
+  InterfaceAutomaton start() const override;
+  bool is_large() const override { return false; }
+  // "a request of detector is not served, 2 answers to detector are not taken".
+  std::string describe(StateId state) const override;
+  // "send" of the first client, "send2" of the second.
+  static std::string name_at(const std::string& name, std::uint32_t client);
+
+  // The use of the model that this is.
+  ModelUse use(SharedActions& actions, std::uint32_t model, const Operation& operation);
+
+ private:
+  struct State;
+  State unpack(const Contents& contents) const;
+  static Contents pack(const State& state);
+  std::vector<Follower> followers(const Contents& contents) const override;
+  bool is_due(const Contents& contents) const override;
+  std::optional<State> after(State state, const Operation& operation) const;
+  std::string text_of(const Operation& operation) const;
+
+  void send(State& state, std::uint32_t item) const;
+  void answer(State& state, std::uint32_t item) const;
+  // The first own answer of the client.
+  std::optional<std::uint32_t> take_own(State& state, std::uint32_t client) const;
+  bool take_others(State& state, std::uint32_t client) const;
+  // Drops answers to others that make no difference.
+  void tidy(State& state, std::uint32_t client) const;
+  // The requests of that run are nobody's from here on.
+  void forget(State& state, std::uint32_t client, std::uint32_t run) const;
+  std::uint32_t nobody(std::uint32_t client) const { return 1 + shape_.askers[client]; }
+
+  ServiceShape shape_;
+};
+
+}  // namespace maide

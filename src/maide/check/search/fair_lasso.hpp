@@ -1,0 +1,308 @@
+// Makes the run that is shown for an accepted strongly connected set of a product's nodes. The run
+// takes a shortest way into the set. In it, it goes past every mark and, with strong fairness, past
+// a step of every program, and of every fair group, that can step there. It always goes to the
+// nearest of what is still missing. Eight bytes a node of the product. Throws Interrupted when the
+// control says to stop.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <optional>
+#include <stdexcept>
+#include <utility>
+#include <vector>
+
+#include "maide/base/invariant.hpp"
+#include "maide/check/search/product_graph.hpp"
+#include "maide/check/search/search.hpp"
+#include "maide/check/system/trace.hpp"
+
+namespace maide {
+
+// Finds, for strong fairness, a part of a strongly connected set that is accepted. A program, or a
+// fair group, that can step in a set and never does is not treated fairly. So the nodes where it
+// can step are left out, and the rest is taken apart again (Emerson & Lei, "Modalities for model
+// checking", Sci. Comput. Program. 1987).
+template <typename Graph>
+class FairParts {
+ public:
+  using Number = typename Graph::Number;
+  using Share = typename Graph::Share;
+  using Set = std::vector<Number>;  // sorted
+
+  FairParts(const Graph& graph, const RunControl& control) : graph_(graph), control_(control) {}
+
+  // A part with every mark in which each program and group that can step does, if there is one. At
+  // most as many rounds as there are of these. Throws Interrupted when the control says to stop.
+  std::optional<Set> find(Set members) {
+    std::vector<Set> open{std::move(members)};
+    while (!open.empty()) {
+      const Set set = std::move(open.back());
+      open.pop_back();
+      typename Graph::Bits marks{};
+      Share able, stepped;
+      bool has_edge = false;
+      for (const Number member : set) {
+        look();
+        able = able | graph_.able(member);
+        for_each_edge_within(graph_, set, member, [&](const auto& edge, Number) {
+          has_edge = true;
+          marks |= edge.marks;
+          stepped = stepped | graph_.share_of(edge);
+        });
+      }
+      if (!has_edge || marks != graph_.all_marks()) continue;
+      const Share starved = able.without(stepped);
+      if (starved.is_empty()) return set;
+      Set rest;
+      for (const Number member : set) {
+        if ((graph_.able(member) & starved).is_empty()) rest.push_back(member);
+      }
+      for (Set& component : components_of(rest)) open.push_back(std::move(component));
+    }
+    return std::nullopt;
+  }
+
+  // Tarjan's components of a sorted set of nodes (iterative; SIAM J. Comput. 1972).
+  std::vector<Set> components_of(const Set& set) {
+    struct Open {
+      std::size_t place;
+      std::vector<std::size_t> targets;  // not yet looked at
+    };
+    std::vector<Set> result;
+    std::vector<std::uint32_t> low(set.size(), 0), order(set.size(), 0);
+    std::vector<bool> is_active(set.size());
+    std::vector<std::size_t> active;
+    std::vector<Open> path;
+    std::uint32_t count = 0;
+    const auto enter = [&](std::size_t place) {
+      order[place] = low[place] = ++count;
+      is_active[place] = true;
+      active.push_back(place);
+      std::vector<std::size_t> targets;
+      for_each_edge_within(graph_, set, set[place], [&](const auto&, Number target) {
+        targets.push_back(static_cast<std::size_t>(
+            std::lower_bound(set.begin(), set.end(), target) - set.begin()));
+      });
+      path.push_back({place, std::move(targets)});
+    };
+    const auto leave = [&](std::size_t place) {
+      path.pop_back();
+      if (!path.empty()) low[path.back().place] = std::min(low[path.back().place], low[place]);
+      if (low[place] != order[place]) return;
+      Set& component = result.emplace_back();
+      std::size_t member = 0;
+      do {
+        member = active.back();
+        active.pop_back();
+        is_active[member] = false;
+        component.push_back(set[member]);
+        MAIDE_CHECK(order[member] >= order[place]);
+      } while (member != place);
+      std::sort(component.begin(), component.end());
+    };
+    for (std::size_t start = 0; start < set.size(); ++start) {
+      if (order[start] == 0) enter(start);
+      while (!path.empty()) {
+        look();
+        auto& targets = path.back().targets;
+        const std::size_t place = path.back().place;
+        if (targets.empty()) {
+          leave(place);
+          continue;
+        }
+        const std::size_t target = targets.back();
+        targets.pop_back();
+        if (order[target] == 0) {
+          enter(target);
+        } else if (is_active[target]) {
+          low[place] = std::min(low[place], order[target]);
+        }
+      }
+    }
+    MAIDE_CHECK(active.empty() && count == set.size());  // each node is in one component
+    return result;
+  }
+
+ private:
+  void look() {
+    if (++looked_at_ % limit_interval == 0) control_.check("the search for a fair cycle");
+  }
+
+  const Graph& graph_;
+  const RunControl& control_;
+  std::uint64_t looked_at_ = 0;
+};
+
+// `set` is sorted. Visits the edges from `member` that stay in it, and where they lead.
+template <typename Graph, typename Visit>
+void for_each_edge_within(const Graph& graph, const std::vector<typename Graph::Number>& set,
+                          typename Graph::Number member, Visit&& visit) {
+  graph.for_each_edge(member, [&](const auto& edge) {
+    const auto number = graph.find(edge.target);
+    if (number == Graph::no_node) return;
+    if (std::binary_search(set.begin(), set.end(), number)) visit(edge, number);
+  });
+}
+
+template <typename Graph>
+class FairLasso {
+ public:
+  using Number = typename Graph::Number;
+  using Edge = typename Graph::Edge;
+  using Share = typename Graph::Share;
+  using Set = std::vector<Number>;  // sorted
+
+  // Of the graph's nodes now. Keeps references. Throws std::bad_alloc. `first`: where runs begin;
+  // none: at the graph's first nodes.
+  FairLasso(const Graph& graph, const RunControl& control, Set first = {})
+      : graph_(graph), control_(control), first_(std::move(first)), parents_(graph.size(), unseen) {
+    queue_.reserve(graph.size());
+    if (!first_.empty()) return;
+    for (const auto& node : graph_.first_nodes()) {
+      const Number number = graph_.find(node);
+      if (number != Graph::no_node) first_.push_back(number);
+    }
+  }
+
+  static std::uint64_t bytes(const Graph& graph) { return 2 * sizeof(Number) * graph.size(); }
+
+  // A shortest run, in nodes that the graph knows, to one of `goals`.
+  Trace prefix_to(const Set& goals, Number* reached = nullptr) {
+    std::vector<Edge> path;
+    const Number end = shortest_path(
+        first_, nullptr,
+        [&](Number node) { return std::binary_search(goals.begin(), goals.end(), node); }, path);
+    if (reached != nullptr) *reached = end;
+    Trace trace;
+    append(path, trace);
+    return trace;
+  }
+
+  Trace run_round(const Set& members) {
+    Number start = 0;
+    Trace trace = prefix_to(members, &start);
+    const Share wanted = wanted_steps(members);
+    std::vector<Edge> loop;
+    typename Graph::Bits marks{};
+    Share stepped;
+    Number at = start;
+    const auto take = [&](const Edge& edge) {
+      loop.push_back(edge);
+      marks |= edge.marks;
+      stepped = stepped | graph_.share_of(edge);
+    };
+    const auto is_done = [&] {
+      return marks == graph_.all_marks() && wanted.without(stepped).is_empty();
+    };
+    const auto is_useful = [&](const Edge& edge) {
+      return is_done() || !is_none(edge.marks & ~marks) ||
+             !(graph_.share_of(edge) & wanted.without(stepped)).is_empty();
+    };
+    // At least one edge, and then whatever is missing; then home.
+    while (loop.empty() || !is_done()) {
+      std::optional<Edge> next;
+      Number target = 0;
+      std::vector<Edge> path;
+      shortest_path(
+          {at}, &members,
+          [&](Number node) {
+            for_each_edge_within(graph_, members, node, [&](const Edge& edge, Number to) {
+              if (next || !is_useful(edge)) return;
+              next = edge;
+              target = to;
+            });
+            return next.has_value();
+          },
+          path);
+      MAIDE_CHECK(next && is_useful(*next));
+      for (const Edge& edge : path) take(edge);
+      take(*next);
+      at = target;
+    }
+    std::vector<Edge> home;
+    shortest_path(
+        {at}, &members, [&](Number node) { return node == start; }, home);
+    loop.insert(loop.end(), home.begin(), home.end());
+    MAIDE_CHECK(graph_.find(loop.back().target) == start);
+    const std::size_t loop_start = trace.steps.size();
+    append(loop, trace);
+    if (trace.steps.size() > loop_start) trace.loop_start = loop_start;
+    return trace;
+  }
+
+ private:
+  Share wanted_steps(const Set& members) const {
+    Share wanted;
+    if (!graph_.wants_more()) return wanted;
+    for (const Number member : members) wanted = wanted | graph_.able(member);
+    return wanted;
+  }
+
+  // From one of `first` to a node that `is_goal`; of a path without edges the first one. Appends
+  // the edges to `path`; keeps within `set` if there is one. O(what it comes by).
+  template <typename IsGoal>
+  Number shortest_path(const Set& first, const Set* set, IsGoal&& is_goal,
+                       std::vector<Edge>& path) {
+    for (const Number node : queue_) parents_[node] = unseen;
+    queue_.clear();
+    const auto see = [this](Number node, Number parent) {
+      if (parents_[node] != unseen) return;
+      parents_[node] = parent;
+      queue_.push_back(node);
+    };
+    for (const Number node : first) see(node, Graph::no_node);
+    for (std::size_t at = 0; at < queue_.size(); ++at) {
+      if (++looked_at_ % limit_interval == 0) control_.check("the search for a run to show");
+      const Number node = queue_[at];
+      if (is_goal(node)) {
+        append_path_to(node, path);
+        return node;
+      }
+      graph_.for_each_edge(node, [&](const Edge& edge) {
+        const Number number = graph_.find(edge.target);
+        if (number == Graph::no_node) return;
+        if (set != nullptr && !std::binary_search(set->begin(), set->end(), number)) return;
+        see(number, node);
+      });
+    }
+    throw std::logic_error("the search lost a node");
+  }
+
+  void append_path_to(Number node, std::vector<Edge>& path) const {
+    const std::size_t start = path.size();
+    for (; parents_[node] != Graph::no_node; node = parents_[node]) {
+      path.push_back(edge_between(parents_[node], node));
+    }
+    std::reverse(path.begin() + static_cast<std::ptrdiff_t>(start), path.end());
+    MAIDE_CHECK(path.size() - start < queue_.size());
+  }
+
+  Edge edge_between(Number from, Number to) const {
+    std::optional<Edge> found;
+    graph_.for_each_edge(from, [&](const Edge& edge) {
+      if (!found && edge.target == graph_.node(to)) found = edge;
+    });
+    return found.value();
+  }
+
+  void append(const std::vector<Edge>& path, Trace& trace) const {
+    const PackedSystem& system = graph_.system();
+    for (const Edge& edge : path) {
+      if (edge.is_step) {
+        trace.steps.push_back(system.undo(system.unpack(edge.target), edge.code).step);
+      }
+    }
+  }
+
+  static constexpr Number unseen = Graph::no_node - 1;
+
+  const Graph& graph_;
+  const RunControl& control_;
+  Set first_;                    // in any order
+  std::vector<Number> parents_;  // by node: on the way from the first ones, whose is no_node
+  Set queue_;                    // nodes that were seen
+  std::uint64_t looked_at_ = 0;
+};
+
+}  // namespace maide

@@ -1,0 +1,269 @@
+// What breadth-first searches look for, and how each is run: alone, or by several ranks, the first
+// of which tells the others. So are searches for cycles by ranks.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <exception>
+#include <new>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+#include "maide/base/error.hpp"
+#include "maide/base/invariant.hpp"
+#include "maide/base/log.hpp"
+#include "maide/check/engines/engine.hpp"
+#include "maide/check/search/breadth_first_search.hpp"
+#include "maide/check/search/checkpoint.hpp"
+#include "maide/check/search/fair_hull.hpp"
+#include "maide/check/search/monitors.hpp"
+#include "maide/check/search/search_job.hpp"
+
+namespace maide {
+namespace {
+
+// Goals: see breadth_first_search.hpp. `depends_on_step()`: on more than the states that are
+// visited.
+
+// A state in which nothing can happen and some program has not ended and may not rest.
+struct DeadlockGoal {
+  const PackedSystem& system;
+  static bool depends_on_step() { return false; }
+  template <typename State>
+  bool on_step(const State&, const State&, std::size_t, std::uint32_t, bool) const {
+    return false;
+  }
+  template <std::size_t words>
+  bool on_end(const PackedState<words>& state) const {
+    return !system.is_at_rest(state);
+  }
+};
+
+// A step into an error.
+struct ErrorGoal {
+  const PackedSystem& system;
+  static bool depends_on_step() { return false; }
+  template <std::size_t words>
+  bool on_step(const PackedState<words>&, const PackedState<words>& next, std::size_t,
+               std::uint32_t, bool is_cut) const {
+    return !is_cut && system.is_error(next);
+  }
+  template <typename State>
+  bool on_end(const State&) const {
+    return false;
+  }
+};
+
+// A step that commutes with the one before it is cut in either order, so the shortest run to a cut
+// ends with one that no order leaves out.
+struct CutGoal {
+  static bool depends_on_step() { return false; }
+  template <typename State>
+  bool on_step(const State&, const State&, std::size_t, std::uint32_t, bool is_cut) const {
+    return is_cut;
+  }
+  template <typename State>
+  bool on_end(const State&) const {
+    return false;
+  }
+};
+
+// A position at which the condition does not hold; one at which the run is cut, or comes to an
+// error, does not count.
+struct InvariantGoal {
+  const PackedSystem& system;
+  Condition condition;
+  bool depends_on_step() const { return condition.has_events(); }
+  template <std::size_t words>
+  bool on_step(const PackedState<words>&, const PackedState<words>& next, std::size_t program,
+               std::uint32_t edge, bool is_cut) const {
+    return !is_cut && !system.is_error(next) && !condition.is_true(system, next, program, edge);
+  }
+  template <std::size_t words>
+  bool on_end(const PackedState<words>& state) const {
+    return !condition.is_true(system, state, 0, PackedAtom::no_edge);
+  }
+};
+
+// With chains a state carries more bits: worth it up to this many.
+constexpr unsigned most_chain_bits = 24;
+constexpr unsigned longest_chain = 8;
+
+// The longest chain for which states of the system stay as small as they can be.
+unsigned chain_length(const PackedSystem& system) {
+  const unsigned state_bits = system.state_bits();
+  const unsigned room = state_bits <= 64
+                            ? std::min(most_chain_bits, most_bits_together - state_bits)
+                            : most_chain_bits;
+  unsigned chain = longest_chain;
+  while (chain > 1 && chain_bits(chain, system.code_bits()) > room) --chain;
+  return chain;
+}
+
+// Searches breadth-first for what `make_goal(packed system)` looks for; `rules`: none takes every
+// step.
+template <typename MakeGoal>
+SearchResult explore_for(const System& plain, std::optional<ReductionRules> rules,
+                         Reduction reduction, const SearchLimits& limits, Checkpoint* checkpoint,
+                         MakeGoal&& make_goal) {
+  PackedSystem system(plain);
+  if (!leaves_out_orders(reduction) || plain.programs.size() > most_reduced_programs) rules.reset();
+  // A death stays possible where nothing else is: steps that are put off might be missed.
+  if (system.has_deaths()) rules.reset();
+  const unsigned chain = rules && reduction == Reduction::full ? chain_length(system) : 1;
+  if (chain > 1) system = PackedSystem(plain, chain_bits(chain, system.code_bits()));
+  std::optional<StubbornSets> sets;
+  BreadthFirstOptions options;
+  options.threads = limits.threads;
+  options.states_a_thread = limits.states_a_thread;
+  options.ranks = limits.ranks;
+  options.checkpoint = checkpoint;
+  if (rules) {
+    options.sets = &sets.emplace(system, rules->sets);
+    options.puts_nothing_off = rules->puts_nothing_off;
+    options.chain = chain;
+  }
+  auto goal = make_goal(system);
+  std::optional<StepOrder> order;
+  if (!rules && !goal.depends_on_step()) options.order = &order.emplace(system);
+  SearchResult search = with_words(system.words(), [&](auto words) {
+    return BreadthFirstSearch<words.value, decltype(goal)>(system, goal, limits, options).run();
+  });
+  if (rules) search.reduction = chain > 1 ? Reduction::full : Reduction::order;
+  return search;
+}
+
+// Searches by all ranks for a cycle that is accepted by a monitor of that type.
+template <typename Monitor, typename... Arguments>
+SearchResult find_cycle(const System& plain, std::size_t monitor_states, const SearchLimits& limits,
+                        Arguments&&... arguments) {
+  const PackedSystem system(plain, node_number_bits, monitor_states);
+  const Monitor monitor(system, std::forward<Arguments>(arguments)...);
+  return with_words_for<Monitor>(
+      system, [&](auto words) { return search_hull<words.value>(system, monitor, limits); });
+}
+template <typename Bits>
+SearchResult find_cycle(const System& plain, const Property& property,
+                        const SearchJob::Monitor& monitor, const SearchLimits& limits) {
+  if (property.kind == Property::Kind::stuck) {
+    return find_cycle<StuckMonitor<Bits>>(plain, plain.programs.size() + 1, limits, monitor.stuck);
+  }
+  return find_cycle<LtlMonitor<Bits>>(plain, monitor.automaton.states.size(), limits,
+                                      monitor.automaton, property.fairness);
+}
+
+// Searches for that goal.
+SearchResult explore_for_goal(const System& plain, SearchJob::Goal goal, const Property& property,
+                              Reduction reduction, const SearchLimits& limits,
+                              const SearchJob::Monitor& monitor, Checkpoint* checkpoint) {
+  using Goal = SearchJob::Goal;
+  switch (goal) {
+    case Goal::deadlock:
+      return explore_for(plain, rules_for_deadlock(), reduction, limits, checkpoint,
+                         [](const PackedSystem& system) { return DeadlockGoal{system}; });
+    case Goal::error:
+      return explore_for(plain, rules_for_error(), reduction, limits, checkpoint,
+                         [](const PackedSystem& system) { return ErrorGoal{system}; });
+    case Goal::cut:
+      return explore_for(plain, rules_for_cut(), reduction, limits, checkpoint,
+                         [](const PackedSystem&) { return CutGoal{}; });
+    case Goal::invariant:
+      return explore_for(plain, rules_for_invariant(plain, property), reduction, limits, checkpoint,
+                         [&](const PackedSystem& system) {
+                           return InvariantGoal{system, Condition(invariant_of(property), plain)};
+                         });
+    case Goal::cycle:
+      return monitor.has_wide_bits ? find_cycle<WideBits>(plain, property, monitor, limits)
+                                   : find_cycle<std::uint64_t>(plain, property, monitor, limits);
+    case Goal::none: break;
+  }
+  throw std::logic_error("a search without a goal");
+}
+
+// The others wait for what a rank does not send any more, so they end, too.
+void end_all_ranks(Ranks& ranks, const std::string& why, ExitStatus status) {
+  log_warning(fmt::format("the search of rank {} failed: {}", ranks.rank(), why));
+  ranks.abort(static_cast<int>(status));
+}
+
+// What `work` returns. If it fails, all ranks end.
+template <typename Work>
+auto end_together(Ranks& ranks, Work&& work) {
+  try {
+    return work();
+  } catch (const Error& error) {
+    end_all_ranks(ranks, error.what(), error.status());
+    throw;
+  } catch (const std::bad_alloc&) {
+    end_all_ranks(ranks, "out of memory", ExitStatus::inconclusive);
+    throw;
+  } catch (const std::exception& error) {
+    end_all_ranks(ranks, describe_internal_error(error.what()), ExitStatus::internal);
+    throw;
+  }
+}
+
+}  // namespace
+
+SearchResult explore(const System& plain, SearchJob::Goal goal, const Property& property,
+                     Reduction reduction, const SearchLimits& limits,
+                     const SearchJob::Monitor& monitor) {
+  const auto job = [&] {
+    return SearchJob{goal,
+                     plain,
+                     property,
+                     reduction,
+                     limits.states,
+                     limits.depth,
+                     limits.bytes,
+                     limits.states_a_thread,
+                     limits.threads,
+                     limits.checkpoints,
+                     limits.checkpoint_seconds,
+                     monitor};
+  };
+  std::optional<Checkpoint> saved;
+  const auto search = [&] {
+    if (!limits.checkpoints.empty() && goal != SearchJob::Goal::cycle) {
+      saved.emplace(limits.checkpoints, key_of(job()), limits.checkpoint_seconds);
+    }
+    return explore_for_goal(plain, goal, property, reduction, limits, monitor,
+                            saved ? &*saved : nullptr);
+  };
+  if (limits.ranks == nullptr) return search();
+  return end_together(*limits.ranks, [&] {
+    if (limits.ranks->rank() == 0) {
+      Ranks::Bytes bytes = encode(job());
+      limits.ranks->broadcast(bytes, 0);
+    }
+    return search();
+  });
+}
+
+void serve_searches(Ranks& ranks) {
+  MAIDE_CHECK_ALWAYS(ranks.rank() != 0);
+  while (true) {
+    Ranks::Bytes bytes;
+    ranks.broadcast(bytes, 0);
+    const SearchJob job = end_together(ranks, [&] { return decode(bytes); });
+    if (job.goal == SearchJob::Goal::none) return;
+    SearchLimits limits;
+    limits.bytes = job.bytes;
+    limits.states = job.states;
+    limits.depth = job.depth;
+    limits.threads = job.threads;
+    limits.states_a_thread = job.states_a_thread;
+    limits.ranks = &ranks;
+    limits.checkpoints = job.checkpoints;
+    limits.checkpoint_seconds = job.checkpoint_seconds;
+    explore(job.system, job.goal, job.property, job.reduction, limits, job.monitor);
+  }
+}
+
+void end_searches(Ranks& ranks) {
+  Ranks::Bytes bytes = encode(SearchJob{});
+  ranks.broadcast(bytes, 0);
+}
+
+}  // namespace maide

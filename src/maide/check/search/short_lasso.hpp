@@ -1,0 +1,312 @@
+// Looks for a shorter run than the one that a search for a fair cycle found. That search goes
+// depth-first, so it meets a cycle far from the start, and knows few of the ways round it. Here the
+// product's nodes are visited breadth-first, as far as a shorter run may reach, and at most
+// `most_nodes` of them. In each accepted part of what was seen, runs are compared that enter the
+// part at a node, nearest nodes first, and go round past everything that a fair cycle needs.
+//
+// Round is a shortest way if there are few needs: a breadth-first search over a node and the needs
+// that were met. Else it is the nearest need, then the nearest of those left, then home. Invariant:
+// what is returned is shorter than any run found before, and `is_good`. O(nodes x edges), but at
+// most `most_work` edges are looked at for ways round.
+#pragma once
+
+#include <algorithm>
+#include <bit>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "maide/base/invariant.hpp"
+#include "maide/check/search/fair_lasso.hpp"
+#include "maide/check/search/product_graph.hpp"
+
+namespace maide {
+
+// For monitors whose bits are one word.
+template <std::size_t words, typename Monitor>
+class ShortLasso {
+ public:
+  // Keeps references. `system` was made with node_number_bits of payload and the monitor's states.
+  ShortLasso(const PackedSystem& system, const Monitor& monitor, const RunControl& control)
+      : graph_(system, monitor), control_(control) {}
+
+  // A run of less than `length` steps for which `is_good`; nothing if none was found. Throws
+  // Interrupted when the control says to stop, and std::bad_alloc.
+  std::optional<Trace> find(std::size_t length, const std::function<bool(const Trace&)>& is_good) {
+    length_ = length;
+    is_good_ = is_good;
+    visit();
+    for (Part& part : find_parts()) search(part);
+    return std::move(best_);
+  }
+
+ private:
+  using Graph = ProductGraph<words, Monitor>;
+  using Number = typename Graph::Number;
+  using Edge = typename Graph::Edge;
+
+  static constexpr std::size_t most_nodes = std::size_t{1} << 15;
+  static constexpr std::uint64_t most_work = std::uint64_t{1} << 22;
+  static constexpr std::size_t most_places = std::size_t{1} << 18;  // of a node and met needs
+
+  // An edge between nodes that were seen.
+  struct Link {
+    Number target = 0;
+    std::uint32_t code = 0;   // of the step
+    std::uint64_t needs = 0;  // that it meets, by bit; before that is known, its marks
+    typename Graph::Share share;
+    bool is_step = false;
+  };
+  struct Node {
+    std::size_t first = 0, last = 0;  // of its links
+    Number parent = Graph::no_node;   // on a shortest way
+    std::uint32_t link = 0;           // from there
+    std::uint32_t depth = 0;
+  };
+  // A part of the graph in which a fair cycle lies.
+  struct Part {
+    std::vector<Number> members;  // sorted
+    std::uint64_t all = 0;        // needs, by bit
+    unsigned count = 0;
+  };
+
+  // ---- What lies near
+  // -----------------------------------------------------------------------------
+
+  void visit() {
+    for (const auto& node : graph_.first_nodes()) add(node, Graph::no_node, 0, 0);
+    graph_.list_nodes();
+    for (Number number = 0; number < nodes_.size(); ++number) {
+      look(1);
+      nodes_[number].first = nodes_[number].last = links_.size();
+      if (nodes_[number].depth >= length_) continue;
+      edges_.clear();
+      graph_.for_each_edge(number, [this](const Edge& edge) { edges_.push_back(edge); });
+      const std::uint32_t depth = nodes_[number].depth + 1;
+      for (const Edge& edge : edges_) {
+        const auto target =
+            add(edge.target, number, static_cast<std::uint32_t>(links_.size()), depth);
+        if (target == Graph::no_node) continue;
+        links_.push_back({target, edge.code, edge.marks, graph_.share_of(edge), edge.is_step});
+      }
+      nodes_[number].last = links_.size();
+    }
+  }
+
+  Number add(const typename Graph::State& node, Number parent, std::uint32_t link,
+             std::uint32_t depth) {
+    const Number known = graph_.find(node);
+    if (known != Graph::no_node || nodes_.size() >= most_nodes) return known;
+    const Number number = graph_.insert(node).number;
+    MAIDE_CHECK(number == nodes_.size());
+    nodes_.push_back({0, 0, parent, link, depth});
+    return number;
+  }
+
+  // ---- Parts
+  // --------------------------------------------------------------------------------------
+
+  std::vector<Part> find_parts() {
+    std::vector<Number> all(nodes_.size());
+    for (Number number = 0; number < all.size(); ++number) {
+      all[number] = number;
+      if (graph_.monitor_state(graph_.node(number)) != graph_.monitor().universal()) continue;
+      consider(number, {});  // whatever comes is accepted
+      nodes_[number].last = nodes_[number].first;
+    }
+    FairParts<Graph> fair(graph_, control_);
+    std::vector<Part> parts;
+    for (auto& members : fair.components_of(all)) {
+      const auto accepted = fair.find(std::move(members));
+      if (!accepted) continue;
+      Part part;
+      part.members = *accepted;
+      if (number_needs(part)) parts.push_back(std::move(part));
+    }
+    return parts;
+  }
+
+  // Gives each mark, program and fair group that the cycle needs a bit; false if there are too
+  // many.
+  bool number_needs(Part& part) {
+    const std::uint64_t marks = graph_.all_marks();
+    typename Graph::Share wanted;
+    if (graph_.wants_more()) {
+      for (const Number member : part.members) wanted = wanted | graph_.able(member);
+    }
+    const int count =
+        std::popcount(marks) + std::popcount(wanted.programs) + std::popcount(wanted.groups);
+    if (count > 64) return false;
+    part.count = static_cast<unsigned>(count);
+    part.all = low_bits(part.count);
+    for (const Number member : part.members) {
+      for (std::size_t at = nodes_[member].first; at < nodes_[member].last; ++at) {
+        Link& link = links_[at];
+        std::uint64_t needs = 0;
+        unsigned bit = 0;
+        const auto append = [&](std::uint64_t wanted_bits, std::uint64_t bits) {
+          for (std::uint64_t left = wanted_bits; left != 0; left &= left - 1, ++bit) {
+            if ((bits & left & (~left + 1)) != 0) needs |= std::uint64_t{1} << bit;
+          }
+        };
+        append(marks, link.needs);
+        append(wanted.programs, link.share.programs);
+        append(wanted.groups, link.share.groups);
+        link.needs = needs;
+      }
+    }
+    return true;
+  }
+
+  // ---- Ways round
+  // ---------------------------------------------------------------------------------
+
+  void search(const Part& part) {
+    places_.assign(nodes_.size(), Graph::no_node);
+    for (std::size_t i = 0; i < part.members.size(); ++i) {
+      places_[part.members[i]] = static_cast<Number>(i);
+    }
+    const bool is_small = part.count < 18 && (part.members.size() << part.count) <= most_places;
+    // Numbers are in the order of the depth.
+    for (const Number start : part.members) {
+      if (nodes_[start].depth + 1 >= length_ || work_ > most_work) return;
+      std::vector<std::size_t> loop =
+          is_small ? shortest_round(part, start) : round_by_nearest(part, start);
+      if (!loop.empty()) consider(start, loop);
+    }
+  }
+
+  // What a run to a node of that depth may still take.
+  std::size_t room(Number start) const { return length_ - nodes_[start].depth; }
+
+  // The links of a shortest way round, by a search over (met needs, member); empty if there is none
+  // of less than room() links.
+  std::vector<std::size_t> shortest_round(const Part& part, Number start) {
+    struct Place {
+      std::size_t before = 0;
+      std::size_t link = 0;
+      Number node = 0;
+      std::uint64_t met = 0;
+      std::uint32_t depth = 0;
+    };
+    std::vector<Place> queue{{0, 0, start, 0, 0}};
+    std::vector<bool> seen(part.members.size() << part.count);
+    for (std::size_t at = 0; at < queue.size(); ++at) {
+      const Place place = queue[at];
+      if (place.depth + 1 >= room(start)) break;
+      for (std::size_t link = nodes_[place.node].first; link < nodes_[place.node].last; ++link) {
+        look(1);
+        const Number member = places_[links_[link].target];
+        if (member == Graph::no_node) continue;
+        const std::uint64_t met = place.met | links_[link].needs;
+        const std::size_t index = member + part.members.size() * met;
+        if (seen[index]) continue;
+        seen[index] = true;
+        queue.push_back({at, link, links_[link].target, met, place.depth + 1});
+        if (links_[link].target != start || met != part.all) continue;
+        std::vector<std::size_t> loop;
+        for (std::size_t back = queue.size() - 1; back != 0; back = queue[back].before) {
+          loop.push_back(queue[back].link);
+        }
+        std::reverse(loop.begin(), loop.end());
+        return loop;
+      }
+    }
+    return {};
+  }
+
+  // Always to the nearest link that meets a need, and home in the end.
+  std::vector<std::size_t> round_by_nearest(const Part& part, Number start) {
+    std::vector<std::size_t> loop;
+    std::uint64_t met = 0;
+    for (Number at = start; met != part.all || at != start || loop.empty();) {
+      const bool goes_home = met == part.all;
+      const std::size_t length = loop.size();
+      append_nearest(at, loop, [&](const Link& link) {
+        return goes_home ? link.target == start : (link.needs & ~met) != 0;
+      });
+      if (loop.size() == length) return {};  // only by nodes too deep for their links to be known
+      for (std::size_t i = length; i < loop.size(); ++i) met |= links_[loop[i]].needs;
+      at = links_[loop.back()].target;
+      if (loop.size() >= room(start)) return {};
+    }
+    return loop;
+  }
+
+  // A shortest way in the part whose last link is wanted.
+  template <typename IsWanted>
+  void append_nearest(Number from, std::vector<std::size_t>& way, IsWanted&& is_wanted) {
+    struct Reached {
+      std::size_t before = 0, link = 0;
+      Number node = 0;
+    };
+    std::vector<Reached> queue{{0, 0, from}};
+    std::vector<bool> seen(nodes_.size());
+    seen[from] = true;
+    for (std::size_t at = 0; at < queue.size(); ++at) {
+      const Number node = queue[at].node;
+      for (std::size_t link = nodes_[node].first; link < nodes_[node].last; ++link) {
+        look(1);
+        const Number target = links_[link].target;
+        if (places_[target] == Graph::no_node) continue;
+        const bool is_last = is_wanted(links_[link]);
+        if (!is_last && seen[target]) continue;
+        seen[target] = true;
+        queue.push_back({at, link, target});
+        if (!is_last) continue;
+        const std::size_t begin = way.size();
+        for (std::size_t back = queue.size() - 1; back != 0; back = queue[back].before) {
+          way.push_back(queue[back].link);
+        }
+        std::reverse(way.begin() + static_cast<std::ptrdiff_t>(begin), way.end());
+        return;
+      }
+    }
+  }
+
+  void consider(Number start, const std::vector<std::size_t>& loop) {
+    std::vector<std::size_t> way;
+    for (Number at = start; nodes_[at].parent != Graph::no_node; at = nodes_[at].parent) {
+      way.push_back(nodes_[at].link);
+    }
+    std::reverse(way.begin(), way.end());
+    Trace trace;
+    append(way, trace);
+    const std::size_t loop_start = trace.steps.size();
+    append(loop, trace);
+    if (trace.steps.size() > loop_start) trace.loop_start = loop_start;
+    if (trace.steps.size() >= length_ || !is_good_(trace)) return;
+    length_ = trace.steps.size();
+    best_ = std::move(trace);
+  }
+
+  void append(const std::vector<std::size_t>& way, Trace& trace) const {
+    const PackedSystem& system = graph_.system();
+    for (const std::size_t at : way) {
+      const Link& link = links_[at];
+      if (!link.is_step) continue;
+      trace.steps.push_back(system.undo(system.unpack(graph_.node(link.target)), link.code).step);
+    }
+  }
+
+  void look(std::uint64_t work) {
+    const std::uint64_t before = work_ / limit_interval;
+    work_ += work;
+    if (work_ / limit_interval != before) control_.check("the search for a shorter run");
+  }
+
+  Graph graph_;
+  const RunControl& control_;
+  std::size_t length_ = 0;  // a run is to be shorter
+  std::function<bool(const Trace&)> is_good_;
+  std::optional<Trace> best_;
+  std::vector<Node> nodes_;  // by number
+  std::vector<Link> links_;  // grouped by node
+  std::vector<Edge> edges_;
+  std::vector<Number> places_;  // of a part's members by number; no_node of others
+  std::uint64_t work_ = 0;
+};
+
+}  // namespace maide

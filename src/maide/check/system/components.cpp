@@ -1,0 +1,242 @@
+#include "maide/check/system/components.hpp"
+
+#include <algorithm>
+#include <numeric>
+#include <utility>
+
+#include "maide/base/invariant.hpp"
+#include "maide/check/ltl/ltl_automaton.hpp"
+
+namespace maide {
+namespace {
+
+constexpr std::uint32_t not_there = ~std::uint32_t{0};
+
+std::vector<Atom> atoms_in(const Property& property) {
+  if (property.kind == Property::Kind::ltl) return atoms_of(property.formula);
+  if (property.kind == Property::Kind::never) return property.never->atoms;
+  return {};
+}
+
+// The programs and models that the atom names.
+struct Named {
+  std::set<std::uint32_t> programs, models;
+};
+
+void add_names(const System& system, const Atom& atom, Named& named) {
+  switch (atom.kind) {
+    case Atom::Kind::label:
+    case Atom::Kind::end: named.programs.insert(atom.owner); break;
+    case Atom::Kind::input:
+    case Atom::Kind::output:
+      named.models.insert(atom.owner);
+      if (atom.program != Atom::any_program) named.programs.insert(atom.program);
+      break;
+    case Atom::Kind::expression:
+      for_each_variable(system.expressions[atom.owner], [&](const Expression& leaf) {
+        if (leaf.op == Expression::Operator::local) {
+          named.programs.insert(leaf.owner);
+          return;
+        }
+        for (std::uint32_t i = 0; i < element_count(leaf); ++i) named.models.insert(leaf.index + i);
+      });
+      break;
+  }
+}
+
+Named names_of(const System& system, const Property& property) {
+  Named named;
+  for (const Atom& atom : atoms_in(property)) add_names(system, atom, named);
+  return named;
+}
+
+Formula with_atoms(const Formula& formula, const std::function<Atom(const Atom&)>& change) {
+  if (!formula) return formula;
+  FormulaNode node = *formula;
+  if (node.op == FormulaNode::Operator::atom) node.atom = change(node.atom);
+  node.left = with_atoms(node.left, change);
+  node.right = with_atoms(node.right, change);
+  return std::make_shared<const FormulaNode>(std::move(node));
+}
+
+void for_each_leaf(Expression& expression, const std::function<void(Expression&)>& change) {
+  using Operator = Expression::Operator;
+  if (expression.op == Operator::local || expression.op == Operator::shared) change(expression);
+  for (Expression& operand : expression.operands) for_each_leaf(operand, change);
+}
+
+}  // namespace
+
+std::set<std::uint32_t> models_of(const Program& program) {
+  std::set<std::uint32_t> models(program.names.begin(), program.names.end());
+  for (const ProgramEdge& edge : program.edges) {
+    for (const ModelUse& use : program.uses_of(edge)) models.insert(use.model);
+  }
+  return models;
+}
+
+// Each program leads to an earlier one of its component, the first to itself.
+std::vector<std::vector<std::uint32_t>> find_components(const System& system) {
+  std::vector<std::uint32_t> earlier(system.programs.size());
+  std::iota(earlier.begin(), earlier.end(), 0);
+  const auto first_of = [&](std::uint32_t program) {
+    while (earlier[program] != program) program = earlier[program] = earlier[earlier[program]];
+    return program;
+  };
+  std::vector<std::uint32_t> user(system.models.size(), not_there);
+  for (std::uint32_t program = 0; program < system.programs.size(); ++program) {
+    for (const std::uint32_t model : models_of(system.programs[program])) {
+      if (user[model] == not_there) user[model] = program;
+      const std::uint32_t one = first_of(user[model]), other = first_of(program);
+      earlier[std::max(one, other)] = std::min(one, other);
+    }
+  }
+  std::vector<std::vector<std::uint32_t>> components;
+  std::vector<std::uint32_t> number(system.programs.size());
+  for (std::uint32_t program = 0; program < system.programs.size(); ++program) {
+    const std::uint32_t first = first_of(program);
+    if (first == program) {
+      number[program] = static_cast<std::uint32_t>(components.size());
+      components.emplace_back();
+    }
+    components[number[first]].push_back(program);
+  }
+  return components;
+}
+
+std::vector<std::uint32_t> programs_of(const System& system, const Property& property,
+                                       const std::vector<std::vector<std::uint32_t>>& components) {
+  const Named named = names_of(system, property);
+  std::vector<std::uint32_t> programs;
+  for (const auto& component : components) {
+    const bool is_named =
+        std::any_of(component.begin(), component.end(), [&](std::uint32_t program) {
+          if (named.programs.contains(program)) return true;
+          if (named.models.empty()) return false;
+          const auto models = models_of(system.programs[program]);
+          return std::any_of(models.begin(), models.end(),
+                             [&](std::uint32_t model) { return named.models.contains(model); });
+        });
+    if (is_named) programs.insert(programs.end(), component.begin(), component.end());
+  }
+  if (programs.empty() && !components.empty()) programs = components.front();
+  std::sort(programs.begin(), programs.end());
+  return programs;
+}
+
+std::vector<std::uint32_t> deadlocked_programs(const System& system, const GlobalState& state) {
+  std::vector<std::uint32_t> deadlocked;
+  if (state.is_cut || is_error(system, state)) return deadlocked;
+  std::vector<bool> can_step(system.programs.size());
+  for (const Step& step : enabled_steps(system, state)) {
+    const Program& program = system.programs[step.program];
+    if (!program.is_death(program.edges[step.edge])) can_step[step.program] = true;
+  }
+  for (const auto& component : find_components(system)) {
+    bool is_able = false, is_at_rest = true;
+    for (const std::uint32_t index : component) {
+      const Program& program = system.programs[index];
+      const ControlState at = state.programs[index];
+      is_able = is_able || can_step[index];
+      is_at_rest = is_at_rest && (program.is_end(at) || program.states[at].may_rest);
+    }
+    if (is_able || is_at_rest) continue;
+    deadlocked.insert(deadlocked.end(), component.begin(), component.end());
+  }
+  return deadlocked;
+}
+
+Part::Part(const System& whole) : whole_(&whole), programs_(whole.programs.size()) {
+  std::iota(programs_.begin(), programs_.end(), 0);
+}
+
+Part::Part(const System& whole, std::vector<std::uint32_t> programs, const Property* property)
+    : Part(whole) {
+  if (programs.empty() || programs.size() == whole.programs.size()) return;
+  programs_ = std::move(programs);
+  std::set<std::uint32_t> models;
+  if (property != nullptr) models = names_of(whole, *property).models;
+  for (const std::uint32_t program : programs_) models.merge(models_of(whole.programs[program]));
+  System& own = own_.emplace();
+  own.file = whole.file;
+  own.words = whole.words;
+  program_numbers_.resize(whole.programs.size(), not_there);
+  model_numbers_.resize(whole.models.size(), not_there);
+  for (const std::uint32_t model : models) {
+    model_numbers_[model] = static_cast<std::uint32_t>(own.models.size());
+    own.models.push_back(whole.models[model]);
+  }
+  add_programs();
+  if (property != nullptr) {
+    own.sources = whole.sources;
+    for (const Atom& atom : atoms_in(*property)) {
+      if (atom.kind == Atom::Kind::expression) own.expressions = whole.expressions;
+    }
+  }
+  for (Expression& expression : own.expressions) {
+    for_each_leaf(expression, [&](Expression& leaf) {
+      if (leaf.op == Expression::Operator::local) {
+        leaf.owner = program_numbers_[leaf.owner];
+      } else {
+        leaf.index = model_numbers_[leaf.index];
+      }
+    });
+  }
+}
+
+void Part::add_programs() {
+  for (const std::uint32_t number : programs_) {
+    program_numbers_[number] = static_cast<std::uint32_t>(own_->programs.size());
+    Program& program = own_->programs.emplace_back(whole_->programs[number]);
+    for (std::uint32_t& model : program.names) model = model_numbers_[model];
+    for (ProgramEdge& edge : program.edges) static_cast<ModelUse&>(edge) = renumbered(edge);
+    for (Joint& joint : program.joints) {
+      for (ModelUse& use : joint.uses) use = renumbered(use);
+      for (ModelUse& event : joint.events) event = renumbered(event);
+    }
+  }
+}
+
+ModelUse Part::renumbered(ModelUse use) const {
+  const bool has_model = use.kind != ModelUse::Kind::choice && use.kind != ModelUse::Kind::joint;
+  if (has_model) use.model = model_numbers_[use.model];
+  return use;
+}
+
+Property Part::property(const Property& of_whole) const {
+  Property result = of_whole;
+  if (is_whole()) return result;
+  const auto change = [&](Atom atom) {
+    switch (atom.kind) {
+      case Atom::Kind::label:
+      case Atom::Kind::end: atom.owner = program_numbers_[atom.owner]; break;
+      case Atom::Kind::input:
+      case Atom::Kind::output:
+        atom.owner = model_numbers_[atom.owner];
+        if (atom.program != Atom::any_program) atom.program = program_numbers_[atom.program];
+        break;
+      case Atom::Kind::expression: break;
+    }
+    return atom;
+  };
+  if (result.formula) result.formula = with_atoms(result.formula, change);
+  if (result.never) {
+    LtlAutomaton automaton = *result.never;
+    for (Atom& atom : automaton.atoms) atom = change(atom);
+    result.never = std::make_shared<const LtlAutomaton>(std::move(automaton));
+  }
+  return result;
+}
+
+Step Part::to_whole(Step step) const {
+  step.program = programs_[step.program];
+  return step;
+}
+
+Step Part::from_whole(Step step) const {
+  if (!is_whole()) step.program = program_numbers_[step.program];
+  MAIDE_CHECK(step.program != not_there);
+  return step;
+}
+
+}  // namespace maide

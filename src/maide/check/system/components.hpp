@@ -1,0 +1,63 @@
+// Components of a system: programs that have something to do with one another, because their texts
+// name the same model or shared variable. Components do not notice each other. Deadlocks, stuck
+// programs and errors are decided in each, and a formula on the runs of those that its atoms name.
+// So what is to be visited is the sum of their states, and not the product.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <set>
+#include <vector>
+
+#include "maide/check/system/system.hpp"
+
+namespace maide {
+
+// Models that the program's text names or its steps use.
+std::set<std::uint32_t> models_of(const Program& program);
+
+// The programs of each component, ascending; in the order of their first programs. O(edges).
+std::vector<std::vector<std::uint32_t>> find_components(const System& system);
+
+// The programs of the components that the property's atoms name: those of the named programs, and
+// of the programs that name the same models. For a property without atoms the first component's.
+std::vector<std::uint32_t> programs_of(const System& system, const Property& property,
+                                       const std::vector<std::vector<std::uint32_t>>& components);
+
+// The programs of the components in which nothing can happen but deaths, while some program of it
+// has neither ended nor may rest.
+std::vector<std::uint32_t> deadlocked_programs(const System& system, const GlobalState& state);
+
+// Some programs of a system with the models that they name, as a system of its own. Its programs
+// and models have other numbers, in the same order; edges, states and actions have the same.
+class Part {
+ public:
+  // The whole system. Keeps a reference.
+  explicit Part(const System& whole);
+  // Those programs, ascending; no programs: the whole system. With a property, what its atoms name
+  // besides, and the texts that reports show. Keeps a reference.
+  Part(const System& whole, std::vector<std::uint32_t> programs,
+       const Property* property = nullptr);
+
+  const System& system() const { return own_ ? *own_ : *whole_; }
+  bool is_whole() const { return !own_; }
+  // Of the part's programs: their numbers in the whole system.
+  const std::vector<std::uint32_t>& programs() const { return programs_; }
+  // A property of the whole system, whose atoms are all in the part, as one of the part.
+  Property property(const Property& of_whole) const;
+  // A step of one of the part's programs, and back.
+  Step to_whole(Step step) const;
+  Step from_whole(Step step) const;
+
+ private:
+  void add_programs();
+  ModelUse renumbered(ModelUse use) const;
+
+  const System* whole_;
+  std::optional<System> own_;
+  std::vector<std::uint32_t> programs_;
+  std::vector<std::uint32_t> program_numbers_,
+      model_numbers_;  // in the part, by those in the whole
+};
+
+}  // namespace maide

@@ -1,0 +1,219 @@
+// A control program as an automaton. Each transition is one step: an input given to a model
+// instance, an output taken from one, a `quiet` observed, an internal choice made, or several of
+// these at once (a joint step). `loop`, `repeat`, `skip`, labels and what is done with the
+// program's own variables cost no step: a control state is a place in the text with the values of
+// the variables there. Every transition knows its place in the system file. A plain value type.
+// Transitions lie in one flat table, so that 10^6 control states fit.
+#pragma once
+
+#include <compare>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "maide/automata/interface_automaton.hpp"
+#include "maide/check/language/expression.hpp"
+#include "maide/check/text/scalar_text.hpp"
+
+namespace maide {
+
+using ControlState = std::uint32_t;
+
+// What a step does with one model.
+struct ModelUse {
+  enum class Kind : std::uint8_t {
+    give,    // gives input `symbol` to instance `model`
+    take,    // takes output `symbol` of instance `model`
+    quiet,   // sees that instance `model` has no output due
+    act,     // does action `symbol` of the instance's `actions`
+    choice,  // of an edge: no model; takes branch number `symbol` of an `if *`
+    joint,   // of an edge: what Program::joints[symbol] says; `model` is not used
+  };
+  Kind kind = Kind::choice;
+  std::uint32_t model = 0;
+  Symbol symbol = 0;
+  auto operator<=>(const ModelUse&) const = default;
+};
+
+// What a model does in one of its states when a program's step uses it.
+struct ModelStep {
+  StateId target = 0;
+  bool is_beyond = false;  // an input where it was never tried
+  auto operator<=>(const ModelStep&) const = default;
+};
+
+struct ProgramEdge : ModelUse {
+  ControlState target = 0;
+  int line = 0, column = 0;  // in the system file
+};
+
+// A step that is more than one use of one model: with several models at once or with none, with
+// other events than its uses, or with a role of its own.
+struct Joint {
+  enum class Role : std::uint8_t {
+    step,
+    choice,     // one of the outcomes of `any` or `if fair *`
+    arm,        // of a `select`
+    otherwise,  // of a `select`: no arm can be taken
+    timeout,    // so is this
+    timer,      // an arm: a callback that starts at any moment
+    end,        // of a callback
+    look,       // of an executor that goes by rounds
+    discard,    // so is this: a client that was found has answers to others alone, or one of them
+    death,      // the program ends here: no progress, and no fairness asks for it
+  };
+  Role role = Role::step;
+  std::vector<ModelUse> uses;    // all at once, each of another model; none is choice or joint
+  std::vector<ModelUse> events;  // the inputs given and outputs taken, for formulas: give, take
+  std::string text;              // in the file's words: "images.read -> message", "n = 3"
+  std::uint32_t fair = 0;        // its fair group in the program; 0: none
+  // Of a start or a discard: the callback, of the system's.
+  std::optional<std::uint32_t> callback{};
+};
+
+// Edges of which one is to be taken again and again if one of them can be taken again and again, on
+// runs that are fair: an arm of a `select`, one outcome of an `if fair *`, in all copies and
+// rounds.
+struct FairGroup {
+  bool on_weak_runs = false;  // on weakly fair runs, too: an outcome
+  std::string text;
+};
+
+struct ProgramVariable {
+  std::string name;
+  ValueType type;
+  SourcePosition position;
+};
+
+struct ProgramError {
+  std::string text;  // "x = 4 is outside of 0..3"
+  SourcePosition position;
+};
+
+struct Program {
+  struct State {
+    std::uint32_t first_edge = 0;
+    std::uint32_t edge_count = 0;
+    std::uint32_t label_set = 0;  // index into label_sets
+    std::uint32_t round = 0;      // index into rounds: of the innermost loop
+    std::uint32_t valuation = 0;  // index into valuations
+    std::uint32_t error = 0;      // index into errors; 0: none. Nothing follows an error
+    bool may_rest = false;        // may stand here for ever: no deadlock, and not stuck
+    bool waits = false;           // without an edge, for what never comes: no end
+  };
+  // A round of a `loop` or `repeat`, in one round of each loop around it.
+  struct Round {
+    std::uint32_t outer = 0;   // the round around it; 0: none
+    int line = 0, column = 0;  // of the loop
+    std::uint32_t number = 0;  // from 1; 0 in a `loop`, whose rounds are all the same
+    std::uint32_t count = 0;   // of the `repeat`; 0 in a `loop`
+    bool operator==(const Round&) const = default;
+  };
+  std::string name;
+  std::vector<std::string> nodes;  // whose callbacks it runs; else empty
+  std::string execution;           // of them: "on one thread, in any order"
+  struct CallbackLines {
+    std::string name;  // "detector.on_image"
+    int first = 0, last = 0;
+  };
+  std::vector<CallbackLines> callbacks;
+  SourcePosition position;                             // of the program in the system file
+  int last_line = 0;                                   // of its text there
+  std::vector<State> states;                           // state 0 is the initial one
+  std::vector<ProgramEdge> edges;                      // grouped by state
+  std::vector<std::string> labels;                     // names, in the order of the text
+  std::vector<std::vector<std::uint32_t>> label_sets;  // [0] is empty; each sorted
+  std::vector<Round> rounds;                           // [0] is outside of every loop
+  std::vector<SourcePosition> unreachable;  // statements behind one that does not come to its end
+  std::vector<Joint> joints;
+  std::vector<FairGroup> fair_groups;  // [0] is not used
+  std::vector<ProgramVariable> variables;
+  // Values by variable; none where it is out of scope. [0]: no variable is in scope.
+  std::vector<std::vector<std::optional<Value>>> valuations;
+  std::vector<ProgramError> errors;  // [0] is not used
+  // The models and shared variables that its text names, reached or not; of an array all members.
+  std::vector<std::uint32_t> names;  // sorted
+
+  std::span<const ProgramEdge> edges_of(ControlState state) const {
+    return std::span(edges).subspan(states[state].first_edge, states[state].edge_count);
+  }
+  // The program has ended. A program's other states have a transition, but for errors and a
+  // `select` of which no arm is possible.
+  bool is_end(ControlState state) const {
+    const State& at = states[state];
+    return at.edge_count == 0 && at.error == 0 && !at.waits;
+  }
+  bool is_error(ControlState state) const { return states[state].error != 0; }
+  // The models that the edge uses: none for a choice. Valid as long as the program and the edge.
+  std::span<const ModelUse> uses_of(const ProgramEdge& edge) const {
+    if (edge.kind == ModelUse::Kind::joint) return joints[edge.symbol].uses;
+    if (edge.kind == ModelUse::Kind::choice) return {};
+    return {static_cast<const ModelUse*>(&edge), 1};
+  }
+  // The inputs that it gives and the outputs that it takes.
+  std::span<const ModelUse> events_of(const ProgramEdge& edge) const {
+    if (edge.kind == ModelUse::Kind::joint) return joints[edge.symbol].events;
+    if (edge.kind == ModelUse::Kind::give || edge.kind == ModelUse::Kind::take) {
+      return {static_cast<const ModelUse*>(&edge), 1};
+    }
+    return {};
+  }
+  Joint::Role role_of(const ProgramEdge& edge) const {
+    return edge.kind == ModelUse::Kind::joint ? joints[edge.symbol].role : Joint::Role::step;
+  }
+  bool is_death(const ProgramEdge& edge) const { return role_of(edge) == Joint::Role::death; }
+  std::uint32_t fair_group_of(const ProgramEdge& edge) const {
+    return edge.kind == ModelUse::Kind::joint ? joints[edge.symbol].fair : 0;
+  }
+  // The value of the variable there; none where it is out of scope.
+  std::optional<Value> value_of(ControlState state, std::uint32_t variable) const {
+    const auto& values = valuations[states[state].valuation];
+    return variable < values.size() ? values[variable] : std::nullopt;
+  }
+  // "line 18", or "line 18 (detector.on_image)" in the code of one callback alone.
+  std::string place_of(int line) const;
+  bool has_label(ControlState state, std::uint32_t label) const;
+  // What control can come to, whatever the models do. O(control states).
+  bool may_end() const;
+  bool may_reach(std::uint32_t label) const;
+};
+
+// A model instance as a program's text sees it.
+struct ProgramInterface {
+  std::string name;
+  const Alphabet* inputs = nullptr;
+  const Alphabet* outputs = nullptr;
+};
+
+// Most control states of one program after unrolling.
+inline constexpr std::size_t max_control_states = 1'000'000;
+
+struct System;
+
+// Parses a program and unrolls it. Its models are those of the system, whose actions grow. Throws
+// ParseError with the place in the file: syntax, unknown names, a loop that never steps, more than
+// max_control_states. O(control states).
+//
+// The language (names that are no identifiers are in double quotes; comments run from `//` or `#`
+// to the end of the line; docs/systems.md says what it means):
+//   statement := label* [idle] ( M.input; | M.input -> output; | switch M.input { arm* }
+//              | wait M -> output; | select { choice* } )
+//              | label* ( if * block [ else block ] | if fair * block [ else block ]
+//              | if (e) block [ else (block | if ...) ] | loop block | repeat e block
+//              | while (e) block | for k in e..e block | break; | continue; | stop; | skip;
+//              | var x: type [= e]; | x = e; | x = any [fair] e..e; | atomic block
+//              | call p(arguments); | return; )
+//   arm := (output | quiet) block      block := { statement* }      label := @name
+//   choice := [when (e)] on M.input { arm* } | [when (e)] on M.input block
+//           | [when (e)] on M.input -> output block | [when (e)] on M!output block
+//           | when (e) block | otherwise block | timeout N block
+//   input := name [(e, ...)]      output := name [(x | var x | value, ...)]
+//   type := e..e | bool | {word, ...}
+// M, x: a name, of an array with its indices, as in grant[r, 0].
+// A label on a statement that takes no step of its own (`skip`, `stop`, an empty `repeat`) marks
+// the point: it holds where control comes to rest.
+Program parse_program(const std::string& name, const ScalarText& text, System& system);
+
+}  // namespace maide

@@ -1,0 +1,224 @@
+// A system to check: instances of learned models, control programs that use them, and properties.
+// Its meaning, that is global states and steps, is defined here, once. Engines, traces and tests
+// refer to it.
+//
+// Programs run asynchronously and meet on a model's inputs and outputs. One step is one rendezvous,
+// one `quiet`, one internal choice, or a joint step: of one program with several models at once. A
+// model with an output due takes no input. If several programs wait for an output, any one of them
+// gets it. An input that was never tried where the model stands (unexplored, or an absorbed
+// self-loop) does what the instance's `when_unexplored` says. A program that comes to an error
+// stops the system: nothing follows.
+//
+// Shared variables are model instances, too: a state for each value, and actions that read and
+// write.
+#pragma once
+
+#include <compare>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "maide/automata/interface_automaton.hpp"
+#include "maide/check/ltl/formula.hpp"
+#include "maide/check/system/program.hpp"
+
+namespace maide {
+
+struct LtlAutomaton;
+
+enum class WhenUnexplored : std::uint8_t {
+  stop,  // the run leaves what was learned and is cut there
+  wait,  // the program waits until the input is possible
+  drop,  // the input is taken and nothing changes
+};
+
+// What becomes of a "holds" that rests on a weak model (automata/strength.hpp).
+enum class WhenWeak : std::uint8_t {
+  inconclusive,  // the verdict is inconclusive
+  accept,        // it stands
+};
+
+// A use of a model that is not one of its inputs or outputs alone: an input with the output that
+// follows at once, a condition on its state, an assignment to a shared variable.
+struct ModelAction {
+  std::string name;                           // for messages
+  std::vector<std::vector<ModelStep>> steps;  // by state; none: not possible there
+  // Made of two steps by a reduction (explore/merged_calls.hpp). Between the two nobody else can
+  // use the model.
+  bool is_call = false;
+};
+
+struct ModelInstance {
+  // What stands behind it.
+  enum class Source : std::uint8_t {
+    file,      // a model file, or a system that was learned
+    built_in,  // a mutex, semaphore or queue, written by hand
+    service,   // made by the rules of services
+    executor,  // its idle threads, or which runs of a callback there are
+    variable,  // a shared variable: state i is the value number i of its type
+  };
+  std::string name;
+  InterfaceAutomaton automaton;
+  std::vector<ModelAction> actions;
+  Source source = Source::file;
+  ValueType type;  // of a variable
+  // Of a queue that has too many states to make them all: it has those that programs reach.
+  bool is_grown = false;
+  std::vector<std::string> state_texts;  // of a service, by state: what is on its way
+  WhenUnexplored when_unexplored = WhenUnexplored::stop;
+  WhenWeak when_weak = WhenWeak::inconclusive;
+  std::string origin;  // the file, or what it was learned from; for messages
+  // The automaton as it was read, where programs at its ends made another one of it; else null.
+  std::shared_ptr<const InterfaceAutomaton> as_read;
+  bool is_learned = false;  // `origin` is a system: learned for this check, or an earlier one
+  SourcePosition position;
+
+  const InterfaceAutomaton& read_automaton() const { return as_read ? *as_read : automaton; }
+  // What was read is another one now.
+  void read(InterfaceAutomaton other) {
+    automaton = std::move(other);
+    as_read.reset();
+  }
+};
+
+// A topic of the file, for who plays runs on a real one: its steps are joint steps of these models.
+struct TopicInstance {
+  struct Reader {
+    std::uint32_t program = 0, model = 0;
+    std::optional<std::uint32_t> callback;  // of a node, that takes from it
+    // By state of the model: the output of the writer's actor that was collected.
+    std::vector<std::optional<Symbol>> collected;
+  };
+  std::string name;
+  std::vector<std::string> writer_names;  // programs and nodes, as the file has them
+  std::vector<std::uint32_t> writers;     // programs
+  std::vector<Reader> readers;            // at least one
+  bool delivers_one = false;              // a write goes to one of the models that take it
+};
+
+// A service of the file: programs and nodes, as the file names them.
+struct ServiceInstance {
+  std::string name, server;
+  std::vector<std::string> clients;
+  std::uint32_t model = 0;
+};
+
+// What runs callbacks, and the callbacks of the nodes, in the order of the file. A step that starts
+// one names it (Joint::starts).
+struct ExecutorInstance {
+  std::string name;
+  std::uint32_t threads = 1;
+  bool goes_by_rounds = false;
+};
+struct CallbackInstance {
+  enum class Kind : std::uint8_t { timer, subscription, service, client };  // in a round's order
+  Kind kind = Kind::timer;
+  std::string node, name;  // "detector", "detector.on_image"
+  std::uint32_t executor = 0;
+  std::string group;  // of its node; "" is the node's own
+  bool is_reentrant = false;
+  std::uint32_t model = 0;  // of a service or client
+};
+
+enum class Fairness : std::uint8_t { none, weak, strong };
+
+// A property of the system file. `deadlock`, `stuck` and `error` are there without being written.
+struct Property {
+  enum class Kind : std::uint8_t { deadlock, stuck, error, ltl, never };
+  std::string name;
+  Kind kind = Kind::ltl;
+  Formula formula;                            // of Kind::ltl; an invariant is `G expression`
+  std::shared_ptr<const LtlAutomaton> never;  // of Kind::never: accepts the runs that are bad
+  Fairness fairness = Fairness::weak;
+  SourcePosition position;
+};
+
+struct System {
+  std::string file;
+  std::vector<ModelInstance> models;
+  std::vector<TopicInstance> topics;
+  std::vector<ServiceInstance> services;
+  std::vector<ExecutorInstance> executors;
+  std::vector<CallbackInstance> callbacks;
+  std::vector<Program> programs;
+  std::vector<Property> properties;     // those of the file
+  std::vector<std::string> remarks;     // one line each: what looks like an oversight
+  std::vector<Expression> expressions;  // of formulas' atoms, which have their numbers
+  WordTable words;
+  std::map<std::string, std::string> sources;  // texts of the files that programs stand in, by name
+
+  std::vector<ProgramInterface> interfaces() const;  // of the models, in order
+};
+
+struct GlobalState {
+  std::vector<StateId> models;
+  std::vector<ControlState> programs;
+  bool is_cut = false;  // the run left what was learned; it has no further step
+  bool operator==(const GlobalState&) const = default;
+};
+
+struct Step {
+  std::uint32_t program = 0;
+  std::uint32_t edge = 0;        // index into the program's edges
+  std::vector<StateId> targets;  // states afterwards of the models that the edge uses, in order
+  bool is_beyond = false;        // gives an input where it was never tried
+  bool is_cut = false;           // and there the model says `stop`: the run is cut
+  bool operator==(const Step&) const = default;
+};
+
+// Every way in which `model`, in state `at`, can be used so; in the order of its transitions.
+// `use` is neither a choice nor joint. O(transitions of the state).
+std::vector<ModelStep> model_steps(const ModelInstance& model, StateId at, const ModelUse& use);
+
+GlobalState initial_state(const System& system);
+// Every step that is possible in `state`, in a fixed order. None if the run is cut. O(programs x
+// edges).
+std::vector<Step> enabled_steps(const System& system, const GlobalState& state);
+// Those of one program, whatever errors others have come to. None if the run is cut.
+std::vector<Step> enabled_steps(const System& system, const GlobalState& state,
+                                std::uint32_t program);
+// Whether its program can take the step, whatever errors others have come to: those of another
+// component do not stop it.
+bool is_possible(const System& system, const GlobalState& state, const Step& step);
+// The state after one of its enabled steps.
+GlobalState apply(const System& system, const GlobalState& state, const Step& step);
+// The uses of the step, which is one of `state`'s, that give an input where it was never tried.
+std::vector<ModelUse> uses_beyond(const System& system, const GlobalState& state, const Step& step);
+// The step beyond that model's bounds cuts the run.
+bool cuts(const ModelInstance& model, const ModelStep& step);
+// No step is left, or deaths alone.
+bool is_over(const System& system, const GlobalState& state);
+// It is over there, and some program neither has ended nor may rest. A cut run is no
+// deadlock, nor is an error.
+bool is_deadlock(const System& system, const GlobalState& state);
+bool has_ended(const System& system, const GlobalState& state);
+// A program is at an error: nothing follows.
+bool is_error(const System& system, const GlobalState& state);
+// The value of a formula's expression: 0 or 1; 0 if it names a variable that is out of scope, or
+// cannot be evaluated.
+bool is_true(const Expression& expression, const System& system, const GlobalState& state);
+
+// The line of the program's source, without blanks around it; "" if it is not known.
+std::string source_line(const System& system, const Program& program, int line);
+
+// What an atom of a formula is in `state`, which was reached by `last` (null: the initial state, or
+// one that repeats for ever).
+bool is_true(const Atom& atom, const System& system, const GlobalState& state, const Step* last);
+
+// Whether the edge of that program gives the input or takes the output that the atom, an event,
+// names.
+bool is_event_of(const Atom& atom, const System& system, std::uint32_t program,
+                 const ProgramEdge& edge);
+
+// Whether that edge of that program, from `source`, may change what the atom is, or is an event
+// that it names.
+bool is_seen_by(const Atom& atom, const System& system, std::uint32_t program, ControlState source,
+                const ProgramEdge& edge);
+
+// Whether `input` was never tried in `state` of the automaton: marked, or drawn as absorbed.
+bool is_beyond_learned(const InterfaceAutomaton& automaton, StateId state, Symbol input);
+
+}  // namespace maide

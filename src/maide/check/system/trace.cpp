@@ -1,0 +1,482 @@
+#include "maide/check/system/trace.hpp"
+
+#include <algorithm>
+#include <functional>
+#include <limits>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <unordered_map>
+#include <utility>
+
+#include "maide/base/invariant.hpp"
+#include "maide/check/ltl/ltl_automaton.hpp"
+
+namespace maide {
+namespace {
+
+// What the loop of a run does for one program, or for one fair group.
+struct LoopShare {
+  bool steps = false;        // it steps in it
+  bool is_enabled = false;   // it could, somewhere
+  bool is_disabled = false;  // it could not, somewhere
+  bool is_weakly_fair() const { return steps || is_disabled; }
+  bool is_strongly_fair() const { return steps || !is_enabled; }
+};
+
+struct LoopShares {
+  std::vector<LoopShare> programs;
+  std::vector<std::vector<LoopShare>> groups;  // by program; [0] is not used
+};
+
+LoopShares share_loop(const System& system, const Trace& trace,
+                      const std::vector<GlobalState>& states) {
+  LoopShares shares;
+  MAIDE_CHECK(states.size() == trace.steps.size() + 1);
+  MAIDE_CHECK(*trace.loop_start < trace.steps.size());
+  shares.programs.resize(system.programs.size());
+  for (const Program& program : system.programs) {
+    shares.groups.emplace_back(std::max<std::size_t>(program.fair_groups.size(), 1));
+  }
+  const auto group_of = [&](const Step& step) -> LoopShare& {
+    const Program& program = system.programs[step.program];
+    return shares.groups[step.program][program.fair_group_of(program.edges[step.edge])];
+  };
+  for (std::size_t at = *trace.loop_start; at < trace.steps.size(); ++at) {
+    shares.programs[trace.steps[at].program].steps = true;
+    group_of(trace.steps[at]).steps = true;
+    std::vector<bool> can(shares.programs.size());
+    for (const Step& step : enabled_steps(system, states[at])) {
+      const Program& program = system.programs[step.program];
+      if (!program.is_death(program.edges[step.edge])) can[step.program] = true;
+      group_of(step).is_enabled = true;
+    }
+    for (std::size_t program = 0; program < can.size(); ++program) {
+      LoopShare& share = shares.programs[program];
+      (can[program] ? share.is_enabled : share.is_disabled) = true;
+    }
+  }
+  return shares;
+}
+
+bool is_fair_loop(const System& system, const LoopShares& shares, Fairness fairness) {
+  if (fairness == Fairness::none) return true;
+  const bool is_strong = fairness == Fairness::strong;
+  for (std::size_t index = 0; index < shares.programs.size(); ++index) {
+    const LoopShare& share = shares.programs[index];
+    if (!(is_strong ? share.is_strongly_fair() : share.is_weakly_fair())) return false;
+    for (std::size_t group = 1; group < shares.groups[index].size(); ++group) {
+      if (!is_strong && !system.programs[index].fair_groups[group].on_weak_runs) continue;
+      if (!shares.groups[index][group].is_strongly_fair()) return false;
+    }
+  }
+  return true;
+}
+
+std::string find_flaw_of_stuck(const System& system, const Trace& trace,
+                               const std::vector<GlobalState>& states) {
+  if (!trace.loop_start) return "nobody runs on for ever";
+  const LoopShares shares = share_loop(system, trace, states);
+  if (!is_fair_loop(system, shares, Fairness::strong)) return "the run is not fair";
+  for (std::size_t index = 0; index < shares.programs.size(); ++index) {
+    const Program& program = system.programs[index];
+    const ControlState at = states.back().programs[index];
+    if (!shares.programs[index].steps && !program.is_end(at) && !program.states[at].may_rest) {
+      return "";
+    }
+  }
+  return "every program that has not ended steps again";
+}
+
+// Nothing but deaths can come, and the run may end there.
+bool may_end(const System& system, const GlobalState& state) {
+  const std::vector<Step> steps = enabled_steps(system, state);
+  return std::all_of(steps.begin(), steps.end(), [&](const Step& step) {
+    const Program& program = system.programs[step.program];
+    return program.is_death(program.edges[step.edge]);
+  });
+}
+
+// The run as what formulas and automata are evaluated on (see holds_on_lasso). `value` refers to
+// the arguments.
+struct Positions {
+  std::size_t length = 0, loop = 0, cut = never_cut;
+  std::function<bool(const Atom&, std::size_t at)> value;
+};
+
+Positions positions_of(const System& system, const Trace& trace,
+                       const std::vector<GlobalState>& states) {
+  const bool loops = trace.loop_start.has_value();
+  MAIDE_CHECK(states.size() == trace.steps.size() + 1);
+  MAIDE_CHECK(!loops || !states.back().is_cut);  // nothing follows a step that is cut
+  Positions run;
+  // A run that ends repeats its last state, without the event that led there.
+  run.length = states.size() + (loops ? 0 : 1);
+  run.loop = loops ? *trace.loop_start + 1 : run.length - 1;
+  run.value = [&](const Atom& atom, std::size_t at) {
+    const Step* step = at == 0 || at > trace.steps.size() ? nullptr : &trace.steps[at - 1];
+    return is_true(atom, system, states[std::min(at, states.size() - 1)], step);
+  };
+  // A run that is cut, or shown no further, must have a bad prefix: whatever comes, it is violated.
+  if (!loops && !may_end(system, states.back())) run.cut = states.size();
+  // A step that is cut, or comes to an error, is no position; the initial state is one.
+  if (states.back().is_cut || is_error(system, states.back())) {
+    run.cut = std::max<std::size_t>(states.size() - 1, 1);
+  }
+  MAIDE_CHECK(run.loop < run.length && (run.cut == never_cut || run.cut <= run.length));
+  return run;
+}
+
+std::string find_flaw_of_run(const System& system, const Property& property, const Trace& trace,
+                             const std::vector<GlobalState>& states) {
+  const bool loops = trace.loop_start.has_value();
+  if (loops && !is_fair_loop(system, share_loop(system, trace, states), property.fairness)) {
+    return "the run is not fair";
+  }
+  if (property.kind == Property::Kind::ltl) {
+    return evaluate_on_run(system, property.formula, trace, states)[0]
+               ? "the formula holds on the run"
+               : "";
+  }
+  const Positions run = positions_of(system, trace, states);
+  const LtlAutomaton& never = *property.never;
+  std::vector<std::uint64_t> valuations(std::min(run.cut, run.length));
+  for (std::size_t at = 0; at < valuations.size(); ++at) {
+    for (std::size_t atom = 0; atom < never.atoms.size(); ++atom) {
+      valuations[at] |= std::uint64_t{run.value(never.atoms[atom], at)} << atom;
+    }
+  }
+  const bool is_bad = run.cut == never_cut ? accepts(never, valuations, run.loop)
+                                           : accepts_whatever_comes(never, valuations);
+  return is_bad ? "" : "the automaton does not accept the run";
+}
+
+}  // namespace
+
+Trace to_whole(const Part& part, Trace trace) {
+  for (Step& step : trace.steps) step = part.to_whole(std::move(step));
+  return trace;
+}
+
+Trace from_whole(const Part& part, Trace trace) {
+  for (Step& step : trace.steps) step = part.from_whole(std::move(step));
+  return trace;
+}
+
+std::vector<GlobalState> replay(const System& system, const Trace& trace) {
+  std::vector<GlobalState> states{initial_state(system)};
+  for (const Step& step : trace.steps) {
+    if (!is_possible(system, states.back(), step)) {
+      throw std::logic_error("step " + std::to_string(states.size()) + " is not possible");
+    }
+    states.push_back(apply(system, states.back(), step));
+  }
+  if (trace.loop_start &&
+      (*trace.loop_start >= trace.steps.size() || !(states[*trace.loop_start] == states.back()))) {
+    throw std::logic_error("the loop does not close");
+  }
+  return states;
+}
+
+std::vector<bool> evaluate_on_run(const System& system, const Formula& formula, const Trace& trace,
+                                  const std::vector<GlobalState>& states) {
+  const Positions run = positions_of(system, trace, states);
+  return evaluate_on_lasso(formula, run.length, run.loop, run.value, run.cut);
+}
+
+std::string find_flaw(const System& system, const Property& property, const Trace& trace) {
+  std::vector<GlobalState> states;
+  try {
+    states = replay(system, trace);
+  } catch (const std::logic_error& error) {
+    return error.what();
+  }
+  for (std::size_t i = 0; i < trace.steps.size(); ++i) {
+    if (is_error(system, states[i])) return "it goes on behind an error";
+  }
+  if (property.kind == Property::Kind::deadlock) {
+    return is_deadlock(system, states.back()) ? "" : "it ends in no deadlock";
+  }
+  if (property.kind == Property::Kind::error) {
+    const bool is_shown = is_error(system, states.back()) && !states.back().is_cut;
+    return is_shown ? "" : "it ends in no error";
+  }
+  if (property.kind == Property::Kind::stuck) return find_flaw_of_stuck(system, trace, states);
+  return find_flaw_of_run(system, property, trace, states);
+}
+
+namespace {
+
+constexpr std::uint32_t nobody = ~std::uint32_t{0};
+
+const ProgramEdge& edge_of(const System& system, const Step& step) {
+  return system.programs[step.program].edges[step.edge];
+}
+
+std::span<const ModelUse> uses_of(const System& system, const Step& step) {
+  return system.programs[step.program].uses_of(edge_of(system, step));
+}
+
+// Whether the formula can see the step: one of its atoms changes, or is an event of this step.
+bool is_visible(const System& system, const std::vector<Atom>& atoms, const Step& step) {
+  const Program& program = system.programs[step.program];
+  const ProgramEdge& edge = program.edges[step.edge];
+  const auto owner = std::upper_bound(
+      program.states.begin(), program.states.end(), step.edge,
+      [](std::uint32_t index, const Program::State& state) { return index < state.first_edge; });
+  const auto source = static_cast<ControlState>(owner - program.states.begin() - 1);
+  return std::any_of(atoms.begin(), atoms.end(), [&](const Atom& atom) {
+    return is_seen_by(atom, system, step.program, source, edge);
+  });
+}
+
+// A stretch of a run whose steps are put into another order.
+struct Stretch {
+  GlobalState begin, end;
+  std::span<const Step> steps;
+  std::uint32_t before = nobody;  // the program of the step before it
+};
+
+// The search: 0-1 breadth-first, by the number of switches.
+class TurnSearch {
+ public:
+  TurnSearch(const System& system, const std::vector<Atom>& atoms, const Stretch& stretch,
+             std::size_t most_nodes)
+      : system_(system), stretch_(stretch), most_nodes_(most_nodes), own_(system.programs.size()) {
+    for (const Step& step : stretch.steps) {
+      const bool visible = is_visible(system, atoms, step);
+      own_[step.program].push_back({step, visible ? visible_count_ : not_visible});
+      visible_count_ += visible ? 1 : 0;
+    }
+  }
+
+  // Nothing if there were more nodes than allowed.
+  std::optional<std::vector<Step>> run() {
+    Key first(own_.size(), 0);
+    for (const StateId state : stretch_.begin.models) first.push_back(state);
+    first.push_back(stretch_.before);
+    first.push_back(0);
+    visit(std::move(first), no_node, {}, 0);
+    while (!now_.empty() || !later_.empty()) {
+      if (now_.empty()) std::swap(now_, later_);
+      const std::uint32_t at = now_.back();
+      now_.pop_back();
+      if (std::exchange(nodes_[at].is_done, true)) continue;
+      if (is_goal(*nodes_[at].key)) return read_off(at);
+      if (nodes_.size() > most_nodes_) return std::nullopt;
+      expand(at);
+    }
+    return std::nullopt;
+  }
+
+ private:
+  // How far each program is, where each model is, who stepped last, and how many visible steps were
+  // taken (they keep their order).
+  using Key = std::u32string;
+  static constexpr std::uint32_t no_node = ~std::uint32_t{0};
+  static constexpr std::uint32_t not_visible = ~std::uint32_t{0};
+  struct OwnStep {
+    Step step;
+    std::uint32_t visible = not_visible;  // its number among the visible ones
+  };
+  struct Node {
+    const Key* key = nullptr;
+    std::uint32_t before = no_node;
+    Step step;  // that led here
+    std::uint32_t switches = 0;
+    bool is_done = false;
+  };
+
+  std::size_t models_at() const { return own_.size(); }
+  std::size_t last_at() const { return own_.size() + system_.models.size(); }
+
+  bool is_goal(const Key& key) const {
+    for (std::size_t program = 0; program < own_.size(); ++program) {
+      if (key[program] != own_[program].size()) return false;
+    }
+    return std::equal(stretch_.end.models.begin(), stretch_.end.models.end(),
+                      key.begin() + static_cast<std::ptrdiff_t>(models_at()));
+  }
+
+  GlobalState state_of(const Key& key) const {
+    GlobalState state = stretch_.begin;
+    for (std::size_t program = 0; program < own_.size(); ++program) {
+      if (key[program] == 0) continue;
+      const Step& step = own_[program][key[program] - 1].step;
+      state.programs[program] = edge_of(system_, step).target;
+      // Only the last step of a run is cut.
+      state.is_cut = state.is_cut || step.is_cut;
+    }
+    for (std::size_t model = 0; model < state.models.size(); ++model) {
+      state.models[model] = key[models_at() + model];
+    }
+    return state;
+  }
+
+  void expand(std::uint32_t at) {
+    const Key key = *nodes_[at].key;
+    for (const Step& step : enabled_steps(system_, state_of(key))) {
+      const std::uint32_t done = key[step.program];
+      if (done == own_[step.program].size()) continue;
+      const OwnStep& own = own_[step.program][done];
+      if (step.edge != own.step.edge || step.is_cut != own.step.is_cut) continue;
+      if (own.visible != not_visible && own.visible != key.back()) continue;
+      Key next = key;
+      ++next[step.program];
+      const auto uses = uses_of(system_, step);
+      for (std::size_t i = 0; i < uses.size(); ++i) {
+        next[models_at() + uses[i].model] = step.targets[i];
+      }
+      const bool is_switch = key[last_at()] != nobody && key[last_at()] != step.program;
+      next[last_at()] = step.program;
+      next.back() += own.visible != not_visible ? 1 : 0;
+      visit(std::move(next), at, step, nodes_[at].switches + (is_switch ? 1 : 0));
+    }
+  }
+
+  void visit(Key key, std::uint32_t before, const Step& step, std::uint32_t switches) {
+    const auto [place, is_new] =
+        ids_.try_emplace(std::move(key), static_cast<std::uint32_t>(nodes_.size()));
+    if (is_new) nodes_.push_back({&place->first, no_node, {}, switches + 1, false});
+    Node& node = nodes_[place->second];
+    if (switches >= node.switches) return;
+    const bool costs = before != no_node && switches > nodes_[before].switches;
+    node.before = before;
+    node.step = step;
+    node.switches = switches;
+    (costs ? later_ : now_).push_back(place->second);
+  }
+
+  std::vector<Step> read_off(std::uint32_t at) const {
+    std::vector<Step> steps;
+    for (; nodes_[at].before != no_node; at = nodes_[at].before) steps.push_back(nodes_[at].step);
+    std::reverse(steps.begin(), steps.end());
+    return steps;
+  }
+
+  const System& system_;
+  const Stretch& stretch_;
+  std::size_t most_nodes_;
+  std::vector<std::vector<OwnStep>> own_;  // each program's steps
+  std::uint32_t visible_count_ = 0;
+  std::unordered_map<Key, std::uint32_t> ids_;  // its keys stay where they are
+  std::vector<Node> nodes_;
+  std::vector<std::uint32_t> now_, later_;  // nodes to expand, with as many switches, and one more
+};
+
+// Steps that must come before a step: the one before it of its program, of each of its models, and,
+// if it is visible, the visible one. Programs take turns, each going on as long as it can; the one
+// that can go farthest comes next. O(steps x programs).
+class GreedyTurns {
+ public:
+  GreedyTurns(const System& system, const std::vector<Atom>& atoms, const Stretch& stretch)
+      : steps_(stretch.steps), needs_(stretch.steps.size()), own_(system.programs.size()) {
+    std::vector<std::size_t> last_of_model(system.models.size(), none);
+    std::size_t last_visible = none;
+    for (std::size_t at = 0; at < steps_.size(); ++at) {
+      own_[steps_[at].program].push_back(at);
+      for (const ModelUse& use : uses_of(system, steps_[at])) {
+        MAIDE_CHECK(use.model < last_of_model.size());
+        const std::size_t last = std::exchange(last_of_model[use.model], at);
+        if (last != none) needs_[at].push_back(last);
+      }
+      if (is_visible(system, atoms, steps_[at])) {
+        const std::size_t last = std::exchange(last_visible, at);
+        if (last != none) needs_[at].push_back(last);
+      }
+    }
+  }
+
+  std::vector<Step> run() {
+    std::vector<std::size_t> next(own_.size(), 0);
+    is_taken_.assign(steps_.size(), false);
+    std::vector<Step> result;
+    while (result.size() < steps_.size()) {
+      std::size_t best = 0, longest = 0;
+      for (std::size_t program = 0; program < own_.size(); ++program) {
+        const std::size_t length = count_ready(program, next[program]);
+        if (length > longest) best = program, longest = length;
+      }
+      MAIDE_CHECK(longest > 0);  // the order of the run itself is one that the needs allow
+      for (std::size_t i = 0; i < longest; ++i) {
+        const std::size_t at = own_[best][next[best]++];
+        is_taken_[at] = true;
+        result.push_back(steps_[at]);
+      }
+    }
+    return result;
+  }
+
+ private:
+  static constexpr std::size_t none = ~std::size_t{0};
+
+  std::size_t count_ready(std::size_t program, std::size_t first) {
+    std::size_t count = 0;
+    const auto& own = own_[program];
+    const auto is_met = [&](std::size_t needed) { return is_taken_[needed]; };
+    for (; first + count < own.size(); ++count) {
+      const std::size_t at = own[first + count];
+      if (!std::all_of(needs_[at].begin(), needs_[at].end(), is_met)) break;
+      is_taken_[at] = true;  // for those behind it
+    }
+    for (std::size_t i = 0; i < count; ++i) is_taken_[own[first + i]] = false;
+    return count;
+  }
+
+  std::span<const Step> steps_;
+  std::vector<std::vector<std::size_t>> needs_;  // by step: earlier ones
+  std::vector<std::vector<std::size_t>> own_;    // each program's steps
+  std::vector<bool> is_taken_;
+};
+
+// Whether the steps are those of the stretch, each program's in their order.
+bool is_reordering(const System& system, const std::vector<Step>& steps, const Stretch& stretch) {
+  std::vector<std::vector<std::uint32_t>> own(system.programs.size()), wanted(own.size());
+  for (const Step& step : steps) own[step.program].push_back(step.edge);
+  for (const Step& step : stretch.steps) wanted[step.program].push_back(step.edge);
+  return own == wanted;
+}
+
+std::vector<Step> reorder(const System& system, const std::vector<Atom>& atoms,
+                          const Stretch& stretch, std::size_t most_nodes) {
+  auto steps = TurnSearch(system, atoms, stretch, most_nodes).run();
+  if (!steps) steps = GreedyTurns(system, atoms, stretch).run();
+  MAIDE_CHECK(is_reordering(system, *steps, stretch));
+  return *steps;
+}
+
+}  // namespace
+
+std::size_t count_switches(const Trace& trace) {
+  std::size_t switches = 0;
+  for (std::size_t at = 1; at < trace.steps.size(); ++at) {
+    switches += trace.steps[at].program != trace.steps[at - 1].program ? 1 : 0;
+  }
+  return switches;
+}
+
+Trace with_fewest_switches(const System& system, const Property& property, const Trace& trace,
+                           std::size_t most_nodes) {
+  if (trace.steps.empty()) return trace;
+  const std::vector<GlobalState> states = replay(system, trace);
+  std::vector<Atom> atoms;
+  if (property.formula) atoms = atoms_of(property.formula);
+  if (property.never) atoms = property.never->atoms;
+  const std::size_t split = trace.loop_start.value_or(trace.steps.size());
+  const std::span<const Step> steps(trace.steps);
+  Trace result;
+  result.loop_start = trace.loop_start;
+  result.steps = reorder(system, atoms, {states.front(), states[split], steps.first(split), nobody},
+                         most_nodes);
+  if (trace.loop_start) {
+    const std::uint32_t before = result.steps.empty() ? nobody : result.steps.back().program;
+    const std::vector<Step> loop = reorder(
+        system, atoms, {states[split], states[split], steps.subspan(split), before}, most_nodes);
+    result.steps.insert(result.steps.end(), loop.begin(), loop.end());
+  }
+  // A formula may see more than the order of what it sees: how long it lasts (X), or a fair turn.
+  const bool is_better = count_switches(result) < count_switches(trace);
+  return is_better && find_flaw(system, property, result).empty() ? result : trace;
+}
+
+}  // namespace maide

@@ -1,0 +1,63 @@
+// Traces: runs of a system that an engine shows as proof of an alarm. No trace is shown before it
+// was replayed on the system's own semantics. Here are that replay, the test whether a trace is
+// what it claims to be, and an order of its steps that is easier to read.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "maide/check/system/components.hpp"
+#include "maide/check/system/system.hpp"
+
+namespace maide {
+
+// A run of a system, which may repeat a part for ever.
+struct Trace {
+  std::vector<Step> steps;  // from the initial state
+  // Steps from here on repeat for ever. None: the run ends there, is cut, or need not be shown any
+  // further because whatever comes violates the property.
+  std::optional<std::size_t> loop_start;
+  bool operator==(const Trace&) const = default;
+};
+
+// A run of the part as one of the whole system, and back.
+Trace to_whole(const Part& part, Trace trace);
+Trace from_whole(const Part& part, Trace trace);
+
+// The states along the trace, one more than steps. Throws std::logic_error if a step is not
+// possible where it is taken, or the loop does not close.
+std::vector<GlobalState> replay(const System& system, const Trace& trace);
+
+// Whether the formula holds at each position of the run: position 0 is the initial state, position
+// i the state after i steps; a run that ends has one more, at which it repeats its last state
+// without the event that led there. `states` are replay()'s.
+std::vector<bool> evaluate_on_run(const System& system, const Formula& formula, const Trace& trace,
+                                  const std::vector<GlobalState>& states);
+
+// Whether the trace is what it claims to be: it replays and shows that `property` does not hold - a
+// deadlock, a fair run that violates the formula, or a prefix that no run can make good. Returns
+// what is wrong with it, "" if nothing is.
+std::string find_flaw(const System& system, const Property& property, const Trace& trace);
+
+// ---- The order of the steps ----
+//
+// A counterexample is easier to read if each program goes on as long as it can before another one
+// takes its turn. The idea: of the orders in which each program keeps its own steps, most are as
+// good a proof as the one that a search happened to find (Mazurkiewicz, "Trace theory", 1987). A
+// shortest-path search over how far each program is finds the order with the fewest turns; going on
+// with another program costs one. (Few context switches make concurrent traces readable: Musuvathi
+// & Qadeer, PLDI 2007.)
+
+// How often the trace goes on with another program than the one before.
+std::size_t count_switches(const Trace& trace);
+
+// The same steps in another order, with at most as many switches: it ends in the same state, its
+// loop begins in the same state, and it is a counterexample (find_flaw) if `trace` is one. Without
+// a loop and without a formula no order of these steps that ends there has fewer switches, if no
+// more than `most_nodes` places had to be looked at; beyond that, programs go on as long as they
+// can without overtaking others at a model. O(nodes x programs x log steps).
+Trace with_fewest_switches(const System& system, const Property& property, const Trace& trace,
+                           std::size_t most_nodes = 200'000);
+
+}  // namespace maide

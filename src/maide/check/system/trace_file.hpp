@@ -1,0 +1,66 @@
+// Traces as text: what `maide check --trace` writes and other commands read. A step is named by
+// what a person sees of it - the program, its line in the system file, the model and what happens
+// there - so a trace says by itself whether it belongs to a system: each of its steps must be
+// possible where it is taken.
+//
+//   {"system": "...", "property": "deadlock", "loop_start": null,
+//    "steps": [{"program": "planner", "line": 8, "model": "via", "event": "?write"}, ...]}
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "maide/base/json.hpp"
+#include "maide/base/run_control.hpp"
+#include "maide/check/system/trace.hpp"
+
+namespace maide {
+
+struct StepText {
+  std::string program;
+  int line = 0;
+  std::string model;  // "" if it gives nothing and takes nothing, or from several
+  // "?input", "!output", "?input!output", "quiet", or "if" and "else"; of other steps their text in
+  // the file.
+  std::string event;
+  bool operator==(const StepText&) const = default;
+};
+
+StepText describe_step(const System& system, const Step& step);
+
+// A variable that a step changed, or that came into scope, and its value afterwards.
+struct ChangedValue {
+  std::string name;
+  Value value = 0;
+  ValueKind kind = ValueKind::integer;
+  std::optional<Value> before{};  // none: it was not in scope
+};
+// Of that program's variables, which took the step, and the shared ones.
+std::vector<ChangedValue> find_changes(const System& system, const GlobalState& before,
+                                       const GlobalState& after, std::uint32_t program);
+
+// {"program", "line", "model", "event"}; no model is null.
+Json step_to_json(const StepText& step);
+// A list of these, each with the values that the step changed, if there are any: "values":
+// {"left": 3, "ready": true}.
+Json trace_to_json(const System& system, const Trace& trace);
+// What a file has: the trace by which `property` is violated.
+Json trace_file_to_json(const System& system, const std::string& property, const Trace& trace);
+
+struct TraceFile {
+  std::string property;  // as in the file; "" if it names none
+  Trace trace;
+};
+
+// Finds the steps that the text names in the system; `file` is for messages. Where a model is
+// nondeterministic a text may stand for several runs: it is one of them. Throws ParseError for what
+// is no JSON, UsageError for what is no trace, or one of another system, with the number of the
+// step. O(steps x models + enabled steps).
+TraceFile parse_trace(std::string_view text, const std::string& file, const System& system);
+
+// Reads and parses. Throws UsageError if the file cannot be read. A pipe is waited for until
+// `control` says stop (throws Interrupted).
+TraceFile read_trace(const std::string& path, const System& system, const RunControl& control = {});
+
+}  // namespace maide

@@ -1,0 +1,59 @@
+// The token stream that the program language and the formulas share: identifiers, quoted names,
+// numbers and operators, each with its place in the system file. Comments (`//`, `#` to the end of
+// the line) and blanks separate tokens.
+#pragma once
+
+#include <algorithm>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "maide/check/text/scalar_text.hpp"
+
+namespace maide {
+
+struct Token {
+  enum class Kind : std::uint8_t { identifier, quoted, number, symbol, end };
+  Kind kind = Kind::end;
+  std::string text;        // without quotes
+  std::size_t offset = 0;  // of its first character in the text
+  bool is_name() const { return kind == Kind::identifier || kind == Kind::quoted; }
+  bool is(std::string_view what) const {
+    return (kind == Kind::symbol || kind == Kind::identifier) && text == what;
+  }
+};
+
+class TokenStream {
+ public:
+  // `symbols`: the operators, longest first. Throws ParseError on any other character. Keeps a
+  // reference to `text`.
+  TokenStream(const ScalarText& text, std::span<const std::string_view> symbols);
+
+  const Token& peek(std::size_t ahead = 0) const {
+    return tokens_[std::min(at_ + ahead, tokens_.size() - 1)];
+  }
+  Token next();
+  // Consumes the next token if it is this operator or keyword.
+  bool accept(std::string_view what);
+  // Consumes it, or throws "expected 'what' after ..., not ...", or what fail_foreign() says.
+  void expect(std::string_view what, std::string_view where);
+  // Throws if the token is an operator of other languages: "'and' is no sign here: it is '&&'".
+  void fail_foreign(const Token& token) const;
+  SourcePosition position(const Token& token) const { return text_.position(token.offset); }
+  [[noreturn]] void fail(const std::string& message, const Token& token) const;
+
+ private:
+  const ScalarText& text_;
+  std::vector<Token> tokens_;  // the last one is the end
+  std::size_t at_ = 0;
+};
+
+// How a token reads in a message: 'text', or "the end of the text".
+std::string to_string(const Token& token);
+
+// "depth, history; did you mean 'depth'?", "none": what there is, of many the first ones, where
+// `name` is none of it.
+std::string known_instead(std::string_view name, std::span<const std::string> known);
+
+}  // namespace maide

@@ -1,0 +1,537 @@
+#include "maide/check/verdict/check_system.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <exception>
+#include <map>
+#include <memory>
+#include <new>
+#include <optional>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "maide/base/error.hpp"
+#include "maide/base/text.hpp"
+#include "maide/check/rules/built_in_models.hpp"
+#include "maide/check/rules/model_words.hpp"
+#include "maide/check/system/trace.hpp"
+#include "maide/check/verdict/assumptions.hpp"
+
+namespace maide {
+namespace {
+
+// The state at the end of a trace, which an engine found and was held against the meaning. In the
+// whole system: what another component does, even an error, is no part of it.
+GlobalState last_state(const System& system, const Trace& trace) {
+  GlobalState state = initial_state(system);
+  for (const Step& step : trace.steps) state = apply(system, state, step);
+  return state;
+}
+
+bool has_errors(const System& system) {
+  return std::any_of(system.programs.begin(), system.programs.end(), [](const Program& program) {
+    return std::any_of(program.states.begin(), program.states.end(),
+                       [](const Program::State& state) { return state.error != 0; });
+  });
+}
+
+// Checks properties of one part of a system, all of whose runs they are about.
+class PartChecker {
+ public:
+  PartChecker(Part part, Engine& engine, const EngineOptions& options)
+      : part_(std::move(part)),
+        system_(part_.system()),
+        engine_(engine),
+        options_(options),
+        uses_(find_uses(system_)),
+        has_errors_(has_errors(system_)) {}
+  PartChecker(const PartChecker&) = delete;
+  PartChecker& operator=(const PartChecker&) = delete;
+
+  // Of the whole system. An error of Maide's own leaves this property undecided, unless its
+  // violation was found before, and the others' verdicts alone.
+  PropertyResult check(const Property& of_whole) {
+    const Property property = part_.property(of_whole);
+    PropertyResult result;
+    try {
+      result = property.kind == Property::Kind::error ? find_error()
+                                                      : engine_.check(system_, property, options_);
+      if (result.verdict == Verdict::holds) weaken(result, property);
+      if (result.trace) result.trace = with_fewest_switches(system_, property, *result.trace);
+    } catch (const Error&) {
+      throw;
+    } catch (const std::bad_alloc&) {
+      throw;
+    } catch (const std::exception& error) {
+      if (result.verdict == Verdict::holds) result.verdict = Verdict::inconclusive;
+      result.name = property.name;
+      result.reason = describe_internal_error(error.what());
+      result.is_internal_error = true;
+    }
+    if (result.trace) result.trace = to_whole(part_, std::move(*result.trace));
+    if (result.remarkable) result.remarkable = to_whole(part_, std::move(*result.remarkable));
+    if (!part_.is_whole()) result.programs = part_.programs();
+    return result;
+  }
+
+  // What could not be decided is looked for again when it is needed.
+  void forget_undecided() {
+    if (cut_ && cut_->verdict == Verdict::inconclusive) cut_.reset();
+    if (error_ && error_->verdict == Verdict::inconclusive) error_.reset();
+  }
+
+ private:
+  PropertyResult find_error() {
+    if (error_) return *error_;
+    Property property;
+    property.name = "error";
+    property.kind = Property::Kind::error;
+    PropertyResult result;
+    result.name = property.name;
+    result.verdict = Verdict::holds;
+    if (has_errors_) result = engine_.check(system_, property, options_);
+    if (result.trace) result.reason = describe_error(system_, last_state(system_, *result.trace));
+    error_ = result;
+    return result;
+  }
+
+  // A "holds" that leans on something that is not known.
+  void weaken(PropertyResult& result, const Property& property) {
+    std::vector<std::string> reasons;
+    if (property.kind == Property::Kind::error) {
+      if (!has_errors_) return;
+    } else if (has_errors_) {
+      const PropertyResult error = find_error();
+      if (error.verdict == Verdict::violated) {
+        reasons.push_back("runs end at an error: " + error.reason);
+      } else if (error.verdict == Verdict::inconclusive) {
+        reasons.push_back("whether a run ends at an error: " + error.reason);
+      }
+    }
+    if (!cut_ && result.stays_within_learned) cut_ = CutResult{Verdict::holds, "", std::nullopt};
+    if (!cut_) cut_ = engine_.find_cut(system_, options_);
+    const std::optional<std::string> hidden = find_hidden_return(system_, uses_);
+    if (const auto weakness = find_weakness(system_)) reasons.push_back(*weakness);
+    if (property.kind == Property::Kind::stuck) {
+      if (const auto endless = find_endless_callbacks(system_)) reasons.push_back(*endless);
+    }
+    if (cut_->verdict == Verdict::violated) {
+      reasons.push_back(describe_cut(*cut_->trace));
+    } else if (cut_->verdict == Verdict::inconclusive) {
+      reasons.push_back("whether a run goes beyond what was learned: " + cut_->reason);
+    } else if (hidden) {
+      reasons.push_back(*hidden);
+    }
+    if (reasons.empty()) return;
+    result.reason = join(reasons, "; ");
+    result.verdict = Verdict::inconclusive;
+  }
+
+  std::string describe_cut(const Trace& trace) const {
+    const Step& step = trace.steps.back();
+    const Program& program = system_.programs[step.program];
+    const ProgramEdge& edge = program.edges[step.edge];
+    Trace before = trace;
+    before.steps.pop_back();
+    for (const ModelUse& use : uses_beyond(system_, last_state(system_, before), step)) {
+      const ModelInstance& model = system_.models[use.model];
+      if (model.when_unexplored != WhenUnexplored::stop) continue;
+      if (find_unknown_code(model.automaton)) return describe_bound(model);
+      return fmt::format("{}; {}'s {} at line {} goes beyond", describe_bound(model), program.name,
+                         describe_edge(system_, program, edge), edge.line);
+    }
+    throw std::logic_error("the step does not go beyond what was learned");
+  }
+
+  Part part_;
+  const System& system_;
+  Engine& engine_;
+  const EngineOptions& options_;
+  std::vector<InputUse> uses_;
+  bool has_errors_;
+  std::optional<CutResult> cut_;
+  std::optional<PropertyResult> error_;
+};
+
+constexpr std::size_t most_reasons = 3;  // of components, in one line
+
+// What was found in several components, as one result. Of the first that is violated it has the
+// trace.
+class Merger {
+ public:
+  explicit Merger(const std::string& name) {
+    whole_.name = name;
+    whole_.verdict = Verdict::holds;
+    whole_.stays_within_learned = true;
+  }
+
+  void add(PropertyResult part) {
+    whole_.states += part.states;
+    whole_.transitions += part.transitions;
+    whole_.seconds += part.seconds;
+    whole_.peak_bytes = std::max(whole_.peak_bytes, part.peak_bytes);
+    whole_.sent_bytes += part.sent_bytes;
+    whole_.reduction = std::max(whole_.reduction, part.reduction);
+    whole_.stays_within_learned = whole_.stays_within_learned && part.stays_within_learned;
+    whole_.is_internal_error = whole_.is_internal_error || part.is_internal_error;
+    if (part.remarkable && !whole_.remarkable) {
+      whole_.remarkable = std::move(part.remarkable);
+      whole_.programs = part.programs;
+    }
+    ++count_;
+    if (part.verdict == Verdict::violated && ++violated_ > 1) return;
+    if (part.verdict == Verdict::violated) {
+      whole_.verdict = Verdict::violated;
+      whole_.trace = std::move(part.trace);
+      whole_.programs = std::move(part.programs);
+      reasons_.clear();
+      seen_.clear();
+    } else if (violated_ > 0) {
+      return;
+    } else if (part.verdict == Verdict::inconclusive) {
+      whole_.verdict = Verdict::inconclusive;
+    }
+    if (!part.reason.empty() && seen_.insert(part.reason).second) reasons_.push_back(part.reason);
+  }
+
+  PropertyResult take() {
+    if (violated_ > 1) {
+      reasons_.push_back(
+          fmt::format("{} of {} components violate it, and the first is shown", violated_, count_));
+    }
+    const std::size_t more = reasons_.size() - std::min(reasons_.size(), most_reasons);
+    if (more > 0) reasons_.resize(most_reasons);
+    whole_.reason = join(reasons_, "; ");
+    if (more > 0) whole_.reason += fmt::format("; and {} reasons more", more);
+    return std::move(whole_);
+  }
+
+ private:
+  PropertyResult whole_;
+  std::size_t count_ = 0, violated_ = 0;  // components
+  std::vector<std::string> reasons_;
+  std::set<std::string> seen_;
+};
+
+class Checker {
+ public:
+  Checker(const System& system, Engine& engine, const CheckRequest& request)
+      : system_(system),
+        engine_(engine),
+        options_(request.options),
+        deadline_(request.options.control.deadline),
+        uses_(find_uses(system)) {
+    select(request.properties);
+    components_ = find_components(system);
+    for (const auto& component : components_) report_.components.push_back({component, 0, 0, {}});
+  }
+
+  CheckReport run() {
+    std::vector<Late> late;
+    for (std::size_t at = 0; at < properties_.size(); ++at) {
+      const auto share = take_share(deadline_, properties_.size() - at);
+      report_.properties.push_back(check_next(at));
+      if (is_late(report_.properties.back())) late.push_back({at, share});
+    }
+    check_again(late);
+    for (const PropertyResult& result : report_.properties) state_remark(result);
+    state_lone_time_outs();
+    for (const Verdict verdict : {Verdict::inconclusive, Verdict::violated}) {
+      for (const PropertyResult& result : report_.properties) {
+        if (result.verdict == verdict) report_.verdict = verdict;
+      }
+    }
+    StatedAssumptions stated = state_assumptions(system_, uses_, properties_, report_.properties);
+    report_.assumptions = std::move(stated.lines);
+    report_.doubts = std::move(stated.doubts);
+    report_.brief = std::move(stated.brief);
+    if (leaves_out_stuck_) {
+      report_.assumptions.push_back("stuck was not checked: " +
+                                    engine_.obstacle(system_, find_property(system_, "stuck")));
+    }
+    return std::move(report_);
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  // A property that was not decided in the time that it had.
+  struct Late {
+    std::size_t property = 0;
+    Clock::duration share{};
+  };
+
+  // Gives the next of `count` things to do its share of the time until `end`.
+  Clock::duration take_share(const std::optional<Clock::time_point>& end, std::size_t count) {
+    if (!end) return {};
+    const Clock::time_point now = Clock::now();
+    const Clock::duration share = (*end - now) / static_cast<std::int64_t>(count);
+    options_.control.deadline = now + share;
+    return share;
+  }
+
+  bool is_late(const PropertyResult& result) const {
+    const RunControl& control = options_.control;
+    return result.verdict == Verdict::inconclusive && control.deadline &&
+           !control.stop.stop_requested() && Clock::now() >= *control.deadline;
+  }
+
+  void check_again(const std::vector<Late>& late) {
+    for (auto& [programs, checker] : checkers_) checker->forget_undecided();
+    for (std::size_t i = 0; i < late.size(); ++i) {
+      if (take_share(deadline_, late.size() - i) <= late[i].share) return;
+      report_.properties[late[i].property] = check_next(late[i].property);
+    }
+  }
+
+  PropertyResult check_next(std::size_t at) {
+    options_.control.report({"checking", 0, 0, 0, at, properties_.size()});
+    PropertyResult result = check(properties_[at]);
+    share_run(properties_[at], result);
+    return result;
+  }
+
+  // One cause is shown by one run.
+  void share_run(const Property& property, PropertyResult& result) const {
+    if (!result.trace) return;
+    for (const PropertyResult& before : report_.properties) {
+      if (before.name == result.name || !before.trace || before.programs != result.programs ||
+          before.trace->steps.size() > result.trace->steps.size()) {
+        continue;
+      }
+      if (!find_flaw_in_parts(system_, property, *before.trace).empty()) continue;
+      result.trace = before.trace;
+      return;
+    }
+  }
+
+  bool is_of_each_component(const Property& property) const {
+    return property.kind != Property::Kind::ltl && property.kind != Property::Kind::never &&
+           components_.size() > 1;
+  }
+
+  PropertyResult check(const Property& property) {
+    if (!is_of_each_component(property)) {
+      return check(property, programs_of(system_, property, components_));
+    }
+    Merger merger(property.name);
+    const auto end = options_.control.deadline;
+    for (std::size_t i = 0; i < components_.size(); ++i) {
+      take_share(end, components_.size() - i);
+      merger.add(check(property, components_[i]));
+    }
+    options_.control.deadline = end;
+    return merger.take();
+  }
+
+  // On the runs of those programs.
+  PropertyResult check(const Property& property, const std::vector<std::uint32_t>& programs) {
+    const bool is_whole = programs.size() == system_.programs.size();
+    const bool has_atoms =
+        property.kind == Property::Kind::ltl || property.kind == Property::Kind::never;
+    PropertyResult result;
+    if (has_atoms && !is_whole) {
+      result = PartChecker(Part(system_, programs, &property), engine_, options_).check(property);
+    } else {
+      auto& checker = checkers_[programs];
+      if (!checker) {
+        checker = std::make_unique<PartChecker>(is_whole ? Part(system_) : Part(system_, programs),
+                                                engine_, options_);
+      }
+      result = checker->check(property);
+    }
+    for (CheckReport::Component& component : report_.components) {
+      if (component.programs != programs) continue;
+      if (!has_atoms) component.verdicts[property.name] = result.verdict;
+      if (component.states > 0) continue;
+      component.states = result.states;
+      component.transitions = result.transitions;
+    }
+    return result;
+  }
+
+  void select(const std::vector<std::string>& names) {
+    std::set<std::string> seen;
+    for (const std::string& name : names) {
+      for (Property& property : find_properties(system_, name)) {
+        if (seen.insert(property.name).second) properties_.push_back(std::move(property));
+      }
+    }
+    const bool has_error = has_errors(system_);
+    if (names.empty()) {
+      properties_.push_back(find_property(system_, "deadlock"));
+      const Property stuck = find_property(system_, "stuck");
+      leaves_out_stuck_ = !engine_.obstacle(system_, stuck).empty();
+      if (!leaves_out_stuck_) properties_.push_back(stuck);
+      if (has_error) properties_.push_back(find_property(system_, "error"));
+      properties_.insert(properties_.end(), system_.properties.begin(), system_.properties.end());
+    } else if (has_error && !seen.contains("error")) {
+      properties_.push_back(find_property(system_, "error"));
+    }
+    for (const Property& property : properties_) {
+      const std::string obstacle = engine_.obstacle(system_, property);
+      if (obstacle.empty()) continue;
+      const std::string place = to_string(property.position);
+      throw UsageError(fmt::format("property '{}': {}{}", property.name, obstacle,
+                                   place.empty() ? "" : " (" + place + ")"));
+    }
+  }
+
+  // Who starves on weakly fair runs, and is not stuck.
+  void state_remark(const PropertyResult& result) {
+    if (!result.remarkable) return;
+    const Trace& trace = *result.remarkable;
+    const GlobalState last = last_state(system_, trace);
+    std::vector<bool> steps(system_.programs.size());
+    for (std::size_t at = *trace.loop_start; at < trace.steps.size(); ++at) {
+      steps[trace.steps[at].program] = true;
+    }
+    const std::vector<std::uint32_t>& programs =
+        result.programs.empty() ? components_.front() : result.programs;
+    for (const std::uint32_t index : programs) {
+      const Program& program = system_.programs[index];
+      const ControlState at = last.programs[index];
+      if (steps[index] || program.edges_of(at).empty() || program.states[at].may_rest) continue;
+      report_.remarks.push_back(
+          fmt::format("{} may never step again on a run that is weakly fair only, which `stuck` "
+                      "leaves out: it waits at line {}, and each time it could go on, others are "
+                      "faster",
+                      program.name, program.edges_of(at).front().line));
+    }
+  }
+
+  // Whose waiting only a time-out ends: who would be stuck without it. So `stuck` is what is asked,
+  // and about as many states are searched as were for it.
+  void state_lone_time_outs() {
+    const auto stuck = std::find_if(report_.properties.begin(), report_.properties.end(),
+                                    [](const auto& result) { return result.name == "stuck"; });
+    if (stuck == report_.properties.end() || !has_time_outs(system_)) return;
+    SearchLimits limits;
+    limits.bytes = memory_limit_mib(options_) << 20;
+    limits.states = std::max(most_lone_states, stuck->states);
+    limits.control = options_.control;
+    limits.control.deadline = deadline_;
+    for (const auto& programs : components_) {
+      const Part part =
+          programs.size() == system_.programs.size() ? Part(system_) : Part(system_, programs);
+      for (const LoneTimeOut& lone : find_lone_time_outs(part.system(), limits)) {
+        const Program& program = part.system().programs[lone.program];
+        report_.remarks.push_back(
+            fmt::format("only its time-out wakes {} from some point on: it {}, and nothing of that "
+                        "can come again",
+                        program.name, describe_waiting(part.system(), program, lone.arms)));
+      }
+    }
+  }
+
+  static constexpr std::uint64_t most_lone_states = std::uint64_t{1} << 20;
+
+  const System& system_;
+  Engine& engine_;
+  EngineOptions options_;  // until the end of the share of what is checked
+  std::optional<Clock::time_point> deadline_;
+  std::vector<InputUse> uses_;
+  std::vector<Property> properties_;
+  bool leaves_out_stuck_ = false;
+  std::vector<std::vector<std::uint32_t>> components_;
+  std::map<std::vector<std::uint32_t>, std::unique_ptr<PartChecker>> checkers_;  // by programs
+  CheckReport report_;
+};
+
+}  // namespace
+
+namespace {
+
+std::optional<Property> find_built_in(const std::string& name) {
+  using Kind = Property::Kind;
+  Property property;
+  property.name = name;
+  if (name != "deadlock" && name != "stuck" && name != "error") return std::nullopt;
+  property.kind = name == "stuck" ? Kind::stuck : name == "error" ? Kind::error : Kind::deadlock;
+  return property;
+}
+
+UsageError no_such_property(const System& system, const std::string& name) {
+  std::vector<std::string> known{"deadlock", "stuck", "error"};
+  for (const Property& candidate : system.properties) known.push_back(candidate.name);
+  return UsageError(fmt::format("there is no property '{}'; there is: {}{} ({})", name, join(known),
+                                did_you_mean(name, known), system.file));
+}
+
+}  // namespace
+
+Property find_property(const System& system, const std::string& name) {
+  if (const auto built_in = find_built_in(name)) return *built_in;
+  for (const Property& candidate : system.properties) {
+    if (candidate.name == name) return candidate;
+  }
+  throw no_such_property(system, name);
+}
+
+std::vector<Property> find_properties(const System& system, const std::string& name) {
+  if (const auto built_in = find_built_in(name)) return {*built_in};
+  std::vector<Property> instances;
+  for (const Property& candidate : system.properties) {
+    if (candidate.name == name) return {candidate};
+    if (candidate.name.starts_with(name + "[")) instances.push_back(candidate);
+  }
+  if (instances.empty()) throw no_such_property(system, name);
+  return instances;
+}
+
+std::string find_flaw_in_parts(const System& system, const Property& property, const Trace& trace) {
+  const bool has_atoms =
+      property.kind == Property::Kind::ltl || property.kind == Property::Kind::never;
+  std::vector<std::vector<std::uint32_t>> candidates = find_components(system);
+  if (has_atoms) candidates = {programs_of(system, property, candidates)};
+  std::string flaw = "its steps are of several components";
+  for (const auto& programs : candidates) {
+    const bool is_within =
+        std::all_of(trace.steps.begin(), trace.steps.end(), [&](const Step& step) {
+          return std::binary_search(programs.begin(), programs.end(), step.program);
+        });
+    if (!is_within) continue;
+    const Part part(system, programs, &property);
+    flaw = find_flaw(part.system(), part.property(property), from_whole(part, trace));
+    if (flaw.empty()) break;
+  }
+  return flaw;
+}
+
+Shown shown_part(const System& system, const PropertyResult& result) {
+  const Property property = find_property(system, result.name);
+  Part part(system, result.programs, &property);
+  Trace trace = from_whole(part, *result.trace);
+  Property of_part = part.property(property);
+  return {std::move(part), std::move(of_part), std::move(trace)};
+}
+
+ExitStatus exit_status_of(const CheckReport& report) {
+  if (report.verdict == Verdict::violated) return ExitStatus::violated;
+  if (std::any_of(report.properties.begin(), report.properties.end(),
+                  [](const PropertyResult& result) { return result.is_internal_error; })) {
+    return ExitStatus::internal;
+  }
+  return report.verdict == Verdict::holds ? ExitStatus::ok : ExitStatus::inconclusive;
+}
+
+CheckReport check_system(const System& system, Engine& engine, const CheckRequest& request) {
+  return Checker(system, engine, request).run();
+}
+
+const PropertyResult* find_same_run(const CheckReport& report, const PropertyResult& result) {
+  for (const PropertyResult& before : report.properties) {
+    if (&before == &result) break;
+    if (before.trace && before.programs == result.programs &&
+        before.trace->steps == result.trace->steps &&
+        before.trace->loop_start == result.trace->loop_start) {
+      return &before;
+    }
+  }
+  return nullptr;
+}
+
+}  // namespace maide

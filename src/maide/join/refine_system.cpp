@@ -1,0 +1,225 @@
+#include "maide/join/refine_system.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <optional>
+#include <set>
+#include <utility>
+
+#include "maide/base/file.hpp"
+#include "maide/base/text.hpp"
+#include "maide/check/build/system_file.hpp"
+#include "maide/join/replay.hpp"
+#include "maide/join/replay_plan.hpp"
+#include "maide/ros2/executor_runs.hpp"
+
+namespace maide {
+namespace {
+
+class Refiner {
+ public:
+  Refiner(const std::filesystem::path& path, Engine& engine, const CheckRequest& request,
+          const RefinementOptions& options)
+      : path_(path),
+        text_(read_file(path, request.options.control)),
+        engine_(engine),
+        request_(request),
+        options_(options) {}
+
+  RefinedCheck run() {
+    do {
+      read_and_check();
+    } while (refine());
+    decide();
+    return std::move(result_);
+  }
+
+ private:
+  const RunControl& control() const { return request_.options.control; }
+
+  void read_and_check() {
+    requests_.clear();
+    real_.clear();
+    result_.system =
+        parse_system(text_, path_.string(),
+                     record_requests(make_learning_source(options_.models), requests_), control());
+    options_.models.note = {};  // where models come from is told once
+    result_.report = check_system(result_.system, engine_, request_);
+    prefer_runs_of_executors(result_.system, result_.report, control());
+    confirmed_.clear();
+  }
+
+  // True if a model is another now.
+  bool refine() {
+    for (PropertyResult& property : result_.report.properties) {
+      if (property.verdict != Verdict::violated || !property.trace) continue;
+      const std::optional<Deviation> deviation = try_on_real_system(property);
+      if (!deviation) continue;
+      if (learn_from(*deviation, property)) return true;
+    }
+    const bool is_violated =
+        std::any_of(result_.report.properties.begin(), result_.report.properties.end(),
+                    [](const auto& property) { return property.verdict == Verdict::violated; });
+    return !is_violated && test_models();
+  }
+
+  // How the real system left the counterexample; nothing if it followed.
+  std::optional<Deviation> try_on_real_system(const PropertyResult& property) {
+    if (real_.empty()) {
+      real_ = open_real_systems(result_.system, requests_, {1, "", control()});
+    }
+    std::optional<Deviation> deviation;
+    for (std::size_t attempt = 0; attempt < options_.most_attempts; ++attempt) {
+      play_on_real_system(
+          result_.system, real_, {&*property.trace, 1}, {3, control()},
+          [&](std::size_t, ReplayedRun run) { deviation = std::move(run.deviation); });
+      if (!deviation || deviation->kind != Deviation::Kind::other_answer) break;
+    }
+    if (!deviation) {
+      confirmed_.push_back(property.name);
+      for (const std::string& line : find_unplayed(result_.system, {&*property.trace, 1}).models) {
+        result_.report.assumptions.push_back(property.name + ": " + line);
+      }
+      for (std::string& assumption : find_assumptions(result_.system, *property.trace)) {
+        result_.report.assumptions.push_back(property.name + ": " + assumption);
+      }
+    }
+    return deviation;
+  }
+
+  // True if the model is another now; else the property is inconclusive, and says why.
+  bool learn_from(const Deviation& deviation, PropertyResult& property) {
+    const ModelInstance& instance = result_.system.models[deviation.model];
+    const ModelRequest& request = request_of(instance, requests_);
+    const std::string difference = fmt::format(
+        "the real system does not follow this counterexample: {}, after {}: expected "
+        "{}, seen {}",
+        instance.name, join(deviation.word, " "), deviation.expected, deviation.seen);
+    if (!deviation.refutes_model()) return doubt(property, difference);
+    if (request.learn.empty()) {
+      return doubt(property, difference + "; the model is a file, so it is not refined");
+    }
+    if (!request.values.empty()) {
+      return doubt(property, difference +
+                                 "; the model is made of one without values, so it is not "
+                                 "refined");
+    }
+    if (result_.rounds.size() >= options_.most_rounds) {
+      return doubt(property, difference + fmt::format("; {} refinements were not enough",
+                                                      options_.most_rounds));
+    }
+    const bool tests_again = retested_.contains(kept_model_path(options_.models.folder, request));
+    const Refinement refinement = refine_learned_model(
+        request, {deviation.word, tests_again, options_.seed}, options_.models);
+    if (!refinement.is_new) {
+      return doubt(property, difference + "; asked again, it does what the model says");
+    }
+    add_round({instance.name, "the counterexample to " + property.name, deviation.word,
+               deviation.expected, deviation.seen, refinement.states_before,
+               refinement.states_after});
+    return true;
+  }
+
+  bool doubt(PropertyResult& property, std::string reason) {
+    property.verdict = Verdict::inconclusive;
+    property.reason = std::move(reason);
+    return false;
+  }
+
+  // Tests every learned model that a program uses. True if one is another now, or weak no more:
+  // then the system is to be checked again.
+  bool test_models() {
+    if (is_tested_) return false;
+    std::set<std::filesystem::path> seen;  // instances that share a model
+    bool is_stronger = false;
+    for (const auto& [name, request] : requests_) {
+      if (request.learn.empty() || !request.values.empty()) {
+        untested_.insert(name + (request.learn.empty() ? " is a file" : " was made with values"));
+        continue;
+      }
+      const std::filesystem::path kept = kept_model_path(options_.models.folder, request);
+      if (!seen.insert(kept).second) continue;
+      if (result_.rounds.size() >= options_.most_rounds) return false;
+      const Refinement refinement = refine_learned_model(
+          request, {{}, true, options_.seed + result_.rounds.size()}, options_.models);
+      if (refinement.is_new) {
+        retested_.insert(kept);
+        add_round({name, "a test", {}, "", "", refinement.states_before, refinement.states_after});
+        return true;
+      }
+      tests_[name] = refinement.tests;
+      is_stronger = is_stronger || refinement.is_stronger;
+    }
+    // The models are the same, but a verdict that leaned on a weak one may stand now.
+    is_tested_ = is_stronger;
+    return is_stronger;
+  }
+
+  void add_round(RefinementRound round) {
+    tests_.clear();
+    untested_.clear();
+    is_tested_ = false;
+    result_.rounds.push_back(std::move(round));
+    if (options_.on_round) options_.on_round(result_.rounds.back());
+  }
+
+  // The verdict of all, after some may have become inconclusive, and what it rests on.
+  void decide() {
+    CheckReport& report = result_.report;
+    report.verdict = Verdict::holds;
+    for (const Verdict verdict : {Verdict::inconclusive, Verdict::violated}) {
+      for (const PropertyResult& property : report.properties) {
+        if (property.verdict == verdict) report.verdict = verdict;
+      }
+    }
+    for (const std::string& name : confirmed_) {
+      report.assumptions.push_back(
+          result_.system.callbacks.empty()
+              ? "the real system followed the counterexample to " + name
+              : "the real connections followed the counterexample to " + name +
+                    "; executors were not asked (`maide replay` asks them)");
+    }
+    for (const auto& [name, tests] : tests_) {
+      report.assumptions.push_back(
+          fmt::format("{} was tested again on the real system after the verdict: {}", name, tests));
+    }
+    for (const std::string& name : untested_) {
+      report.assumptions.push_back(name + " and was not tested");
+    }
+  }
+
+  const std::filesystem::path& path_;
+  const std::string text_;
+  Engine& engine_;
+  const CheckRequest& request_;
+  RefinementOptions options_;
+  ModelRequests requests_;
+  std::vector<std::unique_ptr<RealSystem>> real_;  // of the models that were checked last
+  std::vector<std::string> confirmed_;             // properties whose violation is real
+  std::map<std::string, std::string> tests_;       // of the models, after the verdict
+  std::set<std::string> untested_;
+  bool is_tested_ = false;  // all models, since the last one changed
+  // Models that `learning:` tests too little: what its tests do not find would be forgotten again.
+  std::set<std::filesystem::path> retested_;
+  RefinedCheck result_;
+};
+
+}  // namespace
+
+std::string to_string(const RefinementRound& round) {
+  std::string text = fmt::format("{}: refined from {} to {} states by {}", round.instance,
+                                 round.states_before, round.states_after, round.cause);
+  if (!round.word.empty()) {
+    text += fmt::format(": after {} the model says {}, the real system {}", join(round.word, " "),
+                        round.expected, round.seen);
+  }
+  return text;
+}
+
+RefinedCheck check_and_refine(const std::filesystem::path& path, Engine& engine,
+                              const CheckRequest& request, const RefinementOptions& options) {
+  return Refiner(path, engine, request, options).run();
+}
+
+}  // namespace maide
