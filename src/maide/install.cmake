@@ -2,17 +2,9 @@
 # it gives maide::wrapper alone and asks for fewer packages.
 include(CMakePackageConfigHelpers)
 
-foreach(target maide_wrapper maide)
-  get_target_property(sets ${target} HEADER_SETS)
-  set(install_sets_${target})
-  foreach(set ${sets})
-    list(APPEND install_sets_${target} FILE_SET ${set} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
-  endforeach()
-endforeach()
-
 set(config_dir ${CMAKE_INSTALL_LIBDIR}/cmake/maide)
-install(TARGETS maide_wrapper EXPORT maideWrapperTargets ${install_sets_maide_wrapper})
-install(TARGETS maide EXPORT maideTargets ${install_sets_maide})
+install(TARGETS maide_wrapper EXPORT maideWrapperTargets)
+install(TARGETS maide EXPORT maideTargets)
 install(TARGETS maide_program)
 install(FILES ${PROJECT_SOURCE_DIR}/README.md ${PROJECT_SOURCE_DIR}/LICENSE
               ${PROJECT_SOURCE_DIR}/CHANGELOG.md ${PROJECT_SOURCE_DIR}/CITATION.cff

@@ -5,6 +5,7 @@
 Each check prints one line a finding, "file:line: what is wrong", and exits 1 if there is any.
 """
 
+import json
 import re
 import subprocess
 import sys
@@ -267,6 +268,49 @@ def check_snippets(sources):
             block = "\n".join(lines[number:end])
             if f"\n{block}\n" not in f"\n{sources.text(origin)}\n":
                 yield path, number, f"is not what {origin} says"
+
+
+# The least CMake that builds Maide, that of Ubuntu 22.04, and what came after it, by version.
+LEAST_CMAKE = (3, 22)
+NEWER_CMAKE = {
+    "3.23": [r"\bFILE_SET\b", r"\bHEADER_SETS\b", r"\bIMPORTED_NO_SYSTEM\b"],
+    "3.24": [r"\bPATH_EQUAL\b", r"\bVERIFY_INTERFACE_HEADER_SETS\b",
+             r"\bCOMPILE_WARNING_AS_ERROR\b", r"--fresh\b",
+             r"\$<LINK_(LIBRARY|GROUP):", r"\bFIND_PACKAGE_ARGS\b", r"\bREGISTRY_VIEW\b",
+             r"\bSET_DEPENDENCY_PROVIDER\b"],
+    "3.25": [r"^\s*(end)?block\s*\(", r"\breturn\s*\(\s*PROPAGATE\b", r"\bEXPORT_NO_SYSTEM\b",
+             r"\bSOURCE_FROM_(CONTENT|VAR|FILE)\b", r"\bVALIDATOR\b", r"\bGET_MESSAGE_LOG_LEVEL\b",
+             r"\badd_subdirectory\s*\([^)]*\bSYSTEM\b", r"--workflow\b"],
+    "3.26": [r"cmake(_COMMAND\})? -E copy -t\b"],
+    "3.27": [r"\$<(LIST|COMPILE_ONLY):"],
+    "3.28": [r"\bCXX_MODULES\b", r"\bCXX_SCAN_FOR_MODULES\b"],
+    "3.29": [r"\bTEST_LAUNCHER\b", r"\bLINKER_TYPE\b", r"\bIS_(EXECUTABLE|READABLE|WRITABLE)\b",
+             r"\bcmake_language\s*\(\s*EXIT\b"],
+    "3.31": [r"\bDISCOVERY_EXTRA_ARGS\b", r"\bCODEGEN\b", r"\bcmake_pkg_config\b"],
+}
+NEWEST_PRESETS = 3  # the version of CMakePresets.json that it reads
+
+
+def check_cmake(sources):
+    """Nothing that the least CMake does not know stands in the build's files."""
+    for path in sources.files:
+        if path.name == "CMakePresets.json":
+            presets = json.loads(sources.text(path))
+            if presets["version"] > NEWEST_PRESETS:
+                yield path, 1, f"is of version {presets['version']}; {NEWEST_PRESETS} is the newest"
+            least = presets["cmakeMinimumRequired"]
+            if (least["major"], least["minor"]) > LEAST_CMAKE:
+                yield path, 1, f"asks for CMake {least['major']}.{least['minor']}"
+        if path.name != "CMakeLists.txt" and ".cmake" not in path.suffixes:
+            continue
+        for number, line in enumerate(sources.text(path).splitlines(), 1):
+            match = re.search(r"cmake_(?:minimum_required|policy)\s*\(VERSION (\d+)\.(\d+)", line)
+            if match and (int(match.group(1)), int(match.group(2))) > LEAST_CMAKE:
+                yield path, number, f"asks for CMake {match.group(1)}.{match.group(2)}"
+            for version, patterns in NEWER_CMAKE.items():
+                for pattern in patterns:
+                    if re.search(pattern, line.split("#")[0]):
+                        yield path, number, f"needs CMake {version}: {line.strip()}"
 
 
 def main():
