@@ -104,7 +104,7 @@ class Editor {
     }
   }
 
-  std::uint32_t add_joint(Joint joint) {
+  std::uint32_t add_joint(CombinedStep joint) {
     for (const ModelUse& use : joint.uses) {
       if (use.kind == Kind::give || use.kind == Kind::take) joint.events.push_back(use);
       joint.text += (joint.text.empty() ? "" : " with ") + describe_use(system_, use);
@@ -112,21 +112,21 @@ class Editor {
     if (kinds_.groups && random_.chance(0.5)) {
       joint.fair = static_cast<std::uint32_t>(random_.between(1, 3));
     }
-    program_.joints.push_back(std::move(joint));
-    return static_cast<std::uint32_t>(program_.joints.size() - 1);
+    program_.combined.push_back(std::move(joint));
+    return static_cast<std::uint32_t>(program_.combined.size() - 1);
   }
 
   // The same step with another model's on top, or with none.
   void make_joint(ProgramEdge& edge) {
-    Joint joint;
-    joint.role = edge.kind == Kind::choice ? Joint::Role::choice : Joint::Role::step;
+    CombinedStep joint;
+    joint.role = edge.kind == Kind::choice ? CombinedStep::Role::choice : CombinedStep::Role::step;
     if (edge.kind == Kind::choice) joint.text = "choice " + std::to_string(edge.symbol);
     if (edge.kind != Kind::choice) joint.uses.push_back(edge);
     const auto other = static_cast<std::uint32_t>(random_.below(system_.models.size()));
     const bool is_other = joint.uses.empty() || joint.uses.front().model != other;
     if (is_other && random_.chance(0.6)) joint.uses.push_back(random_use(other));
     edge.symbol = add_joint(std::move(joint));
-    edge.kind = Kind::joint;
+    edge.kind = Kind::combined;
     edge.model = 0;
   }
 
@@ -150,13 +150,13 @@ class Editor {
 
   void add_death(std::size_t at) {
     if (grave_ == 0) grave_ = add_state(0);
-    Joint joint;
-    joint.role = Joint::Role::death;
+    CombinedStep joint;
+    joint.role = CombinedStep::Role::death;
     joint.text = "dies";
-    program_.joints.push_back(joint);
+    program_.combined.push_back(joint);
     ProgramEdge edge;
-    edge.kind = Kind::joint;
-    edge.symbol = static_cast<Symbol>(program_.joints.size() - 1);
+    edge.kind = Kind::combined;
+    edge.symbol = static_cast<Symbol>(program_.combined.size() - 1);
     edge.target = grave_;
     edges_[at].push_back(edge);
   }

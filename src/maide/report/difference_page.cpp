@@ -46,7 +46,6 @@ class Joiner {
 
  private:
   enum Side { left, right };
-  static constexpr const char* kinds[] = {"left", "right"};
   static constexpr const char* marks[] = {"A: ", "B: "};
 
   const std::string& name_of(Side side, StateId state) const {

@@ -99,8 +99,8 @@ class Lanes {
   std::vector<std::size_t> lane_of_;
 };
 
-// A joint step that gives to one model, or takes from one, is an arrow; other ones are notes of the
-// program.
+// A combined step that gives to one model, or takes from one, is an arrow; other ones are notes of
+// the program.
 SequenceChart::Message to_message(const System& system, const Lanes& lanes, const Step& step) {
   const ProgramEdge& edge = system.programs[step.program].edges[step.edge];
   const std::size_t program = lanes.of_program(step.program);
@@ -109,7 +109,7 @@ SequenceChart::Message to_message(const System& system, const Lanes& lanes, cons
     message.label = edge.symbol == 0 ? "if" : "else";
     return message;
   }
-  if (edge.kind == Kind::joint || edge.kind == Kind::act) {
+  if (edge.kind == Kind::combined || edge.kind == Kind::act) {
     const StepText text = describe_step(system, step);
     message.label = text.model.empty() ? text.event : text.event.substr(1);
     if (!text.model.empty()) {
@@ -143,7 +143,7 @@ SequenceChart::Message to_message(const System& system, const Lanes& lanes, cons
 // What a program that has not ended waits for: the first of it.
 std::string describe_wait(const System& system, const Program& program, const ProgramEdge& edge) {
   if (edge.kind == Kind::choice) return "can go on";
-  if (edge.kind == Kind::joint || edge.kind == Kind::act) {
+  if (edge.kind == Kind::combined || edge.kind == Kind::act) {
     return "waits: " + describe_edge(system, program, edge);
   }
   const ModelInstance& model = system.models[edge.model];

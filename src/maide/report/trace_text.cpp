@@ -69,7 +69,7 @@ void write_waiting(std::ostream& out, const System& system, const GlobalState& s
     return;
   }
   const ProgramEdge& first = awaited.front();
-  if (first.kind == Kind::act || first.kind == Kind::joint) {
+  if (first.kind == Kind::act || first.kind == Kind::combined) {
     out << fmt::format("  {} {}\n", program.name, describe_waiting(system, program, awaited));
     return;
   }

@@ -8,42 +8,44 @@ namespace {
 
 using Kind = CallbackInstance::Kind;
 
-const Joint* joint_of(const System& system, const Step& step) {
+const CombinedStep* joint_of(const System& system, const Step& step) {
   const Program& program = system.programs[step.program];
   const ProgramEdge& edge = program.edges[step.edge];
-  return edge.kind == ModelUse::Kind::joint ? &program.joints[edge.symbol] : nullptr;
+  return edge.kind == ModelUse::Kind::combined ? &program.combined[edge.symbol] : nullptr;
 }
 
 }  // namespace
 
 std::optional<std::uint32_t> started_by(const System& system, const Step& step) {
-  const Joint* joint = joint_of(system, step);
-  return joint == nullptr || joint->role == Joint::Role::discard ? std::nullopt : joint->callback;
+  const CombinedStep* combined = joint_of(system, step);
+  return combined == nullptr || combined->role == CombinedStep::Role::discard ? std::nullopt
+                                                                              : combined->callback;
 }
 
 std::optional<std::uint32_t> discarded_by(const System& system, const Step& step) {
-  const Joint* joint = joint_of(system, step);
-  return joint == nullptr || joint->role != Joint::Role::discard ? std::nullopt : joint->callback;
+  const CombinedStep* combined = joint_of(system, step);
+  return combined == nullptr || combined->role != CombinedStep::Role::discard ? std::nullopt
+                                                                              : combined->callback;
 }
 
 std::optional<std::uint32_t> picked_for(const System& system, const Step& step) {
-  const Joint* joint = joint_of(system, step);
-  return joint == nullptr ? std::nullopt : joint->callback;
+  const CombinedStep* combined = joint_of(system, step);
+  return combined == nullptr ? std::nullopt : combined->callback;
 }
 
 bool is_end_of_callback(const System& system, const Step& step) {
-  const Joint* joint = joint_of(system, step);
-  return joint != nullptr && joint->role == Joint::Role::end;
+  const CombinedStep* combined = joint_of(system, step);
+  return combined != nullptr && combined->role == CombinedStep::Role::end;
 }
 
 std::vector<std::uint32_t> found_by(const System& system, const Step& step) {
-  const Joint* joint = joint_of(system, step);
+  const CombinedStep* combined = joint_of(system, step);
   std::vector<std::uint32_t> found;
-  if (joint == nullptr || joint->role != Joint::Role::look) return found;
+  if (combined == nullptr || combined->role != CombinedStep::Role::look) return found;
   for (std::uint32_t callback = 0; callback < system.callbacks.size(); ++callback) {
     // "finds camera.tick, detector.on_image"
     const std::string& name = system.callbacks[callback].name;
-    const std::string text = joint->text.substr(joint->text.find(' ') + 1) + ",";
+    const std::string text = combined->text.substr(combined->text.find(' ') + 1) + ",";
     for (std::size_t at = text.find(name + ","); at != std::string::npos;
          at = text.find(name + ",", at + 1)) {
       if (at == 0 || text[at - 1] == ' ') found.push_back(callback);
@@ -74,14 +76,14 @@ ExecutorRules::ExecutorRules(const System& system)
   // says nothing of what is there for the callback.
   for (const Program& program : system.programs) {
     for (const ProgramEdge& edge : program.edges) {
-      if (edge.kind != ModelUse::Kind::joint) continue;
-      const Joint& joint = program.joints[edge.symbol];
-      const bool discards = joint.role == Joint::Role::discard;
-      if (!joint.callback || (joint.events.empty() && !discards)) continue;
-      std::vector<ModelUse>& ways = ways_[*joint.callback];
+      if (edge.kind != ModelUse::Kind::combined) continue;
+      const CombinedStep& combined = program.combined[edge.symbol];
+      const bool discards = combined.role == CombinedStep::Role::discard;
+      if (!combined.callback || (combined.events.empty() && !discards)) continue;
+      std::vector<ModelUse>& ways = ways_[*combined.callback];
       const std::uint32_t model =
-          discards ? system.callbacks[*joint.callback].model : joint.events.front().model;
-      for (const ModelUse& use : joint.uses) {
+          discards ? system.callbacks[*combined.callback].model : combined.events.front().model;
+      for (const ModelUse& use : combined.uses) {
         if (use.model != model) continue;
         if (std::find(ways.begin(), ways.end(), use) == ways.end()) ways.push_back(use);
       }

@@ -194,7 +194,7 @@ TEST(Language, SelectTakesAnInputWithTheOutputThatFollows) {
   EXPECT_EQ(explore(system), (Explored{3, 2, 0, {}}));
   const Program& program = system.programs[0];
   const ProgramEdge edge = program.edges_of(0)[0];
-  EXPECT_EQ(program.role_of(edge), Joint::Role::arm);
+  EXPECT_EQ(program.role_of(edge), CombinedStep::Role::arm);
   EXPECT_EQ(program.events_of(edge).size(), 2u);
 }
 

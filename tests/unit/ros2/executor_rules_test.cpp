@@ -86,8 +86,8 @@ class Executor {
       const Program& program = system_.programs[step.program];
       const ProgramEdge& edge = program.edges[step.edge];
       const std::string events = events_of(system_, step);
-      const bool is_joint = edge.kind == ModelUse::Kind::joint;
-      if (events != text && !(is_joint && program.joints[edge.symbol].text == text)) continue;
+      const bool is_combined = edge.kind == ModelUse::Kind::combined;
+      if (events != text && !(is_combined && program.combined[edge.symbol].text == text)) continue;
       trace.steps.push_back(step);
       at_ = apply(system_, at_, step);
       return;

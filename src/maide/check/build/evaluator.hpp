@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "maide/check/language/program_syntax.hpp"
-#include "maide/check/system/shared_steps.hpp"
+#include "maide/check/system/model_actions.hpp"
 
 namespace maide::program_syntax {
 
@@ -19,7 +19,7 @@ inline bool is_shared(const Expression& leaf) { return leaf.op == Expression::Op
 class Evaluator {
  public:
   // `number`: of the program. Keeps references.
-  Evaluator(std::uint32_t number, SharedActions& actions, const Names& names)
+  Evaluator(std::uint32_t number, ModelActions& actions, const Names& names)
       : number_(number), actions_(actions), names_(names) {}
 
  protected:
@@ -62,7 +62,7 @@ class Evaluator {
   Values bind(const Event& pattern, const std::string& output, Values values);
 
   std::uint32_t number_ = 0;  // of the program
-  SharedActions& actions_;
+  ModelActions& actions_;
   const Names& names_;
 };
 

@@ -23,7 +23,7 @@ std::uint64_t hash_of(const GlobalState& state) {
 
 class Growth {
  public:
-  Growth(System& system, SharedActions& actions, GrowingModels& models, const QueueLimits& limits,
+  Growth(System& system, ModelActions& actions, GrowingModels& models, const QueueLimits& limits,
          const RunControl& control)
       : system_(system), actions_(actions), models_(models), limits_(limits), control_(control) {}
 
@@ -144,7 +144,7 @@ class Growth {
   static constexpr std::uint64_t look_interval = 256;  // states
 
   System& system_;
-  SharedActions& actions_;
+  ModelActions& actions_;
   GrowingModels& models_;
   const QueueLimits& limits_;
   const RunControl& control_;
@@ -155,7 +155,7 @@ class Growth {
 
 }  // namespace
 
-void grow_models(System& system, SharedActions& actions, GrowingModels& models,
+void grow_models(System& system, ModelActions& actions, GrowingModels& models,
                  const QueueLimits& limits, const RunControl& control) {
   Growth(system, actions, models, limits, control).run();
 }

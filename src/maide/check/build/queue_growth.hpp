@@ -17,7 +17,7 @@
 
 #include "maide/base/run_control.hpp"
 #include "maide/check/rules/built_in_models.hpp"
-#include "maide/check/system/shared_steps.hpp"
+#include "maide/check/system/model_actions.hpp"
 #include "maide/check/system/system.hpp"
 
 namespace maide {
@@ -38,7 +38,7 @@ using GrowingModels = std::map<std::uint32_t, std::unique_ptr<GrowingModel>>;  /
 // met. The system's programs were made with `actions`, and have to be made anew, with the actions
 // that there are then. Gives up when the control's time is up; throws Interrupted when it is told
 // to stop.
-void grow_models(System& system, SharedActions& actions, GrowingModels& models,
+void grow_models(System& system, ModelActions& actions, GrowingModels& models,
                  const QueueLimits& limits, const RunControl& control);
 
 }  // namespace maide

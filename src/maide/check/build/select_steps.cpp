@@ -27,8 +27,8 @@ void Unroller::expand_rendezvous(const Place& place, const Statement& statement,
     if (const Topic* topic = written_topic(statement.model, statement.input.name, values)) {
       const std::string name = name_of(statement.input, values);
       for (const Writing& way : writings(*topic, name, WriteKind::statement)) {
-        add_joint({Joint::Role::step, way.uses, way.events, topic->name + "." + name, 0}, target,
-                  statement.line, statement.column);
+        add_combined({CombinedStep::Role::step, way.uses, way.events, topic->name + "." + name, 0},
+                     target, statement.line, statement.column);
       }
       return;
     }
@@ -41,8 +41,8 @@ void Unroller::expand_rendezvous(const Place& place, const Statement& statement,
       const ControlState target = settle(enter(*arm.body, behind(place.frame)), values);
       if (const Topic* topic = written_topic(statement.model, statement.input.name, values)) {
         for (Uses& uses : quiet_of(*topic)) {
-          add_joint({Joint::Role::step, std::move(uses), {}, "quiet", 0}, target, arm.line,
-                    arm.column);
+          add_combined({CombinedStep::Role::step, std::move(uses), {}, "quiet", 0}, target,
+                       arm.line, arm.column);
         }
       } else {
         add_edge({Kind::quiet, model, 0}, target, arm.line, arm.column);
@@ -59,9 +59,9 @@ void Unroller::expand_rendezvous(const Place& place, const Statement& statement,
       } else {
         for (Taking& way : takings(*topic)) {
           if (way.output != name) continue;
-          add_joint({Joint::Role::step, std::move(way.uses), std::move(way.events),
-                     topic->name + "!" + name, 0},
-                    target, arm.line, arm.column);
+          add_combined({CombinedStep::Role::step, std::move(way.uses), std::move(way.events),
+                        topic->name + "!" + name, 0},
+                       target, arm.line, arm.column);
         }
       }
     }
@@ -84,8 +84,9 @@ void Unroller::expand_select(const Place& place, const Statement& statement, con
     }
     for (auto& [conditions, result] : outcomes(*arm.guard, values, at(arm.line, arm.column))) {
       if (!result.value) {
-        add_joint({Joint::Role::arm, actions_.variables(conditions, {}), {}, "when", fair},
-                  error_state(result.error, result.line, result.column), arm.line, arm.column);
+        add_combined(
+            {CombinedStep::Role::arm, actions_.variables(conditions, {}), {}, "when", fair},
+            error_state(result.error, result.line, result.column), arm.line, arm.column);
       } else if (*result.value != 0) {
         expand_arm(place, arm, values, actions_.variables(conditions, {}), fair);
       }
@@ -112,9 +113,10 @@ void Unroller::expand_arm(const Place& place, const SelectArm& arm, const Values
     std::optional<std::uint32_t> callback;
     if (arm.starts != nullptr) callback = arm.starts->number;
     for (Uses& way : ways) {
-      add_joint({is_timer ? Joint::Role::timer : Joint::Role::arm, std::move(way), events,
-                 prefix + (prefix.empty() || text.empty() ? "" : ": ") + text, fair, callback},
-                target, arm.line, arm.column);
+      add_combined(
+          {is_timer ? CombinedStep::Role::timer : CombinedStep::Role::arm, std::move(way), events,
+           prefix + (prefix.empty() || text.empty() ? "" : ": ") + text, fair, callback},
+          target, arm.line, arm.column);
     }
   };
   const FrameId next = arm.end ? enter(*arm.end, behind(place.frame)) : behind(place.frame);
@@ -228,12 +230,12 @@ void Unroller::expand_otherwise(const Place& place, const Statement& statement,
     for (Uses& uses : idle_uses(statement, guards, values)) {
       for (const ModelUse& use : actions_.variables(conditions, {})) uses.push_back(use);
       const ControlState target = settle(enter(*waiting.body, behind(place.frame)), values);
-      add_joint({is_timeout ? Joint::Role::timeout : Joint::Role::otherwise,
-                 std::move(uses),
-                 {},
-                 is_timeout ? "timeout" : "otherwise",
-                 0},
-                target, waiting.line, waiting.column);
+      add_combined({is_timeout ? CombinedStep::Role::timeout : CombinedStep::Role::otherwise,
+                    std::move(uses),
+                    {},
+                    is_timeout ? "timeout" : "otherwise",
+                    0},
+                   target, waiting.line, waiting.column);
     }
   }
 }

@@ -7,7 +7,7 @@
 #include "maide/check/build/system_reader.hpp"
 #include "maide/check/language/expression_parser.hpp"
 #include "maide/check/ltl/ltl_automaton.hpp"
-#include "maide/check/system/shared_steps.hpp"
+#include "maide/check/system/model_actions.hpp"
 #include "maide/formats/model_file.hpp"
 
 namespace maide {
@@ -174,12 +174,12 @@ void SystemReader::declare_programs(const YAML::Node& section) {
 void SystemReader::read_programs() {
   if (!queues_.empty() || !names_.variables.empty()) collect();
   make_shared_variables();
-  SharedActions actions(system_);
+  ModelActions actions(system_);
   make_programs(actions);
   if (!growing_.empty()) {
     grow_models(system_, actions, growing_, limits_, control_);
     system_.programs.clear();
-    SharedActions known(system_, actions.take_all());
+    ModelActions known(system_, actions.take_all());
     make_programs(known);
   }
   find_own_variables();
@@ -198,7 +198,7 @@ program_syntax::Tree SystemReader::parse_as_known(std::uint32_t program,
   }
 }
 
-void SystemReader::make_programs(SharedActions& actions) {
+void SystemReader::make_programs(ModelActions& actions) {
   for (std::uint32_t number = 0; number < texts_.size(); ++number) {
     const ProgramText& text = texts_[number];
     program_syntax::Context known = context(text.indices);

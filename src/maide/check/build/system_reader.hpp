@@ -147,7 +147,7 @@ class SystemReader : private YamlReader {
 
   void read_programs();
   // Parses their texts; actions of models are made as they are needed.
-  void make_programs(SharedActions& actions);
+  void make_programs(ModelActions& actions);
   static void name_callbacks(Program& program, const program_syntax::Thread& thread);
   void read_topics(const YAML::Node& section);
   // A program's number for each that the text names: "a", "a[2]", or all members of "a"; of a node

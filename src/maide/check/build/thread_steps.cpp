@@ -59,12 +59,12 @@ void Unroller::expand_service(const Place& place, const Statement& statement, co
   const Service& service = names_.services.at(model);
   const auto add = [&](const ServiceUse& use, const std::string& input, const std::string& output,
                        const std::string& text, ControlState target, int line, int column) {
-    add_joint({Joint::Role::step,
-               {service.rules->use(actions_, model, use)},
-               events_of(model, input, output),
-               text,
-               0},
-              target, line, column);
+    add_combined({CombinedStep::Role::step,
+                  {service.rules->use(actions_, model, use)},
+                  events_of(model, input, output),
+                  text,
+                  0},
+                 target, line, column);
   };
   const std::string& input = statement.input.name;
   if (place.phase == Phase::before) {
@@ -85,8 +85,8 @@ void Unroller::expand_service(const Place& place, const Statement& statement, co
     }
     const ServiceUse given = operation_of(service, input, true, statement.callback);
     const ModelUse due = service.rules->use(actions_, model, due_behind(given));
-    add_joint({Joint::Role::step, {actions_.impossible(model, {due})}, {}, "quiet", 0},
-              settle(enter(*arm.body, behind(place.frame)), values), arm.line, arm.column);
+    add_combined({CombinedStep::Role::step, {actions_.impossible(model, {due})}, {}, "quiet", 0},
+                 settle(enter(*arm.body, behind(place.frame)), values), arm.line, arm.column);
   }
 }
 
@@ -143,14 +143,14 @@ void Unroller::expand_discard(const Place& place, const SelectArm& arm, const Va
   if (arm.starts->kind != Callback::Kind::client) return;
   const bool is_one = names_.services.at(arm.starts->model).takes_one_by_one;
   for (Uses& way : combine({{discard_of(arm)}}, {conditions})) {
-    add_joint({Joint::Role::discard,
-               std::move(way),
-               {},
-               arm.starts->whole_name() + " throws away " +
-                   (is_one ? "an answer to another" : "answers to others"),
-               0,
-               arm.starts->number},
-              settle(place.frame, values), arm.line, arm.column);
+    add_combined({CombinedStep::Role::discard,
+                  std::move(way),
+                  {},
+                  arm.starts->whole_name() + " throws away " +
+                      (is_one ? "an answer to another" : "answers to others"),
+                  0,
+                  arm.starts->number},
+                 settle(place.frame, values), arm.line, arm.column);
   }
 }
 
@@ -231,8 +231,8 @@ void Unroller::expand_rounds(const Place& place, const Statement& statement, con
                         static_cast<Value>(look.found & timers), false, "a look");
     }
     for (const Uses& way : look.ways) {
-      add_joint({Joint::Role::look, way, {}, "finds " + look.text, fair}, target, statement.line,
-                statement.column);
+      add_combined({CombinedStep::Role::look, way, {}, "finds " + look.text, fair}, target,
+                   statement.line, statement.column);
     }
   }
 }
@@ -246,8 +246,8 @@ void Unroller::expand_end(const Place& place, const Statement& statement, const 
     if (!client || service.own_code.contains(callback.node)) continue;
     uses.push_back(service.rules->use(actions_, model, {Kind::end_run, *client, callback.asker}));
   }
-  add_joint({Joint::Role::end, std::move(uses), {}, callback.whole_name() + " ends", 0},
-            settle(behind(place.frame), values), statement.line, statement.column);
+  add_combined({CombinedStep::Role::end, std::move(uses), {}, callback.whole_name() + " ends", 0},
+               settle(behind(place.frame), values), statement.line, statement.column);
 }
 
 }  // namespace maide::program_syntax

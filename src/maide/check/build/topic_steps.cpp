@@ -1,7 +1,7 @@
 // Steps of a program with a topic: a write goes to the models of all readers that live, or to one
-// of them, and what their calls return is collected and taken once. Each is a joint step, or a few
-// that exclude each other: for each set of readers that live, and where the step depends on what
-// was collected, for the first reader of which nothing was.
+// of them, and what their calls return is collected and taken once. Each is a combined step, or a
+// few that exclude each other: for each set of readers that live, and where the step depends on
+// what was collected, for the first reader of which nothing was.
 #include <algorithm>
 #include <functional>
 #include <string>
@@ -90,7 +90,7 @@ std::vector<Case> cases_not_due(const Topic& topic, const Living& living) {
 // The model of a reader, as a step on its topic sees it.
 class TopicSteps {
  public:
-  TopicSteps(const Topic& topic, SharedActions& actions) : topic_(topic), actions_(actions) {}
+  TopicSteps(const Topic& topic, ModelActions& actions) : topic_(topic), actions_(actions) {}
 
   const Alphabet& outputs(std::size_t i) const { return automaton(i).outputs(); }
   const InterfaceAutomaton& automaton(std::size_t i) const {
@@ -219,7 +219,7 @@ class TopicSteps {
   }
 
   const Topic& topic_;
-  SharedActions& actions_;
+  ModelActions& actions_;
 };
 
 }  // namespace

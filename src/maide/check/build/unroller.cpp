@@ -17,12 +17,12 @@ void Unroller::add_edge(const ModelUse& use, ControlState target, int line, int 
   program_.edges.push_back({use, target, line, column});
 }
 
-void Unroller::add_joint(Joint joint, ControlState target, int line, int column) {
-  std::sort(joint.uses.begin(), joint.uses.end(),
+void Unroller::add_combined(CombinedStep combined, ControlState target, int line, int column) {
+  std::sort(combined.uses.begin(), combined.uses.end(),
             [](const ModelUse& a, const ModelUse& b) { return a.model < b.model; });
-  const auto number = static_cast<Symbol>(program_.joints.size());
-  program_.joints.push_back(std::move(joint));
-  add_edge({ModelUse::Kind::joint, 0, number}, target, line, column);
+  const auto number = static_cast<Symbol>(program_.combined.size());
+  program_.combined.push_back(std::move(combined));
+  add_edge({ModelUse::Kind::combined, 0, number}, target, line, column);
 }
 
 std::uint32_t Unroller::fair_group(const Callback* callback, int line, int column, Value outcome,
@@ -81,8 +81,8 @@ void Unroller::add_death(const Place& place) {
   for (FrameId id = place.frame; id != no_frame;) id = leave(id, values);
   const ControlState end = control_state({no_frame, Phase::before, 0, intern_values(values), 0, 0});
   for (const Uses& uses : deaths()) {
-    add_joint({Joint::Role::death, uses, {}, program_.name + " dies", 0}, end,
-              program_.position.line, program_.position.column);
+    add_combined({CombinedStep::Role::death, uses, {}, program_.name + " dies", 0}, end,
+                 program_.position.line, program_.position.column);
   }
 }
 
@@ -120,7 +120,8 @@ void Unroller::expand_choice(const Place& place, const Statement& statement, con
     const std::string text = branch == 0 ? "if fair *" : "if fair *, else";
     const auto fair =
         fair_group(statement.callback, statement.line, statement.column, branch, true, text);
-    add_joint({Joint::Role::choice, {}, {}, text, fair}, target, statement.line, statement.column);
+    add_combined({CombinedStep::Role::choice, {}, {}, text, fair}, target, statement.line,
+                 statement.column);
   }
 }
 
@@ -137,8 +138,8 @@ void Unroller::expand_any(const Place& place, const Statement& statement, const 
     if (statement.is_fair) {
       fair = fair_group(statement.callback, statement.line, statement.column, value, true, text);
     }
-    add_joint({Joint::Role::choice, {}, {}, text, fair},
-              with_value(place, statement, value, values), statement.line, statement.column);
+    add_combined({CombinedStep::Role::choice, {}, {}, text, fair},
+                 with_value(place, statement, value, values), statement.line, statement.column);
   }
 }
 
@@ -158,17 +159,17 @@ ControlState Unroller::with_value(const Place& place, const Statement& statement
 void Unroller::add_write(const Place& place, const Statement& statement, Value value,
                          const Values& values) {
   const std::uint32_t model = element(statement.target, values);
-  Joint joint;
-  joint.text = actions_.model(model).name + " = " + text_of(value, statement.type.kind);
+  CombinedStep combined;
+  combined.text = actions_.model(model).name + " = " + text_of(value, statement.type.kind);
   ControlState target = 0;
   try {
     check_range(statement.target, statement.type, value);
-    joint.uses.push_back(actions_.variable(model, nullptr, value));
+    combined.uses.push_back(actions_.variable(model, nullptr, value));
     target = settle(behind(place.frame), values);
   } catch (const EvaluationError& error) {
     target = error_state(error.text, error.line, error.column);
   }
-  add_joint(std::move(joint), target, statement.line, statement.column);
+  add_combined(std::move(combined), target, statement.line, statement.column);
 }
 
 std::vector<Outcome<Result>> Unroller::outcomes(const Expression& expression, const Values& values,
@@ -185,7 +186,7 @@ std::vector<Outcome<Result>> Unroller::outcomes(const Expression& expression, co
       actions_, where, known);
 }
 
-std::string Unroller::text_of(const std::vector<ModelUse>& uses, const SharedActions& actions) {
+std::string Unroller::text_of(const std::vector<ModelUse>& uses, const ModelActions& actions) {
   std::string text;
   for (const ModelUse& use : uses) {
     text += (text.empty() ? "" : ", ") + actions.model(use.model).actions[use.symbol].name;
@@ -210,10 +211,10 @@ void Unroller::expand_assign(const Place& place, const Statement& statement, con
 
 void Unroller::add_reading(const Statement& statement, const Conditions& conditions,
                            ControlState target) {
-  Joint joint;
-  joint.uses = actions_.variables(conditions, {});
-  joint.text = joint.uses.empty() ? "reads" : text_of(joint.uses, actions_);
-  add_joint(std::move(joint), target, statement.line, statement.column);
+  CombinedStep combined;
+  combined.uses = actions_.variables(conditions, {});
+  combined.text = combined.uses.empty() ? "reads" : text_of(combined.uses, actions_);
+  add_combined(std::move(combined), target, statement.line, statement.column);
 }
 
 void Unroller::expand_condition(const Place& place, const Statement& statement,
@@ -264,17 +265,17 @@ void Unroller::expand_atomic(const Place& place, const Statement& statement, con
   };
   for (auto& [conditions, result] :
        outcomes_of(run, actions_, at(statement.line, statement.column), known)) {
-    Joint joint;
-    joint.uses = actions_.variables(conditions, result.writes);
-    joint.text = joint.uses.empty() ? "atomic" : text_of(joint.uses, actions_);
+    CombinedStep combined;
+    combined.uses = actions_.variables(conditions, result.writes);
+    combined.text = combined.uses.empty() ? "atomic" : text_of(combined.uses, actions_);
     const ControlState target = result.error.empty()
                                     ? settle(behind(place.frame), result.values)
                                     : error_state(result.error, result.line, result.column);
-    add_joint(std::move(joint), target, statement.line, statement.column);
+    add_combined(std::move(combined), target, statement.line, statement.column);
   }
 }
 
-Program unroll(const Tree& tree, const Unrolled& program, SharedActions& actions,
+Program unroll(const Tree& tree, const Unrolled& program, ModelActions& actions,
                const Names& names) {
   return Unroller(tree, program, actions, names).run();
 }

@@ -38,7 +38,7 @@ using Uses = std::vector<ModelUse>;
 class Unroller : public Walker {
  public:
   // Keeps references.
-  Unroller(const Tree& tree, const Unrolled& program, SharedActions& actions, const Names& names)
+  Unroller(const Tree& tree, const Unrolled& program, ModelActions& actions, const Names& names)
       : Walker(tree, program, actions, names), may_die_(program.may_die) {}
 
   Program run();
@@ -47,7 +47,7 @@ class Unroller : public Walker {
   using Evaluator::text_of;
 
   void add_edge(const ModelUse& use, ControlState target, int line, int column);
-  void add_joint(Joint joint, ControlState target, int line, int column);
+  void add_combined(CombinedStep combined, ControlState target, int line, int column);
   // The text of each of a node array's members has groups of its own: they are of a callback.
   std::uint32_t fair_group(const Callback* callback, int line, int column, Value outcome,
                            bool on_weak_runs, const std::string& text);
@@ -65,7 +65,7 @@ class Unroller : public Walker {
   void add_write(const Place& place, const Statement& statement, Value value, const Values& values);
   std::vector<Outcome<Result>> outcomes(const Expression& expression, const Values& values,
                                         const SourcePosition& where);
-  static std::string text_of(const std::vector<ModelUse>& uses, const SharedActions& actions);
+  static std::string text_of(const std::vector<ModelUse>& uses, const ModelActions& actions);
   // One edge for each outcome of what is read.
   void expand_assign(const Place& place, const Statement& statement, const Values& values);
   void add_reading(const Statement& statement, const Conditions& conditions, ControlState target);

@@ -101,8 +101,7 @@ bool is_inert(const Block& block) {
 
 }  // namespace
 
-Walker::Walker(const Tree& tree, const Unrolled& program, SharedActions& actions,
-               const Names& names)
+Walker::Walker(const Tree& tree, const Unrolled& program, ModelActions& actions, const Names& names)
     : Evaluator(program.number, actions, names), tree_(tree) {
   program_.name = program.name;
   program_.position = program.position;

@@ -58,7 +58,7 @@ struct ValuesHash {
 class Walker : public Evaluator {
  public:
   // Keeps references.
-  Walker(const Tree& tree, const Unrolled& program, SharedActions& actions, const Names& names);
+  Walker(const Tree& tree, const Unrolled& program, ModelActions& actions, const Names& names);
 
  protected:
   enum class Phase : std::uint8_t {

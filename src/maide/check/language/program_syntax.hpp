@@ -17,7 +17,7 @@
 #include "maide/check/system/system.hpp"
 
 namespace maide {
-class SharedActions;
+class ModelActions;
 }
 
 namespace maide::program_syntax {
@@ -221,10 +221,10 @@ struct Unrolled {
   SourcePosition position;
   bool may_die = false;
 };
-Program unroll(const Tree& tree, const Unrolled& program, SharedActions& actions,
+Program unroll(const Tree& tree, const Unrolled& program, ModelActions& actions,
                const Names& names);
 // The same, with what is known from its text.
 Program make_program(const Tree& tree, Unrolled program, const ScalarText& text,
-                     SharedActions& actions, const Names& names);
+                     ModelActions& actions, const Names& names);
 
 }  // namespace maide::program_syntax

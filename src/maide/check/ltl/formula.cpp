@@ -183,7 +183,6 @@ bool contains(const Formula& formula, Operator op) {
 }
 
 double expanded_size(const Formula& formula) {
-  using Operator = FormulaNode::Operator;
   if (!formula) return 0;
   const double size = 1 + expanded_size(formula->left) + expanded_size(formula->right);
   const bool doubles = formula->op == Operator::equivalence || formula->op == Operator::weak_until;

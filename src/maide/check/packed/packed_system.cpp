@@ -149,7 +149,7 @@ void PackedSystem::add_action(const ModelUse& use) {
     }
     targets_.push_back(target);
   }
-  MAIDE_CHECK(targets_.size() < first_joint);
+  MAIDE_CHECK(targets_.size() < first_combined);
   std::size_t most = 1;
   for (const auto& sources : table.sources) most = std::max(most, sources.size());
   table.source_bits = bits_for(most);
@@ -244,16 +244,16 @@ void PackedSystem::place_uses(const Program& program, const ProgramEdge& edge,
   if (uses.size() == 1 && table_of(uses.front()).is_deterministic) {
     compiled.model = models_[uses.front().model];
     compiled.table = table_of(uses.front()).first;
-    MAIDE_CHECK(compiled.table < first_joint);
+    MAIDE_CHECK(compiled.table < first_combined);
     return;
   }
-  PackedJoint& joint = joints_.emplace_back();
-  compiled.table = first_joint + static_cast<std::uint32_t>(joints_.size() - 1);
+  PackedCombination& combined = combined_.emplace_back();
+  compiled.table = first_combined + static_cast<std::uint32_t>(combined_.size() - 1);
   unsigned code_shift = 0;
   for (const ModelUse& use : uses) {
     const ActionTable& table = table_of(use);
     MAIDE_CHECK(table.first != no_table);
-    joint.push_back({models_[use.model], table.first, code_shift});
+    combined.push_back({models_[use.model], table.first, code_shift});
     code_shift += table.source_bits;
   }
 }

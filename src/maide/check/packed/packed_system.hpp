@@ -103,7 +103,7 @@ class PackedSystem {
   bool has_deaths() const { return has_deaths_; }
   // No step dies, comes to an error, belongs to a fair group, or uses several models.
   bool has_plain_steps_only() const {
-    return !has_errors() && !has_deaths_ && weak_groups_.empty() && joints_.empty();
+    return !has_errors() && !has_deaths_ && weak_groups_.empty() && combined_.empty();
   }
   bool is_death(std::size_t program, std::uint32_t edge) const {
     return has_deaths_ && programs_[program].is_death[edge];
@@ -171,14 +171,14 @@ class PackedSystem {
       next[compiled.field.word] += edge.control_change;
       std::uint64_t code = edge.code;
       bool is_cut = false;
-      std::uint64_t more = 0;  // outcomes of a joint step
-      const auto take_next_of_joint = [&] {
-        const Taken<words> taken = take_joint(state, compiled, edge, --more);
+      std::uint64_t more = 0;  // outcomes of a combined step
+      const auto take_next_combined = [&] {
+        const Taken<words> taken = take_combined(state, compiled, edge, --more);
         next = taken.next;
         code = taken.code;
         is_cut = taken.is_cut;
       };
-      if (is_plain || edge.table < first_joint) [[likely]] {
+      if (is_plain || edge.table < first_combined) [[likely]] {
         const std::uint32_t from = edge.model.get(state);
         const Target target = targets_[edge.table + from];
         if (target.state == none) continue;
@@ -188,14 +188,14 @@ class PackedSystem {
       } else {
         more = count_outcomes(state, edge);
         if (more == 0) continue;
-        take_next_of_joint();
+        take_next_combined();
       }
       // The only call of `visit`: so it is compiled into the loop.
       while (true) {
         visit(next, i, is_cut, code);
         if (is_plain || more == 0) [[likely]]
           break;
-        take_next_of_joint();
+        take_next_combined();
       }
     }
   }
@@ -223,7 +223,7 @@ class PackedSystem {
   static constexpr std::uint32_t no_group = none;
   // Of a choice, which uses a field of no bits: one target, which changes nothing.
   static constexpr std::uint32_t choice_table = 0;
-  static constexpr std::uint32_t first_joint = std::uint32_t{1} << 31;
+  static constexpr std::uint32_t first_combined = std::uint32_t{1} << 31;
 
   // What an action of a model does in one of its states.
   struct Target {
@@ -234,7 +234,7 @@ class PackedSystem {
   struct PackedEdge {
     PackedField model;
     // Of the model's action: index into targets_. Of a step that uses several models, or that may
-    // lead to several states of one: first_joint and an index into joints_.
+    // lead to several states of one: first_combined and an index into combined_.
     std::uint32_t table = choice_table;
     std::uint32_t code = 0;            // program and place among the edges into the target
     std::uint64_t control_change = 0;  // shifted
@@ -245,7 +245,7 @@ class PackedSystem {
     std::uint32_t table = no_table;
     unsigned code_shift = 0;  // of its part of the step's code, behind that of the first use
   };
-  using PackedJoint = std::vector<PackedUse>;
+  using PackedCombination = std::vector<PackedUse>;
   struct PackedProgram {
     PackedField field;
     std::vector<std::uint32_t> first_edge;               // by control state, one more than states
@@ -282,20 +282,20 @@ class PackedSystem {
     }
     return false;
   }
-  // Ways in which a joint step can be taken: the product of what each use can lead to.
+  // Ways in which a combined step can be taken: the product of what each use can lead to.
   template <std::size_t words>
   [[gnu::noinline]] std::uint64_t count_outcomes(const PackedState<words>& state,
                                                  const PackedEdge& edge) const {
     std::uint64_t count = 1;
-    for (const PackedUse& use : joints_[edge.table - first_joint]) {
+    for (const PackedUse& use : combined_[edge.table - first_combined]) {
       const Target& target = targets_[use.table + use.model.get(state)];
       if (target.state == none) return 0;
       if (target.state == several) count *= several_[target.code].size();
     }
     return count;
   }
-  // The joint step with its outcome number `left`, counted from the last one; the last use varies
-  // fastest.
+  // The combined step with its outcome number `left`, counted from the last one; the last use
+  // varies fastest.
   template <std::size_t words>
   struct Taken {
     PackedState<words> next;
@@ -303,12 +303,12 @@ class PackedSystem {
     bool is_cut = false;
   };
   template <std::size_t words>
-  [[gnu::noinline]] Taken<words> take_joint(const PackedState<words>& state,
-                                            const PackedProgram& program, const PackedEdge& edge,
-                                            std::uint64_t left) const {
+  [[gnu::noinline]] Taken<words> take_combined(const PackedState<words>& state,
+                                               const PackedProgram& program, const PackedEdge& edge,
+                                               std::uint64_t left) const {
     Taken<words> taken{state, edge.code, false};
     taken.next[program.field.word] += edge.control_change;
-    const PackedJoint& uses = joints_[edge.table - first_joint];
+    const PackedCombination& uses = combined_[edge.table - first_combined];
     for (std::size_t at = uses.size(); at > 0; --at) {
       const PackedUse& use = uses[at - 1];
       const std::uint32_t from = use.model.get(state);
@@ -346,7 +346,7 @@ class PackedSystem {
   PackedField monitor_;
   std::vector<Target> targets_{Target{0, 0, 0}};  // the first one is that of all choices
   std::vector<std::vector<Target>> several_;
-  std::vector<PackedJoint> joints_;
+  std::vector<PackedCombination> combined_;
   std::vector<std::vector<ActionTable>> tables_;  // by model, then by action_index()
   std::size_t words_ = 1;
   unsigned address_bits_ = 0, state_bits_ = 0, code_bits_ = 0;

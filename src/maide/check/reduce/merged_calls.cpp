@@ -318,12 +318,12 @@ void MergedCalls::find_uses(std::uint32_t index) {
       }
       edges += program.is_death(program.edges[edge]) ? 0 : 1;
       const std::vector<ModelUse> done = uses_of(index, edge);
-      const bool is_joint = group == none && done.size() > 1;
+      const bool is_combined = group == none && done.size() > 1;
       std::set<std::uint32_t> models;
       for (const ModelUse& one : done) {
         Use& use = uses[one.model];
         add_new(use.actions, one);
-        use.is_alone = use.is_alone && !is_joint;
+        use.is_alone = use.is_alone && !is_combined;
         models.insert(one.model);
       }
       for (const std::uint32_t model : models) ++using_edges[model];
@@ -368,13 +368,13 @@ void MergedCalls::add_merged(std::uint32_t index, std::uint32_t number, Program&
   const ModelInstance& model = merged_.models[edge.model];
   const auto add = [&](std::uint32_t action, std::vector<ModelUse> events, ControlState target,
                        std::uint32_t taken) {
-    Joint joint;
-    joint.uses = {{Kind::act, edge.model, action}};
-    joint.events = std::move(events);
-    joint.text = model.name + "." + model.actions[action].name;
-    merged.joints.push_back(std::move(joint));
-    const auto symbol = static_cast<Symbol>(merged.joints.size() - 1);
-    merged.edges.push_back({{Kind::joint, 0, symbol}, target, edge.line, edge.column});
+    CombinedStep combined;
+    combined.uses = {{Kind::act, edge.model, action}};
+    combined.events = std::move(events);
+    combined.text = model.name + "." + model.actions[action].name;
+    merged.combined.push_back(std::move(combined));
+    const auto symbol = static_cast<Symbol>(merged.combined.size() - 1);
+    merged.edges.push_back({{Kind::combined, 0, symbol}, target, edge.line, edge.column});
     origins_[index].push_back({number, taken});
   };
   const Program::State& awaits = program.states[edge.target];

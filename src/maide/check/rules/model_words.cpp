@@ -118,7 +118,7 @@ std::string describe_use(const System& system, const ModelUse& use) {
 }
 
 std::string describe_edge(const System& system, const Program& program, const ProgramEdge& edge) {
-  if (edge.kind == ProgramEdge::Kind::joint) return program.joints[edge.symbol].text;
+  if (edge.kind == ProgramEdge::Kind::combined) return program.combined[edge.symbol].text;
   if (edge.kind == ProgramEdge::Kind::choice) return edge.symbol == 0 ? "if *" : "if * ... else";
   return describe_use(system, edge);
 }
@@ -136,9 +136,9 @@ std::string describe_error(const System& system, const GlobalState& state) {
 std::string describe_waiting(const System& system, const Program& program,
                              const std::vector<ProgramEdge>& awaited) {
   const bool is_select = std::any_of(awaited.begin(), awaited.end(), [&](const ProgramEdge& edge) {
-    const Joint::Role role = program.role_of(edge);
-    return role == Joint::Role::arm || role == Joint::Role::timer ||
-           role == Joint::Role::otherwise || role == Joint::Role::timeout;
+    const CombinedStep::Role role = program.role_of(edge);
+    return role == CombinedStep::Role::arm || role == CombinedStep::Role::timer ||
+           role == CombinedStep::Role::otherwise || role == CombinedStep::Role::timeout;
   });
   std::vector<std::string> steps;
   for (const ProgramEdge& edge : awaited) {
@@ -165,18 +165,19 @@ std::string describe_taker(const System& system, const GlobalState& state, std::
       const Program& runner = system.programs[index];
       // The edges by which the callback starts that takes the answer, or the request.
       const auto takes_it = [&](const ProgramEdge& edge) {
-        if (edge.kind != ProgramEdge::Kind::joint) return false;
-        const Joint& joint = runner.joints[edge.symbol];
-        if (is_answered) return joint.text == node + "." + model.name + std::string(starts);
-        return joint.text.ends_with(starts) &&
-               std::any_of(joint.events.begin(), joint.events.end(), [&](const ModelUse& event) {
-                 return event.kind == ModelUse::Kind::give && event.model == service &&
-                        event.symbol == serve;
-               });
+        if (edge.kind != ProgramEdge::Kind::combined) return false;
+        const CombinedStep& combined = runner.combined[edge.symbol];
+        if (is_answered) return combined.text == node + "." + model.name + std::string(starts);
+        return combined.text.ends_with(starts) &&
+               std::any_of(combined.events.begin(), combined.events.end(),
+                           [&](const ModelUse& event) {
+                             return event.kind == ModelUse::Kind::give && event.model == service &&
+                                    event.symbol == serve;
+                           });
       };
       const auto taking = std::find_if(runner.edges.begin(), runner.edges.end(), takes_it);
       if (taking == runner.edges.end()) continue;
-      const std::string& text = runner.joints[taking->symbol].text;
+      const std::string& text = runner.combined[taking->symbol].text;
       const auto edges = runner.edges_of(state.programs[index]);
       const bool is_free = std::any_of(edges.begin(), edges.end(), takes_it);
       return fmt::format(". {} {} it, and {}", text.substr(0, text.size() - starts.size()),

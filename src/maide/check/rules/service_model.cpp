@@ -344,11 +344,10 @@ std::string ServiceModel::text_of(const Operation& operation) const {
   return "";
 }
 
-ModelUse ServiceModel::use(SharedActions& actions, std::uint32_t model,
-                           const Operation& operation) {
+ModelUse ServiceModel::use(ModelActions& actions, std::uint32_t model, const Operation& operation) {
   return actions.action(
       model, text_of(operation),
-      SharedActions::StepsOfState([this, &actions, model, operation](StateId at) {
+      ModelActions::StepsOfState([this, &actions, model, operation](StateId at) {
         if (is_elsewhere(at)) return std::vector<ModelStep>{{at, true}};
         const auto next = after(unpack(contents(at)), operation);
         if (!next) return std::vector<ModelStep>{};

@@ -24,7 +24,7 @@
 #include <vector>
 
 #include "maide/check/rules/built_in_models.hpp"
-#include "maide/check/system/shared_steps.hpp"
+#include "maide/check/system/model_actions.hpp"
 
 namespace maide {
 
@@ -78,7 +78,7 @@ class ServiceModel : public GrowingModel {
   static std::string name_at(const std::string& name, std::uint32_t client);
 
   // The use of the model that this is.
-  ModelUse use(SharedActions& actions, std::uint32_t model, const Operation& operation);
+  ModelUse use(ModelActions& actions, std::uint32_t model, const Operation& operation);
 
  private:
   struct State;

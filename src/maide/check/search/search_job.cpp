@@ -162,8 +162,9 @@ void pass(Archive& archive, ProgramEdge& edge) {
   all(archive, static_cast<ModelUse&>(edge), edge.target, edge.line, edge.column);
 }
 template <typename Archive>
-void pass(Archive& archive, Joint& joint) {
-  all(archive, joint.role, joint.uses, joint.events, joint.text, joint.fair, joint.callback);
+void pass(Archive& archive, CombinedStep& combined) {
+  all(archive, combined.role, combined.uses, combined.events, combined.text, combined.fair,
+      combined.callback);
 }
 template <typename Archive>
 void pass(Archive& archive, FairGroup& group) {
@@ -185,7 +186,7 @@ void pass(Archive& archive, Program::State& state) {
 template <typename Archive>
 void pass(Archive& archive, Program& program) {
   all(archive, program.name, program.states, program.edges, program.labels, program.label_sets,
-      program.joints, program.fair_groups, program.variables, program.valuations, program.errors,
+      program.combined, program.fair_groups, program.variables, program.valuations, program.errors,
       program.names);
 }
 

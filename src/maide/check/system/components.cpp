@@ -190,15 +190,15 @@ void Part::add_programs() {
     Program& program = own_->programs.emplace_back(whole_->programs[number]);
     for (std::uint32_t& model : program.names) model = model_numbers_[model];
     for (ProgramEdge& edge : program.edges) static_cast<ModelUse&>(edge) = renumbered(edge);
-    for (Joint& joint : program.joints) {
-      for (ModelUse& use : joint.uses) use = renumbered(use);
-      for (ModelUse& event : joint.events) event = renumbered(event);
+    for (CombinedStep& combined : program.combined) {
+      for (ModelUse& use : combined.uses) use = renumbered(use);
+      for (ModelUse& event : combined.events) event = renumbered(event);
     }
   }
 }
 
 ModelUse Part::renumbered(ModelUse use) const {
-  const bool has_model = use.kind != ModelUse::Kind::choice && use.kind != ModelUse::Kind::joint;
+  const bool has_model = use.kind != ModelUse::Kind::choice && use.kind != ModelUse::Kind::combined;
   if (has_model) use.model = model_numbers_[use.model];
   return use;
 }

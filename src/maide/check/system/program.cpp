@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "maide/check/language/program_syntax.hpp"
-#include "maide/check/system/shared_steps.hpp"
+#include "maide/check/system/model_actions.hpp"
 
 namespace maide {
 
@@ -43,14 +43,14 @@ Program parse_program(const std::string& name, const ScalarText& text, System& s
   const auto number = static_cast<std::uint32_t>(system.programs.size());
   const program_syntax::Tree tree = program_syntax::parse(
       text, {system.models, names, system.words, number, {}, {}, nullptr, nullptr, {}});
-  SharedActions actions(system);
+  ModelActions actions(system);
   return program_syntax::make_program(tree, {name, number, {}, false}, text, actions, names);
 }
 
 namespace program_syntax {
 
 Program make_program(const Tree& tree, Unrolled program, const ScalarText& text,
-                     SharedActions& actions, const Names& names) {
+                     ModelActions& actions, const Names& names) {
   program.position = text.position(0);
   Program made = unroll(tree, program, actions, names);
   made.unreachable = find_unreachable(tree, made.position.file);

@@ -1,6 +1,6 @@
 // A control program as an automaton. Each transition is one step: an input given to a model
 // instance, an output taken from one, a `quiet` observed, an internal choice made, or several of
-// these at once (a joint step). `loop`, `repeat`, `skip`, labels and what is done with the
+// these at once (a combined step). `loop`, `repeat`, `skip`, labels and what is done with the
 // program's own variables cost no step: a control state is a place in the text with the values of
 // the variables there. Every transition knows its place in the system file. A plain value type.
 // Transitions lie in one flat table, so that 10^6 control states fit.
@@ -24,12 +24,12 @@ using ControlState = std::uint32_t;
 // What a step does with one model.
 struct ModelUse {
   enum class Kind : std::uint8_t {
-    give,    // gives input `symbol` to instance `model`
-    take,    // takes output `symbol` of instance `model`
-    quiet,   // sees that instance `model` has no output due
-    act,     // does action `symbol` of the instance's `actions`
-    choice,  // of an edge: no model; takes branch number `symbol` of an `if *`
-    joint,   // of an edge: what Program::joints[symbol] says; `model` is not used
+    give,      // gives input `symbol` to instance `model`
+    take,      // takes output `symbol` of instance `model`
+    quiet,     // sees that instance `model` has no output due
+    act,       // does action `symbol` of the instance's `actions`
+    choice,    // of an edge: no model; takes branch number `symbol` of an `if *`
+    combined,  // of an edge: what Program::combined[symbol] says; `model` is not used
   };
   Kind kind = Kind::choice;
   std::uint32_t model = 0;
@@ -51,7 +51,7 @@ struct ProgramEdge : ModelUse {
 
 // A step that is more than one use of one model: with several models at once or with none, with
 // other events than its uses, or with a role of its own.
-struct Joint {
+struct CombinedStep {
   enum class Role : std::uint8_t {
     step,
     choice,     // one of the outcomes of `any` or `if fair *`
@@ -65,7 +65,7 @@ struct Joint {
     death,      // the program ends here: no progress, and no fairness asks for it
   };
   Role role = Role::step;
-  std::vector<ModelUse> uses;    // all at once, each of another model; none is choice or joint
+  std::vector<ModelUse> uses;    // all at once, each of another model; none is choice or combined
   std::vector<ModelUse> events;  // the inputs given and outputs taken, for formulas: give, take
   std::string text;              // in the file's words: "images.read -> message", "n = 3"
   std::uint32_t fair = 0;        // its fair group in the program; 0: none
@@ -127,7 +127,7 @@ struct Program {
   std::vector<std::vector<std::uint32_t>> label_sets;  // [0] is empty; each sorted
   std::vector<Round> rounds;                           // [0] is outside of every loop
   std::vector<SourcePosition> unreachable;  // statements behind one that does not come to its end
-  std::vector<Joint> joints;
+  std::vector<CombinedStep> combined;
   std::vector<FairGroup> fair_groups;  // [0] is not used
   std::vector<ProgramVariable> variables;
   // Values by variable; none where it is out of scope. [0]: no variable is in scope.
@@ -148,24 +148,27 @@ struct Program {
   bool is_error(ControlState state) const { return states[state].error != 0; }
   // The models that the edge uses: none for a choice. Valid as long as the program and the edge.
   std::span<const ModelUse> uses_of(const ProgramEdge& edge) const {
-    if (edge.kind == ModelUse::Kind::joint) return joints[edge.symbol].uses;
+    if (edge.kind == ModelUse::Kind::combined) return combined[edge.symbol].uses;
     if (edge.kind == ModelUse::Kind::choice) return {};
     return {static_cast<const ModelUse*>(&edge), 1};
   }
   // The inputs that it gives and the outputs that it takes.
   std::span<const ModelUse> events_of(const ProgramEdge& edge) const {
-    if (edge.kind == ModelUse::Kind::joint) return joints[edge.symbol].events;
+    if (edge.kind == ModelUse::Kind::combined) return combined[edge.symbol].events;
     if (edge.kind == ModelUse::Kind::give || edge.kind == ModelUse::Kind::take) {
       return {static_cast<const ModelUse*>(&edge), 1};
     }
     return {};
   }
-  Joint::Role role_of(const ProgramEdge& edge) const {
-    return edge.kind == ModelUse::Kind::joint ? joints[edge.symbol].role : Joint::Role::step;
+  CombinedStep::Role role_of(const ProgramEdge& edge) const {
+    return edge.kind == ModelUse::Kind::combined ? combined[edge.symbol].role
+                                                 : CombinedStep::Role::step;
   }
-  bool is_death(const ProgramEdge& edge) const { return role_of(edge) == Joint::Role::death; }
+  bool is_death(const ProgramEdge& edge) const {
+    return role_of(edge) == CombinedStep::Role::death;
+  }
   std::uint32_t fair_group_of(const ProgramEdge& edge) const {
-    return edge.kind == ModelUse::Kind::joint ? joints[edge.symbol].fair : 0;
+    return edge.kind == ModelUse::Kind::combined ? combined[edge.symbol].fair : 0;
   }
   // The value of the variable there; none where it is out of scope.
   std::optional<Value> value_of(ControlState state, std::uint32_t variable) const {

@@ -3,9 +3,9 @@
 // refer to it.
 //
 // Programs run asynchronously and meet on a model's inputs and outputs. One step is one rendezvous,
-// one `quiet`, one internal choice, or a joint step: of one program with several models at once. A
-// model with an output due takes no input. If several programs wait for an output, any one of them
-// gets it. An input that was never tried where the model stands (unexplored, or an absorbed
+// one `quiet`, one internal choice, or a combined step: of one program with several models at once.
+// A model with an output due takes no input. If several programs wait for an output, any one of
+// them gets it. An input that was never tried where the model stands (unexplored, or an absorbed
 // self-loop) does what the instance's `when_unexplored` says. A program that comes to an error
 // stops the system: nothing follows.
 //
@@ -84,7 +84,8 @@ struct ModelInstance {
   }
 };
 
-// A topic of the file, for who plays runs on a real one: its steps are joint steps of these models.
+// A topic of the file, for who plays runs on a real one: its steps are combined steps of these
+// models.
 struct TopicInstance {
   struct Reader {
     std::uint32_t program = 0, model = 0;
@@ -107,7 +108,7 @@ struct ServiceInstance {
 };
 
 // What runs callbacks, and the callbacks of the nodes, in the order of the file. A step that starts
-// one names it (Joint::starts).
+// one names it (CombinedStep::starts).
 struct ExecutorInstance {
   std::string name;
   std::uint32_t threads = 1;
@@ -170,7 +171,7 @@ struct Step {
 };
 
 // Every way in which `model`, in state `at`, can be used so; in the order of its transitions.
-// `use` is neither a choice nor joint. O(transitions of the state).
+// `use` is neither a choice nor combined. O(transitions of the state).
 std::vector<ModelStep> model_steps(const ModelInstance& model, StateId at, const ModelUse& use);
 
 GlobalState initial_state(const System& system);

@@ -165,13 +165,13 @@ StepText describe_step(const System& system, const Step& step) {
   const Program& program = system.programs[step.program];
   const ProgramEdge& edge = program.edges[step.edge];
   StepText text{program.name, edge.line, "", ""};
-  if (edge.kind == Kind::joint) {
-    const auto& events = program.joints[edge.symbol].events;
+  if (edge.kind == Kind::combined) {
+    const auto& events = program.combined[edge.symbol].events;
     const bool is_of_one = std::all_of(events.begin(), events.end(), [&](const ModelUse& event) {
       return event.model == events.front().model;
     });
     if (events.empty() || !is_of_one) {
-      text.event = program.joints[edge.symbol].text;
+      text.event = program.combined[edge.symbol].text;
       return text;
     }
     const InterfaceAutomaton& automaton = system.models[events.front().model].automaton;

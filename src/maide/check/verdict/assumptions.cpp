@@ -115,8 +115,9 @@ std::set<int> find_endless_lines(const System& system, const Program& program) {
         continue;
       }
       const ProgramEdge& edge = edges[next++];
-      const Joint::Role role = program.role_of(edge);
-      if (role == Joint::Role::end || role == Joint::Role::look || cuts_run(edge)) continue;
+      const CombinedStep::Role role = program.role_of(edge);
+      if (role == CombinedStep::Role::end || role == CombinedStep::Role::look || cuts_run(edge))
+        continue;
       if (seen[edge.target] == 1) lines.insert(edge.line);
       if (seen[edge.target] != 0) continue;
       seen[edge.target] = 1;
@@ -281,7 +282,7 @@ class AssumptionList {
     for (const Program& program : system_.programs) {
       nodes[program.execution].insert(program.nodes.begin(), program.nodes.end());
       for (const ProgramEdge& edge : program.edges) {
-        has_timer = has_timer || program.role_of(edge) == Joint::Role::timer;
+        has_timer = has_timer || program.role_of(edge) == CombinedStep::Role::timer;
         for (const ModelUse& use : program.uses_of(edge)) {
           const ModelInstance& model = system_.models[use.model];
           if (!program.nodes.empty() || !is_of_nodes(model)) continue;
@@ -312,8 +313,8 @@ class AssumptionList {
     std::set<std::string> names;
     for (const Program& program : system_.programs) {
       std::set<std::uint32_t> callbacks;
-      for (const Joint& joint : program.joints) {
-        if (joint.callback) callbacks.insert(*joint.callback);
+      for (const CombinedStep& combined : program.combined) {
+        if (combined.callback) callbacks.insert(*combined.callback);
       }
       if (callbacks.size() > 1) names.insert(program.nodes.begin(), program.nodes.end());
     }
@@ -405,7 +406,7 @@ class AssumptionList {
     std::set<int> lines;
     for (const Program& program : system_.programs) {
       for (const ProgramEdge& edge : program.edges) {
-        if (program.role_of(edge) == Joint::Role::timeout) lines.insert(edge.line);
+        if (program.role_of(edge) == CombinedStep::Role::timeout) lines.insert(edge.line);
       }
     }
     if (!holds || lines.empty()) return;

@@ -19,7 +19,7 @@
 namespace maide {
 namespace {
 
-using Role = Joint::Role;
+using Role = CombinedStep::Role;
 
 constexpr std::size_t most_selects = 64;  // of one search: bits of a word
 constexpr unsigned number_bits = 32;      // of a state, in the table
@@ -196,8 +196,8 @@ class LoneSearch {
 
 bool has_time_outs(const System& system) {
   return std::any_of(system.programs.begin(), system.programs.end(), [](const Program& program) {
-    return std::any_of(program.joints.begin(), program.joints.end(),
-                       [](const Joint& joint) { return joint.role == Role::timeout; });
+    return std::any_of(program.combined.begin(), program.combined.end(),
+                       [](const CombinedStep& combined) { return combined.role == Role::timeout; });
   });
 }
 

@@ -242,8 +242,8 @@ StateId RandomIdentifierSuite::draw_prefix(Word& word) {
 void RandomIdentifierSuite::append_suffix(StateId state, Word& word) {
   if (ends_.suffix == SuffixWords::none) return;
   if (ends_.suffix == SuffixWords::any) state = reached_[random_.below(reached_.size())];
-  const auto suffixes = identifiers_.of(state);
-  const Word& suffix = suffixes[suffixes.size() == 1 ? 0 : random_.below(suffixes.size())];
+  const auto known = identifiers_.of(state);
+  const Word& suffix = known[known.size() == 1 ? 0 : random_.below(known.size())];
   word.insert(word.end(), suffix.begin(), suffix.end());
 }
 

@@ -43,8 +43,8 @@ class Writer {
   }
 
  private:
-  // What programs may do alike: the same action, whatever the program, which is its argument. Joint
-  // steps are the program's own.
+  // What programs may do alike: the same action, whatever the program, which is its argument.
+  // CombinedStep steps are the program's own.
   struct Key {
     RuleAction action;
     bool is_error = false;  // the program comes to an error
@@ -61,13 +61,13 @@ class Writer {
   Key key_of(const StepRule& rule) const {
     const Program& program = system_.programs[rule.program];
     RuleAction action = rules_.action_of(rule);
-    if (action.action.kind != ProgramEdge::Kind::joint) action.action.program = 0;
+    if (action.action.kind != ProgramEdge::Kind::combined) action.action.program = 0;
     return {std::move(action), program.is_error(program.edges[rule.edge].target)};
   }
 
   void name(const Key& key, Letter& letter) {
-    const bool is_joint = key.action.action.kind == ProgramEdge::Kind::joint;
-    letter.name = rules_.name_of(key.action, names_, is_joint);
+    const bool is_combined = key.action.action.kind == ProgramEdge::Kind::combined;
+    letter.name = rules_.name_of(key.action, names_, is_combined);
     if (key.is_error) letter.name = names_.of({letter.name, "error"});
     const bool is_alone = key.action.relations.empty() && !has_errors_;
     letter.of_program = is_alone ? letter.name : names_.of({"p", letter.name});

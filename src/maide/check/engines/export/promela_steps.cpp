@@ -93,7 +93,8 @@ class StepWriter {
         views_(system.programs.size()) {
     for (const Program& program : system.programs) {
       for (const Program::State& state : program.states) has_errors_ |= state.error != 0;
-      for (const Joint& joint : program.joints) has_deaths_ |= joint.role == Joint::Role::death;
+      for (const CombinedStep& combined : program.combined)
+        has_deaths_ |= combined.role == CombinedStep::Role::death;
     }
     knows_deaths_ = has_deaths_ && (is_ltl() || options.purpose == Purpose::deadlock);
     has_cuts_ = rules_->may_cut() || has_errors_;

@@ -457,7 +457,7 @@ class Writer {
         break;
       }
       case ProgramEdge::Kind::act:
-      case ProgramEdge::Kind::joint: break;  // not in this form
+      case ProgramEdge::Kind::combined: break;  // not in this form
     }
   }
 

@@ -28,14 +28,14 @@ const std::string& symbol_name(const StepAction& action, const System& system) {
     case Kind::take: return system.models[action.model].automaton.outputs().name(action.symbol);
     case Kind::quiet: return quiet;
     case Kind::act: return system.models[action.model].actions[action.symbol].name;
-    case Kind::joint: return system.programs[action.program].joints[action.symbol].text;
+    case Kind::combined: return system.programs[action.program].combined[action.symbol].text;
     case Kind::choice: break;
   }
   return branches[action.symbol];
 }
 
 StepAction action_of_edge(std::uint32_t program, const ProgramEdge& edge) {
-  const bool has_model = edge.kind != Kind::choice && edge.kind != Kind::joint;
+  const bool has_model = edge.kind != Kind::choice && edge.kind != Kind::combined;
   const bool has_symbol = edge.kind != Kind::quiet;
   return {program, edge.kind, has_model ? edge.model : 0, has_symbol ? edge.symbol : 0, false};
 }
@@ -49,7 +49,7 @@ std::string text_of(const StepAction& action, const System& system) {
     case Kind::take: return model() + "!" + shown_name(symbol);
     case Kind::quiet: return model() + " " + symbol;
     case Kind::act:
-    case Kind::joint:
+    case Kind::combined:
     case Kind::choice: break;
   }
   return symbol;
@@ -67,10 +67,10 @@ bool is_cut(const System& system, const StepAction& action) {
   const auto stops = [&](std::uint32_t model) {
     return system.models[model].when_unexplored == WhenUnexplored::stop;
   };
-  if (!action.is_beyond || action.kind != Kind::joint) {
+  if (!action.is_beyond || action.kind != Kind::combined) {
     return action.is_beyond && stops(action.model);
   }
-  const auto& uses = system.programs[action.program].joints[action.symbol].uses;
+  const auto& uses = system.programs[action.program].combined[action.symbol].uses;
   return std::any_of(uses.begin(), uses.end(),
                      [&](const ModelUse& use) { return stops(use.model); });
 }
@@ -86,8 +86,8 @@ ActionNames::ActionNames(const System& system) : system_(system) {
   }
 }
 
-std::string ActionNames::number_of_joint(const StepAction& action) const {
-  MAIDE_CHECK(action.kind == Kind::joint);
+std::string ActionNames::number_of_combined(const StepAction& action) const {
+  MAIDE_CHECK(action.kind == Kind::combined);
   const std::string& text = symbol_name(action, system_);
   return texts_[action.program].find(text)->second == 1 ? "" : fmt::format(" #{}", action.symbol);
 }
@@ -95,7 +95,7 @@ std::string ActionNames::number_of_joint(const StepAction& action) const {
 std::string ActionNames::of(const StepAction& action) const {
   std::string text =
       shown_name(system_.programs[action.program].name) + " " + text_of(action, system_);
-  if (action.kind == Kind::joint) text += number_of_joint(action);
+  if (action.kind == Kind::combined) text += number_of_combined(action);
   if (action.is_beyond) text += is_cut(system_, action) ? " beyond" : " dropped";
   return text;
 }
@@ -124,8 +124,8 @@ const std::string& ExportNames::of(const StepAction& action, const System& syste
                                  : is_cut(system, action) ? "beyond"
                                                           : "dropped";
   if (action.kind == Kind::choice) return of({program, "choose", symbol});
-  if (action.kind == Kind::joint) {
-    return of({program, "do", symbol, actions_.number_of_joint(action), bound});
+  if (action.kind == Kind::combined) {
+    return of({program, "do", symbol, actions_.number_of_combined(action), bound});
   }
   const std::string& model = system.models[action.model].name;
   switch (action.kind) {

@@ -22,8 +22,8 @@ struct StepAction {
   std::uint32_t program = 0;
   ProgramEdge::Kind kind = ProgramEdge::Kind::choice;
   std::uint32_t model = 0;  // of a step that uses one model alone
-  // The input, the output, the model's own action, the program's joint; of a choice: 0 for `if *`,
-  // 1 for `else`.
+  // The input, the output, the model's own action, the program's combined; of a choice: 0 for `if
+  // *`, 1 for `else`.
   Symbol symbol = 0;
   bool is_beyond = false;  // an input where it was never tried
   auto operator<=>(const StepAction&) const = default;
@@ -43,8 +43,8 @@ class ActionNames {
   // Keeps a reference. O(edges x log edges).
   explicit ActionNames(const System& system);
   std::string of(const StepAction& action) const;
-  // " #4" of a joint step whose text another action of the program has, too.
-  std::string number_of_joint(const StepAction& action) const;
+  // " #4" of a combined step whose text another action of the program has, too.
+  std::string number_of_combined(const StepAction& action) const;
 
  private:
   const System& system_;

@@ -23,7 +23,7 @@ bool uses_second_edition(const System& system) {
   return std::any_of(system.programs.begin(), system.programs.end(), [](const Program& program) {
     return std::any_of(program.edges.begin(), program.edges.end(),
                        [](const ProgramEdge& edge) {
-                         return edge.kind == Kind::joint || edge.kind == Kind::act;
+                         return edge.kind == Kind::combined || edge.kind == Kind::act;
                        }) ||
            std::any_of(program.states.begin(), program.states.end(),
                        [](const Program::State& state) {
@@ -108,7 +108,7 @@ RuleAction StepRules::action_of(const StepRule& rule) const {
 const std::string& StepRules::name_of(const RuleAction& action, ExportNames& names,
                                       bool of_program) const {
   const std::string& name = names.of(action.action, system_, of_program);
-  if (!action.action.is_beyond || action.action.kind != Kind::joint) return name;
+  if (!action.action.is_beyond || action.action.kind != Kind::combined) return name;
   std::string models;  // of which an input is beyond
   for (const std::uint32_t number : action.relations) {
     const ModelRelation& relation = relations_[number];

@@ -1,4 +1,4 @@
-#include "maide/check/system/shared_steps.hpp"
+#include "maide/check/system/model_actions.hpp"
 
 #include <algorithm>
 #include <utility>
@@ -7,8 +7,8 @@
 
 namespace maide {
 
-ModelUse SharedActions::action(std::uint32_t model, const std::string& name,
-                               const std::function<Steps()>& steps) {
+ModelUse ModelActions::action(std::uint32_t model, const std::string& name,
+                              const std::function<Steps()>& steps) {
   auto& actions = system_.models[model].actions;
   const auto [place, is_new] = known_[model].try_emplace(name, static_cast<Symbol>(actions.size()));
   if (is_new) {
@@ -18,7 +18,7 @@ ModelUse SharedActions::action(std::uint32_t model, const std::string& name,
   return {ModelUse::Kind::act, model, place->second};
 }
 
-ModelUse SharedActions::action(std::uint32_t model, const std::string& name, StepsOfState steps) {
+ModelUse ModelActions::action(std::uint32_t model, const std::string& name, StepsOfState steps) {
   ModelInstance& instance = system_.models[model];
   const bool grows = instance.is_grown && may_grow_;
   const std::size_t known = instance.actions.size();
@@ -37,7 +37,7 @@ ModelUse SharedActions::action(std::uint32_t model, const std::string& name, Ste
   return use;
 }
 
-void SharedActions::make_steps(std::uint32_t model, StateId state) {
+void ModelActions::make_steps(std::uint32_t model, StateId state) {
   ModelInstance& instance = system_.models[model];
   for (std::size_t action = 0; action < instance.actions.size(); ++action) {
     auto& steps = instance.actions[action].steps;
@@ -46,8 +46,8 @@ void SharedActions::make_steps(std::uint32_t model, StateId state) {
   }
 }
 
-void SharedActions::renumber(std::uint32_t model, const std::vector<StateId>& numbers,
-                             const std::vector<bool>& reached) {
+void ModelActions::renumber(std::uint32_t model, const std::vector<StateId>& numbers,
+                            const std::vector<bool>& reached) {
   ModelInstance& instance = system_.models[model];
   const std::size_t states = instance.automaton.size();
   std::vector<bool> is_made(states);
@@ -71,7 +71,7 @@ void SharedActions::renumber(std::uint32_t model, const std::vector<StateId>& nu
   }
 }
 
-SharedActions::Made SharedActions::take_all() {
+ModelActions::Made ModelActions::take_all() {
   Made all(system_.models.size());
   for (std::size_t model = 0; model < all.size(); ++model) {
     for (ModelAction& action : system_.models[model].actions) {
@@ -82,8 +82,8 @@ SharedActions::Made SharedActions::take_all() {
   return all;
 }
 
-ModelUse SharedActions::variable(std::uint32_t model, const std::vector<bool>* values,
-                                 std::optional<Value> value) {
+ModelUse ModelActions::variable(std::uint32_t model, const std::vector<bool>* values,
+                                std::optional<Value> value) {
   const ModelInstance& variable = this->model(model);
   const ValueType& type = variable.type;
   std::string name;
@@ -110,8 +110,8 @@ ModelUse SharedActions::variable(std::uint32_t model, const std::vector<bool>* v
   });
 }
 
-std::vector<ModelUse> SharedActions::variables(const Conditions& conditions,
-                                               const SharedValues& writes) {
+std::vector<ModelUse> ModelActions::variables(const Conditions& conditions,
+                                              const SharedValues& writes) {
   std::vector<ModelUse> uses;
   for (const auto& [model, values] : conditions) {
     const auto write = writes.find(model);
@@ -156,8 +156,8 @@ std::vector<InterfaceAutomaton::Transition> due(const InterfaceAutomaton& automa
 
 }  // namespace
 
-std::optional<ModelUse> SharedActions::input_and_output(std::uint32_t model, Symbol input,
-                                                        std::optional<Symbol> output) {
+std::optional<ModelUse> ModelActions::input_and_output(std::uint32_t model, Symbol input,
+                                                       std::optional<Symbol> output) {
   const InterfaceAutomaton& automaton = this->model(model).automaton;
   const std::string name =
       automaton.inputs().name(input) +
@@ -186,7 +186,7 @@ std::optional<ModelUse> SharedActions::input_and_output(std::uint32_t model, Sym
   return use;
 }
 
-std::optional<ModelUse> SharedActions::beyond(std::uint32_t model, Symbol input) {
+std::optional<ModelUse> ModelActions::beyond(std::uint32_t model, Symbol input) {
   const InterfaceAutomaton& automaton = this->model(model).automaton;
   const auto is_beyond = [&automaton, input](StateId state) {
     return automaton.is_quiescent(state) && is_beyond_learned(automaton, state, input);
@@ -228,8 +228,7 @@ std::vector<ModelStep> stays_if(bool holds, StateId state) {
 
 }  // namespace
 
-std::optional<ModelUse> SharedActions::idle(std::uint32_t model,
-                                            const std::vector<ModelUse>& uses) {
+std::optional<ModelUse> ModelActions::idle(std::uint32_t model, const std::vector<ModelUse>& uses) {
   const ModelInstance& instance = this->model(model);
   const ModelUse idle =
       action(model, "none of: " + names_of(instance, uses), [&instance, uses](StateId state) {
@@ -241,14 +240,14 @@ std::optional<ModelUse> SharedActions::idle(std::uint32_t model,
   return idle;
 }
 
-ModelUse SharedActions::impossible(std::uint32_t model, const std::vector<ModelUse>& uses) {
+ModelUse ModelActions::impossible(std::uint32_t model, const std::vector<ModelUse>& uses) {
   const ModelInstance& instance = this->model(model);
   return action(model, "cannot: " + names_of(instance, uses), [&instance, uses](StateId state) {
     return stays_if(!takes_any(instance, state, uses), state);
   });
 }
 
-std::optional<ModelUse> SharedActions::both(const ModelUse& use, const ModelUse& condition) {
+std::optional<ModelUse> ModelActions::both(const ModelUse& use, const ModelUse& condition) {
   const ModelInstance& instance = model(use.model);
   const ModelUse both =
       action(use.model, name_of(instance, use) + ", and " + name_of(instance, condition),
@@ -260,11 +259,11 @@ std::optional<ModelUse> SharedActions::both(const ModelUse& use, const ModelUse&
   return both;
 }
 
-bool SharedActions::is_possible(const ModelUse& action) {
+bool ModelActions::is_possible(const ModelUse& action) {
   return model(action.model).is_grown || is_possible_now(action);
 }
 
-bool SharedActions::is_possible_now(const ModelUse& action) {
+bool ModelActions::is_possible_now(const ModelUse& action) {
   const auto [place, is_new] = possible_.try_emplace(action);
   if (is_new) {
     const auto& steps = model(action.model).actions[action.symbol].steps;
@@ -274,7 +273,7 @@ bool SharedActions::is_possible_now(const ModelUse& action) {
   return place->second;
 }
 
-bool SharedActions::are_possible(const std::vector<ModelUse>& uses) {
+bool ModelActions::are_possible(const std::vector<ModelUse>& uses) {
   return std::all_of(uses.begin(), uses.end(), [&](const ModelUse& use) {
     return use.kind != ModelUse::Kind::act || is_possible(use);
   });

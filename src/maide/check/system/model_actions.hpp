@@ -37,17 +37,17 @@ struct SharedDemand {
 // At most this many outcomes of one expression, `atomic` or row of guards.
 inline constexpr std::size_t max_outcomes = 10'000;
 
-class SharedActions {
+class ModelActions {
  public:
   using Steps = std::vector<std::vector<ModelStep>>;  // of an action, by state
   // Of each model the actions that are known already, by their names.
   using Made = std::vector<std::map<std::string, Steps>>;
 
   // Keeps a reference: its models' actions grow. Models that grow may do so.
-  explicit SharedActions(System& system)
+  explicit ModelActions(System& system)
       : system_(system), known_(system.models.size()), made_(known_.size()) {}
   // No model grows any more.
-  SharedActions(System& system, Made made)
+  ModelActions(System& system, Made made)
       : system_(system), known_(made.size()), made_(std::move(made)), may_grow_(false) {}
 
   const ModelInstance& model(std::uint32_t index) const { return system_.models[index]; }
@@ -110,7 +110,7 @@ bool is_of_same_actor(const InterfaceAutomaton& automaton, Symbol input, Symbol 
 // `where`) beyond max_outcomes.
 template <typename Result>
 std::vector<Outcome<Result>> outcomes_of(const std::function<Result(const SharedValues&)>& evaluate,
-                                         const SharedActions& actions, const SourcePosition& where,
+                                         const ModelActions& actions, const SourcePosition& where,
                                          SharedValues& known) {
   std::uint32_t asked = 0;
   try {
