@@ -11,6 +11,7 @@
 #include "maide/base/text.hpp"
 #include "maide/cli/command.hpp"
 #include "maide/cli/command_line.hpp"
+#include "maide/join/learned_models.hpp"
 #include "maide/report/sequence_chart.hpp"
 #include "maide/ros2/ros2_graph.hpp"
 
@@ -29,7 +30,7 @@ struct Ros2Arguments {
 
 Ros2Graph graph_of(const std::string& file, double settle, Context& context) {
   Ros2Graph graph = file.empty() ? observe_ros2_graph(settle, context.control())
-                                 : read_ros2_file(file, context.control());
+                                 : read_ros2_file(file, kept_model_path, context.control());
   if (!graph.is_settled) {
     log_note("the graph still changed, or a node had not told its name: it is as it was then");
   }

@@ -207,8 +207,8 @@ class ReplayedNodes::Describer {
     for (std::uint32_t client = 0; client < service.clients.size(); ++client) {
       const std::size_t node = node_named(service.clients[client]);
       json["clients"].push_back(node);
-      nodes_.outputs_[fmt::format("n{}.{}.answer", node, end)] = {
-          service.model, client + 1, ServiceModel::name_at("answer", client)};
+      nodes_.outputs_[fmt::format("n{}.{}.answer", node, end)] = {service.model, client + 1,
+                                                                  name_at_client("answer", client)};
     }
     graph_["services"].push_back(std::move(json));
   }

@@ -16,7 +16,6 @@
 #include "maide/base/text.hpp"
 #include "maide/check/rules/built_in_models.hpp"
 #include "maide/experiment/open_system.hpp"
-#include "maide/join/learned_models.hpp"
 
 namespace maide {
 namespace {
@@ -268,7 +267,7 @@ Ros2Qos ros2_qos_of(const Ros2Options& options, const std::string& end) {
 namespace {
 
 Ros2Graph graph_of_system(const std::string& text, const std::string& file,
-                          const RunControl& control) {
+                          KeptModelPath kept_model_path, const RunControl& control) {
   std::map<std::string, Ros2Options> options;  // by model
   const ModelSource source = [&](const ModelRequest& request) {
     if (request.learn.empty()) {
@@ -328,14 +327,15 @@ Ros2Graph graph_of_system(const std::string& text, const std::string& file,
 
 }  // namespace
 
-Ros2Graph read_ros2_file(const std::filesystem::path& file, const RunControl& control) {
+Ros2Graph read_ros2_file(const std::filesystem::path& file, KeptModelPath kept_model_path,
+                         const RunControl& control) {
   const std::string text = read_file(file, control);
   if (file.extension() == ".json") {
     const Json json = parse_json(text, file.string());
     const bool is_result = json.is_object() && json.contains("graph");
     return read_ros2_graph(is_result ? json.at("graph") : json, file.string());
   }
-  return graph_of_system(text, file.string(), control);
+  return graph_of_system(text, file.string(), kept_model_path, control);
 }
 
 // ---- findings -----------------------------------------------------------------------------------

@@ -78,8 +78,14 @@ Ros2Graph observe_ros2_graph(double quiet, const RunControl& control);
 using Ros2Options = std::map<std::string, std::string>;
 Ros2Qos ros2_qos_of(const Ros2Options& options, const std::string& end);
 
+// Where the model of a request is kept, for a system file of that folder (kept_model_path()).
+using KeptModelPath = std::filesystem::path (*)(const std::filesystem::path& folder,
+                                                const ModelRequest& request);
+
 // Of a JSON file, or of a system file: its topics that are learned from `ros2`, its services.
-Ros2Graph read_ros2_file(const std::filesystem::path& file, const RunControl& control);
+// Nothing is learned: a model that is not kept counts as one that takes everything.
+Ros2Graph read_ros2_file(const std::filesystem::path& file, KeptModelPath kept_model_path,
+                         const RunControl& control);
 
 // ---- System files ----
 

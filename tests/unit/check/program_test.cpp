@@ -1,9 +1,10 @@
-#include "maide/check/system/program.hpp"
+#include "maide/check/language/program.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
+#include "maide/check/build/make_program.hpp"
 #include "maide/check/system/system.hpp"
 #include "systems.hpp"
 

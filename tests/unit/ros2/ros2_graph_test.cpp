@@ -14,6 +14,7 @@
 #include "maide/check/language/layout.hpp"
 #include "maide/check/rules/built_in_models.hpp"
 #include "maide/check/verdict/check_system.hpp"
+#include "maide/join/learned_models.hpp"
 
 namespace maide {
 namespace {
@@ -25,7 +26,7 @@ using testing::Not;
 
 const std::string graph_file = std::string(MAIDE_SOURCE_DIR) + "/tests/systems/ros2-graph.json";
 
-Ros2Graph graph() { return read_ros2_file(graph_file, {}); }
+Ros2Graph graph() { return read_ros2_file(graph_file, kept_model_path, {}); }
 
 Ros2End end(const std::string& reliability, const std::string& durability) {
   Ros2End result{"a", "T", {}};
@@ -285,7 +286,7 @@ TEST(Ros2System, IsReadBackByTheDoctor) {
   const TempDir folder;
   const std::filesystem::path file = folder.path() / "s.yaml";
   write_file_atomically(file, write_ros2_system(graph()));
-  const Ros2Graph read = read_ros2_file(file, {});
+  const Ros2Graph read = read_ros2_file(file, kept_model_path, {});
   ASSERT_EQ(read.topics.size(), 3U);
   EXPECT_EQ(read.topics[0].name, "image");
   ASSERT_EQ(read.topics[0].subscriptions.size(), 2U);
@@ -308,7 +309,7 @@ programs:
   desk: "loop { order.write(go); order.write(halt); }"
   robot: "loop { order.read -> message(go); }"
 )");
-  EXPECT_THAT(findings_of(read_ros2_file(file, {}), Ros2Finding::Kind::loss),
+  EXPECT_THAT(findings_of(read_ros2_file(file, kept_model_path, {}), Ros2Finding::Kind::loss),
               ElementsAre(HasSubstr("order: robot keeps the newest messages, and nobody knows")));
 }
 
@@ -323,7 +324,7 @@ programs:
   desk: "order.write; map.send; map.receive -> answer;"
   robot: "order.read -> message;"
 )");
-  EXPECT_THAT(findings_of(read_ros2_file(file, {}), Ros2Finding::Kind::loss),
+  EXPECT_THAT(findings_of(read_ros2_file(file, kept_model_path, {}), Ros2Finding::Kind::loss),
               ElementsAre(HasSubstr("order: robot keeps the newest 3")));
 }
 

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "maide/check/build/make_program.hpp"
 #include "maide/check/language/program_syntax.hpp"
 #include "maide/check/system/model_actions.hpp"
 

@@ -24,18 +24,6 @@ std::uint32_t number_of(const Expression& value, std::uint32_t most) {
 
 }  // namespace
 
-std::optional<std::uint32_t> Service::client_of(const std::string& node,
-                                                std::uint32_t program) const {
-  for (std::uint32_t i = 0; i < clients.size(); ++i) {
-    if (clients[i].is_of(node, program)) return i;
-  }
-  return std::nullopt;
-}
-
-bool Service::is_server(const std::string& node, std::uint32_t program) const {
-  return server.is_of(node, program);
-}
-
 // ---- names --------------------------------------------------------------------------------------
 
 void SystemReader::declare_executors(const YAML::Node& section) {

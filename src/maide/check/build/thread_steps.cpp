@@ -37,7 +37,7 @@ Unroller::ServiceUse Unroller::operation_of(const Service& service, const std::s
   const bool may_wait = callback != nullptr && !service.own_code.contains(node);
   const std::uint32_t run = may_wait ? callback->asker : nobody;
   if (!is_input) return {callback != nullptr ? Kind::wait : Kind::take_answer, client, run};
-  const bool sends = name == ServiceModel::name_at("send", client);
+  const bool sends = name == name_at_client("send", client);
   return {sends ? Kind::send : Kind::receive, client, run};
 }
 
@@ -104,7 +104,7 @@ Unroller::ServiceArm Unroller::service_arm(const SelectArm& arm, std::uint32_t m
   const bool follows =
       arm.arms.size() == 1 &&
       ((given.kind == Kind::serve && output == "request") ||
-       (given.kind == Kind::receive && output == ServiceModel::name_at("answer", given.client)));
+       (given.kind == Kind::receive && output == name_at_client("answer", given.client)));
   if (!follows) {
     throw ParseError("this arm's outputs never follow " + service.name + "." + name + " at once",
                      at(arm.line, arm.column));
@@ -127,8 +127,8 @@ std::pair<Uses, Uses> Unroller::start_of(const SelectArm& arm) {
   const std::uint32_t client = service.client_of(callback.node, number_).value_or(0);
   const Kind kind = callback.has_code ? Kind::take_own : Kind::hand_over;
   return {{service.rules->use(actions_, callback.model, {kind, client, nobody})},
-          events_of(callback.model, ServiceModel::name_at("receive", client),
-                    callback.has_code ? ServiceModel::name_at("answer", client) : "")};
+          events_of(callback.model, name_at_client("receive", client),
+                    callback.has_code ? name_at_client("answer", client) : "")};
 }
 
 ModelUse Unroller::discard_of(const SelectArm& arm) {

@@ -275,9 +275,4 @@ void Unroller::expand_atomic(const Place& place, const Statement& statement, con
   }
 }
 
-Program unroll(const Tree& tree, const Unrolled& program, ModelActions& actions,
-               const Names& names) {
-  return Unroller(tree, program, actions, names).run();
-}
-
 }  // namespace maide::program_syntax

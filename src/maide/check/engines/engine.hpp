@@ -67,10 +67,6 @@ struct EngineOptions {
   RunControl control;
 };
 
-// Takes part in the native engine's searches of rank 0, until it calls end_searches().
-void serve_searches(Ranks& ranks);
-void end_searches(Ranks& ranks);
-
 // The limit of a search in MiB: what the options say, or three quarters of the machine's memory, at
 // least 256; a rank's share of it.
 std::uint64_t memory_limit_mib(const EngineOptions& options);

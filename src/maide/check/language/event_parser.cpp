@@ -5,7 +5,7 @@
 #include "maide/base/text.hpp"
 #include "maide/base/text_cursor.hpp"
 #include "maide/check/language/program_parser.hpp"
-#include "maide/check/rules/model_ends.hpp"
+#include "maide/check/system/system.hpp"
 #include "maide/formats/names.hpp"
 
 namespace maide::program_syntax {
@@ -105,7 +105,7 @@ std::string EventParser::name_at_service(const ModelReference& model, const std:
       tokens_.fail("answers of " + service.name + " go to the code of its client in " + node(),
                    token);
     }
-    const std::string numbered = ServiceModel::name_at(name, *client);
+    const std::string numbered = name_at_client(name, *client);
     if (at_end && at_end != numbered) {
       tokens_.fail("at which client of " + services + " this is depends on the index", token);
     }

@@ -8,34 +8,6 @@ namespace maide {
 
 using Operator = Expression::Operator;
 
-std::uint64_t member_count(const Dimensions& dimensions) {
-  std::uint64_t count = 1;
-  for (const auto& [low, high] : dimensions) {
-    count *= static_cast<std::uint64_t>(high) - static_cast<std::uint64_t>(low) + 1;
-    if (count > max_array_members) return count;
-  }
-  return count;
-}
-
-std::vector<Value> member_indices(const Dimensions& dimensions, std::uint64_t member) {
-  std::vector<Value> indices(dimensions.size());
-  for (std::size_t i = dimensions.size(); i-- > 0;) {
-    const auto& [low, high] = dimensions[i];
-    const auto width = static_cast<std::uint64_t>(high - low) + 1;
-    indices[i] = low + static_cast<Value>(member % width);
-    member /= width;
-  }
-  return indices;
-}
-
-std::string member_suffix(const Dimensions& dimensions, std::uint64_t member) {
-  std::string text;
-  for (const Value index : member_indices(dimensions, member)) {
-    text += (text.empty() ? "[" : ",") + std::to_string(index);
-  }
-  return text.empty() ? text : text + "]";
-}
-
 Expression make_constant(Value value, ValueKind kind) {
   Expression constant;
   constant.value = value;

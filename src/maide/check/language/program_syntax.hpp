@@ -9,15 +9,17 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "maide/automata/alphabet.hpp"
 #include "maide/check/language/expression.hpp"
+#include "maide/check/language/program.hpp"
 #include "maide/check/language/system_names.hpp"
-#include "maide/check/rules/service_model.hpp"
-#include "maide/check/system/system.hpp"
+#include "maide/check/text/scalar_text.hpp"
 
 namespace maide {
-class ModelActions;
+struct ModelInstance;
 }
 
 namespace maide::program_syntax {
@@ -63,7 +65,7 @@ struct Arm {
 
 // A callback of a node, as the thread that runs it sees it.
 struct Callback {
-  using Kind = CallbackInstance::Kind;
+  using Kind = CallbackKind;
   Kind kind = Kind::timer;
   std::uint32_t number = 0;  // among all callbacks
   std::string node;          // "detector[0]"
@@ -174,6 +176,25 @@ struct Context {
 };
 
 // Throws ParseError: syntax, unknown names, kinds that do not fit.
+//
+// The language (names that are no identifiers are in double quotes; comments run from `//` or `#`
+// to the end of the line; docs/systems.md says what it means):
+//   statement := label* [idle] ( M.input; | M.input -> output; | switch M.input { arm* }
+//              | wait M -> output; | select { choice* } )
+//              | label* ( if * block [ else block ] | if fair * block [ else block ]
+//              | if (e) block [ else (block | if ...) ] | loop block | repeat e block
+//              | while (e) block | for k in e..e block | break; | continue; | stop; | skip;
+//              | var x: type [= e]; | x = e; | x = any [fair] e..e; | atomic block
+//              | call p(arguments); | return; )
+//   arm := (output | quiet) block      block := { statement* }      label := @name
+//   choice := [when (e)] on M.input { arm* } | [when (e)] on M.input block
+//           | [when (e)] on M.input -> output block | [when (e)] on M!output block
+//           | when (e) block | otherwise block | timeout N block
+//   input := name [(e, ...)]      output := name [(x | var x | value, ...)]
+//   type := e..e | bool | {word, ...}
+// M, x: a name, of an array with its indices, as in grant[r, 0].
+// A label on a statement that takes no step of its own (`skip`, `stop`, an empty `repeat`) marks
+// the point: it holds where control comes to rest.
 Tree parse(const ScalarText& text, const Context& context);
 // The program that runs the callbacks, to which the tree refers.
 Tree parse_thread(const Thread& thread, const ScalarText& text, const Context& context);
@@ -197,9 +218,6 @@ std::vector<Value> parse_member_before(const ScalarText& text, const Context& co
 // "name(a, b)" of a procedure.
 Procedure parse_head(const ScalarText& text, const Context& context, std::string& name);
 
-// The first statement of each block that control never reaches, as far as the text alone tells.
-std::vector<SourcePosition> find_unreachable(const Tree& tree, const std::string& file);
-
 // What the values of an output's or input's argument are in an alphabet: of "message(3)" and
 // "message(5)" the numbers 3 to 5. None: no such name has an argument there.
 std::optional<ValueType> argument_type(const Alphabet& alphabet, const std::string& name,
@@ -212,19 +230,5 @@ struct NameParts {
 NameParts split_name(const std::string& symbol);
 // What such an argument stands for.
 std::pair<ValueKind, Value> read_value(const std::string& text, WordTable& words);
-
-// Unrolls the tree into an automaton. A program that may die has a death in every state. Throws
-// ParseError.
-struct Unrolled {
-  std::string name;
-  std::uint32_t number = 0;  // of the program
-  SourcePosition position;
-  bool may_die = false;
-};
-Program unroll(const Tree& tree, const Unrolled& program, ModelActions& actions,
-               const Names& names);
-// The same, with what is known from its text.
-Program make_program(const Tree& tree, Unrolled program, const ScalarText& text,
-                     ModelActions& actions, const Names& names);
 
 }  // namespace maide::program_syntax

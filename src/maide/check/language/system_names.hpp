@@ -12,7 +12,7 @@
 
 #include "maide/automata/interface_automaton.hpp"
 #include "maide/check/language/expression.hpp"
-#include "maide/check/system/program.hpp"
+#include "maide/check/language/program.hpp"
 #include "maide/check/text/scalar_text.hpp"
 
 namespace maide {
@@ -104,6 +104,16 @@ struct Service {
   std::optional<std::uint32_t> client_of(const std::string& node, std::uint32_t program) const;
   bool is_server(const std::string& node, std::uint32_t program) const;
 };
+
+// What a node's callback is for; in an executor's round they come in this order.
+enum class CallbackKind : std::uint8_t { timer, subscription, service, client };
+
+// The input or output `name` of the client with that number, from 0, of a service: "send" of the
+// first client, "send2" of the second.
+std::string name_at_client(const std::string& name, std::uint32_t client);
+
+// Whether the actor "writer" has that input or output, which stands without values.
+bool is_of_writer(const InterfaceAutomaton& model, const std::string& name);
 
 // "send2" of "send".
 inline bool is_numbered(const std::string& known, const std::string& name) {

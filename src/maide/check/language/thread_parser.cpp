@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "maide/check/language/program_parser.hpp"
-#include "maide/check/rules/model_ends.hpp"
+#include "maide/check/system/system.hpp"
 
 namespace maide::program_syntax {
 namespace {

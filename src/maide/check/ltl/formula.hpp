@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
+#include "maide/check/language/program.hpp"
 #include "maide/check/language/system_names.hpp"
-#include "maide/check/system/program.hpp"
 #include "maide/check/text/scalar_text.hpp"
 
 namespace maide {

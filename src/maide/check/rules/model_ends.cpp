@@ -222,18 +222,6 @@ class EndedModelMaker {
 
 }  // namespace
 
-bool is_of_writer(const InterfaceAutomaton& model, const std::string& name) {
-  // "write(3)" is the writer's if "write" is, and the other way round.
-  const auto names = [&](const std::vector<std::string>& symbols) {
-    return std::any_of(symbols.begin(), symbols.end(), [&](const std::string& symbol) {
-      return base_name(symbol) == base_name(name);
-    });
-  };
-  return std::any_of(model.actors.begin(), model.actors.end(), [&](const Actor& actor) {
-    return actor.name == "writer" && (names(actor.inputs) || names(actor.outputs));
-  });
-}
-
 ModelEnd find_end(const InterfaceAutomaton& model, const std::string& actor, std::size_t place,
                   std::size_t count, const std::set<std::string>& others) {
   ModelEnd end{std::vector<bool>(model.inputs().size()), std::vector<bool>(model.outputs().size()),

@@ -50,7 +50,4 @@ struct EndOptions {
 // Throws UsageError if it is to collect and the model does not name its actors.
 EndedModel with_ends(const InterfaceAutomaton& model, const EndOptions& options);
 
-// Whether the actor "writer" has that input or output, which stands without values.
-bool is_of_writer(const InterfaceAutomaton& model, const std::string& name);
-
 }  // namespace maide

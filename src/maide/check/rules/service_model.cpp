@@ -60,16 +60,12 @@ ServiceModel::ServiceModel(ServiceShape shape)
       }()),
       shape_(std::move(shape)) {}
 
-std::string ServiceModel::name_at(const std::string& name, std::uint32_t client) {
-  return client == 0 ? name : name + std::to_string(client + 1);
-}
-
 InterfaceAutomaton ServiceModel::start() const {
   std::vector<std::string> inputs{"serve", "answer"}, outputs{"request"};
   for (std::uint32_t client = 0; client < shape_.askers.size(); ++client) {
-    inputs.push_back(name_at("send", client));
-    inputs.push_back(name_at("receive", client));
-    outputs.push_back(name_at("answer", client));
+    inputs.push_back(name_at_client("send", client));
+    inputs.push_back(name_at_client("receive", client));
+    outputs.push_back(name_at_client("answer", client));
   }
   InterfaceAutomaton automaton(Alphabet(std::span<const std::string>(inputs)),
                                Alphabet(std::span<const std::string>(outputs)), 1);

@@ -74,8 +74,6 @@ class ServiceModel : public GrowingModel {
   bool is_large() const override { return false; }
   // "a request of detector is not served, 2 answers to detector are not taken".
   std::string describe(StateId state) const override;
-  // "send" of the first client, "send2" of the second.
-  static std::string name_at(const std::string& name, std::uint32_t client);
 
   // The use of the model that this is.
   ModelUse use(ModelActions& actions, std::uint32_t model, const Operation& operation);

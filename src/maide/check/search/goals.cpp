@@ -13,11 +13,11 @@
 #include "maide/base/error.hpp"
 #include "maide/base/invariant.hpp"
 #include "maide/base/log.hpp"
-#include "maide/check/engines/engine.hpp"
 #include "maide/check/search/breadth_first_search.hpp"
 #include "maide/check/search/checkpoint.hpp"
 #include "maide/check/search/fair_hull.hpp"
 #include "maide/check/search/monitors.hpp"
+#include "maide/check/search/ranks.hpp"
 #include "maide/check/search/search_job.hpp"
 
 namespace maide {

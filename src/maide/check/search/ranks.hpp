@@ -161,4 +161,8 @@ RankReport sum_of(const Batches& batches) {
   return sum;
 }
 
+// Takes part in the native engine's searches of rank 0, until it calls end_searches().
+void serve_searches(Ranks& ranks);
+void end_searches(Ranks& ranks);
+
 }  // namespace maide

@@ -22,8 +22,9 @@
 #include <vector>
 
 #include "maide/automata/interface_automaton.hpp"
+#include "maide/check/language/program.hpp"
+#include "maide/check/language/system_names.hpp"
 #include "maide/check/ltl/formula.hpp"
-#include "maide/check/system/program.hpp"
 
 namespace maide {
 
@@ -115,7 +116,7 @@ struct ExecutorInstance {
   bool goes_by_rounds = false;
 };
 struct CallbackInstance {
-  enum class Kind : std::uint8_t { timer, subscription, service, client };  // in a round's order
+  using Kind = CallbackKind;
   Kind kind = Kind::timer;
   std::string node, name;  // "detector", "detector.on_image"
   std::uint32_t executor = 0;

@@ -1,67 +1,11 @@
-#include "maide/check/system/program.hpp"
+#include "maide/check/language/unreachable.hpp"
 
 #include <algorithm>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "maide/check/language/program_syntax.hpp"
-#include "maide/check/system/model_actions.hpp"
-
-namespace maide {
-
-std::string Program::place_of(int line) const {
-  std::string text = "line " + std::to_string(line);
-  const auto is_in = [&](const CallbackLines& of) { return of.first <= line && line <= of.last; };
-  if (std::count_if(callbacks.begin(), callbacks.end(), is_in) != 1) return text;
-  return text + " (" + std::find_if(callbacks.begin(), callbacks.end(), is_in)->name + ")";
-}
-
-bool Program::has_label(ControlState state, std::uint32_t label) const {
-  const auto& set = label_sets[states[state].label_set];
-  return std::binary_search(set.begin(), set.end(), label);
-}
-
-bool Program::may_end() const {
-  for (ControlState state = 0; state < states.size(); ++state) {
-    if (is_end(state)) return true;
-  }
-  return false;
-}
-
-bool Program::may_reach(std::uint32_t label) const {
-  return std::any_of(label_sets.begin(), label_sets.end(), [&](const auto& set) {
-    return std::binary_search(set.begin(), set.end(), label);
-  });
-}
-
-Program parse_program(const std::string& name, const ScalarText& text, System& system) {
-  Names names;
-  for (std::uint32_t index = 0; index < system.models.size(); ++index) {
-    names.models.emplace(system.models[index].name, ModelName{index, {}, false, {}});
-  }
-  const auto number = static_cast<std::uint32_t>(system.programs.size());
-  const program_syntax::Tree tree = program_syntax::parse(
-      text, {system.models, names, system.words, number, {}, {}, nullptr, nullptr, {}});
-  ModelActions actions(system);
-  return program_syntax::make_program(tree, {name, number, {}, false}, text, actions, names);
-}
-
-namespace program_syntax {
-
-Program make_program(const Tree& tree, Unrolled program, const ScalarText& text,
-                     ModelActions& actions, const Names& names) {
-  program.position = text.position(0);
-  Program made = unroll(tree, program, actions, names);
-  made.unreachable = find_unreachable(tree, made.position.file);
-  made.last_line = text.position(text.value().find_last_not_of(" \t\r\n")).line;
-  return made;
-}
-
-// Statements that control never reaches, from the text alone: a walk over the syntax tree finds for
-// each block whether control comes to its end, leaves its loop or returns from its procedure. Both
-// branches of a condition count. A loop ends, unless a constant says that it goes round for ever.
-
+namespace maide::program_syntax {
 namespace {
 
 class Finder {
@@ -186,5 +130,4 @@ std::vector<SourcePosition> find_unreachable(const Tree& tree, const std::string
   return found;
 }
 
-}  // namespace program_syntax
-}  // namespace maide
+}  // namespace maide::program_syntax

@@ -190,33 +190,4 @@ struct ProgramInterface {
   const Alphabet* outputs = nullptr;
 };
 
-// Most control states of one program after unrolling.
-inline constexpr std::size_t max_control_states = 1'000'000;
-
-struct System;
-
-// Parses a program and unrolls it. Its models are those of the system, whose actions grow. Throws
-// ParseError with the place in the file: syntax, unknown names, a loop that never steps, more than
-// max_control_states. O(control states).
-//
-// The language (names that are no identifiers are in double quotes; comments run from `//` or `#`
-// to the end of the line; docs/systems.md says what it means):
-//   statement := label* [idle] ( M.input; | M.input -> output; | switch M.input { arm* }
-//              | wait M -> output; | select { choice* } )
-//              | label* ( if * block [ else block ] | if fair * block [ else block ]
-//              | if (e) block [ else (block | if ...) ] | loop block | repeat e block
-//              | while (e) block | for k in e..e block | break; | continue; | stop; | skip;
-//              | var x: type [= e]; | x = e; | x = any [fair] e..e; | atomic block
-//              | call p(arguments); | return; )
-//   arm := (output | quiet) block      block := { statement* }      label := @name
-//   choice := [when (e)] on M.input { arm* } | [when (e)] on M.input block
-//           | [when (e)] on M.input -> output block | [when (e)] on M!output block
-//           | when (e) block | otherwise block | timeout N block
-//   input := name [(e, ...)]      output := name [(x | var x | value, ...)]
-//   type := e..e | bool | {word, ...}
-// M, x: a name, of an array with its indices, as in grant[r, 0].
-// A label on a statement that takes no step of its own (`skip`, `stop`, an empty `repeat`) marks
-// the point: it holds where control comes to rest.
-Program parse_program(const std::string& name, const ScalarText& text, System& system);
-
 }  // namespace maide

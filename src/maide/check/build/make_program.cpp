@@ -1,0 +1,40 @@
+#include "maide/check/build/make_program.hpp"
+
+#include <cstdint>
+#include <utility>
+
+#include "maide/check/build/unroller.hpp"
+#include "maide/check/language/unreachable.hpp"
+
+namespace maide {
+
+Program parse_program(const std::string& name, const ScalarText& text, System& system) {
+  Names names;
+  for (std::uint32_t index = 0; index < system.models.size(); ++index) {
+    names.models.emplace(system.models[index].name, ModelName{index, {}, false, {}});
+  }
+  const auto number = static_cast<std::uint32_t>(system.programs.size());
+  const program_syntax::Tree tree = program_syntax::parse(
+      text, {system.models, names, system.words, number, {}, {}, nullptr, nullptr, {}});
+  ModelActions actions(system);
+  return program_syntax::make_program(tree, {name, number, {}, false}, text, actions, names);
+}
+
+namespace program_syntax {
+
+Program unroll(const Tree& tree, const Unrolled& program, ModelActions& actions,
+               const Names& names) {
+  return Unroller(tree, program, actions, names).run();
+}
+
+Program make_program(const Tree& tree, Unrolled program, const ScalarText& text,
+                     ModelActions& actions, const Names& names) {
+  program.position = text.position(0);
+  Program made = unroll(tree, program, actions, names);
+  made.unreachable = find_unreachable(tree, made.position.file);
+  made.last_line = text.position(text.value().find_last_not_of(" \t\r\n")).line;
+  return made;
+}
+
+}  // namespace program_syntax
+}  // namespace maide

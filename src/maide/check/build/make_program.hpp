@@ -1,0 +1,44 @@
+// From a program's syntax tree to its automaton (unroller.hpp), with what is known from its text.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+
+#include "maide/check/language/program.hpp"
+#include "maide/check/language/program_syntax.hpp"
+#include "maide/check/language/system_names.hpp"
+#include "maide/check/system/model_actions.hpp"
+#include "maide/check/system/system.hpp"
+#include "maide/check/text/scalar_text.hpp"
+
+namespace maide {
+
+// Most control states of one program after unrolling.
+inline constexpr std::size_t max_control_states = 1'000'000;
+
+// Parses a program and unrolls it. Its models are those of the system, whose actions grow. Throws
+// ParseError with the place in the file: syntax, unknown names, a loop that never steps, more than
+// max_control_states. O(control states).
+Program parse_program(const std::string& name, const ScalarText& text, System& system);
+
+namespace program_syntax {
+
+// What a program's automaton has besides its tree.
+struct Unrolled {
+  std::string name;
+  std::uint32_t number = 0;  // of the program
+  SourcePosition position;
+  bool may_die = false;
+};
+
+// Unrolls the tree into an automaton. A program that may die has a death in every state. Throws
+// ParseError.
+Program unroll(const Tree& tree, const Unrolled& program, ModelActions& actions,
+               const Names& names);
+// As unroll() does, with what is known from the program's text.
+Program make_program(const Tree& tree, Unrolled program, const ScalarText& text,
+                     ModelActions& actions, const Names& names);
+
+}  // namespace program_syntax
+}  // namespace maide

@@ -1,0 +1,34 @@
+#include "maide/check/language/program.hpp"
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+namespace maide {
+
+std::string Program::place_of(int line) const {
+  std::string text = "line " + std::to_string(line);
+  const auto is_in = [&](const CallbackLines& of) { return of.first <= line && line <= of.last; };
+  if (std::count_if(callbacks.begin(), callbacks.end(), is_in) != 1) return text;
+  return text + " (" + std::find_if(callbacks.begin(), callbacks.end(), is_in)->name + ")";
+}
+
+bool Program::has_label(ControlState state, std::uint32_t label) const {
+  const auto& set = label_sets[states[state].label_set];
+  return std::binary_search(set.begin(), set.end(), label);
+}
+
+bool Program::may_end() const {
+  for (ControlState state = 0; state < states.size(); ++state) {
+    if (is_end(state)) return true;
+  }
+  return false;
+}
+
+bool Program::may_reach(std::uint32_t label) const {
+  return std::any_of(label_sets.begin(), label_sets.end(), [&](const auto& set) {
+    return std::binary_search(set.begin(), set.end(), label);
+  });
+}
+
+}  // namespace maide

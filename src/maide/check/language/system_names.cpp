@@ -1,0 +1,68 @@
+#include "maide/check/language/system_names.hpp"
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+namespace maide {
+
+std::uint64_t member_count(const Dimensions& dimensions) {
+  std::uint64_t count = 1;
+  for (const auto& [low, high] : dimensions) {
+    count *= static_cast<std::uint64_t>(high) - static_cast<std::uint64_t>(low) + 1;
+    if (count > max_array_members) return count;
+  }
+  return count;
+}
+
+std::vector<Value> member_indices(const Dimensions& dimensions, std::uint64_t member) {
+  std::vector<Value> indices(dimensions.size());
+  for (std::size_t i = dimensions.size(); i-- > 0;) {
+    const auto& [low, high] = dimensions[i];
+    const auto width = static_cast<std::uint64_t>(high - low) + 1;
+    indices[i] = low + static_cast<Value>(member % width);
+    member /= width;
+  }
+  return indices;
+}
+
+std::string member_suffix(const Dimensions& dimensions, std::uint64_t member) {
+  std::string text;
+  for (const Value index : member_indices(dimensions, member)) {
+    text += (text.empty() ? "[" : ",") + std::to_string(index);
+  }
+  return text.empty() ? text : text + "]";
+}
+
+std::optional<std::uint32_t> Service::client_of(const std::string& node,
+                                                std::uint32_t program) const {
+  for (std::uint32_t i = 0; i < clients.size(); ++i) {
+    if (clients[i].is_of(node, program)) return i;
+  }
+  return std::nullopt;
+}
+
+bool Service::is_server(const std::string& node, std::uint32_t program) const {
+  return server.is_of(node, program);
+}
+
+std::string name_at_client(const std::string& name, std::uint32_t client) {
+  return client == 0 ? name : name + std::to_string(client + 1);
+}
+
+bool is_of_writer(const InterfaceAutomaton& model, const std::string& name) {
+  // "write(3)" is the writer's if "write" is, and the other way round.
+  const auto base_name = [](const std::string& symbol) {
+    return symbol.substr(0, symbol.find('('));
+  };
+  const auto names = [&](const std::vector<std::string>& symbols) {
+    return std::any_of(symbols.begin(), symbols.end(), [&](const std::string& symbol) {
+      return base_name(symbol) == base_name(name);
+    });
+  };
+  return std::any_of(model.actors.begin(), model.actors.end(), [&](const Actor& actor) {
+    return actor.name == "writer" && (names(actor.inputs) || names(actor.outputs));
+  });
+}
+
+}  // namespace maide
