@@ -19,7 +19,8 @@
 // Formulas of LTL multiply the states by those of their automaton. Nothing is kept between calls
 // but the learned models, which lie beside the system file.
 //
-// For engines, traces and formulas themselves: maide/check/verdict/check_system.hpp.
+// All that comes back are values: nothing refers to the file or to a system in memory. What is said
+// here is what `maide check` prints, and what maide.check() of Python returns.
 #pragma once
 
 #include <cstdint>
@@ -30,7 +31,8 @@
 
 #include "maide/base/error.hpp"
 #include "maide/base/run_control.hpp"
-#include "maide/check/verdict/check_system.hpp"
+#include "maide/check/engines/verdict.hpp"
+#include "maide/check/reduce/reduction_kind.hpp"
 
 namespace maide {
 
@@ -49,16 +51,19 @@ struct CheckOptions {
 struct CheckedProperty {
   std::string name;
   Verdict verdict = Verdict::inconclusive;
-  std::string reason;       // of an inconclusive verdict, one line
+  std::string reason;       // of an inconclusive verdict, one line; else mostly empty
   std::string explanation;  // of a violation, one sentence: who waits for what, and why
   std::string run;          // of a violation: its steps, a line each, with places in the file
+  std::string same_run_as;  // of a violation: an earlier property that has the same run; or empty
   std::uint64_t states = 0, transitions = 0;
   double seconds = 0;
 };
 
 struct Checked {
-  Verdict verdict = Verdict::holds;  // violated before inconclusive before holds
-  std::vector<std::string> assumptions;
+  Verdict verdict = Verdict::holds;         // violated before inconclusive before holds
+  std::vector<std::string> assumptions;     // what it rests on, one line each
+  std::vector<std::string> doubts;          // those of them that say what is weak or not known
+  std::vector<std::string> remarks;         // what is no violation, but looks like an oversight
   std::vector<CheckedProperty> properties;  // in the order asked for
 };
 

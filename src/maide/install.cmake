@@ -1,10 +1,12 @@
-# What `cmake --install` puts where. find_package(maide) gives maide::maide and maide::wrapper; with COMPONENTS wrapper
-# it gives maide::wrapper alone and asks for fewer packages.
+# What `cmake --install` puts where. find_package(maide) gives maide::maide and all below it. With
+# COMPONENTS wrapper it gives maide::wrapper, with COMPONENTS learning maide::learning, and asks for
+# fewer packages.
 include(CMakePackageConfigHelpers)
 
 set(config_dir ${CMAKE_INSTALL_LIBDIR}/cmake/maide)
-install(TARGETS maide_wrapper EXPORT maideWrapperTargets)
-install(TARGETS maide EXPORT maideTargets)
+install(TARGETS maide_base maide_wrapper EXPORT maideWrapperTargets)
+install(TARGETS maide_learning EXPORT maideLearningTargets)
+install(TARGETS maide_checking maide EXPORT maideTargets)
 install(TARGETS maide_program)
 install(FILES ${PROJECT_SOURCE_DIR}/README.md ${PROJECT_SOURCE_DIR}/LICENSE
               ${PROJECT_SOURCE_DIR}/CHANGELOG.md ${PROJECT_SOURCE_DIR}/CITATION.cff
@@ -14,8 +16,9 @@ install(FILES ${PROJECT_SOURCE_DIR}/README.md ${PROJECT_SOURCE_DIR}/LICENSE
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/docs ${PROJECT_SOURCE_DIR}/examples
         DESTINATION ${CMAKE_INSTALL_DOCDIR}
         PATTERN maide-models EXCLUDE PATTERN __pycache__ EXCLUDE)
-install(EXPORT maideWrapperTargets NAMESPACE maide:: DESTINATION ${config_dir})
-install(EXPORT maideTargets NAMESPACE maide:: DESTINATION ${config_dir})
+foreach(targets maideWrapperTargets maideLearningTargets maideTargets)
+  install(EXPORT ${targets} NAMESPACE maide:: DESTINATION ${config_dir})
+endforeach()
 configure_package_config_file(maideConfig.cmake.in ${PROJECT_BINARY_DIR}/maideConfig.cmake
   INSTALL_DESTINATION ${config_dir} NO_SET_AND_CHECK_MACRO)
 # Before 1.0 a minor version may change the interface.

@@ -51,6 +51,7 @@ run(${CMAKE_COMMAND} -S ${consumer_dir} -B "${work_dir}/consumer" -G ${generator
 run(${CMAKE_COMMAND} --build "${work_dir}/consumer")
 run("${work_dir}/consumer/use_maide")
 run("${work_dir}/consumer/use_wrapper")
+run("${work_dir}/consumer/use_learning")
 
 # The package for Python, which finds the wrappers that were installed with it.
 if(python)

@@ -11,13 +11,19 @@ import subprocess
 import sys
 from pathlib import Path
 
-# The layers of src/maide, lowest first. A file includes its own layer and those below it, with two
-# exceptions: a wrapper's process carries no learner, so sul and wire do without formats; and check
-# knows nothing of learning.
+# The layers of src/maide, lowest first. A file includes its own layer and those below it, with three
+# exceptions: a wrapper's process carries no learner, so sul and wire do without formats; check knows
+# nothing of learning, and learning nothing of it; the public face does without the command line.
 LAYERS = ["base", "automata", "formats", "sul", "wire", "learn", "conformance", "experiment", "check",
-          "ros2", "join", "report", "cli"]
+          "ros2", "join", "report", "cli", "face"]
 WRAPPER_LAYERS = ["base", "automata", "sul", "wire"]
 LEARNING_LAYERS = ["sul", "wire", "learn", "conformance", "experiment"]
+# The library that each layer belongs to (maide_layer() in its CMakeLists.txt). A library is linked
+# with those below it alone, so these are the layers of each that may go without the others.
+LIBRARIES = {"maide_base": ["base", "automata", "formats"], "maide_wrapper": ["sul", "wire"],
+             "maide_learning": ["learn", "conformance", "experiment"], "maide_checking": ["check"],
+             "maide": ["ros2", "join", "report"]}
+FACE = ["maide.hpp", "learn.hpp", "check.hpp", "wrapper.hpp"]
 
 # The rooms of src/maide/check, lowest first. A file includes its own room and those below it.
 ROOMS = ["text", "tree", "language", "ltl", "system", "rules", "build", "packed", "reduce", "search",
@@ -36,6 +42,8 @@ def allowed_layers(layer):
     allowed = set(LAYERS[: LAYERS.index(layer) + 1])
     if layer == "check":
         allowed -= set(LEARNING_LAYERS)
+    if layer == "face":
+        allowed.discard("cli")
     return allowed
 
 
@@ -104,6 +112,9 @@ def check_layering(sources):
             if in_library and "/" not in included and line.rstrip().endswith('"'):
                 yield path, number, f"includes {included}: write the path from src/"
             layer = layer_of(Path(included))
+            if in_library and layer_of(path) not in (None, "face") and included.startswith("maide/"):
+                if Path(included).name in FACE and layer is None:
+                    yield path, number, f"includes {included}, the public face above it"
             if layer is None:
                 continue
             if not (sources.root / "src" / included).is_file():
@@ -114,6 +125,8 @@ def check_layering(sources):
             own = layer_of(path) if in_library else None
             if own is None:
                 continue
+            if path.name == "learn.cpp" and own == "face" and layer in ("check", "ros2", "join", "report"):
+                yield path, number, f"learning must not include {included}"
             known = upward.get(str(inside(path)), set())
             if str(inside(Path(included))) in known:
                 known.discard(str(inside(Path(included))))
@@ -122,6 +135,11 @@ def check_layering(sources):
             elif own == layer == "check" and (ROOMS.index(room_of(Path(included))) >
                                               ROOMS.index(room_of(path))):
                 yield path, number, f"room {room_of(path)} must not include {included}"
+    for library, layers in LIBRARIES.items():
+        for layer in layers:
+            listing = Path("src/maide") / layer / "CMakeLists.txt"
+            if f"maide_layer({library}\n" not in sources.text(listing):
+                yield listing, 1, f"layer {layer} belongs to the library {library}"
     for file, includes in upward.items():
         for included in sorted(includes):
             yield Path("src/maide") / file, 1, (
@@ -156,8 +174,7 @@ def check_listed(sources):
 
 def check_public(sources):
     """A header that is installed includes the standard library and installed headers alone."""
-    face = ["maide.hpp", "learn.hpp", "check.hpp", "wrapper.hpp"]
-    public = {Path("src/maide") / name for name in face}
+    public = {Path("src/maide") / name for name in FACE}
     for path in sources.files:
         if path.name == "CMakeLists.txt" and path.parts[:2] == ("src", "maide"):
             listing = re.search(r"maide_layer\(\w+\s+HEADERS([^A-Z]*)", sources.text(path))

@@ -13,13 +13,13 @@
 #include "maide/base/file.hpp"
 #include "maide/base/log.hpp"
 #include "maide/base/text.hpp"
-#include "maide/check/build/system_file.hpp"
 #include "maide/check/system/trace_file.hpp"
 #include "maide/check/verdict/check_system.hpp"
 #include "maide/cli/command.hpp"
 #include "maide/cli/command_line.hpp"
 #include "maide/cli/mpi.hpp"
 #include "maide/formats/model_file.hpp"
+#include "maide/join/check_system_file.hpp"
 #include "maide/join/learned_models.hpp"
 #include "maide/join/refine_system.hpp"
 #include "maide/join/suggest_change.hpp"
@@ -28,7 +28,6 @@
 #include "maide/report/picture.hpp"
 #include "maide/report/sequence_chart.hpp"
 #include "maide/report/trace_text.hpp"
-#include "maide/ros2/executor_runs.hpp"
 
 namespace maide::cli {
 
@@ -235,12 +234,7 @@ LearnedModelsOptions learning_options(const CheckArguments& arguments, const Run
 RefinedCheck check(const CheckArguments& arguments, Engine& engine, const CheckRequest& request) {
   const LearnedModelsOptions models = learning_options(arguments, request.options.control);
   if (!arguments.refine) {
-    RefinedCheck checked;
-    checked.system =
-        read_system(arguments.system, make_learning_source(models), request.options.control);
-    checked.report = check_system(checked.system, engine, request);
-    prefer_runs_of_executors(checked.system, checked.report, request.options.control);
-    return checked;
+    return {check_system_file(arguments.system, engine, request, models), {}};
   }
   RefinementOptions options;
   options.models = models;
@@ -276,15 +270,6 @@ ExitStatus run_check(const CheckArguments& arguments, Context& context) {
     throw UsageError("a report's name ends in .html or .svg (" + arguments.report + ")");
   }
   const std::unique_ptr<Engine> engine = make_engine(arguments.engine);
-  if (arguments.threads > 0 && arguments.engine == "spin") {
-    throw UsageError("spin searches with one thread; --threads is for native and ltsmin");
-  }
-  if (!arguments.checkpoints.empty() && arguments.engine != "native") {
-    throw UsageError("--checkpoint is for the engine native, not for " + arguments.engine);
-  }
-  if (ranks != nullptr && arguments.engine != "native") {
-    throw UsageError("mpirun is for the engine native, not for " + arguments.engine);
-  }
   CheckRequest request;
   request.properties = arguments.properties;
   request.options.ranks = ranks.get();
@@ -306,8 +291,7 @@ ExitStatus run_check(const CheckArguments& arguments, Context& context) {
   RefinedCheck checked = check(arguments, *engine, request);
   const System& system = checked.system;
   CheckReport& report = checked.report;
-  for (const std::string& remark : system.remarks) log_note(remark);
-  for (const std::string& remark : report.remarks) log_note(remark);
+  for (const std::string& remark : all_remarks(system, report)) log_note(remark);
   print(system, report, trace_style(arguments.trace_format), context);
   Json json = report_to_json(system, report);
   if (arguments.refine) json["refinements"] = refinements_to_json(checked.rounds);

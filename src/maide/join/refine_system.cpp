@@ -9,10 +9,8 @@
 
 #include "maide/base/file.hpp"
 #include "maide/base/text.hpp"
-#include "maide/check/build/system_file.hpp"
 #include "maide/join/replay.hpp"
 #include "maide/join/replay_plan.hpp"
-#include "maide/ros2/executor_runs.hpp"
 
 namespace maide {
 namespace {
@@ -41,12 +39,10 @@ class Refiner {
   void read_and_check() {
     requests_.clear();
     real_.clear();
-    result_.system =
-        parse_system(text_, path_.string(),
-                     record_requests(make_learning_source(options_.models), requests_), control());
+    static_cast<CheckedSystem&>(result_) =
+        check_system_text(text_, path_.string(), engine_, request_,
+                          record_requests(make_learning_source(options_.models), requests_));
     options_.models.note = {};  // where models come from is told once
-    result_.report = check_system(result_.system, engine_, request_);
-    prefer_runs_of_executors(result_.system, result_.report, control());
     confirmed_.clear();
   }
 
@@ -219,6 +215,7 @@ std::string to_string(const RefinementRound& round) {
 
 RefinedCheck check_and_refine(const std::filesystem::path& path, Engine& engine,
                               const CheckRequest& request, const RefinementOptions& options) {
+  require_fitting(engine, request.options);
   return Refiner(path, engine, request, options).run();
 }
 

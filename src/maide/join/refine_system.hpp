@@ -20,7 +20,7 @@
 #include <string>
 #include <vector>
 
-#include "maide/check/verdict/check_system.hpp"
+#include "maide/join/check_system_file.hpp"
 #include "maide/join/learned_models.hpp"
 
 namespace maide {
@@ -46,9 +46,9 @@ struct RefinementOptions {
   std::function<void(const RefinementRound&)> on_round;
 };
 
-struct RefinedCheck {
-  System system;       // with the last models
-  CheckReport report;  // its assumptions say what was replayed and tested
+// The system is that with the last models; the assumptions of its report say what was replayed and
+// tested.
+struct RefinedCheck : CheckedSystem {
   std::vector<RefinementRound> rounds;
 };
 

@@ -277,7 +277,8 @@ Json report_to_json(const System& system, const CheckReport& report) {
   }
   return {{"verdict", to_string(report.verdict)},
           {"assumptions", report.assumptions},
-          {"remarks", report.remarks},
+          {"doubts", report.doubts},
+          {"remarks", all_remarks(system, report)},
           {"components", std::move(components)},
           {"properties", std::move(properties)}};
 }

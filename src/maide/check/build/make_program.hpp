@@ -1,7 +1,6 @@
 // From a program's syntax tree to its automaton (unroller.hpp), with what is known from its text.
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 #include <string>
 
@@ -13,9 +12,6 @@
 #include "maide/check/text/scalar_text.hpp"
 
 namespace maide {
-
-// Most control states of one program after unrolling.
-inline constexpr std::size_t max_control_states = 1'000'000;
 
 // Parses a program and unrolls it. Its models are those of the system, whose actions grow. Throws
 // ParseError with the place in the file: syntax, unknown names, a loop that never steps, more than

@@ -4,6 +4,7 @@
 
 #include "maide/base/file.hpp"
 #include "maide/base/text.hpp"
+#include "maide/check/build/make_program.hpp"
 #include "maide/check/build/system_reader.hpp"
 #include "maide/check/language/expression_parser.hpp"
 #include "maide/check/ltl/ltl_automaton.hpp"

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "maide/check/build/walker.hpp"
+#include "maide/check/rules/service_model.hpp"
 
 namespace maide::program_syntax {
 

@@ -18,21 +18,13 @@
 #include "maide/check/engines/ltsmin_engine.hpp"
 #include "maide/check/engines/spin_engine.hpp"
 #include "maide/check/reduce/merged_calls.hpp"
+#include "maide/check/reduce/reduction.hpp"
 #include "maide/check/search/fair_cycle.hpp"
 #include "maide/check/search/monitors.hpp"
 #include "maide/check/search/search_job.hpp"
 #include "maide/check/search/short_lasso.hpp"
 
 namespace maide {
-
-std::string to_string(Verdict verdict) {
-  switch (verdict) {
-    case Verdict::holds: return "holds";
-    case Verdict::violated: return "violated";
-    case Verdict::inconclusive: return "inconclusive";
-  }
-  return "";
-}
 
 std::uint64_t memory_limit_mib(const EngineOptions& options) {
   if (options.memory_mib) return *options.memory_mib;
@@ -67,6 +59,19 @@ std::unique_ptr<Engine> make_engine(const std::string& name) {
   const std::vector<std::string> known{"native", "spin", "ltsmin"};
   throw UsageError("there is no engine '" + name + "'; there is: " + join(known) +
                    did_you_mean(name, known));
+}
+
+void require_fitting(const Engine& engine, const EngineOptions& options) {
+  const std::string name = engine.name();
+  if (options.threads > 0 && name == "spin") {
+    throw UsageError("spin searches with one thread; --threads is for native and ltsmin");
+  }
+  if (!options.checkpoints.empty() && name != "native") {
+    throw UsageError("--checkpoint is for the engine native, not for " + name);
+  }
+  if (options.ranks != nullptr && name != "native") {
+    throw UsageError("mpirun is for the engine native, not for " + name);
+  }
 }
 
 namespace {

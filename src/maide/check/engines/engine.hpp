@@ -9,14 +9,12 @@
 #include <string>
 
 #include "maide/base/run_control.hpp"
-#include "maide/check/reduce/reduction.hpp"
+#include "maide/check/engines/verdict.hpp"
+#include "maide/check/reduce/reduction_kind.hpp"
 #include "maide/check/search/ranks.hpp"
 #include "maide/check/system/trace.hpp"
 
 namespace maide {
-
-enum class Verdict : std::uint8_t { holds, violated, inconclusive };
-std::string to_string(Verdict verdict);
 
 struct PropertyResult {
   std::string name;
@@ -98,6 +96,9 @@ class Engine {
 
 // The engine of that name: `native`, `spin`, `ltsmin`. Throws UsageError for others.
 std::unique_ptr<Engine> make_engine(const std::string& name);
+
+// Throws UsageError for options that say something to other engines alone.
+void require_fitting(const Engine& engine, const EngineOptions& options);
 
 // Maide's own engine: explicit states, packed (packed_system.hpp, state_table.hpp). Deadlocks, cuts
 // and invariants by breadth-first search, so that what it shows is a shortest run; `stuck` and all

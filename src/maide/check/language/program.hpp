@@ -7,6 +7,7 @@
 #pragma once
 
 #include <compare>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -189,5 +190,8 @@ struct ProgramInterface {
   const Alphabet* inputs = nullptr;
   const Alphabet* outputs = nullptr;
 };
+
+// Most control states of one program after unrolling.
+inline constexpr std::size_t max_control_states = 1'000'000;
 
 }  // namespace maide

@@ -65,4 +65,19 @@ bool is_of_writer(const InterfaceAutomaton& model, const std::string& name) {
   });
 }
 
+bool is_of_same_actor(const InterfaceAutomaton& automaton, Symbol input, Symbol output) {
+  const auto has = [](const std::vector<std::string>& names, const std::string& name) {
+    return std::find(names.begin(), names.end(), name) != names.end();
+  };
+  const std::string& in = automaton.inputs().name(input);
+  const std::string& out = automaton.outputs().name(output);
+  bool is_known = false;
+  for (const Actor& actor : automaton.actors) {
+    if (!has(actor.inputs, in)) continue;
+    is_known = true;
+    if (has(actor.outputs, out)) return true;
+  }
+  return !is_known;
+}
+
 }  // namespace maide

@@ -115,6 +115,9 @@ std::string name_at_client(const std::string& name, std::uint32_t client);
 // Whether the actor "writer" has that input or output, which stands without values.
 bool is_of_writer(const InterfaceAutomaton& model, const std::string& name);
 
+// Whether the output is one of the actor that the input belongs to.
+bool is_of_same_actor(const InterfaceAutomaton& automaton, Symbol input, Symbol output);
+
 // "send2" of "send".
 inline bool is_numbered(const std::string& known, const std::string& name) {
   return known.starts_with(name) &&

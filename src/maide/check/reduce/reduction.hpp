@@ -3,9 +3,7 @@
 // whether a formula can see silent steps. docs/design/reductions.md says why the rules are right.
 #pragma once
 
-#include <cstdint>
 #include <optional>
-#include <string>
 #include <vector>
 
 #include "maide/check/ltl/formula.hpp"
@@ -13,18 +11,6 @@
 #include "maide/check/system/system.hpp"
 
 namespace maide {
-
-enum class Reduction : std::uint8_t {
-  none,
-  calls,  // an input and the output that answers it are one step (merged_calls.hpp)
-  order,  // partial-order reduction: of steps that do not disturb one another one order is enough
-  full,   // both, and states with a single step are passed by
-};
-std::string to_string(Reduction reduction);
-// Throws UsageError.
-Reduction reduction_of(const std::string& name);
-bool merges_calls(Reduction reduction);
-bool leaves_out_orders(Reduction reduction);
 
 // What a search must respect when it takes the steps of stubborn sets only.
 struct ReductionRules {

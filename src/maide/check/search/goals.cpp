@@ -13,6 +13,7 @@
 #include "maide/base/error.hpp"
 #include "maide/base/invariant.hpp"
 #include "maide/base/log.hpp"
+#include "maide/check/reduce/reduction.hpp"
 #include "maide/check/search/breadth_first_search.hpp"
 #include "maide/check/search/checkpoint.hpp"
 #include "maide/check/search/fair_hull.hpp"

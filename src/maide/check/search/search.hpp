@@ -13,7 +13,7 @@
 #include <utility>
 
 #include "maide/base/run_control.hpp"
-#include "maide/check/reduce/reduction.hpp"
+#include "maide/check/reduce/reduction_kind.hpp"
 #include "maide/check/search/ranks.hpp"
 #include "maide/check/system/trace.hpp"
 

@@ -6,7 +6,7 @@
 #include <span>
 #include <string>
 
-#include "maide/check/reduce/reduction.hpp"
+#include "maide/check/reduce/reduction_kind.hpp"
 #include "maide/check/search/monitors.hpp"
 #include "maide/check/search/ranks.hpp"
 #include "maide/check/search/search.hpp"

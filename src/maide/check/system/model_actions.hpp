@@ -103,9 +103,6 @@ class ModelActions {
   std::map<std::uint32_t, std::vector<StepsOfState>> growing_;  // by model, by action
 };
 
-// Whether the output is one of the actor that the input belongs to.
-bool is_of_same_actor(const InterfaceAutomaton& automaton, Symbol input, Symbol output);
-
 // Runs `evaluate` for every combination of shared values that it asks for. Throws ParseError (at
 // `where`) beyond max_outcomes.
 template <typename Result>

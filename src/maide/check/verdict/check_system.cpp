@@ -509,6 +509,12 @@ Shown shown_part(const System& system, const PropertyResult& result) {
   return {std::move(part), std::move(of_part), std::move(trace)};
 }
 
+std::vector<std::string> all_remarks(const System& system, const CheckReport& report) {
+  std::vector<std::string> remarks = system.remarks;
+  remarks.insert(remarks.end(), report.remarks.begin(), report.remarks.end());
+  return remarks;
+}
+
 ExitStatus exit_status_of(const CheckReport& report) {
   if (report.verdict == Verdict::violated) return ExitStatus::violated;
   if (std::any_of(report.properties.begin(), report.properties.end(),

@@ -47,6 +47,9 @@ struct CheckReport {
 // too, by a run that is not longer, both have that run.
 CheckReport check_system(const System& system, Engine& engine, const CheckRequest& request = {});
 
+// The remarks on the system file, then those of its check.
+std::vector<std::string> all_remarks(const System& system, const CheckReport& report);
+
 // Of the command that made the report: a violation comes before an error of Maide's own.
 ExitStatus exit_status_of(const CheckReport& report);
 

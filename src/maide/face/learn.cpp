@@ -1,3 +1,4 @@
+// maide::learn_system() and learn_oracle(): a run of an experiment with its defaults.
 #include "maide/learn.hpp"
 
 #include <exception>
