@@ -172,25 +172,70 @@ def check_listed(sources):
             yield path, 1, f"is not listed in {listing}"
 
 
-def check_public(sources):
-    """A header that is installed includes the standard library and installed headers alone."""
+def public_headers(sources):
+    """The installed headers: the face, and those that a layer's CMakeLists.txt lists as HEADERS."""
     public = {Path("src/maide") / name for name in FACE}
     for path in sources.files:
         if path.name == "CMakeLists.txt" and path.parts[:2] == ("src", "maide"):
             listing = re.search(r"maide_layer\(\w+\s+HEADERS([^A-Z]*)", sources.text(path))
             names = listing.group(1).split() if listing else []
             public |= {path.parent / name for name in names}
-    for path in sorted(public):
-        for number, line in enumerate(sources.text(path).splitlines(), 1):
-            match = INCLUDE.match(line)
-            if not match:
-                continue
-            included = match.group(1)
+    return sorted(public)
+
+
+def includes_of(sources, path):
+    for number, line in enumerate(sources.text(path).splitlines(), 1):
+        match = INCLUDE.match(line)
+        if match:
+            yield number, match.group(1)
+
+
+def check_public(sources):
+    """A header that is installed includes the standard library and installed headers alone."""
+    public = public_headers(sources)
+    for path in public:
+        for number, included in includes_of(sources, path):
             if included.startswith("maide/"):
                 if Path("src") / included not in public:
                     yield path, number, f"is public and includes {included}, which is internal"
             elif "/" in included and not included.startswith(("sys/", "netinet/")):
                 yield path, number, f"is public and includes another library's {included}"
+
+
+# Most installed headers, and of checking most that maide/check.hpp brings along.
+MOST_PUBLIC = 45
+MOST_OF_CHECKING = 5
+
+
+def check_face(sources):
+    """The public face is small, made of whole headers, and described on one page."""
+    public = public_headers(sources)
+    page = Path("docs/library.md")
+    if len(public) > MOST_PUBLIC:
+        yield page, 1, f"{len(public)} headers are installed; {MOST_PUBLIC} is the limit"
+    rows = re.findall(r"^\| `(maide/[^`]+)` \| \S", sources.text(page), re.MULTILINE)
+    for path in public:
+        text = sources.text(path)
+        name = str(path.relative_to("src"))
+        if rows.count(name) != 1:
+            yield page, 1, f"has {rows.count(name)} rows for {name}, which is installed"
+        if text.count("#pragma once") != 1 or len(re.findall(r"^namespace maide", text, re.MULTILINE)) > 1:
+            yield path, 1, "looks like two headers in one file"
+    for name in rows:
+        if Path("src") / name not in public:
+            yield page, 1, f"describes {name}, which is not installed"
+    brought, open_headers = set(), [Path("src/maide/check.hpp")]
+    while open_headers:
+        for _, included in includes_of(sources, open_headers.pop()):
+            header = Path("src") / included
+            if included.startswith("maide/") and header not in brought:
+                brought.add(header)
+                open_headers.append(header)
+    of_checking = sorted(str(header) for header in brought if layer_of(header) == "check")
+    if len(of_checking) > MOST_OF_CHECKING:
+        yield Path("src/maide/check.hpp"), 1, (
+            f"brings {len(of_checking)} headers of checking, and {MOST_OF_CHECKING} is the limit: "
+            + ", ".join(of_checking))
 
 
 def check_openings(sources):
