@@ -8,7 +8,7 @@
 
 #include "maide/automata/compare.hpp"
 #include "maide/base/error.hpp"
-#include "maide/join/published_results.hpp"
+#include "published_results.hpp"
 #include "wrapper_checks.hpp"
 
 namespace maide {

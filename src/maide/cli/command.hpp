@@ -35,9 +35,6 @@
 #include "maide/cli/command_line.hpp"
 #include "maide/cli/terminal.hpp"
 
-// What a command works with: the options that every command has, the stop token and the progress
-// line for long work, and two ways to give a result, text for people or one JSON object.
-
 namespace maide {
 struct SystemAccess;
 }
@@ -59,6 +56,8 @@ struct CommonOptions {
   ProgressObserver* progress = nullptr;  // of an embedded command; null: nobody is told
 };
 
+// What a command works with: the options that every command has, the stop token and the progress
+// line for long work, and two ways to give a result, text for people or one JSON object.
 class Context {
  public:
   Context(const CommonOptions& options, std::stop_token stop);
@@ -66,6 +65,7 @@ class Context {
   bool json() const noexcept { return options_.json; }
   bool quiet() const noexcept { return options_.quiet; }
   bool verbose() const noexcept { return options_.verbose; }
+  bool embedded() const noexcept { return options_.embedded; }
 
   // For long calls: Ctrl-C, the progress line, no deadline. Valid as long as the context is.
   RunControl control();
@@ -121,10 +121,6 @@ void check_output(std::string_view option, const std::string& path,
 // breaks in the message become spaces.
 void write_error_line(std::string_view message);
 
-}  // namespace maide::cli
-
-namespace maide::cli {
-
 // Does a command's work once its arguments are parsed.
 using RunFunction = std::function<ExitStatus(Context& context)>;
 
@@ -170,8 +166,8 @@ struct DeclaredCommand {
 // Of every command's help and manual page: what exit statuses mean.
 std::string_view describe_exit_statuses();
 
-// One function for each row of the table, in a file of its own (new and init share one, and so do
-// completion and manual).
+// One function for each row of the table, in a file of its own (new and init share one, as do
+// completion and manual, and bench and reproduce: tool_commands.cpp).
 RunFunction set_up_bench(CommandLine& line);
 RunFunction set_up_cache(CommandLine& line);
 RunFunction set_up_compare(CommandLine& line);
@@ -210,6 +206,11 @@ Argument add_settle_option(CommandLine& line, double& settle);
 
 // `maide doctor ros2`: of the running graph, or of the file that is named.
 ExitStatus run_ros2_doctor(const std::string& file, double settle, Context& context);
+
+// Prepares a process that is one of Maide's programs: broken pipes become errors of the write, the
+// three standard streams exist, and what ends a program without an exception (a thread that throws)
+// still ends it with one line.
+void prepare_process();
 
 // Parses the command line and runs the command; never throws. Returns the exit status.
 int run_command_line(int argc, const char* const* argv) noexcept;

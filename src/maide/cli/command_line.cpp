@@ -275,6 +275,7 @@ std::string CommandLine::help(std::size_t width, bool full) const {
 }
 
 bool CommandLine::parse(const std::vector<std::string>& typed, const std::string& hint) {
+  typed_ = typed;
   check_names(typed, hint);
   try {
     app_->parse(std::vector<std::string>(typed.rbegin(), typed.rend()));

@@ -101,6 +101,8 @@ class CommandLine {
   // at its end, for an unknown option (naming the nearest), and for what the checks refuse. An
   // empty value is refused, too: a variable of a script that is not set.
   bool parse(const std::vector<std::string>& typed, const std::string& hint);
+  // What was parsed.
+  const std::vector<std::string>& typed() const { return typed_; }
 
  private:
   void check_names(const std::vector<std::string>& typed, const std::string& hint) const;
@@ -108,6 +110,7 @@ class CommandLine {
 
   std::unique_ptr<CLI::App> app_;
   std::string footer_;
+  std::vector<std::string> typed_;
 };
 
 // Of a table whose rows have names.

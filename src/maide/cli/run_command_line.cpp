@@ -1,6 +1,11 @@
 // From argv to exit status.
+#include <fcntl.h>
+#include <unistd.h>
+
 #include <algorithm>
 #include <array>
+#include <cerrno>
+#include <csignal>
 #include <cstdio>
 #include <exception>
 #include <map>
@@ -19,6 +24,7 @@
 #include "maide/cli/command_line.hpp"
 #include "maide/cli/mpi.hpp"
 #include "maide/cli/terminal.hpp"
+#include "maide/cli/tool_commands.hpp"
 #include "maide/experiment/open_system.hpp"
 #include "maide/report/sequence_chart.hpp"
 
@@ -145,7 +151,60 @@ int report(const std::string& message, ExitStatus status, bool json,
   return static_cast<int>(status);
 }
 
+// A standard stream that the caller closed would otherwise be the first file that we open, and the
+// result would go there. Opened the wrong way round, it fails when it is used.
+void hold_standard_streams() {
+  for (const int fd : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
+    if (::fcntl(fd, F_GETFD) == -1 && errno == EBADF) {
+      ::open("/dev/null", fd == STDIN_FILENO ? O_WRONLY : O_RDONLY);
+    }
+  }
+}
+
+[[noreturn]] void end_after_uncaught_exception() {
+  try {
+    if (std::current_exception()) std::rethrow_exception(std::current_exception());
+    write_error_line(describe_internal_error(""));
+  } catch (const std::exception& error) {
+    write_error_line(describe_internal_error(error.what()));
+  } catch (...) {
+    write_error_line(describe_internal_error(""));
+  }
+  ::_exit(static_cast<int>(ExitStatus::internal));
+}
+
+// Runs it, and makes output and an exit status of what it throws.
+template <typename Work>
+int run_reporting(int argc, const char* const* argv, Work&& work) noexcept {
+  bool json = false;
+  try {
+    const std::vector<std::string> arguments(argv + std::min(argc, 1), argv + argc);
+    json = std::find(arguments.begin(), arguments.end(), "--json") != arguments.end();
+    return static_cast<int>(work(arguments));
+  } catch (const UsageError& error) {
+    // Of several ranks the first says it.
+    if (is_later_rank()) return static_cast<int>(error.status());
+    return report(error.what(), error.status(), json);
+  } catch (const ParseError& error) {
+    return report(error.what(), error.status(), json, source_excerpt(error.position()));
+  } catch (const Error& error) {
+    return report(error.what(), error.status(), json);
+  } catch (const std::bad_alloc&) {
+    return report("out of memory", ExitStatus::inconclusive, json);
+  } catch (const std::exception& error) {
+    return report(describe_internal_error(error.what()), ExitStatus::internal, json);
+  } catch (...) {
+    return report(describe_internal_error(""), ExitStatus::internal, json);
+  }
+}
+
 }  // namespace
+
+void prepare_process() {
+  hold_standard_streams();
+  std::signal(SIGPIPE, SIG_IGN);
+  std::set_terminate(end_after_uncaught_exception);
+}
 
 DeclaredCommand::DeclaredCommand(const Command& command)
     : line("maide " + std::string(command.name), std::string(command.summary)),
@@ -230,26 +289,16 @@ std::vector<Argument> add_access_options(CommandLine& line, SystemAccess& access
 }
 
 int run_command_line(int argc, const char* const* argv) noexcept {
-  bool json = false;
-  try {
-    const std::vector<std::string> arguments(argv + std::min(argc, 1), argv + argc);
-    json = std::find(arguments.begin(), arguments.end(), "--json") != arguments.end();
-    return static_cast<int>(dispatch(arguments));
-  } catch (const UsageError& error) {
-    // Of several ranks the first says it.
-    if (is_later_rank()) return static_cast<int>(error.status());
-    return report(error.what(), error.status(), json);
-  } catch (const ParseError& error) {
-    return report(error.what(), error.status(), json, source_excerpt(error.position()));
-  } catch (const Error& error) {
-    return report(error.what(), error.status(), json);
-  } catch (const std::bad_alloc&) {
-    return report("out of memory", ExitStatus::inconclusive, json);
-  } catch (const std::exception& error) {
-    return report(describe_internal_error(error.what()), ExitStatus::internal, json);
-  } catch (...) {
-    return report(describe_internal_error(""), ExitStatus::internal, json);
-  }
+  return run_reporting(argc, argv, dispatch);
+}
+
+int run_tool(std::string_view name, RunFunction (*set_up)(CommandLine& line), int argc,
+             const char* const* argv) noexcept {
+  return run_reporting(argc, argv, [&](const std::vector<std::string>& words) {
+    Command command = find_command(std::string(name));
+    command.set_up = set_up;
+    return run(command, words);
+  });
 }
 
 }  // namespace maide::cli

@@ -145,12 +145,16 @@ std::vector<fs::path> own_folders() {
   return {folder, folder.parent_path() / "libexec" / "maide"};
 }
 
-std::vector<fs::path> search_folders() {
+// Besides, where look_for_wrappers_in() said.
+std::vector<fs::path> program_folders() {
   std::vector<fs::path> folders = own_folders();
-  {
-    const std::lock_guard lock(surroundings().mutex);
-    if (surroundings().wrappers) folders.insert(folders.begin(), *surroundings().wrappers);
-  }
+  const std::lock_guard lock(surroundings().mutex);
+  if (surroundings().wrappers) folders.insert(folders.begin(), *surroundings().wrappers);
+  return folders;
+}
+
+std::vector<fs::path> search_folders() {
+  std::vector<fs::path> folders = program_folders();
   for (fs::path& folder : path_folders()) folders.push_back(std::move(folder));
   return folders;
 }
@@ -187,6 +191,10 @@ std::optional<fs::path> find_own_file(std::string_view name) {
     if (fs::path candidate = folder / name; fs::exists(candidate, error)) return candidate;
   }
   return std::nullopt;
+}
+
+std::optional<fs::path> find_own_program(std::string_view name) {
+  return find_program(name, program_folders());
 }
 
 std::optional<fs::path> find_on_path(std::string_view name) {

@@ -57,6 +57,9 @@ std::optional<std::filesystem::path> find_wrapper(std::string_view name);
 // The file of that name beside the running program or in ../libexec/maide, or nothing.
 std::optional<std::filesystem::path> find_own_file(std::string_view name);
 
+// The program of that name where wrappers are, but not on PATH; or nothing.
+std::optional<std::filesystem::path> find_own_program(std::string_view name);
+
 // The program called `name`, as a shell would find it on PATH (`name` has no '/').
 std::optional<std::filesystem::path> find_on_path(std::string_view name);
 

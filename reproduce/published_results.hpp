@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "maide/automata/mealy.hpp"
-#include "maide/check/engines/engine.hpp"
+#include "maide/check/engines/verdict.hpp"
 
 namespace maide {
 

@@ -1,4 +1,4 @@
-#include "maide/join/published_results.hpp"
+#include "published_results.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

@@ -1,4 +1,6 @@
-// `maide bench FOLDER`: every learning algorithm on every model of a folder.
+// The program that `maide bench FOLDER` starts: every learning algorithm on every model of a
+// folder. It prints an aligned table with other tools' figures beside ours, means, CSV, JSON.
+// Numbers only; what is measured, and how, is learner_bench.hpp.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -12,21 +14,19 @@
 #include <string_view>
 #include <vector>
 
+#include "learner_bench.hpp"
 #include "maide/base/error.hpp"
 #include "maide/base/file.hpp"
 #include "maide/base/json.hpp"
 #include "maide/base/text.hpp"
 #include "maide/cli/command.hpp"
 #include "maide/cli/command_line.hpp"
-#include "maide/cli/test_arguments.hpp"
-#include "maide/experiment/learner_bench.hpp"
-#include "maide/join/published_results.hpp"
+#include "maide/cli/tool_commands.hpp"
 #include "maide/learn/learner.hpp"
+#include "published_results.hpp"
 
 namespace maide::cli {
-
-// What `maide bench` prints: an aligned table with other tools' figures beside ours, means, CSV,
-// JSON. Numbers only; what is measured, and how, is experiment/learner_bench.hpp.
+namespace {
 
 // The table, a piece at a time, so that it can be watched.
 class BenchTable {
@@ -51,15 +51,6 @@ class BenchTable {
   std::size_t name_width_ = 0;
   std::size_t model_;  // of the line before; behind the last: none
 };
-
-// A head and a line for each run.
-std::string bench_csv(const std::vector<BenchModel>& models, std::span<const BenchRun> runs);
-
-// `is_complete`: nothing was dropped.
-Json bench_json(const BenchFolder& folder, const BenchOptions& options,
-                std::span<const BenchRun> runs, bool is_complete);
-
-namespace {
 
 constexpr std::string_view perfect = "perfect";
 constexpr std::size_t learner_width = 30;
@@ -151,8 +142,6 @@ bool have_peers(const std::vector<BenchModel>& models, const Means& means) {
   }
   return are_the_41_models(names);
 }
-
-}  // namespace
 
 BenchTable::BenchTable(const std::vector<BenchModel>& models, const BenchOptions& options)
     : models_(models),
@@ -268,8 +257,6 @@ std::string bench_csv(const std::vector<BenchModel>& models, std::span<const Ben
   return text;
 }
 
-namespace {
-
 Json run_json(const BenchModel& model, const BenchRun& run) {
   const auto counts = [](const Statistics& statistics) {
     const QueryCounts total = statistics.total();
@@ -332,8 +319,6 @@ Json means_json(const Means& means) {
   return list;
 }
 
-}  // namespace
-
 Json bench_json(const BenchFolder& folder, const BenchOptions& options,
                 std::span<const BenchRun> runs, bool is_complete) {
   const bool is_perfect = options.test_method == perfect;
@@ -363,19 +348,6 @@ Json bench_json(const BenchFolder& folder, const BenchOptions& options,
   return json;
 }
 
-namespace {
-
-struct BenchArguments {
-  std::string folder;
-  std::string csv;
-  std::string start_from;
-  TestArguments tests{.method = "perfect", .values = {}};
-  BenchOptions options;
-  std::uint64_t seed = 1;
-  double seconds = 60;
-  bool no_cache = false;
-};
-
 // Wrong models count most, then runs that are missing, then models that could not be read.
 ExitStatus status_of(std::span<const BenchRun> runs, const BenchFolder& folder, bool is_complete) {
   const auto any = [runs](BenchOutcome outcome) {
@@ -389,8 +361,11 @@ ExitStatus status_of(std::span<const BenchRun> runs, const BenchFolder& folder, 
 
 ExitStatus bench(const BenchArguments& arguments, Context& context) {
   if (!arguments.csv.empty()) check_can_write(arguments.csv);
-  BenchOptions options = arguments.options;
+  BenchOptions options;
+  options.algorithms = arguments.algorithms;
   options.seconds = arguments.seconds;
+  options.max_experiments = arguments.max_experiments;
+  options.jobs = arguments.jobs;
   options.use_cache = !arguments.no_cache;
   bench_learners(options);  // wrong names are found before models are read
   arguments.tests.check("");
@@ -425,46 +400,16 @@ ExitStatus bench(const BenchArguments& arguments, Context& context) {
   return status_of(runs, folder, is_complete);
 }
 
-void add_bench_limits(CommandLine& line, BenchArguments& arguments) {
-  line.add("--time", arguments.seconds, "Most seconds of one run").check(check_seconds);
-  line.add("--max-experiments", arguments.options.max_experiments,
-           "Most words that reach the system in one run; 0: no limit");
-}
-
-}  // namespace
-
-RunFunction set_up_bench(CommandLine& line) {
+RunFunction set_up(CommandLine& line) {
   auto arguments = std::make_shared<BenchArguments>();
-  std::vector<std::string> names;
-  for (const LearnerEntry& entry : deterministic_learners()) names.emplace_back(entry.name);
-  line.add("FOLDER", arguments->folder,
-           "A folder of models: .dot, .gv, .aut. An interface automaton counts as its Mealy "
-           "machine (eager)")
-      .required();
-  line.add("--algorithm", arguments->options.algorithms,
-           "A learner to measure, once or more. Default: all ('maide help algorithms')")
-      .check([names](const std::string& name) { return check_one_of(name, names); })
-      .one_each()
-      .no_default()
-      .value_name("NAME");
-  add_test_options(line, arguments->tests);
-  line.add("--start-from", arguments->start_from,
-           "A folder of models of earlier versions. By the same names: learners start from them, "
-           "as in maide learn")
-      .value_name("FOLDER");
-  line.add("--csv", arguments->csv, "Write a line for each run to this file").value_name("FILE");
-  line.add_flag("--no-cache", arguments->no_cache,
-                "Ask the system every query. The processor time is then that of the learner, the "
-                "tests and the simulation");
-  line.add("-j,--jobs", arguments->options.jobs,
-           "How many runs at once. Counts are the same, times may suffer. Default: one for "
-           "each processor")
-      .check(check_jobs)
-      .no_default()
-      .value_name("K");
-  add_seed_option(line, arguments->seed);
-  add_bench_limits(line, *arguments);
+  declare_bench(line, *arguments);
   return [arguments](Context& context) { return bench(*arguments, context); };
 }
 
+}  // namespace
 }  // namespace maide::cli
+
+int main(int argc, char** argv) {
+  maide::cli::prepare_process();
+  return maide::cli::run_tool("bench", maide::cli::set_up, argc, argv);
+}

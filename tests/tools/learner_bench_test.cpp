@@ -1,4 +1,5 @@
-#include "maide/experiment/learner_bench.hpp"
+// Counts of learners, and what is reported of runs that end early.
+#include "learner_bench.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +10,7 @@
 #include "maide/automata/minimize.hpp"
 #include "maide/automata/random_automata.hpp"
 #include "maide/base/error.hpp"
-#include "maide/join/published_results.hpp"
+#include "published_results.hpp"
 
 namespace maide {
 namespace {

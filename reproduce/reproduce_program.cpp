@@ -1,6 +1,6 @@
-// `maide reproduce`: the paper's results, theirs beside ours, learned anew from the systems that
-// are there. Equal sizes are expected; equal counts are not (other hardware, other equivalence
-// tests).
+// The program that `maide reproduce` starts: the paper's results, theirs beside ours, learned anew
+// from the systems that are there. Equal sizes are expected; equal counts are not (other hardware,
+// other equivalence tests).
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -23,23 +23,15 @@
 #include "maide/check/build/system_file.hpp"
 #include "maide/check/verdict/check_system.hpp"
 #include "maide/cli/command.hpp"
+#include "maide/cli/tool_commands.hpp"
 #include "maide/experiment/learn_model.hpp"
 #include "maide/experiment/open_system.hpp"
 #include "maide/formats/model_file.hpp"
-#include "maide/join/published_results.hpp"
 #include "maide/sul/ia_translation.hpp"
+#include "published_results.hpp"
 
 namespace maide::cli {
-
-// What the parts of `maide reproduce` share: its arguments, and learning as the paper did.
-struct ReproduceArguments {
-  std::string what;
-  std::vector<std::string> systems;
-  std::string algorithm = "lmplus";  // the paper's
-  std::string test_method;
-  std::uint64_t seed = 1;
-  std::size_t jobs = 0;
-};
+namespace {
 
 // Throws what ended the run early.
 LearnedModel learn_for_reproduction(const std::string& system,
@@ -60,8 +52,6 @@ ExitStatus reproduce_interrupt(const ReproduceArguments& arguments, Context& con
 // `maide reproduce interrupt`: the paper's Figure 3. For each system: the model that is learned,
 // the one that one would expect, and the shortest word that tells them apart; and whether that is
 // what the paper found.
-
-namespace {
 
 // A shortest word to each state, "" for the first.
 std::vector<std::string> access_words(const Mealy& machine) {
@@ -174,8 +164,6 @@ Finding find(const LearnedModel& model) {
   return finding;
 }
 
-}  // namespace
-
 ExitStatus reproduce_interrupt(const ReproduceArguments& arguments, Context& context) {
   Json systems = Json::array();
   bool all_agree = true;
@@ -217,8 +205,6 @@ ExitStatus reproduce_interrupt(const ReproduceArguments& arguments, Context& con
 // `maide reproduce table2`: the paper's two case studies, decided by our own engine and by SPIN on
 // models learned anew, beside what the paper reports. Equal conclusions are expected; equal numbers
 // of states are not: here a step is a rendezvous, and the bookkeeping of loops costs none.
-
-namespace {
 
 using Models = std::map<std::string, InterfaceAutomaton>;
 
@@ -310,8 +296,6 @@ Models learn_models(const std::string& system, const ReproduceArguments& argumen
   return models;
 }
 
-}  // namespace
-
 ExitStatus reproduce_table2(const ReproduceArguments& arguments, Context& context) {
   const bool has_spin = find_on_path("spin").has_value();
   if (!has_spin) context.complain("spin is not installed: its columns are left out");
@@ -347,8 +331,6 @@ ExitStatus reproduce_table2(const ReproduceArguments& arguments, Context& contex
   context.set_result({{"table", "table2"}, {"agree", all_agree}, {"rows", rows}});
   return all_agree ? ExitStatus::ok : ExitStatus::violated;
 }
-
-namespace {
 
 constexpr const char* table1_format =
     "{:<28} {:>4} {:>4} {:>6} {:>4} {:>6} {:>8}  | {:>4} {:>4} {:>6} {:>4} {:>6} {:>8}\n";
@@ -416,8 +398,6 @@ ExitStatus reproduce_table1(const ReproduceArguments& arguments, Context& contex
   return all_equal ? ExitStatus::ok : ExitStatus::violated;
 }
 
-}  // namespace
-
 LearnedModel learn_for_reproduction(const std::string& system,
                                     const std::map<std::string, std::string>& options,
                                     const ReproduceArguments& arguments,
@@ -456,22 +436,9 @@ std::vector<std::string> chosen_systems(const std::vector<std::string>& known,
   return systems;
 }
 
-RunFunction set_up_reproduce(CommandLine& line) {
+RunFunction set_up(CommandLine& line) {
   auto arguments = std::make_shared<ReproduceArguments>();
-  line.add("WHAT", arguments->what, "Which result: table1 (learning), table2 (checking), interrupt")
-      .required()
-      .check([](const std::string& what) {
-        return check_one_of(what, {"table1", "table2", "interrupt"});
-      });
-  line.add("--system", arguments->systems,
-           fmt::format("Learn from this system. Which: {} (default: all that are built here; for "
-                       "table2, port)",
-                       fmt::join(table1_systems(), ", ")))
-      .no_default();
-  line.add("--algorithm", arguments->algorithm, "As in maide learn; the paper's is lmplus");
-  line.add("--eq", arguments->test_method, "As in maide learn");
-  add_jobs_option(line, arguments->jobs);
-  add_seed_option(line, arguments->seed);
+  declare_reproduce(line, *arguments);
   return [arguments](Context& context) {
     if (arguments->what == "table1") return reproduce_table1(*arguments, context);
     if (arguments->what == "table2") return reproduce_table2(*arguments, context);
@@ -479,4 +446,10 @@ RunFunction set_up_reproduce(CommandLine& line) {
   };
 }
 
+}  // namespace
 }  // namespace maide::cli
+
+int main(int argc, char** argv) {
+  maide::cli::prepare_process();
+  return maide::cli::run_tool("reproduce", maide::cli::set_up, argc, argv);
+}

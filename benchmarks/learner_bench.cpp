@@ -1,4 +1,4 @@
-#include "maide/experiment/learner_bench.hpp"
+#include "learner_bench.hpp"
 
 #include <algorithm>
 #include <atomic>
