@@ -50,7 +50,7 @@ namespace maide {
 // A part of the product that is searched beside others: nodes in whose monitor state the part is.
 template <std::size_t words>
 struct ProductPart {
-  using Reached = BreadthFirstSearch<words, NoGoal>;
+  using Reached = BreadthFirstSearch<words>;
   // What the searches of all parts tell each other.
   struct Shared {
     explicit Shared(unsigned count) : threads(count) {}
@@ -280,8 +280,8 @@ class FairCycleSearch {
     graph_.find_steps(node, steps_);
     successors_.clear();
     if (is_waiting(node)) {
-      find_successors_in_order(
-          node, (*order_)[static_cast<std::uint32_t>(lowest_word(incoming.marks_or_last))]);
+      const auto last = static_cast<std::uint32_t>(lowest_word(incoming.marks_or_last));
+      find_successors(node, {0, &*order_, (*order_)[last]});
     } else {
       find_reduced_successors(node);
     }
@@ -311,29 +311,36 @@ class FairCycleSearch {
     return order_->behind(graph_.system(), graph_.plain(node), edge.program, edge.edge);
   }
 
+  // Which steps are followed: those of some programs, or those that another step does not leave
+  // out.
+  struct Wanted {
+    std::uint64_t programs = ~std::uint64_t{0};  // the first 64; all others are wanted
+    const StepOrder* order = nullptr;
+    StepOrder::Last last{};
+    bool operator()(const Step& step) const {
+      if (order != nullptr) {
+        return step.program >= last.program || !order->leaves_out(last, step.program, step.edge);
+      }
+      return step.program >= most_reduced_programs || (programs >> step.program & 1) != 0;
+    }
+  };
+
   void find_reduced_successors(const State& node) {
-    if (sets_ == nullptr) return find_successors(node, [](const Step&) { return true; });
+    if (sets_ == nullptr) return find_successors(node, {});
     const std::uint64_t programs = sets_->select(graph_.plain(node));
-    if (!sets_->is_reduced()) return find_successors(node, [](const Step&) { return true; });
-    find_successors(node, [&](const Step& step) { return (programs >> step.program & 1) != 0; });
+    if (!sets_->is_reduced()) return find_successors(node, {});
+    find_successors(node, {programs});
     if (std::any_of(successors_.begin(), successors_.end(), [&](const Successor& successor) {
           return successor.number != Graph::no_node && is_on_path_[successor.number];
         })) {
-      find_successors(node, [&](const Step& step) { return (programs >> step.program & 1) == 0; });
+      find_successors(node, {~programs});
     }
   }
 
-  void find_successors_in_order(const State& node, const StepOrder::Last& last) {
-    find_successors(node, [&](const Step& step) {
-      return step.program >= last.program || !order_->leaves_out(last, step.program, step.edge);
-    });
-  }
-
   // Appends the edges by the steps that are wanted.
-  template <typename IsWanted>
-  void find_successors(const State& node, IsWanted&& is_wanted) {
+  void find_successors(const State& node, const Wanted& wanted) {
     const std::size_t first = successors_.size();
-    graph_.for_each_wanted_edge(node, steps_, is_wanted, [&](const Edge& edge) {
+    graph_.for_each_wanted_edge(node, steps_, wanted, [&](const Edge& edge) {
       const Address address = graph_.address_of(edge.target);
       graph_.prefetch(address);
       successors_.push_back({edge, address});
@@ -474,7 +481,7 @@ class FairCycleSearch {
 // What was reached is a node with each root, but for errors. `result`: of that search, on all
 // ranks.
 template <std::size_t words>
-void count_roots(const PackedSystem& system, const BreadthFirstSearch<words, NoGoal>& reached,
+void count_roots(const PackedSystem& system, const BreadthFirstSearch<words>& reached,
                  std::uint64_t roots, SearchResult& result, Ranks* ranks = nullptr) {
   if (system.has_errors()) {
     RankReport errors;
@@ -523,8 +530,7 @@ class PartsSearch {
     options.threads = limits.threads;
     options.states_a_thread = limits.states_a_thread;
     options.order = &order;
-    const NoGoal goal;
-    Reached reached(system_, goal, limits, options);
+    Reached reached(system_, limits, options);
     SearchResult result;
     if (roots_ > 0) {
       result = reached.run();

@@ -29,8 +29,10 @@
 #include <cstdint>
 #include <cstring>
 #include <deque>
+#include <functional>
 #include <new>
 #include <optional>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -141,16 +143,23 @@ class FairHull {
 
   // ---- phases ----
 
+  // Hands an item to the owner of its node.
+  template <typename Item>
+  using Send = std::function<void(const Item& item)>;
+
   // Rounds until no rank has anything left: `visit_next(send)` works on one node, and is false if
   // there is none; what it sends is given to `arrive` by the owner.
-  template <typename Item, typename VisitNext, typename Arrive>
-  void run_phase(RankBatches<Item>& batches, VisitNext&& visit_next, Arrive&& arrive) {
+  template <typename Item>
+  void run_phase(
+      RankBatches<Item>& batches,
+      const std::type_identity_t<std::function<bool(const Send<Item>& send)>>& visit_next,
+      const std::type_identity_t<Send<Item>>& arrive) {
     const std::size_t round = 16 * limits_.states_a_thread;
     while (is_going_on()) {
       std::vector<std::vector<std::vector<Item>>> away(1);
       away[0].resize(ranks_.size());
       bool is_left = false;
-      const auto send = [&](const Item& item) {
+      const Send<Item> send = [&](const Item& item) {
         const unsigned owner = owner_of(item.node);
         if (owner == ranks_.rank()) return arrive(item);
         away[0][owner].push_back(item);
@@ -239,7 +248,7 @@ class FairHull {
     Number next = 0;
     run_phase(
         numbers_,
-        [&](auto& send) {
+        [&](const auto& send) {
           if (next == graph_.size()) return false;
           expand(next++, send);
           return true;
@@ -247,23 +256,19 @@ class FairHull {
         [&](const NumberFor& item) { enter(item); });
   }
 
-  template <typename Send>
-  void expand(Number number, Send& send) {
+  void expand(Number number, const Send<NumberFor>& send) {
     const State node = graph_.node(number);  // the list may grow
     const bool waits = is_waiting(node);
     std::uint64_t edges = 0;
-    graph_.find_steps(node, steps_);
-    graph_.for_each_wanted_edge(
-        node, steps_, [](const auto&) { return true; },
-        [&](const Edge& edge) {
-          ++edges;
-          std::uint64_t value = edge.code | std::uint64_t{graph_.monitor_state(node)}
-                                                << code_places;
-          if (!edge.is_step) value |= is_stay;
-          if (!waits && !is_waiting(edge.target)) value |= is_counted;
-          send(NumberFor{edge.target, value});
-        });
-    result_.transitions += waits ? steps_.seen : edges;
+    std::uint64_t seen = 0;
+    for (const Edge& edge : graph_.edges_of(node, &seen)) {
+      ++edges;
+      std::uint64_t value = edge.code | std::uint64_t{graph_.monitor_state(node)} << code_places;
+      if (!edge.is_step) value |= is_stay;
+      if (!waits && !is_waiting(edge.target)) value |= is_counted;
+      send(NumberFor{edge.target, value});
+    }
+    result_.transitions += waits ? seen : edges;
   }
 
   void enter(const NumberFor& item) {
@@ -317,7 +322,7 @@ class FairHull {
   void trim() {
     run_phase(
         numbers_,
-        [&](auto& send) {
+        [&](const auto& send) {
           Number number = 0;
           if (!pop(number)) return false;
           for_each_counted_edge(number, [&](const Edge& edge) { send(NumberFor{edge.target, 0}); });
@@ -340,7 +345,7 @@ class FairHull {
     });
     run_phase(
         gains_,
-        [&](auto& send) {
+        [&](const auto& send) {
           Number number = 0;
           if (!pop(number)) return false;
           const Bits marks = marks_[number];
@@ -402,7 +407,7 @@ class FairHull {
     });
     run_phase(
         numbers_,
-        [&](auto& send) {
+        [&](const auto& send) {
           Number number = 0;
           if (!pop(number)) return false;
           const std::uint64_t label = std::max(labels_[number], own_label(number));
@@ -479,7 +484,6 @@ class FairHull {
   Ranks& ranks_;
   RankBatches<NumberFor> numbers_;
   RankBatches<GainFor> gains_;
-  typename Graph::Steps steps_;
   // By node.
   std::vector<std::uint64_t> came_by_;
   std::vector<std::uint32_t> in_degree_;  // edges from what is left, if it is left
@@ -512,11 +516,10 @@ SearchResult search_hull(const PackedSystem& system, const Monitor& monitor,
   options.states_a_thread = limits.states_a_thread;
   options.order = &order;
   options.ranks = limits.ranks;
-  const NoGoal goal;
   std::optional<Reached> reached;
   SearchResult result;
   if (roots > 0) {
-    result = reached.emplace(system, goal, limits, options).run();
+    result = reached.emplace(system, limits, options).run();
     if (result.end != SearchResult::End::complete) return result;
     count_roots(system, *reached, roots, result, limits.ranks);
   }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <exception>
+#include <memory>
 #include <new>
 #include <optional>
 #include <stdexcept>
@@ -17,6 +18,7 @@
 #include "maide/check/search/breadth_first_search.hpp"
 #include "maide/check/search/checkpoint.hpp"
 #include "maide/check/search/fair_hull.hpp"
+#include "maide/check/search/goal_rounds.hpp"
 #include "maide/check/search/monitors.hpp"
 #include "maide/check/search/ranks.hpp"
 #include "maide/check/search/search_job.hpp"
@@ -24,7 +26,7 @@
 namespace maide {
 namespace {
 
-// Goals: see breadth_first_search.hpp. `depends_on_step()`: on more than the states that are
+// Goals: see goal_rounds.hpp. `depends_on_step()`: on more than the states that are
 // visited.
 
 // A state in which nothing can happen and some program has not ended and may not rest.
@@ -129,7 +131,8 @@ SearchResult explore_for(const System& plain, std::optional<ReductionRules> rule
   std::optional<StepOrder> order;
   if (!rules && !goal.depends_on_step()) options.order = &order.emplace(system);
   SearchResult search = with_words(system.words(), [&](auto words) {
-    return BreadthFirstSearch<words.value, decltype(goal)>(system, goal, limits, options).run();
+    auto rounds = std::make_unique<GoalRounds<words.value, decltype(goal)>>(system, goal, options);
+    return BreadthFirstSearch<words.value>(std::move(rounds), limits).run();
   });
   if (rules) search.reduction = chain > 1 ? Reduction::full : Reduction::order;
   return search;

@@ -197,9 +197,18 @@ class ProductGraph {
   // Everything that may follow. Not to be nested.
   template <typename Visit>
   void for_each_edge(Number number, Visit&& visit) const {
-    find_steps(nodes_[number], scratch_);
+    for (const Edge& edge : edges_of(nodes_[number])) visit(edge);
+  }
+  // The same as a list, which lasts until edges of a node are next asked for; `seen`: the steps
+  // that were looked at.
+  const std::vector<Edge>& edges_of(const State& node, std::uint64_t* seen = nullptr) const {
+    find_steps(node, scratch_);
+    if (seen != nullptr) *seen = scratch_.seen;
+    edges_.clear();
     const auto is_any = [](const typename Steps::One&) { return true; };
-    for_each_wanted_edge(nodes_[number], scratch_, is_any, visit);
+    for_each_wanted_edge(node, scratch_, is_any,
+                         [this](const Edge& edge) { edges_.push_back(edge); });
+    return edges_;
   }
 
   // Calls `visit(node)` for nodes of that part to which a root goes in that state of the system.
@@ -274,6 +283,7 @@ class ProductGraph {
   std::vector<State> nodes_;  // by number, in the order of discovery; once they are listed
   bool lists_nodes_ = false;
   mutable Steps scratch_;
+  mutable std::vector<Edge> edges_;
 };
 
 // Calls `work` as with_words() does. Searches with wide sets are compiled for large states alone.

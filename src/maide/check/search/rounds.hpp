@@ -11,13 +11,11 @@
 #pragma once
 
 #include <algorithm>
-#include <bit>
 #include <cstdint>
 #include <optional>
 #include <utility>
 #include <vector>
 
-#include "maide/base/invariant.hpp"
 #include "maide/base/numbers.hpp"
 #include "maide/base/thread_team.hpp"
 #include "maide/check/packed/chunks.hpp"
@@ -50,12 +48,8 @@ constexpr unsigned chain_bits(unsigned chain, unsigned code_bits) {
   return chain <= 1 ? code_bits : chain * code_bits + bits_for(chain + 1);
 }
 
-// A goal says what to look for, in the middle of the innermost loop, on all threads:
-//   bool on_step(const PackedState& from, const PackedState& next, std::size_t program,
-//                std::uint32_t edge, bool is_cut)      a step; true: the run up to it is wanted
-//   bool on_end(const PackedState& state)              nothing can happen but deaths, and it is no
-//                                                      error; true: the run is wanted
-template <std::size_t words, typename Goal>
+// What is looked for is left to the class that takes the steps of the states (goal_rounds.hpp).
+template <std::size_t words>
 class SearchRounds {
  public:
   using State = PackedState<words>;
@@ -114,15 +108,19 @@ class SearchRounds {
   // Of a tag: which piece, and which of its states.
   static constexpr unsigned tag_bits = 27;
 
-  // Keeps references.
-  SearchRounds(const PackedSystem& system, const Goal& goal, const BreadthFirstOptions& options)
+  // Keeps a reference.
+  SearchRounds(const PackedSystem& system, const BreadthFirstOptions& options)
       : system_(system),
-        goal_(goal),
         options_(options),
         table_(system.address_bits(), chain_bits(options.chain, system.code_bits())),
         team_(std::min<unsigned>(options.threads, Table::segment_count)),
         pieces_(team_.size()) {}
+  SearchRounds(const SearchRounds&) = delete;
+  SearchRounds& operator=(const SearchRounds&) = delete;
+  virtual ~SearchRounds() = default;
 
+  const PackedSystem& system() const { return system_; }
+  const BreadthFirstOptions& options() const { return options_; }
   const Table& table() const { return table_; }
   std::vector<Piece>& pieces() { return pieces_; }  // by thread
   unsigned threads() const { return threads_; }     // of the round
@@ -219,7 +217,12 @@ class SearchRounds {
     threads_ = states < 2 * options_.states_a_thread ? 1 : team_.start();
     on_all([&](unsigned thread) {
       const std::size_t begin = states * thread / threads_;
-      expand_some(thread, postponed, first, begin, states * (thread + 1) / threads_);
+      Piece& piece = pieces_[thread];
+      if (options_.sets != nullptr && !piece.sets) piece.sets.emplace(*options_.sets);
+      piece.first_tag = thread << tag_bits;
+      if (options_.ranks != nullptr) piece.away.resize(options_.ranks->size());
+      clear(piece.batch);
+      expand_some(piece, postponed, first, begin, states * (thread + 1) / threads_);
     });
     std::size_t used = 0;
     while (used < threads_ && !pieces_[used++].find) {
@@ -293,10 +296,31 @@ class SearchRounds {
     return {payload & low_bits(bits), static_cast<unsigned>(payload >> bits)};
   }
 
+ protected:
+  // Of the round's states, which are those that were postponed and then those of the level from
+  // `first` on, takes the steps of the numbers begin..end-1, and pushes what they lead to. It stops
+  // where the goal is met.
+  virtual void expand_some(Piece& piece, const std::vector<Reduced>& postponed, std::size_t first,
+                           std::size_t begin, std::size_t end) = 0;
+
+  // A state of the level, and with an order of steps what the last one into it leaves out.
+  const State& state_at(std::size_t place) { return level_[place]; }
+  const StepOrder::Last& last_at(std::size_t place) { return (*options_.order)[lasts_[place]]; }
+
+  // Puts the state on its way, to the table or to the rank that owns it.
+  void push(Piece& piece, const State& state, std::uint64_t payload, std::uint32_t tag) {
+    const typename Table::Address address = table_.address_of(state);
+    const auto bits = static_cast<std::uint32_t>(payload);
+    if (is_own(address)) {
+      add(piece.batch, threads_, {state, address, bits, tag});
+    } else {
+      piece.away[owner_of(address)].push_back({state, bits, tag});
+    }
+  }
+
  private:
   // Between a state's prefetch and its lookup: long enough for memory to answer.
   static constexpr std::size_t pipeline = 16;
-  static constexpr std::uint64_t every_program = ~std::uint64_t{0};
 
   bool is_own(const typename Table::Address& address) const {
     return options_.ranks == nullptr || owner_of(address) == options_.ranks->rank();
@@ -312,155 +336,12 @@ class SearchRounds {
     }
   }
 
-  // ---- expanding ----
-
-  // Of the round's states, which are those that were postponed and then those of the level from
-  // `first` on, the numbers begin..end-1; up to a find.
-  void expand_some(unsigned thread, const std::vector<Reduced>& postponed, std::size_t first,
-                   std::size_t begin, std::size_t end) {
-    Piece& piece = pieces_[thread];
-    if (options_.sets != nullptr && !piece.sets) piece.sets.emplace(*options_.sets);
-    piece.first_tag = thread << tag_bits;
-    if (options_.ranks != nullptr) piece.away.resize(options_.ranks->size());
-    clear(piece.batch);
-    for (std::size_t i = begin; i < end; ++i) {
-      if (i < postponed.size()) {
-        if (take_steps(piece, postponed[i].state, ~postponed[i].programs)) return;
-        continue;
-      }
-      const std::size_t place = first + i - postponed.size();
-      const State state = level_[place];
-      if (system_.is_error(state)) continue;
-      if (options_.order != nullptr
-              ? expand_in_order(piece, state, (*options_.order)[lasts_[place]])
-              : expand(piece, state)) {
-        return;
-      }
-    }
-  }
-
   void clear(Batch& batch) const {
     batch.arrivals.clear();
     batch.mine.resize(team_.size());
     for (auto& arrivals : batch.mine) arrivals.clear();
   }
 
-  // True if the goal is met.
-  bool expand(Piece& piece, const State& state) {
-    if (!piece.sets) return take_steps(piece, state, every_program);
-    const std::uint64_t programs = piece.sets->select(state);
-    if (options_.puts_nothing_off && piece.sets->is_reduced()) {
-      piece.reduced.push_back({state, programs, false});
-      MAIDE_CHECK(piece.reduced.size() <= low_bits(tag_bits));
-      piece.tag = piece.first_tag + static_cast<std::uint32_t>(piece.reduced.size());
-    }
-    const bool is_found = take_steps(piece, state, programs);
-    piece.tag = 0;
-    return is_found;
-  }
-
-  // All steps, of which those that `last` leaves out are only counted. True if the goal is met.
-  bool expand_in_order(Piece& piece, const State& state, const StepOrder::Last& last) {
-    const StepOrder& order = *options_.order;
-    bool is_end = true;
-    for (std::size_t program = 0; program < system_.program_count(); ++program) {
-      const auto is_left_out = [&](std::uint32_t edge) {
-        return program < last.program && order.leaves_out(last, program, edge);
-      };
-      if (take_steps(piece, state, program, is_left_out, is_end)) return true;
-    }
-    return is_end && ends_at(piece, state);
-  }
-
-  // The steps of those programs. True if the goal is met.
-  bool take_steps(Piece& piece, const State& state, std::uint64_t programs) {
-    bool is_end = true;
-    const auto is_left_out = [](std::uint32_t) { return false; };
-    for (std::size_t program = 0; program < system_.program_count(); ++program) {
-      if (program < most_reduced_programs && (programs >> program & 1) == 0) continue;
-      if (take_steps(piece, state, program, is_left_out, is_end)) return true;
-    }
-    return is_end && ends_at(piece, state);
-  }
-
-  // The steps of a program, but those of edges that are left out. True if the goal is met; where
-  // there is a step other than a death, left out or not, is no end.
-  template <typename IsLeftOut>
-  bool take_steps(Piece& piece, const State& state, std::size_t program, IsLeftOut&& is_left_out,
-                  bool& is_end) {
-    bool is_found = false;
-    system_.for_each_step(
-        state, program,
-        [&](const State& next, std::uint32_t edge, bool is_cut, std::uint64_t code) {
-          is_end = is_end && system_.is_death(program, edge);
-          if (is_found) return;
-          ++piece.transitions;
-          piece.has_cut = piece.has_cut || is_cut;
-          if (is_left_out(edge)) return;
-          if (goal_.on_step(state, next, program, edge, is_cut)) {
-            is_found = true;
-            piece.find = Find{next, {code, 1}};
-          } else if (is_cut) {
-            return;
-          } else if (options_.order != nullptr) {
-            push(piece, next, code, options_.order->behind(system_, state, program, edge));
-          } else {
-            is_found = follow(piece, next, {code, 1});
-          }
-        });
-    return is_found;
-  }
-
-  // At a state in which nothing can happen. True if the goal is met.
-  bool ends_at(Piece& piece, const State& state) {
-    if (!goal_.on_end(state)) return false;
-    piece.find = Find{state, {}};
-    return true;
-  }
-
-  // Passes by states that have one step alone. True if the goal is met.
-  bool follow(Piece& piece, State state, Chain chain) {
-    while (chain.length < options_.chain && !system_.is_error(state)) {
-      const std::uint64_t programs = piece.sets->select(state);
-      if (programs == 0 || (programs & (programs - 1)) != 0) break;
-      const auto program = static_cast<std::size_t>(std::countr_zero(programs));
-      std::size_t count = 0;
-      State after{};
-      std::uint32_t taken = 0;
-      std::uint64_t step_code = 0;
-      bool cuts = false;
-      system_.for_each_step(
-          state, program,
-          [&](const State& next, std::uint32_t edge, bool is_cut, std::uint64_t code) {
-            ++count;
-            after = next;
-            taken = edge;
-            step_code = code;
-            cuts = is_cut;
-          });
-      if (count != 1 || cuts) break;
-      MAIDE_CHECK(step_code <= low_bits(system_.code_bits()));
-      ++piece.transitions;
-      chain = {(chain.codes << system_.code_bits()) | step_code, chain.length + 1};
-      if (goal_.on_step(state, after, program, taken, false)) {
-        piece.find = Find{after, chain};
-        return true;
-      }
-      state = after;
-    }
-    push(piece, state, payload_of(chain), piece.tag);
-    return false;
-  }
-
-  void push(Piece& piece, const State& state, std::uint64_t payload, std::uint32_t tag) {
-    const typename Table::Address address = table_.address_of(state);
-    const auto bits = static_cast<std::uint32_t>(payload);
-    if (is_own(address)) {
-      add(piece.batch, threads_, {state, address, bits, tag});
-    } else {
-      piece.away[owner_of(address)].push_back({state, bits, tag});
-    }
-  }
   void add(Batch& batch, unsigned threads, const Arrival& arrival) const {
     if (threads > 1) {
       batch.mine[table_.segment_of(arrival.address) % threads].push_back(
@@ -515,16 +396,8 @@ class SearchRounds {
     }
   }
 
-  std::uint64_t payload_of(const Chain& chain) const {
-    if (options_.chain <= 1) return chain.codes;
-    MAIDE_CHECK(chain.length <= options_.chain);
-    MAIDE_CHECK(chain.codes <= low_bits(options_.chain * system_.code_bits()));
-    return chain.codes | (std::uint64_t{chain.length} << (options_.chain * system_.code_bits()));
-  }
-
   const PackedSystem& system_;
-  const Goal& goal_;
-  const BreadthFirstOptions& options_;
+  BreadthFirstOptions options_;
   Table table_;
   ThreadTeam team_;
   std::vector<Piece> pieces_;

@@ -72,8 +72,7 @@ class ShortLasso {
     unsigned count = 0;
   };
 
-  // ---- What lies near
-  // -----------------------------------------------------------------------------
+  // ---- what lies near ----
 
   void visit() {
     for (const auto& node : graph_.first_nodes()) add(node, Graph::no_node, 0, 0);
@@ -82,10 +81,8 @@ class ShortLasso {
       look(1);
       nodes_[number].first = nodes_[number].last = links_.size();
       if (nodes_[number].depth >= length_) continue;
-      edges_.clear();
-      graph_.for_each_edge(number, [this](const Edge& edge) { edges_.push_back(edge); });
       const std::uint32_t depth = nodes_[number].depth + 1;
-      for (const Edge& edge : edges_) {
+      for (const Edge& edge : graph_.edges_of(graph_.node(number))) {
         const auto target =
             add(edge.target, number, static_cast<std::uint32_t>(links_.size()), depth);
         if (target == Graph::no_node) continue;
@@ -105,8 +102,7 @@ class ShortLasso {
     return number;
   }
 
-  // ---- Parts
-  // --------------------------------------------------------------------------------------
+  // ---- parts ----
 
   std::vector<Part> find_parts() {
     std::vector<Number> all(nodes_.size());
@@ -160,8 +156,7 @@ class ShortLasso {
     return true;
   }
 
-  // ---- Ways round
-  // ---------------------------------------------------------------------------------
+  // ---- ways round ----
 
   void search(const Part& part) {
     places_.assign(nodes_.size(), Graph::no_node);
@@ -302,9 +297,8 @@ class ShortLasso {
   std::size_t length_ = 0;  // a run is to be shorter
   std::function<bool(const Trace&)> is_good_;
   std::optional<Trace> best_;
-  std::vector<Node> nodes_;  // by number
-  std::vector<Link> links_;  // grouped by node
-  std::vector<Edge> edges_;
+  std::vector<Node> nodes_;     // by number
+  std::vector<Link> links_;     // grouped by node
   std::vector<Number> places_;  // of a part's members by number; no_node of others
   std::uint64_t work_ = 0;
 };
