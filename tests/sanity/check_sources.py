@@ -47,7 +47,6 @@ def allowed_layers(layer):
     return allowed
 
 
-LENGTH_LIMIT = 600
 CODE = {".cpp", ".hpp", ".py", ".sh"}
 INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]')
 
@@ -258,11 +257,26 @@ def check_openings(sources):
         yield path, 1, "does not open with a comment that says what it is"
 
 
-def check_length(sources):
-    for path in sources.code():
-        count = len(sources.text(path).splitlines())
-        if count > LENGTH_LIMIT:
-            yield path, count, f"has {count} lines; {LENGTH_LIMIT} is the limit: split by concept"
+# Classes that have members in several sources; the list only shrinks.
+SEVERAL_SOURCES = {"Cache", "ModelActions", "ProgramParser", "SystemReader", "TreeLearner",
+                   "Unroller", "WrapperProxy"}
+
+
+def check_members(sources):
+    """One class, one file: the members of a class are defined in one source."""
+    definition = re.compile(r"^(?=\S)(?:[\w:<>,&*\[\] ]+ [*&]*)?(?:\w+::)*([A-Z]\w*)::~?\w+\(",
+                            re.MULTILINE)
+    seen = {}
+    for path in sources.files:
+        if path.parts[:2] != ("src", "maide") or path.suffix != ".cpp":
+            continue
+        text = sources.text(path)
+        for match in definition.finditer(text):
+            name = match.group(1)
+            other = seen.setdefault(name, path)
+            if other != path and name not in SEVERAL_SOURCES:
+                number = text.count("\n", 0, match.start()) + 1
+                yield path, number, f"defines a member of {name}, as {other} does"
 
 
 def check_names(sources):
@@ -324,6 +338,91 @@ def check_snippets(sources):
             block = "\n".join(lines[number:end])
             if f"\n{block}\n" not in f"\n{sources.text(origin)}\n":
                 yield path, number, f"is not what {origin} says"
+
+
+# Where each of these names of std comes from; of several headers one is enough.
+STD_HEADERS = {
+    "algorithm": "all_of any_of none_of find_if find_if_not count_if copy_if fill sort stable_sort "
+                 "partial_sort nth_element lower_bound upper_bound equal_range binary_search unique "
+                 "reverse rotate remove_if transform min max clamp minmax min_element max_element "
+                 "lexicographical_compare includes set_union set_intersection set_difference "
+                 "is_sorted for_each mismatch partition stable_partition",
+    "array": "array to_array",
+    "atomic": "atomic atomic_flag",
+    "bit": "bit_cast bit_width bit_ceil countr_zero countl_zero popcount has_single_bit",
+    "charconv": "from_chars to_chars",
+    "chrono": "chrono",
+    "condition_variable": "condition_variable condition_variable_any cv_status",
+    "cstdint": "uint8_t uint16_t uint32_t uint64_t int8_t int16_t int32_t int64_t",
+    "deque": "deque",
+    "exception": "exception_ptr current_exception rethrow_exception",
+    "filesystem": "filesystem",
+    "fstream": "ifstream ofstream fstream",
+    "functional": "function reference_wrapper bind_front hash",
+    "future": "future promise async packaged_task",
+    "initializer_list": "initializer_list",
+    "iomanip": "setw setprecision setfill",
+    "limits": "numeric_limits",
+    "map": "map multimap",
+    "memory": "unique_ptr shared_ptr weak_ptr make_unique make_shared enable_shared_from_this",
+    "mutex": "mutex recursive_mutex lock_guard unique_lock scoped_lock once_flag call_once",
+    "numeric": "accumulate iota gcd lcm reduce",
+    "optional": "optional nullopt make_optional",
+    "queue": "queue priority_queue",
+    "random": "mt19937 mt19937_64 uniform_int_distribution bernoulli_distribution",
+    "regex": "regex smatch regex_match regex_search",
+    "set": "set multiset",
+    "shared_mutex": "shared_mutex shared_lock",
+    "span": "span",
+    "sstream": "stringstream istringstream ostringstream",
+    "stdexcept": "runtime_error logic_error invalid_argument out_of_range length_error",
+    "stop_token": "stop_token stop_source stop_callback",
+    "string": "string to_string stoi stoul stoull getline",
+    "string_view": "string_view",
+    "system_error": "system_error error_code generic_category",
+    "thread": "thread jthread this_thread",
+    "tuple": "tuple tie make_tuple",
+    "type_traits": "is_same_v decay_t remove_cvref_t conditional_t enable_if_t invoke_result_t",
+    "unordered_map": "unordered_map unordered_multimap",
+    "unordered_set": "unordered_set unordered_multiset",
+    "utility": "move forward exchange swap pair make_pair as_const declval",
+    "variant": "variant visit holds_alternative get_if monostate",
+    "vector": "vector",
+}
+# These bring what the name's own header has: in the standard, or as their purpose.
+STD_ALSO = {"pair": ["map", "unordered_map", "tuple"], "swap": ["array", "tuple", "optional"],
+            "hash": ["string", "string_view", "optional", "variant"],
+            "get_if": ["variant"], "this_thread": ["thread"], "stop_token": ["thread"],
+            "stop_source": ["thread"], "stop_callback": ["thread"], "getline": ["istream"],
+            "initializer_list": ["string", "vector", "map", "set", "array"],
+            "error_code": ["filesystem"]}
+
+
+def check_includes(sources):
+    """A file includes itself what it uses of the standard library, or its own header does: what a
+    neighbour brings along is not relied on."""
+    header_of = {name: header for header, names in STD_HEADERS.items() for name in names.split()}
+    used = re.compile(r"\bstd::(" + "|".join(sorted(header_of, key=len, reverse=True)) + r")\b")
+    for path in sources.files:
+        if path.parts[:2] != ("src", "maide") or path.suffix not in (".cpp", ".hpp"):
+            continue
+        included = included_by(sources, path)
+        own_header = path.with_suffix(".hpp")
+        if path.suffix == ".cpp" and own_header in sources.files:
+            included |= included_by(sources, own_header)
+        told = set()
+        for number, line in enumerate(sources.text(path).splitlines(), 1):
+            code = re.sub(r'"(\\.|[^"\\])*"', '""', line.split("//")[0])
+            for name in used.findall(code):
+                headers = {header_of[name], *STD_ALSO.get(name, [])}
+                if not headers & included and header_of[name] not in told:
+                    told.add(header_of[name])
+                    yield path, number, f"uses std::{name} without <{header_of[name]}>"
+
+
+def included_by(sources, path):
+    return {match.group(1) for line in sources.text(path).splitlines()
+            if (match := INCLUDE.match(line))}
 
 
 # The least CMake that builds Maide, that of Ubuntu 22.04, and what came after it, by version.

@@ -1,8 +1,11 @@
 #include "maide/automata/minimize.hpp"
 
 #include <algorithm>
+#include <cstdint>
+#include <span>
 #include <tuple>
 #include <utility>
+#include <vector>
 
 #include "maide/automata/partition.hpp"
 #include "maide/base/invariant.hpp"

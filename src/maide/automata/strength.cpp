@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <utility>
+#include <vector>
 
 #include "maide/base/error.hpp"
 #include "maide/base/numbers.hpp"

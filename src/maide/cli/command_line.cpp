@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cctype>
 #include <map>
+#include <utility>
 
 #include "maide/base/error.hpp"
 #include "maide/base/numbers.hpp"

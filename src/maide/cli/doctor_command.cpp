@@ -6,10 +6,13 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
+#include <cstdint>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <own_wrappers.hpp>  // made by the build
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "maide/base/error.hpp"

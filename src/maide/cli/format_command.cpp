@@ -3,6 +3,8 @@
 
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
 
 #include "maide/base/file.hpp"
 #include "maide/check/language/layout.hpp"

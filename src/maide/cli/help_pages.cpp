@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <own_wrappers.hpp>  // made by the build
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "maide/base/text.hpp"

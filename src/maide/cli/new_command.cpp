@@ -10,6 +10,8 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <own_wrappers.hpp>  // made by the build
+#include <span>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <system_error>

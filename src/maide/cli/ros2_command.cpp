@@ -4,6 +4,10 @@
 
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
 
 #include "maide/base/error.hpp"
 #include "maide/base/file.hpp"

@@ -9,6 +9,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <system_error>
+#include <utility>
 
 #include "maide/base/error.hpp"
 #include "maide/base/subprocess.hpp"

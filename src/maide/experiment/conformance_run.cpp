@@ -6,6 +6,8 @@
 #include <chrono>
 #include <memory>
 #include <set>
+#include <span>
+#include <string_view>
 #include <utility>
 
 #include "maide/automata/compare.hpp"

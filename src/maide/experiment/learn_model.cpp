@@ -7,6 +7,7 @@
 #include <string>
 #include <tuple>
 #include <utility>
+#include <variant>
 
 #include "maide/automata/minimize.hpp"
 #include "maide/base/error.hpp"

@@ -3,10 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cstdint>
+#include <exception>
 #include <span>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "maide/automata/nondeterministic_mealy.hpp"
 #include "maide/base/error.hpp"

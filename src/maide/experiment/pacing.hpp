@@ -9,7 +9,10 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "maide/base/run_control.hpp"
 #include "maide/learn/oracle/output_oracle.hpp"

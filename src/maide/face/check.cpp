@@ -1,6 +1,7 @@
 // maide::check(): a system file checked as the command line does it.
 #include "maide/check.hpp"
 
+#include <filesystem>
 #include <sstream>
 #include <string>
 

@@ -2,6 +2,10 @@
 #include "maide/learn.hpp"
 
 #include <exception>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "maide/automata/strength.hpp"
 #include "maide/base/text.hpp"

@@ -1,6 +1,12 @@
 // Models in the format .aut: reading and writing.
 #include <charconv>
+#include <cstdint>
 #include <ostream>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <variant>
+#include <vector>
 
 #include "maide/automata/mealy.hpp"
 #include "maide/base/error.hpp"

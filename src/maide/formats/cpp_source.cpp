@@ -1,6 +1,9 @@
 // Models as C++ headers.
 #include <functional>
 #include <ostream>
+#include <string>
+#include <string_view>
+#include <variant>
 
 #include "maide/base/error.hpp"
 #include "maide/formats/exporters.hpp"

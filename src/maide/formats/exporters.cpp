@@ -3,6 +3,7 @@
 #include <array>
 #include <ostream>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "maide/base/text.hpp"

@@ -1,5 +1,8 @@
 // Models in the languages of model checkers: Promela and SMV.
 #include <ostream>
+#include <string>
+#include <variant>
+#include <vector>
 
 #include "maide/base/error.hpp"
 #include "maide/formats/exporters.hpp"

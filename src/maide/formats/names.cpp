@@ -1,6 +1,7 @@
 #include "maide/formats/names.hpp"
 
 #include <array>
+#include <utility>
 
 #include "maide/base/error.hpp"
 #include "maide/base/text_cursor.hpp"

@@ -4,12 +4,15 @@
 
 #include <algorithm>
 #include <cctype>
+#include <exception>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <span>
 #include <sstream>
 #include <string_view>
 #include <system_error>
 #include <utility>
+#include <variant>
 
 #include "maide/automata/compare.hpp"
 #include "maide/automata/strength.hpp"

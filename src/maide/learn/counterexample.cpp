@@ -1,5 +1,7 @@
 #include "maide/learn/counterexample.hpp"
 
+#include <vector>
+
 namespace maide {
 
 std::size_t first_mismatch(const Mealy& hypothesis, const Word& word, const Word& outputs) {

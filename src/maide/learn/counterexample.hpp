@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include "maide/automata/mealy.hpp"
 #include "maide/learn/oracle/output_oracle.hpp"

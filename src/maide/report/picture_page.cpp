@@ -4,6 +4,8 @@
 
 #include <ostream>
 #include <string_view>
+#include <variant>
+#include <vector>
 
 #include "maide/automata/strength.hpp"
 #include "maide/base/text.hpp"

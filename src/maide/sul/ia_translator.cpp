@@ -3,6 +3,7 @@
 #include <exception>
 #include <optional>
 #include <utility>
+#include <variant>
 
 #include "maide/base/error.hpp"
 #include "maide/base/invariant.hpp"

@@ -4,11 +4,14 @@
 // numbered in query order, never in arrival order.
 #pragma once
 
+#include <chrono>
+#include <cstdint>
 #include <functional>
 #include <map>
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "maide/automata/interface_automaton.hpp"

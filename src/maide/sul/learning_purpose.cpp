@@ -1,6 +1,7 @@
 #include "maide/sul/learning_purpose.hpp"
 
 #include <algorithm>
+#include <string_view>
 #include <utility>
 
 #include "maide/base/error.hpp"

@@ -1,6 +1,9 @@
 #include "maide/sul/simulated_sul.hpp"
 
 #include <algorithm>
+#include <cstdint>
+#include <span>
+#include <string>
 #include <utility>
 
 #include "maide/base/error.hpp"

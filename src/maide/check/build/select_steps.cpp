@@ -2,6 +2,7 @@
 // `select`: each arm whose guard holds and whose model can take its part, and `otherwise` or
 // `timeout` where there is none.
 #include <algorithm>
+#include <cstdint>
 #include <functional>
 #include <map>
 #include <optional>

@@ -1,6 +1,11 @@
 #include "maide/check/build/system_file.hpp"
 
 #include <algorithm>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <set>
+#include <variant>
 
 #include "maide/base/file.hpp"
 #include "maide/base/text.hpp"

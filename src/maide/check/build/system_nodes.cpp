@@ -2,6 +2,11 @@
 // one program; so are those of an exclusive group on several threads; each run of a reentrant one
 // is a program of its own.
 #include <algorithm>
+#include <cstdint>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "maide/base/text.hpp"
 #include "maide/check/build/system_reader.hpp"

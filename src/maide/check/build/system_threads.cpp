@@ -1,6 +1,14 @@
 // The programs that run the callbacks of a system file's nodes, the models of their threads, and
 // those of the services.
 #include <algorithm>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <set>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "maide/check/build/system_reader.hpp"
 #include "maide/check/rules/service_model.hpp"

@@ -1,5 +1,13 @@
 // Topics of a system file, and what becomes of models because programs stand at their ends.
 #include <algorithm>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
 
 #include "maide/check/build/system_reader.hpp"
 #include "maide/check/language/expression_parser.hpp"

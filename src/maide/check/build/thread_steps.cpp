@@ -1,6 +1,8 @@
 // Steps of programs with services, and of the threads that run callbacks: a callback starts, it
 // ends, an executor that goes by rounds looks.
 #include <algorithm>
+#include <cstdint>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>

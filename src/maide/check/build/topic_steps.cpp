@@ -3,7 +3,9 @@
 // few that exclude each other: for each set of readers that live, and where the step depends on
 // what was collected, for the first reader of which nothing was.
 #include <algorithm>
+#include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>

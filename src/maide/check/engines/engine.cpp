@@ -11,6 +11,7 @@
 #include <stdexcept>
 #include <type_traits>
 #include <utility>
+#include <vector>
 
 #include "maide/base/error.hpp"
 #include "maide/base/text.hpp"

@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "maide/base/run_control.hpp"
 #include "maide/check/engines/verdict.hpp"

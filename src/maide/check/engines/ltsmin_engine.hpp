@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "maide/base/subprocess.hpp"
 #include "maide/check/engines/engine.hpp"

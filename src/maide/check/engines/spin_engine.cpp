@@ -11,6 +11,7 @@
 #include <stdexcept>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include "maide/check/engines/engine_folder.hpp"
 #include "maide/check/engines/export/promela_system.hpp"

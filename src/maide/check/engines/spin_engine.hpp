@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "maide/check/engines/engine.hpp"
 #include "maide/check/engines/export/promela_system.hpp"

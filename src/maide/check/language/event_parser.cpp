@@ -1,6 +1,12 @@
 // Models, topics and their inputs and outputs in a program's text: `M.write(e)`, `message(var x)`.
 #include <algorithm>
+#include <cstdint>
 #include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
 
 #include "maide/base/text.hpp"
 #include "maide/base/text_cursor.hpp"

@@ -1,6 +1,11 @@
 #include "maide/check/language/expression_parser.hpp"
 
 #include <charconv>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
 
 #include "maide/check/language/system_names.hpp"
 

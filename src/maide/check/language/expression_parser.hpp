@@ -4,6 +4,9 @@
 
 #include <functional>
 #include <optional>
+#include <string_view>
+#include <utility>
+#include <vector>
 
 #include "maide/check/language/expression.hpp"
 #include "maide/check/language/system_names.hpp"

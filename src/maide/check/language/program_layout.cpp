@@ -1,10 +1,14 @@
 // The layout of programs and formulas. A text becomes a tree of statements, which have words, signs
 // and blocks; a tree becomes lines.
 #include <algorithm>
+#include <cstdint>
 #include <initializer_list>
 #include <memory>
 #include <optional>
+#include <string>
+#include <string_view>
 #include <utility>
+#include <vector>
 
 #include "maide/base/text_cursor.hpp"
 #include "maide/check/language/layout.hpp"

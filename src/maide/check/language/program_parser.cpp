@@ -1,6 +1,7 @@
 #include "maide/check/language/program_parser.hpp"
 
 #include <algorithm>
+#include <optional>
 #include <tuple>
 #include <utility>
 

@@ -3,10 +3,14 @@
 // entries with their comments; what that reader does not know is kept as it stands. In the end both
 // texts must mean the same to yaml-cpp, or the layout is an error of Maide's own.
 #include <algorithm>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <stdexcept>
+#include <string>
+#include <string_view>
 #include <utility>
+#include <vector>
 
 #include "maide/base/text.hpp"
 #include "maide/check/language/layout.hpp"

@@ -1,7 +1,9 @@
 // What runs callbacks, as a program: a loop that rests until one of them can start, and then does
 // its code and its end.
 #include <algorithm>
+#include <cstdint>
 #include <memory>
+#include <string>
 #include <utility>
 
 #include "maide/check/language/program_parser.hpp"

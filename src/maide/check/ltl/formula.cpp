@@ -1,6 +1,7 @@
 #include "maide/check/ltl/formula.hpp"
 
 #include <algorithm>
+#include <string_view>
 #include <utility>
 
 namespace maide {

@@ -10,6 +10,8 @@
 #include <set>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include "maide/base/error.hpp"
 #include "maide/base/text_cursor.hpp"

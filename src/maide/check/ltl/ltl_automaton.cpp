@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <memory>
 #include <ostream>
 #include <set>
+#include <utility>
 
 #include "maide/base/invariant.hpp"
 #include "maide/base/version.hpp"

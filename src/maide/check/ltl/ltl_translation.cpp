@@ -2,12 +2,14 @@
 // part, then the generalised automaton of sets of parts, simplified as it grows and once more at
 // the end.
 #include <algorithm>
+#include <cstdint>
 #include <deque>
 #include <map>
 #include <set>
 #include <stdexcept>
 #include <tuple>
 #include <utility>
+#include <vector>
 
 #include "maide/base/error.hpp"
 #include "maide/base/invariant.hpp"

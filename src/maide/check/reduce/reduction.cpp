@@ -1,6 +1,7 @@
 #include "maide/check/reduce/reduction.hpp"
 
 #include <algorithm>
+#include <cstdint>
 
 namespace maide {
 

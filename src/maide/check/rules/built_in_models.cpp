@@ -1,6 +1,7 @@
 #include "maide/check/rules/built_in_models.hpp"
 
 #include <algorithm>
+#include <span>
 #include <utility>
 
 #include "maide/base/invariant.hpp"

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <map>
+#include <string_view>
 
 #include "maide/base/text.hpp"
 #include "maide/check/rules/built_in_models.hpp"

@@ -1,6 +1,7 @@
 #include "maide/check/rules/service_model.hpp"
 
 #include <algorithm>
+#include <span>
 #include <string>
 #include <utility>
 

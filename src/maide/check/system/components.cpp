@@ -1,6 +1,8 @@
 #include "maide/check/system/components.hpp"
 
 #include <algorithm>
+#include <functional>
+#include <memory>
 #include <numeric>
 #include <utility>
 

@@ -1,6 +1,7 @@
 #include "maide/check/system/model_actions.hpp"
 
 #include <algorithm>
+#include <cstdint>
 #include <utility>
 
 #include "maide/base/invariant.hpp"

@@ -6,6 +6,7 @@
 // evaluated again for each value that this may have. Values that come to the same go together.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <map>
 #include <optional>

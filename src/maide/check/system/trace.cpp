@@ -1,6 +1,7 @@
 #include "maide/check/system/trace.hpp"
 
 #include <algorithm>
+#include <cstdint>
 #include <functional>
 #include <limits>
 #include <span>

@@ -7,9 +7,11 @@
 //    "steps": [{"program": "planner", "line": 8, "model": "via", "event": "?write"}, ...]}
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "maide/base/json.hpp"
 #include "maide/base/run_control.hpp"

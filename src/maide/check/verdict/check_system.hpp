@@ -4,6 +4,7 @@
 // beyond the bound, a call that really blocks while its return is not in the model, a weak model.
 #pragma once
 
+#include <cstdint>
 #include <map>
 #include <string>
 #include <vector>

@@ -6,10 +6,12 @@
 // taken in it and behind it. Beyond what was learned any arm may come. O(states + steps); nothing
 // is searched where no select has a time-out.
 #include <algorithm>
+#include <cstdint>
 #include <iterator>
 #include <map>
 #include <new>
 #include <utility>
+#include <vector>
 
 #include "maide/base/invariant.hpp"
 #include "maide/check/packed/packed_system.hpp"

@@ -1,6 +1,7 @@
 #include "maide/check/verdict/message_account.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "maide/base/invariant.hpp"
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <functional>
 #include <iterator>
+#include <string>
+#include <utility>
 
 #include "maide/base/invariant.hpp"
 

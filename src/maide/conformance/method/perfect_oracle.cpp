@@ -4,6 +4,7 @@
 #include <bit>
 #include <cstring>
 #include <numeric>
+#include <span>
 #include <type_traits>
 
 #include "maide/automata/compare.hpp"

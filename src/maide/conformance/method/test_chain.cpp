@@ -1,6 +1,7 @@
 #include "maide/conformance/method/test_chain.hpp"
 
 #include <algorithm>
+#include <optional>
 #include <utility>
 
 #include "maide/base/error.hpp"

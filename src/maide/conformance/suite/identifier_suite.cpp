@@ -1,6 +1,7 @@
 #include "maide/conformance/suite/identifier_suite.hpp"
 
 #include <algorithm>
+#include <span>
 #include <utility>
 
 #include "maide/base/numbers.hpp"

@@ -3,6 +3,9 @@
 // find.
 #pragma once
 
+#include <cstdint>
+#include <optional>
+
 #include "maide/base/random.hpp"
 #include "maide/conformance/method/test_runner.hpp"
 #include "maide/conformance/suite/test_suite.hpp"

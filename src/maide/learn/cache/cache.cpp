@@ -5,8 +5,11 @@
 #include <algorithm>
 #include <bit>
 #include <numeric>
+#include <string>
+#include <string_view>
 #include <unordered_set>
 #include <utility>
+#include <variant>
 
 #include "maide/automata/alphabet.hpp"
 #include "maide/base/error.hpp"

@@ -1,8 +1,13 @@
 // What the cache knows of a batch of queries. In a large tree each step waits for memory, so steps
 // are saved or made to wait together: whichever the batch allows.
 #include <algorithm>
+#include <cstdint>
+#include <memory>
+#include <optional>
 #include <span>
+#include <string>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "maide/automata/alphabet.hpp"

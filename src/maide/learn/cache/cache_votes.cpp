@@ -2,7 +2,13 @@
 // input in runs that agree with the tree before it, so a word's prefixes are settled before it is;
 // and tree and file say the same at any time.
 #include <algorithm>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <optional>
+#include <span>
 #include <utility>
+#include <vector>
 
 #include "maide/automata/alphabet.hpp"
 #include "maide/base/invariant.hpp"

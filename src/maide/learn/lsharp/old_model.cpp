@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <map>
 #include <set>
+#include <span>
+#include <string>
 
 #include "maide/automata/alphabet.hpp"
 #include "maide/automata/compare.hpp"

@@ -3,7 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdint>
+#include <optional>
+#include <span>
 #include <utility>
+#include <variant>
 
 #include "maide/base/error.hpp"
 #include "maide/base/invariant.hpp"

@@ -14,9 +14,13 @@
 // (conformance/method/known_words.hpp).
 #pragma once
 
+#include <cstdint>
 #include <map>
+#include <optional>
+#include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "maide/automata/mealy.hpp"

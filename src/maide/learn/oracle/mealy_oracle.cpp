@@ -1,5 +1,10 @@
 #include "maide/learn/oracle/mealy_oracle.hpp"
 
+#include <optional>
+#include <span>
+#include <variant>
+#include <vector>
+
 #include "maide/automata/alphabet.hpp"
 
 namespace maide {

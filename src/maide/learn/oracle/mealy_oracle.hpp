@@ -2,6 +2,10 @@
 // tests, and learning from models.
 #pragma once
 
+#include <span>
+#include <string_view>
+#include <vector>
+
 #include "maide/automata/mealy.hpp"
 #include "maide/learn/oracle/output_oracle.hpp"
 

@@ -1,6 +1,11 @@
 #include "maide/learn/oracle/observing_oracle.hpp"
 
+#include <chrono>
+#include <cstdint>
+#include <optional>
+#include <span>
 #include <utility>
+#include <vector>
 
 namespace maide {
 

@@ -3,6 +3,12 @@
 // belong to equivalence queries.
 #pragma once
 
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
 #include "maide/base/error.hpp"
 #include "maide/learn/lsharp/observation_tree.hpp"
 #include "maide/learn/oracle/equivalence_oracle.hpp"

@@ -1,5 +1,11 @@
 #include "maide/learn/oracle/sul_oracle.hpp"
 
+#include <optional>
+#include <span>
+#include <string_view>
+#include <utility>
+#include <vector>
+
 namespace maide {
 
 const Alphabet& SulOracle::inputs() const {

@@ -14,7 +14,10 @@
 #include <chrono>
 #include <concepts>
 #include <functional>
+#include <span>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "maide/learn/oracle/output_oracle.hpp"
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "maide/automata/alphabet.hpp"
 #include "maide/base/error.hpp"

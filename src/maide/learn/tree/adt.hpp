@@ -25,7 +25,9 @@
 // discrimination trees. Restructuring adds some and spares others.
 #pragma once
 
+#include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "maide/automata/mealy.hpp"

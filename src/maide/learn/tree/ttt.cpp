@@ -1,6 +1,7 @@
 #include "maide/learn/tree/ttt.hpp"
 
 #include <algorithm>
+#include <span>
 #include <utility>
 
 #include "maide/automata/alphabet.hpp"

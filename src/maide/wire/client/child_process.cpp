@@ -19,6 +19,7 @@
 #include <string_view>
 #include <system_error>
 #include <thread>
+#include <utility>
 
 #include "maide/base/file.hpp"
 #include "maide/base/subprocess.hpp"

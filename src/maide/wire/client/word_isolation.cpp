@@ -4,7 +4,13 @@
 // asked the word's prefixes, one after the other. Costs two or three processes for each crash.
 #include <fmt/format.h>
 
+#include <chrono>
+#include <cstdint>
+#include <optional>
+#include <string>
 #include <utility>
+#include <variant>
+#include <vector>
 
 #include "maide/base/error.hpp"
 #include "maide/base/invariant.hpp"

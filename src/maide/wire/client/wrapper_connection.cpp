@@ -8,6 +8,7 @@
 #include <array>
 #include <cstddef>
 #include <utility>
+#include <variant>
 
 #include "maide/base/error.hpp"
 #include "maide/base/invariant.hpp"

@@ -3,7 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <optional>
+#include <span>
+#include <string_view>
 #include <utility>
+#include <variant>
 
 #include "maide/base/error.hpp"
 #include "maide/base/invariant.hpp"

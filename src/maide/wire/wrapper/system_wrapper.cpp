@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <exception>
 #include <numeric>
+#include <utility>
 
 #include "maide/base/error.hpp"
 #include "maide/wire/wrapper/actor_thread.hpp"

@@ -1,9 +1,12 @@
 // A system as one mCRL2 specification.
 #include <fmt/format.h>
 
+#include <cstdint>
 #include <map>
 #include <ostream>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "maide/check/engines/export/step_rules.hpp"
