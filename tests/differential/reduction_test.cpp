@@ -2,6 +2,8 @@
 // systems: the same verdict for every property, each kind of fairness, and never a larger graph.
 // Whatever is left out, several threads find, count and show the same as one, and several ranks
 // find the same.
+#include "maide/check/reduce/reduction.hpp"
+
 #include <gtest/gtest.h>
 
 #include <optional>
