@@ -2,32 +2,45 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <yaml-cpp/yaml.h>
 
 #include <algorithm>
 #include <published_results_data.hpp>  // made by the build
 
 #include "maide/base/error.hpp"
+#include "maide/check/text/yaml_node.hpp"
 
 namespace maide {
 namespace {
 
 using Options = std::map<std::string, std::string>;
 
-const YAML::Node& paper() {
-  static const YAML::Node data = YAML::Load(std::string(paper_yaml));
-  return data;
+// The files are part of the build, so what they should have is there.
+const YamlNode& paper() {
+  static const YamlDocument data =
+      read_yaml(std::string(paper_yaml), "the paper's results", "a table");
+  return data.root;
+}
+const YamlNode& get(const YamlNode& map, std::string_view key) { return *map.find(key); }
+const YamlNode& get(const YamlNode& list, std::size_t place) { return list.entries[place].value; }
+
+std::size_t count_of(const YamlNode& node) { return std::stoull(node.value); }
+double number_of(const YamlNode& node) { return std::stod(node.value); }
+
+Options options_of(const YamlNode& map) {
+  Options options;
+  for (const YamlEntry& entry : map.entries) options[entry.key.value] = entry.value.value;
+  return options;
+}
+std::vector<std::string> texts_of(const YamlNode& list) {
+  std::vector<std::string> texts;
+  for (const YamlEntry& entry : list.entries) texts.push_back(entry.value.value);
+  return texts;
 }
 
 PaperLearningRow read_row(const std::string& configuration) {
-  const YAML::Node row = paper()["table1"][configuration];
-  return {configuration,
-          row[0].as<std::size_t>(),
-          row[1].as<std::size_t>(),
-          row[2].as<std::uint64_t>(),
-          row[3].as<std::uint64_t>(),
-          row[4].as<std::uint64_t>(),
-          row[5].as<double>()};
+  const YamlNode& row = get(get(paper(), "table1"), configuration);
+  const auto count = [&](std::size_t place) { return count_of(get(row, place)); };
+  return {configuration, count(0), count(1), count(2), count(3), count(4), number_of(get(row, 5))};
 }
 
 Options with(Options base, const Options& more) {
@@ -35,13 +48,14 @@ Options with(Options base, const Options& more) {
   return base;
 }
 
-Mealy read_machine(const YAML::Node& rows) {
-  Mealy machine(Alphabet({"write", "read", "interrupt"}), Alphabet(), rows.size());
-  for (StateId state = 0; state < rows.size(); ++state) {
-    for (Symbol input = 0; input < rows[state].size(); ++input) {
-      const YAML::Node answer = rows[state][input];
-      machine.set_transition(state, input, machine.intern_output(answer[0].as<std::string>()),
-                             answer[1].as<StateId>());
+Mealy read_machine(const YamlNode& rows) {
+  Mealy machine(Alphabet({"write", "read", "interrupt"}), Alphabet(), rows.entries.size());
+  for (StateId state = 0; state < rows.entries.size(); ++state) {
+    const YamlNode& row = get(rows, state);
+    for (Symbol input = 0; input < row.entries.size(); ++input) {
+      const YamlNode& answer = get(row, input);
+      machine.set_transition(state, input, machine.intern_output(get(answer, 0).value),
+                             static_cast<StateId>(count_of(get(answer, 1))));
     }
   }
   machine.actors = {{"writer", {"write"}, {"written", "failed"}},
@@ -69,29 +83,31 @@ struct Peers {
 };
 
 Peers read_peers() {
-  const YAML::Node data = YAML::Load(std::string(peers_yaml));
-  const auto text = [](const YAML::Node& row, const char* key) {
-    return row[key].as<std::string>();
-  };
-  const auto count = [](const YAML::Node& row, const char* key) {
-    return row[key].as<std::size_t>();
-  };
+  const YamlDocument document =
+      read_yaml(std::string(peers_yaml), "results of other tools", "a table");
+  const YamlNode& data = document.root;
+  const auto text = [](const YamlNode& row, const char* key) { return get(row, key).value; };
+  const auto count = [](const YamlNode& row, const char* key) { return count_of(get(row, key)); };
   Peers peers;
-  for (const YAML::Node& row : data["runs"]) {
+  for (const YamlEntry& entry : get(data, "runs").entries) {
+    const YamlNode& row = entry.value;
+    const YamlNode* const cpu = row.find("cpu");
     peers.runs.push_back({text(row, "model"), count(row, "states"), count(row, "inputs"),
                           text(row, "tool"), text(row, "learner"), count(row, "resets"),
                           count(row, "symbols"), count(row, "equivalence_queries"),
-                          row["cpu"] ? std::optional(row["cpu"].as<double>()) : std::nullopt});
+                          cpu != nullptr ? std::optional(number_of(*cpu)) : std::nullopt});
   }
-  for (const YAML::Node& row : data["means"]) {
+  for (const YamlEntry& entry : get(data, "means").entries) {
+    const YamlNode& row = entry.value;
     peers.means.push_back(
-        {text(row, "tool"), text(row, "learner"), row["symbols_and_resets"].as<double>()});
+        {text(row, "tool"), text(row, "learner"), number_of(get(row, "symbols_and_resets"))});
   }
-  for (const YAML::Node& row : data["testing"]) {
+  for (const YamlEntry& entry : get(data, "testing").entries) {
+    const YamlNode& row = entry.value;
     peers.testing.push_back({text(row, "model"), count(row, "states"), count(row, "inputs"),
-                             row["test_symbols"].as<double>(), count(row, "learned")});
+                             number_of(get(row, "test_symbols")), count(row, "learned")});
   }
-  peers.models_of_the_means = data["models_of_the_means"].as<std::vector<std::string>>();
+  peers.models_of_the_means = texts_of(get(data, "models_of_the_means"));
   return peers;
 }
 
@@ -103,19 +119,18 @@ const Peers& peers() {
 }  // namespace
 
 std::vector<ReproducedRow> table1_rows(const std::string& system) {
-  const YAML::Node systems = paper()["systems"];
-  if (!systems[system]) {
+  const YamlNode* const kinds = get(paper(), "systems").find(system);
+  if (kinds == nullptr) {
     throw UsageError(fmt::format("table 1 has no rows for '{}'; there are rows for {}", system,
                                  fmt::join(table1_systems(), ", ")));
   }
-  const auto kinds = systems[system].as<std::map<std::string, Options>>();
-  const auto tryread = paper()["tryread"].as<Options>();
+  const Options tryread = options_of(get(paper(), "tryread"));
   std::vector<ReproducedRow> rows;
   const auto add = [&](const std::string& configuration, const std::string& kind,
                        const Options& more) {
-    const auto options = kinds.find(kind);
-    if (options == kinds.end()) return;
-    rows.push_back({read_row(configuration), with(options->second, more)});
+    const YamlNode* const options = kinds->find(kind);
+    if (options == nullptr) return;
+    rows.push_back({read_row(configuration), with(options_of(*options), more)});
   };
   add("port", "plain", {});
   add("buffered port (non-strict)", "newest", {});
@@ -130,33 +145,36 @@ std::vector<ReproducedRow> table1_rows(const std::string& system) {
 
 std::vector<std::string> table1_systems() {
   std::vector<std::string> names;
-  for (const auto& system : paper()["systems"]) names.push_back(system.first.as<std::string>());
+  for (const YamlEntry& system : get(paper(), "systems").entries) names.push_back(system.key.value);
   return names;
 }
 
-Mealy expected_interrupt_model() { return read_machine(paper()["interrupt"]["expected"]); }
-Mealy paper_interrupt_model() { return read_machine(paper()["interrupt"]["paper"]); }
+Mealy expected_interrupt_model() {
+  return read_machine(get(get(paper(), "interrupt"), "expected"));
+}
+Mealy paper_interrupt_model() { return read_machine(get(get(paper(), "interrupt"), "paper")); }
 
 std::map<std::string, std::string> interrupt_options() {
-  return paper()["interrupt"]["options"].as<Options>();
+  return options_of(get(get(paper(), "interrupt"), "options"));
 }
 
 std::vector<std::string> interrupt_systems() {
-  return paper()["interrupt"]["systems"].as<std::vector<std::string>>();
+  return texts_of(get(get(paper(), "interrupt"), "systems"));
 }
 
 std::vector<CheckedRow> table2_rows() {
   std::vector<CheckedRow> rows;
-  for (const YAML::Node& row : paper()["table2"]) {
+  for (const YamlEntry& entry : get(paper(), "table2").entries) {
+    const YamlNode& row = entry.value;
     CheckedRow& checked = rows.emplace_back();
-    checked.name = row["name"].as<std::string>();
-    if (const YAML::Node spin = row["spin"]) {
-      checked.paper = {spin[0].as<std::string>(), spin[1].as<double>(),
-                       spin[2].as<std::uint64_t>()};
+    checked.name = get(row, "name").value;
+    if (const YamlNode* const spin = row.find("spin")) {
+      checked.paper = {get(*spin, 0).value, number_of(get(*spin, 1)), count_of(get(*spin, 2))};
     }
-    checked.expected = row["deadlock"].as<bool>() ? Verdict::violated : Verdict::holds;
-    checked.system = fill_in(paper()["studies"][row["study"].as<std::string>()].as<std::string>(),
-                             row["with"].as<Options>());
+    const bool has_deadlock = get(row, "deadlock").value == "true";
+    checked.expected = has_deadlock ? Verdict::violated : Verdict::holds;
+    checked.system = fill_in(get(get(paper(), "studies"), get(row, "study").value).value,
+                             options_of(get(row, "with")));
   }
   return rows;
 }

@@ -109,7 +109,7 @@ TEST(CommandLine, EveryCommandHasHelpWithAnExample) {
   }
 }
 
-// Each construct of the grammar in check/language/program_syntax.hpp, on a page for a terminal.
+// Each construct of the grammar in check/language/program_tree.hpp, on a page for a terminal.
 TEST(CommandLine, ShowsTheLanguageOfSystemFiles) {
   const SubprocessResult result = run_maide({"help", "language"});
   EXPECT_EQ(result.exit_status, 0);

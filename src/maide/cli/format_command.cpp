@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "maide/base/file.hpp"
-#include "maide/check/language/layout.hpp"
+#include "maide/check/tree/print.hpp"
 #include "maide/cli/command.hpp"
 #include "maide/cli/command_line.hpp"
 
@@ -23,7 +23,7 @@ struct FormatArguments {
 // Whether the file is laid out in another way; it is written then, unless only that was asked.
 bool format_file(const std::string& path, bool only_check) {
   const std::string before = read_regular_file(path);
-  const std::string after = lay_out_system(before, path);
+  const std::string after = format_system(before, path);
   if (after == before) return false;
   if (!only_check) write_file_atomically(path, after);
   return true;

@@ -320,7 +320,7 @@ class ChangeSearch {
   // Of each node the first cure, which is the smallest.
   void try_nodes() {
     std::set<std::string> cured;
-    for (const NodeChange& change : list_node_changes(text())) {
+    for (const NodeChange& change : list_node_changes(system_)) {
       if (cured.contains(change.node)) continue;
       const Outcome outcome = check({{}, {}, {}, change.text});
       for (const std::string& property : outcome.mended) {
@@ -334,7 +334,7 @@ class ChangeSearch {
   }
 
   void try_depths() {
-    for (const DepthPlace& place : find_depths(text())) {
+    for (const DepthPlace& place : find_depths(system_)) {
       const auto longer = nearest(place.value, most_longer * place.value, [&](std::int64_t value) {
         return check({{}, {}, {}, with_depth(text(), place, value)});
       });
@@ -358,7 +358,7 @@ class ChangeSearch {
 
   std::vector<Queue> find_queues() {
     std::vector<Queue> queues;
-    for (const DepthPlace& place : find_depths(text())) {
+    for (const DepthPlace& place : find_depths(system_)) {
       queues.push_back({place.name, place.value, place});
     }
     for (const ModelInstance& instance : system_.models) {

@@ -1,7 +1,6 @@
 #include "maide/join/system_variant.hpp"
 
 #include <fmt/format.h>
-#include <yaml-cpp/yaml.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -16,7 +15,10 @@
 #include "maide/base/invariant.hpp"
 #include "maide/base/numbers.hpp"
 #include "maide/base/text.hpp"
-#include "maide/check/text/yaml_reader.hpp"
+#include "maide/check/build/declarations.hpp"
+#include "maide/check/tree/edit.hpp"
+#include "maide/check/tree/print.hpp"
+#include "maide/check/tree/system_tree.hpp"
 #include "maide/formats/model_file.hpp"
 
 namespace maide {
@@ -25,35 +27,57 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t most_files = 50;
-constexpr std::string_view blanks = " \t\r\n";
 
-// The offset of a place in the text; its size if there is none.
-std::size_t offset_of(std::string_view text, int line, int column) {
-  std::size_t at = 0;
-  for (int skipped = 1; skipped < line; ++skipped) {
-    const std::size_t end = text.find('\n', at);
-    if (end == std::string_view::npos) return text.size();
-    at = end + 1;
+// The text of the system file; "" if it is not known.
+const std::string& text_of(const System& system) {
+  static const std::string none;
+  const auto source = system.sources.find(system.file);
+  return source == system.sources.end() ? none : source->second;
+}
+
+std::pair<int, int> in_order(TextPlace place) { return {place.line, place.column}; }
+
+// Where the counts stand behind their keywords; fewer than repeats if some have no place of their
+// own: they are worked out.
+std::vector<std::pair<TextPlace, std::uint32_t>> places_of_counts(
+    const SystemTree& tree, const std::vector<Repeat>& repeats) {
+  std::vector<std::pair<TextPlace, std::uint32_t>> places;
+  for_each_code(tree.root, [&](const syntax::Code& code) {
+    syntax::for_each_statement(code.block, [&](const syntax::Statement& statement) {
+      if (statement.kind != syntax::Statement::Kind::repeat) return;
+      const syntax::Term& count = *statement.expression;
+      if (count.kind != syntax::Term::Kind::number) return;
+      for (const Repeat& repeat : repeats) {
+        if (in_order({repeat.line, repeat.column}) == in_order(statement.place)) {
+          places.emplace_back(count.place, repeat.count);
+        }
+      }
+    });
+  });
+  return places;
+}
+
+// With the counts and constants of the variant; nothing if one of them is not where it should be.
+std::optional<std::string> changed_text(const std::string& before, const std::string& file,
+                                        const SystemVariant& variant) {
+  MAIDE_CHECK(variant.repeats.empty() || variant.constants.empty());
+  std::string text = variant.text.empty() ? before : variant.text;
+  if (variant.repeats.empty() && variant.constants.empty()) return text;
+  const SystemTree tree = read_tree(text, file);
+  auto places = places_of_counts(tree, variant.repeats);
+  if (places.size() != variant.repeats.size()) return std::nullopt;
+  // From the end, so that places before stay right.
+  std::sort(places.begin(), places.end(),
+            [](const auto& a, const auto& b) { return in_order(a.first) > in_order(b.first); });
+  for (const auto& [place, count] : places) text = with_word(text, place, std::to_string(count));
+  for (const NumberConstant& constant : variant.constants) {
+    const YamlDocument now = read_yaml(text, file, "a system file");
+    const YamlNode* const section = now.root.find("constants");
+    const YamlNode* const value = section == nullptr ? nullptr : section->find(constant.name);
+    if (value == nullptr) return std::nullopt;
+    text = with_value(now, *value, std::to_string(constant.value));
   }
-  return std::min(text.size(), at + static_cast<std::size_t>(column - 1));
-}
-
-// Writes the number in the place of another; false if there is none.
-bool write_number(std::string& text, std::size_t begin, std::int64_t number) {
-  const std::size_t digits = begin < text.size() && text[begin] == '-' ? begin + 1 : begin;
-  const std::size_t end = std::min(text.find_first_not_of("0123456789", digits), text.size());
-  if (end <= digits) return false;
-  text.replace(begin, end - begin, std::to_string(number));
-  return true;
-}
-
-// Writes the count behind the keyword; false if it is not there.
-bool write_count(std::string& text, const Repeat& repeat) {
-  constexpr std::string_view keyword = "repeat";
-  const std::size_t begin = offset_of(text, repeat.line, repeat.column);
-  if (text.compare(begin, keyword.size(), keyword) != 0) return false;
-  const std::size_t number = text.find_first_not_of(blanks, begin + keyword.size());
-  return number != std::string::npos && write_number(text, number, repeat.count);
+  return text;
 }
 
 // The model that a request stands for in the system; of an array, any of its members. Null if the
@@ -85,16 +109,15 @@ std::map<std::string, Options> options_of_instances(const System& system, const 
 
 std::vector<NumberConstant> find_constants(const System& system) {
   std::vector<NumberConstant> constants;
-  const auto source = system.sources.find(system.file);
-  if (source == system.sources.end()) return constants;
-  const YamlReader reader(source->second, system.file);
-  const YAML::Node section = reader.load()["constants"];
-  if (!section) return constants;
-  for (const auto& [key, value] : reader.entries(section, "'constants'", {})) {
-    const auto number = parse_number<std::int64_t>(value.Scalar());
-    if (!number || value.Tag() == "!") continue;  // it is in quotes
-    const SourcePosition place = reader.at(value);
-    constants.push_back({key.Scalar(), place.line, place.column, *number});
+  if (text_of(system).empty()) return constants;
+  const YamlDocument document = read_yaml(text_of(system), system.file, "a system file");
+  const YamlNode* const section = document.root.find("constants");
+  if (section == nullptr) return constants;
+  for (const YamlEntry& entry : section->entries) {
+    const auto number = parse_number<std::int64_t>(entry.value.value);
+    if (!number || entry.value.is_quoted()) continue;
+    const TextPlace place = entry.value.place;
+    constants.push_back({entry.key.value, place.line, place.column, *number});
   }
   return constants;
 }
@@ -156,27 +179,12 @@ std::map<std::string, InterfaceAutomaton> find_models_nearby(const System& syste
 
 std::optional<System> make_variant(const System& system, const SystemVariant& variant,
                                    const ModelSource& learn, const RunControl& control) {
-  const auto source = system.sources.find(system.file);
-  if (source == system.sources.end()) return std::nullopt;
-  std::string text = variant.text.empty() ? source->second : variant.text;
-  // From the end, so that places before stay right.
-  const auto from_the_end = [](auto changes) {
-    std::sort(changes.begin(), changes.end(), [](const auto& a, const auto& b) {
-      return std::pair(a.line, a.column) > std::pair(b.line, b.column);
-    });
-    return changes;
-  };
-  MAIDE_CHECK(variant.repeats.empty() || variant.constants.empty());
-  for (const Repeat& repeat : from_the_end(variant.repeats)) {
-    if (!write_count(text, repeat)) return std::nullopt;
-  }
-  for (const NumberConstant& constant : from_the_end(variant.constants)) {
-    const std::size_t begin = offset_of(text, constant.line, constant.column);
-    if (!write_number(text, begin, constant.value)) return std::nullopt;
-  }
+  if (text_of(system).empty()) return std::nullopt;
   try {
+    const std::optional<std::string> text = changed_text(text_of(system), system.file, variant);
+    if (!text) return std::nullopt;
     std::map<std::string, Options> options;
-    if (!variant.constants.empty()) options = options_of_instances(system, source->second);
+    if (!variant.constants.empty()) options = options_of_instances(system, text_of(system));
     const ModelSource asked = [&](const ModelRequest& request) {
       const auto changed = variant.models.find(request.instance);
       if (changed != variant.models.end()) return changed->second;
@@ -188,7 +196,7 @@ std::optional<System> make_variant(const System& system, const SystemVariant& va
       if (!learn) throw UsageError("there is no model for " + request.instance);
       return learn(request);
     };
-    return parse_system(text, system.file, asked, control);
+    return parse_system(*text, system.file, asked, control);
   } catch (const Error&) {
     return std::nullopt;
   }
@@ -198,213 +206,181 @@ namespace {
 
 constexpr std::uint32_t most_threads = 4;
 
-YAML::Node parsed(const std::string& text) {
-  try {
-    return YAML::Load(text);
-  } catch (const YAML::Exception&) {
-    return {};
-  }
-}
-
-std::string written(const YAML::Node& root) {
-  YAML::Emitter emitter;
-  emitter << root;
-  return emitter.c_str();
-}
-
 std::string base_of(const std::string& name) { return name.substr(0, name.find('[')); }
 
-bool names(const YAML::Node& list, const std::string& node) {
-  if (!list) return false;
-  if (list.IsScalar()) return base_of(list.Scalar()) == node;
-  for (const YAML::Node& one : list) {
-    if (one.IsScalar() && base_of(one.Scalar()) == node) return true;
-  }
-  return false;
+// Whether the field, a name or a list of names, names the node.
+bool names(const YamlNode* field, const std::string& node) {
+  if (field == nullptr) return false;
+  if (field->is_scalar()) return base_of(field->value) == node;
+  return std::any_of(field->entries.begin(), field->entries.end(), [&](const YamlEntry& entry) {
+    return entry.value.is_scalar() && base_of(entry.value.value) == node;
+  });
 }
 
-// Changes of one node, made on a copy of the file.
+// Changes of one node, each made on a copy of the file.
 class NodeChanger {
  public:
-  NodeChanger(const std::string& text, std::string key)
-      : text_(text), key_(std::move(key)), name_(base_of(key_)) {}
+  NodeChanger(const System& system, const YamlDocument& document, std::string key)
+      : system_(system), document_(document), key_(std::move(key)), name_(base_of(key_)) {}
 
   void list(std::vector<NodeChange>& changes) const {
-    const YAML::Node root = parsed(text_);
-    const std::vector<std::string> clients = clients_of(root), callbacks = callbacks_of(root);
-    const std::uint32_t now = threads(root);
+    const std::vector<std::string> clients = clients_of(), callbacks = callbacks_of();
+    const std::uint32_t now = threads();
     for (std::uint32_t threads = std::max(now, 2U); threads <= std::max(now, most_threads);
          ++threads) {
       for (const std::string& client : clients) {
         add(changes, threads, now,
             fmt::format("the client of {} in a callback group of its own", client),
-            [&](YAML::Node node) {
-              node["groups"]["own_" + client] = "exclusive";
+            [&](YamlNode& node) {
+              node.at("groups").set("own_" + client, YamlNode("exclusive"));
               set_client_group(node, client, "own_" + client);
             });
       }
       for (const std::string& callback : callbacks) {
         add(changes, threads, now,
             fmt::format("the callback {} in a callback group of its own", callback),
-            [&](YAML::Node node) {
-              node["groups"]["own_" + callback] = "exclusive";
-              node["callbacks"][callback]["group"] = "own_" + callback;
+            [&](YamlNode& node) {
+              node.at("groups").set("own_" + callback, YamlNode("exclusive"));
+              node.at("callbacks").at(callback).set("group", YamlNode("own_" + callback));
             });
       }
-      for (const auto& [group, members] : reentrant_groups(root)) {
+      for (const auto& [group, members] : reentrant_groups()) {
         add(changes, threads, now,
             fmt::format("{} of the reentrant group {} in an exclusive one",
                         members.size() == 1 ? "the callback " + members.front()
                                             : "the callbacks " + join(members),
                         group),
-            [&, &group = group, &members = members](YAML::Node node) {
-              node["groups"]["not_" + group] = "exclusive";
+            [&, &group = group, &members = members](YamlNode& node) {
+              node.at("groups").set("not_" + group, YamlNode("exclusive"));
               for (const std::string& callback : members) {
-                node["callbacks"][callback]["group"] = "not_" + group;
+                node.at("callbacks").at(callback).set("group", YamlNode("not_" + group));
               }
             });
       }
-      if (threads > now) add(changes, threads, now, "", [](const YAML::Node&) {});
+      if (threads > now) add(changes, threads, now, "", [](const YamlNode&) {});
     }
   }
 
  private:
-  YAML::Node node_in(const YAML::Node& root) const { return root["nodes"][key_]; }
+  const YamlNode& node() const { return *document_.root.find("nodes")->find(key_); }
 
-  std::vector<std::string> clients_of(const YAML::Node& root) const {
+  std::vector<std::string> clients_of() const {
     std::vector<std::string> clients;
-    for (const auto& service : root["services"]) {
-      if (service.second.IsMap() && names(service.second["clients"], name_)) {
-        clients.push_back(base_of(service.first.Scalar()));
+    const YamlNode* const services = document_.root.find("services");
+    if (services == nullptr) return clients;
+    for (const YamlEntry& service : services->entries) {
+      if (names(service.value.find("clients"), name_)) {
+        clients.push_back(base_of(service.key.value));
       }
     }
     return clients;
   }
 
-  std::vector<std::string> callbacks_of(const YAML::Node& root) const {
+  std::vector<std::string> callbacks_of() const {
     std::vector<std::string> callbacks;
-    const YAML::Node section = node_in(root)["callbacks"];
-    if (!section || !section.IsMap() || section.size() < 2) return callbacks;
-    for (const auto& callback : section) callbacks.push_back(callback.first.Scalar());
+    const YamlNode* const section = node().find("callbacks");
+    if (section == nullptr || section->entries.size() < 2) return callbacks;
+    for (const YamlEntry& callback : section->entries) callbacks.push_back(callback.key.value);
     return callbacks;
   }
 
   // Their callbacks, without groups that have none.
-  std::map<std::string, std::vector<std::string>> reentrant_groups(const YAML::Node& root) const {
+  std::map<std::string, std::vector<std::string>> reentrant_groups() const {
     std::map<std::string, std::vector<std::string>> members;
-    const YAML::Node node = node_in(root);
-    if (!node["groups"] || !node["callbacks"]) return members;
-    for (const auto& callback : node["callbacks"]) {
-      const YAML::Node group = callback.second["group"];
-      if (!group || !node["groups"][group.Scalar()]) continue;
-      if (node["groups"][group.Scalar()].Scalar() != "reentrant") continue;
-      members[group.Scalar()].push_back(callback.first.Scalar());
+    const YamlNode* const groups = node().find("groups");
+    const YamlNode* const callbacks = node().find("callbacks");
+    if (groups == nullptr || callbacks == nullptr) return members;
+    for (const YamlEntry& callback : callbacks->entries) {
+      const YamlNode* const group = callback.value.find("group");
+      const YamlNode* const kind = group == nullptr ? nullptr : groups->find(group->value);
+      if (kind == nullptr || kind->value != "reentrant") continue;
+      members[group->value].push_back(callback.key.value);
     }
     return members;
   }
 
-  std::uint32_t threads(const YAML::Node& root) const {
-    const YAML::Node executor = node_in(root)["executor"];
-    if (!executor || !root["executors"]) return 1;
-    const YAML::Node kind = root["executors"][executor.Scalar()];
-    if (!kind || !kind["threads"]) return 1;
-    const std::string said = kind["threads"].Scalar();
-    const YAML::Node constant = root["constants"] ? root["constants"][said] : YAML::Node();
-    const std::string number = constant && constant.IsScalar() ? constant.Scalar() : said;
-    return parse_number<std::uint32_t>(number).value_or(1);
+  std::uint32_t threads() const {
+    const YamlNode* const executor = node().find("executor");
+    if (executor == nullptr) return 1;
+    for (const ExecutorInstance& known : system_.executors) {
+      if (known.name == executor->value) return known.threads;
+    }
+    return 1;
   }
 
-  static void set_client_group(YAML::Node node, const std::string& client,
+  static void set_client_group(YamlNode& node, const std::string& client,
                                const std::string& group) {
-    YAML::Node settings = node["clients"][client];
-    if (settings.IsMap()) {
-      settings["group"] = group;
+    YamlNode& settings = node.at("clients").at(client);
+    if (settings.is_map()) {
+      settings.set("group", YamlNode(group));
     } else {
-      node["clients"][client] = group;
+      settings = YamlNode(group);
     }
-  }
-
-  // On one line.
-  static std::string flow(const YAML::Node& node) {
-    YAML::Emitter emitter;
-    emitter.SetMapFormat(YAML::Flow);
-    emitter.SetSeqFormat(YAML::Flow);
-    emitter << node;
-    std::string text = emitter.c_str();
-    std::replace(text.begin(), text.end(), '\n', ' ');
-    return text;
-  }
-
-  // Those entries of the new map, and of maps in it, that the old one has not.
-  static YAML::Node new_in(const YAML::Node& after, const YAML::Node& before) {
-    YAML::Node result;
-    for (const auto& entry : after) {
-      const YAML::Node old = before && before.IsMap() ? before[entry.first.Scalar()]
-                                                      : YAML::Node(YAML::NodeType::Undefined);
-      if (!old || !old.IsDefined()) {
-        result[entry.first.Scalar()] = entry.second;
-      } else if (flow(old) != flow(entry.second)) {
-        result[entry.first.Scalar()] =
-            entry.second.IsMap() && old.IsMap() ? new_in(entry.second, old) : entry.second;
-      }
-    }
-    return result;
   }
 
   template <typename Change>
   void add(std::vector<NodeChange>& changes, std::uint32_t threads, std::uint32_t now,
            const std::string& what, const Change& change) const {
-    YAML::Node root = parsed(text_);
-    YAML::Node node = node_in(root);
+    YamlDocument changed = document_;
+    YamlNode& node = *changed.root.find("nodes")->find(key_);
     change(node);
     std::string description = name_ + ":" + (what.empty() ? "" : " " + what);
     if (threads != now) {
-      if (!node["executor"]) node["executor"] = "executor_of_" + name_;
-      const std::string executor = node["executor"].Scalar();
-      YAML::Node kind;
-      kind["kind"] = "multi";
-      kind["threads"] = threads;
-      root["executors"][executor] = kind;
+      if (node.find("executor") == nullptr) node.set("executor", YamlNode("executor_of_" + name_));
+      const std::string executor = node.find("executor")->value;
+      YamlNode kind = YamlNode::make_map(YamlNode::Style::flow);
+      kind.set("kind", YamlNode("multi"));
+      kind.set("threads", YamlNode(std::to_string(threads)));
+      changed.root.at("executors", YamlNode::Style::block).set(executor, std::move(kind));
       description += fmt::format("{} a MultiThreadedExecutor with {} threads",
                                  what.empty() ? "" : ", and", threads);
     }
     std::vector<std::string> lines;
-    for (const auto& section : new_in(root, parsed(text_))) {
-      lines.push_back(section.first.Scalar() + ": " + flow(section.second));
+    for (const YamlEntry& section : difference(changed.root, document_.root).entries) {
+      lines.push_back(section.key.value + ": " + print_inline(changed, section.value));
     }
-    changes.push_back({name_, written(root), std::move(description), join(lines, ", ")});
+    changes.push_back({name_, print_system(changed), std::move(description), join(lines, ", ")});
   }
 
-  const std::string& text_;
+  const System& system_;
+  const YamlDocument& document_;
   std::string key_, name_;
 };
 
 }  // namespace
 
-std::vector<NodeChange> list_node_changes(const std::string& text) {
+std::vector<NodeChange> list_node_changes(const System& system) {
   std::vector<NodeChange> changes;
-  const YAML::Node root = parsed(text);
-  if (!root.IsMap() || !root["nodes"] || !root["nodes"].IsMap()) return changes;
-  for (const auto& node : root["nodes"]) NodeChanger(text, node.first.Scalar()).list(changes);
+  if (text_of(system).empty()) return changes;
+  const YamlDocument document = read_yaml(text_of(system), system.file, "a system file");
+  const YamlNode* const nodes = document.root.find("nodes");
+  if (nodes == nullptr) return changes;
+  for (const YamlEntry& node : nodes->entries) {
+    NodeChanger(system, document, node.key.value).list(changes);
+  }
   return changes;
 }
 
-std::vector<DepthPlace> find_depths(const std::string& text) {
+std::vector<DepthPlace> find_depths(const System& system) {
   std::vector<DepthPlace> places;
-  const YAML::Node root = parsed(text);
-  if (!root.IsMap()) return places;
+  if (text_of(system).empty()) return places;
+  Declarations file = declare(read_tree(text_of(system), system.file));
   for (const std::string section : {"services", "topics", "models"}) {
-    if (!root[section] || !root[section].IsMap()) continue;
-    for (const auto& entry : root[section]) {
-      if (!entry.second.IsMap()) continue;
-      const bool is_ours =
-          section == "services" || (entry.second["use"] && entry.second["use"].Scalar() == "queue");
-      const YAML::Node with = entry.second["with"];
-      if (!is_ours || !with || !with.IsMap()) continue;
+    for (const TreeNode& entry : file.tree().entries(section)) {
+      const TreeNode* const use = entry.find("use");
+      const bool is_ours = section == "services" || (use != nullptr && use->is("queue"));
+      const TreeNode* const with = entry.find("with");
+      if (!is_ours || with == nullptr) continue;
       for (const std::string option : {"depth", "size"}) {
-        if (!with[option] || !with[option].IsScalar()) continue;
-        const auto value = parse_number<std::int64_t>(with[option].Scalar());
-        if (value) places.push_back({section, entry.first.Scalar(), option, *value});
+        const TreeNode* const depth = with->find(option);
+        // A constant is changed itself (find_constants()).
+        if (depth == nullptr || !depth->number || depth->number->is_name()) continue;
+        try {
+          const Expression value = constant_of(file, *depth->number);
+          places.push_back({section, entry.name_text(), option, value.value});
+        } catch (const ParseError&) {
+          continue;  // it differs between the members of an array
+        }
       }
     }
   }
@@ -412,9 +388,9 @@ std::vector<DepthPlace> find_depths(const std::string& text) {
 }
 
 std::string with_depth(const std::string& text, const DepthPlace& place, std::int64_t value) {
-  YAML::Node root = parsed(text);
-  root[place.section][place.name]["with"][place.option] = value;
-  return written(root);
+  const YamlDocument document = read_yaml(text, "", "a system file");
+  const YamlNode& entry = *document.root.find(place.section)->find(place.name);
+  return with_value(document, *entry.find("with")->find(place.option), std::to_string(value));
 }
 
 }  // namespace maide

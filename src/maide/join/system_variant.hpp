@@ -56,9 +56,9 @@ std::map<std::string, InterfaceAutomaton> find_models_nearby(const System& syste
 
 // ---- Changes of the text ----
 //
-// Those of nodes and depths that are cures in C++: a callback group for a client or a
-// callback of its own, an executor with more threads, a longer queue. Each is a system file's text
-// with the change in it.
+// Those of nodes and depths that are cures in C++: a callback group for a client or a callback of
+// its own, an executor with more threads, a longer queue. Each is a system file's text with the
+// change in it.
 
 struct NodeChange {
   std::string node;         // whose cure it is
@@ -67,15 +67,16 @@ struct NodeChange {
   std::string lines;        // what is new in the file: "nodes: {detector: {groups: ...}}"
 };
 
-// Of each node the smallest changes first. None of a file without nodes, or that is not YAML.
-std::vector<NodeChange> list_node_changes(const std::string& text);
+// Of each node the smallest changes first. None of a file without nodes.
+std::vector<NodeChange> list_node_changes(const System& system);
 
-// A depth or size of a service, a topic or a built-in queue that is written as a number.
+// A depth or size of a service, a topic or a built-in queue.
 struct DepthPlace {
   std::string section, name, option;  // "services", "lookup", "depth"
   std::int64_t value = 0;
 };
-std::vector<DepthPlace> find_depths(const std::string& text);
+// Those whose value is known at once, in the order of the file.
+std::vector<DepthPlace> find_depths(const System& system);
 std::string with_depth(const std::string& text, const DepthPlace& place, std::int64_t value);
 
 }  // namespace maide

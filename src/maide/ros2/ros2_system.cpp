@@ -13,8 +13,8 @@
 
 #include "maide/base/error.hpp"
 #include "maide/base/text.hpp"
-#include "maide/check/language/layout.hpp"
 #include "maide/check/rules/built_in_models.hpp"
+#include "maide/check/tree/print.hpp"
 #include "maide/ros2/ros2_graph.hpp"
 
 namespace maide {
@@ -104,7 +104,7 @@ class SystemWriter {
     std::string text = topics() + services();
     text += executors();  // they get their names here
     text += nodes();
-    return lay_out_system(head() + text, "the graph");
+    return format_system(head() + text, "the graph");
   }
 
  private:

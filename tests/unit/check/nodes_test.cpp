@@ -536,7 +536,7 @@ TEST(Executors, ErrorsNameThePlace) {
        "unknown program or node 'detecter'; there is: camera, database, detector"},
       {with("clients: [detector]}", "clients: [detector], learn: ros3}"),
        "'learn' of a service is one of ros2, not 'ros3'"},
-      {with("on_image: {", "lookup: {timer: 1, do: skip}, on_image: {"),
+      {with("on_image: {", "lookup: {timer: 1, do: skip;}, on_image: {"),
        "the callback of the node's client is called 'lookup', too"},
       {with("readers: detector,",
             "readers: detector, readers_with: {detector: {size: 1}, "

@@ -13,7 +13,7 @@
 #include "maide/base/error.hpp"
 #include "maide/base/random.hpp"
 #include "maide/base/run_control.hpp"
-#include "maide/check/build/system_reader.hpp"
+#include "maide/check/build/build_system.hpp"
 #include "maide/check/engines/engine.hpp"
 #include "maide/check/verdict/check_system.hpp"
 #include "systems.hpp"
@@ -25,7 +25,8 @@ constexpr QueueLimits grows_all{0, 1'000'000, 3'000'000, 2'000'000};
 
 System read(const std::string& text, const QueueLimits& limits = {},
             const RunControl& control = {}) {
-  return SystemReader(text, "s.yaml", test::test_model, limits, control).read();
+  const Declarations declared = declare(read_tree(text, "s.yaml"));
+  return build_system(declared, find_models(declared, test::test_model, limits), limits, control);
 }
 
 CheckReport check(const System& system, Reduction reduction) {

@@ -11,8 +11,8 @@
 
 #include "maide/base/file.hpp"
 #include "maide/check/engines/engine.hpp"
-#include "maide/check/language/layout.hpp"
 #include "maide/check/rules/built_in_models.hpp"
+#include "maide/check/tree/print.hpp"
 #include "maide/check/verdict/check_system.hpp"
 #include "maide/join/learned_models.hpp"
 
@@ -184,7 +184,7 @@ InterfaceAutomaton without_ros2(const ModelRequest& request) {
 
 TEST(Ros2System, IsLaidOutAndReadAndAsksForDepths) {
   const std::string text = write_ros2_system(graph());
-  EXPECT_EQ(lay_out_system(text, "s.yaml"), text);
+  EXPECT_EQ(format_system(text, "s.yaml"), text);
   const System system = parse_system(text, "s.yaml", without_ros2);
   EXPECT_THAT(system.remarks,
               ElementsAre(HasSubstr("'depth: unknown'"), HasSubstr("'do: unknown'")));

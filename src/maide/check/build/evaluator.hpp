@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "maide/check/build/make_program.hpp"
-#include "maide/check/language/program_syntax.hpp"
+#include "maide/check/language/program_tree.hpp"
 #include "maide/check/system/model_actions.hpp"
 
 namespace maide::program_syntax {

@@ -3,7 +3,9 @@
 #include <cstdint>
 #include <utility>
 
+#include "maide/check/build/code_resolver.hpp"
 #include "maide/check/build/unroller.hpp"
+#include "maide/check/language/code_parser.hpp"
 #include "maide/check/language/unreachable.hpp"
 
 namespace maide {
@@ -14,10 +16,12 @@ Program parse_program(const std::string& name, const ScalarText& text, System& s
     names.models.emplace(system.models[index].name, ModelName{index, {}, false, {}});
   }
   const auto number = static_cast<std::uint32_t>(system.programs.size());
-  const program_syntax::Tree tree = program_syntax::parse(
-      text, {system.models, names, system.words, number, {}, {}, nullptr, nullptr, {}});
+  const syntax::Code code = syntax::parse_program(text);
+  const program_syntax::Tree tree = program_syntax::resolve_program(
+      code, {system.models, names, system.words, number, {}, {}, nullptr, nullptr, {}});
   ModelActions actions(system);
-  return program_syntax::make_program(tree, {name, number, {}, false}, text, actions, names);
+  return program_syntax::make_program(tree, {name, number, text.position(0), false},
+                                      code.last.line, actions, names);
 }
 
 namespace program_syntax {
@@ -27,12 +31,11 @@ Program unroll(const Tree& tree, const Unrolled& program, ModelActions& actions,
   return Unroller(tree, program, actions, names).run();
 }
 
-Program make_program(const Tree& tree, Unrolled program, const ScalarText& text,
+Program make_program(const Tree& tree, const Unrolled& program, int last_line,
                      ModelActions& actions, const Names& names) {
-  program.position = text.position(0);
   Program made = unroll(tree, program, actions, names);
   made.unreachable = find_unreachable(tree, made.position.file);
-  made.last_line = text.position(text.value().find_last_not_of(" \t\r\n")).line;
+  made.last_line = last_line;
   return made;
 }
 

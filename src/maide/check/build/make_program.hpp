@@ -5,7 +5,7 @@
 #include <string>
 
 #include "maide/check/language/program.hpp"
-#include "maide/check/language/program_syntax.hpp"
+#include "maide/check/language/program_tree.hpp"
 #include "maide/check/language/system_names.hpp"
 #include "maide/check/system/model_actions.hpp"
 #include "maide/check/system/system.hpp"
@@ -33,7 +33,7 @@ struct Unrolled {
 Program unroll(const Tree& tree, const Unrolled& program, ModelActions& actions,
                const Names& names);
 // As unroll() does, with what is known from the program's text.
-Program make_program(const Tree& tree, Unrolled program, const ScalarText& text,
+Program make_program(const Tree& tree, const Unrolled& program, int last_line,
                      ModelActions& actions, const Names& names);
 
 }  // namespace program_syntax

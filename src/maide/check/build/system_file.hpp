@@ -12,41 +12,20 @@
 //     no_gap: {always: "!via!gap"}
 //     ordered: {never: bad-order.hoa}
 //
-// What a file names but does not contain - model files, models to be learned - is asked of a
-// ModelSource, so that checking knows nothing of learning.
+// The way from text to system: read_tree() checks keys and parses all texts, declare() resolves the
+// file's own names, find_models() asks for models, build_system() unrolls programs. A slip in the
+// file is told before anybody is asked for a model.
 #pragma once
 
 #include <filesystem>
-#include <functional>
 #include <string>
 #include <string_view>
-#include <utility>
-#include <vector>
 
 #include "maide/base/run_control.hpp"
+#include "maide/check/build/model_source.hpp"
 #include "maide/check/system/system.hpp"
 
 namespace maide {
-
-// What the system file says about where a model comes from: a file, or a system to be learned.
-struct ModelRequest {
-  std::string instance;
-  std::filesystem::path file;                             // relative to the system file's folder
-  std::string learn;                                      // the system; empty: `file` is meant
-  std::vector<std::pair<std::string, std::string>> with;  // its options, in order
-  // How it is learned, where that is not left to the defaults: names and values of options of
-  // `maide learn`, in order.
-  std::vector<std::pair<std::string, std::string>> learning;
-  // What programs write, "3" or "3,go", where the model is to carry these values: with `write(3)`
-  // in place of `write`. Empty: the model as it is learned.
-  std::vector<std::string> values;
-  SourcePosition position;  // of `file:` or `learn:`
-};
-
-using ModelSource = std::function<InterfaceAutomaton(const ModelRequest&)>;
-
-// Reads model files; a model to be learned is a ParseError that says to learn it first.
-InterfaceAutomaton read_requested_model(const ModelRequest& request);
 
 // Parses the text of a system file; `file` is for messages and the folder of its models. Throws
 // ParseError (file:line:column) for everything that is not as it should be, unknown keys included.

@@ -127,10 +127,11 @@ std::pair<Uses, Uses> Unroller::start_of(const SelectArm& arm) {
             events_of(callback.model, "serve", "request")};
   }
   const std::uint32_t client = service.client_of(callback.node, number_).value_or(0);
-  const Kind kind = callback.has_code ? Kind::take_own : Kind::hand_over;
+  const bool has_code = callback.code != nullptr;
+  const Kind kind = has_code ? Kind::take_own : Kind::hand_over;
   return {{service.rules->use(actions_, callback.model, {kind, client, nobody})},
           events_of(callback.model, name_at_client("receive", client),
-                    callback.has_code ? name_at_client("answer", client) : "")};
+                    has_code ? name_at_client("answer", client) : "")};
 }
 
 ModelUse Unroller::discard_of(const SelectArm& arm) {

@@ -11,6 +11,7 @@ std::string to_string(ValueKind kind) {
     case ValueKind::integer: return "a number";
     case ValueKind::boolean: return "true or false";
     case ValueKind::word: return "a word";
+    case ValueKind::unknown: return "not known yet";
   }
   return "";
 }
@@ -56,6 +57,7 @@ std::string to_string(Value value, ValueKind kind, const WordTable& words) {
     case ValueKind::integer: return std::to_string(value);
     case ValueKind::boolean: return value != 0 ? "true" : "false";
     case ValueKind::word: return words.name(value);
+    case ValueKind::unknown: break;
   }
   return "";
 }
@@ -211,6 +213,93 @@ Value evaluate(const Expression& expression, const Lookup& value_of) {
     case Operator::unequal: return left != right ? 1 : 0;
     default: return calculate(expression, left, right);
   }
+}
+
+// ---- Making expressions -------------------------------------------------------------------------
+
+Expression make_constant(Value value, ValueKind kind) {
+  Expression constant;
+  constant.value = value;
+  constant.kind = kind;
+  return constant;
+}
+
+void require(const Expression& expression, ValueKind kind, std::string_view what,
+             const SourcePosition& place) {
+  if (expression.kind == kind) return;
+  if (expression.kind == ValueKind::unknown || kind == ValueKind::unknown) return;
+  throw ParseError(
+      std::string(what) + " is " + to_string(kind) + ", and this is " + to_string(expression.kind),
+      place);
+}
+
+namespace {
+
+// What the operator takes; `==` and `!=` take any kind.
+ValueKind operand_kind(Expression::Operator op, const Expression& left) {
+  if (op == Expression::Operator::equal || op == Expression::Operator::unequal) return left.kind;
+  const bool is_logical = op == Expression::Operator::negation ||
+                          op == Expression::Operator::conjunction ||
+                          op == Expression::Operator::disjunction;
+  return is_logical ? ValueKind::boolean : ValueKind::integer;
+}
+
+ValueKind result_kind(Expression::Operator op) {
+  switch (op) {
+    case Expression::Operator::negate:
+    case Expression::Operator::times:
+    case Expression::Operator::divide:
+    case Expression::Operator::remainder:
+    case Expression::Operator::plus:
+    case Expression::Operator::minus: return ValueKind::integer;
+    default: return ValueKind::boolean;
+  }
+}
+
+Expression fold(Expression made) {
+  for (const Expression& operand : made.operands) {
+    if (!operand.is_constant()) return made;
+  }
+  try {
+    const Value value = evaluate(made, [](const Expression&, std::uint32_t) { return Value{0}; });
+    Expression constant = make_constant(value, made.kind);
+    constant.line = made.line;
+    constant.column = made.column;
+    return constant;
+  } catch (const EvaluationError&) {
+    return made;  // it errs when control comes there, if it does
+  }
+}
+
+}  // namespace
+
+Expression make_unary(Expression::Operator op, Expression operand, const SourcePosition& place) {
+  require(operand, operand_kind(op, operand),
+          "what stands behind '" + std::string(symbol_of(op)) + "'", place);
+  Expression made;
+  made.op = op;
+  made.kind = result_kind(op);
+  made.line = place.line;
+  made.column = place.column;
+  made.operands.push_back(std::move(operand));
+  return fold(std::move(made));
+}
+
+Expression make_binary(Expression::Operator op, Expression left, Expression right,
+                       const SourcePosition& place) {
+  const std::string symbol = "'" + std::string(symbol_of(op)) + "'";
+  ValueKind kind = operand_kind(op, left);
+  if (kind == ValueKind::unknown) kind = right.kind;
+  require(left, kind, "what stands before " + symbol, place);
+  require(right, kind, "what stands behind " + symbol, place);
+  Expression made;
+  made.op = op;
+  made.kind = result_kind(op);
+  made.line = place.line;
+  made.column = place.column;
+  made.operands.push_back(std::move(left));
+  made.operands.push_back(std::move(right));
+  return fold(std::move(made));
 }
 
 }  // namespace maide

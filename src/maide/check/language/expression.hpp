@@ -1,7 +1,7 @@
 // Expressions over variables, as programs and formulas have them: integers of 64 bits, booleans and
 // words, with the operators of C++. Names are resolved before: a leaf is a constant, a variable of
-// a program, or a shared variable, which is a model instance of its own. Types are checked when an
-// expression is parsed (expression_parser.hpp); what depends on values is found by evaluating.
+// a program, or a shared variable, which is a model instance of its own. Kinds are checked when
+// an expression is made; what depends on values is found by evaluating.
 #pragma once
 
 #include <cstdint>
@@ -23,7 +23,12 @@ constexpr std::uint64_t distance(Value low, Value high) {
   return static_cast<std::uint64_t>(high) - static_cast<std::uint64_t>(low);
 }
 
-enum class ValueKind : std::uint8_t { integer, boolean, word };
+enum class ValueKind : std::uint8_t {
+  integer,
+  boolean,
+  word,
+  unknown,  // it comes from a model whose outputs are not known yet; it may stand anywhere
+};
 std::string to_string(ValueKind kind);  // "a number", "true or false", "a word"
 
 // The words of a system file, each with a number: the same wherever it is spelled alike.
@@ -124,5 +129,19 @@ std::uint32_t element_of(const Expression& where, const std::vector<Value>& indi
 // not hold; and whatever `value_of` throws.
 using Lookup = std::function<Value(const Expression& leaf, std::uint32_t index)>;
 Value evaluate(const Expression& expression, const Lookup& value_of);
+
+// ---- Making expressions ----
+//
+// `+ - * / % < <= > >=` take numbers, `! && ||` booleans, `==` and `!=` two of one kind.
+
+Expression make_constant(Value value, ValueKind kind);
+// Throws ParseError at the place of an operand that is of another kind than the operator takes.
+// What is known at once is calculated.
+Expression make_unary(Expression::Operator op, Expression operand, const SourcePosition& place);
+Expression make_binary(Expression::Operator op, Expression left, Expression right,
+                       const SourcePosition& place);
+// Throws ParseError unless the expression is of that kind. `what`: "a condition".
+void require(const Expression& expression, ValueKind kind, std::string_view what,
+             const SourcePosition& place);
 
 }  // namespace maide

@@ -5,15 +5,16 @@
 #include <algorithm>
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <optional>
 #include <set>
 #include <string>
 #include <vector>
 
 #include "maide/automata/interface_automaton.hpp"
+#include "maide/check/language/code.hpp"
 #include "maide/check/language/expression.hpp"
 #include "maide/check/language/program.hpp"
-#include "maide/check/text/scalar_text.hpp"
 
 namespace maide {
 
@@ -67,6 +68,7 @@ struct Topic {
     }
   };
   std::string name;
+  SourcePosition position;
   std::vector<std::string> writer_names;  // as the file has them
   std::set<std::uint32_t> writers;
   std::set<std::string> writer_nodes;  // of them those that are nodes
@@ -138,7 +140,7 @@ struct VariableName {
 
 struct Procedure {
   std::vector<std::string> parameters;
-  ScalarText text;
+  std::shared_ptr<const syntax::Code> code;
   SourcePosition position;
 };
 

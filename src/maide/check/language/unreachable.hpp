@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "maide/check/language/program_syntax.hpp"
+#include "maide/check/language/program_tree.hpp"
 #include "maide/check/text/scalar_text.hpp"
 
 namespace maide::program_syntax {

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "maide/check/language/code.hpp"
 #include "maide/check/language/program.hpp"
 #include "maide/check/language/system_names.hpp"
 #include "maide/check/text/scalar_text.hpp"
@@ -65,6 +66,8 @@ struct FormulaScope {
   std::span<const Expression> expressions = {};  // of the system
   const WordTable* words = nullptr;              // of these
   const Names* names = nullptr;                  // variables and constants of the file
+  // The models' inputs and outputs are known. Before, no use of them is checked.
+  bool knows_models = true;
 };
 
 // Parses: atoms `program@label`, `program@end`, `model.input`, `model!output`,
@@ -82,8 +85,9 @@ struct FormulaInstance {
   std::string suffix;  // "[2,0]", or empty
   Formula formula;
 };
-std::vector<FormulaInstance> parse_formulas(const ScalarText& text, const FormulaScope& scope,
-                                            std::vector<Expression>* expressions);
+std::vector<FormulaInstance> resolve_formulas(const syntax::Formula& formula,
+                                              const FormulaScope& scope,
+                                              std::vector<Expression>* expressions);
 
 // As the parser reads it.
 std::string to_string(const Formula& formula, const FormulaScope& scope);

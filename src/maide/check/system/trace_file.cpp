@@ -225,7 +225,8 @@ Json to_json(const ChangedValue& changed, const WordTable& words) {
   switch (changed.kind) {
     case ValueKind::boolean: return changed.value != 0;
     case ValueKind::word: return words.name(changed.value);
-    case ValueKind::integer: break;
+    case ValueKind::integer:
+    case ValueKind::unknown: break;
   }
   return changed.value;
 }

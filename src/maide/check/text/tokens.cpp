@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <utility>
 
 #include "maide/base/text.hpp"
@@ -20,13 +21,23 @@ std::string describe(char c) {
   return std::string("the byte 0x") + digits[byte >> 4] + digits[byte & 15];
 }
 
-Token scan(const ScalarText& text, TextCursor& cursor, std::span<const std::string_view> symbols) {
+// Longest first.
+constexpr std::string_view symbols[] = {
+    "<->", "->", "=>", "[]", "<>", "&&", "||", "==", "!=", "<=", ">=", "..",
+    "&",   "|",  "{",  "}",  ";",  ".",  "@",  "*",  "<",  ">",  "+",  "-",
+    "/",   "%",  "!",  "(",  ")",  "[",  "]",  ",",  "=",  ":"};
+
+Token scan(const ScalarText& text, TextCursor& cursor) {
   using Kind = Token::Kind;
   const std::size_t begin = cursor.offset();
   const auto token = [&](Kind kind, std::string_view taken) {
     return Token{kind, std::string(taken), begin};
   };
   const char first = cursor.peek();
+  if (first == '#' || (first == '/' && cursor.peek(1) == '/')) {
+    const std::string_view line = cursor.take_line();
+    return token(Kind::comment, line.substr(0, line.find_last_not_of(" \t\r") + 1));
+  }
   if (begins_identifier(first)) return token(Kind::identifier, cursor.take_while(in_identifier));
   if (is_digit(first)) return token(Kind::number, cursor.take_while(in_identifier));
   if (cursor.accept("\"")) {
@@ -60,19 +71,29 @@ std::string known_instead(std::string_view name, std::span<const std::string> kn
   return text + did_you_mean(name, known);
 }
 
-TokenStream::TokenStream(const ScalarText& text, std::span<const std::string_view> symbols)
-    : text_(text) {
+std::vector<Token> read_tokens(const ScalarText& text) {
   TextCursor cursor(text.value(), "", TextCursor::Columns::bytes);
-  std::size_t end = 0;  // of the last token: there something may be missing
-  for (cursor.skip_blanks(); !cursor.at_end(); cursor.skip_blanks()) {
-    if (cursor.accept("#") || cursor.accept("//")) {
-      cursor.take_line();
-    } else {
-      tokens_.push_back(scan(text, cursor, symbols));
-      end = cursor.offset();
-    }
+  std::vector<Token> tokens;
+  for (;;) {
+    const auto blanks = cursor.take_while(is_space);
+    const auto breaks = static_cast<int>(std::count(blanks.begin(), blanks.end(), '\n'));
+    Token token{Token::Kind::end, "", cursor.offset()};
+    if (!cursor.at_end()) token = scan(text, cursor);
+    token.breaks = breaks;
+    token.has_blank = !blanks.empty();
+    tokens.push_back(std::move(token));
+    if (tokens.back().kind == Token::Kind::end) return tokens;
   }
-  tokens_.push_back({Token::Kind::end, "", end});
+}
+
+TokenStream::TokenStream(const ScalarText& text) : text_(text), tokens_(read_tokens(text)) {
+  std::erase_if(tokens_, [](const Token& token) { return token.kind == Token::Kind::comment; });
+  // Behind the last token something may be missing, not behind the comments that follow it.
+  tokens_.back().offset = 0;
+  if (tokens_.size() == 1) return;
+  const Token& last = tokens_[tokens_.size() - 2];
+  tokens_.back().offset =
+      last.offset + last.text.size() + (last.kind == Token::Kind::quoted ? 2 : 0);
 }
 
 Token TokenStream::next() {
@@ -89,20 +110,25 @@ bool TokenStream::accept(std::string_view what) {
 
 void TokenStream::expect(std::string_view what, std::string_view where) {
   if (accept(what)) return;
-  if (peek().is("=") && peek(1).is(">")) fail("'=>' is no sign here: it is '->'", peek());
   if (!peek().is("=") && !peek(1).is(".")) fail_foreign(peek());
   fail("expected '" + std::string(what) + "' " + std::string(where) + ", not " + to_string(peek()),
        peek());
 }
 
-void TokenStream::fail_foreign(const Token& token) const {
-  static constexpr std::pair<std::string_view, std::string_view> foreign[] = {
+std::string_view own_sign(std::string_view foreign) {
+  static constexpr std::pair<std::string_view, std::string_view> signs[] = {
       {"=>", "->"}, {"implies", "->"}, {"iff", "<->"}, {"and", "&&"}, {"AND", "&&"},
       {"or", "||"}, {"OR", "||"},      {"not", "!"},   {"NOT", "!"},  {"=", "=="}};
-  for (const auto& [theirs, ours] : foreign) {
-    if (token.kind == Token::Kind::quoted || token.text != theirs) continue;
-    fail(fmt::format("'{}' is no sign here: it is '{}'", theirs, ours), token);
+  for (const auto& [theirs, ours] : signs) {
+    if (foreign == theirs) return ours;
   }
+  return "";
+}
+
+void TokenStream::fail_foreign(const Token& token) const {
+  const std::string_view ours = own_sign(token.text);
+  if (token.kind == Token::Kind::quoted || ours.empty()) return;
+  fail(fmt::format("'{}' is no sign here: it is '{}'", token.text, ours), token);
 }
 
 void TokenStream::fail(const std::string& message, const Token& token) const {

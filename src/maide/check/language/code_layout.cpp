@@ -1,5 +1,6 @@
-// The layout of programs and formulas. A text becomes a tree of statements, which have words, signs
-// and blocks; a tree becomes lines.
+// A text becomes statements, which have words, signs and blocks; statements become lines.
+#include "maide/check/language/code_layout.hpp"
+
 #include <algorithm>
 #include <cstdint>
 #include <initializer_list>
@@ -10,71 +11,15 @@
 #include <utility>
 #include <vector>
 
-#include "maide/base/text_cursor.hpp"
-#include "maide/check/language/layout.hpp"
+#include "maide/base/invariant.hpp"
+#include "maide/check/text/tokens.hpp"
 
 namespace maide {
 namespace {
 
-// The signs of programs and formulas that are longer than one character, longest first.
-constexpr std::string_view long_signs[] = {
-    "<->", "->", "==", "!=", "<=", ">=", "&&", "||", "..", "<>", "[]"};
-constexpr int max_nesting = 1000;  // of blocks: the layout recurses
-
-struct Piece {
-  enum class Kind : std::uint8_t { word, sign, comment, end };
-  Kind kind = Kind::end;
-  std::string text;
-  std::size_t offset = 0;
-  int breaks = 0;          // line breaks before it
-  bool has_blank = false;  // something blank before it
-  bool is(std::string_view what) const { return kind != Kind::comment && text == what; }
-};
-
-bool in_word(char c) { return is_letter(c) || is_digit(c) || c == '_'; }
-
-std::vector<Piece> pieces_of(std::string_view text) {
-  using Kind = Piece::Kind;
-  std::vector<Piece> pieces;
-  std::size_t at = 0;
-  for (;;) {
-    Piece piece;
-    for (; at < text.size() && is_space(text[at]); ++at) {
-      piece.has_blank = true;
-      if (text[at] == '\n') ++piece.breaks;
-    }
-    piece.offset = at;
-    const std::string_view rest = text.substr(at);
-    std::size_t length = std::min<std::size_t>(rest.size(), 1);
-    if (rest.empty()) {
-      pieces.push_back(std::move(piece));
-      return pieces;
-    }
-    if (rest[0] == '#' || rest.starts_with("//")) {
-      piece.kind = Kind::comment;
-      length = std::min(rest.find('\n'), rest.size());
-    } else if (in_word(rest[0])) {
-      piece.kind = Kind::word;
-      while (length < rest.size() && in_word(rest[length])) ++length;
-    } else if (rest[0] == '"') {
-      piece.kind = Kind::word;
-      const std::size_t end = rest.find_first_of("\"\n", 1);
-      length = end == std::string_view::npos ? rest.size() : end + (rest[end] == '"' ? 1 : 0);
-    } else {
-      piece.kind = Kind::sign;
-      for (const std::string_view sign : long_signs) {
-        if (!rest.starts_with(sign)) continue;
-        length = sign.size();
-        break;
-      }
-    }
-    piece.text = rest.substr(0, length);
-    if (piece.kind == Kind::comment) {
-      piece.text.erase(piece.text.find_last_not_of(" \t\r") + 1);
-    }
-    pieces.push_back(std::move(piece));
-    at += length;
-  }
+// How the token is written.
+std::string written(const Token& token) {
+  return token.kind == Token::Kind::quoted ? '"' + token.text + '"' : token.text;
 }
 
 bool is_among(const std::string& text, std::initializer_list<std::string_view> words) {
@@ -82,34 +27,39 @@ bool is_among(const std::string& text, std::initializer_list<std::string_view> w
 }
 
 // Words behind which an expression or a bracket begins, and no argument of theirs.
-bool is_keyword(const Piece& piece) {
-  return piece.kind == Piece::Kind::word &&
+bool is_keyword(const Token& piece) {
+  return piece.kind == Token::Kind::identifier &&
          is_among(piece.text, {"if", "while", "repeat", "when", "in", "any", "fair", "timeout",
                                "switch", "on", "wait", "idle", "else", "return", "select"});
 }
 
-// Whether what follows the piece begins an operand.
-bool begins_operand(const Piece* before) {
+bool is_operand(const Token& token) { return token.is_name() || token.kind == Token::Kind::number; }
+
+// Whether what follows the token begins an operand.
+bool begins_operand(const Token* before) {
   if (before == nullptr || is_keyword(*before)) return true;
-  return before->kind == Piece::Kind::sign && !is_among(before->text, {")", "]", "}"});
+  return before->kind == Token::Kind::symbol && !is_among(before->text, {")", "]", "}"});
 }
 
-// Whether there is a blank between the piece and the next one, in a program.
-bool is_apart(const Piece* before_last, const Piece& last, const Piece& next) {
-  if (is_among(next.text, {";", ",", ")", "]", ".", "..", "[", ":"})) return false;
-  if (is_among(last.text, {"(", "[", ".", "..", "@"}) && last.kind == Piece::Kind::sign) {
+// Whether there is a blank between the token and the next one, in a program.
+bool is_apart(const Token* before_last, const Token& last, const Token& next) {
+  if (next.kind == Token::Kind::symbol &&
+      is_among(next.text, {";", ",", ")", "]", ".", "..", "[", ":"})) {
     return false;
   }
-  const bool ends_operand = last.kind == Piece::Kind::word || is_among(last.text, {")", "]"});
+  if (last.kind == Token::Kind::symbol && is_among(last.text, {"(", "[", ".", "..", "@"})) {
+    return false;
+  }
+  const bool ends_operand = is_operand(last) || last.is(")") || last.is("]");
   if (last.is("!") || last.is("-")) {
     return last.is("-") && !begins_operand(before_last);  // else a sign of one operand, or M!output
   }
   if (next.is("!")) return !ends_operand || is_keyword(last);
-  if (next.is("(")) return last.kind != Piece::Kind::word || is_keyword(last);
+  if (next.is("(")) return !is_operand(last) || is_keyword(last);
   return true;
 }
 
-// ---- The tree -----------------------------------------------------------------------------------
+// ---- Statements ---------------------------------------------------------------------------------
 
 struct Statement;
 struct Braces {
@@ -118,7 +68,7 @@ struct Braces {
   bool is_broken = false;  // over several lines
 };
 struct Element {
-  Piece piece;
+  Token piece;
   std::unique_ptr<Braces> block;  // in place of a piece
 };
 struct Statement {
@@ -128,31 +78,28 @@ struct Statement {
   int breaks = 0;                     // line breaks before it
 };
 
-class TreeParser {
+class StatementReader {
  public:
-  explicit TreeParser(const ScalarText& text) : text_(text), pieces_(pieces_of(text.value())) {}
+  explicit StatementReader(const ScalarText& text) : tokens_(read_tokens(text)) {}
 
   std::vector<Statement> parse() {
     std::vector<Statement> statements = parse_statements(nullptr);
-    if (peek().is("}")) fail("this '}' closes nothing", peek());
+    MAIDE_CHECK(peek().kind == Token::Kind::end);  // the parser has read the text
     return statements;
   }
 
  private:
-  const Piece& peek() const { return pieces_[at_]; }
-  Piece next() { return at_ + 1 < pieces_.size() ? pieces_[at_++] : pieces_[at_]; }
-  [[noreturn]] void fail(const std::string& message, const Piece& piece) const {
-    throw ParseError(message, text_.position(piece.offset));
-  }
+  const Token& peek() const { return tokens_[at_]; }
+  Token next() { return at_ + 1 < tokens_.size() ? tokens_[at_++] : tokens_[at_]; }
 
   std::vector<Statement> parse_statements(Braces* braces) {
     std::vector<Statement> statements;
-    while (peek().kind != Piece::Kind::end && !peek().is("}")) {
-      if (peek().kind != Piece::Kind::comment) {
+    while (peek().kind != Token::Kind::end && !peek().is("}")) {
+      if (peek().kind != Token::Kind::comment) {
         statements.push_back(parse_statement());
         continue;
       }
-      const Piece comment = next();
+      const Token comment = next();
       if (comment.breaks == 0 && !statements.empty() && statements.back().comment.empty()) {
         statements.back().comment = comment.text;
       } else if (comment.breaks == 0 && statements.empty() && braces != nullptr &&
@@ -172,16 +119,16 @@ class TreeParser {
     Statement statement;
     statement.breaks = peek().breaks;
     for (;;) {
-      if (peek().kind == Piece::Kind::comment) {  // in the middle
+      if (peek().kind == Token::Kind::comment) {  // in the middle
         statement.comments.push_back(next().text);
         continue;
       }
-      if (peek().kind == Piece::Kind::end || peek().is("}")) return statement;
+      if (peek().kind == Token::Kind::end || peek().is("}")) return statement;
       const bool is_type = !statement.elements.empty() && statement.elements.back().piece.is(":");
-      Piece piece = next();
+      Token piece = next();
       if (piece.is("{") && !is_type) {
         Element element;
-        element.block = parse_braces(piece);
+        element.block = parse_braces();
         statement.elements.push_back(std::move(element));
         if (goes_on()) continue;
         return statement;
@@ -198,45 +145,39 @@ class TreeParser {
   // Behind a block: an `else`, if only after comments.
   bool goes_on() const {
     std::size_t at = at_;
-    while (pieces_[at].kind == Piece::Kind::comment) ++at;
-    return pieces_[at].is("else");
+    while (tokens_[at].kind == Token::Kind::comment) ++at;
+    return tokens_[at].is("else");
   }
 
   // The words of a type, as one piece.
-  void append_type(Statement& statement, Piece open) {
-    while (peek().kind != Piece::Kind::end && !peek().is("}")) {
-      const Piece part = next();
-      if (part.kind == Piece::Kind::comment) {
+  void append_type(Statement& statement, Token open) {
+    while (peek().kind != Token::Kind::end && !peek().is("}")) {
+      const Token part = next();
+      if (part.kind == Token::Kind::comment) {
         statement.comments.push_back(part.text);
         continue;
       }
-      open.text += part.text + (part.is(",") ? " " : "");
+      open.text += written(part) + (part.is(",") ? " " : "");
     }
-    if (peek().kind == Piece::Kind::end) fail("this '{' is not closed", open);
     open.text += next().text;
-    open.kind = Piece::Kind::word;
+    open.kind = Token::Kind::identifier;
     statement.elements.push_back({std::move(open), nullptr});
   }
 
-  std::unique_ptr<Braces> parse_braces(const Piece& open) {
-    if (++nesting_ > max_nesting) fail("blocks are nested too deeply", open);
+  std::unique_ptr<Braces> parse_braces() {
     auto braces = std::make_unique<Braces>();
     const std::size_t first = at_;
     braces->statements = parse_statements(braces.get());
-    if (peek().kind == Piece::Kind::end) fail("this '{' is not closed", open);
     for (std::size_t at = first; at <= at_; ++at) {
-      const bool is_comment = pieces_[at].kind == Piece::Kind::comment;
-      braces->is_broken = braces->is_broken || is_comment || pieces_[at].breaks > 0;
+      const bool is_comment = tokens_[at].kind == Token::Kind::comment;
+      braces->is_broken = braces->is_broken || is_comment || tokens_[at].breaks > 0;
     }
     next();
-    --nesting_;
     return braces;
   }
 
-  const ScalarText& text_;
-  std::vector<Piece> pieces_;
+  std::vector<Token> tokens_;
   std::size_t at_ = 0;
-  int nesting_ = 0;
 };
 
 // ---- Lines --------------------------------------------------------------------------------------
@@ -253,18 +194,18 @@ class LineWriter {
  private:
   // The pieces up to the next block or the end, behind `line`; `at` moves there.
   static void append_pieces(const Statement& statement, std::size_t& at, std::string& line) {
-    const auto piece_at = [&](std::size_t index) -> const Piece* {
+    const auto piece_at = [&](std::size_t index) -> const Token* {
       return index < statement.elements.size() && !statement.elements[index].block
                  ? &statement.elements[index].piece
                  : nullptr;
     };
     for (; at < statement.elements.size() && !statement.elements[at].block; ++at) {
-      const Piece& piece = statement.elements[at].piece;
-      const Piece* last = at > 0 ? piece_at(at - 1) : nullptr;
+      const Token& piece = statement.elements[at].piece;
+      const Token* last = at > 0 ? piece_at(at - 1) : nullptr;
       const bool apart =
           last == nullptr ? at > 0 : is_apart(at > 1 ? piece_at(at - 2) : nullptr, *last, piece);
       if (apart) line += " ";
-      line += piece.text;
+      line += written(piece);
     }
   }
 
@@ -374,51 +315,49 @@ class LineWriter {
 }  // namespace
 
 std::vector<LaidLine> lay_out_program(const ScalarText& program, std::size_t width) {
-  return LineWriter(width).write(TreeParser(program).parse());
+  return LineWriter(width).write(StatementReader(program).parse());
 }
 
 std::string lay_out_formula(const ScalarText& formula) {
+  const auto is_operator = [](const Token& token) {
+    return token.kind == Token::Kind::symbol &&
+           is_among(token.text,
+                    {"&&", "||", "->", "<->", "==", "!=", "<=", ">=", "<", ">", "=", "<>"});
+  };
   std::string line;
-  bool is_first = true;
-  const std::vector<Piece> pieces = pieces_of(formula.value());
-  for (std::size_t i = 0; i + 1 < pieces.size(); ++i) {
-    const Piece& piece = pieces[i];
-    if (piece.kind == Piece::Kind::comment) continue;
-    const bool is_operator = is_among(
-        piece.text, {"&&", "||", "->", "<->", "==", "!=", "<=", ">=", "<", ">", "=", "<>"});
-    const bool is_behind_operator =
-        i > 0 && is_among(pieces[i - 1].text,
-                          {"&&", "||", "->", "<->", "==", "!=", "<=", ">=", "<", ">", "=", ","});
-    const bool is_close = is_among(piece.text, {")", "]", ",", ";"}) ||
-                          (i > 0 && is_among(pieces[i - 1].text, {"(", "["}));
-    if (!is_first && !is_close && (piece.has_blank || is_operator || is_behind_operator)) {
+  const Token* last = nullptr;
+  const std::vector<Token> tokens = read_tokens(formula);
+  for (const Token& token : tokens) {
+    if (token.kind == Token::Kind::comment || token.kind == Token::Kind::end) continue;
+    const bool is_behind =
+        last != nullptr && !last->is("<>") && (is_operator(*last) || last->is(","));
+    const bool is_close = token.is(")") || token.is("]") || token.is(",") || token.is(";") ||
+                          (last != nullptr && (last->is("(") || last->is("[")));
+    if (last != nullptr && !is_close && (token.has_blank || is_operator(token) || is_behind)) {
       line += " ";
     }
-    line += piece.text;
-    is_first = false;
+    line += written(token);
+    last = &token;
   }
   return line;
 }
 
-ProgramWords words_of(std::string_view text) {
-  ProgramWords words;
-  for (const Piece& piece : pieces_of(text)) {
-    if (piece.kind == Piece::Kind::end) break;
-    (piece.kind == Piece::Kind::comment ? words.comments : words.words).push_back(piece.text);
-  }
-  return words;
+bool has_same_words(const ScalarText& one, const ScalarText& other) {
+  const std::vector<Token> a = read_tokens(one), b = read_tokens(other);
+  const auto of_kind = [](const std::vector<Token>& tokens, bool is_comment) {
+    std::vector<std::string> words;
+    for (const Token& token : tokens) {
+      if ((token.kind == Token::Kind::comment) == is_comment) words.push_back(written(token));
+    }
+    return words;
+  };
+  return of_kind(a, false) == of_kind(b, false) && of_kind(a, true) == of_kind(b, true);
 }
 
-TextMeaning meaning_of(const std::vector<std::string>& path) {
-  if (path.empty()) return TextMeaning::other;
-  if (path[0] == "variables" && path.size() == 1) return TextMeaning::program;
-  if (path[0] == "procedures" && path.size() == 2) return TextMeaning::program;
-  if (path[0] == "programs" && (path.size() == 2 || (path.size() == 3 && path[2] == "do"))) {
-    return TextMeaning::program;
-  }
-  if (path[0] != "properties") return TextMeaning::other;
-  const bool is_text = path.size() == 2 || path[2] == "ltl" || path[2] == "always";
-  return path.size() < 2 || path.size() > 3 || !is_text ? TextMeaning::other : TextMeaning::formula;
+bool has_comments(const ScalarText& text) {
+  const std::vector<Token> tokens = read_tokens(text);
+  return std::any_of(tokens.begin(), tokens.end(),
+                     [](const Token& token) { return token.kind == Token::Kind::comment; });
 }
 
 std::vector<std::string> align_comments(const std::vector<LaidLine>& lines, std::size_t width) {

@@ -1,5 +1,5 @@
 // The style of system files, and that a layout changes nothing but blanks.
-#include "maide/check/language/layout.hpp"
+#include "maide/check/tree/print.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -15,8 +15,8 @@ namespace {
 namespace fs = std::filesystem;
 
 std::string laid_out(const std::string& text) {
-  const std::string once = lay_out_system(text, "s.yaml");
-  EXPECT_EQ(lay_out_system(once, "s.yaml"), once);
+  const std::string once = format_system(text, "s.yaml");
+  EXPECT_EQ(format_system(once, "s.yaml"), once);
   return once;
 }
 
@@ -117,7 +117,7 @@ TEST(Layout, WhatIsNotKnownStaysAsItStands) {
 
 TEST(Layout, ErrorsNameThePlace) {
   const auto error = [](const std::string& text) {
-    return test::error_of([&] { lay_out_system(text, "s.yaml"); });
+    return test::error_of([&] { format_system(text, "s.yaml"); });
   };
   EXPECT_EQ(error("programs:\n  p: |\n    loop { a.b;\n"), "this '{' is not closed (s.yaml:3:10)");
   EXPECT_EQ(error("programs: {p: \"a.b; }\"}\n"), "this '}' closes nothing (s.yaml:1:21)");
@@ -153,8 +153,8 @@ TEST(Layout, EveryExampleMeansTheSame) {
     ++files;
     const std::string text = read_file(entry.path());
     const std::string file = entry.path().string();
-    const std::string after = lay_out_system(text, file);
-    EXPECT_EQ(lay_out_system(after, file), after) << file;
+    const std::string after = format_system(text, file);
+    EXPECT_EQ(format_system(after, file), after) << file;
     std::size_t comments_before = 0, comments_after = 0;
     for (const char c : text) comments_before += c == '#' ? 1 : 0;
     for (const char c : after) comments_after += c == '#' ? 1 : 0;

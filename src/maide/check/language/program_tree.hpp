@@ -14,10 +14,10 @@
 #include <vector>
 
 #include "maide/automata/alphabet.hpp"
+#include "maide/check/language/code.hpp"
 #include "maide/check/language/expression.hpp"
 #include "maide/check/language/program.hpp"
 #include "maide/check/language/system_names.hpp"
-#include "maide/check/text/scalar_text.hpp"
 
 namespace maide {
 struct ModelInstance;
@@ -68,14 +68,16 @@ struct Arm {
 struct Callback {
   using Kind = CallbackKind;
   Kind kind = Kind::timer;
-  std::uint32_t number = 0;  // among all callbacks
-  std::string node;          // "detector[0]"
-  std::string name;          // "on_image"; of a client its service
-  ScalarText takes;          // of a subscription: "t.read -> message(var k)"
-  ScalarText code;           // what it does
-  bool has_code = true;      // without, a client hands answers to the callbacks that asked
+  std::uint32_t number = 0;                    // among all callbacks
+  std::string node;                            // "detector[0]"
+  std::string name;                            // "on_image"; of a client its service
+  std::shared_ptr<const syntax::Taken> takes;  // of a subscription: "t.read -> message(var k)"
+  // What it does. Null: a client that hands answers to the callbacks that asked, or there are
+  // outcomes.
+  std::shared_ptr<const syntax::Code> code;
   // `do: {next: "...", gap: "..."}`: outputs, and what is done then.
-  std::vector<std::pair<ScalarText, ScalarText>> outcomes;
+  std::vector<std::pair<std::shared_ptr<const syntax::Event>, std::shared_ptr<const syntax::Code>>>
+      outcomes;
   std::map<std::string, Expression> indices;  // of an array of nodes: this one's
   std::uint32_t model = 0;                    // of a service or client
   std::uint32_t run = 0;                      // of its runs at one time: the number
@@ -174,50 +176,12 @@ struct Context {
   std::function<void(std::uint32_t model, const Event& input, std::size_t place,
                      const ValueType& type)>
       on_value;
-};
+  // The models' inputs and outputs are known. Before, no use of them is checked.
+  bool knows_models = true;
 
-// Throws ParseError: syntax, unknown names, kinds that do not fit.
-//
-// The language (names that are no identifiers are in double quotes; comments run from `//` or `#`
-// to the end of the line; docs/systems.md says what it means):
-//   statement := label* [idle] ( M.input; | M.input -> output; | switch M.input { arm* }
-//              | wait M -> output; | select { choice* } )
-//              | label* ( if * block [ else block ] | if fair * block [ else block ]
-//              | if (e) block [ else (block | if ...) ] | loop block | repeat e block
-//              | while (e) block | for k in e..e block | break; | continue; | stop; | skip;
-//              | var x: type [= e]; | x = e; | x = any [fair] e..e; | atomic block
-//              | call p(arguments); | return; )
-//   arm := (output | quiet) block      block := { statement* }      label := @name
-//   choice := [when (e)] on M.input { arm* } | [when (e)] on M.input block
-//           | [when (e)] on M.input -> output block | [when (e)] on M!output block
-//           | when (e) block | otherwise block | timeout N block
-//   input := name [(e, ...)]      output := name [(x | var x | value, ...)]
-//   type := e..e | bool | {word, ...}
-// M, x: a name, of an array with its indices, as in grant[r, 0].
-// A label on a statement that takes no step of its own (`skip`, `stop`, an empty `repeat`) marks
-// the point: it holds where control comes to rest.
-Tree parse(const ScalarText& text, const Context& context);
-// The program that runs the callbacks, to which the tree refers.
-Tree parse_thread(const Thread& thread, const ScalarText& text, const Context& context);
-// The declarations of `variables:`, in order; their leaves name no place yet.
-std::vector<VariableName> parse_variables(const ScalarText& text, const Context& context);
-// An expression that is known at once: a constant of the file.
-Expression parse_constant(const ScalarText& text, const Context& context);
-// "name", or "name[i in 0..4, j in 1..2]": what the key of a model, topic or program declares.
-struct Declared {
-  std::string name;
-  std::vector<std::string> indices;
-  Dimensions dimensions;
+  // So are the values that queues carry.
+  bool knows_values() const { return knows_models && !on_value; }
 };
-Declared parse_declared(const ScalarText& text, const Context& context);
-// The indices of "name[2, i + 1]", an array with these dimensions.
-std::vector<Value> parse_member(const ScalarText& text, const Context& context,
-                                const Dimensions& dimensions);
-// The same, of a text that goes on behind it: "image[0].read".
-std::vector<Value> parse_member_before(const ScalarText& text, const Context& context,
-                                       const Dimensions& dimensions);
-// "name(a, b)" of a procedure.
-Procedure parse_head(const ScalarText& text, const Context& context, std::string& name);
 
 // What the values of an output's or input's argument are in an alphabet: of "message(3)" and
 // "message(5)" the numbers 3 to 5. None: no such name has an argument there.

@@ -1,0 +1,297 @@
+#include "maide/check/build/build_system.hpp"
+
+#include <algorithm>
+#include <filesystem>
+#include <set>
+#include <utility>
+
+#include "maide/base/file.hpp"
+#include "maide/check/build/code_resolver.hpp"
+#include "maide/check/build/make_program.hpp"
+#include "maide/check/ltl/ltl_automaton.hpp"
+#include "maide/check/system/model_actions.hpp"
+
+namespace maide {
+namespace {
+
+constexpr std::size_t max_properties = 1000;
+
+class SystemBuilder {
+ public:
+  SystemBuilder(const Declarations& file, Models models, const QueueLimits& limits,
+                const RunControl& control)
+      : file_(file), models_(std::move(models)), limits_(limits), control_(control) {}
+
+  System build() {
+    system_.file = file_.tree().file();
+    system_.sources.emplace(system_.file, file_.tree().document->text);
+    system_.models = std::move(models_.instances);
+    system_.words = std::move(models_.words);
+    system_.services = file_.services;
+    system_.callbacks = file_.callbacks;
+    for (const ExecutorDeclaration& executor : file_.executors) {
+      system_.executors.push_back({executor.name, executor.threads, executor.goes_by_rounds});
+    }
+    make_shared_variables();
+    make_all_programs();
+    find_own_variables();
+    add_topics();
+    interfaces_ = system_.interfaces();
+    for (const TreeNode& entry : file_.tree().entries("properties")) add_property(entry);
+    add_remarks(system_, models_.unused);
+    return std::move(system_);
+  }
+
+ private:
+  // ---- Variables --------------------------------------------------------------------------------
+
+  bool is_own(const std::string& name) const {
+    return std::any_of(models_.own.begin(), models_.own.end(),
+                       [&](const auto& own) { return own.contains(name); });
+  }
+
+  // Those that several programs use become models of their own.
+  void make_shared_variables() {
+    for (auto& [name, variable] : models_.names.variables) {
+      if (is_own(name)) continue;
+      constexpr std::uint64_t most = 4096;
+      if (variable.type.count() > most) {
+        throw ParseError("a shared variable has at most " + std::to_string(most) + " values",
+                         variable.position);
+      }
+      variable.leaf.index = static_cast<std::uint32_t>(system_.models.size());
+      for (std::uint64_t member = 0; member < member_count(variable.leaf.dimensions); ++member) {
+        ModelInstance model;
+        model.name = name + member_suffix(variable.leaf.dimensions, member);
+        model.automaton = InterfaceAutomaton({}, {}, variable.type.count());
+        model.automaton.set_initial(static_cast<StateId>(variable.type.place_of(variable.initial)));
+        model.source = ModelInstance::Source::variable;
+        model.type = variable.type;
+        model.position = variable.position;
+        system_.models.push_back(std::move(model));
+      }
+    }
+  }
+
+  // For formulas: where the variables stand that belong to one program.
+  void find_own_variables() {
+    for (std::uint32_t index = 0; index < models_.own.size(); ++index) {
+      for (const std::string& name : models_.own[index]) {
+        Expression& leaf = models_.names.variables.at(name).leaf;
+        leaf.op = Expression::Operator::local;
+        leaf.owner = index;
+        const auto& variables = system_.programs[index].variables;
+        const std::string first = name + member_suffix(leaf.dimensions, 0);
+        leaf.index = static_cast<std::uint32_t>(
+            std::find_if(variables.begin(), variables.end(),
+                         [&](const ProgramVariable& known) { return known.name == first; }) -
+            variables.begin());
+      }
+    }
+  }
+
+  // ---- Programs ---------------------------------------------------------------------------------
+
+  void make_all_programs() {
+    ModelActions actions(system_);
+    make_programs(actions);
+    if (models_.growing.empty()) return;
+    grow_models(system_, actions, models_.growing, limits_, control_);
+    system_.programs.clear();
+    ModelActions known(system_, actions.take_all());
+    make_programs(known);
+  }
+
+  // Actions of models are made as they are needed.
+  void make_programs(ModelActions& actions) {
+    for (std::uint32_t number = 0; number < file_.programs.size(); ++number) {
+      const ProgramDeclaration& declared = file_.programs[number];
+      const program_syntax::Tree tree = resolve(number);
+      const int last_line = declared.code ? declared.code->last.line : declared.position.line;
+      Program& program = system_.programs.emplace_back(program_syntax::make_program(
+          tree, {declared.name, number, declared.position, declared.may_die}, last_line, actions,
+          models_.names));
+      program.nodes = declared.nodes;
+      program.execution = declared.execution;
+      if (declared.thread) name_callbacks(program, *declared.thread);
+      if (declared.may_die) name_ends(program, number);
+    }
+  }
+
+  // Behind an error it was not found out which variables are the program's own. So what is wrong
+  // with others is not told in its place.
+  program_syntax::Tree resolve(std::uint32_t number) {
+    const ProgramDeclaration& program = file_.programs[number];
+    const program_syntax::Context known{
+        system_.models,  models_.names, system_.words, number, models_.own[number],
+        program.indices, nullptr,       nullptr,       {}};
+    try {
+      return program.thread
+                 ? program_syntax::resolve_thread(*program.thread, program.position, known)
+                 : program_syntax::resolve_program(*program.code, known);
+    } catch (const ParseError&) {
+      const auto before = models_.first_errors.find(number);
+      if (before == models_.first_errors.end()) throw;
+      throw before->second;
+    }
+  }
+
+  static void name_callbacks(Program& program, const program_syntax::Thread& thread) {
+    for (const program_syntax::Callback& callback : thread.callbacks) {
+      const auto add = [&](const syntax::Code& code) {
+        program.callbacks.push_back({callback.whole_name(), code.begin.line, code.end.line});
+      };
+      if (callback.code && callback.outcomes.empty()) add(*callback.code);
+      for (const auto& [output, code] : callback.outcomes) add(*code);
+    }
+  }
+
+  // A program that may die belongs to the component of all models at whose ends it stands, also of
+  // those that its text does not name.
+  void name_ends(Program& program, std::uint32_t number) const {
+    std::set<std::uint32_t> named(program.names.begin(), program.names.end());
+    for (const Topic& topic : models_.names.topics) {
+      if (!topic.has_end(number, true) && !topic.has_end(number, false)) continue;
+      for (const Topic::Reader& reader : topic.readers) named.insert(reader.model);
+    }
+    for (const auto& [model, name] : file_.ends_of) {
+      for (const auto& [actor, at_it] : models_.names.models.at(name).ends) {
+        const bool has_end = std::any_of(at_it.begin(), at_it.end(), [&](const End& end) {
+          if (end.node.empty()) return end.program == number;
+          const std::vector<std::string>& nodes = file_.programs[number].nodes;
+          return std::find(nodes.begin(), nodes.end(), end.node) != nodes.end();
+        });
+        if (has_end) named.insert(model);
+      }
+    }
+    program.names.assign(named.begin(), named.end());
+  }
+
+  void add_topics() {
+    for (const Topic& topic : models_.names.topics) {
+      TopicInstance& added = system_.topics.emplace_back();
+      added.name = topic.name;
+      added.writer_names = topic.writer_names;
+      added.writers.assign(topic.writers.begin(), topic.writers.end());
+      added.delivers_one = topic.delivers_one;
+      for (const Topic::Reader& reader : topic.readers) {
+        std::optional<std::uint32_t> callback;
+        for (std::uint32_t number = 0; number < system_.callbacks.size(); ++number) {
+          if (system_.callbacks[number].name == reader.callback) callback = number;
+        }
+        added.readers.push_back({reader.program, reader.model, callback, reader.collected});
+      }
+    }
+  }
+
+  // ---- Properties -------------------------------------------------------------------------------
+
+  void add_property(const TreeNode& entry) {
+    const std::string& name = entry.name_text();
+    if (system_.properties.size() == max_properties) {
+      file_.tree().fail_at_name("too many properties", entry);
+    }
+    if (name == "deadlock" || name == "stuck" || name == "error") {
+      file_.tree().fail_at_name("'" + name + "' is always there; give this property another name",
+                                entry);
+    }
+    Property property;
+    property.name = name;
+    property.position = file_.tree().at_name(entry);
+    if (!entry.is_map()) {
+      add_formulas(entry, property, formulas(entry));
+      return;
+    }
+    const TreeNode* what = nullptr;
+    for (const TreeNode& field : entry.children) {
+      if (field.name_text() == "fairness") continue;
+      if (what != nullptr) {
+        file_.tree().fail_at_name("a property has one of 'ltl', 'always' and 'never'", field);
+      }
+      what = &field;
+    }
+    if (what == nullptr) {
+      file_.tree().fail_at_name("a property needs 'ltl:', 'always:' or 'never:'", entry);
+    }
+    const bool is_invariant = what->name_text() == "always";
+    if (const TreeNode* const fairness = entry.find("fairness")) {
+      if (is_invariant) {
+        file_.tree().fail_at_name("an invariant does not depend on fairness", entry);
+      }
+      property.fairness = fairness->is("none")   ? Fairness::none
+                          : fairness->is("weak") ? Fairness::weak
+                                                 : Fairness::strong;
+    }
+    if (what->name_text() == "never") {
+      property.kind = Property::Kind::never;
+      property.never = read_never(*what);
+      add(entry, property);
+      return;
+    }
+    add_formulas(entry, property, is_invariant ? invariants(*what) : formulas(*what));
+  }
+
+  void add_formulas(const TreeNode& entry, Property property,
+                    std::vector<FormulaInstance> instances) {
+    const std::string name = property.name;
+    for (FormulaInstance& instance : instances) {
+      property.name = name + instance.suffix;
+      property.formula = std::move(instance.formula);
+      add(entry, property);
+    }
+  }
+
+  void add(const TreeNode& entry, const Property& property) {
+    for (const Property& other : system_.properties) {
+      if (other.name != property.name) continue;
+      file_.tree().fail_at_name("the property '" + other.name + "' is there twice", entry);
+    }
+    system_.properties.push_back(property);
+  }
+
+  FormulaScope scope() const {
+    return {system_.programs, interfaces_, system_.expressions, &system_.words, &models_.names};
+  }
+  std::vector<FormulaInstance> formulas(const TreeNode& field) {
+    return resolve_formulas(*field.formula, scope(), &system_.expressions);
+  }
+  std::vector<FormulaInstance> invariants(const TreeNode& field) {
+    std::vector<FormulaInstance> instances = formulas(field);
+    for (FormulaInstance& instance : instances) {
+      if (!is_boolean(instance.formula)) {
+        file_.tree().fail(
+            "'always' takes an expression without X, F, G, U, R, W; use 'ltl' for those", field);
+      }
+      instance.formula = std::make_shared<FormulaNode>(
+          FormulaNode{FormulaNode::Operator::globally, {}, std::move(instance.formula), nullptr});
+    }
+    return instances;
+  }
+
+  // The automaton of a file, whose name is relative to the system file's folder.
+  std::shared_ptr<const LtlAutomaton> read_never(const TreeNode& field) const {
+    const std::filesystem::path file =
+        std::filesystem::path(system_.file).parent_path() / field.text();
+    std::error_code ignored;
+    if (!std::filesystem::is_regular_file(file, ignored)) {
+      file_.tree().fail("there is no file '" + file.string() + "'", field);
+    }
+    return std::make_shared<LtlAutomaton>(read_hoa(read_file(file), file.string(), scope()));
+  }
+
+  const Declarations& file_;
+  Models models_;
+  const QueueLimits& limits_;
+  const RunControl& control_;
+  System system_;
+  std::vector<ProgramInterface> interfaces_;
+};
+
+}  // namespace
+
+System build_system(const Declarations& file, Models models, const QueueLimits& limits,
+                    const RunControl& control) {
+  return SystemBuilder(file, std::move(models), limits, control).build();
+}
+
+}  // namespace maide

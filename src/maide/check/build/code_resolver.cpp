@@ -1,0 +1,619 @@
+#include "maide/check/build/code_resolver.hpp"
+
+#include <algorithm>
+#include <tuple>
+#include <utility>
+
+#include "maide/base/text.hpp"
+#include "maide/check/system/system.hpp"
+#include "maide/check/text/tokens.hpp"
+
+namespace maide::program_syntax {
+namespace {
+
+constexpr int max_nesting = 200;                 // of blocks and calls: the resolver recurses
+constexpr std::size_t max_statements = 200'000;  // with procedures in their places
+constexpr std::size_t max_looked_at = 12;  // a look is a step for each set of what it may find
+constexpr std::ptrdiff_t max_timers = 8;   // each set of them that is due is fair by itself
+
+bool is_same(const Expression& one, const Expression& other) {
+  return one.op == other.op && one.index == other.index && one.value == other.value &&
+         std::equal(one.operands.begin(), one.operands.end(), other.operands.begin(),
+                    other.operands.end(),
+                    [](const Expression& a, const Expression& b) { return is_same(a, b); });
+}
+
+// The same output, whatever it carries, or the same values.
+bool is_same(const Arm& one, const Arm& other) {
+  if (one.is_quiet || other.is_quiet) return one.is_quiet == other.is_quiet;
+  const Event &a = one.output, &b = other.output;
+  return a.name == b.name &&
+         std::equal(a.arguments.begin(), a.arguments.end(), b.arguments.begin(), b.arguments.end(),
+                    [](const Event::Argument& x, const Event::Argument& y) {
+                      if (x.binds || y.binds) return x.binds == y.binds;
+                      return x.expression.is_constant() && y.expression.is_constant() &&
+                             x.expression.value == y.expression.value;
+                    });
+}
+
+}  // namespace
+
+// ---- Blocks and statements ----------------------------------------------------------------------
+
+void CodeResolver::resolve_program(const syntax::Code& code) {
+  Block& block = work_.tree.statements;
+  work_.scopes.push_back({{}, &block, false});
+  names_.declare_own();
+  resolve_statements(code.block, block);
+  work_.scopes.pop_back();
+}
+
+void CodeResolver::resolve_statements(const syntax::Block& from, Block& to) {
+  for (const syntax::Statement& statement : from.statements) {
+    to.statements.push_back(resolve_statement(statement));
+  }
+}
+
+std::unique_ptr<Block> CodeResolver::open_block() {
+  auto block = std::make_unique<Block>();
+  work_.scopes.push_back({{}, block.get(), false});
+  return block;
+}
+
+std::unique_ptr<Block> CodeResolver::close_block(std::unique_ptr<Block> open,
+                                                 const syntax::Block& block) {
+  resolve_statements(block, *open);
+  work_.scopes.pop_back();
+  return open;
+}
+
+std::unique_ptr<Block> CodeResolver::resolve_block(const syntax::Block& block) {
+  return close_block(open_block(), block);
+}
+
+Statement CodeResolver::resolve_statement(const syntax::Statement& from) {
+  Statement statement;
+  for (const syntax::Name& label : from.labels) statement.labels.push_back(resolve_label(label));
+  if (++work_.statements > max_statements) {
+    names_.fail("with its procedures, this program has more than " +
+                    std::to_string(max_statements) + " statements",
+                from.place);
+  }
+  statement.line = from.place.line;
+  statement.column = from.place.column;
+  statement.callback = work_.context->callback;
+  statement.is_idle = from.is_idle;
+  if (from.is_idle && statement.callback != nullptr) {
+    names_.fail("a callback does not rest: its thread waits for its end", from.place);
+  }
+  resolve_kind(from, statement);
+  return statement;
+}
+
+std::uint32_t CodeResolver::resolve_label(const syntax::Name& name) {
+  auto& labels = work_.tree.labels;
+  const Callback* const callback = work_.context->callback;
+  const std::string label =
+      callback != nullptr ? callback->whole_name() + "@" + name.text : name.text;
+  const auto [known, is_new] = work_.label_places.try_emplace(label, name.place);
+  if (is_new) {
+    labels.push_back(label);
+    return static_cast<std::uint32_t>(labels.size() - 1);
+  }
+  // In another copy of a procedure it is the same label.
+  if (known->second.line != name.place.line || known->second.column != name.place.column) {
+    names_.fail("the label '" + name.text + "' stands before two statements", name.place);
+  }
+  return static_cast<std::uint32_t>(std::find(labels.begin(), labels.end(), label) -
+                                    labels.begin());
+}
+
+void CodeResolver::resolve_kind(const syntax::Statement& from, Statement& to) {
+  using From = syntax::Statement::Kind;
+  using To = Statement::Kind;
+  const bool is_in_callback = work_.context->callback != nullptr;
+  switch (from.kind) {
+    case From::loop:
+      to.kind = To::loop;
+      to.body = resolve_block(from.body);
+      break;
+    case From::repeat: resolve_repeat(from, to); break;
+    case From::choice:
+      to.kind = To::choice;
+      to.is_fair = from.is_fair;
+      to.body = resolve_block(from.body);
+      to.otherwise = resolve_block(from.otherwise);
+      break;
+    case From::when:
+      to.kind = To::when;
+      to.expression = names_.expression(*from.expression, ValueKind::boolean, "a condition");
+      to.body = resolve_block(from.body);
+      to.otherwise = resolve_block(from.otherwise);
+      break;
+    case From::repeat_while:
+      to.kind = To::repeat_while;
+      to.expression = names_.expression(*from.expression, ValueKind::boolean, "a condition");
+      to.body = resolve_block(from.body);
+      break;
+    case From::repeat_for: resolve_for(from, to); break;
+    case From::skip: break;
+    case From::stop: to.kind = is_in_callback ? To::leave_callback : To::stop; break;
+    case From::give_back:
+      to.kind = !work_.calls.empty() ? To::leave_procedure
+                : is_in_callback     ? To::leave_callback
+                                     : To::stop;
+      break;
+    case From::leave: to.kind = To::leave; break;
+    case From::next_round: to.kind = To::next_round; break;
+    case From::give:
+    case From::give_arms:
+      to.kind = To::give;
+      to.model = events_.model(from.model);
+      to.input = events_.input(to.model, from.event);
+      for (const syntax::Arm& arm : from.arms) {
+        if (from.kind == From::give) {
+          to.arms.push_back(resolve_awaited(to.model, arm));
+        } else {
+          add_arm(to.arms, resolve_arm(to.model, arm), arm.output.name, "switch");
+        }
+      }
+      break;
+    case From::wait:
+      to.kind = To::wait;
+      to.model = events_.model(from.model);
+      to.arms.push_back(resolve_awaited(to.model, from.arms.front()));
+      break;
+    case From::declare: resolve_declaration(from, to); break;
+    case From::assign:
+      to.kind = To::assign;
+      std::tie(to.target, to.type) = names_.target(from.target);
+      to.expression = names_.value_for(*from.expression, to.type, from.target.name.text);
+      break;
+    case From::choose: resolve_choice_of_value(from, to); break;
+    case From::call: resolve_call(from, to); break;
+    case From::atomic:
+      to.kind = To::atomic;
+      to.body = resolve_block(from.body);
+      break;
+    case From::select:
+      to.kind = To::select;
+      for (const syntax::SelectArm& arm : from.select_arms) {
+        SelectArm resolved = resolve_select_arm(arm);
+        check_distinct(to.select_arms, resolved);
+        to.select_arms.push_back(std::move(resolved));
+      }
+      break;
+  }
+}
+
+void CodeResolver::resolve_repeat(const syntax::Statement& from, Statement& to) {
+  to.kind = Statement::Kind::repeat;
+  const syntax::Term& term = *from.expression;
+  Expression count = names_.without_shared(names_.expression(term), term.begin, "'repeat'");
+  require(count, ValueKind::integer, "the number of a 'repeat'", names_.position(term.begin));
+  if (count.is_constant() && count.value > static_cast<Value>(max_control_states)) {
+    names_.fail("'repeat' goes up to " + std::to_string(max_control_states), term.begin);
+  }
+  if (count.is_constant() && count.value < 0) {
+    names_.fail("'repeat' goes from 0 on, and this is " + std::to_string(count.value), term.begin);
+  }
+  to.expression = std::move(count);
+  to.body = resolve_block(from.body);
+}
+
+void CodeResolver::resolve_bounds(const syntax::Range& range, Statement& to,
+                                  std::string_view what) {
+  const TextPlace begin = range.low.begin;
+  to.expression = names_.without_shared(names_.expression(range.low), begin, what);
+  to.upper = names_.without_shared(names_.expression(range.high), begin, what);
+  require(*to.expression, ValueKind::integer, what, names_.position(begin));
+  require(to.upper, ValueKind::integer, what, names_.position(begin));
+}
+
+void CodeResolver::resolve_for(const syntax::Statement& from, Statement& to) {
+  to.kind = Statement::Kind::repeat_for;
+  names_.check_new(from.name);
+  resolve_bounds(from.range, to, "a bound of a 'for'");
+  to.type = names_.type_of(*to.expression);
+  to.type.high = std::max(to.type.high, names_.type_of(to.upper).high);
+  auto block = open_block();
+  to.target = names_.declare(from.name, to.type, {}, true);
+  to.body = close_block(std::move(block), from.body);
+}
+
+void CodeResolver::resolve_declaration(const syntax::Statement& from, Statement& to) {
+  to.kind = Statement::Kind::assign;
+  names_.check_new(from.name);
+  const Dimensions dimensions = names_.dimensions(from.dimensions);
+  to.type = names_.type(from.type);
+  to.expression = from.expression ? names_.value_for(*from.expression, to.type, from.name.text)
+                                  : make_constant(to.type.at(0), to.type.kind);
+  to.target = names_.declare(from.name, to.type, dimensions);
+  to.target.line = to.line;
+  to.target.column = to.column;
+  to.slots = static_cast<std::uint32_t>(member_count(dimensions));
+}
+
+void CodeResolver::resolve_choice_of_value(const syntax::Statement& from, Statement& to) {
+  to.kind = Statement::Kind::choose;
+  to.is_fair = from.is_fair;
+  std::tie(to.target, to.type) = names_.target(from.target);
+  resolve_bounds(from.range, to, "a bound of 'any'");
+  require(make_constant(0, to.type.kind), ValueKind::integer, "what 'any' chooses",
+          names_.position(from.target.place));
+  if (to.expression->is_constant() && to.upper.is_constant() &&
+      to.expression->value > to.upper.value) {
+    names_.fail("'any' goes from the least to the greatest", from.range.low.begin);
+  }
+}
+
+// ---- Procedures ---------------------------------------------------------------------------------
+
+void CodeResolver::resolve_call(const syntax::Statement& from, Statement& to) {
+  to.kind = Statement::Kind::inner;
+  const std::string& name = from.name.text;
+  const auto& procedures = work_.context->names.procedures;
+  const auto known = procedures.find(name);
+  if (known == procedures.end()) {
+    std::vector<std::string> names;
+    for (const auto& [other, procedure] : procedures) names.push_back(other);
+    names_.fail("unknown procedure '" + name + "'; there is: " + known_instead(name, names),
+                from.name.place);
+  }
+  if (std::find(work_.calls.begin(), work_.calls.end(), name) != work_.calls.end()) {
+    names_.fail("procedure '" + name + "' calls itself: " + join(work_.calls) + ", " + name,
+                from.name.place);
+  }
+  if (++work_.nesting > max_nesting) {
+    names_.fail("calls are nested too deeply", from.name.place);
+  }
+  const Procedure& procedure = known->second;
+  Scope scope;
+  scope.is_barrier = true;
+  if (from.arguments.size() != procedure.parameters.size()) {
+    fail_argument_count(procedure, from.name);
+  }
+  for (std::size_t i = 0; i < from.arguments.size(); ++i) {
+    scope.names.emplace(procedure.parameters[i], resolve_call_argument(from.arguments[i]));
+  }
+  to.body = std::make_unique<Block>();
+  to.body->is_procedure = true;
+  scope.block = to.body.get();
+  work_.scopes.push_back(std::move(scope));
+  work_.calls.push_back(name);
+  resolve_statements(procedure.code->block, *to.body);
+  work_.calls.pop_back();
+  work_.scopes.pop_back();
+  --work_.nesting;
+}
+
+void CodeResolver::fail_argument_count(const Procedure& procedure, const syntax::Name& name) const {
+  names_.fail("procedure '" + name.text + "' takes " + std::to_string(procedure.parameters.size()) +
+                  (procedure.parameters.size() == 1 ? " argument: " : " arguments: ") + name.text +
+                  "(" + join(procedure.parameters) + ")",
+              name.place);
+}
+
+Binding CodeResolver::resolve_call_argument(const syntax::Term& term) const {
+  const auto fail = [&] {
+    names_.fail("an argument is a constant, a model or a variable", term.begin);
+  };
+  auto binding = term.is_name() ? names_.find(term.name.text) : std::nullopt;
+  if (!binding || binding->kind == Binding::Kind::constant) {
+    Expression value = names_.expression(term);
+    if (!value.is_constant() && value.kind != ValueKind::unknown) fail();
+    return {Binding::Kind::constant, std::move(value), {}, false, nullptr};
+  }
+  Expression& leaf = binding->expression;
+  leaf.line = term.place.line;
+  leaf.column = term.place.column;
+  if (!term.has_indices) return *binding;  // an array may be given whole
+  if (!leaf.operands.empty()) fail();
+  leaf.operands = names_.indices(term, leaf.dimensions);
+  return *binding;
+}
+
+// ---- Arms ---------------------------------------------------------------------------------------
+
+Arm CodeResolver::resolve_awaited(const ModelReference& model, const syntax::Arm& from) {
+  Arm arm;
+  arm.line = from.place.line;
+  arm.column = from.place.column;
+  arm.output = events_.output(model, from.output);
+  arm.body = std::make_unique<Block>();
+  return arm;
+}
+
+Arm CodeResolver::resolve_arm(const ModelReference& model, const syntax::Arm& from) {
+  Arm arm;
+  arm.line = from.place.line;
+  arm.column = from.place.column;
+  arm.is_quiet = from.is_quiet;
+  auto block = open_block();
+  if (!arm.is_quiet) arm.output = events_.output(model, from.output);
+  arm.body = close_block(std::move(block), from.body);
+  return arm;
+}
+
+void CodeResolver::add_arm(std::vector<Arm>& arms, Arm arm, const syntax::Name& name,
+                           std::string_view what) const {
+  for (const Arm& other : arms) {
+    if (!is_same(other, arm)) continue;
+    const std::string output = arm.is_quiet     ? "'quiet'"
+                               : name.is_quoted ? "\"" + name.text + "\""
+                                                : "'" + name.text + "'";
+    names_.fail("this '" + std::string(what) + "' has two arms for " + output,
+                {arm.line, arm.column});
+  }
+  arms.push_back(std::move(arm));
+}
+
+SelectArm CodeResolver::resolve_select_arm(const syntax::SelectArm& from) {
+  using From = syntax::SelectArm::Kind;
+  using To = SelectArm::Kind;
+  SelectArm arm;
+  arm.callback = work_.context->callback;
+  arm.line = from.place.line;
+  arm.column = from.place.column;
+  if (from.guard) {
+    arm.guard = names_.expression(*from.guard, ValueKind::boolean, "a condition");
+  }
+  switch (from.kind) {
+    case From::otherwise:
+      arm.kind = To::otherwise;
+      arm.body = resolve_block(from.body);
+      break;
+    case From::timeout:
+      arm.kind = To::timeout;
+      if (names_.constant(from.milliseconds, "a time-out") < 0) {
+        names_.fail("a time-out is some milliseconds", from.milliseconds.begin);
+      }
+      arm.body = resolve_block(from.body);
+      break;
+    case From::guard: arm.body = resolve_block(from.body); break;
+    case From::output: {
+      arm.kind = To::output;
+      arm.model = events_.model(from.model);
+      auto block = open_block();
+      arm.event = events_.output(arm.model, from.event);
+      arm.body = close_block(std::move(block), from.body);
+      break;
+    }
+    case From::input:
+      arm.kind = To::input;
+      arm.model = events_.model(from.model);
+      arm.event = events_.input(arm.model, from.event);
+      if (!from.has_arms) arm.body = resolve_block(from.body);
+      for (const syntax::Arm& output : from.arms) {
+        add_arm(arm.arms, resolve_arm(arm.model, output), output.output.name, "on");
+      }
+      break;
+  }
+  return arm;
+}
+
+void CodeResolver::check_distinct(const std::vector<SelectArm>& arms, const SelectArm& arm) const {
+  using Kind = SelectArm::Kind;
+  for (const SelectArm& other : arms) {
+    if (arm.kind != Kind::input || other.kind != Kind::input) continue;
+    if (arm.model.is_topic != other.model.is_topic) continue;
+    if (arm.event.name != other.event.name || !is_same(arm.model.leaf, other.model.leaf)) continue;
+    if (arm.event.has_arguments || other.event.has_arguments) continue;
+    names_.fail("this 'select' has two arms for " + arm.model.name() + "." + arm.event.name +
+                    ": put what may come into the braces of one",
+                {arm.line, arm.column});
+  }
+}
+
+// ---- Callbacks ----------------------------------------------------------------------------------
+
+void CodeResolver::resolve_thread(const Thread& thread) {
+  Block& block = work_.tree.statements;
+  work_.scopes.push_back({{}, &block, false});
+  names_.declare_own();
+  Statement starts;
+  starts.kind = thread.goes_by_rounds ? Statement::Kind::rounds : Statement::Kind::select;
+  starts.is_idle = true;
+  starts.line = work_.position.line;
+  starts.column = work_.position.column;
+  if (thread.goes_by_rounds) {
+    if (thread.callbacks.size() > max_looked_at) {
+      throw ParseError("with 'order: rounds' an executor runs at most " +
+                           std::to_string(max_looked_at) + " callbacks",
+                       work_.position);
+    }
+    const auto timers = std::count_if(
+        thread.callbacks.begin(), thread.callbacks.end(),
+        [](const Callback& callback) { return callback.kind == Callback::Kind::timer; });
+    if (timers > max_timers) {
+      throw ParseError(
+          "with 'order: rounds' an executor has at most " + std::to_string(max_timers) + " timers",
+          work_.position);
+    }
+    starts.type.high = (Value{1} << thread.callbacks.size()) - 1;
+    starts.target.op = Expression::Operator::local;
+    starts.target.index = static_cast<std::uint32_t>(work_.tree.slots.size());
+    starts.target.name = "look";
+    work_.tree.slots.push_back({"look", starts.type, work_.position});
+    work_.tree.initial.emplace_back(0);
+  }
+  for (const Callback& callback : thread.callbacks) {
+    starts.select_arms.push_back(resolve_start(callback));
+    for (const ModelUse& use : callback.start) work_.names.insert(use.model);
+  }
+  Statement loop;
+  loop.kind = Statement::Kind::loop;
+  loop.line = starts.line;
+  loop.column = starts.column;
+  loop.body = std::make_unique<Block>();
+  loop.body->statements.push_back(std::move(starts));
+  block.statements.push_back(std::move(loop));
+  work_.scopes.pop_back();
+}
+
+std::unique_ptr<Block> CodeResolver::open_procedure() {
+  auto procedure = open_block();
+  procedure->is_procedure = procedure->is_callback = true;
+  return procedure;
+}
+
+SelectArm CodeResolver::resolve_start(const Callback& callback) {
+  const Context* const around = work_.context;
+  Context start = *around, inside = *around;
+  start.starts = &callback;
+  inside.callback = &callback;
+  SelectArm arm;
+  arm.starts = &callback;
+  arm.line = callback.position.line;
+  arm.column = callback.position.column;
+  Scope indices;
+  for (const auto& [name, index] : callback.indices) {
+    indices.names[name] = {Binding::Kind::constant, index, {}, false, nullptr};
+  }
+  work_.scopes.push_back(std::move(indices));
+  work_.context = &start;
+  work_.asked.clear();
+  if (callback.kind != Callback::Kind::subscription) {
+    if (callback.kind != Callback::Kind::timer) {
+      arm.kind = SelectArm::Kind::service;
+      work_.names.insert(callback.model);
+    }
+    arm.body = resolve_code(callback.code.get(), inside, open_procedure());
+  } else {
+    resolve_subscription(callback, inside, arm);
+  }
+  work_.context = around;
+  work_.scopes.pop_back();
+  Statement end;
+  end.kind = Statement::Kind::end_callback;
+  end.line = callback.position.line;
+  end.column = callback.position.column;
+  end.callback = &callback;
+  end.services.assign(work_.asked.begin(), work_.asked.end());
+  arm.end = std::make_unique<Block>();
+  arm.end->statements.push_back(std::move(end));
+  return arm;
+}
+
+void CodeResolver::resolve_subscription(const Callback& callback, const Context& inside,
+                                        SelectArm& arm) {
+  auto procedure = open_procedure();
+  Event pattern;
+  resolve_taken(*callback.takes, arm, pattern);
+  if (!callback.outcomes.empty()) {
+    if (!pattern.is_any) {
+      throw ParseError("'takes' names an output, and so does 'do'", callback.position);
+    }
+    work_.scopes.pop_back();
+    for (const auto& [output, code] : callback.outcomes) {
+      procedure = open_procedure();
+      Arm taken;
+      taken.line = output->name.place.line;
+      taken.column = output->name.place.column;
+      taken.output = events_.output(arm.model, *output);
+      taken.body = resolve_code(code.get(), inside, std::move(procedure));
+      add_arm(arm.arms, std::move(taken), output->name, "do");
+    }
+    return;
+  }
+  const bool takes_output =
+      arm.kind == SelectArm::Kind::input && (!pattern.is_any || has_outputs(arm));
+  auto body = resolve_code(callback.code.get(), inside, std::move(procedure));
+  if (!takes_output) {
+    arm.body = std::move(body);
+    return;
+  }
+  Arm taken;
+  taken.output = std::move(pattern);
+  taken.line = arm.line;
+  taken.column = arm.column;
+  taken.body = std::move(body);
+  arm.arms.push_back(std::move(taken));
+}
+
+void CodeResolver::resolve_taken(const syntax::Taken& taken, SelectArm& arm, Event& pattern) const {
+  arm.model = events_.model(taken.model);
+  if (events_.service_of(arm.model) != nullptr) {
+    names_.fail("a callback takes from a service by 'serves:', or is its client's",
+                taken.name_place);
+  }
+  if (taken.is_output) {
+    arm.kind = SelectArm::Kind::output;
+    arm.event = events_.output(arm.model, taken.event);
+  } else {
+    arm.kind = SelectArm::Kind::input;
+    arm.event = events_.input(arm.model, taken.event);
+    pattern.is_any = !taken.output;
+    pattern.line = arm.line;
+    pattern.column = arm.column;
+    if (taken.output) pattern = events_.output(arm.model, *taken.output);
+  }
+  if (!arm.model.is_topic) return;
+  if (work_.context->knows_models &&
+      is_of_writer(events_.instance(arm.model).automaton, arm.event.name)) {
+    names_.fail("a callback takes what a reader gets, and '" + arm.event.name + "' is the writer's",
+                taken.name_place);
+  }
+  events_.for_each_topic(arm.model, [&](const Topic& topic) {
+    for (const Topic::Reader& reader : topic.readers) {
+      if (reader.callback != arm.starts->whole_name()) continue;
+      arm.model.leaf.index = reader.model;
+      arm.model.is_topic = false;
+    }
+    if (arm.model.is_topic) {
+      names_.fail("this callback is no reader of " + topic.name, taken.name_place);
+    }
+  });
+  arm.model.leaf.operands.clear();
+  arm.model.leaf.dimensions.clear();
+}
+
+bool CodeResolver::has_outputs(const SelectArm& arm) const {
+  const InterfaceAutomaton& automaton = events_.instance(arm.model).automaton;
+  const auto input = automaton.inputs().find(arm.event.name);
+  for (Symbol output = 0; output < automaton.outputs().size(); ++output) {
+    if (!input || is_of_same_actor(automaton, *input, output)) return true;
+  }
+  return false;
+}
+
+std::unique_ptr<Block> CodeResolver::resolve_code(const syntax::Code* code, const Context& inside,
+                                                  std::unique_ptr<Block> procedure) {
+  const Context* const start = std::exchange(work_.context, &inside);
+  if (code != nullptr) resolve_statements(code->block, *procedure);
+  work_.context = start;
+  work_.scopes.pop_back();
+  return procedure;
+}
+
+// ---- Whole programs -----------------------------------------------------------------------------
+
+namespace {
+
+template <typename Resolve>
+Tree resolve(const Context& context, const SourcePosition& begin, const Resolve& resolve_with) {
+  Work work(context, begin);
+  CodeResolver resolver(work);
+  try {
+    resolve_with(resolver);
+  } catch (const ParseError&) {
+    // A name that was taken for a model's word may be why the rest does not fit.
+    if (work.doubt) throw *work.doubt;
+    throw;
+  }
+  work.tree.names.assign(work.names.begin(), work.names.end());
+  return std::move(work.tree);
+}
+
+}  // namespace
+
+Tree resolve_program(const syntax::Code& code, const Context& context) {
+  return resolve(context, {code.file, code.begin.line, code.begin.column},
+                 [&](CodeResolver& resolver) { resolver.resolve_program(code); });
+}
+
+Tree resolve_thread(const Thread& thread, const SourcePosition& begin, const Context& context) {
+  return resolve(context, begin, [&](CodeResolver& resolver) { resolver.resolve_thread(thread); });
+}
+
+}  // namespace maide::program_syntax

@@ -1,0 +1,77 @@
+// From the syntax tree of a program to the tree that is unrolled: names have their meaning, and a
+// procedure stands wherever it is called, with its arguments for its parameters.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "maide/check/build/event_resolver.hpp"
+#include "maide/check/build/name_resolver.hpp"
+
+namespace maide::program_syntax {
+
+class CodeResolver {
+ public:
+  // Keeps a reference.
+  explicit CodeResolver(Work& work) : work_(work), names_(work), events_(names_, work) {}
+
+  void resolve_program(const syntax::Code& code);
+  // What runs callbacks: a loop that rests until one of them can start, and then does its code and
+  // its end.
+  void resolve_thread(const Thread& thread);
+
+ private:
+  // ---- Statements ----
+
+  void resolve_statements(const syntax::Block& from, Block& to);
+  // A block of its own; `names` are seen in it alone.
+  std::unique_ptr<Block> resolve_block(const syntax::Block& block);
+  std::unique_ptr<Block> open_block();
+  std::unique_ptr<Block> close_block(std::unique_ptr<Block> open, const syntax::Block& block);
+  Statement resolve_statement(const syntax::Statement& from);
+  std::uint32_t resolve_label(const syntax::Name& name);
+  void resolve_kind(const syntax::Statement& from, Statement& to);
+  void resolve_repeat(const syntax::Statement& from, Statement& to);
+  // LOW..HIGH, which may depend on the program's own variables.
+  void resolve_bounds(const syntax::Range& range, Statement& to, std::string_view what);
+  void resolve_for(const syntax::Statement& from, Statement& to);
+  void resolve_declaration(const syntax::Statement& from, Statement& to);
+  void resolve_choice_of_value(const syntax::Statement& from, Statement& to);
+  void resolve_call(const syntax::Statement& from, Statement& to);
+  [[noreturn]] void fail_argument_count(const Procedure& procedure, const syntax::Name& name) const;
+  Binding resolve_call_argument(const syntax::Term& term) const;
+
+  // ---- Arms ----
+
+  Arm resolve_arm(const ModelReference& model, const syntax::Arm& from);
+  // Without a block of its own: a variable that it declares is the block's around it.
+  Arm resolve_awaited(const ModelReference& model, const syntax::Arm& from);
+  void add_arm(std::vector<Arm>& arms, Arm arm, const syntax::Name& name,
+               std::string_view what) const;
+  SelectArm resolve_select_arm(const syntax::SelectArm& from);
+  void check_distinct(const std::vector<SelectArm>& arms, const SelectArm& arm) const;
+
+  // ---- Callbacks ----
+
+  SelectArm resolve_start(const Callback& callback);
+  void resolve_taken(const syntax::Taken& taken, SelectArm& arm, Event& pattern) const;
+  void resolve_subscription(const Callback& callback, const Context& inside, SelectArm& arm);
+  std::unique_ptr<Block> open_procedure();
+  // The code of a callback, into `procedure`, whose scope is open; and then its end. Null: it has
+  // no code.
+  std::unique_ptr<Block> resolve_code(const syntax::Code* code, const Context& inside,
+                                      std::unique_ptr<Block> procedure);
+  bool has_outputs(const SelectArm& arm) const;
+
+  Work& work_;
+  NameResolver names_;
+  EventResolver events_;
+};
+
+// Throw ParseError: unknown names, kinds that do not fit. `begin`: where the program's text begins.
+Tree resolve_program(const syntax::Code& code, const Context& context);
+Tree resolve_thread(const Thread& thread, const SourcePosition& begin, const Context& context);
+
+}  // namespace maide::program_syntax

@@ -1,0 +1,336 @@
+// Models and topics: where their automata will come from, and who stands at their ends.
+#include <algorithm>
+#include <filesystem>
+#include <set>
+
+#include "maide/check/build/declarations.hpp"
+#include "maide/check/build/references.hpp"
+#include "maide/check/text/tokens.hpp"
+
+namespace maide {
+namespace {
+
+// Of a topic. A write is a step for each set of readers that live.
+constexpr std::ptrdiff_t max_mortal_readers = 8;
+
+using Fields = std::vector<const TreeNode*>;
+
+const TreeNode* find(const Fields& fields, std::string_view name) {
+  for (const TreeNode* field : fields) {
+    if (field->name_text() == name) return field;
+  }
+  return nullptr;
+}
+
+// As it is written, or the value of the constant of that name.
+std::string option_value(const Declarations& file, const TreeNode& option) {
+  const std::string& value = option.text();
+  const auto constant = file.names.constants.find(value);
+  if (constant == file.names.constants.end() || option.yaml->style != YamlNode::Style::plain) {
+    return value;
+  }
+  return to_string(constant->second.value, constant->second.kind, file.words);
+}
+
+// What a model is made of: its fields, and under `with` these options.
+class ModelDeclarer {
+ public:
+  ModelDeclarer(Declarations& file, const TreeNode& entry, Fields fields, Fields options)
+      : file_(file), entry_(entry), fields_(std::move(fields)), options_(std::move(options)) {}
+
+  ModelInstance declare(const std::string& name, ModelOrigin& origin) const {
+    ModelInstance model;
+    model.name = name;
+    model.position = file_.tree().at_name(entry_);
+    read_settings(model);
+    const TreeNode* const from = source();
+    if (from == nullptr) {
+      file_.tree().fail_at_name("model '" + name + "' needs 'file:', 'learn:' or 'use:'", entry_);
+    }
+    if (from->text().empty()) {
+      file_.tree().fail("'" + from->name_text() + "' is empty", *from);
+    }
+    const TreeNode* const learning = find(fields_, "learning");
+    if (from->name_text() == "use") {
+      if (learning != nullptr && !learning->children.empty()) {
+        file_.tree().fail_at_name("'learning' goes with 'learn'", entry_);
+      }
+      model.source = ModelInstance::Source::built_in;
+      model.origin = from->text();
+      return model;
+    }
+    origin.kind = ModelOrigin::Kind::asked;
+    ModelRequest& request = origin.request;
+    request.instance = name;
+    request.position = file_.tree().at(*from);
+    for (const TreeNode* option : options_) {
+      request.with.emplace_back(option->name_text(), option_value(file_, *option));
+    }
+    origin.options = options_;
+    if (learning != nullptr) {
+      for (const TreeNode& option : learning->children) {
+        request.learning.emplace_back(option.name_text(), option_value(file_, option));
+        origin.options.push_back(&option);
+      }
+    }
+    model.origin = from->text();
+    if (from->name_text() == "learn") {
+      request.learn = model.origin;
+      model.is_learned = true;
+      return model;
+    }
+    if (!origin.options.empty()) {
+      file_.tree().fail_at_name(
+          "'with' and 'learning' go with 'learn'; a model from a file has its options behind it",
+          entry_);
+    }
+    request.file = std::filesystem::path(file_.tree().file()).parent_path() / model.origin;
+    return model;
+  }
+
+  // How a built-in model is made, with these indices of its array.
+  void declare_built_in(ModelOrigin& origin, const Indices& indices) const {
+    const TreeNode* const use = find(fields_, "use");
+    if (use == nullptr) return;
+    const std::string& kind = use->text();
+    if (kind == "mutex") {
+      origin.kind = ModelOrigin::Kind::mutex;
+      if (!options_.empty()) file_.tree().fail("a mutex has no options", *find(fields_, "with"));
+      return;
+    }
+    const bool is_queue = kind == "queue";
+    check_options(kind, is_queue);
+    if (options_.size() != 1) {
+      file_.tree().fail(
+          "a " + kind + " needs " +
+              (is_queue ? "'with: {size: N}' or 'with: {depth: N}'" : "'with: {count: N}'"),
+          *use);
+    }
+    const TreeNode& option = *options_.front();
+    const bool is_depth = option.name_text() == "depth";
+    origin.kind = is_queue ? ModelOrigin::Kind::queue : ModelOrigin::Kind::semaphore;
+    if (is_depth && option.text() == unknown_depth) {
+      origin.size = {1, true, {}, true};
+      return;
+    }
+    constexpr std::uint32_t most = 1'000'000;
+    origin.count = count_of(constant_of(file_, *option.number, indices), most);
+    if (origin.count == 0) {
+      file_.tree().fail("'" + option.name_text() + "' goes from 1 to " + std::to_string(most),
+                        option);
+    }
+    origin.size.size = origin.count;
+    origin.size.drops_oldest = is_depth;
+  }
+
+ private:
+  void check_options(const std::string& kind, bool is_queue) const {
+    const std::vector<std::string> known =
+        is_queue ? std::vector<std::string>{"size", "depth"} : std::vector<std::string>{"count"};
+    for (const TreeNode* option : options_) {
+      if (std::find(known.begin(), known.end(), option->name_text()) != known.end()) continue;
+      file_.tree().fail_at_name("'with' of a " + kind + " has no key '" + option->name_text() +
+                                    "'; it may have: " + known_instead(option->name_text(), known),
+                                *option);
+    }
+  }
+
+  void read_settings(ModelInstance& model) const {
+    if (const TreeNode* const unexplored = find(fields_, "when_unexplored")) {
+      model.when_unexplored = unexplored->is("wait")   ? WhenUnexplored::wait
+                              : unexplored->is("drop") ? WhenUnexplored::drop
+                                                       : WhenUnexplored::stop;
+    }
+    if (const TreeNode* const weak = find(fields_, "when_weak")) {
+      model.when_weak = weak->is("accept") ? WhenWeak::accept : WhenWeak::inconclusive;
+    }
+  }
+
+  const TreeNode* source() const {
+    const TreeNode* from = nullptr;
+    for (const TreeNode* field : fields_) {
+      const std::string& word = field->name_text();
+      if (word != "file" && word != "learn" && word != "use") continue;
+      if (from != nullptr) {
+        file_.tree().fail_at_name("a model has one of 'file', 'learn' and 'use'", *field);
+      }
+      from = field;
+    }
+    return from;
+  }
+
+  Declarations& file_;
+  const TreeNode& entry_;
+  Fields fields_, options_;
+};
+
+Fields fields_of(const TreeNode& entry) {
+  Fields fields;
+  for (const TreeNode& field : entry.children) fields.push_back(&field);
+  return fields;
+}
+Fields options_of(const TreeNode& entry) {
+  const TreeNode* const with = entry.find("with");
+  return with == nullptr ? Fields() : fields_of(*with);
+}
+
+}  // namespace
+
+void declare_models(Declarations& file) {
+  for (const TreeNode& entry : file.tree().entries("models")) {
+    const DeclaredArray array = declare_array(file, entry);
+    if (file.models.size() + array.count() > max_components) {
+      file.tree().fail_at_name("too many models", entry);
+    }
+    const auto first = static_cast<std::uint32_t>(file.models.size());
+    ModelName& name =
+        file.names.models.emplace(array.name, ModelName{first, array.dimensions, false, {}})
+            .first->second;
+    const ModelDeclarer declarer(file, entry, fields_of(entry), options_of(entry));
+    ModelOrigin origin;
+    ModelInstance model = declarer.declare(array.name, origin);
+    if (const TreeNode* const ends = entry.find("ends")) {
+      const Indices none;
+      for (const TreeNode& end : ends->children) {
+        name.ends.emplace(end.name_text(), References(file, none).ends(end));
+      }
+      origin.ends = ends->yaml;
+    }
+    for (std::uint64_t member = 0; member < array.count(); ++member) {
+      model.name = array.member(member);
+      declarer.declare_built_in(origin, array.indices_of(member));
+      const auto number = static_cast<std::uint32_t>(file.models.size());
+      file.models.push_back(model);
+      file.origins.push_back(origin);
+      if (origin.kind == ModelOrigin::Kind::asked) {
+        origin.kind = ModelOrigin::Kind::copied;
+        origin.first = first;
+      }
+      if (!name.ends.empty()) file.ends_of.emplace(number, array.name);
+    }
+  }
+}
+
+// ---- Topics -------------------------------------------------------------------------------------
+
+namespace {
+
+// Under `readers_with:` each reader is there once.
+void check_own_options(const Declarations& file, const References& references, const TreeNode& own,
+                       const std::string& topic) {
+  std::set<std::pair<std::uint32_t, std::string>> met;
+  for (const TreeNode& entry : own.children) {
+    for (const ReaderEnd& end : references.readers(entry, topic)) {
+      if (met.emplace(end.program, end.callback).second) continue;
+      file.tree().fail_at_name("the options of reader " + end.name + " are there twice", entry);
+    }
+  }
+}
+
+// Those of `with`, each in the place of which the reader's own may stand.
+Fields options_of_reader(const References& references, const TreeNode& entry,
+                         const std::string& topic, const ReaderEnd& reader) {
+  Fields options = options_of(entry);
+  const TreeNode* const own = entry.find("readers_with");
+  if (own == nullptr) return options;
+  for (const TreeNode& settings : own->children) {
+    const std::vector<ReaderEnd> meant = references.readers(settings, topic);
+    const bool is_meant = std::any_of(meant.begin(), meant.end(), [&](const ReaderEnd& other) {
+      return other.program == reader.program && other.callback == reader.callback;
+    });
+    if (!is_meant) continue;
+    for (const TreeNode& option : settings.children) {
+      const auto place = std::find_if(options.begin(), options.end(), [&](const TreeNode* other) {
+        return other->name_text() == option.name_text();
+      });
+      if (place == options.end()) {
+        options.push_back(&option);
+      } else {
+        *place = &option;
+      }
+    }
+  }
+  return options;
+}
+
+// The reader's model, with its own options.
+Topic::Reader declare_reader(Declarations& file, const References& references,
+                             const TreeNode& entry, const std::string& topic,
+                             const Indices& indices, const ReaderEnd& reader) {
+  if (file.models.size() == max_components) file.tree().fail_at_name("too many models", entry);
+  const ModelDeclarer declarer(file, entry, fields_of(entry),
+                               options_of_reader(references, entry, topic, reader));
+  ModelOrigin origin;
+  ModelInstance model = declarer.declare(topic + "[" + reader.name + "]", origin);
+  declarer.declare_built_in(origin, indices);
+  const auto number = static_cast<std::uint32_t>(file.models.size());
+  file.models.push_back(std::move(model));
+  file.origins.push_back(std::move(origin));
+  return {reader.program, number, reader.callback, {}, {}, {}, {}};
+}
+
+void read_writers(const References& references, const TreeNode& writers, Topic& topic) {
+  for (const std::uint32_t writer : references.writers(writers)) topic.writers.insert(writer);
+  const auto add = [&](const TreeNode& one) {
+    topic.writer_names.push_back(one.text());
+    for (const End& end : references.ends(one)) {
+      if (!end.node.empty()) topic.writer_nodes.insert(end.node);
+    }
+  };
+  if (!writers.yaml->is_list()) add(writers);
+  for (const TreeNode& one : writers.children) add(one);
+}
+
+void declare_topic(Declarations& file, const TreeNode& entry, const std::string& name,
+                   const Indices& indices) {
+  Topic topic;
+  topic.name = name;
+  topic.position = file.tree().at_name(entry);
+  for (const char* const word : {"writers", "readers"}) {
+    if (entry.find(word) != nullptr) continue;
+    file.tree().fail_at_name("topic '" + name + "' needs '" + word + ":'", entry);
+  }
+  const References references(file, indices);
+  read_writers(references, *entry.find("writers"), topic);
+  const TreeNode* const deliver = entry.find("deliver");
+  topic.delivers_one = deliver != nullptr && deliver->is("one");
+  const TreeNode& readers_field = *entry.find("readers");
+  const std::vector<ReaderEnd> readers = references.readers(readers_field, name);
+  if (readers.empty() || topic.writers.empty()) {
+    file.tree().fail_at_name("a topic has a writer and a reader", entry);
+  }
+  if (const TreeNode* const own = entry.find("readers_with")) {
+    check_own_options(file, references, *own, name);
+  }
+  for (const ReaderEnd& reader : readers) {
+    topic.readers.push_back(declare_reader(file, references, entry, name, indices, reader));
+  }
+  const auto mortal = std::count_if(readers.begin(), readers.end(), [&](const auto& end) {
+    return file.programs[end.program].may_die;
+  });
+  if (mortal > max_mortal_readers) {
+    file.tree().fail("at most " + std::to_string(max_mortal_readers) +
+                         " readers of a topic may die, and of '" + name + "' " +
+                         std::to_string(mortal) + " may",
+                     readers_field);
+  }
+  for (std::size_t i = 0; i < topic.readers.size(); ++i) {
+    file.topic_of[topic.readers[i].model] = {file.names.topics.size(), i};
+  }
+  file.names.topics.push_back(std::move(topic));
+}
+
+}  // namespace
+
+void declare_topics(Declarations& file) {
+  for (const TreeNode& entry : file.tree().entries("topics")) {
+    const DeclaredArray array = declare_array(file, entry);
+    const auto first = static_cast<std::uint32_t>(file.names.topics.size());
+    file.names.models.emplace(array.name, ModelName{first, array.dimensions, true, {}});
+    for (std::uint64_t member = 0; member < array.count(); ++member) {
+      declare_topic(file, entry, array.member(member), array.indices_of(member));
+    }
+  }
+}
+
+}  // namespace maide

@@ -1,0 +1,36 @@
+// What a system file names but does not contain - model files, models to be learned - is asked of a
+// ModelSource, so that checking knows nothing of learning.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "maide/automata/interface_automaton.hpp"
+#include "maide/base/error.hpp"
+
+namespace maide {
+
+// What the system file says about where a model comes from: a file, or a system to be learned.
+struct ModelRequest {
+  std::string instance;
+  std::filesystem::path file;                             // relative to the system file's folder
+  std::string learn;                                      // the system; empty: `file` is meant
+  std::vector<std::pair<std::string, std::string>> with;  // its options, in order
+  // How it is learned, where that is not left to the defaults: names and values of options of
+  // `maide learn`, in order.
+  std::vector<std::pair<std::string, std::string>> learning;
+  // What programs write, "3" or "3,go", where the model is to carry these values: with `write(3)`
+  // in place of `write`. Empty: the model as it is learned.
+  std::vector<std::string> values;
+  SourcePosition position;  // of `file:` or `learn:`
+};
+
+using ModelSource = std::function<InterfaceAutomaton(const ModelRequest&)>;
+
+// Reads model files; a model to be learned is a ParseError that says to learn it first.
+InterfaceAutomaton read_requested_model(const ModelRequest& request);
+
+}  // namespace maide
