@@ -64,7 +64,9 @@ void expect_same(const std::string& path) {
     const std::string explanation = of_command.value("explanation", "");
     EXPECT_EQ(property.explanation, explanation.empty() ? "" : explanation + ".");
     EXPECT_EQ(property.run.empty(), of_command.at("trace").empty());
-    if (property.same_run_as.empty()) EXPECT_THAT(printed.out, HasSubstr(property.run));
+    if (property.same_run_as.empty()) {
+      EXPECT_THAT(printed.out, HasSubstr(property.run));
+    }
   }
 }
 

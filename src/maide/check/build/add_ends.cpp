@@ -1,9 +1,12 @@
 // What becomes of models because programs stand at their ends: the writer's outputs of a topic are
 // collected from its readers' models, and a program that may die leaves its end.
 #include <algorithm>
+#include <cstdint>
 #include <memory>
 #include <set>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "maide/check/build/models.hpp"
 #include "maide/check/rules/model_ends.hpp"

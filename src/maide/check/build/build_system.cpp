@@ -1,9 +1,14 @@
 #include "maide/check/build/build_system.hpp"
 
 #include <algorithm>
+#include <cstdint>
 #include <filesystem>
+#include <memory>
+#include <optional>
 #include <set>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "maide/base/file.hpp"
 #include "maide/check/build/code_resolver.hpp"

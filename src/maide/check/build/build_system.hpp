@@ -2,6 +2,8 @@
 // variables become models, formulas get their atoms.
 #pragma once
 
+#include <vector>
+
 #include "maide/base/run_control.hpp"
 #include "maide/check/build/models.hpp"
 

@@ -1,6 +1,8 @@
 #include "maide/check/build/code_resolver.hpp"
 
 #include <algorithm>
+#include <cstdint>
+#include <optional>
 #include <tuple>
 #include <utility>
 

@@ -2,6 +2,7 @@
 // procedure stands wherever it is called, with its arguments for its parameters.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <string_view>

@@ -1,7 +1,12 @@
 // Models and topics: where their automata will come from, and who stands at their ends.
 #include <algorithm>
+#include <cstdint>
 #include <filesystem>
 #include <set>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
 
 #include "maide/check/build/declarations.hpp"
 #include "maide/check/build/references.hpp"

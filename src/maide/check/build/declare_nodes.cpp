@@ -1,5 +1,11 @@
 // Executors, nodes, their groups, callbacks and clients.
 #include <algorithm>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "maide/base/text.hpp"
 #include "maide/check/build/declarations.hpp"

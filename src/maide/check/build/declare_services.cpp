@@ -1,5 +1,9 @@
 // Services and their ends. Their models are made by rules (rules/service_model.hpp).
 #include <algorithm>
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "maide/check/build/declarations.hpp"
 #include "maide/check/build/references.hpp"

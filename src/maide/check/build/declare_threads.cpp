@@ -2,8 +2,14 @@
 // single-threaded executor are one program; so are those of an exclusive group on several threads;
 // each run of a reentrant one is a program of its own.
 #include <algorithm>
+#include <cstdint>
+#include <map>
 #include <memory>
 #include <set>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "maide/check/build/declarations.hpp"
 

@@ -20,8 +20,8 @@ Program parse_program(const std::string& name, const ScalarText& text, System& s
   const program_syntax::Tree tree = program_syntax::resolve_program(
       code, {system.models, names, system.words, number, {}, {}, nullptr, nullptr, {}});
   ModelActions actions(system);
-  return program_syntax::make_program(tree, {name, number, text.position(0), false},
-                                      code.last.line, actions, names);
+  return program_syntax::make_program(tree, {name, number, text.position(0), false}, code.last.line,
+                                      actions, names);
 }
 
 namespace program_syntax {

@@ -1,7 +1,12 @@
 #include "maide/check/build/models.hpp"
 
 #include <algorithm>
+#include <filesystem>
+#include <memory>
+#include <string_view>
+#include <system_error>
 #include <utility>
+#include <variant>
 
 #include "maide/check/rules/model_ends.hpp"
 #include "maide/check/text/tokens.hpp"

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <set>
+#include <utility>
 
 #include "maide/base/text.hpp"
 #include "maide/check/build/name_resolver.hpp"

@@ -1,5 +1,6 @@
 // What looks like an oversight in a system, a line each.
 #include <algorithm>
+#include <cstdint>
 #include <optional>
 #include <set>
 #include <string>

@@ -3,7 +3,13 @@
 // again and again until nothing new comes. Values only become more, and a queue with too many is
 // refused, so this ends.
 #include <algorithm>
+#include <cstdint>
+#include <map>
 #include <set>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "maide/check/build/code_resolver.hpp"
 #include "maide/check/build/models.hpp"

@@ -1,6 +1,7 @@
 #include "maide/check/language/expression.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "maide/base/invariant.hpp"
 
@@ -154,8 +155,6 @@ std::uint32_t element_of(const Expression& where, const std::vector<Value>& indi
 
 namespace {
 
-using Operator = Expression::Operator;
-
 Value calculate(const Expression& expression, Value left, Value right) {
   const auto fail = [&](const std::string& text) {
     return EvaluationError{text, expression.line, expression.column};
@@ -163,17 +162,23 @@ Value calculate(const Expression& expression, Value left, Value right) {
   Value result = 0;
   bool overflows = false;
   switch (expression.op) {
-    case Operator::plus: overflows = __builtin_add_overflow(left, right, &result); break;
-    case Operator::minus: overflows = __builtin_sub_overflow(left, right, &result); break;
-    case Operator::times: overflows = __builtin_mul_overflow(left, right, &result); break;
+    case Expression::Operator::plus:
+      overflows = __builtin_add_overflow(left, right, &result);
+      break;
+    case Expression::Operator::minus:
+      overflows = __builtin_sub_overflow(left, right, &result);
+      break;
+    case Expression::Operator::times:
+      overflows = __builtin_mul_overflow(left, right, &result);
+      break;
     default: {
       if (right == 0) throw fail("division by zero");
       overflows = right == -1 && __builtin_sub_overflow(Value{0}, left, &result);
       if (overflows) break;
       if (right == -1) {
-        result = expression.op == Operator::divide ? result : 0;
+        result = expression.op == Expression::Operator::divide ? result : 0;
       } else {
-        result = expression.op == Operator::divide ? left / right : left % right;
+        result = expression.op == Expression::Operator::divide ? left / right : left % right;
       }
     }
   }
@@ -186,31 +191,31 @@ Value calculate(const Expression& expression, Value left, Value right) {
 Value evaluate(const Expression& expression, const Lookup& value_of) {
   const auto operand = [&](std::size_t i) { return evaluate(expression.operands[i], value_of); };
   switch (expression.op) {
-    case Operator::constant: return expression.value;
-    case Operator::local:
-    case Operator::shared: {
+    case Expression::Operator::constant: return expression.value;
+    case Expression::Operator::local:
+    case Expression::Operator::shared: {
       std::vector<Value> indices;
       for (std::size_t i = 0; i < expression.operands.size(); ++i) indices.push_back(operand(i));
       return value_of(expression, expression.index + element_of(expression, indices));
     }
-    case Operator::negate: {
+    case Expression::Operator::negate: {
       Expression zero = expression;
-      zero.op = Operator::minus;
+      zero.op = Expression::Operator::minus;
       return calculate(zero, 0, operand(0));
     }
-    case Operator::negation: return operand(0) == 0 ? 1 : 0;
-    case Operator::conjunction: return operand(0) != 0 && operand(1) != 0 ? 1 : 0;
-    case Operator::disjunction: return operand(0) != 0 || operand(1) != 0 ? 1 : 0;
+    case Expression::Operator::negation: return operand(0) == 0 ? 1 : 0;
+    case Expression::Operator::conjunction: return operand(0) != 0 && operand(1) != 0 ? 1 : 0;
+    case Expression::Operator::disjunction: return operand(0) != 0 || operand(1) != 0 ? 1 : 0;
     default: break;
   }
   const Value left = operand(0), right = operand(1);
   switch (expression.op) {
-    case Operator::less: return left < right ? 1 : 0;
-    case Operator::at_most: return left <= right ? 1 : 0;
-    case Operator::greater: return left > right ? 1 : 0;
-    case Operator::at_least: return left >= right ? 1 : 0;
-    case Operator::equal: return left == right ? 1 : 0;
-    case Operator::unequal: return left != right ? 1 : 0;
+    case Expression::Operator::less: return left < right ? 1 : 0;
+    case Expression::Operator::at_most: return left <= right ? 1 : 0;
+    case Expression::Operator::greater: return left > right ? 1 : 0;
+    case Expression::Operator::at_least: return left >= right ? 1 : 0;
+    case Expression::Operator::equal: return left == right ? 1 : 0;
+    case Expression::Operator::unequal: return left != right ? 1 : 0;
     default: return calculate(expression, left, right);
   }
 }

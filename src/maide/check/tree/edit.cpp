@@ -1,6 +1,7 @@
 #include "maide/check/tree/edit.hpp"
 
 #include <stdexcept>
+#include <string_view>
 #include <utility>
 
 namespace maide {

@@ -1,6 +1,7 @@
 #include "maide/check/tree/print.hpp"
 
 #include <algorithm>
+#include <cstdint>
 #include <optional>
 #include <stdexcept>
 #include <string_view>

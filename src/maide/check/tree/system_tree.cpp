@@ -30,7 +30,7 @@ void for_each_code(const TreeNode& node, const std::function<void(const syntax::
 
 namespace {
 
-std::string quoted(std::string_view text) { return "'" + std::string(text) + "'"; }
+std::string in_single_quotes(std::string_view text) { return "'" + std::string(text) + "'"; }
 
 class TreeReader {
  public:
@@ -94,10 +94,10 @@ class TreeReader {
   // "model 'via'", "'with'", "a system file".
   static std::string what_is(const TreeNode& node) {
     const std::string_view what = node.key->what;
-    if (what.empty()) return quoted(node.name->value);
+    if (what.empty()) return in_single_quotes(node.name->value);
     const bool has_name = node.key->path.ends_with("/*") && !what.starts_with("a ") &&
                           !what.starts_with('\'') && !what.starts_with("what");
-    return std::string(what) + (has_name ? " " + quoted(name_in_messages(node)) : "");
+    return std::string(what) + (has_name ? " " + in_single_quotes(name_in_messages(node)) : "");
   }
   // Of an array without its indices.
   static std::string name_in_messages(const TreeNode& node) {
@@ -121,10 +121,11 @@ class TreeReader {
       }
       const std::string& key = entry.key.value;
       if (!known.empty() && std::find(known.begin(), known.end(), key) == known.end()) {
-        fail(what + " has no key " + quoted(key) + "; it may have: " + known_instead(key, known),
+        fail(what + " has no key " + in_single_quotes(key) +
+                 "; it may have: " + known_instead(key, known),
              entry.key);
       }
-      if (!seen.insert(key).second) fail(quoted(key) + " is there twice", entry.key);
+      if (!seen.insert(key).second) fail(in_single_quotes(key) + " is there twice", entry.key);
     }
   }
 
@@ -238,7 +239,7 @@ class TreeReader {
     const std::vector<std::string> known = values_of(*node.key);
     const std::string& word = node.yaml->value;
     if (std::find(known.begin(), known.end(), word) != known.end()) return;
-    fail(what_is(node) + " is one of " + join(known) + ", not " + quoted(word) +
+    fail(what_is(node) + " is one of " + join(known) + ", not " + in_single_quotes(word) +
              did_you_mean(word, known),
          *node.yaml);
   }
