@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -31,15 +32,24 @@ bool format_file(const std::string& path, bool only_check) {
 
 ExitStatus run_format(const FormatArguments& arguments, Context& context) {
   bool has_changes = false;
+  std::optional<ParseError> slip;  // the last one; a file that does not parse stops no other
   Json list = Json::array();
   for (const std::string& path : arguments.files) {
-    const bool is_changed = format_file(path, arguments.only_check);
+    bool is_changed = false;
+    try {
+      is_changed = format_file(path, arguments.only_check);
+    } catch (const ParseError& error) {
+      if (slip) context.complain(slip->what());
+      slip = error;
+      continue;
+    }
     has_changes = has_changes || is_changed;
     list.push_back({{"file", path}, {"changed", is_changed}});
     if (!is_changed) continue;
     context.print(
         fmt::format("{} {}\n", path, arguments.only_check ? "would be laid out anew" : "laid out"));
   }
+  if (slip) throw *slip;
   context.set_result({{"files", list}});
   return arguments.only_check && has_changes ? ExitStatus::violated : ExitStatus::ok;
 }

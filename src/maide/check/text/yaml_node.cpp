@@ -431,6 +431,8 @@ class CommentReader {
   void read() {
     if (document_.root.is_map() && document_.root.style == YamlNode::Style::block) {
       read_block(document_.root);
+      std::vector<std::string>& tail = document_.root.tail;
+      if (!tail.empty() && tail.back().empty()) tail.pop_back();  // the end of the file
     }
     for (const auto& [begin, is_taken] : comments_) {
       if (!is_taken && !keep_entry_at(document_.root, begin)) document_.is_kept = true;
