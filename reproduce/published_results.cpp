@@ -17,7 +17,7 @@ using Options = std::map<std::string, std::string>;
 // The files are part of the build, so what they should have is there.
 const YamlNode& paper() {
   static const YamlDocument data =
-      read_yaml(std::string(paper_yaml), "the paper's results", "a table");
+      read_yaml(paper_yaml, "the paper's results", "a table");
   return data.root;
 }
 const YamlNode& get(const YamlNode& map, std::string_view key) { return *map.find(key); }
@@ -84,7 +84,7 @@ struct Peers {
 
 Peers read_peers() {
   const YamlDocument document =
-      read_yaml(std::string(peers_yaml), "results of other tools", "a table");
+      read_yaml(peers_yaml, "results of other tools", "a table");
   const YamlNode& data = document.root;
   const auto text = [](const YamlNode& row, const char* key) { return get(row, key).value; };
   const auto count = [](const YamlNode& row, const char* key) { return count_of(get(row, key)); };

@@ -7,7 +7,7 @@ namespace maide {
 
 System parse_system(std::string_view text, const std::string& file, const ModelSource& source,
                     const RunControl& control) {
-  const Declarations declared = declare(read_tree(std::string(text), file));
+  const Declarations declared = declare(read_tree(text, file));
   return build_system(declared, find_models(declared, source), {}, control);
 }
 

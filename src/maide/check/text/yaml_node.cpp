@@ -558,7 +558,7 @@ class CommentReader {
 
 }  // namespace
 
-YamlDocument read_yaml(std::string text, std::string file, std::string_view what) {
+YamlDocument read_yaml(std::string_view text, std::string file, std::string_view what) {
   YamlDocument document;
   document.file = std::move(file);
   if (text.size() > max_yaml_bytes) {

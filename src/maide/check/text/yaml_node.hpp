@@ -101,6 +101,6 @@ inline constexpr std::size_t max_yaml_bytes = std::size_t{4} << 20;
 // Throws ParseError, with the place and in plain words: the text is not YAML, empty, several
 // documents or larger than max_yaml_bytes; brackets or blocks are nested 100 deep; aliases make
 // more than a million values. `what`: "a system file". O(text).
-YamlDocument read_yaml(std::string text, std::string file, std::string_view what);
+YamlDocument read_yaml(std::string_view text, std::string file, std::string_view what);
 
 }  // namespace maide

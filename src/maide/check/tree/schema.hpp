@@ -42,12 +42,12 @@ enum class NameKind : std::uint8_t {
 };
 
 struct Key {
-  std::string_view path;  // `*` is the name of an entry
-  FieldKind kind;
-  std::string_view what;  // in messages, before its name: "model", or "" of a key with a fixed name
+  std::string_view path;    // `*` is the name of an entry
+  std::string_view what;    // in messages, before its name: "model"; "" of a key with a fixed name
   std::string_view values;  // of a word: "stop|wait|drop"; of a number what may stand in its place
   std::string_view standard;  // what holds without it; "" if nothing does, or it must be there
   std::string_view help;
+  FieldKind kind;
   NameKind names = NameKind::plain;  // of a map of entries
 };
 

@@ -318,9 +318,8 @@ class TreeReader {
 
 }  // namespace
 
-SystemTree read_tree(std::string text, const std::string& file) {
-  auto document =
-      std::make_shared<const YamlDocument>(read_yaml(std::move(text), file, "a system file"));
+SystemTree read_tree(std::string_view text, const std::string& file) {
+  auto document = std::make_shared<const YamlDocument>(read_yaml(text, file, "a system file"));
   TreeNode root = TreeReader(*document).read_root();
   return {std::move(document), std::move(root)};
 }

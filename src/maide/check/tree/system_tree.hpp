@@ -71,6 +71,6 @@ void for_each_code(const TreeNode& node, const std::function<void(const syntax::
 
 // Throws ParseError for everything that can be wrong before a name means something: YAML, unknown
 // keys and words, syntax of names, programs and formulas.
-SystemTree read_tree(std::string text, const std::string& file);
+SystemTree read_tree(std::string_view text, const std::string& file);
 
 }  // namespace maide
