@@ -308,7 +308,8 @@ class SearchRounds {
   const StepOrder::Last& last_at(std::size_t place) { return (*options_.order)[lasts_[place]]; }
 
   // Puts the state on its way, to the table or to the rank that owns it.
-  void push(Piece& piece, const State& state, std::uint64_t payload, std::uint32_t tag) {
+  [[gnu::always_inline]] void push(Piece& piece, const State& state, std::uint64_t payload,
+                                   std::uint32_t tag) {
     const typename Table::Address address = table_.address_of(state);
     const auto bits = static_cast<std::uint32_t>(payload);
     if (is_own(address)) {
@@ -322,7 +323,7 @@ class SearchRounds {
   // Between a state's prefetch and its lookup: long enough for memory to answer.
   static constexpr std::size_t pipeline = 16;
 
-  bool is_own(const typename Table::Address& address) const {
+  [[gnu::always_inline]] bool is_own(const typename Table::Address& address) const {
     return options_.ranks == nullptr || owner_of(address) == options_.ranks->rank();
   }
 
@@ -342,7 +343,7 @@ class SearchRounds {
     for (auto& arrivals : batch.mine) arrivals.clear();
   }
 
-  void add(Batch& batch, unsigned threads, const Arrival& arrival) const {
+  [[gnu::always_inline]] void add(Batch& batch, unsigned threads, const Arrival& arrival) const {
     if (threads > 1) {
       batch.mine[table_.segment_of(arrival.address) % threads].push_back(
           static_cast<std::uint32_t>(batch.arrivals.size()));
