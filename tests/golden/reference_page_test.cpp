@@ -9,6 +9,7 @@
 
 #include "maide/base/file.hpp"
 #include "maide/base/text.hpp"
+#include "maide/check/tree/schema.hpp"
 #include "maide/conformance/method/test_methods.hpp"
 #include "maide/learn/learner.hpp"
 
@@ -60,15 +61,37 @@ std::string make_page() {
   return page;
 }
 
-TEST(ReferencePage, SaysWhatTheTablesSay) {
+std::string make_key_page() {
+  std::string page =
+      "# The keys of a system file\n\n"
+      "This page is made from the table with which the program reads a system file; a test "
+      "compares.\n"
+      "[systems.md](../systems.md) says what they mean. `NAME` is a name that the file gives.\n";
+  for (const Key& key : system_keys()) {
+    if (key.kind != FieldKind::map) continue;
+    std::string title = key.path.empty() ? "The file" : "";
+    for (const std::string_view part : split(key.path, '/')) {
+      if (part.empty()) continue;
+      title += (title.empty() ? "" : ": ") + (part == "*" ? "`NAME`" : code(part));
+    }
+    page += "\n## " + title + "\n\n" + write_key_table(key.path);
+  }
+  return page;
+}
+
+void expect_page(const std::string& name, const std::string& page) {
   const std::filesystem::path file =
-      std::filesystem::path(MAIDE_SOURCE_DIR) / "docs/reference/learning.md";
-  const std::string page = make_page();
+      std::filesystem::path(MAIDE_SOURCE_DIR) / "docs/reference" / name;
   if (std::getenv("MAIDE_APPROVE") != nullptr) {
     std::filesystem::create_directories(file.parent_path());
     write_file_atomically(file, page);
   }
   EXPECT_EQ(read_file(file), page) << "if that is meant: run this once with MAIDE_APPROVE=1";
+}
+
+TEST(ReferencePage, SaysWhatTheTablesSay) {
+  expect_page("learning.md", make_page());
+  expect_page("system-file.md", make_key_page());
 }
 
 // Every option is looked at by some method, and methods look at no option that there is not.
