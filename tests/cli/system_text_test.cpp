@@ -42,6 +42,12 @@ TEST_F(SystemText, NothingIsStartedBeforeAllOfItIsRead) {
       {rest + "properties:\n  a: {always: \"n < 3\"}\n", "no variable, constant or word"},
       {"programs:\n  p: \"loop { vai.write; }\"\n", "unknown model 'vai'"},
       {"programs:\n  p: \"var n: 0..3; loop { via.write; m = n; }\"\n", "unknown variable 'm'"},
+      {"programs:\n  p: \"var n: 0..3; loop { via.write; if (nn > 2) { skip; } }\"\n",
+       "unknown name 'nn'"},
+      {"programs:\n  p: \"var b: bool; loop { via.write; if (c) { skip; } }\"\n",
+       "unknown name 'c'"},
+      {"programs:\n  p: \"loop { wait via -> m(var x); if (x == go) { skip; } vai.write; }\"\n",
+       "unknown model 'vai'"},  // `go` may be a word of the model's
       {"programs:\n  p: \"call q(via);\"\n", "unknown procedure 'q'"},
       {"topics: {t: {writers: x, readers: p, use: queue, with: {size: 1}}}\n" + rest,
        "unknown program 'x'"},

@@ -596,13 +596,7 @@ template <typename Resolve>
 Tree resolve(const Context& context, const SourcePosition& begin, const Resolve& resolve_with) {
   Work work(context, begin);
   CodeResolver resolver(work);
-  try {
-    resolve_with(resolver);
-  } catch (const ParseError&) {
-    // A name that was taken for a model's word may be why the rest does not fit.
-    if (work.doubt) throw *work.doubt;
-    throw;
-  }
+  resolve_with(resolver);
   work.tree.names.assign(work.names.begin(), work.names.end());
   return std::move(work.tree);
 }

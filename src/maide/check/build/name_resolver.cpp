@@ -10,27 +10,9 @@ namespace {
 
 constexpr std::uint64_t max_slots = 10'000;  // of a program's variables
 
-Expression::Operator operator_of(syntax::Sign sign) {
-  using enum Expression::Operator;
-  using syntax::Sign;
-  switch (sign) {
-    case Sign::negate: return negate;
-    case Sign::negation: return negation;
-    case Sign::times: return times;
-    case Sign::divide: return divide;
-    case Sign::remainder: return remainder;
-    case Sign::plus: return plus;
-    case Sign::minus: return minus;
-    case Sign::less: return less;
-    case Sign::at_most: return at_most;
-    case Sign::greater: return greater;
-    case Sign::at_least: return at_least;
-    case Sign::equal: return equal;
-    case Sign::unequal: return unequal;
-    case Sign::conjunction: return conjunction;
-    case Sign::disjunction: return disjunction;
-    default: return constant;  // of formulas alone
-  }
+// A name that was taken for a word of a model's.
+bool is_unknown_name(const Expression& expression) {
+  return expression.op == Expression::Operator::shared && expression.kind == ValueKind::unknown;
 }
 
 }  // namespace
@@ -130,17 +112,33 @@ Expression NameResolver::expression(const syntax::Term& term) const {
     return make_constant(term.value,
                          term.kind == Kind::boolean ? ValueKind::boolean : ValueKind::integer);
   }
-  const Expression::Operator op = operator_of(term.sign);
-  Expression left = expression(term.operands[0]);
-  if (term.operands.size() == 1) return make_unary(op, std::move(left), position(term.place));
-  return make_binary(op, std::move(left), expression(term.operands[1]), position(term.place));
+  const Expression::Operator op = operator_of(term.sign).value();
+  // Only `==` and `!=` take words.
+  const bool takes_words = term.sign == syntax::Sign::equal || term.sign == syntax::Sign::unequal;
+  std::vector<Expression> operands;
+  for (const syntax::Term& operand : term.operands) {
+    operands.push_back(expression(operand));
+    if (!takes_words && is_unknown_name(operands.back())) fail_unknown(operand);
+  }
+  if (operands.size() == 1) return make_unary(op, std::move(operands[0]), position(term.place));
+  return make_binary(op, std::move(operands[0]), std::move(operands[1]), position(term.place));
 }
 
 Expression NameResolver::expression(const syntax::Term& term, ValueKind kind,
                                     std::string_view what) const {
   Expression made = expression(term);
+  if (kind != ValueKind::word && is_unknown_name(made)) fail_unknown(term);
   require(made, kind, what, position(term.begin));
   return made;
+}
+
+void NameResolver::fail_unknown(const syntax::Term& term) const {
+  const std::string& name = term.name.text;
+  std::vector<std::string> known = names_of_variables();
+  for (const auto& [constant, value] : context().names.constants) known.push_back(constant);
+  fail("unknown name '" + name + "': there is no such variable, constant or word of a variable" +
+           did_you_mean(name, known),
+       term.place);
 }
 
 Expression NameResolver::named(const syntax::Term& term) const {
@@ -149,15 +147,9 @@ Expression NameResolver::named(const syntax::Term& term) const {
   if (!binding) {
     const auto word = context().words.find(name);
     if (word && !term.has_indices) return make_constant(*word, ValueKind::word);
-    std::vector<std::string> known = names_of_variables();
-    for (const auto& [constant, value] : context().names.constants) known.push_back(constant);
-    const ParseError unknown("unknown name '" + name +
-                                 "': there is no such variable, constant or word of a variable" +
-                                 did_you_mean(name, known),
-                             position(term.place));
-    if (context().knows_models || term.has_indices) throw unknown;
-    if (!work_.doubt) work_.doubt = unknown;
-    Expression unknown_word;  // no constant, for nothing is known at once of it
+    if (context().knows_models || term.has_indices) fail_unknown(term);
+    // It may be a word of a model's. It is no constant, for nothing is known of it at once.
+    Expression unknown_word;
     unknown_word.op = Expression::Operator::shared;
     unknown_word.kind = ValueKind::unknown;
     unknown_word.name = name;

@@ -47,8 +47,6 @@ struct Work {
   std::vector<std::string> calls;
   std::set<std::uint32_t> asked;  // services that the callback which is resolved may ask
   std::set<std::uint32_t> names;
-  // While models are not known: the first name that was taken for a word of theirs.
-  std::optional<ParseError> doubt;
   std::size_t statements = 0;
   int nesting = 0;
 };
@@ -112,7 +110,10 @@ class NameResolver {
   std::vector<std::string> names_of_variables() const;
   // "detector.seen", if in a callback of `detector` this is its variable; else "".
   std::string name_in_node(const std::string& name) const;
+  // The expression that a name is. While models are not known, a name that is nothing else may be a
+  // word of theirs; expression() fails where no word can stand.
   Expression named(const syntax::Term& term) const;
+  [[noreturn]] void fail_unknown(const syntax::Term& term) const;
   // The variable's place among the program's; that of the same declaration in another copy of its
   // procedure, for only one of them has it at a time.
   std::uint32_t make_slots(const syntax::Name& name, const ValueType& type,

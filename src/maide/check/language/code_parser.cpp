@@ -709,10 +709,8 @@ class CodeParser {
 
 }  // namespace
 
-bool begins_statement(const Name& word) { return !word.is_quoted && contains(openers, word.text); }
-
 bool is_reserved(const Name& word) {
-  return begins_statement(word) || (!word.is_quoted && contains(others, word.text));
+  return !word.is_quoted && (contains(openers, word.text) || contains(others, word.text));
 }
 
 Code parse_program(const ScalarText& text, const KnownNames& names) {

@@ -11,8 +11,7 @@
 
 namespace maide::syntax {
 
-// Keywords of statements: those that begin one, and those inside of one.
-bool begins_statement(const Name& word);
+// A keyword of statements: it begins one, or stands inside of one.
 bool is_reserved(const Name& word);
 
 // Names of the file, for messages alone: what a word may be that begins no statement.

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "maide/base/invariant.hpp"
+#include "maide/check/language/code.hpp"
 
 namespace maide {
 
@@ -221,6 +222,29 @@ Value evaluate(const Expression& expression, const Lookup& value_of) {
 }
 
 // ---- Making expressions -------------------------------------------------------------------------
+
+std::optional<Expression::Operator> operator_of(syntax::Sign sign) {
+  using enum Expression::Operator;
+  using syntax::Sign;
+  switch (sign) {
+    case Sign::negate: return negate;
+    case Sign::negation: return negation;
+    case Sign::times: return times;
+    case Sign::divide: return divide;
+    case Sign::remainder: return remainder;
+    case Sign::plus: return plus;
+    case Sign::minus: return minus;
+    case Sign::less: return less;
+    case Sign::at_most: return at_most;
+    case Sign::greater: return greater;
+    case Sign::at_least: return at_least;
+    case Sign::equal: return equal;
+    case Sign::unequal: return unequal;
+    case Sign::conjunction: return conjunction;
+    case Sign::disjunction: return disjunction;
+    default: return std::nullopt;
+  }
+}
 
 Expression make_constant(Value value, ValueKind kind) {
   Expression constant;

@@ -14,6 +14,9 @@
 #include "maide/base/error.hpp"
 
 namespace maide {
+namespace syntax {
+enum class Sign : std::uint8_t;
+}
 
 // An integer; 0 or 1; or the number of a word (WordTable).
 using Value = std::int64_t;
@@ -134,6 +137,8 @@ Value evaluate(const Expression& expression, const Lookup& value_of);
 //
 // `+ - * / % < <= > >=` take numbers, `! && ||` booleans, `==` and `!=` two of one kind.
 
+// The operator of expressions that a sign is; none of a sign of formulas.
+std::optional<Expression::Operator> operator_of(syntax::Sign sign);
 Expression make_constant(Value value, ValueKind kind);
 // Throws ParseError at the place of an operand that is of another kind than the operator takes.
 // What is known at once is calculated.

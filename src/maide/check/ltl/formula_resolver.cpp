@@ -35,27 +35,8 @@ struct Operand {
   TextPlace begin;
 };
 
-// The operator of expressions or of formulas that the sign is.
-std::optional<Expression::Operator> expression_operator(Sign sign) {
-  using enum Expression::Operator;
-  switch (sign) {
-    case Sign::negate: return negate;
-    case Sign::times: return times;
-    case Sign::divide: return divide;
-    case Sign::remainder: return remainder;
-    case Sign::plus: return plus;
-    case Sign::minus: return minus;
-    case Sign::less: return less;
-    case Sign::at_most: return at_most;
-    case Sign::greater: return greater;
-    case Sign::at_least: return at_least;
-    case Sign::equal: return equal;
-    case Sign::unequal: return unequal;
-    default: return std::nullopt;
-  }
-}
-
-Operator formula_operator(Sign sign) {
+// The operator of formulas that the sign is; none of a sign of expressions alone.
+std::optional<Operator> formula_operator(Sign sign) {
   switch (sign) {
     case Sign::negation: return Operator::negation;
     case Sign::conjunction: return Operator::conjunction;
@@ -67,7 +48,8 @@ Operator formula_operator(Sign sign) {
     case Sign::globally: return Operator::globally;
     case Sign::until: return Operator::until;
     case Sign::release: return Operator::release;
-    default: return Operator::weak_until;
+    case Sign::weak_until: return Operator::weak_until;
+    default: return std::nullopt;
   }
 }
 
@@ -123,19 +105,18 @@ class FormulaResolver {
       case Term::Kind::name: return named(term);
       case Term::Kind::operation: break;
     }
-    if (const auto op = expression_operator(term.sign)) {
-      Expression left = expression_of(operand(term.operands[0]));
-      if (term.operands.size() == 1) {
-        return {nullptr, make_unary(*op, std::move(left), position(term.place)), term.begin};
-      }
-      Expression right = expression_of(operand(term.operands[1]));
-      return {nullptr, make_binary(*op, std::move(left), std::move(right), position(term.place)),
-              term.begin};
+    if (const auto op = formula_operator(term.sign)) {
+      Formula left = formula_of(operand(term.operands[0]));
+      Formula right = term.operands.size() == 1 ? nullptr : formula_of(operand(term.operands[1]));
+      return {make(*op, std::move(left), std::move(right), term.place), {}, term.begin};
     }
-    Formula left = formula_of(operand(term.operands[0]));
-    Formula right = term.operands.size() == 1 ? nullptr : formula_of(operand(term.operands[1]));
-    return {make(formula_operator(term.sign), std::move(left), std::move(right), term.place),
-            {},
+    const Expression::Operator op = operator_of(term.sign).value();
+    Expression left = expression_of(operand(term.operands[0]));
+    if (term.operands.size() == 1) {
+      return {nullptr, make_unary(op, std::move(left), position(term.place)), term.begin};
+    }
+    Expression right = expression_of(operand(term.operands[1]));
+    return {nullptr, make_binary(op, std::move(left), std::move(right), position(term.place)),
             term.begin};
   }
 
@@ -189,13 +170,10 @@ class FormulaResolver {
       return make_constant(
           term.value, term.kind == Term::Kind::boolean ? ValueKind::boolean : ValueKind::integer);
     }
-    const auto op = expression_operator(term.sign);
-    if (!op) fail("expected a number", term.begin);
+    const Expression::Operator op = operator_of(term.sign).value();
     Expression left = expression_of_constants(term.operands[0]);
-    if (term.operands.size() == 1) {
-      return make_unary(*op, std::move(left), position(term.place));
-    }
-    return make_binary(*op, std::move(left), expression_of_constants(term.operands[1]),
+    if (term.operands.size() == 1) return make_unary(op, std::move(left), position(term.place));
+    return make_binary(op, std::move(left), expression_of_constants(term.operands[1]),
                        position(term.place));
   }
   Value number(const Term& term, std::string_view what) const {

@@ -22,14 +22,6 @@ YamlNode YamlNode::make_map(Style how) {
   return map;
 }
 
-YamlNode YamlNode::make_list(std::vector<std::string> values) {
-  YamlNode list;
-  list.kind = Kind::list;
-  list.style = Style::flow;
-  for (std::string& text : values) list.entries.emplace_back().value = YamlNode(std::move(text));
-  return list;
-}
-
 bool YamlNode::is_null() const {
   return is_scalar() && style == Style::plain && tag.empty() &&
          (value.empty() || value == "~" || value == "null" || value == "Null" || value == "NULL");

@@ -50,7 +50,6 @@ struct YamlNode {
   YamlNode();
   explicit YamlNode(std::string text, Style how = Style::plain);
   static YamlNode make_map(Style how = Style::block);
-  static YamlNode make_list(std::vector<std::string> values);
 
   bool is_scalar() const { return kind == Kind::scalar; }
   bool is_map() const { return kind == Kind::map; }
