@@ -12,6 +12,17 @@ std::vector<std::uint32_t> key_of(const GlobalState& state) {
   return key;
 }
 
+// Fairness to programs asks for it.
+bool is_asked(const System& system, const Step& step) {
+  return step.actor != nobody && is_progress(system, step) &&
+         system.programs[step.actor].flags.is_fair;
+}
+
+std::uint32_t group_of(const System& system, const Step& step) {
+  const CombinedStep* combined = combined_step_of(system, step);
+  return combined == nullptr ? 0 : combined->fair;
+}
+
 // Tarjan's strongly connected components (SIAM J. Comput. 1972) of the nodes in `allowed`, by
 // repeated reachability instead: forward and backward from each node. Quadratic, plainly right.
 std::vector<std::vector<std::uint32_t>> components(
@@ -62,8 +73,8 @@ ExplicitChecker::ExplicitChecker(const System& system, std::size_t limit, LastEv
                        std::size_t depth) {
     std::vector<std::uint32_t> key = key_of(state);
     state_depths_.try_emplace(key, depth);
-    key.push_back(last ? last->program + 1 : 0);
-    key.push_back(last ? last->edge : 0);
+    key.push_back(last ? static_cast<std::uint32_t>(actor_number(system, last->actor)) + 1 : 0);
+    key.push_back(last ? last->action : 0);
     const auto [place, is_new] =
         known.try_emplace(std::move(key), static_cast<std::uint32_t>(nodes_.size()));
     if (is_new) {
@@ -89,14 +100,16 @@ ExplicitChecker::ExplicitChecker(const System& system, std::size_t limit, LastEv
     const std::vector<Step> steps = enabled_steps(system, state);
     bool is_end = true;
     for (const Step& step : steps) {
-      const Program& program = system.programs[step.program];
-      if (!program.is_death(program.edges[step.edge])) {
-        nodes_[at].enabled[step.program] = true;
-        nodes_[at].able.emplace_back(step.program, 0);
+      const auto actor = static_cast<std::uint32_t>(actor_number(system, step.actor));
+      if (is_progress(system, step)) {
         is_end = false;
+        if (is_asked(system, step)) {
+          nodes_[at].enabled[actor] = true;
+          nodes_[at].able.emplace_back(actor, 0);
+        }
       }
-      const std::uint32_t group = program.fair_group_of(program.edges[step.edge]);
-      if (group != 0) nodes_[at].able.emplace_back(step.program, group);
+      const std::uint32_t group = group_of(system, step);
+      if (group != 0) nodes_[at].able.emplace_back(actor, group);
       const GlobalState next = apply(system, state, step);
       if (next.is_cut) {
         shortest_cut_ = std::min(shortest_cut_.value_or(depth + 1), depth + 1);
@@ -108,7 +121,7 @@ ExplicitChecker::ExplicitChecker(const System& system, std::size_t limit, LastEv
         continue;
       }
       const std::uint32_t target = add(next, step, depth + 1);
-      nodes_[at].edges.push_back({target, step.program, group});
+      nodes_[at].edges.push_back({target, actor, group});
     }
     if (is_end) {
       if (is_deadlock(system, state)) {
@@ -117,7 +130,7 @@ ExplicitChecker::ExplicitChecker(const System& system, std::size_t limit, LastEv
       const bool keeps = last_event == LastEvent::kept;
       const std::uint32_t target =
           add(state, keeps ? nodes_[at].last : std::optional<Step>(), depth);
-      nodes_[at].edges.push_back({target, 0, 0});
+      nodes_[at].edges.push_back({target, static_cast<std::uint32_t>(system.programs.size()), 0});
     }
   }
 }
@@ -143,17 +156,16 @@ std::vector<StuckNode> make_graph(const System& system) {
   for (std::size_t at = 0; at < nodes.size(); ++at) {
     const GlobalState state = nodes[at].state;
     for (const Step& step : enabled_steps(system, state)) {
-      const Program& program = system.programs[step.program];
-      const ProgramEdge& edge = program.edges[step.edge];
-      const std::uint32_t group = program.fair_group_of(edge);
-      if (!program.is_death(edge)) nodes[at].able.emplace_back(step.program, 0);
-      if (group != 0) nodes[at].able.emplace_back(step.program, group);
+      const auto actor = static_cast<std::uint32_t>(actor_number(system, step.actor));
+      const std::uint32_t group = group_of(system, step);
+      if (is_asked(system, step)) nodes[at].able.emplace_back(actor, 0);
+      if (group != 0) nodes[at].able.emplace_back(actor, group);
       const GlobalState next = apply(system, state, step);
       if (next.is_cut || is_error(system, next)) continue;
       const auto [place, is_new] =
           known.try_emplace(key_of(next), static_cast<std::uint32_t>(nodes.size()));
       if (is_new) nodes.push_back({next, {}, {}});
-      nodes[at].edges.push_back({place->second, step.program, group});
+      nodes[at].edges.push_back({place->second, actor, group});
     }
   }
   return nodes;
@@ -201,10 +213,11 @@ bool has_stuck_program(const System& system) {
   for (std::uint32_t stuck = 0; stuck < system.programs.size(); ++stuck) {
     std::vector<bool> allowed(nodes.size());
     const Program& program = system.programs[stuck];
+    if (!program.flags.is_fair) continue;
     for (std::size_t at = 0; at < nodes.size(); ++at) {
       const ControlState control = nodes[at].state.programs[stuck];
-      allowed[at] = !program.is_end(control) && !program.is_error(control) &&
-                    !program.states[control].may_rest;
+      allowed[at] =
+          !program.is_end(control) && !program.is_error(control) && !program.may_rest(control);
     }
     if (has_fair_run(nodes, stuck, allowed)) return true;
   }
@@ -253,8 +266,10 @@ ExplicitChecker::Label ExplicitChecker::reach(const Label& from, const Label& al
 bool ExplicitChecker::is_asked_strongly(const Who& who, Fairness fairness) const {
   if (fairness == Fairness::none) return false;
   if (fairness == Fairness::strong) return true;
-  const auto& [program, group] = who;
-  return group != 0 && system_.programs[program].fair_groups[group].on_weak_runs;
+  const auto& [actor, group] = who;
+  if (group == 0) return false;
+  return actor == system_.programs.size() ||
+         system_.programs[actor].fair_groups[group].on_weak_runs;
 }
 
 ExplicitChecker::Label ExplicitChecker::trap(const Label& allowed, Fairness fairness,
@@ -278,7 +293,7 @@ ExplicitChecker::Label ExplicitChecker::trap(const Label& allowed, Fairness fair
       for (const Edge& edge : nodes_[node].edges) {
         if (!inside[edge.target]) continue;
         has_edge = true;
-        served[edge.program] = true;
+        if (edge.program < served.size()) served[edge.program] = true;
         steps[{edge.program, 0}] = steps[{edge.program, edge.group}] = true;
       }
     }

@@ -47,7 +47,8 @@ class ExplicitChecker {
   bool holds_response(const Label& p, const Label& q, Fairness fairness) const;  // G (p -> F q)
 
  private:
-  // A program (group 0), or one of its fair groups.
+  // A program (group 0), or a fair group, of a program or of nobody, whose number is the next
+  // behind the programs'.
   using Who = std::pair<std::uint32_t, std::uint32_t>;
   struct Edge {
     std::uint32_t target = 0;

@@ -24,7 +24,7 @@ Property built_in(Property::Kind kind) {
 // The edges of each program, in the order in which it takes them.
 std::map<std::uint32_t, std::vector<std::uint32_t>> own_steps(const Trace& trace) {
   std::map<std::uint32_t, std::vector<std::uint32_t>> own;
-  for (const Step& step : trace.steps) own[step.program].push_back(step.edge);
+  for (const Step& step : trace.steps) own[step.actor].push_back(step.action);
   return own;
 }
 
@@ -48,13 +48,13 @@ class AllOrders {
       return;
     }
     for (const Step& step : enabled_steps(system_, state)) {
-      const auto& own = own_[step.program];
-      std::size_t& done = done_[step.program];
-      if (done == own.size() || own[done] != step.edge) continue;
+      const auto& own = own_[step.actor];
+      std::size_t& done = done_[step.actor];
+      if (done == own.size() || own[done] != step.action) continue;
       ++done;
-      const bool is_switch = last != ~std::uint32_t{0} && last != step.program;
-      go_on(apply(system_, state, step), left - 1, step.program, switches + (is_switch ? 1 : 0));
-      --done_[step.program];
+      const bool is_switch = last != ~std::uint32_t{0} && last != step.actor;
+      go_on(apply(system_, state, step), left - 1, step.actor, switches + (is_switch ? 1 : 0));
+      --done_[step.actor];
     }
   }
 

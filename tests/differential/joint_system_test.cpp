@@ -8,12 +8,15 @@
 #include "joint_systems.hpp"
 #include "maide/check/engines/engine.hpp"
 #include "maide/check/packed/packed_system.hpp"
+#include "mailbox_ranks.hpp"
 
 namespace maide {
 namespace {
 
 constexpr std::size_t node_limit = 3000;
-constexpr test::JointSystemKinds everything{true, true, true, true};
+constexpr test::JointSystemKinds everything{true, true, true, true, false};
+constexpr test::JointSystemKinds with_nobody{.nobody = true};
+constexpr test::JointSystemKinds everything_with_nobody{true, true, true, true, true};
 
 Property built_in(Property::Kind kind) {
   Property property;
@@ -37,19 +40,19 @@ void compare_steps(const PackedSystem& packed, const GlobalState& state) {
   const std::vector<Step> expected = enabled_steps(system, state);
   std::size_t at = 0;
   if (is_error(system, state)) return;
-  for (std::size_t program = 0; program < system.programs.size(); ++program) {
+  for (std::size_t actor = 0; actor < packed.actor_count(); ++actor) {
     packed.for_each_step(
-        here, program,
-        [&](const PackedState<words>& next, std::uint32_t edge, bool is_cut, std::uint64_t code) {
+        here, actor,
+        [&](const PackedState<words>& next, std::uint32_t action, bool is_cut, std::uint64_t code) {
           ASSERT_LT(at, expected.size());
           const Step& step = expected[at++];
-          EXPECT_EQ(step.program, program);
-          EXPECT_EQ(step.edge, edge);
+          EXPECT_EQ(actor_number(system, step.actor), actor);
+          EXPECT_EQ(step.action, action);
           EXPECT_EQ(step.is_cut, is_cut);
           GlobalState after = apply(system, state, step);
           after.is_cut = false;
           ASSERT_EQ(packed.unpack(next), after);
-          const PackedSystem::Origin origin = packed.undo(after, code);
+          const StepBefore origin = packed.undo(after, code);
           EXPECT_EQ(origin.step, step);
           EXPECT_EQ(origin.before, state);
         });
@@ -109,7 +112,8 @@ class JointSystems : public testing::TestWithParam<int> {
 TEST_P(JointSystems, TablesHaveTheStepsOfTheMeaning) {
   int joint_steps = 0;
   for (int i = 0; i < 600 && !HasFailure(); ++i) {
-    const System system = test::random_joint_system(random_, {1, 3, 3, 0.3, 0.3}, everything);
+    const System system = test::random_joint_system(
+        random_, {1, 3, 3, 0.3, 0.3}, i % 2 == 0 ? everything : everything_with_nobody);
     const PackedSystem packed(system);
     ASSERT_NO_THROW(packed.check_invariants()) << test::show(system);
     with_words(packed.words(), [&](auto words) {
@@ -129,7 +133,8 @@ TEST_P(JointSystems, DeadlocksAndCutsAreShortest) {
   NativeEngine engine;
   int deadlocks = 0, cuts = 0, free = 0;
   for (int compared = 0; compared < 400 && !HasFailure();) {
-    const System system = test::random_joint_system(random_, {1, 3, 3, 0.5, 0.7});
+    const System system = test::random_joint_system(
+        random_, {1, 3, 3, 0.5, 0.7}, compared % 2 == 0 ? test::JointSystemKinds{} : with_nobody);
     const test::ExplicitChecker expected(system, node_limit);
     if (!expected.is_complete()) continue;
     ++compared;
@@ -164,7 +169,8 @@ TEST_P(JointSystems, ErrorsDeathsAndRest) {
   NativeEngine engine;
   int deadlocks = 0, errors = 0, dead_only = 0;
   for (int compared = 0; compared < 400 && !HasFailure();) {
-    const System system = test::random_joint_system(random_, {1, 3, 3, 0.5, 0.7}, everything);
+    const System system = test::random_joint_system(
+        random_, {1, 3, 3, 0.5, 0.7}, compared % 2 == 0 ? everything : everything_with_nobody);
     const test::ExplicitChecker expected(system, node_limit);
     if (!expected.is_complete()) continue;
     ++compared;
@@ -203,11 +209,12 @@ TEST_P(JointSystems, ErrorsDeathsAndRest) {
 TEST_P(JointSystems, StuckPrograms) {
   NativeEngine engine;
   const test::JointSystemKinds kinds[] = {
-      {}, {false, false, false, true}, {false, true, true, false}, everything};
-  int stuck = 0, starving = 0;
-  for (int compared = 0; compared < 600 && !HasFailure();) {
+      {},          {false, false, false, true}, {false, true, true, false}, everything,
+      with_nobody, everything_with_nobody};
+  int stuck = 0, starving = 0, beside_nobody = 0;
+  for (int compared = 0; compared < 900 && !HasFailure();) {
     const System system =
-        test::random_joint_system(random_, {2, 3, 3, 0.7, 0.9}, kinds[compared % 4]);
+        test::random_joint_system(random_, {2, 3, 3, 0.7, 0.9}, kinds[compared % 6]);
     if (!test::ExplicitChecker(system, 120).is_complete()) continue;
     ++compared;
     const bool expected = test::has_stuck_program(system);
@@ -220,7 +227,9 @@ TEST_P(JointSystems, StuckPrograms) {
       starving += result.remarkable ? 1 : 0;
     }
     stuck += expected ? 1 : 0;
+    beside_nobody += expected && !system.nobodys_actions.empty() ? 1 : 0;
   }
+  EXPECT_GT(beside_nobody, 3);
   EXPECT_GT(stuck, 10);
   EXPECT_GT(starving, 3);
 }
@@ -231,7 +240,8 @@ TEST_P(JointSystems, FairFormulas) {
   constexpr Fairness all[] = {Fairness::none, Fairness::weak, Fairness::strong};
   int weak_helps = 0;
   for (int compared = 0; compared < 400 && !HasFailure();) {
-    System system = test::random_joint_system(random_, {2, 3, 3, 0.9, 1}, {.groups = true});
+    System system = test::random_joint_system(random_, {2, 3, 3, 0.9, 1},
+                                              {.groups = true, .nobody = compared % 2 == 1});
     const Formula set = add_variable_atom(system);
     const test::ExplicitChecker expected(system, 200);
     if (!expected.is_complete()) continue;
@@ -266,8 +276,11 @@ TEST_P(JointSystems, FormulasAndReductions) {
   NativeEngine engine;
   int holds = 0, violated = 0;
   for (int compared = 0; compared < 100 && !HasFailure();) {
-    System system = test::random_joint_system(
-        random_, {1, 3, 3, 0.5, 0.7}, compared % 2 == 0 ? test::JointSystemKinds{} : everything);
+    System system = test::random_joint_system(random_, {1, 3, 3, 0.5, 0.7},
+                                              compared % 4 == 0   ? test::JointSystemKinds{}
+                                              : compared % 4 == 1 ? everything
+                                              : compared % 4 == 2 ? with_nobody
+                                                                  : everything_with_nobody);
     if (!test::ExplicitChecker(system, 300).is_complete()) continue;
     ++compared;
     const Formula is_set = add_variable_atom(system);
@@ -300,6 +313,38 @@ TEST_P(JointSystems, FormulasAndReductions) {
   }
   EXPECT_GT(holds, 20);
   EXPECT_GT(violated, 20);
+}
+
+// Several threads and several ranks, which are told of the system, find what one thread does.
+TEST_P(JointSystems, ThreadsAndRanksAgree) {
+  NativeEngine engine;
+  int violated = 0, holds = 0;
+  for (int compared = 0; compared < 60 && !HasFailure();) {
+    const System system = test::random_joint_system(
+        random_, {2, 3, 3, 0.7, 0.9}, compared % 2 == 0 ? with_nobody : everything_with_nobody);
+    if (!test::ExplicitChecker(system, 300).is_complete()) continue;
+    ++compared;
+    for (const Property::Kind kind : {Property::Kind::deadlock, Property::Kind::stuck}) {
+      const PropertyResult one = engine.check(system, built_in(kind), with(Reduction::none));
+      ++(one.verdict == Verdict::holds ? holds : violated);
+      EngineOptions options = with(Reduction::none);
+      options.threads = 3;
+      options.states_a_thread = 2;
+      const PropertyResult threads = engine.check(system, built_in(kind), options);
+      EXPECT_EQ(threads.verdict, one.verdict) << test::show(system);
+      test::RanksOfThreads ranks(2);
+      options.threads = 1;
+      options.ranks = ranks.first();
+      const PropertyResult several = engine.check(system, built_in(kind), options);
+      EXPECT_EQ(several.verdict, one.verdict) << test::show(system);
+      if (one.verdict != Verdict::holds) continue;
+      EXPECT_EQ(threads.states, one.states);
+      EXPECT_EQ(several.states, one.states);
+      EXPECT_EQ(several.transitions, one.transitions);
+    }
+  }
+  EXPECT_GT(holds, 10);
+  EXPECT_GT(violated, 10);
 }
 
 INSTANTIATE_TEST_SUITE_P(Seeds, JointSystems, testing::Range(0, 6));

@@ -54,6 +54,20 @@ ModelAction input_with_output(const ModelInstance& model, Symbol input, Symbol o
   return action;
 }
 
+ModelUse random_use(const System& system, std::uint32_t index, Random& random) {
+  const ModelInstance& model = system.models[index];
+  const auto below = [&](std::size_t count) { return static_cast<Symbol>(random.below(count)); };
+  if (model.source == ModelInstance::Source::variable) {
+    return {Kind::act, index, below(model.actions.size())};
+  }
+  switch (random.below(model.actions.empty() ? 3 : 4)) {
+    case 0: return {Kind::take, index, below(model.automaton.outputs().size())};
+    case 1: return {Kind::quiet, index, 0};
+    case 2: return {Kind::give, index, below(model.automaton.inputs().size())};
+    default: return {Kind::act, index, below(model.actions.size())};
+  }
+}
+
 class Editor {
  public:
   Editor(System& system, Program& program, const JointSystemKinds& kinds, Random& random)
@@ -90,20 +104,6 @@ class Editor {
   }
 
  private:
-  ModelUse random_use(std::uint32_t index) {
-    const ModelInstance& model = system_.models[index];
-    const auto below = [&](std::size_t count) { return static_cast<Symbol>(random_.below(count)); };
-    if (model.source == ModelInstance::Source::variable) {
-      return {Kind::act, index, below(model.actions.size())};
-    }
-    switch (random_.below(model.actions.empty() ? 3 : 4)) {
-      case 0: return {Kind::take, index, below(model.automaton.outputs().size())};
-      case 1: return {Kind::quiet, index, 0};
-      case 2: return {Kind::give, index, below(model.automaton.inputs().size())};
-      default: return {Kind::act, index, below(model.actions.size())};
-    }
-  }
-
   std::uint32_t add_joint(CombinedStep joint) {
     for (const ModelUse& use : joint.uses) {
       if (use.kind == Kind::give || use.kind == Kind::take) joint.events.push_back(use);
@@ -124,7 +124,7 @@ class Editor {
     if (edge.kind != Kind::choice) joint.uses.push_back(edge);
     const auto other = static_cast<std::uint32_t>(random_.below(system_.models.size()));
     const bool is_other = joint.uses.empty() || joint.uses.front().model != other;
-    if (is_other && random_.chance(0.6)) joint.uses.push_back(random_use(other));
+    if (is_other && random_.chance(0.6)) joint.uses.push_back(random_use(system_, other, random_));
     edge.symbol = add_joint(std::move(joint));
     edge.kind = Kind::combined;
     edge.model = 0;
@@ -132,8 +132,8 @@ class Editor {
 
   void add_arm(std::size_t at, std::size_t targets) {
     ProgramEdge edge;
-    static_cast<ModelUse&>(edge) =
-        random_use(static_cast<std::uint32_t>(random_.below(system_.models.size())));
+    static_cast<ModelUse&>(edge) = random_use(
+        system_, static_cast<std::uint32_t>(random_.below(system_.models.size())), random_);
     edge.target = static_cast<ControlState>(random_.below(targets));
     edge.line = edge.column = 1;
     if (random_.chance(0.5)) make_joint(edge);
@@ -175,6 +175,31 @@ class Editor {
   ControlState grave_ = 0;
 };
 
+// What happens by itself: a step of one model, or of two together.
+void add_nobody(System& system, const JointSystemKinds& kinds, Random& random) {
+  system.nobodys_groups = {"", "first", "second"};
+  for (std::uint64_t count = random.between(1, 3); count > 0; --count) {
+    NobodysAction action;
+    const auto one = static_cast<std::uint32_t>(random.below(system.models.size()));
+    action.what.uses.push_back(random_use(system, one, random));
+    const auto other = static_cast<std::uint32_t>(random.below(system.models.size()));
+    if (other != one && random.chance(0.5)) {
+      action.what.uses.push_back(random_use(system, other, random));
+    }
+    for (const ModelUse& use : action.what.uses) {
+      if (use.kind == Kind::give || use.kind == Kind::take) action.what.events.push_back(use);
+      action.what.text += (action.what.text.empty() ? "" : " with ") + describe_use(system, use);
+    }
+    action.what.fair = static_cast<std::uint32_t>(random.below(3));
+    action.counts_for_deadlock = !kinds.deaths || random.chance(0.7);
+    system.nobodys_actions.push_back(std::move(action));
+  }
+  Program& program = system.programs[random.below(system.programs.size())];
+  program.flags.is_fair = random.chance(0.6);
+  program.flags.may_rest = kinds.rests && random.chance(0.4);
+  program.flags.counts_for_deadlock = !kinds.deaths || random.chance(0.7);
+}
+
 }  // namespace
 
 System random_joint_system(Random& random, const RandomSystemSize& size,
@@ -187,13 +212,16 @@ System random_joint_system(Random& random, const RandomSystemSize& size,
   }
   system.models.push_back(shared_variable(random));
   for (Program& program : system.programs) Editor(system, program, kinds, random).edit();
+  if (kinds.nobody) add_nobody(system, kinds, random);
   return system;
 }
 
 std::string show(const System& system) {
   std::string text;
   for (const Program& program : system.programs) {
-    text += program.name + "\n";
+    text += fmt::format("{}{}{}{}\n", program.name, program.flags.is_fair ? "" : " unfair",
+                        program.flags.may_rest ? " rests" : "",
+                        program.flags.counts_for_deadlock ? "" : " no progress");
     for (ControlState at = 0; at < program.states.size(); ++at) {
       const Program::State& state = program.states[at];
       text += fmt::format("  {}:{}{}\n", at, state.error != 0 ? " error" : "",
@@ -213,6 +241,10 @@ std::string show(const System& system) {
         }
       }
     }
+  }
+  for (const NobodysAction& action : system.nobodys_actions) {
+    text += fmt::format("nobody: {} (group {}){}\n", action.what.text, action.what.fair,
+                        action.counts_for_deadlock ? "" : " no progress");
   }
   return text;
 }

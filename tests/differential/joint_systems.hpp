@@ -14,6 +14,9 @@ namespace maide::test {
 // What may be in a system, beside joint steps and a shared variable.
 struct JointSystemKinds {
   bool errors = false, deaths = false, rests = false, groups = false;
+  // Up to three actions of nobody, some fair, some no progress if there are deaths, and a program
+  // with other flags than the usual ones.
+  bool nobody = false;
 };
 System random_joint_system(Random& random, const RandomSystemSize& size = {},
                            const JointSystemKinds& kinds = {});

@@ -31,8 +31,9 @@ const Property error = property_of(Property::Kind::error, "error");
 // Each third without joint steps, and each third with deaths.
 System some_system(Random& random, int number) {
   System system = number % 3 == 0 ? test::random_system(random)
-                                  : test::random_joint_system(random, {1, 3, 3, 0.5, 0.5},
-                                                              {true, number % 3 == 1, true});
+                                  : test::random_joint_system(
+                                        random, {1, 3, 3, 0.5, 0.5},
+                                        {true, number % 3 == 1, true, false, number % 2 == 1});
   if (number % 2 == 0) {
     for (ModelInstance& model : system.models) model.when_unexplored = WhenUnexplored::stop;
   }

@@ -547,9 +547,10 @@ TEST(PinsExport, RandomSystemsAreExploredStepByStep) {
   Random random(58);
   Totals totals;
   for (int compared = 0; compared < count;) {
-    System system = compared % 3 == 0 ? test::random_system(random)
-                                      : test::random_joint_system(random, {1, 3, 3, 0.5, 0.5},
-                                                                  {true, compared % 3 == 1, true});
+    const test::JointSystemKinds kinds{true, compared % 3 == 1, true, false, compared % 2 == 1};
+    System system = compared % 3 == 0
+                        ? test::random_system(random)
+                        : test::random_joint_system(random, {1, 3, 3, 0.5, 0.5}, kinds);
     const bool wants_cut = compared % 4 < 2;
     if (wants_cut) {
       for (ModelInstance& model : system.models) model.when_unexplored = WhenUnexplored::stop;

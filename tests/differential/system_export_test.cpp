@@ -50,7 +50,7 @@ std::optional<Graph> explore(const System& system) {
     const auto steps = enabled_steps(system, open.front());
     std::set<std::tuple<StepAction, std::vector<StateId>, ControlState>> distinct;
     for (const Step& step : steps) {
-      const ControlState target = system.programs[step.program].edges[step.edge].target;
+      const ControlState target = step.actor == nobody ? 0 : edge_of(system, step).target;
       distinct.emplace(action_of(system, step), step.targets, target);
     }
     graph.all_steps += steps.size();
@@ -84,17 +84,20 @@ std::string run(const std::vector<std::string>& command) {
   return result.out;
 }
 
-// Every other system has joint steps, and half of these deaths, errors and places to rest.
+// Every other system has joint steps, and half of these deaths, errors and places to rest, and half
+// of all of these what happens by itself.
 template <typename Compare>
 void for_random_systems(std::uint64_t seed, int count, Compare compare) {
   Random random(seed);
   int deadlocks = 0;
   for (int compared = 0; compared < count;) {
     const bool has_more = compared % 4 == 1;
-    const System system = compared % 2 == 0
-                              ? test::random_system(random)
-                              : test::random_joint_system(random, {1, 3, 3, 0.5, 0.5},
-                                                          {has_more, has_more, has_more, false});
+    const bool has_nobody = compared % 8 == 1 || compared % 8 == 3;
+    const System system =
+        compared % 2 == 0
+            ? test::random_system(random)
+            : test::random_joint_system(random, {1, 3, 3, 0.5, 0.5},
+                                        {has_more, has_more, has_more, false, has_nobody});
     const std::optional<Graph> graph = explore(system);
     if (!graph || graph->states < 4) continue;
     ++compared;

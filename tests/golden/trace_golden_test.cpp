@@ -59,7 +59,7 @@ Shown shown(const std::string& name) {
   Trace trace;
   GlobalState state = initial_state(system);
   for (const Step& step : enabled_steps(system, state)) {
-    if (step.program == 0) trace.steps = {step};  // the last: `else`
+    if (step.actor == 0) trace.steps = {step};  // the last: `else`
   }
   for (const std::uint32_t program : {2, 1, 1, 1}) {
     state = replay(system, trace).back();

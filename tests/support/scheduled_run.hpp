@@ -16,7 +16,7 @@ inline std::optional<Step> first_step(const System& system, const GlobalState& s
                                       std::uint32_t program) {
   const std::vector<Step> steps = enabled_steps(system, state);
   const auto step = std::find_if(steps.begin(), steps.end(),
-                                 [&](const Step& each) { return each.program == program; });
+                                 [&](const Step& each) { return each.actor == program; });
   return step == steps.end() ? std::nullopt : std::optional(*step);
 }
 

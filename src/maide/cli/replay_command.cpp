@@ -73,7 +73,7 @@ std::string describe(const System& system, const Trace& trace, const Deviation& 
   std::string where = "at the end";
   if (deviation.step < trace.steps.size()) {
     const StepText step = describe_step(system, trace.steps[deviation.step]);
-    where = fmt::format("step {}, {} line {} {}{}", deviation.step + 1, step.program, step.line,
+    where = fmt::format("step {}, {} line {} {}{}", deviation.step + 1, step.actor, step.line,
                         step.model, step.event);
   }
   if (deviation.round > 0) where += fmt::format(", round {} of the loop", deviation.round + 1);
@@ -152,7 +152,7 @@ std::string list_steps(const Replay& replay, const Tally& tally) {
     if (at >= head && at < tail) continue;
     const StepText step = describe_step(replay.system, trace.steps[at]);
     const std::string& seen = tally.example->seen[at];
-    std::string line = fmt::format("{:>5}  {:<{}}  line {:<4} {}", at + 1, step.program, width,
+    std::string line = fmt::format("{:>5}  {:<{}}  line {:<4} {}", at + 1, step.actor, width,
                                    step.line, step.model + step.event);
     if (!seen.empty()) line = fmt::format("{:<{}}  {}", line, width + 39, seen);
     text += line + "\n";

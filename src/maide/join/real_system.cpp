@@ -276,15 +276,15 @@ Trace draw_run(const System& system, std::size_t most_steps, Random& random, boo
   GlobalState state = initial_state(system);
   while (trace.steps.size() < most_steps) {
     std::vector<Step> steps = enabled_steps(system, state);
-    std::erase_if(steps, [](const Step& step) { return step.is_beyond; });
+    std::erase_if(steps, [](const Step& step) { return step.is_beyond || step.actor == nobody; });
     if (nodes) nodes->restrict(state, steps);
     if (steps.empty()) break;
     std::vector<std::uint32_t> programs;
     for (const Step& step : steps) {
-      if (programs.empty() || programs.back() != step.program) programs.push_back(step.program);
+      if (programs.empty() || programs.back() != step.actor) programs.push_back(step.actor);
     }
     const std::uint32_t program = programs[random.below(programs.size())];
-    std::erase_if(steps, [&](const Step& step) { return step.program != program; });
+    std::erase_if(steps, [&](const Step& step) { return step.actor != program; });
     const Step& step = steps[random.below(steps.size())];
     trace.steps.push_back(step);
     if (nodes) nodes->take(state, step);

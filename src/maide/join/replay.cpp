@@ -139,7 +139,7 @@ class Walk {
   }
 
   void take(const Step& step) {
-    if (is_held_up(step.program)) return;
+    if (is_held_up(step.actor)) return;
     // Of a `quiet` nothing is to be seen: what is not due in the model is not due here, for give()
     // has looked.
     std::string seen;
@@ -199,7 +199,7 @@ class Walk {
   std::optional<std::string> take_with_nodes(const Step& step) {
     auto text = play_calls(plan_.nodes.moves[place_]);
     if (!text) return std::nullopt;
-    const bool is_program = system_.programs[step.program].nodes.empty();
+    const bool is_program = system_.programs[step.actor].nodes.empty();
     for (const ModelUse& event : events_of(system_, step)) {
       if (stage_.seat(event.model).nodes == nullptr || event.kind != Kind::take || !is_program) {
         continue;
@@ -243,7 +243,7 @@ class Walk {
   // Where the model is when it has taken the input: before the outputs that the step takes with it.
   // A model that the step does not use stays where it was.
   StateId after_input(const Step& step, std::uint32_t model) const {
-    const auto uses = system_.programs[step.program].uses_of(edge_of(system_, step));
+    const auto uses = uses_of(system_, step);
     const auto use = std::find_if(uses.begin(), uses.end(), [&](const ModelUse& candidate) {
       return candidate.model == model;
     });
@@ -285,7 +285,7 @@ class Walk {
     const std::vector<std::uint32_t> models = stage_.models_of(host);
     for (const std::uint32_t model : models) expected.push_back(after_input(step, model));
     if (is_taken && is_as_expected(host, models, expected)) {
-      remember_call(step.program, event);
+      remember_call(step.actor, event);
       return text;
     }
     const StateId before = plan_.states[move_.step].models[event.model];
@@ -402,7 +402,7 @@ class Walk {
     for (std::size_t i = 0; i < queues.size(); ++i) {
       if (queues[i].empty()) continue;
       const bool is_mine =
-          !stage_.is_of_writers(event) || i == stage_.writer_of(*seat.topic, step.program);
+          !stage_.is_of_writers(event) || i == stage_.writer_of(*seat.topic, step.actor);
       if (is_mine && queues[i].front() == output) {
         queues[i].pop_front();
         return "";

@@ -181,8 +181,21 @@ std::string describe_due(const InterfaceAutomaton& automaton, StateId state) {
   return text.empty() ? "quiet" : text;
 }
 
+namespace {
+
+void refuse_steps_of_nobody(const System& system, const Trace& trace) {
+  const auto step = std::find_if(trace.steps.begin(), trace.steps.end(),
+                                 [](const Step& one) { return one.actor == nobody; });
+  if (step == trace.steps.end()) return;
+  throw UsageError(fmt::format("step {}, {}, is nobody's: no real system can be asked for it",
+                               step - trace.steps.begin() + 1, describe_action(system, *step)));
+}
+
+}  // namespace
+
 Plan make_plan(const System& system, const Stage& stage, const Trace& trace, std::size_t loops) {
   Plan plan;
+  refuse_steps_of_nobody(system, trace);
   plan.states = replay(system, trace);
   plan.moves = unroll(trace, loops);
   plan.words.resize(system.models.size());
@@ -195,7 +208,7 @@ Plan make_plan(const System& system, const Stage& stage, const Trace& trace, std
   for (const Move& move : plan.moves) {
     const Step& step = trace.steps[move.step];
     for (const ModelUse& event : stage.real_events(step)) {
-      if (event.kind == Kind::give) add(step.program, event);
+      if (event.kind == Kind::give) add(step.actor, event);
     }
   }
   if (!trace.loop_start) plan.probes = ProbeFinder(system, stage, plan.states.back()).find();
@@ -226,10 +239,12 @@ std::set<std::uint32_t> find_met(const System& system, const Trace& trace,
   const auto add = [&](const Program& program, const ProgramEdge& edge) {
     for (const ModelUse& use : program.uses_of(edge)) met.insert(use.model);
   };
-  for (const Step& step : trace.steps) add(system.programs[step.program], edge_of(system, step));
+  for (const Step& step : trace.steps) {
+    for (const ModelUse& use : uses_of(system, step)) met.insert(use.model);
+  }
   for (const auto& component : find_components(system)) {
     const bool is_met = std::any_of(trace.steps.begin(), trace.steps.end(), [&](const Step& step) {
-      return std::find(component.begin(), component.end(), step.program) != component.end();
+      return std::find(component.begin(), component.end(), step.actor) != component.end();
     });
     if (!is_met && !trace.steps.empty()) continue;
     for (const std::uint32_t index : component) {
@@ -294,7 +309,7 @@ std::vector<std::string> find_assumptions(const System& system, const Trace& tra
     for (const ModelUse& use : uses_beyond(system, states[at], step)) {
       const ModelInstance& model = system.models[use.model];
       const bool is_cut = model.when_unexplored == WhenUnexplored::stop;
-      found.insert(fmt::format("{}'s {}{} at line {} was never tried there ({}), {}", text.program,
+      found.insert(fmt::format("{}'s {}{} at line {} was never tried there ({}), {}", text.actor,
                                text.model, text.event, text.line, describe_bound(model),
                                is_cut ? "and is not played" : "and is taken to change nothing"));
     }

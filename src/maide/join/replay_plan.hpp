@@ -18,13 +18,6 @@ namespace maide {
 
 using RealSystems = std::vector<std::unique_ptr<RealSystem>>;
 
-inline const ProgramEdge& edge_of(const System& system, const Step& step) {
-  return system.programs[step.program].edges[step.edge];
-}
-inline std::span<const ModelUse> events_of(const System& system, const Step& step) {
-  return system.programs[step.program].events_of(edge_of(system, step));
-}
-
 // A model and the real system that is asked for it.
 struct Seat {
   std::uint32_t host = 0;                // the model at which that system stands
@@ -85,7 +78,8 @@ struct Plan {
   ReplayedNodes::Calls nodes;  // by move; what is at their host, which has no probes
 };
 
-// The loop of a lasso is played `loops` times. O(steps of the trace x loops).
+// The loop of a lasso is played `loops` times. Throws UsageError for a run with steps of nobody: no
+// real system can be asked for them. O(steps of the trace x loops).
 Plan make_plan(const System& system, const Stage& stage, const Trace& trace, std::size_t loops);
 
 // ---- What no real system is asked ----

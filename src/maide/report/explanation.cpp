@@ -276,8 +276,7 @@ class Sentence {
 
   // The input that the step gives to the model.
   Symbol given_input(std::uint32_t model, const Step& step) const {
-    const Program& giver = system_.programs[step.program];
-    const auto events = giver.events_of(giver.edges[step.edge]);
+    const auto events = events_of(system_, step);
     const auto event = std::find_if(events.begin(), events.end(), [&](const ModelUse& use) {
       return use.kind == Kind::give && use.model == model;
     });
@@ -294,7 +293,8 @@ class Sentence {
     const ModelInstance& model = system_.models[index];
     const Symbol given = given_input(index, step);
     const std::string& input = model.automaton.inputs().name(given);
-    const std::string giving = fmt::format("when {} {}", program(step.program), past_of(input));
+    std::string giving = "when " + describe_actor(system_, step);
+    if (step.actor != nobody) giving += " " + past_of(input);
     const std::string place = fmt::format("(step {})", loss.step + 1);
     if (std::find(messages.begin(), messages.end(), given) == messages.end()) {
       return fmt::format("{}, {} {}", count_of(loss.count, "message"), giving, place);
@@ -420,7 +420,7 @@ class Sentence {
   std::string describe_model(const Waiting& waiting) const {
     const std::string& name = model(waiting).name;
     const std::string maker =
-        waiting.cause ? program(trace_.steps[*waiting.cause].program) : std::string();
+        waiting.cause ? describe_actor(system_, trace_.steps[*waiting.cause]) : std::string();
     const std::size_t step = waiting.cause.value_or(0) + 1;
     switch (waiting.reason) {
       case Reason::output_due:
@@ -459,8 +459,9 @@ class Sentence {
                        : input == "read"    ? "reads it since"
                                             : nullptr;
     if (done == nullptr || !waiting.cause) return text;
-    return fmt::format("{}: {} {}{} step {}", text, program(trace_.steps[*waiting.cause].program),
-                       done, input == "read" ? "" : " at", *waiting.cause + 1);
+    return fmt::format("{}: {} {}{} step {}", text,
+                       describe_actor(system_, trace_.steps[*waiting.cause]), done,
+                       input == "read" ? "" : " at", *waiting.cause + 1);
   }
 
   std::string describe(const Waiting& waiting, const GlobalState& state) const {
@@ -538,7 +539,7 @@ class Sentence {
   std::string describe_loop() const {
     std::vector<bool> steps(system_.programs.size());
     for (std::size_t at = *trace_.loop_start; at < trace_.steps.size(); ++at) {
-      steps[trace_.steps[at].program] = true;
+      if (trace_.steps[at].actor != nobody) steps[trace_.steps[at].actor] = true;
     }
     std::vector<std::uint32_t> running;
     std::vector<std::string> clauses;
@@ -547,15 +548,16 @@ class Sentence {
       const ControlState at = states_.back().programs[index];
       if (steps[index]) {
         running.push_back(index);
-      } else if (!program.is_end(at) && !program.states[at].may_rest) {
+      } else if (!program.is_end(at) && !program.may_rest(at)) {
         clauses.push_back(describe_standstill(index));
       }
     }
     const std::size_t first = *trace_.loop_start + 1, last = trace_.steps.size();
     const std::string which =
         first == last ? fmt::format("step {}", last) : fmt::format("steps {} to {}", first, last);
-    const std::string loop = fmt::format("{} {} on for ever ({})", programs(running),
-                                         running.size() == 1 ? "goes" : "go", which);
+    const std::string who = running.empty() ? "what happens by itself" : programs(running);
+    const std::string loop =
+        fmt::format("{} {} on for ever ({})", who, running.size() > 1 ? "go" : "goes", which);
     return clauses.empty() ? loop : list(clauses, "; and ") + "; " + loop;
   }
 

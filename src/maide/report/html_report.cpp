@@ -72,8 +72,8 @@ Standing find_standing(const System& system, const Trace& trace, const GlobalSta
   Standing standing;
   if (trace.loop_start) {
     for (std::size_t at = *trace.loop_start; at < trace.steps.size(); ++at) {
-      if (trace.steps[at].program != index) continue;
-      standing.loops.insert(program.edges[trace.steps[at].edge].line);
+      if (trace.steps[at].actor != index) continue;
+      standing.loops.insert(edge_of(system, trace.steps[at]).line);
     }
   }
   if (!standing.loops.empty()) {
@@ -93,7 +93,7 @@ Standing find_standing(const System& system, const Trace& trace, const GlobalSta
   }
   const auto blocked = blocked_programs(system, last);
   const bool is_blocked = std::find(blocked.begin(), blocked.end(), index) != blocked.end();
-  if (program.states[control].may_rest && !is_blocked) {
+  if (program.may_rest(control) && !is_blocked) {
     standing.note = "rests";
     return standing;
   }

@@ -27,6 +27,7 @@ struct SequenceChart {
     // The remark with what is added to numbers in place of what they become: "one is lost", "n +
     // 1". Messages whose numbers count on are alike.
     std::string counted{};
+    std::size_t step = 0;  // of the run; further steps may lie between two messages
   };
   struct Note {
     std::size_t lane = 0;

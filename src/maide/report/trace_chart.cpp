@@ -24,6 +24,12 @@ namespace {
 
 using Kind = ProgramEdge::Kind;
 
+// From where to where what happens by itself goes: the first model that it uses, and the last.
+std::pair<std::uint32_t, std::uint32_t> ends_of(const System& system, const Step& step) {
+  const auto uses = uses_of(system, step);
+  return {uses.front().model, uses.back().model};
+}
+
 // Where the lanes of programs and models are.
 class Lanes {
  public:
@@ -37,9 +43,13 @@ class Lanes {
     for (std::size_t i = 1; i < programs_; ++i) order_.push_back(i);
     talk_.assign(count, std::vector<std::size_t>(count, 0));
     for (const Step& step : trace.steps) {
-      const Program& program = system.programs[step.program];
-      for (const ModelUse& event : program.events_of(program.edges[step.edge])) {
-        ++talk_[step.program][programs_ + event.model];
+      if (step.actor == nobody) {
+        const auto [from, to] = ends_of(system, step);
+        if (from != to) ++talk_[programs_ + from][programs_ + to];
+        continue;
+      }
+      for (const ModelUse& event : events_of(system, step)) {
+        ++talk_[step.actor][programs_ + event.model];
       }
     }
     order_.size() <= most_permuted ? try_all_orders() : swap_neighbours();
@@ -103,10 +113,20 @@ class Lanes {
 };
 
 // A combined step that gives to one model, or takes from one, is an arrow; other ones are notes of
-// the program.
+// the program. A step of nobody that uses several models is an arrow between two of them.
 SequenceChart::Message to_message(const System& system, const Lanes& lanes, const Step& step) {
-  const ProgramEdge& edge = system.programs[step.program].edges[step.edge];
-  const std::size_t program = lanes.of_program(step.program);
+  if (step.actor == nobody) {
+    const auto [from, to] = ends_of(system, step);
+    const int line = place_of(system, step).line;
+    return {lanes.of_model(from),
+            lanes.of_model(to),
+            describe_action(system, step),
+            line == 0 ? "" : fmt::format("line {}", line),
+            "",
+            ""};
+  }
+  const ProgramEdge& edge = edge_of(system, step);
+  const std::size_t program = lanes.of_program(step.actor);
   SequenceChart::Message message{program, program, "", fmt::format("line {}", edge.line), "", ""};
   if (edge.kind == Kind::choice) {
     message.label = edge.symbol == 0 ? "if" : "else";
@@ -116,7 +136,7 @@ SequenceChart::Message to_message(const System& system, const Lanes& lanes, cons
     const StepText text = describe_step(system, step);
     message.label = text.model.empty() ? text.event : text.event.substr(1);
     if (!text.model.empty()) {
-      const ModelUse& event = system.programs[step.program].events_of(edge).front();
+      const ModelUse& event = events_of(system, step).front();
       (text.event[0] == '?' ? message.to : message.from) = lanes.of_model(event.model);
     }
     if (step.is_beyond) message.remark = "never tried there";
@@ -178,7 +198,7 @@ void remark_on_values(const System& system, const Trace& trace,
   for (std::size_t at = 0; at < trace.steps.size(); ++at) {
     std::vector<std::string> values, counted;
     for (const ChangedValue& changed :
-         find_changes(system, states[at], states[at + 1], trace.steps[at].program)) {
+         find_changes(system, states[at], states[at + 1], trace.steps[at].actor)) {
       values.push_back(changed.name + " = " + to_string(changed.value, changed.kind, system.words));
       const bool counts = changed.before && changed.kind == ValueKind::integer;
       counted.push_back(counts
@@ -190,6 +210,21 @@ void remark_on_values(const System& system, const Trace& trace,
     const std::string before = message.remark.empty() ? "" : message.remark + "; ";
     message.remark = before + join(values);
     message.counted = before + join(counted);
+  }
+}
+
+// Steps that are not shown are no messages. A loop of such steps alone is none in the chart.
+void leave_out_hidden(const System& system, const Trace& trace, SequenceChart& chart) {
+  std::erase_if(chart.messages, [&](const SequenceChart::Message& message) {
+    return !is_shown(system, trace.steps[message.step]);
+  });
+  if (!chart.loop_start) return;
+  const auto first = std::find_if(
+      chart.messages.begin(), chart.messages.end(),
+      [&](const SequenceChart::Message& message) { return message.step >= *trace.loop_start; });
+  chart.loop_start.reset();
+  if (first != chart.messages.end()) {
+    chart.loop_start = static_cast<std::size_t>(first - chart.messages.begin());
   }
 }
 
@@ -210,23 +245,25 @@ SequenceChart make_trace_chart(const System& system, const Trace& trace, std::st
   }
   std::map<std::pair<std::uint32_t, int>, std::string> sources;  // by program and line
   for (const Step& step : trace.steps) {
-    const Program& program = system.programs[step.program];
-    const int line = program.edges[step.edge].line;
-    const auto [source, is_new] = sources.try_emplace({step.program, line});
-    if (is_new) source->second = source_line(system, program, line);
     chart.messages.push_back(to_message(system, lanes, step));
+    chart.messages.back().step = chart.messages.size() - 1;
+    if (step.actor == nobody) continue;
+    const int line = place_of(system, step).line;
+    const auto [source, is_new] = sources.try_emplace({step.actor, line});
+    if (is_new) source->second = source_line(system, system.programs[step.actor], line);
     chart.messages.back().source = source->second;
   }
   const std::vector<GlobalState> states = replay(system, trace);
   remark_on_losses(system, trace, states, chart);
   remark_on_values(system, trace, states, chart);
+  leave_out_hidden(system, trace, chart);
   const GlobalState& last = states.back();
   if (last.is_cut) return chart;
   // Programs that go round in the loop have no end.
   std::vector<bool> goes_round(system.programs.size());
   for (std::size_t at = trace.loop_start.value_or(trace.steps.size()); at < trace.steps.size();
        ++at) {
-    goes_round[trace.steps[at].program] = true;
+    if (trace.steps[at].actor != nobody) goes_round[trace.steps[at].actor] = true;
   }
   for (std::size_t i = 0; i < system.programs.size(); ++i) {
     if (goes_round[i]) continue;
@@ -248,7 +285,7 @@ SequenceChart make_trace_chart(const System& system, const Trace& trace, std::st
 namespace {
 
 struct Event {
-  std::string program, model, what;  // no model: a choice
+  std::string actor, model, what;  // no actor: nobody; no model: a choice
   std::string line;
 };
 
@@ -261,6 +298,7 @@ class ChartReader {
     if (!trace.is_object() || steps == trace.end() || !steps->is_array()) {
       fail("this is no trace: it has no list of `steps`");
     }
+    if (trace.contains("version") && trace["version"] != 1) version_ = 2;
     for (const Json& step : *steps) events_.push_back(event(step));
     make_lanes();
     for (const Event& event : events_) add_message(event);
@@ -292,9 +330,10 @@ class ChartReader {
 
   Event event(const Json& step) const {
     if (!step.is_object()) fail("a step is no object");
-    Event event{text(step, "program"), text(step, "model"), text(step, "event"), ""};
-    if (event.program.empty() || event.what.empty()) {
-      fail("step " + std::to_string(events_.size() + 1) + " has no `program` or no `event`");
+    const char* const who = version_ == 1 ? "program" : "actor";
+    Event event{text(step, who), text(step, "model"), text(step, "event"), ""};
+    if (!step.contains(who) || event.what.empty()) {
+      fail("step " + std::to_string(events_.size() + 1) + " has no `" + who + "` or no `event`");
     }
     const auto line = step.find("line");
     if (line != step.end() && line->is_number_integer()) event.line = "line " + line->dump();
@@ -307,7 +346,7 @@ class ChartReader {
       if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
     };
     for (const Event& event : events_) {
-      note(programs, event.program);
+      note(programs, event.actor.empty() ? nobodys_lane : event.actor);
       if (!event.model.empty()) note(models, event.model);
     }
     if (!programs.empty()) add_lane(programs.front(), false);
@@ -322,7 +361,8 @@ class ChartReader {
 
   void add_message(const Event& event) {
     SequenceChart::Message message;
-    message.from = message.to = lanes_.at({false, event.program});
+    message.from = message.to =
+        lanes_.at({false, event.actor.empty() ? nobodys_lane : event.actor});
     message.place = event.line;
     message.label = event.what;
     const bool meets = !event.model.empty() && (event.what[0] == '?' || event.what[0] == '!');
@@ -335,7 +375,11 @@ class ChartReader {
     chart_.messages.push_back(std::move(message));
   }
 
+  // Without the system it is not known which models a step of nobody uses.
+  static constexpr const char* nobodys_lane = "(by itself)";
+
   const std::string& file_;
+  int version_ = 1;
   std::vector<Event> events_;
   std::map<std::pair<bool, std::string>, std::size_t> lanes_;  // (is a model, name)
   SequenceChart chart_;

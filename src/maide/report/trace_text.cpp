@@ -57,7 +57,7 @@ void write_waiting(std::ostream& out, const System& system, const GlobalState& s
   std::vector<ProgramEdge> awaited;
   std::vector<std::string> steps;
   for (const ProgramEdge& edge : edges) {
-    if (program.is_death(edge)) continue;
+    if (!program.is_progress(edge)) continue;
     awaited.push_back(edge);
     steps.push_back(describe_edge(system, program, edge));
   }
@@ -83,8 +83,7 @@ void write_waiting(std::ostream& out, const System& system, const GlobalState& s
 bool is_awaited(const System& system, const GlobalState& state, std::uint32_t model) {
   const auto steps = enabled_steps(system, state);
   return std::any_of(steps.begin(), steps.end(), [&](const Step& step) {
-    const Program& program = system.programs[step.program];
-    const auto events = program.events_of(program.edges[step.edge]);
+    const auto events = events_of(system, step);
     return std::any_of(events.begin(), events.end(), [&](const ModelUse& event) {
       return event.kind == Kind::take && event.model == model;
     });
@@ -100,14 +99,14 @@ void write_loop(std::ostream& out, const System& system, const Trace& trace,
     bool steps = false, is_disabled = false;
     std::size_t where = *trace.loop_start;
     for (std::size_t at = *trace.loop_start; at < trace.steps.size(); ++at) {
-      steps = steps || trace.steps[at].program == index;
+      steps = steps || trace.steps[at].actor == index;
       const auto enabled = enabled_steps(system, states[at]);
       const bool can = std::any_of(enabled.begin(), enabled.end(),
-                                   [&](const Step& step) { return step.program == index; });
+                                   [&](const Step& step) { return step.actor == index; });
       if (!can && !is_disabled) where = at;
       is_disabled = is_disabled || !can;
     }
-    if (steps || program.is_end(control) || program.states[control].may_rest) continue;
+    if (steps || program.is_end(control) || program.may_rest(control)) continue;
     out << fmt::format("{} never steps again:\n", program.name);
     if (is_disabled) {
       write_waiting(out, system, states[where], program, control);
@@ -146,7 +145,7 @@ void write_end(std::ostream& out, const System& system, const Trace& trace,
     const ControlState control = state.programs[index];
     if (program.is_end(control)) {
       out << fmt::format("  {} has ended\n", program.name);
-    } else if (program.states[control].may_rest) {
+    } else if (program.may_rest(control)) {
       out << fmt::format("  {} rests\n", program.name);
     } else {
       write_waiting(out, system, state, program, control);
@@ -164,26 +163,23 @@ void write_end(std::ostream& out, const System& system, const Trace& trace,
 void write_steps(std::ostream& out, const System& system, const Trace& trace,
                  const SequenceChart& chart, const ChartTextStyle& style) {
   std::size_t name_width = 0, place_width = 0, event_width = 0;
-  const auto program_of = [&](const Step& step) -> const Program& {
-    return system.programs[step.program];
+  const auto name_of = [&](const Step& step) {
+    return step.actor == nobody ? "-" : actor_name(system, step.actor);
   };
-  const auto place_of = [&](const Step& step) {
-    const Program& program = program_of(step);
-    const std::string file = std::filesystem::path(program.position.file).filename().string();
-    return fmt::format("{}:{}", file, program.edges[step.edge].line);
-  };
-  const auto event_of = [&](const Step& step) {
-    return describe_edge(system, program_of(step), program_of(step).edges[step.edge]);
+  const auto line_of = [&](const Step& step) -> std::string {
+    const SourcePosition place = place_of(system, step);
+    if (place.line == 0) return "";
+    return fmt::format("{}:{}", std::filesystem::path(place.file).filename().string(), place.line);
   };
   for (const Step& step : trace.steps) {
-    name_width = std::max(name_width, program_of(step).name.size());
-    place_width = std::max(place_width, place_of(step).size());
-    event_width = std::max(event_width, event_of(step).size());
+    name_width = std::max(name_width, name_of(step).size());
+    place_width = std::max(place_width, line_of(step).size());
+    event_width = std::max(event_width, describe_action(system, step).size());
   }
   bool in_loop = false;
   std::string shown;  // the place whose text was shown last
   for (const ChartRow& row : fold_chart(chart, style.most_rows)) {
-    if (!in_loop && trace.loop_start && row.message >= *trace.loop_start) {
+    if (!in_loop && chart.loop_start && row.message >= *chart.loop_start) {
       in_loop = true;
       shown.clear();
       out << "  from here on, again and again:\n";
@@ -193,12 +189,13 @@ void write_steps(std::ostream& out, const System& system, const Trace& trace,
       shown.clear();
       continue;
     }
-    const Step& step = trace.steps[row.message];
     const SequenceChart::Message& message = chart.messages[row.message];
-    const std::string place = place_of(step);
-    std::string line = fmt::format(
-        "{:>5}  {:<{}}  {:<{}}  {:<{}}  {}", row.message + 1, program_of(step).name, name_width,
-        place, place_width, event_of(step), event_width, place == shown ? "" : message.source);
+    const Step& step = trace.steps[message.step];
+    const std::string place = line_of(step);
+    std::string line =
+        fmt::format("{:>5}  {:<{}}  {:<{}}  {:<{}}  {}", message.step + 1, name_of(step),
+                    name_width, place, place_width, describe_action(system, step), event_width,
+                    place == shown ? "" : message.source);
     shown = place;
     line.erase(line.find_last_not_of(' ') + 1);
     if (!message.remark.empty()) line += "  (" + message.remark + ")";

@@ -8,38 +8,32 @@ namespace {
 
 using Kind = CallbackInstance::Kind;
 
-const CombinedStep* joint_of(const System& system, const Step& step) {
-  const Program& program = system.programs[step.program];
-  const ProgramEdge& edge = program.edges[step.edge];
-  return edge.kind == ModelUse::Kind::combined ? &program.combined[edge.symbol] : nullptr;
-}
-
 }  // namespace
 
 std::optional<std::uint32_t> started_by(const System& system, const Step& step) {
-  const CombinedStep* combined = joint_of(system, step);
+  const CombinedStep* combined = combined_step_of(system, step);
   return combined == nullptr || combined->role == CombinedStep::Role::discard ? std::nullopt
                                                                               : combined->callback;
 }
 
 std::optional<std::uint32_t> discarded_by(const System& system, const Step& step) {
-  const CombinedStep* combined = joint_of(system, step);
+  const CombinedStep* combined = combined_step_of(system, step);
   return combined == nullptr || combined->role != CombinedStep::Role::discard ? std::nullopt
                                                                               : combined->callback;
 }
 
 std::optional<std::uint32_t> picked_for(const System& system, const Step& step) {
-  const CombinedStep* combined = joint_of(system, step);
+  const CombinedStep* combined = combined_step_of(system, step);
   return combined == nullptr ? std::nullopt : combined->callback;
 }
 
 bool is_end_of_callback(const System& system, const Step& step) {
-  const CombinedStep* combined = joint_of(system, step);
+  const CombinedStep* combined = combined_step_of(system, step);
   return combined != nullptr && combined->role == CombinedStep::Role::end;
 }
 
 std::vector<std::uint32_t> found_by(const System& system, const Step& step) {
-  const CombinedStep* combined = joint_of(system, step);
+  const CombinedStep* combined = combined_step_of(system, step);
   std::vector<std::uint32_t> found;
   if (combined == nullptr || combined->role != CombinedStep::Role::look) return found;
   for (std::uint32_t callback = 0; callback < system.callbacks.size(); ++callback) {

@@ -22,11 +22,11 @@ namespace {
 
 // The step at another moment, when models may be in other states.
 std::optional<Step> step_like(const System& system, const GlobalState& at, const Step& as_told) {
-  const std::vector<Step> enabled = enabled_steps(system, at, as_told.program);
+  const std::vector<Step> enabled = enabled_steps(system, at, as_told.actor);
   auto step = std::find(enabled.begin(), enabled.end(), as_told);
   if (step == enabled.end()) {
     step = std::find_if(enabled.begin(), enabled.end(), [&](const Step& other) {
-      return other.edge == as_told.edge && other.is_beyond == as_told.is_beyond;
+      return other.action == as_told.action && other.is_beyond == as_told.is_beyond;
     });
   }
   return step == enabled.end() ? std::nullopt : std::optional(*step);
@@ -43,7 +43,7 @@ class Scheduler {
       : system_(system), rules_(rules), trace_(trace), control_(control) {
     end_.at = initial_state(system);
     end_.rules = rules.initial();
-    end_.runs.resize(system.programs.size());
+    end_.runs.resize(actor_count(system));
   }
 
   // Goes on behind the last call. `goal`: the state in which it must end. False if there is no way.
@@ -87,7 +87,7 @@ class Scheduler {
     GlobalState at;
     ExecutorRules::State rules;
     std::vector<std::uint32_t> picks;                         // since the last step
-    std::vector<std::pair<std::uint32_t, std::size_t>> runs;  // by program: callback and run
+    std::vector<std::pair<std::uint32_t, std::size_t>> runs;  // by actor: callback and run
     std::optional<ScheduledStep> step;                        // that led here
     std::vector<Way> ways;
     std::size_t tried = 0;  // of them
@@ -143,7 +143,7 @@ class Scheduler {
     const auto step = step_like(system_, place.at, trace_.steps[number]);
     if (!step) return std::nullopt;
     Place next = copy_of(place);
-    auto& run = next.runs[step->program];
+    auto& run = next.runs[actor_number(system_, step->actor)];
     if (const auto callback = picked_for(system_, *step)) {
       const std::uint32_t executor = system_.callbacks[*callback].executor;
       const auto& picked = place.rules.picked[executor];
@@ -220,9 +220,9 @@ std::optional<Trace> order_for_executors(const System& system, const ExecutorRul
   const std::size_t first_of_loop = trace.loop_start.value_or(trace.steps.size());
   Scheduler scheduler(system, rules, trace, control);
   const auto run = [&](std::size_t from, std::size_t to) {
-    std::vector<Scheduler::Queue> queues(system.programs.size());
+    std::vector<Scheduler::Queue> queues(actor_count(system));
     for (std::size_t step = from; step < to; ++step) {
-      queues[trace.steps[step].program].push_back(step);
+      queues[actor_number(system, trace.steps[step].actor)].push_back(step);
     }
     return scheduler.run(std::move(queues), &states[to]);
   };
@@ -272,12 +272,12 @@ void NodeRuns::take(const GlobalState& at, const Step& step) {
     const std::uint32_t executor = system_.callbacks[*callback].executor;
     if (state_.picked[executor].empty()) rules_.pick(state_, executor, at, {&*callback, 1});
     if (started_by(system_, step)) {
-      runs_[step.program] = {*callback, rules_.start(state_, *callback)};
+      runs_[step.actor] = {*callback, rules_.start(state_, *callback)};
     } else {
       rules_.discard(state_, *callback);
     }
   } else if (is_end_of_callback(system_, step)) {
-    rules_.end(state_, runs_[step.program].first, runs_[step.program].second);
+    rules_.end(state_, runs_[step.actor].first, runs_[step.actor].second);
   } else if (const auto found = found_by(system_, step); !found.empty()) {
     rules_.pick(state_, system_.callbacks[found.front()].executor, at, found);
   }
@@ -314,7 +314,7 @@ class PriorityRuns {
         if (violates(trace)) return trace;
         // Round and round: whoever went there comes last from now on.
         for (std::size_t step = place->second; step < trace.steps.size(); ++step) {
-          priority[trace.steps[step].program] = --lowest;
+          priority[trace.steps[step].actor] = --lowest;
         }
         trace.steps.resize(place->second);
         trace.loop_start.reset();
@@ -325,7 +325,7 @@ class PriorityRuns {
       nodes.restrict(at, steps);
       if (steps.empty()) return violates(trace) ? std::optional(trace) : std::nullopt;
       const Step step = choose(steps, priority);
-      if (random_.below(changes) == 0) priority[step.program] = --lowest;
+      if (random_.below(changes) == 0) priority[step.actor] = --lowest;
       nodes.take(at, step);
       at = apply(system_, at, step);
       trace.steps.push_back(step);
@@ -339,7 +339,8 @@ class PriorityRuns {
   }
 
  private:
-  // None behind an error: its component stops there. None beyond what was learned.
+  // Of programs alone, for nobody can be told when to step. None behind an error: its component
+  // stops there. None beyond what was learned.
   std::vector<Step> steps_of_part(const GlobalState& at) const {
     std::vector<Step> steps;
     for (const std::uint32_t program : part_.programs()) {
@@ -357,11 +358,11 @@ class PriorityRuns {
   static constexpr std::size_t judged_for_a_move = 16;  // steps: each costs less
 
   Step choose(const std::vector<Step>& steps, const std::vector<std::int64_t>& priority) {
-    std::int64_t highest = priority[steps.front().program];
-    for (const Step& step : steps) highest = std::max(highest, priority[step.program]);
+    std::int64_t highest = priority[steps.front().actor];
+    for (const Step& step : steps) highest = std::max(highest, priority[step.actor]);
     std::vector<Step> best;
     for (const Step& step : steps) {
-      if (priority[step.program] == highest) best.push_back(step);
+      if (priority[step.actor] == highest) best.push_back(step);
     }
     return best[random_.below(best.size())];
   }
@@ -388,7 +389,7 @@ std::optional<Trace> find_run_of_executors(const System& system, const Property&
   const auto length_of = [](const Trace& trace) {
     std::size_t turns = 0;
     for (std::size_t step = 1; step < trace.steps.size(); ++step) {
-      turns += trace.steps[step].program != trace.steps[step - 1].program ? 1 : 0;
+      turns += trace.steps[step].actor != trace.steps[step - 1].actor ? 1 : 0;
     }
     return std::pair(turns, trace.steps.size());
   };

@@ -334,15 +334,15 @@ class ReplayedNodes::Caller {
     const Step& step = trace_.steps[scheduled.step];
     std::vector<Call> calls = picks_before(scheduled);
     if (const auto started = started_by(system_, step)) {
-      runs_[step.program] = {*started, nodes_.rules_.start(state_, *started)};
-      const std::string prefix = prefix_of(step.program);
+      runs_[step.actor] = {*started, nodes_.rules_.start(state_, *started)};
+      const std::string prefix = prefix_of(step.actor);
       calls.push_back({prefix + "start", {prefix + label_of(step, *started)}});
     } else if (const auto discarding = discarded_by(system_, step)) {
       nodes_.rules_.discard(state_, *discarding);
       calls.push_back({fmt::format("c{}.discard", *discarding), {}});
     } else if (is_end_of_callback(system_, step)) {
-      nodes_.rules_.end(state_, runs_[step.program].first, runs_[step.program].second);
-      calls.push_back({prefix_of(step.program) + "end", {}});
+      nodes_.rules_.end(state_, runs_[step.actor].first, runs_[step.actor].second);
+      calls.push_back({prefix_of(step.actor) + "end", {}});
     } else if (!step.is_beyond) {
       add_calls(step, calls);
     }
@@ -392,7 +392,7 @@ class ReplayedNodes::Caller {
 
   std::string label_of(const Step& step, std::uint32_t callback) const {
     if (system_.callbacks[callback].kind != CallbackInstance::Kind::subscription) return "began";
-    for (const ModelUse& event : events_of(step)) {
+    for (const ModelUse& event : events_of(system_, step)) {
       if (event.kind == Kind::take) return name_of(system_, event);
     }
     return "message";
@@ -400,12 +400,12 @@ class ReplayedNodes::Caller {
 
   // A write concerns all readers' models, and is one call.
   void add_calls(const Step& step, std::vector<Call>& calls) const {
-    const std::string prefix = prefix_of(step.program);
+    const std::string prefix = prefix_of(step.actor);
     const bool is_callback = prefix.starts_with('c');
     std::set<std::string> made;
-    for (const ModelUse& event : events_of(step)) {
+    for (const ModelUse& event : events_of(system_, step)) {
       if (!nodes_.contains(event.model) || (event.kind != Kind::give && !is_callback)) continue;
-      const std::string call = nodes_.call_of(step.program, prefix, event);
+      const std::string call = nodes_.call_of(step.actor, prefix, event);
       if (!made.insert(call).second) continue;
       calls.push_back({call, {}});
       if (event.kind == Kind::take) calls.back().expected = {prefix + "answered"};
@@ -415,7 +415,7 @@ class ReplayedNodes::Caller {
   std::optional<std::string> waiting_call(std::uint32_t number, const GlobalState& last) const {
     const Program& program = system_.programs[number];
     const bool is_thread = !program.nodes.empty();
-    if (is_thread && program.states[last.programs[number]].may_rest) return std::nullopt;
+    if (is_thread && program.may_rest(last.programs[number])) return std::nullopt;
     for (const ProgramEdge& edge : program.edges_of(last.programs[number])) {
       for (const ModelUse& event : program.events_of(edge)) {
         const bool is_call = is_thread == (event.kind != Kind::give);
@@ -426,11 +426,6 @@ class ReplayedNodes::Caller {
       }
     }
     return std::nullopt;
-  }
-
-  std::span<const ModelUse> events_of(const Step& step) const {
-    const Program& program = system_.programs[step.program];
-    return program.events_of(program.edges[step.edge]);
   }
 
   const ReplayedNodes& nodes_;

@@ -50,7 +50,7 @@ TEST(Components, ADeadlockIsOneOfItsComponent) {
   const PropertyResult& deadlock = result_of(report, "deadlock");
   ASSERT_EQ(deadlock.verdict, Verdict::violated);
   EXPECT_EQ(deadlock.programs, (std::vector<std::uint32_t>{2, 3}));
-  for (const Step& step : deadlock.trace->steps) EXPECT_GE(step.program, 2U);
+  for (const Step& step : deadlock.trace->steps) EXPECT_GE(step.actor, 2U);
   const Shown shown = shown_part(system, deadlock);
   ASSERT_EQ(shown.part.system().programs.size(), 2U);
   EXPECT_EQ(shown.part.system().programs[1].name, "taker");

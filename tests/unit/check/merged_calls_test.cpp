@@ -122,7 +122,7 @@ TEST(MergedCalls, WhatIsShownHasBothSteps) {
   ASSERT_EQ(result.verdict, Verdict::violated);
   std::vector<ModelUse::Kind> kinds;
   for (const Step& step : result.trace->steps) {
-    kinds.push_back(system.programs[step.program].edges[step.edge].kind);
+    kinds.push_back(edge_of(system, step).kind);
   }
   using Kind = ModelUse::Kind;
   EXPECT_EQ(kinds.size(), 3u);

@@ -50,8 +50,8 @@ TEST(MessageAccount, CountsWhatAQueueWouldCount) {
     for (std::uint64_t steps = random.between(1, 40); steps > 0; --steps) {
       const auto enabled = enabled_steps(system, states.back());
       const Step step = enabled[random.below(enabled.size())];
-      const ProgramEdge& edge = system.programs[step.program].edges[step.edge];
-      if (step.program == 0) {
+      const ProgramEdge& edge = edge_of(system, step);
+      if (step.actor == 0) {
         ++given;
         if (queue.size() == depth) {
           losses.push_back(trace.steps.size());

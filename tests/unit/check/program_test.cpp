@@ -4,7 +4,10 @@
 
 #include <algorithm>
 
+#include "maide/check/build/code_resolver.hpp"
 #include "maide/check/build/make_program.hpp"
+#include "maide/check/language/code_parser.hpp"
+#include "maide/check/system/model_actions.hpp"
 #include "maide/check/system/system.hpp"
 #include "systems.hpp"
 
@@ -167,6 +170,38 @@ TEST_F(ProgramTest, SizesAreBounded) {
   std::string deep;
   for (int level = 0; level < 100000; ++level) deep += "loop{";
   EXPECT_NE(error(deep).find("nested too deeply"), std::string::npos);
+}
+
+// A statement that was made from another file gives its place there to its edges.
+TEST_F(ProgramTest, OriginsGoFromStatementsToEdges) {
+  System system;
+  ModelInstance model;
+  model.name = "m";
+  model.automaton = InterfaceAutomaton(inputs_, outputs_, 1);
+  system.models.push_back(model);
+  Names names;
+  names.models.emplace("m", ModelName{0, {}, false, {}});
+  const std::string text = "m.a -> x; m.b;";
+  const ScalarText scalar(text, text, {"p.yaml", 1, 1});
+  syntax::Code code = syntax::parse_program(scalar);
+  code.block.statements[0].origin = SourcePosition{"planner.cpp", 41, 3};
+  const program_syntax::Tree tree = program_syntax::resolve_program(
+      code, {system.models, names, system.words, 0, {}, {}, nullptr, nullptr, {}});
+  ModelActions actions(system);
+  system.programs.push_back(program_syntax::make_program(tree, {"p", 0, scalar.position(0), false},
+                                                         code.last.line, actions, names));
+  const auto origin = [&](std::uint32_t edge) {
+    Step step;
+    step.action = edge;
+    return origin_of(system, step);
+  };
+  ASSERT_EQ(system.programs[0].edges.size(), 3U);
+  for (const std::uint32_t edge : {0U, 1U}) {
+    ASSERT_TRUE(origin(edge).has_value());
+    EXPECT_EQ(origin(edge)->file, "planner.cpp");
+    EXPECT_EQ(origin(edge)->line, 41);
+  }
+  EXPECT_FALSE(origin(2).has_value());
 }
 
 }  // namespace

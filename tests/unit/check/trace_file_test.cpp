@@ -7,6 +7,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "maide/base/file.hpp"
 #include "maide/check/engines/engine.hpp"
 #include "maide/check/verdict/check_system.hpp"
 #include "systems.hpp"
@@ -42,6 +43,18 @@ TEST(TraceFile, IsReadBack) {
     EXPECT_EQ(file.trace.loop_start, trace.loop_start);
     EXPECT_EQ(trace.loop_start.has_value(), property == "taken");
   }
+}
+
+// What maide wrote before steps could be nobody's.
+TEST(TraceFile, OfVersionOneIsRead) {
+  const System system = system_of("  p: loop { sync.write; }\n  q: sync.read -> message;\n");
+  const TraceFile file =
+      parse_trace(read_file(MAIDE_SOURCE_DIR "/tests/models/trace-version-1.json"),
+                  "trace-version-1.json", system);
+  EXPECT_EQ(file.property, "stuck");
+  ASSERT_EQ(file.trace.steps.size(), 3U);
+  EXPECT_EQ(file.trace.steps[1].actor, 1U);
+  EXPECT_EQ(file.trace.loop_start, std::nullopt);
 }
 
 TEST(TraceFile, OfAnotherSystemIsRefusedWithItsStep) {

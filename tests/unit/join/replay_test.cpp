@@ -259,7 +259,7 @@ TEST(RandomRun, IsARunThatNeverLeavesWhatWasLearned) {
   std::size_t of_a = 0;
   for (const Step& step : trace.steps) {
     EXPECT_FALSE(step.is_beyond);
-    of_a += step.program == 0 ? 1 : 0;
+    of_a += step.actor == 0 ? 1 : 0;
   }
   EXPECT_GT(of_a, 100U);
   EXPECT_LT(of_a, 400U);

@@ -61,10 +61,9 @@ std::uint32_t callback_named(const System& system, const std::string& name) {
 }
 
 // "go[robot.on_go].write": the events of a step, inputs behind a dot and outputs behind a `!`.
-std::string events_of(const System& system, const Step& step) {
-  const Program& program = system.programs[step.program];
+std::string event_text(const System& system, const Step& step) {
   std::string events;
-  for (const ModelUse& event : program.events_of(program.edges[step.edge])) {
+  for (const ModelUse& event : events_of(system, step)) {
     const ModelInstance& model = system.models[event.model];
     const bool gives = event.kind == ModelUse::Kind::give;
     events += model.name + (gives ? "." : "!") +
@@ -83,9 +82,9 @@ class Executor {
 
   void take(const std::string& text) {
     for (const Step& step : enabled_steps(system_, at_)) {
-      const Program& program = system_.programs[step.program];
-      const ProgramEdge& edge = program.edges[step.edge];
-      const std::string events = events_of(system_, step);
+      const Program& program = system_.programs[step.actor];
+      const ProgramEdge& edge = program.edges[step.action];
+      const std::string events = event_text(system_, step);
       const bool is_combined = edge.kind == ModelUse::Kind::combined;
       if (events != text && !(is_combined && program.combined[edge.symbol].text == text)) continue;
       trace.steps.push_back(step);
@@ -388,7 +387,7 @@ nodes:
   const auto run =
       find_run_of_executors(system, find_property(system, "error"), error.programs, 1, {});
   ASSERT_TRUE(run);
-  for (const Step& step : run->steps) EXPECT_NE(system.programs[step.program].name, "p");
+  for (const Step& step : run->steps) EXPECT_NE(system.programs[step.actor].name, "p");
   EXPECT_THAT(report.doubts, IsEmpty());
 }
 
@@ -490,7 +489,7 @@ nodes:
   }
   void arrive(const std::string& topic) {
     do_step([&](const Step& step) {
-      const std::string events = events_of(system_, step);
+      const std::string events = event_text(system_, step);
       return events.starts_with(topic + "[robot.") && events.ends_with(".write");
     });
   }

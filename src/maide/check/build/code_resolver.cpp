@@ -81,6 +81,7 @@ Statement CodeResolver::resolve_statement(const syntax::Statement& from) {
                     std::to_string(max_statements) + " statements",
                 from.place);
   }
+  statement.origin = from.origin;
   statement.line = from.place.line;
   statement.column = from.place.column;
   statement.callback = work_.context->callback;

@@ -14,7 +14,7 @@ Program Unroller::run() {
 }
 
 void Unroller::add_edge(const ModelUse& use, ControlState target, int line, int column) {
-  program_.edges.push_back({use, target, line, column});
+  program_.edges.push_back({use, target, line, column, origin_});
 }
 
 void Unroller::add_combined(CombinedStep combined, ControlState target, int line, int column) {
@@ -44,12 +44,24 @@ void Unroller::expand(const Place place) {
   if (may_go_on) {
     const Statement& statement = statement_at(place.frame);
     state.may_rest = statement.is_idle && place.phase != Phase::writes;
+    origin_ = intern_origin(statement.origin);
     expand(place, statement);
+    origin_ = 0;
     if (may_die_) add_death(place);
   }
   state.edge_count = static_cast<std::uint32_t>(program_.edges.size()) - state.first_edge;
   state.waits = state.edge_count == 0 && may_go_on;
   program_.states.push_back(state);
+}
+
+std::uint32_t Unroller::intern_origin(const std::optional<SourcePosition>& origin) {
+  if (!origin) return 0;
+  auto& origins = program_.origins;
+  if (origins.empty()) origins.emplace_back();
+  const auto [known, is_new] = origin_ids_.try_emplace({origin->file, origin->line, origin->column},
+                                                       static_cast<std::uint32_t>(origins.size()));
+  if (is_new) origins.push_back(*origin);
+  return known->second;
 }
 
 void Unroller::expand(const Place& place, const Statement& statement) {

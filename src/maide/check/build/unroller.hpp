@@ -52,6 +52,7 @@ class Unroller : public Walker {
   // The text of each of a node array's members has groups of its own: they are of a callback.
   std::uint32_t fair_group(const Callback* callback, int line, int column, Value outcome,
                            bool on_weak_runs, const std::string& text);
+  std::uint32_t intern_origin(const std::optional<SourcePosition>& origin);
   void expand(const Place place);
   void expand(const Place& place, const Statement& statement);
   void add_death(const Place& place);
@@ -180,6 +181,8 @@ class Unroller : public Walker {
   std::map<std::tuple<const Topic*, std::string, WriteKind>, std::vector<Writing>> writings_;
   std::vector<Uses> deaths_;  // empty: not known yet
   std::map<std::tuple<const Callback*, int, int, Value>, std::uint32_t> fair_ids_;
+  std::map<std::tuple<std::string, int, int>, std::uint32_t> origin_ids_;
+  std::uint32_t origin_ = 0;  // of the statement that is expanded
 };
 
 }  // namespace maide::program_syntax

@@ -186,8 +186,8 @@ SearchResult find_fair_cycle(const PackedSystem& system, const Monitor& monitor,
                              const Property& property, Reduction reduction,
                              const SearchLimits& limits, const SearchJob::Monitor& job) {
   std::optional<ReductionRules> rules;
-  if (leaves_out_orders(reduction) && !system.has_deaths() && system.group_count() == 0 &&
-      system.program_count() <= most_reduced_programs) {
+  if (leaves_out_orders(reduction) && !system.has_idle_steps() && system.group_count() == 0 &&
+      system.actor_count() <= most_reduced_programs) {
     rules = rules_for_cycle(system.system(), property);
   }
   std::optional<StubbornSets> sets;
@@ -283,11 +283,12 @@ SearchResult search_for_run(const System& plain, const Property& property, LtlAu
 std::optional<SearchResult> search_for_cycle(const System& plain, const Property& property,
                                              Reduction reduction, const SearchLimits& limits) {
   const std::size_t programs = plain.programs.size();
-  std::size_t bits = programs;
+  std::size_t bits = actor_count(plain);
   std::size_t groups = 0;
   for (const Program& program : plain.programs) {
     groups += std::max<std::size_t>(program.fair_groups.size(), 1) - 1;
   }
+  groups += std::max<std::size_t>(plain.nobodys_groups.size(), 1) - 1;
   bits = std::max(bits, groups);
   if (property.kind == Property::Kind::stuck) {
     if (bits <= bit_count_of<std::uint64_t>) {

@@ -99,10 +99,15 @@ class Exploration {
   double seconds_ = 0;
 };
 
-bool may_die(const System& system) {
+// Some step is no progress.
+bool has_idle_steps(const System& system) {
+  if (std::any_of(system.nobodys_actions.begin(), system.nobodys_actions.end(),
+                  [](const NobodysAction& action) { return !action.counts_for_deadlock; })) {
+    return true;
+  }
   return std::any_of(system.programs.begin(), system.programs.end(), [](const Program& program) {
     return std::any_of(program.edges.begin(), program.edges.end(),
-                       [&](const ProgramEdge& edge) { return program.is_death(edge); });
+                       [&](const ProgramEdge& edge) { return !program.is_progress(edge); });
   });
 }
 
@@ -111,7 +116,7 @@ std::vector<std::string> goal_of(const System& system, const Property& property)
     case Property::Kind::error: return {"--invariant=!error"};
     case Property::Kind::deadlock:
       // Where programs can only die LTSmin sees transitions.
-      if (may_die(system)) return {"--invariant=!deadlock"};
+      if (has_idle_steps(system)) return {"--invariant=!deadlock"};
       return {"--deadlock"};
     default: return {fmt::format("--invariant=always_{}", property_name)};
   }
@@ -157,7 +162,9 @@ LtsminOutput read_ltsmin_output(const SubprocessResult& result) {
 Trace read_ltsmin_run(const std::string& text, const System& system) {
   Trace trace;
   GlobalState state = initial_state(system);
-  const std::size_t slots = state.programs.size() + state.models.size();
+  // Behind the programs is nobody's slot, if he has actions.
+  const std::size_t actors = actor_count(system);
+  const std::size_t slots = actors + state.models.size();
   bool is_first = true;
   std::istringstream lines(text);
   std::string line;
@@ -167,9 +174,10 @@ Trace read_ltsmin_run(const std::string& text, const System& system) {
     const char* at = line.data();
     const char* const end = line.data() + line.size();
     for (std::size_t slot = 0; slot < slots; ++slot) {
-      std::uint32_t& value = slot < state.programs.size()
-                                 ? next.programs[slot]
-                                 : next.models[slot - state.programs.size()];
+      std::uint32_t nobodys = 0;
+      std::uint32_t& value = slot >= actors                ? next.models[slot - actors]
+                             : slot < next.programs.size() ? next.programs[slot]
+                                                           : nobodys;
       const auto [rest, error] = std::from_chars(at, end, value);
       if (error != std::errc() || rest == end || *rest != ',') {
         throw std::logic_error("ltsmin's run has a line that is no state: " + line.substr(0, 80));

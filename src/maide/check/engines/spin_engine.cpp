@@ -211,7 +211,15 @@ std::string SpinEngine::obstacle(const System& system, const Property& property)
   if (property.fairness == Fairness::strong)
     return "the engine spin has no strong fairness (--engine native has)";
   if (!depends_on_fairness(property)) return "";
+  if (!system.nobodys_actions.empty()) {
+    return "the engine spin is fair to whatever steps, and some steps are nobody's (--engine "
+           "native "
+           "tells them apart)";
+  }
   for (const std::uint32_t index : programs_of(system, property, find_components(system))) {
+    if (!system.programs[index].flags.is_fair) {
+      return "the engine spin is fair to all programs (--engine native leaves some out)";
+    }
     for (const FairGroup& group : system.programs[index].fair_groups) {
       if (!group.on_weak_runs) continue;
       return "the engine spin has no `fair` choices, and " + system.programs[index].name +
@@ -422,8 +430,9 @@ class RunReader {
 
   // A run that is cut, or comes to an error, ends there; what SPIN appends is of no meaning.
   bool add(Step step) {
-    const Program& program = system_.programs[step.program];
-    const bool is_last = step.is_cut || program.is_error(program.edges[step.edge].target);
+    const bool is_last =
+        step.is_cut || (step.actor != nobody &&
+                        system_.programs[step.actor].is_error(edge_of(system_, step).target));
     trace_.steps.push_back(std::move(step));
     if (is_last) trace_.loop_start.reset();
     return !is_last;

@@ -173,6 +173,7 @@ struct Statement {
   };
   Kind kind = Kind::skip;
   TextPlace place;
+  std::optional<SourcePosition> origin;  // what it was made from, in another file
   std::vector<Name> labels;
   bool is_idle = false;  // `idle` stands before it
   bool is_fair = false;  // of a choice, of `any`

@@ -48,6 +48,7 @@ struct ModelStep {
 struct ProgramEdge : ModelUse {
   ControlState target = 0;
   int line = 0, column = 0;  // in the system file
+  std::uint32_t origin = 0;  // index into Program::origins; 0: none
 };
 
 // A step that is more than one use of one model: with several models at once or with none, with
@@ -72,6 +73,17 @@ struct CombinedStep {
   std::uint32_t fair = 0;        // its fair group in the program; 0: none
   // Of a start or a discard: the callback, of the system's.
   std::optional<std::uint32_t> callback{};
+};
+
+// How runs and properties count what an actor does.
+struct ActorFlags {
+  // Its steps are progress: where one is possible is no deadlock. Else they count as a death does:
+  // where nothing else is possible is a deadlock, and no fairness asks for them.
+  bool counts_for_deadlock = true;
+  bool is_fair = true;    // on fair runs it steps, if it can go on
+  bool may_rest = false;  // may stand for ever wherever it is: no deadlock, and not stuck
+  bool is_shown = true;   // its steps stand in texts and charts of a run
+  bool operator==(const ActorFlags&) const = default;
 };
 
 // Edges of which one is to be taken again and again if one of them can be taken again and again, on
@@ -113,6 +125,7 @@ struct Program {
     bool operator==(const Round&) const = default;
   };
   std::string name;
+  ActorFlags flags;
   std::vector<std::string> nodes;  // whose callbacks it runs; else empty
   std::string execution;           // of them: "on one thread, in any order"
   struct CallbackLines {
@@ -134,6 +147,8 @@ struct Program {
   // Values by variable; none where it is out of scope. [0]: no variable is in scope.
   std::vector<std::vector<std::optional<Value>>> valuations;
   std::vector<ProgramError> errors;  // [0] is not used
+  // Places in other files that edges were made from, such as a line of C++; [0] is not used.
+  std::vector<SourcePosition> origins;
   // The models and shared variables that its text names, reached or not; of an array all members.
   std::vector<std::uint32_t> names;  // sorted
 
@@ -147,6 +162,8 @@ struct Program {
     return at.edge_count == 0 && at.error == 0 && !at.waits;
   }
   bool is_error(ControlState state) const { return states[state].error != 0; }
+  // It may stand there for ever.
+  bool may_rest(ControlState state) const { return flags.may_rest || states[state].may_rest; }
   // The models that the edge uses: none for a choice. Valid as long as the program and the edge.
   std::span<const ModelUse> uses_of(const ProgramEdge& edge) const {
     if (edge.kind == ModelUse::Kind::combined) return combined[edge.symbol].uses;
@@ -164,6 +181,10 @@ struct Program {
   CombinedStep::Role role_of(const ProgramEdge& edge) const {
     return edge.kind == ModelUse::Kind::combined ? combined[edge.symbol].role
                                                  : CombinedStep::Role::step;
+  }
+  // A step by it counts for deadlocks, and fairness asks for it.
+  bool is_progress(const ProgramEdge& edge) const {
+    return flags.counts_for_deadlock && !is_death(edge);
   }
   bool is_death(const ProgramEdge& edge) const {
     return role_of(edge) == CombinedStep::Role::death;

@@ -134,9 +134,10 @@ struct Statement {
   };
   Kind kind = Kind::skip;
   int line = 0, column = 0;
-  bool is_idle = false;               // may rest here
-  bool is_fair = false;               // of a choice
-  std::vector<std::uint32_t> labels;  // indices into Tree::labels
+  std::optional<SourcePosition> origin;  // what it was made from, in another file
+  bool is_idle = false;                  // may rest here
+  bool is_fair = false;                  // of a choice
+  std::vector<std::uint32_t> labels;     // indices into Tree::labels
   ModelReference model;
   Event input;
   std::vector<Arm> arms;

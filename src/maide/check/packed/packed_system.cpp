@@ -25,7 +25,9 @@ PackedSystem::PackedSystem(const System& system, unsigned least_payload_bits,
     tables_.emplace_back(model.automaton.inputs().size() + model.automaton.outputs().size() + 1 +
                          model.actions.size());
   }
+  program_count_ = system.programs.size();
   for (const Program& program : system.programs) add_program(program);
+  if (!system.nobodys_actions.empty()) add_nobody();
   add_calls();
   number_codes();
   lay_out(std::max(code_bits_, least_payload_bits), monitor_states);
@@ -47,15 +49,21 @@ const PackedSystem::ActionTable& PackedSystem::table_of(const ModelUse& use) con
   return tables_[use.model][action_index(use)];
 }
 
+std::span<const ModelUse> PackedSystem::uses_of(std::size_t actor, std::size_t action) const {
+  if (actor == program_count_) return system_->nobodys_actions[action].what.uses;
+  const Program& program = system_->programs[actor];
+  return program.uses_of(program.edges[action]);
+}
+
 void PackedSystem::add_program(const Program& program) {
-  PackedProgram& packed = programs_.emplace_back();
+  PackedActor& packed = actors_.emplace_back();
   packed.edges_into.resize(program.states.size());
   packed.edges.resize(program.edges.size());
   packed.sources.resize(program.edges.size());
   for (ControlState at = 0; at < program.states.size(); ++at) {
     const Program::State& state = program.states[at];
     packed.first_edge.push_back(state.first_edge);
-    packed.may_stay.push_back(program.is_end(at) || state.may_rest);
+    packed.may_stay.push_back(program.is_end(at) || program.may_rest(at));
     packed.is_error.push_back(state.error != 0);
     for (std::uint32_t i = state.first_edge; i < state.first_edge + state.edge_count; ++i) {
       const ProgramEdge& edge = program.edges[i];
@@ -66,16 +74,16 @@ void PackedSystem::add_program(const Program& program) {
   }
   packed.first_edge.push_back(static_cast<std::uint32_t>(program.edges.size()));
   for (const ProgramEdge& edge : program.edges) {
-    packed.is_death.push_back(program.is_death(edge));
-    has_deaths_ = has_deaths_ || program.is_death(edge);
+    packed.is_idle.push_back(!program.is_progress(edge));
+    has_idle_steps_ = has_idle_steps_ || packed.is_idle.back();
   }
   if (std::find(packed.is_error.begin(), packed.is_error.end(), true) != packed.is_error.end()) {
-    erring_.push_back(static_cast<std::uint32_t>(programs_.size() - 1));
+    erring_.push_back(static_cast<std::uint32_t>(actors_.size() - 1));
   }
   add_groups(program, packed);
 }
 
-void PackedSystem::add_groups(const Program& program, PackedProgram& packed) {
+void PackedSystem::add_groups(const Program& program, PackedActor& packed) {
   packed.groups.assign(program.edges.size(), no_group);
   for (std::uint32_t group = 1; group < program.fair_groups.size(); ++group) {
     const auto number = static_cast<std::uint32_t>(weak_groups_.size());
@@ -87,17 +95,42 @@ void PackedSystem::add_groups(const Program& program, PackedProgram& packed) {
   }
 }
 
+// One control state, from which all actions lead back to it.
+void PackedSystem::add_nobody() {
+  PackedActor& packed = actors_.emplace_back();
+  const auto& actions = system_->nobodys_actions;
+  packed.first_edge = {0, static_cast<std::uint32_t>(actions.size())};
+  packed.may_stay = {true};
+  packed.is_error = {false};
+  packed.edges.resize(actions.size());
+  packed.sources.assign(actions.size(), 0);
+  packed.edges_into.resize(1);
+  packed.groups.assign(actions.size(), no_group);
+  for (std::uint32_t number = 0; number < actions.size(); ++number) {
+    const NobodysAction& action = actions[number];
+    packed.edges_into[0].push_back(number);
+    packed.is_idle.push_back(!action.counts_for_deadlock);
+    has_idle_steps_ = has_idle_steps_ || packed.is_idle.back();
+    for (const ModelUse& use : action.what.uses) add_action(use);
+    if (action.what.fair == 0) continue;
+    packed.groups[number] = static_cast<std::uint32_t>(weak_groups_.size()) + action.what.fair - 1;
+  }
+  for (std::size_t group = 1; group < system_->nobodys_groups.size(); ++group) {
+    weak_groups_.push_back(true);
+    has_weak_groups_ = true;
+  }
+}
+
 void PackedSystem::add_calls() {
   const auto& models = system_->models;
   const auto is_call = [&](const ModelUse& use) {
     return use.kind == ModelUse::Kind::act && models[use.model].actions[use.symbol].is_call;
   };
-  for (std::size_t index = 0; index < programs_.size(); ++index) {
-    const Program& program = system_->programs[index];
-    auto& called = programs_[index].called;
-    called.assign(program.edges.size(), no_model);
-    for (std::size_t edge = 0; edge < program.edges.size(); ++edge) {
-      for (const ModelUse& use : program.uses_of(program.edges[edge])) {
+  for (std::size_t index = 0; index < actors_.size(); ++index) {
+    auto& called = actors_[index].called;
+    called.assign(actors_[index].edges.size(), no_model);
+    for (std::size_t edge = 0; edge < called.size(); ++edge) {
+      for (const ModelUse& use : uses_of(index, edge)) {
         if (!is_call(use)) continue;
         called[edge] = use.model;
         users_.resize(models.size());
@@ -105,7 +138,7 @@ void PackedSystem::add_calls() {
     }
   }
   if (!has_calls()) return;
-  for (std::uint32_t index = 0; index < programs_.size(); ++index) {
+  for (std::uint32_t index = 0; index < program_count_; ++index) {
     const Program& program = system_->programs[index];
     for (std::size_t edge = 0; edge < program.edges.size(); ++edge) {
       for (const ModelUse& use : program.uses_of(program.edges[edge])) {
@@ -113,7 +146,7 @@ void PackedSystem::add_calls() {
         if (users.empty() || users.back().program != index) {
           users.push_back({index, std::vector<bool>(program.states.size())});
         }
-        users.back().uses[programs_[index].sources[edge]] = true;
+        users.back().uses[actors_[index].sources[edge]] = true;
       }
     }
   }
@@ -157,21 +190,21 @@ void PackedSystem::add_action(const ModelUse& use) {
 
 void PackedSystem::number_codes() {
   std::size_t most_into = 1;
-  for (const PackedProgram& program : programs_) {
-    for (const auto& edges : program.edges_into) most_into = std::max(most_into, edges.size());
+  for (const PackedActor& actor : actors_) {
+    for (const auto& edges : actor.edges_into) most_into = std::max(most_into, edges.size());
   }
   unsigned most_source_bits = 0;
-  for (const Program& program : system_->programs) {
-    for (const ProgramEdge& edge : program.edges) {
+  for (std::size_t actor = 0; actor < actors_.size(); ++actor) {
+    for (std::size_t action = 0; action < actors_[actor].edges.size(); ++action) {
       unsigned bits = 0;
-      for (const ModelUse& use : program.uses_of(edge)) bits += table_of(use).source_bits;
+      for (const ModelUse& use : uses_of(actor, action)) bits += table_of(use).source_bits;
       most_source_bits = std::max(most_source_bits, bits);
     }
   }
-  program_bits_ = bits_for(programs_.size());
+  actor_bits_ = bits_for(actors_.size());
   into_bits_ = bits_for(most_into);
-  code_bits_ = program_bits_ + into_bits_ + most_source_bits;
-  const unsigned shift = program_bits_ + into_bits_;
+  code_bits_ = actor_bits_ + into_bits_ + most_source_bits;
+  const unsigned shift = actor_bits_ + into_bits_;
   for (Target& target : targets_) {
     if (target.state < several) target.code = (target.code << shift) & 0x7fffffff;
   }
@@ -187,8 +220,8 @@ void PackedSystem::lay_out(unsigned payload_bits, std::size_t monitor_states) {
   for (std::size_t i = 0; i < models_.size(); ++i) {
     fields.emplace_back(bits_for(system_->models[i].automaton.size()), &models_[i]);
   }
-  for (std::size_t i = 0; i < programs_.size(); ++i) {
-    fields.emplace_back(bits_for(system_->programs[i].states.size()), &programs_[i].field);
+  for (std::size_t i = 0; i < program_count_; ++i) {
+    fields.emplace_back(bits_for(system_->programs[i].states.size()), &actors_[i].field);
   }
   fields.emplace_back(bits_for(monitor_states), &monitor_);
   for (const auto& [bits, field] : fields) state_bits_ += bits;
@@ -221,25 +254,23 @@ void PackedSystem::lay_out(unsigned payload_bits, std::size_t monitor_states) {
 
 // What depends on where the fields are.
 void PackedSystem::place_fields() {
-  for (std::size_t index = 0; index < programs_.size(); ++index) {
-    PackedProgram& packed = programs_[index];
-    for (const auto& edges : packed.edges_into) {
+  for (std::size_t index = 0; index < actors_.size(); ++index) {
+    PackedActor& packed = actors_[index];
+    for (ControlState target = 0; target < packed.edges_into.size(); ++target) {
+      const auto& edges = packed.edges_into[target];
       for (std::size_t place = 0; place < edges.size(); ++place) {
-        const ProgramEdge& edge = system_->programs[index].edges[edges[place]];
         PackedEdge& compiled = packed.edges[edges[place]];
-        compiled.code = static_cast<std::uint32_t>(index | (place << program_bits_));
-        MAIDE_CHECK(compiled.code <= low_bits(program_bits_ + into_bits_));
-        compiled.control_change = (std::uint64_t{edge.target} - packed.sources[edges[place]])
+        compiled.code = static_cast<std::uint32_t>(index | (place << actor_bits_));
+        MAIDE_CHECK(compiled.code <= low_bits(actor_bits_ + into_bits_));
+        compiled.control_change = (std::uint64_t{target} - packed.sources[edges[place]])
                                   << packed.field.shift;
-        place_uses(system_->programs[index], edge, compiled);
+        place_uses(uses_of(index, edges[place]), compiled);
       }
     }
   }
 }
 
-void PackedSystem::place_uses(const Program& program, const ProgramEdge& edge,
-                              PackedEdge& compiled) {
-  const auto uses = program.uses_of(edge);
+void PackedSystem::place_uses(std::span<const ModelUse> uses, PackedEdge& compiled) {
   if (uses.empty()) return;
   if (uses.size() == 1 && table_of(uses.front()).is_deterministic) {
     compiled.model = models_[uses.front().model];
@@ -258,21 +289,21 @@ void PackedSystem::place_uses(const Program& program, const ProgramEdge& edge,
   }
 }
 
-PackedSystem::Origin PackedSystem::undo(const GlobalState& state, std::uint64_t code) const {
+StepBefore PackedSystem::undo(const GlobalState& state, std::uint64_t code) const {
   const auto cut_off = [&code](unsigned bits) {
     const std::uint64_t value = code & low_bits(bits);
     code >>= bits;
     return static_cast<std::size_t>(value);
   };
-  Origin origin{{}, state};
-  const std::size_t index = cut_off(program_bits_);
+  StepBefore origin{{}, state};
+  const std::size_t index = cut_off(actor_bits_);
   const std::size_t place = cut_off(into_bits_);
-  const PackedProgram& program = programs_.at(index);
-  origin.step.program = static_cast<std::uint32_t>(index);
-  origin.step.edge = program.edges_into.at(state.programs[index]).at(place);
-  origin.before.programs[index] = program.sources[origin.step.edge];
-  const ProgramEdge& edge = system_->programs[index].edges[origin.step.edge];
-  const auto uses = system_->programs[index].uses_of(edge);
+  const PackedActor& actor = actors_.at(index);
+  const bool is_program = index < program_count_;
+  origin.step.actor = is_program ? static_cast<std::uint32_t>(index) : nobody;
+  origin.step.action = actor.edges_into.at(is_program ? state.programs[index] : 0).at(place);
+  if (is_program) origin.before.programs[index] = actor.sources[origin.step.action];
+  const auto uses = uses_of(index, origin.step.action);
   for (const ModelUse& use : uses) {
     const ActionTable& table = table_of(use);
     // Behind a single use there is room for that of any other.
@@ -285,27 +316,26 @@ PackedSystem::Origin PackedSystem::undo(const GlobalState& state, std::uint64_t 
     origin.step.is_cut = origin.step.is_cut || cuts(system_->models[use.model], met);
     origin.before.models[use.model] = from.state;
   }
-  MAIDE_CHECK(code == 0 && edge.target == state.programs[index]);
+  MAIDE_CHECK(code == 0);
   return origin;
 }
 
 template <std::size_t words>
 void PackedSystem::check_steps() const {
   GlobalState state = initial_state(*system_);
-  for (std::size_t index = 0; index < programs_.size(); ++index) {
-    for (std::uint32_t edge = 0; edge < programs_[index].edges.size(); ++edge) {
-      const Program& program = system_->programs[index];
-      const auto uses = program.uses_of(program.edges[edge]);
+  for (std::size_t index = 0; index < actors_.size(); ++index) {
+    for (std::uint32_t edge = 0; edge < actors_[index].edges.size(); ++edge) {
+      const auto uses = uses_of(index, edge);
       const auto check = [&] {
-        state.programs[index] = programs_[index].sources[edge];
+        if (index < program_count_) state.programs[index] = actors_[index].sources[edge];
         const PackedState<words> packed = pack<words>(state);
         MAIDE_CHECK_ALWAYS(unpack(packed) == state);
         for_each_step(
             packed, index,
             [&](const PackedState<words>& next, std::uint32_t by, bool, std::uint64_t code) {
               MAIDE_CHECK_ALWAYS(code <= low_bits(code_bits_));
-              const Origin origin = undo(unpack(next), code);
-              MAIDE_CHECK_ALWAYS(origin.before == state && origin.step.edge == by);
+              const StepBefore origin = undo(unpack(next), code);
+              MAIDE_CHECK_ALWAYS(origin.before == state && origin.step.action == by);
             });
       };
       if (uses.empty()) check();
@@ -325,7 +355,7 @@ void PackedSystem::check_steps() const {
 void PackedSystem::check_invariants() const {
   std::vector<std::uint64_t> taken(words_, 0);
   std::vector<PackedField> fields = models_;
-  for (const PackedProgram& program : programs_) fields.push_back(program.field);
+  for (const PackedActor& actor : actors_) fields.push_back(actor.field);
   fields.push_back(monitor_);
   for (const PackedField& field : fields) {
     const std::uint64_t bits = field.mask << field.shift;

@@ -15,7 +15,7 @@
 #include "maide/base/invariant.hpp"
 #include "maide/check/packed/bits.hpp"
 #include "maide/check/packed/state_table.hpp"
-#include "maide/check/system/system.hpp"
+#include "maide/check/system/steps.hpp"
 
 namespace maide {
 
@@ -51,9 +51,9 @@ class PackedSystem {
   template <std::size_t words>
   PackedState<words> pack(const GlobalState& state) const {
     PackedState<words> packed{};
-    for (std::size_t i = 0; i < programs_.size(); ++i) {
-      MAIDE_CHECK(state.programs[i] <= programs_[i].field.mask);
-      programs_[i].field.set(packed, state.programs[i]);
+    for (std::size_t i = 0; i < program_count_; ++i) {
+      MAIDE_CHECK(state.programs[i] <= actors_[i].field.mask);
+      actors_[i].field.set(packed, state.programs[i]);
     }
     for (std::size_t i = 0; i < models_.size(); ++i) models_[i].set(packed, state.models[i]);
     return packed;
@@ -62,8 +62,8 @@ class PackedSystem {
   GlobalState unpack(const PackedState<words>& packed) const {
     GlobalState state;
     for (const PackedField& model : models_) state.models.push_back(model.get(packed));
-    for (const PackedProgram& program : programs_) {
-      state.programs.push_back(program.field.get(packed));
+    for (std::size_t i = 0; i < program_count_; ++i) {
+      state.programs.push_back(actors_[i].field.get(packed));
     }
     return state;
   }
@@ -71,10 +71,12 @@ class PackedSystem {
   // 0 in a packed state, until it is set.
   const PackedField& monitor() const { return monitor_; }
 
-  std::size_t program_count() const { return programs_.size(); }
+  std::size_t program_count() const { return program_count_; }
+  // Programs, then nobody, if he has actions: he is always in control state 0.
+  std::size_t actor_count() const { return actors_.size(); }
   template <std::size_t words>
-  ControlState control(const PackedState<words>& state, std::size_t program) const {
-    return programs_[program].field.get(state);
+  ControlState control(const PackedState<words>& state, std::size_t actor) const {
+    return actors_[actor].field.get(state);
   }
   template <std::size_t words>
   StateId model_state(const PackedState<words>& state, std::size_t model) const {
@@ -83,12 +85,12 @@ class PackedSystem {
   // The program has ended, or may stand there for ever.
   template <std::size_t words>
   bool is_at_rest(const PackedState<words>& state, std::size_t program) const {
-    const PackedProgram& compiled = programs_[program];
+    const PackedActor& compiled = actors_[program];
     return compiled.may_stay[compiled.field.get(state)];
   }
   template <std::size_t words>
   bool is_at_rest(const PackedState<words>& state) const {
-    for (std::size_t program = 0; program < programs_.size(); ++program) {
+    for (std::size_t program = 0; program < program_count_; ++program) {
       if (!is_at_rest(state, program)) return false;
     }
     return true;
@@ -100,26 +102,37 @@ class PackedSystem {
   }
   // Any control state, reached or not, is an error.
   bool has_errors() const { return !erring_.empty(); }
-  bool has_deaths() const { return has_deaths_; }
-  // No step dies, comes to an error, belongs to a fair group, or uses several models.
+  // Some step is no progress: a death, mostly (Program::is_progress).
+  bool has_idle_steps() const { return has_idle_steps_; }
+  // Each step is progress, and none comes to an error, belongs to a fair group, or uses several
+  // models.
   bool has_plain_steps_only() const {
-    return !has_errors() && !has_deaths_ && weak_groups_.empty() && combined_.empty();
+    return !has_errors() && !has_idle_steps_ && weak_groups_.empty() && combined_.empty();
   }
-  bool is_death(std::size_t program, std::uint32_t edge) const {
-    return has_deaths_ && programs_[program].is_death[edge];
+  bool is_progress(std::size_t actor, std::uint32_t action) const {
+    return !has_idle_steps_ || !actors_[actor].is_idle[action];
   }
-  // The program has a step that is possible, other than to die.
+  // Programs that fair runs are fair to.
+  template <typename Bits>
+  Bits fair_programs() const {
+    Bits fair{};
+    for (std::size_t program = 0; program < program_count_; ++program) {
+      if (system_->programs[program].flags.is_fair) fair |= bit_of<Bits>(program);
+    }
+    return fair;
+  }
+  // The program has a step that is possible and is progress.
   template <std::size_t words>
   bool can_step(const PackedState<words>& state, std::size_t program) const {
     bool can = false;
     for_each_step(state, program,
                   [&](const PackedState<words>&, std::uint32_t edge, bool, std::uint64_t) {
-                    can = can || !is_death(program, edge);
+                    can = can || is_progress(program, edge);
                   });
     return can;
   }
 
-  // Fair groups of all programs (FairGroup), by number.
+  // Fair groups of all programs (FairGroup), then nobody's, by number.
   std::size_t group_count() const { return weak_groups_.size(); }
   // Those that are fair on weakly fair runs, too.
   bool has_groups_on_weak_runs() const { return has_weak_groups_; }
@@ -138,7 +151,7 @@ class PackedSystem {
   template <typename Bits, std::size_t words>
   Bits locked_out(const PackedState<words>& state, std::size_t program, std::uint32_t edge) const {
     Bits locked{};
-    const std::uint32_t model = programs_[program].called[edge];
+    const std::uint32_t model = actors_[program].called[edge];
     if (model == no_model) return locked;
     for (const User& user : users_[model]) {
       if (user.program != program && user.uses[control(state, user.program)]) {
@@ -148,22 +161,21 @@ class PackedSystem {
     return locked;
   }
 
-  // The bit of the edge's group, if it has one.
+  // The bit of the action's group, if it has one.
   template <typename Bits>
-  Bits group_of(std::size_t program, std::uint32_t edge) const {
+  Bits group_of(std::size_t actor, std::uint32_t action) const {
     if (weak_groups_.empty()) return Bits{};
-    const std::uint32_t group = programs_[program].groups[edge];
+    const std::uint32_t group = actors_[actor].groups[action];
     return group == no_group ? Bits{} : bit_of<Bits>(group);
   }
 
-  // Calls `visit(next, edge, is_cut, code)` for each step that `program` can take, in a state that
-  // is no error: the state
-  // afterwards, the index of its edge, whether the run is cut there, and the step's code.
-  // `is_plain`: the system has_plain_steps_only().
+  // Calls `visit(next, action, is_cut, code)` for each step that `actor` can take, in a state that
+  // is no error: the state afterwards, the index of the edge or of the action of nobody, whether
+  // the run is cut there, and the step's code. `is_plain`: the system has_plain_steps_only().
   template <bool is_plain = false, std::size_t words, typename Visit>
-  [[gnu::always_inline]] void for_each_step(const PackedState<words>& state, std::size_t program,
+  [[gnu::always_inline]] void for_each_step(const PackedState<words>& state, std::size_t actor,
                                             Visit&& visit) const {
-    const PackedProgram& compiled = programs_[program];
+    const PackedActor& compiled = actors_[actor];
     const ControlState at = compiled.field.get(state);
     for (std::uint32_t i = compiled.first_edge[at]; i < compiled.first_edge[at + 1]; ++i) {
       const PackedEdge& edge = compiled.edges[i];
@@ -204,11 +216,7 @@ class PackedSystem {
   bool has_cuts() const { return has_cuts_; }
 
   // The step with that code that led to `state`, and the state before it.
-  struct Origin {
-    Step step;
-    GlobalState before;
-  };
-  Origin undo(const GlobalState& state, std::uint64_t code) const;
+  StepBefore undo(const GlobalState& state, std::uint64_t code) const;
 
   // Throws std::logic_error unless fields lie side by side, and every step that an edge can take in
   // a state of one of its models, the others in their first, is undone by its code. O(edges x
@@ -236,7 +244,7 @@ class PackedSystem {
     // Of the model's action: index into targets_. Of a step that uses several models, or that may
     // lead to several states of one: first_combined and an index into combined_.
     std::uint32_t table = choice_table;
-    std::uint32_t code = 0;            // program and place among the edges into the target
+    std::uint32_t code = 0;            // actor and place among the edges into the target
     std::uint64_t control_change = 0;  // shifted
   };
   // One use of a step that uses several models, or leads to several states.
@@ -246,14 +254,15 @@ class PackedSystem {
     unsigned code_shift = 0;  // of its part of the step's code, behind that of the first use
   };
   using PackedCombination = std::vector<PackedUse>;
-  struct PackedProgram {
+  // A program, or nobody, whose field has no bits.
+  struct PackedActor {
     PackedField field;
     std::vector<std::uint32_t> first_edge;               // by control state, one more than states
     std::vector<PackedEdge> edges;                       // as in Program::edges
     std::vector<ControlState> sources;                   // by edge
     std::vector<std::vector<std::uint32_t>> edges_into;  // by control state
     std::vector<bool> may_stay, is_error;                // by control state
-    std::vector<bool> is_death;                          // by edge
+    std::vector<bool> is_idle;                           // by edge: it is no progress
     std::vector<std::uint32_t> groups;                   // by edge: its fair group, or no_group
     std::vector<std::uint32_t> called;  // by edge: the model of a call, or no_model; if has_calls()
   };
@@ -277,7 +286,7 @@ class PackedSystem {
   template <std::size_t words>
   bool is_any_at_error(const PackedState<words>& state) const {
     for (const std::uint32_t program : erring_) {
-      const PackedProgram& compiled = programs_[program];
+      const PackedActor& compiled = actors_[program];
       if (compiled.is_error[compiled.field.get(state)]) return true;
     }
     return false;
@@ -304,10 +313,10 @@ class PackedSystem {
   };
   template <std::size_t words>
   [[gnu::noinline]] Taken<words> take_combined(const PackedState<words>& state,
-                                               const PackedProgram& program, const PackedEdge& edge,
+                                               const PackedActor& actor, const PackedEdge& edge,
                                                std::uint64_t left) const {
     Taken<words> taken{state, edge.code, false};
-    taken.next[program.field.word] += edge.control_change;
+    taken.next[actor.field.word] += edge.control_change;
     const PackedCombination& uses = combined_[edge.table - first_combined];
     for (std::size_t at = uses.size(); at > 0; --at) {
       const PackedUse& use = uses[at - 1];
@@ -329,19 +338,23 @@ class PackedSystem {
 
   std::size_t action_index(const ModelUse& use) const;
   const ActionTable& table_of(const ModelUse& use) const;
+  // What the actor's edge, or action of nobody, does with models.
+  std::span<const ModelUse> uses_of(std::size_t actor, std::size_t action) const;
   void add_program(const Program& program);
-  void add_groups(const Program& program, PackedProgram& packed);
+  void add_groups(const Program& program, PackedActor& packed);
+  void add_nobody();
   void add_calls();
   void add_action(const ModelUse& use);
   void number_codes();
   void lay_out(unsigned payload_bits, std::size_t monitor_states);
   void place_fields();
-  void place_uses(const Program& program, const ProgramEdge& edge, PackedEdge& compiled);
+  void place_uses(std::span<const ModelUse> uses, PackedEdge& compiled);
   template <std::size_t words>
   void check_steps() const;
 
   const System* system_;
-  std::vector<PackedProgram> programs_;
+  std::size_t program_count_ = 0;
+  std::vector<PackedActor> actors_;
   std::vector<PackedField> models_;
   PackedField monitor_;
   std::vector<Target> targets_{Target{0, 0, 0}};  // the first one is that of all choices
@@ -350,8 +363,8 @@ class PackedSystem {
   std::vector<std::vector<ActionTable>> tables_;  // by model, then by action_index()
   std::size_t words_ = 1;
   unsigned address_bits_ = 0, state_bits_ = 0, code_bits_ = 0;
-  unsigned program_bits_ = 0, into_bits_ = 0;
-  bool has_cuts_ = false, has_deaths_ = false;
+  unsigned actor_bits_ = 0, into_bits_ = 0;
+  bool has_cuts_ = false, has_idle_steps_ = false;
   std::vector<std::uint32_t> erring_;  // programs with errors
   std::vector<bool> weak_groups_;      // by fair group: whether it is fair on weakly fair runs
   bool has_weak_groups_ = false;

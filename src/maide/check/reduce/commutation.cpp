@@ -1,6 +1,7 @@
 #include "maide/check/reduce/commutation.hpp"
 
 #include <algorithm>
+#include <span>
 #include <stdexcept>
 #include <tuple>
 
@@ -11,14 +12,16 @@ namespace maide {
 
 std::vector<std::vector<ModelUse>> find_actions(const System& system) {
   std::vector<std::vector<ModelUse>> actions(system.models.size());
-  for (const Program& program : system.programs) {
-    for (const ProgramEdge& edge : program.edges) {
-      for (const ModelUse& use : program.uses_of(edge)) {
-        auto& known = actions[use.model];
-        if (action_number(known, use) == known.size()) known.push_back(use);
-      }
+  const auto add = [&](std::span<const ModelUse> uses) {
+    for (const ModelUse& use : uses) {
+      auto& known = actions[use.model];
+      if (action_number(known, use) == known.size()) known.push_back(use);
     }
+  };
+  for (const Program& program : system.programs) {
+    for (const ProgramEdge& edge : program.edges) add(program.uses_of(edge));
   }
+  for (const NobodysAction& action : system.nobodys_actions) add(action.what.uses);
   return actions;
 }
 

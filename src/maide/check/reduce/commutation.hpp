@@ -21,7 +21,7 @@
 
 namespace maide {
 
-// What programs do with each model, by model: each action once.
+// What programs and nobody do with each model, by model: each action once.
 std::vector<std::vector<ModelUse>> find_actions(const System& system);
 // The number of the use among the actions of its model; their count if it is none of them.
 std::uint32_t action_number(const std::vector<ModelUse>& actions, const ModelUse& use);

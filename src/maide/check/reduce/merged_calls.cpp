@@ -145,6 +145,9 @@ MergedCalls::MergedCalls(const System& system, const CallRules& rules)
     for (std::uint32_t edge = 0; edge < program.edges.size(); ++edge)
       origins.push_back({edge, none});
   }
+  for (const NobodysAction& action : system.nobodys_actions) {
+    for (const ModelUse& use : action.what.uses) nobodys_models_.insert(use.model);
+  }
   for (std::uint32_t program = 0; program < count; ++program) find_uses(program);
   // Each program is reduced in the system that the ones before it have left.
   for (std::uint32_t program = 0; program < count; ++program) {
@@ -208,6 +211,7 @@ std::uint32_t MergedCalls::find_group(std::uint32_t program, const ModelUse& giv
   group.answers = std::move(answers);
   const auto own = uses_[program].find(give.model);
   if (own == uses_[program].end()) return none;  // control never comes there
+  if (nobodys_models_.contains(give.model)) return none;
   std::vector<ModelUse> others;
   for (std::uint32_t other = 0; other < uses_.size(); ++other) {
     const auto use = uses_[other].find(give.model);
@@ -374,7 +378,8 @@ void MergedCalls::add_merged(std::uint32_t index, std::uint32_t number, Program&
     combined.text = model.name + "." + model.actions[action].name;
     merged.combined.push_back(std::move(combined));
     const auto symbol = static_cast<Symbol>(merged.combined.size() - 1);
-    merged.edges.push_back({{Kind::combined, 0, symbol}, target, edge.line, edge.column});
+    merged.edges.push_back(
+        {{Kind::combined, 0, symbol}, target, edge.line, edge.column, edge.origin});
     origins_[index].push_back({number, taken});
   };
   const Program::State& awaits = program.states[edge.target];
@@ -394,7 +399,7 @@ Trace MergedCalls::expand(const Trace& trace) const {
   std::vector<bool> steps(plain_.programs.size());  // again and again
   if (trace.loop_start) {
     for (std::size_t at = *trace.loop_start; at < trace.steps.size(); ++at) {
-      steps[trace.steps[at].program] = true;
+      if (trace.steps[at].actor != nobody) steps[trace.steps[at].actor] = true;
     }
   }
   Trace expanded;
@@ -407,8 +412,7 @@ Trace MergedCalls::expand(const Trace& trace) const {
     }
     Step step = trace.steps[at];
     reduced = apply(merged_, reduced, step);
-    const Program& program = merged_.programs[step.program];
-    const auto uses = program.uses_of(program.edges[step.edge]);
+    const auto uses = maide::uses_of(merged_, step);
     for (std::size_t i = 0; i < uses.size(); ++i) {
       for (const ModelUse& give : given) {
         if (give.model != uses[i].model) continue;
@@ -425,18 +429,19 @@ Trace MergedCalls::expand(const Trace& trace) const {
 }
 
 void MergedCalls::expand(const Step& step, GlobalState& state, Trace& trace) const {
-  const Origin origin = origins_[step.program][step.edge];
-  const Program& program = plain_.programs[step.program];
   const auto add = [&](Step one) {
     state = apply(plain_, state, one);
     trace.steps.push_back(std::move(one));
   };
+  if (step.actor == nobody) return add(step);
+  const Origin origin = origins_[step.actor][step.action];
+  const Program& program = plain_.programs[step.actor];
   if (origin.taken == none) {
     Step one = step;
-    one.edge = origin.edge;
+    one.action = origin.edge;
     return add(std::move(one));
   }
-  const Group& group = groups_[group_of_[step.program][origin.edge]];
+  const Group& group = groups_[group_of_[step.actor][origin.edge]];
   const ModelInstance& model = plain_.models[group.give.model];
   for (const ModelStep& given : model_steps(model, state.models[group.give.model], group.give)) {
     if (given.is_beyond || !group.is_due[given.target]) continue;
@@ -444,8 +449,8 @@ void MergedCalls::expand(const Step& step, GlobalState& state, Trace& trace) con
     if (std::find(ends.begin(), ends.end(), ModelStep{step.targets.front(), false}) == ends.end()) {
       continue;
     }
-    add({step.program, origin.edge, {given.target}, false, false});
-    return add({step.program, origin.taken, step.targets, false, false});
+    add({step.actor, origin.edge, {given.target}, false, false});
+    return add({step.actor, origin.taken, step.targets, false, false});
   }
   throw std::logic_error("a call is not two steps");
 }

@@ -8,6 +8,7 @@
 // out from the model's automaton, for each kind of call of a program. Such steps are left and right
 // movers (Lipton, "Reduction: a method of proving properties of parallel programs", CACM 1975);
 // docs/design/reductions.md has the proof, and what fairness asks for besides.
+// Calls of models that actions of nobody use stay two steps.
 //
 // The reduced system is a system again, which all searches and reductions take. Its traces are
 // expanded to traces of the system itself.
@@ -15,6 +16,7 @@
 
 #include <cstdint>
 #include <map>
+#include <set>
 #include <vector>
 
 #include "maide/check/reduce/reduction.hpp"
@@ -82,6 +84,7 @@ class MergedCalls {
   std::vector<std::vector<std::uint32_t>> group_of_;  // by program, by its own edge
   std::vector<std::vector<Origin>> origins_;          // by program, by edge of the reduced system
   std::vector<std::map<std::uint32_t, Use>> uses_;    // by program, by model
+  std::set<std::uint32_t> nobodys_models_;            // no call of these is merged
 };
 
 }  // namespace maide

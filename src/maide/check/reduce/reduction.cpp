@@ -190,6 +190,13 @@ std::vector<std::vector<bool>> visible_edges(const Formula& formula, const Syste
       }
     }
   }
+  if (system.nobodys_actions.empty()) return visible;
+  std::vector<bool>& nobodys = visible.emplace_back();
+  for (const NobodysAction& action : system.nobodys_actions) {
+    nobodys.push_back(std::any_of(atoms.begin(), atoms.end(), [&](const Atom& atom) {
+      return is_seen_by(atom, system, action);
+    }));
+  }
   return visible;
 }
 

@@ -57,8 +57,8 @@ std::optional<ReductionRules> rules_for_cycle(const System& system, const Proper
 // necessary; false for a formula with X. O(formula), but for `<->`.
 bool ignores_silent_steps(const Formula& formula);
 
-// By program and edge: whether the step may change the value of one of the formula's atoms, or is
-// one of its events. All other steps are silent.
+// By actor and action, nobody last, if he has any: whether the step may change the value of one of
+// the formula's atoms, or is one of its events. All other steps are silent.
 std::vector<std::vector<bool>> visible_edges(const Formula& formula, const System& system);
 
 }  // namespace maide

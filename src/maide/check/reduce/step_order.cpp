@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <map>
+#include <span>
 #include <utility>
 
 #include "maide/base/invariant.hpp"
@@ -10,12 +11,21 @@
 namespace maide {
 namespace {
 
-// Of one model, times its states: pairs of actions, programs with actions. A larger one would take
+// Of one model, times its states: pairs of actions, actors with actions. A larger one would take
 // longer than the order of its steps saves.
 constexpr std::uint64_t most_pairs = std::uint64_t{1} << 20;
 
-bool is_kept(const Program& program, const ProgramEdge& edge) {
-  return program.uses_of(edge).size() > 1 || program.is_error(edge.target);
+// An actor's action: what it does with models, and whether it leads to an error.
+struct Taken {
+  std::span<const ModelUse> uses;
+  bool is_error = false;
+  bool is_kept() const { return uses.size() > 1 || is_error; }
+};
+Taken taken_by(const System& system, std::size_t actor, std::size_t action) {
+  if (actor == system.programs.size()) return {system.nobodys_actions[action].what.uses, false};
+  const Program& program = system.programs[actor];
+  const ProgramEdge& edge = program.edges[action];
+  return {program.uses_of(edge), program.is_error(edge.target)};
 }
 
 }  // namespace
@@ -23,15 +33,15 @@ bool is_kept(const Program& program, const ProgramEdge& edge) {
 StepOrder::StepOrder(const PackedSystem& packed) {
   const System& system = packed.system();
   for (const Program& program : system.programs) steps_.emplace_back(program.edges.size());
-  if (system.programs.size() > 64) return;
-  for (std::uint32_t p = 0; p < system.programs.size(); ++p) {
+  if (!system.nobodys_actions.empty()) steps_.emplace_back(system.nobodys_actions.size());
+  if (steps_.size() > 64) return;
+  for (std::uint32_t p = 0; p < steps_.size(); ++p) {
     const auto choice = static_cast<std::uint32_t>(lasts_.size());
     lasts_.push_back({0, no_model, p});
-    const Program& program = system.programs[p];
     for (std::size_t i = 0; i < steps_[p].size(); ++i) {
-      const std::size_t uses = program.uses_of(program.edges[i]).size();
-      steps_[p][i].is_kept = is_kept(program, program.edges[i]);
-      if (uses == 0 && !steps_[p][i].is_kept) steps_[p][i].first = choice;
+      const Taken taken = taken_by(system, p, i);
+      steps_[p][i].is_kept = taken.is_kept();
+      if (taken.uses.empty() && !taken.is_kept()) steps_[p][i].first = choice;
     }
   }
   const std::vector<std::vector<ModelUse>> actions = find_actions(system);
@@ -42,7 +52,7 @@ void StepOrder::add_model(const System& system, std::uint32_t model,
                           const std::vector<ModelUse>& actions) {
   if (actions.empty()) return;
   const std::size_t states = system.models[model].automaton.size();
-  const std::size_t widest = std::max(actions.size(), system.programs.size());
+  const std::size_t widest = std::max(actions.size(), steps_.size());
   const bool is_known =
       actions.size() <= no_action && states * actions.size() * widest <= most_pairs;
   // By action and state: what commutes with it.
@@ -58,10 +68,10 @@ void StepOrder::add_model(const System& system, std::uint32_t model,
       }
     }
   }
-  for (std::uint32_t p = 0; p < system.programs.size(); ++p) {
-    std::map<std::uint32_t, std::uint32_t> first;  // of the program's lasts, by action
+  for (std::uint32_t p = 0; p < steps_.size(); ++p) {
+    std::map<std::uint32_t, std::uint32_t> first;  // of the actor's lasts, by action
     for (std::size_t i = 0; i < steps_[p].size(); ++i) {
-      const auto uses = system.programs[p].uses_of(system.programs[p].edges[i]);
+      const auto uses = taken_by(system, p, i).uses;
       if (steps_[p][i].is_kept || uses.empty() || uses.front().model != model) continue;
       const std::uint32_t action = is_known ? action_number(actions, uses.front()) : no_action;
       const auto [place, is_new] =

@@ -1,9 +1,9 @@
 // Of two steps that commute only one order needs to be taken. A breadth-first search that visits
-// every state still comes to most of them many times, by the same steps in every order. Behind a
-// step of program P it leaves out each step of an earlier program that was possible before that
-// step, too, and leads to the same state in the other order. These are sleep sets (Godefroid,
-// "Using partial orders to improve automatic verification methods", CAV 1990) that remember one
-// step.
+// every state still comes to most of them many times, by the same steps in every order. Nobody
+// counts as one more program, the last. Behind a step of program P it leaves out each step of an
+// earlier program that was possible before that step, too, and leads to the same state in the other
+// order. These are sleep sets (Godefroid, "Using partial orders to improve automatic verification
+// methods", CAV 1990) that remember one step.
 //
 // Invariant: transitions are left out, and never a state. Breadth-first no state is found at a
 // greater depth. The idea of the proof: of all steps that lead to a state, one of the last program
@@ -63,7 +63,7 @@ class StepOrder {
 
   void add_model(const System& system, std::uint32_t model, const std::vector<ModelUse>& actions);
 
-  std::vector<std::vector<Step>> steps_;  // by program, by edge
+  std::vector<std::vector<Step>> steps_;  // by actor, by edge or action of nobody
   std::vector<Last> lasts_{Last{}};
 };
 

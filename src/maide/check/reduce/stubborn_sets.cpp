@@ -15,7 +15,7 @@ std::uint64_t bit(std::size_t index) { return std::uint64_t{1} << index; }
 StubbornSets::StubbornSets(const PackedSystem& packed, StubbornOptions options)
     : packed_(packed), options_(std::move(options)) {
   const System& system = packed.system();
-  programs_.resize(system.programs.size());
+  programs_.resize(packed.actor_count());
   if (programs_.size() > most_reduced_programs) return;
   const std::vector<std::vector<ModelUse>> actions = find_actions(system);
   for (std::size_t m = 0; m < system.models.size(); ++m) {
@@ -26,10 +26,49 @@ StubbornSets::StubbornSets(const PackedSystem& packed, StubbornOptions options)
     }
     models_.push_back({Commutation(system.models[m], actions[m], options_.watch), {}});
   }
-  for (std::size_t p = 0; p < programs_.size(); ++p) add_program(p, actions);
+  for (std::size_t p = 0; p < system.programs.size(); ++p) add_program(p, actions);
+  if (packed.actor_count() > packed.program_count()) add_nobody(actions);
   control_.resize(programs_.size());
   now_.resize(programs_.size());
   at_.resize(models_.size());
+}
+
+void StubbornSets::add_next(std::size_t index, std::span<const ModelUse> uses, bool is_visible,
+                            const std::vector<std::vector<ModelUse>>& actions) {
+  ReducedProgram& reduced = programs_[index];
+  Next next;
+  next.is_visible = is_visible;
+  next.first_use = static_cast<std::uint32_t>(reduced.uses.size());
+  for (const ModelUse& use : uses) {
+    const std::uint32_t action = action_number(actions[use.model], use);
+    MAIDE_CHECK(action < actions[use.model].size());
+    reduced.uses.push_back({use.model, action});
+    ++next.use_count;
+    auto& models = reduced.models;
+    if (std::find(models.begin(), models.end(), use.model) == models.end()) {
+      models_[use.model].users.push_back(
+          {static_cast<std::uint32_t>(index), static_cast<std::uint32_t>(models.size())});
+      models.push_back(use.model);
+    }
+  }
+  reduced.next.push_back(next);
+}
+
+void StubbornSets::add_nobody(const std::vector<std::vector<ModelUse>>& actions) {
+  const std::size_t index = packed_.program_count();
+  const auto& nobodys = packed_.system().nobodys_actions;
+  ReducedProgram& reduced = programs_[index];
+  for (std::size_t i = 0; i < nobodys.size(); ++i) {
+    add_next(index, nobodys[i].what.uses, !options_.visible.empty() && options_.visible[index][i],
+             actions);
+  }
+  reduced.first = {0, static_cast<std::uint32_t>(nobodys.size())};
+  reduced.first_use = {0, static_cast<std::uint32_t>(reduced.uses.size())};
+  reduced.future.assign(reduced.models.size(), 0);
+  for (const Use& use : reduced.uses) {
+    const auto slot = std::find(reduced.models.begin(), reduced.models.end(), use.model);
+    reduced.future[static_cast<std::size_t>(slot - reduced.models.begin())] |= bit(use.action);
+  }
 }
 
 void StubbornSets::add_program(std::size_t index,
@@ -40,24 +79,10 @@ void StubbornSets::add_program(std::size_t index,
   reduced.first.push_back(static_cast<std::uint32_t>(program.edges.size()));
   for (std::size_t i = 0; i < program.edges.size(); ++i) {
     const ProgramEdge& edge = program.edges[i];
-    Next next;
     // Behind an error nothing comes that others would have done.
-    next.is_visible =
+    const bool is_visible =
         program.is_error(edge.target) || (!options_.visible.empty() && options_.visible[index][i]);
-    next.first_use = static_cast<std::uint32_t>(reduced.uses.size());
-    for (const ModelUse& use : program.uses_of(edge)) {
-      const std::uint32_t action = action_number(actions[use.model], use);
-      MAIDE_CHECK(action < actions[use.model].size());
-      reduced.uses.push_back({use.model, action});
-      ++next.use_count;
-      auto& models = reduced.models;
-      if (std::find(models.begin(), models.end(), use.model) == models.end()) {
-        models_[use.model].users.push_back(
-            {static_cast<std::uint32_t>(index), static_cast<std::uint32_t>(models.size())});
-        models.push_back(use.model);
-      }
-    }
-    reduced.next.push_back(next);
+    add_next(index, program.uses_of(edge), is_visible, actions);
   }
   for (const std::uint32_t first : reduced.first) {
     reduced.first_use.push_back(first < reduced.next.size()

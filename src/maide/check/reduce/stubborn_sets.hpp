@@ -24,13 +24,13 @@
 
 namespace maide {
 
-// Sets of programs, by bit; a system of more is not reduced.
+// Sets of programs, by bit, among which nobody counts as the last; a system of more is not reduced.
 inline constexpr std::size_t most_reduced_programs = 64;
 
 struct StubbornOptions {
   Commutation::Watch watch = Commutation::Watch::nothing;
-  // Programs' edges that must not be in a set unless all is: by program, by edge. Empty: none but
-  // those into an error.
+  // Edges, and actions of nobody, that must not be in a set unless all is: by actor, by edge.
+  // Empty: none but those into an error.
   std::vector<std::vector<bool>> visible;
   bool cuts_are_visible = false;  // so are steps that cut the run
   bool singletons = false;        // one program, or all
@@ -91,6 +91,10 @@ class StubbornSets {
   };
 
   void add_program(std::size_t index, const std::vector<std::vector<ModelUse>>& actions);
+  // One control state, in which whatever nobody may ever do comes next.
+  void add_nobody(const std::vector<std::vector<ModelUse>>& actions);
+  void add_next(std::size_t index, std::span<const ModelUse> uses, bool is_visible,
+                const std::vector<std::vector<ModelUse>>& actions);
   static void compute_future(const Program& program, ReducedProgram& reduced);
   Now look_at(std::size_t program) const;
   std::uint64_t select_here();

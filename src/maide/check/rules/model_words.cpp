@@ -124,6 +124,15 @@ std::string describe_edge(const System& system, const Program& program, const Pr
   return describe_use(system, edge);
 }
 
+std::string describe_action(const System& system, const Step& step) {
+  if (step.actor == nobody) return system.nobodys_actions[step.action].what.text;
+  return describe_edge(system, system.programs[step.actor], edge_of(system, step));
+}
+
+std::string describe_actor(const System& system, const Step& step) {
+  return step.actor == nobody ? describe_action(system, step) : actor_name(system, step.actor);
+}
+
 std::string describe_error(const System& system, const GlobalState& state) {
   for (std::size_t index = 0; index < system.programs.size(); ++index) {
     const Program& program = system.programs[index];

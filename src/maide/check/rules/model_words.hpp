@@ -24,7 +24,11 @@ std::string describe_refusal(const ModelInstance& model, Symbol input);
 
 // "via.write", "via!message", "via quiet": what a step does with one model.
 std::string describe_use(const System& system, const ModelUse& use);
-// The program's step, in the system file's words.
+// What the step does, in the system file's words.
+std::string describe_action(const System& system, const Step& step);
+// Who took the step: the program, or of nobody what happened by itself.
+std::string describe_actor(const System& system, const Step& step);
+// What the program's edge does, in the system file's words.
 std::string describe_edge(const System& system, const Program& program, const ProgramEdge& edge);
 
 // The error that the state is at, with its program: "p: x = 4 is outside of 0..3

@@ -15,6 +15,7 @@
 #include "maide/base/invariant.hpp"
 #include "maide/base/log.hpp"
 #include "maide/base/numbers.hpp"
+#include "maide/check/packed/packed_steps.hpp"
 #include "maide/check/search/checkpoint.hpp"
 #include "maide/check/search/goal_rounds.hpp"
 #include "maide/check/search/ranks.hpp"
@@ -45,7 +46,8 @@ class BreadthFirstSearch<words>::Search {
         system_(rounds_.system()),
         limits_(limits),
         options_(rounds_.options()),
-        initial_(system_.template pack<words>(initial_state(system_.system()))) {
+        steps_(system_),
+        initial_(steps_.initial()) {
     if (options_.ranks == nullptr) return;
     batches_.emplace(*options_.ranks);
     replies_.emplace(*options_.ranks);
@@ -436,8 +438,8 @@ class BreadthFirstSearch<words>::Search {
   // Puts the steps of the chain into `trace`, the last one first; the state before them.
   GlobalState undo(GlobalState state, Chain chain, Trace& trace) const {
     for (; chain.length > 0; --chain.length) {
-      PackedSystem::Origin origin =
-          system_.undo(state, chain.codes & low_bits(system_.code_bits()));
+      StepBefore origin = steps_.undo(system_.template pack<words>(state),
+                                      chain.codes & low_bits(system_.code_bits()));
       chain.codes >>= system_.code_bits();
       trace.steps.push_back(origin.step);
       state = std::move(origin.before);
@@ -475,6 +477,7 @@ class BreadthFirstSearch<words>::Search {
   const PackedSystem& system_;
   const SearchLimits& limits_;
   const BreadthFirstOptions& options_;
+  PackedSteps<words> steps_;
   State initial_;
   SearchProgress saved_;  // by the last checkpoint
   // With ranks.

@@ -465,8 +465,8 @@ class FairHull {
       if ((came_by & is_begin) != 0) break;
       State before = node;
       if ((came_by & is_stay) == 0) {
-        PackedSystem::Origin origin =
-            system.undo(system.unpack(graph_.plain(node)), came_by & low_bits(code_places));
+        StepBefore origin =
+            graph_.steps().undo(graph_.plain(node), came_by & low_bits(code_places));
         last.steps.push_back(origin.step);
         before = system.pack<words>(origin.before);
       }

@@ -287,11 +287,8 @@ class FairLasso {
   }
 
   void append(const std::vector<Edge>& path, Trace& trace) const {
-    const PackedSystem& system = graph_.system();
     for (const Edge& edge : path) {
-      if (edge.is_step) {
-        trace.steps.push_back(system.undo(system.unpack(edge.target), edge.code).step);
-      }
+      if (edge.is_step) trace.steps.push_back(graph_.steps().undo(edge.target, edge.code).step);
     }
   }
 

@@ -11,6 +11,7 @@
 
 #include "maide/base/invariant.hpp"
 #include "maide/base/numbers.hpp"
+#include "maide/check/packed/packed_steps.hpp"
 #include "maide/check/packed/packed_system.hpp"
 #include "maide/check/reduce/step_order.hpp"
 #include "maide/check/reduce/stubborn_sets.hpp"
@@ -30,6 +31,7 @@ class GoalRounds final : public SearchRounds<words> {
   GoalRounds(const PackedSystem& system, Goal goal, const BreadthFirstOptions& options)
       : Rounds(system, options),
         system_(system),
+        steps_(system),
         goal_(std::move(goal)),
         options_(Rounds::options()) {}
 
@@ -78,7 +80,7 @@ class GoalRounds final : public SearchRounds<words> {
   bool expand_in_order(Piece& piece, const State& state, const StepOrder::Last& last) {
     const StepOrder& order = *options_.order;
     bool is_end = true;
-    for (std::size_t program = 0; program < system_.program_count(); ++program) {
+    for (std::size_t program = 0; program < steps_.actors(); ++program) {
       const auto is_left_out = [&](std::uint32_t edge) {
         return program < last.program && order.leaves_out(last, program, edge);
       };
@@ -91,38 +93,38 @@ class GoalRounds final : public SearchRounds<words> {
   bool take_steps(Piece& piece, const State& state, std::uint64_t programs) {
     bool is_end = true;
     const auto is_left_out = [](std::uint32_t) { return false; };
-    for (std::size_t program = 0; program < system_.program_count(); ++program) {
+    for (std::size_t program = 0; program < steps_.actors(); ++program) {
       if (program < most_reduced_programs && (programs >> program & 1) == 0) continue;
       if (take_steps(piece, state, program, is_left_out, is_end)) return true;
     }
     return is_end && ends_at(piece, state);
   }
 
-  // The steps of a program, but those of edges that are left out. True if the goal is met; where
-  // there is a step other than a death, left out or not, is no end.
+  // The steps of an actor, but those of edges that are left out. True if the goal is met; where
+  // there is a step that is progress, left out or not, is no end.
   template <typename IsLeftOut>
   bool take_steps(Piece& piece, const State& state, std::size_t program, IsLeftOut&& is_left_out,
                   bool& is_end) {
     bool is_found = false;
-    system_.for_each_step(
-        state, program,
-        [&](const State& next, std::uint32_t edge, bool is_cut, std::uint64_t code) {
-          is_end = is_end && system_.is_death(program, edge);
-          if (is_found) return;
-          ++piece.transitions;
-          piece.has_cut = piece.has_cut || is_cut;
-          if (is_left_out(edge)) return;
-          if (goal_.on_step(state, next, program, edge, is_cut)) {
-            is_found = true;
-            piece.find = Find{next, {code, 1}};
-          } else if (is_cut) {
-            return;
-          } else if (options_.order != nullptr) {
-            this->push(piece, next, code, options_.order->behind(system_, state, program, edge));
-          } else {
-            is_found = follow(piece, next, {code, 1});
-          }
-        });
+    steps_.for_each_of(state, program,
+                       [&](const State& next, std::uint32_t edge, bool is_cut, std::uint64_t code) {
+                         is_end = is_end && !system_.is_progress(program, edge);
+                         if (is_found) return;
+                         ++piece.transitions;
+                         piece.has_cut = piece.has_cut || is_cut;
+                         if (is_left_out(edge)) return;
+                         if (goal_.on_step(state, next, program, edge, is_cut)) {
+                           is_found = true;
+                           piece.find = Find{next, {code, 1}};
+                         } else if (is_cut) {
+                           return;
+                         } else if (options_.order != nullptr) {
+                           this->push(piece, next, code,
+                                      options_.order->behind(system_, state, program, edge));
+                         } else {
+                           is_found = follow(piece, next, {code, 1});
+                         }
+                       });
     return is_found;
   }
 
@@ -144,7 +146,7 @@ class GoalRounds final : public SearchRounds<words> {
       std::uint32_t taken = 0;
       std::uint64_t step_code = 0;
       bool cuts = false;
-      system_.for_each_step(
+      steps_.for_each_of(
           state, program,
           [&](const State& next, std::uint32_t edge, bool is_cut, std::uint64_t code) {
             ++count;
@@ -175,6 +177,7 @@ class GoalRounds final : public SearchRounds<words> {
   }
 
   const PackedSystem& system_;
+  PackedSteps<words> steps_;
   const Goal goal_;
   const BreadthFirstOptions& options_;
 };

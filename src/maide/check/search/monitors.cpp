@@ -21,8 +21,12 @@ PackedAtom::PackedAtom(const Atom& atom, const System& system)
       const Program& program = system.programs[index];
       std::vector<bool>& values = by_edge_.emplace_back(program.edges.size());
       for (std::size_t i = 0; i < program.edges.size(); ++i) {
-        values[i] = is_event_of(atom, system, index, program.edges[i]);
+        values[i] = is_event_of(atom, index, program.events_of(program.edges[i]));
       }
+    }
+    std::vector<bool>& nobodys = by_edge_.emplace_back();
+    for (const NobodysAction& action : system.nobodys_actions) {
+      nobodys.push_back(is_event_of(atom, nobody, action.what.events));
     }
     return;
   }

@@ -26,7 +26,7 @@ class PackedAtom {
   // No event: the initial state, or one that repeats for ever.
   static constexpr std::uint32_t no_edge = ~std::uint32_t{0};
   bool is_event() const { return is_event_; }
-  // `state` was reached by `program` taking `edge`.
+  // `state` was reached by that actor taking that edge, or action of nobody.
   template <std::size_t words>
   bool is_true(const PackedSystem& system, const PackedState<words>& state, std::size_t program,
                std::uint32_t edge) const {
@@ -66,7 +66,7 @@ class PackedAtom {
   std::uint32_t owner_ = no_owner;  // the program on whose control state alone it depends
   std::vector<Field> fields_;
   std::vector<bool> values_;                // by the fields' values; none: too many
-  std::vector<std::vector<bool>> by_edge_;  // of an event: by program, edge
+  std::vector<std::vector<bool>> by_edge_;  // of an event: by actor, edge
 };
 
 // A formula without temporal operators, evaluated on packed states. For `always` and for tests of a
@@ -117,10 +117,12 @@ class Condition {
   std::vector<PackedAtom> atoms_;
 };
 
-// Under weak fairness each program has a mark: it steps, or cannot.
+// Under weak fairness each program has a mark: it steps, or cannot, or nothing asks it to. The
+// actor who steps may be nobody.
 template <typename Bits>
-Bits weakly_fair_marks(std::size_t programs, std::size_t stepping, const Bits& enabled) {
-  return first_bits<Bits>(programs) & (~enabled | bit_of<Bits>(stepping));
+Bits weakly_fair_marks(std::size_t programs, const Bits& fair, std::size_t stepping,
+                       const Bits& enabled) {
+  return first_bits<Bits>(programs) & (~(enabled & fair) | bit_of<Bits>(stepping));
 }
 
 // By state of the automaton: no_part if it waits (`is_waiting`), may begin there and comes there
@@ -146,6 +148,7 @@ class LtlMonitor {
     for (const std::uint32_t part : part_of_) {
       if (part != no_part) parts_ = std::max(parts_, part + 1);
     }
+    fair_ = packed.template fair_programs<Bits>();
     if (fairness == Fairness::weak) groups_ = packed.template groups_on_weak_runs<Bits>();
     if (fairness == Fairness::strong) groups_ = first_bits<Bits>(packed.group_count());
   }
@@ -156,6 +159,7 @@ class LtlMonitor {
   }
   std::uint32_t universal() const { return automaton_.universal; }
   bool is_strong() const { return fairness_ == Fairness::strong; }
+  const Bits& fair_programs() const { return fair_; }
   const Bits& groups() const { return groups_; }
   bool is_waiting(std::uint32_t at) const { return is_waiting_[at]; }
   bool may_wait() const {
@@ -177,7 +181,7 @@ class LtlMonitor {
             std::uint32_t at, Follow&& follow) const {
     Bits fair{};
     if (fairness_ == Fairness::weak) {
-      fair = moved_up(weakly_fair_marks(packed_.program_count(), program, enabled),
+      fair = moved_up(weakly_fair_marks(packed_.program_count(), fair_, program, enabled),
                       automaton_.mark_count);
     }
     read(valuation(next, program, edge), at, fair, follow);
@@ -208,7 +212,7 @@ class LtlMonitor {
   const PackedSystem& packed_;
   LtlAutomaton automaton_;
   Fairness fairness_;
-  Bits groups_{};
+  Bits fair_{}, groups_{};
   std::vector<PackedAtom> atoms_;
   std::vector<bool> is_waiting_;        // by state
   std::vector<std::uint32_t> part_of_;  // by state
@@ -223,15 +227,17 @@ enum class StuckRuns : std::uint8_t {
 };
 
 // Fair runs on which some program, that has not ended and may not rest, never steps again while
-// others run on. State 0 waits; state 1+p has guessed that program p has made its last step, and on
-// strongly fair runs, that it can never step again.
+// others, or nobody, run on. A program that no fairness asks for a step is not stuck. State 0
+// waits; state 1+p has guessed that program p has made its last step, and on strongly fair runs,
+// that it can never step again.
 template <typename BitSet = std::uint64_t>
 class StuckMonitor {
  public:
   using Bits = BitSet;
 
   // Keeps a reference.
-  StuckMonitor(const PackedSystem& packed, StuckRuns runs) : packed_(packed), runs_(runs) {
+  StuckMonitor(const PackedSystem& packed, StuckRuns runs)
+      : packed_(packed), runs_(runs), fair_(packed.template fair_programs<Bits>()) {
     if (runs == StuckRuns::weakly_fair_with_groups) {
       groups_ = packed.template groups_on_weak_runs<Bits>();
     }
@@ -244,6 +250,7 @@ class StuckMonitor {
   }
   std::uint32_t universal() const { return no_monitor_state; }
   bool is_strong() const { return runs_ == StuckRuns::strongly_fair; }
+  const Bits& fair_programs() const { return fair_; }
   const Bits& groups() const { return groups_; }
   bool is_waiting(std::uint32_t at) const { return at == 0; }
   bool may_wait() const { return true; }
@@ -265,7 +272,7 @@ class StuckMonitor {
     } else if (is_strong()) {
       if (program != at - 1 && !has_bit(enabled, at - 1)) follow(at, 0);
     } else if (program != at - 1) {
-      follow(at, weakly_fair_marks(packed_.program_count(), program, enabled));
+      follow(at, weakly_fair_marks(packed_.program_count(), fair_, program, enabled));
     }
   }
   template <typename State, typename Follow>
@@ -275,7 +282,7 @@ class StuckMonitor {
   template <typename State, typename Follow>
   void guess(const State& state, Follow&& follow) const {
     for (std::size_t program = 0; program < packed_.program_count(); ++program) {
-      if (packed_.is_at_rest(state, program)) continue;
+      if (packed_.is_at_rest(state, program) || !has_bit(fair_, program)) continue;
       if (is_strong() && packed_.can_step(state, program)) continue;
       follow(static_cast<std::uint32_t>(program + 1), 0);
     }
@@ -283,7 +290,7 @@ class StuckMonitor {
 
   const PackedSystem& packed_;
   StuckRuns runs_;
-  Bits groups_{};
+  Bits fair_, groups_{};
 };
 
 }  // namespace maide

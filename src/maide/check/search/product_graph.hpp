@@ -5,9 +5,10 @@
 //   Bits                                   of programs, marks and groups: std::uint64_t or WideBits
 //   unsigned marks() const;                at most as many as Bits has
 //   std::uint32_t universal() const;       a state in which every run is accepted, or no state
-//   bool is_strong() const;                programs that can step again and again on the cycle do
-//   Bits groups() const;                   so are the steps of these fair groups, by bit
-//   bool is_waiting(state) const;          whatever happens it may stay there; no cycle with every
+//   bool is_strong() const;                fair programs that can step again and again on the cycle
+//   do Bits fair_programs() const;            those of which it asks that Bits groups() const; so
+//   are the steps of these fair groups, by bit bool is_waiting(state) const;          whatever
+//   happens it may stay there; no cycle with every
 //                                          mark passes there, and what it goes to depends on the
 //                                          system's next state alone
 //   bool may_wait() const;                 in any state
@@ -33,7 +34,7 @@
 
 #include "maide/base/invariant.hpp"
 #include "maide/check/packed/bits.hpp"
-#include "maide/check/packed/packed_system.hpp"
+#include "maide/check/packed/packed_steps.hpp"
 
 namespace maide {
 
@@ -42,7 +43,7 @@ inline constexpr std::uint32_t no_part = ~std::uint32_t{0};
 // Of a product's nodes, in the table.
 inline constexpr unsigned node_number_bits = 32;
 
-// Who can do something, or does: programs and fair groups, by bit.
+// Who can do something, or does: actors and fair groups, by bit.
 template <typename Bits>
 struct Share {
   Bits programs{}, groups{};
@@ -84,20 +85,24 @@ class ProductGraph {
       std::uint16_t program = 0;
     };
     std::vector<One> steps;  // but for those that cut the run, or come to an error
-    Bits enabled{};          // programs that can do more than die, those steps among them
+    Bits enabled{};          // actors that can make progress, those steps among them
     Bits groups{};           // fair groups of which a step is possible
     std::uint64_t seen = 0;  // steps, those that are not among `steps` included
   };
 
   // `system` was made with node_number_bits of payload and the monitor's states.
   ProductGraph(const PackedSystem& system, const Monitor& monitor)
-      : system_(system), monitor_(monitor), table_(system.address_bits(), node_number_bits) {
-    if (std::max<std::size_t>(monitor.marks(), system.program_count()) > bit_count_of<Bits>) {
+      : system_(system),
+        steps_(system),
+        monitor_(monitor),
+        table_(system.address_bits(), node_number_bits) {
+    if (std::max<std::size_t>(monitor.marks(), steps_.actors()) > bit_count_of<Bits>) {
       throw std::logic_error("too many marks or programs for a search for fair cycles");
     }
   }
 
   const PackedSystem& system() const { return system_; }
+  const PackedSteps<words>& steps() const { return steps_; }
   const Monitor& monitor() const { return monitor_; }
   Bits all_marks() const { return first_bits<Bits>(monitor_.marks()); }
   std::size_t size() const { return table_.size(); }
@@ -163,7 +168,9 @@ class ProductGraph {
     if (!edge.is_step) return {};
     return {bit_of<Bits>(edge.program), system_.template group_of<Bits>(edge.program, edge.edge)};
   }
-  Share wanted() const { return {monitor_.is_strong() ? ~Bits{} : Bits{}, monitor_.groups()}; }
+  Share wanted() const {
+    return {monitor_.is_strong() ? monitor_.fair_programs() : Bits{}, monitor_.groups()};
+  }
   // The monitor wants more of a cycle than its marks.
   bool wants_more() const { return !wanted().is_empty(); }
 
@@ -229,7 +236,7 @@ class ProductGraph {
 
   std::vector<State> first_nodes() const {
     std::vector<State> nodes;
-    const State initial = system_.pack<words>(initial_state(system_.system()));
+    const State initial = steps_.initial();
     // Of a run that begins at an error there is one position, and nothing is known of what follows.
     const bool is_error = system_.is_error(initial);
     monitor_.start(initial, [&](std::uint32_t state, const Bits&) {
@@ -259,13 +266,13 @@ class ProductGraph {
     found.groups = {};
     found.seen = 0;
     const State state = plain(node);
-    for (std::size_t program = 0; program < system_.program_count(); ++program) {
+    for (std::size_t program = 0; program < steps_.actors(); ++program) {
       const Bits bit = bit_of<Bits>(program);
-      system_.template for_each_step<is_plain>(
+      steps_.template for_each_of<is_plain>(
           state, program,
           [&](const State& next, std::uint32_t edge, bool is_cut, std::uint64_t code) {
             ++found.seen;
-            if (is_plain || !system_.is_death(program, edge)) found.enabled |= bit;
+            if (is_plain || system_.is_progress(program, edge)) found.enabled |= bit;
             if constexpr (!is_plain) {
               found.groups |= system_.template group_of<Bits>(program, edge);
               if (system_.is_error(next)) return;
@@ -278,6 +285,7 @@ class ProductGraph {
   }
 
   const PackedSystem& system_;
+  PackedSteps<words> steps_;
   const Monitor& monitor_;
   StateTable<words> table_;
   std::vector<State> nodes_;  // by number, in the order of discovery; once they are listed

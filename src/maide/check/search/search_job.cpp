@@ -159,7 +159,7 @@ void pass(Archive& archive, ModelUse& use) {
 }
 template <typename Archive>
 void pass(Archive& archive, ProgramEdge& edge) {
-  all(archive, static_cast<ModelUse&>(edge), edge.target, edge.line, edge.column);
+  all(archive, static_cast<ModelUse&>(edge), edge.target, edge.line, edge.column, edge.origin);
 }
 template <typename Archive>
 void pass(Archive& archive, CombinedStep& combined) {
@@ -184,10 +184,18 @@ void pass(Archive& archive, Program::State& state) {
       state.error, state.may_rest, state.waits);
 }
 template <typename Archive>
+void pass(Archive& archive, ActorFlags& flags) {
+  all(archive, flags.counts_for_deadlock, flags.is_fair, flags.may_rest, flags.is_shown);
+}
+template <typename Archive>
+void pass(Archive& archive, NobodysAction& action) {
+  all(archive, action.what, action.counts_for_deadlock, action.is_shown);
+}
+template <typename Archive>
 void pass(Archive& archive, Program& program) {
-  all(archive, program.name, program.states, program.edges, program.labels, program.label_sets,
-      program.combined, program.fair_groups, program.variables, program.valuations, program.errors,
-      program.names);
+  all(archive, program.name, program.flags, program.states, program.edges, program.labels,
+      program.label_sets, program.combined, program.fair_groups, program.variables,
+      program.valuations, program.errors, program.names);
 }
 
 // ---- Properties ----
@@ -235,9 +243,10 @@ void pass(Archive& archive, SearchJob::Monitor& monitor) {
 }
 template <typename Archive>
 void pass(Archive& archive, SearchJob& job) {
-  all(archive, job.goal, job.system.models, job.system.programs, job.system.expressions,
-      job.property, job.reduction, job.states, job.depth, job.bytes, job.states_a_thread,
-      job.threads, job.checkpoints, job.checkpoint_seconds, job.monitor);
+  all(archive, job.goal, job.system.models, job.system.programs, job.system.nobodys_actions,
+      job.system.nobodys_groups, job.system.expressions, job.property, job.reduction, job.states,
+      job.depth, job.bytes, job.states_a_thread, job.threads, job.checkpoints,
+      job.checkpoint_seconds, job.monitor);
 }
 
 template <typename Archive, typename... Parts>

@@ -278,11 +278,10 @@ class ShortLasso {
   }
 
   void append(const std::vector<std::size_t>& way, Trace& trace) const {
-    const PackedSystem& system = graph_.system();
     for (const std::size_t at : way) {
       const Link& link = links_[at];
       if (!link.is_step) continue;
-      trace.steps.push_back(system.undo(system.unpack(graph_.node(link.target)), link.code).step);
+      trace.steps.push_back(graph_.steps().undo(graph_.node(link.target), link.code).step);
     }
   }
 

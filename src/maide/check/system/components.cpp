@@ -52,6 +52,23 @@ Named names_of(const System& system, const Property& property) {
   return named;
 }
 
+// Adds the models of each action of nobody that uses one of them, until there are no more.
+void add_models_joined(const System& system, std::set<std::uint32_t>& models) {
+  std::size_t before = 0;
+  do {
+    before = models.size();
+    for (const NobodysAction& action : system.nobodys_actions) {
+      const auto& uses = action.what.uses;
+      const bool meets = std::any_of(uses.begin(), uses.end(), [&](const ModelUse& use) {
+        return models.contains(use.model);
+      });
+      for (const ModelUse& use : uses) {
+        if (meets) models.insert(use.model);
+      }
+    }
+  } while (before != models.size());
+}
+
 Formula with_atoms(const Formula& formula, const std::function<Atom(const Atom&)>& change) {
   if (!formula) return formula;
   FormulaNode node = *formula;
@@ -77,6 +94,19 @@ std::set<std::uint32_t> models_of(const Program& program) {
   return models;
 }
 
+bool is_whole(const System& system, const std::vector<std::uint32_t>& programs) {
+  if (programs.size() != system.programs.size()) return false;
+  if (system.nobodys_actions.empty()) return true;
+  std::set<std::uint32_t> models;
+  for (const Program& program : system.programs) models.merge(models_of(program));
+  add_models_joined(system, models);
+  return std::all_of(system.nobodys_actions.begin(), system.nobodys_actions.end(),
+                     [&](const NobodysAction& action) {
+                       return action.what.uses.empty() ||
+                              models.contains(action.what.uses.front().model);
+                     });
+}
+
 // Each program leads to an earlier one of its component, the first to itself.
 std::vector<std::vector<std::uint32_t>> find_components(const System& system) {
   std::vector<std::uint32_t> earlier(system.programs.size());
@@ -87,7 +117,9 @@ std::vector<std::vector<std::uint32_t>> find_components(const System& system) {
   };
   std::vector<std::uint32_t> user(system.models.size(), not_there);
   for (std::uint32_t program = 0; program < system.programs.size(); ++program) {
-    for (const std::uint32_t model : models_of(system.programs[program])) {
+    std::set<std::uint32_t> models = models_of(system.programs[program]);
+    add_models_joined(system, models);
+    for (const std::uint32_t model : models) {
       if (user[model] == not_there) user[model] = program;
       const std::uint32_t one = first_of(user[model]), other = first_of(program);
       earlier[std::max(one, other)] = std::min(one, other);
@@ -108,7 +140,8 @@ std::vector<std::vector<std::uint32_t>> find_components(const System& system) {
 
 std::vector<std::uint32_t> programs_of(const System& system, const Property& property,
                                        const std::vector<std::vector<std::uint32_t>>& components) {
-  const Named named = names_of(system, property);
+  Named named = names_of(system, property);
+  add_models_joined(system, named.models);
   std::vector<std::uint32_t> programs;
   for (const auto& component : components) {
     const bool is_named =
@@ -130,18 +163,26 @@ std::vector<std::uint32_t> deadlocked_programs(const System& system, const Globa
   std::vector<std::uint32_t> deadlocked;
   if (state.is_cut || is_error(system, state)) return deadlocked;
   std::vector<bool> can_step(system.programs.size());
+  std::set<std::uint32_t> moving;  // models that nobody's steps may change
   for (const Step& step : enabled_steps(system, state)) {
-    const Program& program = system.programs[step.program];
-    if (!program.is_death(program.edges[step.edge])) can_step[step.program] = true;
+    if (!is_progress(system, step)) continue;
+    if (step.actor != nobody) can_step[step.actor] = true;
+    if (step.actor != nobody) continue;
+    for (const ModelUse& use : uses_of(system, step)) moving.insert(use.model);
   }
   for (const auto& component : find_components(system)) {
     bool is_able = false, is_at_rest = true;
+    std::set<std::uint32_t> models;
     for (const std::uint32_t index : component) {
       const Program& program = system.programs[index];
       const ControlState at = state.programs[index];
       is_able = is_able || can_step[index];
-      is_at_rest = is_at_rest && (program.is_end(at) || program.states[at].may_rest);
+      is_at_rest = is_at_rest && (program.is_end(at) || program.may_rest(at));
+      if (!moving.empty()) models.merge(models_of(program));
     }
+    if (!moving.empty()) add_models_joined(system, models);
+    is_able = is_able || std::any_of(moving.begin(), moving.end(),
+                                     [&](std::uint32_t model) { return models.contains(model); });
     if (is_able || is_at_rest) continue;
     deadlocked.insert(deadlocked.end(), component.begin(), component.end());
   }
@@ -150,15 +191,18 @@ std::vector<std::uint32_t> deadlocked_programs(const System& system, const Globa
 
 Part::Part(const System& whole) : whole_(&whole), programs_(whole.programs.size()) {
   std::iota(programs_.begin(), programs_.end(), 0);
+  nobodys_actions_.resize(whole.nobodys_actions.size());
+  std::iota(nobodys_actions_.begin(), nobodys_actions_.end(), 0);
 }
 
 Part::Part(const System& whole, std::vector<std::uint32_t> programs, const Property* property)
     : Part(whole) {
-  if (programs.empty() || programs.size() == whole.programs.size()) return;
+  if (programs.empty() || maide::is_whole(whole, programs)) return;
   programs_ = std::move(programs);
   std::set<std::uint32_t> models;
   if (property != nullptr) models = names_of(whole, *property).models;
   for (const std::uint32_t program : programs_) models.merge(models_of(whole.programs[program]));
+  add_models_joined(whole, models);
   System& own = own_.emplace();
   own.file = whole.file;
   own.words = whole.words;
@@ -169,6 +213,7 @@ Part::Part(const System& whole, std::vector<std::uint32_t> programs, const Prope
     own.models.push_back(whole.models[model]);
   }
   add_programs();
+  add_nobodys_actions();
   if (property != nullptr) {
     own.sources = whole.sources;
     for (const Atom& atom : atoms_in(*property)) {
@@ -192,11 +237,27 @@ void Part::add_programs() {
     Program& program = own_->programs.emplace_back(whole_->programs[number]);
     for (std::uint32_t& model : program.names) model = model_numbers_[model];
     for (ProgramEdge& edge : program.edges) static_cast<ModelUse&>(edge) = renumbered(edge);
-    for (CombinedStep& combined : program.combined) {
-      for (ModelUse& use : combined.uses) use = renumbered(use);
-      for (ModelUse& event : combined.events) event = renumbered(event);
-    }
+    for (CombinedStep& combined : program.combined) combined = renumbered(std::move(combined));
   }
+}
+
+void Part::add_nobodys_actions() {
+  nobodys_actions_.clear();
+  own_->nobodys_groups = whole_->nobodys_groups;
+  for (std::uint32_t number = 0; number < whole_->nobodys_actions.size(); ++number) {
+    const NobodysAction& action = whole_->nobodys_actions[number];
+    const auto& uses = action.what.uses;
+    if (uses.empty() || model_numbers_[uses.front().model] == not_there) continue;
+    nobodys_actions_.push_back(number);
+    NobodysAction& own = own_->nobodys_actions.emplace_back(action);
+    own.what = renumbered(std::move(own.what));
+  }
+}
+
+CombinedStep Part::renumbered(CombinedStep step) const {
+  for (ModelUse& use : step.uses) use = renumbered(use);
+  for (ModelUse& event : step.events) event = renumbered(event);
+  return step;
 }
 
 ModelUse Part::renumbered(ModelUse use) const {
@@ -230,14 +291,32 @@ Property Part::property(const Property& of_whole) const {
   return result;
 }
 
+bool Part::has(const Step& step) const {
+  const auto& own = step.actor == nobody ? nobodys_actions_ : programs_;
+  return std::binary_search(own.begin(), own.end(),
+                            step.actor == nobody ? step.action : step.actor);
+}
+
 Step Part::to_whole(Step step) const {
-  step.program = programs_[step.program];
+  if (step.actor == nobody) {
+    step.action = nobodys_actions_[step.action];
+  } else {
+    step.actor = programs_[step.actor];
+  }
   return step;
 }
 
 Step Part::from_whole(Step step) const {
-  if (!is_whole()) step.program = program_numbers_[step.program];
-  MAIDE_CHECK(step.program != not_there);
+  if (is_whole()) return step;
+  if (step.actor == nobody) {
+    const auto own =
+        std::lower_bound(nobodys_actions_.begin(), nobodys_actions_.end(), step.action);
+    MAIDE_CHECK(own != nobodys_actions_.end() && *own == step.action);
+    step.action = static_cast<std::uint32_t>(own - nobodys_actions_.begin());
+  } else {
+    step.actor = program_numbers_[step.actor];
+    MAIDE_CHECK(step.actor != not_there);
+  }
   return step;
 }
 

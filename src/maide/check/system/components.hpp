@@ -1,5 +1,6 @@
 // Components of a system: programs that have something to do with one another, because their texts
-// name the same model or shared variable. Components do not notice each other. Deadlocks, stuck
+// name the same model or shared variable, or because an action of nobody joins their models.
+// Components do not notice each other. Deadlocks, stuck
 // programs and errors are decided in each, and a formula on the runs of those that its atoms name.
 // So what is to be visited is the sum of their states, and not the product.
 #pragma once
@@ -28,8 +29,13 @@ std::vector<std::uint32_t> programs_of(const System& system, const Property& pro
 // has neither ended nor may rest.
 std::vector<std::uint32_t> deadlocked_programs(const System& system, const GlobalState& state);
 
-// Some programs of a system with the models that they name, as a system of its own. Its programs
-// and models have other numbers, in the same order; edges, states and actions have the same.
+// All programs of a system belong to it, and so does all that happens by itself: each action of
+// nobody uses a model of some program.
+bool is_whole(const System& system, const std::vector<std::uint32_t>& programs);
+
+// Some programs of a system with the models that they name, as a system of its own. What nobody
+// does belongs to it if it uses one of its models. Its programs, models and actions of nobody have
+// other numbers, in the same order; edges, states and actions of models have the same.
 class Part {
  public:
   // The whole system. Keeps a reference.
@@ -45,17 +51,22 @@ class Part {
   const std::vector<std::uint32_t>& programs() const { return programs_; }
   // A property of the whole system, whose atoms are all in the part, as one of the part.
   Property property(const Property& of_whole) const;
-  // A step of one of the part's programs, and back.
+  // Whether a step of the whole system is one of the part.
+  bool has(const Step& step) const;
+  // A step of the part, and back.
   Step to_whole(Step step) const;
   Step from_whole(Step step) const;
 
  private:
   void add_programs();
+  void add_nobodys_actions();
+  CombinedStep renumbered(CombinedStep step) const;
   ModelUse renumbered(ModelUse use) const;
 
   const System* whole_;
   std::optional<System> own_;
   std::vector<std::uint32_t> programs_;
+  std::vector<std::uint32_t> nobodys_actions_;  // their numbers in the whole system
   std::vector<std::uint32_t> program_numbers_,
       model_numbers_;  // in the part, by those in the whole
 };

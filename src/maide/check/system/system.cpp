@@ -5,18 +5,11 @@
 #include <string_view>
 #include <vector>
 
+#include "maide/base/invariant.hpp"
 #include "maide/base/text.hpp"
 #include "maide/formats/names.hpp"
 
 namespace maide {
-namespace {
-
-const ProgramEdge& edge_of(const System& system, const Step& step) {
-  return system.programs[step.program].edges[step.edge];
-}
-
-}  // namespace
-
 std::vector<ProgramInterface> System::interfaces() const {
   std::vector<ProgramInterface> result;
   for (const ModelInstance& model : models) {
@@ -77,30 +70,36 @@ void add_steps(const System& system, const GlobalState& state, std::span<const M
   }
 }
 
-// Appends the steps of that program.
-void add_steps(const System& system, const GlobalState& state, std::uint32_t index,
+// Actions of the actor, from which its steps are those that are possible.
+struct ActionRange {
+  std::uint32_t first = 0, count = 0;
+};
+ActionRange actions_of(const System& system, const GlobalState& state, std::uint32_t actor) {
+  if (actor == nobody) return {0, static_cast<std::uint32_t>(system.nobodys_actions.size())};
+  const Program::State& control = system.programs[actor].states[state.programs[actor]];
+  return {control.first_edge, control.edge_count};
+}
+
+// Appends the steps of that actor.
+void add_steps(const System& system, const GlobalState& state, std::uint32_t actor,
                std::vector<Step>& steps) {
-  const Program& program = system.programs[index];
-  const Program::State& control = program.states[state.programs[index]];
-  for (std::uint32_t offset = 0; offset < control.edge_count; ++offset) {
-    const std::uint32_t edge = control.first_edge + offset;
-    add_steps(system, state, program.uses_of(program.edges[edge]), {index, edge, {}, false, false},
-              steps);
+  const ActionRange actions = actions_of(system, state, actor);
+  for (std::uint32_t offset = 0; offset < actions.count; ++offset) {
+    const Step begun{actor, actions.first + offset, {}, false, false};
+    add_steps(system, state, uses_of(system, begun), begun, steps);
   }
 }
 
 }  // namespace
 
 bool is_possible(const System& system, const GlobalState& state, const Step& step) {
-  const Program& program = system.programs[step.program];
-  const Program::State& control = program.states[state.programs[step.program]];
-  if (state.is_cut || step.edge < control.first_edge ||
-      step.edge >= control.first_edge + control.edge_count) {
+  const ActionRange actions = actions_of(system, state, step.actor);
+  if (state.is_cut || step.action < actions.first || step.action >= actions.first + actions.count) {
     return false;
   }
   std::vector<Step> steps;
-  add_steps(system, state, program.uses_of(program.edges[step.edge]),
-            {step.program, step.edge, {}, false, false}, steps);
+  add_steps(system, state, uses_of(system, step), {step.actor, step.action, {}, false, false},
+            steps);
   return std::find(steps.begin(), steps.end(), step) != steps.end();
 }
 
@@ -110,21 +109,21 @@ std::vector<Step> enabled_steps(const System& system, const GlobalState& state) 
   for (std::uint32_t index = 0; index < system.programs.size(); ++index) {
     add_steps(system, state, index, steps);
   }
+  add_steps(system, state, nobody, steps);
   return steps;
 }
 
 std::vector<Step> enabled_steps(const System& system, const GlobalState& state,
-                                std::uint32_t program) {
+                                std::uint32_t actor) {
   std::vector<Step> steps;
-  if (!state.is_cut) add_steps(system, state, program, steps);
+  if (!state.is_cut) add_steps(system, state, actor, steps);
   return steps;
 }
 
 GlobalState apply(const System& system, const GlobalState& state, const Step& step) {
   GlobalState next = state;
-  const ProgramEdge& edge = edge_of(system, step);
-  next.programs[step.program] = edge.target;
-  const auto uses = system.programs[step.program].uses_of(edge);
+  if (step.actor != nobody) next.programs[step.actor] = edge_of(system, step).target;
+  const auto uses = uses_of(system, step);
   for (std::size_t i = 0; i < uses.size(); ++i) next.models[uses[i].model] = step.targets[i];
   next.is_cut = step.is_cut;
   return next;
@@ -134,7 +133,7 @@ std::vector<ModelUse> uses_beyond(const System& system, const GlobalState& state
                                   const Step& step) {
   std::vector<ModelUse> beyond;
   if (!step.is_beyond) return beyond;
-  const auto uses = system.programs[step.program].uses_of(edge_of(system, step));
+  const auto uses = uses_of(system, step);
   for (std::size_t i = 0; i < uses.size(); ++i) {
     const StateId at = state.models[uses[i].model];
     const auto steps = model_steps(system.models[uses[i].model], at, uses[i]);
@@ -165,9 +164,8 @@ bool is_error(const System& system, const GlobalState& state) {
 
 bool is_over(const System& system, const GlobalState& state) {
   const std::vector<Step> steps = enabled_steps(system, state);
-  return std::all_of(steps.begin(), steps.end(), [&](const Step& step) {
-    return system.programs[step.program].is_death(edge_of(system, step));
-  });
+  return std::none_of(steps.begin(), steps.end(),
+                      [&](const Step& step) { return is_progress(system, step); });
 }
 
 bool is_deadlock(const System& system, const GlobalState& state) {
@@ -175,9 +173,66 @@ bool is_deadlock(const System& system, const GlobalState& state) {
   for (std::size_t index = 0; index < system.programs.size(); ++index) {
     const Program& program = system.programs[index];
     const ControlState at = state.programs[index];
-    if (!program.is_end(at) && !program.states[at].may_rest) return true;
+    if (!program.is_end(at) && !program.may_rest(at)) return true;
   }
   return false;
+}
+
+std::span<const ModelUse> uses_of(const System& system, const Step& step) {
+  if (step.actor == nobody) return system.nobodys_actions[step.action].what.uses;
+  return system.programs[step.actor].uses_of(edge_of(system, step));
+}
+
+std::span<const ModelUse> events_of(const System& system, const Step& step) {
+  if (step.actor == nobody) return system.nobodys_actions[step.action].what.events;
+  return system.programs[step.actor].events_of(edge_of(system, step));
+}
+
+const CombinedStep* combined_step_of(const System& system, const Step& step) {
+  if (step.actor == nobody) return &system.nobodys_actions[step.action].what;
+  const ProgramEdge& edge = edge_of(system, step);
+  if (edge.kind != ModelUse::Kind::combined) return nullptr;
+  return &system.programs[step.actor].combined[edge.symbol];
+}
+
+const ProgramEdge& edge_of(const System& system, const Step& step) {
+  MAIDE_CHECK(step.actor != nobody);
+  return system.programs[step.actor].edges[step.action];
+}
+
+bool is_progress(const System& system, const Step& step) {
+  if (step.actor == nobody) return system.nobodys_actions[step.action].counts_for_deadlock;
+  return system.programs[step.actor].is_progress(edge_of(system, step));
+}
+
+bool is_shown(const System& system, const Step& step) {
+  if (step.actor == nobody) return system.nobodys_actions[step.action].is_shown;
+  return system.programs[step.actor].flags.is_shown;
+}
+
+SourcePosition place_of(const System& system, const Step& step) {
+  if (step.actor == nobody) return system.nobodys_actions[step.action].position;
+  const ProgramEdge& edge = edge_of(system, step);
+  return {system.programs[step.actor].position.file, edge.line, edge.column};
+}
+
+std::optional<SourcePosition> origin_of(const System& system, const Step& step) {
+  if (step.actor == nobody) return system.nobodys_actions[step.action].origin;
+  const std::uint32_t origin = edge_of(system, step).origin;
+  if (origin == 0) return std::nullopt;
+  return system.programs[step.actor].origins[origin];
+}
+
+std::string actor_name(const System& system, std::uint32_t actor) {
+  return actor == nobody ? "nobody" : system.programs[actor].name;
+}
+
+std::size_t actor_number(const System& system, std::uint32_t actor) {
+  return actor == nobody ? system.programs.size() : actor;
+}
+
+std::size_t actor_count(const System& system) {
+  return system.programs.size() + (system.nobodys_actions.empty() ? 0 : 1);
 }
 
 bool is_true(const Expression& expression, const System& system, const GlobalState& state) {
@@ -218,14 +273,12 @@ bool is_true(const Atom& atom, const System& system, const GlobalState& state, c
     return is_true(system.expressions[atom.owner], system, state);
   }
   if (last == nullptr) return false;
-  return is_event_of(atom, system, last->program, edge_of(system, *last));
+  return is_event_of(atom, last->actor, events_of(system, *last));
 }
 
-bool is_event_of(const Atom& atom, const System& system, std::uint32_t program,
-                 const ProgramEdge& edge) {
-  if (atom.program != Atom::any_program && atom.program != program) return false;
+bool is_event_of(const Atom& atom, std::uint32_t actor, std::span<const ModelUse> events) {
+  if (atom.program != Atom::any_program && atom.program != actor) return false;
   const auto kind = atom.kind == Atom::Kind::input ? ModelUse::Kind::give : ModelUse::Kind::take;
-  const auto events = system.programs[program].events_of(edge);
   return std::any_of(events.begin(), events.end(), [&](const ModelUse& event) {
     return event.kind == kind && event.model == atom.owner && event.symbol == atom.symbol;
   });
@@ -233,15 +286,18 @@ bool is_event_of(const Atom& atom, const System& system, std::uint32_t program,
 
 namespace {
 
-// Whether the step may change the variable.
+// Whether a step with these uses may change the shared variable.
+bool may_change(const Expression& leaf, std::span<const ModelUse> uses) {
+  return leaf.op == Expression::Operator::shared &&
+         std::any_of(uses.begin(), uses.end(), [&](const ModelUse& use) {
+           return use.model >= leaf.index && use.model - leaf.index < element_count(leaf);
+         });
+}
+
+// Whether the program's step may change the variable.
 bool may_change(const Expression& leaf, const Program& program, std::size_t index,
                 ControlState source, const ProgramEdge& edge) {
-  if (leaf.op == Expression::Operator::shared) {
-    const auto uses = program.uses_of(edge);
-    return std::any_of(uses.begin(), uses.end(), [&](const ModelUse& use) {
-      return use.model >= leaf.index && use.model - leaf.index < element_count(leaf);
-    });
-  }
+  if (leaf.op == Expression::Operator::shared) return may_change(leaf, program.uses_of(edge));
   if (index != leaf.owner) return false;
   for (std::uint32_t i = 0; i < element_count(leaf); ++i) {
     if (program.value_of(source, leaf.index + i) != program.value_of(edge.target, leaf.index + i)) {
@@ -268,8 +324,18 @@ bool is_seen_by(const Atom& atom, const System& system, std::uint32_t index, Con
       });
       return is_seen;
     }
-    default: return is_event_of(atom, system, index, edge);
+    default: return is_event_of(atom, index, program.events_of(edge));
   }
+}
+
+bool is_seen_by(const Atom& atom, const System& system, const NobodysAction& action) {
+  if (atom.is_event()) return is_event_of(atom, nobody, action.what.events);
+  if (atom.kind != Atom::Kind::expression) return false;
+  bool is_seen = false;
+  for_each_variable(system.expressions[atom.owner], [&](const Expression& leaf) {
+    is_seen = is_seen || may_change(leaf, action.what.uses);
+  });
+  return is_seen;
 }
 
 }  // namespace maide

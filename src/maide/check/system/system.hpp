@@ -9,6 +9,11 @@
 // self-loop) does what the instance's `when_unexplored` says. A program that comes to an error
 // stops the system: nothing follows.
 //
+// A step has an actor, which is a program, or nobody. What nobody does is an action of the system
+// that changes models alone: a message arrives, a clock ticks. It is possible where all its uses
+// are. Where it is possible is no deadlock. It is no program's step, so a program is stuck if from
+// some point on nobody steps alone.
+//
 // Shared variables are model instances, too: a state for each value, and actions that read and
 // write.
 #pragma once
@@ -18,6 +23,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -61,6 +67,7 @@ struct ModelInstance {
     service,   // made by the rules of services
     executor,  // its idle threads, or which runs of a callback there are
     variable,  // a shared variable: state i is the value number i of its type
+    wire,      // what is on its way between two ends
   };
   std::string name;
   InterfaceAutomaton automaton;
@@ -69,7 +76,7 @@ struct ModelInstance {
   ValueType type;  // of a variable
   // Of a queue that has too many states to make them all: it has those that programs reach.
   bool is_grown = false;
-  std::vector<std::string> state_texts;  // of a service, by state: what is on its way
+  std::vector<std::string> state_texts;  // of a service or wire, by state: what is on its way
   WhenUnexplored when_unexplored = WhenUnexplored::stop;
   WhenWeak when_weak = WhenWeak::inconclusive;
   std::string origin;  // the file, or what it was learned from; for messages
@@ -84,6 +91,20 @@ struct ModelInstance {
     automaton = std::move(other);
     as_read.reset();
   }
+};
+
+// Something that happens by itself.
+struct NobodysAction {
+  // Its uses, events and text; `role` is Role::step. `fair`: its group among
+  // System::nobodys_groups. Groups are treated fairly on weakly fair runs, too: if one of the
+  // group's actions is possible again and again, one is taken again and again. 0: nothing asks for
+  // it.
+  CombinedStep what;
+  bool counts_for_deadlock = true;  // see ActorFlags
+  bool is_shown = true;
+  std::string lost{};                      // by it, in words: "a message of image"; "": nothing
+  SourcePosition position;                 // in the system file
+  std::optional<SourcePosition> origin{};  // in another file
 };
 
 // A topic of the file, for who plays runs on a real one: its steps are combined steps of these
@@ -147,9 +168,11 @@ struct System {
   std::vector<ExecutorInstance> executors;
   std::vector<CallbackInstance> callbacks;
   std::vector<Program> programs;
-  std::vector<Property> properties;     // those of the file
-  std::vector<std::string> remarks;     // one line each: what looks like an oversight
-  std::vector<Expression> expressions;  // of formulas' atoms, which have their numbers
+  std::vector<NobodysAction> nobodys_actions;
+  std::vector<std::string> nobodys_groups;  // what their fair groups are called; [0] is not used
+  std::vector<Property> properties;         // those of the file
+  std::vector<std::string> remarks;         // one line each: what looks like an oversight
+  std::vector<Expression> expressions;      // of formulas' atoms, which have their numbers
   WordTable words;
   std::map<std::string, std::string> sources;  // texts of the files that programs stand in, by name
 
@@ -163,10 +186,13 @@ struct GlobalState {
   bool operator==(const GlobalState&) const = default;
 };
 
+// The actor of a step that is no program's.
+inline constexpr std::uint32_t nobody = ~std::uint32_t{0};
+
 struct Step {
-  std::uint32_t program = 0;
-  std::uint32_t edge = 0;        // index into the program's edges
-  std::vector<StateId> targets;  // states afterwards of the models that the edge uses, in order
+  std::uint32_t actor = 0;       // a program, or nobody
+  std::uint32_t action = 0;      // index into the program's edges, or into nobodys_actions
+  std::vector<StateId> targets;  // states afterwards of the models that it uses, in order
   bool is_beyond = false;        // gives an input where it was never tried
   bool is_cut = false;           // and there the model says `stop`: the run is cut
   bool operator==(const Step&) const = default;
@@ -177,13 +203,13 @@ struct Step {
 std::vector<ModelStep> model_steps(const ModelInstance& model, StateId at, const ModelUse& use);
 
 GlobalState initial_state(const System& system);
-// Every step that is possible in `state`, in a fixed order. None if the run is cut. O(programs x
-// edges).
+// Every step that is possible in `state`, in a fixed order: those of programs, then nobody's. None
+// if the run is cut. O(programs x edges).
 std::vector<Step> enabled_steps(const System& system, const GlobalState& state);
-// Those of one program, whatever errors others have come to. None if the run is cut.
+// Those of one actor, whatever errors others have come to. None if the run is cut.
 std::vector<Step> enabled_steps(const System& system, const GlobalState& state,
-                                std::uint32_t program);
-// Whether its program can take the step, whatever errors others have come to: those of another
+                                std::uint32_t actor);
+// Whether its actor can take the step, whatever errors others have come to: those of another
 // component do not stop it.
 bool is_possible(const System& system, const GlobalState& state, const Step& step);
 // The state after one of its enabled steps.
@@ -192,7 +218,7 @@ GlobalState apply(const System& system, const GlobalState& state, const Step& st
 std::vector<ModelUse> uses_beyond(const System& system, const GlobalState& state, const Step& step);
 // The step beyond that model's bounds cuts the run.
 bool cuts(const ModelInstance& model, const ModelStep& step);
-// No step is left, or deaths alone.
+// No step is left that is progress.
 bool is_over(const System& system, const GlobalState& state);
 // It is over there, and some program neither has ended nor may rest. A cut run is no
 // deadlock, nor is an error.
@@ -204,6 +230,30 @@ bool is_error(const System& system, const GlobalState& state);
 // cannot be evaluated.
 bool is_true(const Expression& expression, const System& system, const GlobalState& state);
 
+// ---- What a step does, whoever takes it ----
+
+// The models that it uses, in the order of its targets. Valid as long as the system.
+std::span<const ModelUse> uses_of(const System& system, const Step& step);
+// The inputs that it gives and the outputs that it takes.
+std::span<const ModelUse> events_of(const System& system, const Step& step);
+// Null if it is one use of one model by a program, or `if *`.
+const CombinedStep* combined_step_of(const System& system, const Step& step);
+// Of a program's step.
+const ProgramEdge& edge_of(const System& system, const Step& step);
+// It counts for deadlocks (ActorFlags).
+bool is_progress(const System& system, const Step& step);
+bool is_shown(const System& system, const Step& step);
+// Where it stands in the system file.
+SourcePosition place_of(const System& system, const Step& step);
+// What it was made from, in another file.
+std::optional<SourcePosition> origin_of(const System& system, const Step& step);
+// The program's name, or "nobody".
+std::string actor_name(const System& system, std::uint32_t actor);
+// The program's number; nobody's is the next behind them.
+std::size_t actor_number(const System& system, std::uint32_t actor);
+// Programs, and nobody if he has actions.
+std::size_t actor_count(const System& system);
+
 // The line of the program's source, without blanks around it; "" if it is not known.
 std::string source_line(const System& system, const Program& program, int line);
 
@@ -211,15 +261,14 @@ std::string source_line(const System& system, const Program& program, int line);
 // one that repeats for ever).
 bool is_true(const Atom& atom, const System& system, const GlobalState& state, const Step* last);
 
-// Whether the edge of that program gives the input or takes the output that the atom, an event,
-// names.
-bool is_event_of(const Atom& atom, const System& system, std::uint32_t program,
-                 const ProgramEdge& edge);
+// Whether the atom, an event, names one of these inputs and outputs of a step by that actor.
+bool is_event_of(const Atom& atom, std::uint32_t actor, std::span<const ModelUse> events);
 
 // Whether that edge of that program, from `source`, may change what the atom is, or is an event
 // that it names.
 bool is_seen_by(const Atom& atom, const System& system, std::uint32_t program, ControlState source,
                 const ProgramEdge& edge);
+bool is_seen_by(const Atom& atom, const System& system, const NobodysAction& action);
 
 // Whether `input` was never tried in `state` of the automaton: marked, or drawn as absorbed.
 bool is_beyond_learned(const InterfaceAutomaton& automaton, StateId state, Symbol input);

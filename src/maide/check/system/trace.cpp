@@ -27,8 +27,13 @@ struct LoopShare {
 
 struct LoopShares {
   std::vector<LoopShare> programs;
-  std::vector<std::vector<LoopShare>> groups;  // by program; [0] is not used
+  std::vector<std::vector<LoopShare>> groups;  // by actor, nobody last; [0] is not used
 };
+
+std::uint32_t fair_group_of(const System& system, const Step& step) {
+  const CombinedStep* combined = combined_step_of(system, step);
+  return combined == nullptr ? 0 : combined->fair;
+}
 
 LoopShares share_loop(const System& system, const Trace& trace,
                       const std::vector<GlobalState>& states) {
@@ -39,17 +44,17 @@ LoopShares share_loop(const System& system, const Trace& trace,
   for (const Program& program : system.programs) {
     shares.groups.emplace_back(std::max<std::size_t>(program.fair_groups.size(), 1));
   }
+  shares.groups.emplace_back(std::max<std::size_t>(system.nobodys_groups.size(), 1));
   const auto group_of = [&](const Step& step) -> LoopShare& {
-    const Program& program = system.programs[step.program];
-    return shares.groups[step.program][program.fair_group_of(program.edges[step.edge])];
+    return shares.groups[actor_number(system, step.actor)][fair_group_of(system, step)];
   };
   for (std::size_t at = *trace.loop_start; at < trace.steps.size(); ++at) {
-    shares.programs[trace.steps[at].program].steps = true;
-    group_of(trace.steps[at]).steps = true;
+    const Step& taken = trace.steps[at];
+    if (taken.actor != nobody) shares.programs[taken.actor].steps = true;
+    group_of(taken).steps = true;
     std::vector<bool> can(shares.programs.size());
     for (const Step& step : enabled_steps(system, states[at])) {
-      const Program& program = system.programs[step.program];
-      if (!program.is_death(program.edges[step.edge])) can[step.program] = true;
+      if (step.actor != nobody && is_progress(system, step)) can[step.actor] = true;
       group_of(step).is_enabled = true;
     }
     for (std::size_t program = 0; program < can.size(); ++program) {
@@ -65,13 +70,16 @@ bool is_fair_loop(const System& system, const LoopShares& shares, Fairness fairn
   const bool is_strong = fairness == Fairness::strong;
   for (std::size_t index = 0; index < shares.programs.size(); ++index) {
     const LoopShare& share = shares.programs[index];
-    if (!(is_strong ? share.is_strongly_fair() : share.is_weakly_fair())) return false;
+    const bool is_asked = system.programs[index].flags.is_fair;
+    if (is_asked && !(is_strong ? share.is_strongly_fair() : share.is_weakly_fair())) return false;
     for (std::size_t group = 1; group < shares.groups[index].size(); ++group) {
       if (!is_strong && !system.programs[index].fair_groups[group].on_weak_runs) continue;
       if (!shares.groups[index][group].is_strongly_fair()) return false;
     }
   }
-  return true;
+  const std::vector<LoopShare>& nobodys = shares.groups.back();
+  return std::all_of(nobodys.begin() + 1, nobodys.end(),
+                     [](const LoopShare& share) { return share.is_strongly_fair(); });
 }
 
 std::string find_flaw_of_stuck(const System& system, const Trace& trace,
@@ -82,20 +90,18 @@ std::string find_flaw_of_stuck(const System& system, const Trace& trace,
   for (std::size_t index = 0; index < shares.programs.size(); ++index) {
     const Program& program = system.programs[index];
     const ControlState at = states.back().programs[index];
-    if (!shares.programs[index].steps && !program.is_end(at) && !program.states[at].may_rest) {
+    if (!shares.programs[index].steps && !program.is_end(at) && !program.may_rest(at)) {
       return "";
     }
   }
   return "every program that has not ended steps again";
 }
 
-// Nothing but deaths can come, and the run may end there.
+// No progress can come, and the run may end there.
 bool may_end(const System& system, const GlobalState& state) {
   const std::vector<Step> steps = enabled_steps(system, state);
-  return std::all_of(steps.begin(), steps.end(), [&](const Step& step) {
-    const Program& program = system.programs[step.program];
-    return program.is_death(program.edges[step.edge]);
-  });
+  return std::none_of(steps.begin(), steps.end(),
+                      [&](const Step& step) { return is_progress(system, step); });
 }
 
 // The run as what formulas and automata are evaluated on (see holds_on_lasso). `value` refers to
@@ -208,26 +214,23 @@ std::string find_flaw(const System& system, const Property& property, const Trac
 
 namespace {
 
-constexpr std::uint32_t nobody = ~std::uint32_t{0};
-
-const ProgramEdge& edge_of(const System& system, const Step& step) {
-  return system.programs[step.program].edges[step.edge];
-}
-
-std::span<const ModelUse> uses_of(const System& system, const Step& step) {
-  return system.programs[step.program].uses_of(edge_of(system, step));
-}
+constexpr std::size_t no_actor = ~std::size_t{0};
 
 // Whether the formula can see the step: one of its atoms changes, or is an event of this step.
 bool is_visible(const System& system, const std::vector<Atom>& atoms, const Step& step) {
-  const Program& program = system.programs[step.program];
-  const ProgramEdge& edge = program.edges[step.edge];
+  if (step.actor == nobody) {
+    const NobodysAction& action = system.nobodys_actions[step.action];
+    return std::any_of(atoms.begin(), atoms.end(),
+                       [&](const Atom& atom) { return is_seen_by(atom, system, action); });
+  }
+  const Program& program = system.programs[step.actor];
+  const ProgramEdge& edge = program.edges[step.action];
   const auto owner = std::upper_bound(
-      program.states.begin(), program.states.end(), step.edge,
+      program.states.begin(), program.states.end(), step.action,
       [](std::uint32_t index, const Program::State& state) { return index < state.first_edge; });
   const auto source = static_cast<ControlState>(owner - program.states.begin() - 1);
   return std::any_of(atoms.begin(), atoms.end(), [&](const Atom& atom) {
-    return is_seen_by(atom, system, step.program, source, edge);
+    return is_seen_by(atom, system, step.actor, source, edge);
   });
 }
 
@@ -235,7 +238,7 @@ bool is_visible(const System& system, const std::vector<Atom>& atoms, const Step
 struct Stretch {
   GlobalState begin, end;
   std::span<const Step> steps;
-  std::uint32_t before = nobody;  // the program of the step before it
+  std::size_t before = no_actor;  // the number of who took the step before it
 };
 
 // The search: 0-1 breadth-first, by the number of switches.
@@ -243,10 +246,11 @@ class TurnSearch {
  public:
   TurnSearch(const System& system, const std::vector<Atom>& atoms, const Stretch& stretch,
              std::size_t most_nodes)
-      : system_(system), stretch_(stretch), most_nodes_(most_nodes), own_(system.programs.size()) {
+      : system_(system), stretch_(stretch), most_nodes_(most_nodes), own_(actor_count(system)) {
     for (const Step& step : stretch.steps) {
       const bool visible = is_visible(system, atoms, step);
-      own_[step.program].push_back({step, visible ? visible_count_ : not_visible});
+      own_[actor_number(system, step.actor)].push_back(
+          {step, visible ? visible_count_ : not_visible});
       visible_count_ += visible ? 1 : 0;
     }
   }
@@ -255,7 +259,7 @@ class TurnSearch {
   std::optional<std::vector<Step>> run() {
     Key first(own_.size(), 0);
     for (const StateId state : stretch_.begin.models) first.push_back(state);
-    first.push_back(stretch_.before);
+    first.push_back(static_cast<char32_t>(stretch_.before));
     first.push_back(0);
     visit(std::move(first), no_node, {}, 0);
     while (!now_.empty() || !later_.empty()) {
@@ -271,7 +275,7 @@ class TurnSearch {
   }
 
  private:
-  // How far each program is, where each model is, who stepped last, and how many visible steps were
+  // How far each actor is, where each model is, who stepped last, and how many visible steps were
   // taken (they keep their order).
   using Key = std::u32string;
   static constexpr std::uint32_t no_node = ~std::uint32_t{0};
@@ -292,8 +296,8 @@ class TurnSearch {
   std::size_t last_at() const { return own_.size() + system_.models.size(); }
 
   bool is_goal(const Key& key) const {
-    for (std::size_t program = 0; program < own_.size(); ++program) {
-      if (key[program] != own_[program].size()) return false;
+    for (std::size_t actor = 0; actor < own_.size(); ++actor) {
+      if (key[actor] != own_[actor].size()) return false;
     }
     return std::equal(stretch_.end.models.begin(), stretch_.end.models.end(),
                       key.begin() + static_cast<std::ptrdiff_t>(models_at()));
@@ -301,10 +305,10 @@ class TurnSearch {
 
   GlobalState state_of(const Key& key) const {
     GlobalState state = stretch_.begin;
-    for (std::size_t program = 0; program < own_.size(); ++program) {
-      if (key[program] == 0) continue;
-      const Step& step = own_[program][key[program] - 1].step;
-      state.programs[program] = edge_of(system_, step).target;
+    for (std::size_t actor = 0; actor < own_.size(); ++actor) {
+      if (key[actor] == 0) continue;
+      const Step& step = own_[actor][key[actor] - 1].step;
+      if (step.actor != nobody) state.programs[actor] = edge_of(system_, step).target;
       // Only the last step of a run is cut.
       state.is_cut = state.is_cut || step.is_cut;
     }
@@ -317,19 +321,21 @@ class TurnSearch {
   void expand(std::uint32_t at) {
     const Key key = *nodes_[at].key;
     for (const Step& step : enabled_steps(system_, state_of(key))) {
-      const std::uint32_t done = key[step.program];
-      if (done == own_[step.program].size()) continue;
-      const OwnStep& own = own_[step.program][done];
-      if (step.edge != own.step.edge || step.is_cut != own.step.is_cut) continue;
+      const std::size_t actor = actor_number(system_, step.actor);
+      const std::uint32_t done = key[actor];
+      if (done == own_[actor].size()) continue;
+      const OwnStep& own = own_[actor][done];
+      if (step.action != own.step.action || step.is_cut != own.step.is_cut) continue;
       if (own.visible != not_visible && own.visible != key.back()) continue;
       Key next = key;
-      ++next[step.program];
+      ++next[actor];
       const auto uses = uses_of(system_, step);
       for (std::size_t i = 0; i < uses.size(); ++i) {
         next[models_at() + uses[i].model] = step.targets[i];
       }
-      const bool is_switch = key[last_at()] != nobody && key[last_at()] != step.program;
-      next[last_at()] = step.program;
+      const char32_t last = key[last_at()];
+      const bool is_switch = last != static_cast<char32_t>(no_actor) && last != actor;
+      next[last_at()] = static_cast<char32_t>(actor);
       next.back() += own.visible != not_visible ? 1 : 0;
       visit(std::move(next), at, step, nodes_[at].switches + (is_switch ? 1 : 0));
     }
@@ -358,7 +364,7 @@ class TurnSearch {
   const System& system_;
   const Stretch& stretch_;
   std::size_t most_nodes_;
-  std::vector<std::vector<OwnStep>> own_;  // each program's steps
+  std::vector<std::vector<OwnStep>> own_;  // each actor's steps
   std::uint32_t visible_count_ = 0;
   std::unordered_map<Key, std::uint32_t> ids_;  // its keys stay where they are
   std::vector<Node> nodes_;
@@ -371,11 +377,11 @@ class TurnSearch {
 class GreedyTurns {
  public:
   GreedyTurns(const System& system, const std::vector<Atom>& atoms, const Stretch& stretch)
-      : steps_(stretch.steps), needs_(stretch.steps.size()), own_(system.programs.size()) {
+      : steps_(stretch.steps), needs_(stretch.steps.size()), own_(actor_count(system)) {
     std::vector<std::size_t> last_of_model(system.models.size(), none);
     std::size_t last_visible = none;
     for (std::size_t at = 0; at < steps_.size(); ++at) {
-      own_[steps_[at].program].push_back(at);
+      own_[actor_number(system, steps_[at].actor)].push_back(at);
       for (const ModelUse& use : uses_of(system, steps_[at])) {
         MAIDE_CHECK(use.model < last_of_model.size());
         const std::size_t last = std::exchange(last_of_model[use.model], at);
@@ -426,15 +432,17 @@ class GreedyTurns {
 
   std::span<const Step> steps_;
   std::vector<std::vector<std::size_t>> needs_;  // by step: earlier ones
-  std::vector<std::vector<std::size_t>> own_;    // each program's steps
+  std::vector<std::vector<std::size_t>> own_;    // each actor's steps
   std::vector<bool> is_taken_;
 };
 
-// Whether the steps are those of the stretch, each program's in their order.
+// Whether the steps are those of the stretch, each actor's in their order.
 bool is_reordering(const System& system, const std::vector<Step>& steps, const Stretch& stretch) {
-  std::vector<std::vector<std::uint32_t>> own(system.programs.size()), wanted(own.size());
-  for (const Step& step : steps) own[step.program].push_back(step.edge);
-  for (const Step& step : stretch.steps) wanted[step.program].push_back(step.edge);
+  std::vector<std::vector<std::uint32_t>> own(actor_count(system)), wanted(own.size());
+  for (const Step& step : steps) own[actor_number(system, step.actor)].push_back(step.action);
+  for (const Step& step : stretch.steps) {
+    wanted[actor_number(system, step.actor)].push_back(step.action);
+  }
   return own == wanted;
 }
 
@@ -451,7 +459,7 @@ std::vector<Step> reorder(const System& system, const std::vector<Atom>& atoms,
 std::size_t count_switches(const Trace& trace) {
   std::size_t switches = 0;
   for (std::size_t at = 1; at < trace.steps.size(); ++at) {
-    switches += trace.steps[at].program != trace.steps[at - 1].program ? 1 : 0;
+    switches += trace.steps[at].actor != trace.steps[at - 1].actor ? 1 : 0;
   }
   return switches;
 }
@@ -467,10 +475,11 @@ Trace with_fewest_switches(const System& system, const Property& property, const
   const std::span<const Step> steps(trace.steps);
   Trace result;
   result.loop_start = trace.loop_start;
-  result.steps = reorder(system, atoms, {states.front(), states[split], steps.first(split), nobody},
-                         most_nodes);
+  result.steps = reorder(system, atoms,
+                         {states.front(), states[split], steps.first(split), no_actor}, most_nodes);
   if (trace.loop_start) {
-    const std::uint32_t before = result.steps.empty() ? nobody : result.steps.back().program;
+    const std::size_t before =
+        result.steps.empty() ? no_actor : actor_number(system, result.steps.back().actor);
     const std::vector<Step> loop = reorder(
         system, atoms, {states[split], states[split], steps.subspan(split), before}, most_nodes);
     result.steps.insert(result.steps.end(), loop.begin(), loop.end());

@@ -42,14 +42,14 @@ std::string find_flaw(const System& system, const Property& property, const Trac
 
 // ---- The order of the steps ----
 //
-// A counterexample is easier to read if each program goes on as long as it can before another one
-// takes its turn. The idea: of the orders in which each program keeps its own steps, most are as
+// A counterexample is easier to read if each actor goes on as long as it can before another one
+// takes its turn. The idea: of the orders in which each actor keeps its own steps, most are as
 // good a proof as the one that a search happened to find (Mazurkiewicz, "Trace theory", 1987). A
 // shortest-path search over how far each program is finds the order with the fewest turns; going on
 // with another program costs one. (Few context switches make concurrent traces readable: Musuvathi
 // & Qadeer, PLDI 2007.)
 
-// How often the trace goes on with another program than the one before.
+// How often the trace goes on with another actor than the one before.
 std::size_t count_switches(const Trace& trace);
 
 // The same steps in another order, with at most as many switches: it ends in the same state, its

@@ -20,20 +20,24 @@ namespace {
 constexpr std::size_t max_steps = 10'000'000;
 
 std::string to_string(const StepText& step) {
-  return fmt::format("{} line {} {}{}", step.program, step.line, step.model, step.event);
+  const std::string actor = step.actor.empty() ? "nobody" : step.actor;
+  const std::string place = step.line == 0 ? "" : fmt::format(" line {}", step.line);
+  return fmt::format("{}{} {}{}", actor, place, step.model, step.event);
 }
 
 // Walks along the text through all states that the steps named so far may have led to.
 class TraceReader {
  public:
-  TraceReader(const std::string& file, const System& system) : file_(file), system_(system) {
-    layers_.push_back({{initial_state(system), {}, 0, 0}});
+  TraceReader(const std::string& file, const System& system)
+      : file_(file), system_(system), steps_(system) {
+    layers_.push_back({{steps_.initial(), {}, 0, 0}});
   }
 
   TraceFile read(const Json& root) {
     if (!root.is_object() || !root.contains("steps") || !root["steps"].is_array()) {
       throw UsageError("no trace: it must be an object with 'steps' (" + file_ + ")");
     }
+    read_version(root);
     const Json& steps = root["steps"];
     if (steps.size() > max_steps) throw UsageError("a trace has too many steps (" + file_ + ")");
     read_loop_start(root, steps.size());
@@ -59,6 +63,15 @@ class TraceReader {
     throw UsageError(fmt::format("step {}: {} ({})", layers_.size(), message, file_));
   }
 
+  void read_version(const Json& root) {
+    const auto version = root.find("version");
+    if (version == root.end()) return;
+    if (version->is_number_unsigned()) version_ = version->get<std::uint64_t>();
+    if (version_ >= 1 && version_ <= trace_file_version && version->is_number_unsigned()) return;
+    throw UsageError(fmt::format("a trace of version {}; this maide reads up to version {} ({})",
+                                 version->dump(), trace_file_version, file_));
+  }
+
   std::string member(const Json& step, const char* name) const {
     const auto found = step.find(name);
     if (found == step.end() || !found->is_string()) {
@@ -70,30 +83,33 @@ class TraceReader {
   StepText read_step(const Json& step) const {
     if (!step.is_object()) fail("it must be an object");
     StepText text;
-    text.program = member(step, "program");
+    const char* const who = version_ == 1 ? "program" : "actor";
+    const auto actor = step.find(who);
+    if (actor == step.end() || !actor->is_null()) text.actor = member(step, who);
     text.event = member(step, "event");
     const auto model = step.find("model");
     if (model != step.end() && !model->is_null()) text.model = member(step, "model");
     const auto line = step.find("line");
+    if (line != step.end() && line->is_null()) return checked(std::move(text));
     if (line == step.end() || !line->is_number_integer()) fail("there is no number 'line'");
     const auto number = line->get<std::int64_t>();  // of one beyond it, something negative
     if (number < 0 || number > std::numeric_limits<int>::max()) fail("'line' is no line's number");
     text.line = static_cast<int>(number);
-    check_names(text);
-    return text;
+    return checked(std::move(text));
   }
 
   // Names that are nowhere say more than a step that is not possible.
-  void check_names(const StepText& text) const {
+  StepText checked(StepText text) const {
     const auto is_named = [](const auto& list, const std::string& name) {
       return std::any_of(list.begin(), list.end(), [&](const auto& it) { return it.name == name; });
     };
-    if (!is_named(system_.programs, text.program)) {
-      fail(fmt::format("there is no program '{}' in {}", text.program, system_.file));
+    if (!text.actor.empty() && !is_named(system_.programs, text.actor)) {
+      fail(fmt::format("there is no program '{}' in {}", text.actor, system_.file));
     }
     if (!text.model.empty() && !is_named(system_.models, text.model)) {
       fail(fmt::format("there is no model '{}' in {}", text.model, system_.file));
     }
+    return text;
   }
 
   void take(const StepText& text) {
@@ -101,20 +117,21 @@ class TraceReader {
     std::vector<std::string> possible;
     for (std::size_t parent = 0; parent < layers_.back().size(); ++parent) {
       const GlobalState& state = layers_.back()[parent].state;
-      for (const Step& step : enabled_steps(system_, state)) {
-        const StepText candidate = describe_step(system_, step);
+      steps_.for_each(state, [&](const GlobalState& after, std::size_t, std::uint32_t, bool,
+                                 std::uint64_t code) {
+        Step step = steps_.undo(after, code).step;
+        const StepText candidate = steps_.text(step);
         if (candidate != text) {
           possible.push_back(to_string(candidate));
-          continue;
+          return;
         }
         const bool is_entry = loop_start_ == layers_.size() - 1;
-        Node node{apply(system_, state, step), step, parent,
-                  is_entry ? parent : layers_.back()[parent].entry};
+        Node node{after, std::move(step), parent, is_entry ? parent : layers_.back()[parent].entry};
         const bool is_known = std::any_of(next.begin(), next.end(), [&](const Node& other) {
           return other.entry == node.entry && other.state == node.state;
         });
         if (!is_known) next.push_back(std::move(node));
-      }
+      });
     }
     if (next.empty()) {
       std::sort(possible.begin(), possible.end());
@@ -155,57 +172,22 @@ class TraceReader {
 
   const std::string& file_;
   const System& system_;
+  StepsByTheBook steps_;
+  std::uint64_t version_ = 1;
   std::optional<std::size_t> loop_start_;
   std::vector<std::vector<Node>> layers_;  // what may be after each step
 };
 
 }  // namespace
 
-StepText describe_step(const System& system, const Step& step) {
-  using Kind = ProgramEdge::Kind;
-  const Program& program = system.programs[step.program];
-  const ProgramEdge& edge = program.edges[step.edge];
-  StepText text{program.name, edge.line, "", ""};
-  if (edge.kind == Kind::combined) {
-    const auto& events = program.combined[edge.symbol].events;
-    const bool is_of_one = std::all_of(events.begin(), events.end(), [&](const ModelUse& event) {
-      return event.model == events.front().model;
-    });
-    if (events.empty() || !is_of_one) {
-      text.event = program.combined[edge.symbol].text;
-      return text;
-    }
-    const InterfaceAutomaton& automaton = system.models[events.front().model].automaton;
-    text.model = system.models[events.front().model].name;
-    for (const ModelUse& event : events) {
-      text.event += event.kind == Kind::give ? "?" + automaton.inputs().name(event.symbol)
-                                             : "!" + automaton.outputs().name(event.symbol);
-    }
-    return text;
-  }
-  if (edge.kind == Kind::choice) {
-    text.event = edge.symbol == 0 ? "if" : "else";
-    return text;
-  }
-  const ModelInstance& instance = system.models[edge.model];
-  if (edge.kind == Kind::act) {
-    text.event = instance.actions[edge.symbol].name;
-    return text;
-  }
-  text.model = instance.name;
-  if (edge.kind == Kind::give) text.event = "?" + instance.automaton.inputs().name(edge.symbol);
-  if (edge.kind == Kind::take) text.event = "!" + instance.automaton.outputs().name(edge.symbol);
-  if (edge.kind == Kind::quiet) text.event = "quiet";
-  return text;
-}
-
 std::vector<ChangedValue> find_changes(const System& system, const GlobalState& before,
-                                       const GlobalState& after, std::uint32_t program) {
+                                       const GlobalState& after, std::uint32_t actor) {
   std::vector<ChangedValue> changes;
-  const Program& own = system.programs[program];
-  for (std::uint32_t index = 0; index < own.variables.size(); ++index) {
-    const auto value = own.value_of(after.programs[program], index);
-    const auto old = own.value_of(before.programs[program], index);
+  const std::size_t variables = actor == nobody ? 0 : system.programs[actor].variables.size();
+  for (std::uint32_t index = 0; index < variables; ++index) {
+    const Program& own = system.programs[actor];
+    const auto value = own.value_of(after.programs[actor], index);
+    const auto old = own.value_of(before.programs[actor], index);
     if (!value || value == old) continue;
     changes.push_back({own.variables[index].name, *value, own.variables[index].type.kind, old});
   }
@@ -233,31 +215,70 @@ Json to_json(const ChangedValue& changed, const WordTable& words) {
 
 }  // namespace
 
-Json step_to_json(const StepText& step) {
-  return {{"program", step.program},
-          {"line", step.line},
+namespace {
+
+// `who`: the name of the member that has the actor.
+Json to_json(const StepText& step, const char* who) {
+  return {{who, step.actor.empty() ? Json() : Json(step.actor)},
+          {"line", step.line == 0 ? Json() : Json(step.line)},
           {"model", step.model.empty() ? Json() : Json(step.model)},
           {"event", step.event}};
 }
 
-Json trace_to_json(const System& system, const Trace& trace) {
+Json to_json(const SourcePosition& origin) {
+  Json place{{"file", origin.file}, {"line", origin.line}};
+  if (origin.column != 0) place["column"] = origin.column;
+  return place;
+}
+
+// What is on its way, by wire; null: nothing.
+Json find_on_its_way(const System& system, const GlobalState& state) {
+  Json found;
+  for (std::size_t index = 0; index < system.models.size(); ++index) {
+    const ModelInstance& wire = system.models[index];
+    if (wire.source != ModelInstance::Source::wire) continue;
+    const std::string& text = wire.state_texts[state.models[index]];
+    if (!text.empty()) found[wire.name] = text;
+  }
+  return found;
+}
+
+Json to_json(const System& system, const Trace& trace, const char* who) {
   Json steps = Json::array();
   const std::vector<GlobalState> states = replay(system, trace);
   for (std::size_t at = 0; at < trace.steps.size(); ++at) {
-    Json step = step_to_json(describe_step(system, trace.steps[at]));
+    const Step& taken = trace.steps[at];
+    Json step = to_json(describe_step(system, taken), who);
     for (const ChangedValue& changed :
-         find_changes(system, states[at], states[at + 1], trace.steps[at].program)) {
+         find_changes(system, states[at], states[at + 1], taken.actor)) {
       step["values"][changed.name] = to_json(changed, system.words);
+    }
+    if (const auto origin = origin_of(system, taken)) step["origin"] = to_json(*origin);
+    if (Json found = find_on_its_way(system, states[at + 1]); !found.is_null()) {
+      step["on_its_way"] = std::move(found);
+    }
+    if (taken.actor == nobody) {
+      const std::string& lost = system.nobodys_actions[taken.action].lost;
+      if (!lost.empty()) step["lost"] = lost;
     }
     steps.push_back(std::move(step));
   }
   return steps;
 }
 
+}  // namespace
+
+Json step_to_json(const StepText& step) { return to_json(step, "program"); }
+
+Json trace_to_json(const System& system, const Trace& trace) {
+  return to_json(system, trace, "program");
+}
+
 Json trace_file_to_json(const System& system, const std::string& property, const Trace& trace) {
-  return {{"system", system.file},
+  return {{"version", trace_file_version},
+          {"system", system.file},
           {"property", property},
-          {"steps", trace_to_json(system, trace)},
+          {"steps", to_json(system, trace, "actor")},
           {"loop_start", trace.loop_start ? Json(*trace.loop_start) : Json()}};
 }
 

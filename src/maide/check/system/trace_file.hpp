@@ -1,10 +1,15 @@
 // Traces as text: what `maide check --trace` writes and other commands read. A step is named by
-// what a person sees of it - the program, its line in the system file, the model and what happens
+// what a person sees of it - the actor, its line in the system file, the model and what happens
 // there - so a trace says by itself whether it belongs to a system: each of its steps must be
 // possible where it is taken.
 //
-//   {"system": "...", "property": "deadlock", "loop_start": null,
-//    "steps": [{"program": "planner", "line": 8, "model": "via", "event": "?write"}, ...]}
+//   {"version": 2, "system": "...", "property": "deadlock", "loop_start": null,
+//    "steps": [{"actor": "planner", "line": 8, "model": "via", "event": "?write"},
+//              {"actor": null, "line": 3, "model": null, "event": "image arrives"}, ...]}
+//
+// No actor is nobody. A step may have further members, which follow from the system and are not
+// read: `values` (of variables that it changes), `origin` (its place in another file), `on_its_way`
+// (behind it, by wire) and `lost` (by it). Version 1 has no `version`, and `program` for `actor`.
 #pragma once
 
 #include <cstdint>
@@ -15,21 +20,10 @@
 
 #include "maide/base/json.hpp"
 #include "maide/base/run_control.hpp"
+#include "maide/check/system/steps.hpp"
 #include "maide/check/system/trace.hpp"
 
 namespace maide {
-
-struct StepText {
-  std::string program;
-  int line = 0;
-  std::string model;  // "" if it gives nothing and takes nothing, or from several
-  // "?input", "!output", "?input!output", "quiet", or "if" and "else"; of other steps their text in
-  // the file.
-  std::string event;
-  bool operator==(const StepText&) const = default;
-};
-
-StepText describe_step(const System& system, const Step& step);
 
 // A variable that a step changed, or that came into scope, and its value afterwards.
 struct ChangedValue {
@@ -38,15 +32,16 @@ struct ChangedValue {
   ValueKind kind = ValueKind::integer;
   std::optional<Value> before{};  // none: it was not in scope
 };
-// Of that program's variables, which took the step, and the shared ones.
+// Of the variables of the actor, who took the step, and the shared ones.
 std::vector<ChangedValue> find_changes(const System& system, const GlobalState& before,
-                                       const GlobalState& after, std::uint32_t program);
+                                       const GlobalState& after, std::uint32_t actor);
 
-// {"program", "line", "model", "event"}; no model is null.
+// {"program", "line", "model", "event"}; null is nobody, no line, no model.
 Json step_to_json(const StepText& step);
-// A list of these, each with the values that the step changed, if there are any: "values":
-// {"left": 3, "ready": true}.
+// A list of these, as `--json` has it, each with what else a step of a file may have, but for
+// `actor`.
 Json trace_to_json(const System& system, const Trace& trace);
+inline constexpr std::uint64_t trace_file_version = 2;
 // What a file has: the trace by which `property` is violated.
 Json trace_file_to_json(const System& system, const std::string& property, const Trace& trace);
 

@@ -135,16 +135,15 @@ class PartChecker {
 
   std::string describe_cut(const Trace& trace) const {
     const Step& step = trace.steps.back();
-    const Program& program = system_.programs[step.program];
-    const ProgramEdge& edge = program.edges[step.edge];
     Trace before = trace;
     before.steps.pop_back();
     for (const ModelUse& use : uses_beyond(system_, last_state(system_, before), step)) {
       const ModelInstance& model = system_.models[use.model];
       if (model.when_unexplored != WhenUnexplored::stop) continue;
       if (find_unknown_code(model.automaton)) return describe_bound(model);
-      return fmt::format("{}; {}'s {} at line {} goes beyond", describe_bound(model), program.name,
-                         describe_edge(system_, program, edge), edge.line);
+      return fmt::format("{}; {}'s {} at line {} goes beyond", describe_bound(model),
+                         actor_name(system_, step.actor), describe_action(system_, step),
+                         place_of(system_, step).line);
     }
     throw std::logic_error("the step does not go beyond what was learned");
   }
@@ -331,7 +330,7 @@ class Checker {
 
   // On the runs of those programs.
   PropertyResult check(const Property& property, const std::vector<std::uint32_t>& programs) {
-    const bool is_whole = programs.size() == system_.programs.size();
+    const bool is_whole = maide::is_whole(system_, programs);
     const bool has_atoms =
         property.kind == Property::Kind::ltl || property.kind == Property::Kind::never;
     PropertyResult result;
@@ -389,14 +388,14 @@ class Checker {
     const GlobalState last = last_state(system_, trace);
     std::vector<bool> steps(system_.programs.size());
     for (std::size_t at = *trace.loop_start; at < trace.steps.size(); ++at) {
-      steps[trace.steps[at].program] = true;
+      if (trace.steps[at].actor != nobody) steps[trace.steps[at].actor] = true;
     }
     const std::vector<std::uint32_t>& programs =
         result.programs.empty() ? components_.front() : result.programs;
     for (const std::uint32_t index : programs) {
       const Program& program = system_.programs[index];
       const ControlState at = last.programs[index];
-      if (steps[index] || program.edges_of(at).empty() || program.states[at].may_rest) continue;
+      if (steps[index] || program.edges_of(at).empty() || program.may_rest(at)) continue;
       report_.remarks.push_back(
           fmt::format("{} may never step again on a run that is weakly fair only, which `stuck` "
                       "leaves out: it waits at line {}, and each time it could go on, others are "
@@ -417,8 +416,7 @@ class Checker {
     limits.control = options_.control;
     limits.control.deadline = deadline_;
     for (const auto& programs : components_) {
-      const Part part =
-          programs.size() == system_.programs.size() ? Part(system_) : Part(system_, programs);
+      const Part part = is_whole(system_, programs) ? Part(system_) : Part(system_, programs);
       for (const LoneTimeOut& lone : find_lone_time_outs(part.system(), limits)) {
         const Program& program = part.system().programs[lone.program];
         report_.remarks.push_back(
@@ -493,10 +491,15 @@ std::string find_flaw_in_parts(const System& system, const Property& property, c
   for (const auto& programs : candidates) {
     const bool is_within =
         std::all_of(trace.steps.begin(), trace.steps.end(), [&](const Step& step) {
-          return std::binary_search(programs.begin(), programs.end(), step.program);
+          return step.actor == nobody ||
+                 std::binary_search(programs.begin(), programs.end(), step.actor);
         });
     if (!is_within) continue;
     const Part part(system, programs, &property);
+    if (!std::all_of(trace.steps.begin(), trace.steps.end(),
+                     [&](const Step& step) { return part.has(step); })) {
+      continue;
+    }
     flaw = find_flaw(part.system(), part.property(property), from_whole(part, trace));
     if (flaw.empty()) break;
   }

@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "maide/base/invariant.hpp"
-#include "maide/check/packed/packed_system.hpp"
+#include "maide/check/packed/packed_steps.hpp"
 #include "maide/check/packed/state_table.hpp"
 #include "maide/check/verdict/assumptions.hpp"
 
@@ -48,7 +48,7 @@ Selects find_selects(const System& system) {
       const auto time_out = std::find_if(edges.begin(), edges.end(), [&](const ProgramEdge& edge) {
         return program.role_of(edge) == Role::timeout;
       });
-      if (time_out == edges.end() || program.states[state].may_rest) continue;
+      if (time_out == edges.end() || program.may_rest(state)) continue;
       const auto [place, is_new] = known.try_emplace(
           {time_out->line, time_out->column}, static_cast<std::uint32_t>(selects.all.size()));
       if (is_new) selects.all.push_back({index, {}});
@@ -70,6 +70,7 @@ class LoneSearch {
   LoneSearch(const PackedSystem& system, const Selects& selects, std::size_t first,
              const SearchLimits& limits)
       : system_(system),
+        steps_(system),
         selects_(selects),
         first_(first),
         limits_(limits),
@@ -77,7 +78,7 @@ class LoneSearch {
 
   // The bits of what was found; false if the limits ended it.
   bool run(std::uint64_t& lone) {
-    enter(system_.pack<words>(initial_state(system_.system())));
+    enter(steps_.initial());
     while (!path_.empty()) {
       if (size() % limit_interval == 0 && !may_go_on(limits_, size(), bytes(), bytes(), result_)) {
         return false;
@@ -132,20 +133,27 @@ class LoneSearch {
 
   void expand(const State& state) {
     Root& root = roots_.back();
+    if (system_.actor_count() > system_.program_count()) {
+      steps_.for_each_of(state, system_.program_count(),
+                         [&](const State& next, std::uint32_t, bool is_cut, std::uint64_t) {
+                           if (is_cut) root.arms = ~std::uint64_t{0};
+                           if (!is_cut) open_.push_back(next);
+                         });
+    }
     for (std::size_t index = 0; index < system_.program_count(); ++index) {
       const Program& program = system_.system().programs[index];
       const std::uint32_t select = selects_.at[index][system_.control(state, index)];
       const bool is_looked_at = select >= first_ && select - first_ < most_selects;
       const std::uint64_t bit = is_looked_at ? std::uint64_t{1} << (select - first_) : 0;
-      system_.for_each_step(
-          state, index, [&](const State& next, std::uint32_t edge, bool is_cut, std::uint64_t) {
-            const bool is_other = bit != 0 && is_arm(program, program.edges[edge]);
-            if (is_cut) root.arms = ~std::uint64_t{0};
-            if (bit != 0 && !program.is_death(program.edges[edge])) {
-              (is_other ? root.arms : root.time_outs) |= bit;
-            }
-            if (!is_cut) open_.push_back(next);
-          });
+      steps_.for_each_of(state, index,
+                         [&](const State& next, std::uint32_t edge, bool is_cut, std::uint64_t) {
+                           const bool is_other = bit != 0 && is_arm(program, program.edges[edge]);
+                           if (is_cut) root.arms = ~std::uint64_t{0};
+                           if (bit != 0 && !program.is_death(program.edges[edge])) {
+                             (is_other ? root.arms : root.time_outs) |= bit;
+                           }
+                           if (!is_cut) open_.push_back(next);
+                         });
     }
   }
 
@@ -180,6 +188,7 @@ class LoneSearch {
   }
 
   const PackedSystem& system_;
+  PackedSteps<words> steps_;
   const Selects& selects_;
   std::size_t first_;
   const SearchLimits& limits_;

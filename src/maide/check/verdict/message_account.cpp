@@ -240,11 +240,13 @@ std::optional<MessageAccount> take_account(const System& system, const Trace& tr
   if (account.messages.empty()) return std::nullopt;
   for (std::size_t at = 0; at < trace.steps.size(); ++at) {
     const Step& step = trace.steps[at];
-    const Program& program = system.programs[step.program];
-    const ProgramEdge& edge = program.edges[step.edge];
-    if (!uses_model(program, edge, awaited.model)) continue;
+    const auto uses = uses_of(system, step);
+    if (std::none_of(uses.begin(), uses.end(),
+                     [&](const ModelUse& use) { return use.model == awaited.model; })) {
+      continue;
+    }
     bool gives = false, takes = false, is_message = false;
-    for (const ModelUse& event : program.events_of(edge)) {
+    for (const ModelUse& event : events_of(system, step)) {
       if (event.model != awaited.model) continue;
       gives = gives || event.kind == Kind::give;
       takes = takes || event.kind == Kind::take;
@@ -257,14 +259,14 @@ std::optional<MessageAccount> take_account(const System& system, const Trace& tr
     const std::size_t held = *levels[before], now = *levels[after];
     if (is_message) {
       ++account.given;
-      account.givers.insert(step.program);
+      if (step.actor != nobody) account.givers.insert(step.actor);
       if (now > held + 1) return std::nullopt;  // one input, several messages: not countable
       if (now == held + 1) continue;
       account.losses.push_back({at, account.given, account.taken, held, held + 1 - now,
                                 which_was_lost(automaton, awaited, levels, before, after)});
     } else if (takes && now + 1 == held) {
       ++account.taken;
-      account.takers.insert(step.program);
+      if (step.actor != nobody) account.takers.insert(step.actor);
     } else if (gives && now < held) {
       account.losses.push_back({at, account.given, account.taken, held, held - now,
                                 MessageAccount::Loss::Which::unknown});

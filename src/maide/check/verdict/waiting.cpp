@@ -15,10 +15,6 @@ using Kind = ProgramEdge::Kind;
 using Reason = Waiting::Reason;
 using Helps = std::function<bool(const Program&, const ProgramEdge&)>;
 
-const ProgramEdge& edge_of(const System& system, const Step& step) {
-  return system.programs[step.program].edges[step.edge];
-}
-
 bool contains(const std::vector<Symbol>& symbols, Symbol symbol) {
   return std::find(symbols.begin(), symbols.end(), symbol) != symbols.end();
 }
@@ -138,9 +134,11 @@ class WaitingFinder {
   // The last step before `at_` with the model that `is_it` accepts.
   std::optional<std::size_t> last_step(const std::function<bool(std::size_t)>& is_it) const {
     for (std::size_t step = at_; step-- > 0;) {
-      const Program& program = system_.programs[trace_.steps[step].program];
-      const ProgramEdge& edge = edge_of(system_, trace_.steps[step]);
-      if (uses_model(program, edge, waiting_.model) && is_it(step)) return step;
+      const auto uses = uses_of(system_, trace_.steps[step]);
+      const bool is_of_model = std::any_of(uses.begin(), uses.end(), [&](const ModelUse& use) {
+        return use.model == waiting_.model;
+      });
+      if (is_of_model && is_it(step)) return step;
     }
     return std::nullopt;
   }
@@ -176,8 +174,7 @@ class WaitingFinder {
     waiting_.reason = Reason::busy;
     const std::vector<Symbol> actor = same_actor(automaton(), input);
     waiting_.cause = last_step([&](std::size_t step) {
-      const auto events = system_.programs[trace_.steps[step].program].events_of(
-          edge_of(system_, trace_.steps[step]));
+      const auto events = events_of(system_, trace_.steps[step]);
       return std::any_of(events.begin(), events.end(), [&](const ModelUse& event) {
         return event.kind == Kind::give && event.model == waiting_.model &&
                contains(actor, event.symbol);
@@ -241,7 +238,7 @@ class WaitingFinder {
     if (round.count < 2) return;
     std::uint32_t done = 0, number = round.number;
     for (std::size_t step = at_; step-- > 0;) {
-      if (trace_.steps[step].program != waiting_.program) continue;
+      if (trace_.steps[step].actor != waiting_.program) continue;
       const Program::Round& before = round_at(step);
       const bool is_within = before.line == round.line && before.column == round.column &&
                              before.outer == round.outer && before.number <= number;
@@ -320,14 +317,14 @@ Waiting find_waiting(const System& system, const Trace& trace,
 std::vector<std::uint32_t> blocked_programs(const System& system, const GlobalState& state) {
   std::vector<bool> can_step(system.programs.size());
   for (const Step& step : enabled_steps(system, state)) {
-    const Program& program = system.programs[step.program];
-    if (!program.is_death(program.edges[step.edge])) can_step[step.program] = true;
+    if (step.actor != nobody && is_progress(system, step)) can_step[step.actor] = true;
   }
   std::vector<std::uint32_t> blocked;
   for (std::uint32_t index = 0; index < system.programs.size(); ++index) {
     const Program& program = system.programs[index];
     const Program::State& at = program.states[state.programs[index]];
-    if (!can_step[index] && at.edge_count > 0 && at.error == 0 && !at.may_rest) {
+    if (!can_step[index] && at.edge_count > 0 && at.error == 0 &&
+        !program.may_rest(state.programs[index])) {
       blocked.push_back(index);
     }
   }

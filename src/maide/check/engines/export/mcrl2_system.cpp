@@ -20,7 +20,7 @@ class Writer {
  public:
   Writer(std::ostream& out, const System& system)
       : out_(out), system_(system), rules_(system), names_(system, mcrl2_reserved()) {
-    for (const char* own : {"Program", "p", "Running", "Halted"}) names_.of({own});
+    for (const char* own : {"Program", "p", "Running", "Halted", "Nobody"}) names_.of({own});
     for (const Program& program : system.programs) {
       for (const Program::State& state : program.states) has_errors_ |= state.error != 0;
     }
@@ -30,6 +30,9 @@ class Writer {
           letters_[key_of(rule)].is_cut = rule.is_cut;
         }
       }
+    }
+    for (const StepRule& rule : rules_.rules_of(nobody, 0)) {
+      letters_[key_of(rule)].is_cut = rule.is_cut;
     }
     for (auto& [key, letter] : letters_) name(key, letter);
   }
@@ -41,6 +44,7 @@ class Writer {
     for (std::uint32_t program = 0; program < system_.programs.size(); ++program) {
       write_program(program);
     }
+    if (!system_.nobodys_actions.empty()) write_nobody();
     if (has_errors_) write_halting();
     write_composition();
   }
@@ -62,10 +66,11 @@ class Writer {
   };
 
   Key key_of(const StepRule& rule) const {
-    const Program& program = system_.programs[rule.program];
     RuleAction action = rules_.action_of(rule);
-    if (action.action.kind != ProgramEdge::Kind::combined) action.action.program = 0;
-    return {std::move(action), program.is_error(program.edges[rule.edge].target)};
+    if (action.action.kind != ProgramEdge::Kind::combined) action.action.actor = 0;
+    if (rule.actor == nobody) return {std::move(action), false};
+    const Program& program = system_.programs[rule.actor];
+    return {std::move(action), program.is_error(program.edges[rule.action].target)};
   }
 
   void name(const Key& key, Letter& letter) {
@@ -83,8 +88,9 @@ class Writer {
     }
   }
 
-  std::string program_value(std::uint32_t program) {
-    return names_.of({"prog", system_.programs[program].name});
+  std::string program_value(std::uint32_t actor) {
+    return actor == nobody ? names_.of({"nobody"})
+                           : names_.of({"prog", system_.programs[actor].name});
   }
   std::string process(std::string_view kind, const std::string& component, std::uint32_t state) {
     return names_.of({kind, component, std::to_string(state)});
@@ -98,6 +104,7 @@ class Writer {
     for (std::uint32_t program = 0; program < system_.programs.size(); ++program) {
       values.push_back(program_value(program));
     }
+    if (!system_.nobodys_actions.empty()) values.push_back(program_value(nobody));
     for (const auto& [key, letter] : letters_) {
       visible.push_back(letter.name);
       if (letter.is_alone()) continue;
@@ -143,12 +150,23 @@ class Writer {
     for (ControlState state = 0; state < program.states.size(); ++state) {
       std::vector<std::string> summands;
       for (const StepRule& rule : rules_.rules_of(index, state)) {
-        const ControlState target = rule.is_cut ? state : program.edges[rule.edge].target;
+        const ControlState target = rule.is_cut ? state : program.edges[rule.action].target;
         summands.push_back(fmt::format("{}({}) . {}", letters_.at(key_of(rule)).of_program, value,
                                        process("Program", program.name, target)));
       }
       write_process(process("Program", program.name, state), summands);
     }
+  }
+
+  // One process, which always offers what happens by itself.
+  void write_nobody() {
+    out_ << "  % what happens by itself\n";
+    std::vector<std::string> summands;
+    for (const StepRule& rule : rules_.rules_of(nobody, 0)) {
+      summands.push_back(fmt::format("{}({}) . Nobody", letters_.at(key_of(rule)).of_program,
+                                     program_value(nobody)));
+    }
+    write_process("Nobody", summands);
   }
 
   // A participant of every step, until a program comes to an error.
@@ -178,6 +196,7 @@ class Writer {
     for (const Program& program : system_.programs) {
       parts.push_back(process("Program", program.name, 0));
     }
+    if (!system_.nobodys_actions.empty()) parts.emplace_back("Nobody");
     if (has_errors_) {
       parts.emplace_back(is_error(system_, initial_state(system_)) ? "Halted" : "Running");
     }

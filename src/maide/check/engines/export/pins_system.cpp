@@ -151,6 +151,8 @@ class PinsWriter {
         add_place(program, at, known);
       }
     }
+    std::map<std::pair<RuleAction, bool>, std::size_t> known;
+    if (!system.nobodys_actions.empty()) add_place(nobody, 0, known);
   }
 
   void write() {
@@ -169,7 +171,7 @@ class PinsWriter {
  private:
   struct Group {
     StepRule rule;  // one of its
-    bool is_error = false, is_death = false;
+    bool is_error = false, is_idle = false;
   };
   struct Rule {
     std::size_t group = 0;
@@ -177,17 +179,19 @@ class PinsWriter {
   };
 
   // The rules of one place, by their groups: LTSmin wants a state's transitions in their order.
-  void add_place(std::uint32_t program, ControlState at,
+  void add_place(std::uint32_t actor, ControlState at,
                  std::map<std::pair<RuleAction, bool>, std::size_t>& known) {
-    const Program& text = system_.programs[program];
     std::vector<Rule> here;
-    for (const StepRule& rule : rules_.rules_of(program, at)) {
-      const ProgramEdge& edge = text.edges[rule.edge];
-      const bool is_error = !rule.is_cut && text.is_error(edge.target);
+    for (const StepRule& rule : rules_.rules_of(actor, at)) {
+      const Step step = StepRules::begun_step(rule);
+      const ControlState target =
+          rule.is_cut || actor == nobody ? at : edge_of(system_, step).target;
+      const bool is_error =
+          !rule.is_cut && actor != nobody && system_.programs[actor].is_error(target);
       const auto [entry, is_new] =
           known.try_emplace({rules_.action_of(rule), is_error}, groups_.size());
-      if (is_new) groups_.push_back({rule, is_error, text.is_death(edge)});
-      here.push_back({entry->second, rule.is_cut ? at : edge.target});
+      if (is_new) groups_.push_back({rule, is_error, !is_progress(system_, step)});
+      here.push_back({entry->second, target});
     }
     std::stable_sort(here.begin(), here.end(),
                      [](const Rule& one, const Rule& other) { return one.group < other.group; });
@@ -195,9 +199,9 @@ class PinsWriter {
     place_rules_.insert(place_rules_.end(), here.begin(), here.end());
   }
 
-  std::size_t slot_of_model(std::uint32_t model) const { return system_.programs.size() + model; }
+  std::size_t slot_of_model(std::uint32_t model) const { return actor_count(system_) + model; }
   std::size_t slots() const {
-    return system_.programs.size() + system_.models.size() + (has_errors_ ? 1 : 0);
+    return actor_count(system_) + system_.models.size() + (has_errors_ ? 1 : 0);
   }
 
   void constant(std::string_view name, std::size_t value) {
@@ -228,15 +232,17 @@ class PinsWriter {
   void write_slots() {
     out_ << "\n// ---- The state: each program's place, each model's state";
     out_ << (has_errors_ ? ", and whether a program is at an error ----\n\n" : " ----\n\n");
-    constant("programs", system_.programs.size());
+    constant("programs", actor_count(system_));
     constant("slots", slots());
     out_ << fmt::format("constexpr int halted = {};  // its slot; -1: nothing goes wrong\n",
                         has_errors_ ? static_cast<int>(slots()) - 1 : -1);
     std::vector<std::string> names;
-    std::vector<std::size_t> initial(system_.programs.size(), 0);
+    std::vector<std::size_t> initial(actor_count(system_), 0);
     for (const Program& program : system_.programs) {
       names.push_back(cpp_string(identifiers_.unique("p_" + program.name)));
     }
+    if (!system_.nobodys_actions.empty())
+      names.push_back(cpp_string(identifiers_.unique("nobody")));
     for (const ModelInstance& model : system_.models) {
       names.push_back(cpp_string(identifiers_.unique("m_" + model.name)));
       initial.push_back(model.automaton.initial());
@@ -252,8 +258,12 @@ class PinsWriter {
     for (const Program& program : system_.programs) {
       first_place.push_back(may_stay.size());
       for (ControlState at = 0; at < program.states.size(); ++at) {
-        may_stay.push_back(program.is_end(at) || program.states[at].may_rest ? 1 : 0);
+        may_stay.push_back(program.is_end(at) || program.may_rest(at) ? 1 : 0);
       }
+    }
+    if (!system_.nobodys_actions.empty()) {
+      first_place.push_back(may_stay.size());
+      may_stay.push_back(1);
     }
     first_place.push_back(may_stay.size());
     numbers("first_place", first_place);
@@ -273,9 +283,9 @@ class PinsWriter {
       const std::size_t first = part.size();
       part.insert(part.end(), group.rule.relations.begin(), group.rule.relations.end());
       most_parts = std::max(most_parts, part.size() - first);
-      groups.push_back(fmt::format("{{{}, {}, {}, {}, {}, {}, {}}}", group.rule.program, first,
-                                   part.size(), entry->second, group.rule.is_cut, group.is_error,
-                                   group.is_death));
+      groups.push_back(fmt::format(
+          "{{{}, {}, {}, {}, {}, {}, {}}}", actor_number(system_, group.rule.actor), first,
+          part.size(), entry->second, group.rule.is_cut, group.is_error, group.is_idle));
     }
     for (const Rule& rule : place_rules_) {
       rules.push_back(fmt::format("{{{}, {}}}", rule.group, rule.target));
@@ -359,7 +369,7 @@ class PinsWriter {
 
   std::vector<Label> built_in_labels() {
     Label end{"valid_end_state", "valid_end", {}};
-    for (std::size_t slot = 0; slot < system_.programs.size(); ++slot) end.slots.insert(slot);
+    for (std::size_t slot = 0; slot < actor_count(system_); ++slot) end.slots.insert(slot);
     if (has_errors_) end.slots.insert(slots() - 1);
     Label deadlock{"deadlock", "deadlock", end.slots};
     Label beyond{"beyond", "beyond", {}};
@@ -369,7 +379,7 @@ class PinsWriter {
         deadlock.slots.insert(slot);
         if (group.rule.is_cut) beyond.slots.insert(slot);
       }
-      if (group.rule.is_cut) beyond.slots.insert(group.rule.program);
+      if (group.rule.is_cut) beyond.slots.insert(actor_number(system_, group.rule.actor));
     }
     if (has_errors_) beyond.slots.insert(slots() - 1);
     Label error{"error", "error", {}};

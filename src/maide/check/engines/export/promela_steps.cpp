@@ -5,6 +5,8 @@
 // short, else as a table by its state. Tables are `hidden`, no part of pan's states. A step that
 // has several outcomes is a line for each.
 //
+// What happens by itself is a process that may stand for ever.
+//
 // Where a program comes to an error, `is_halted` keeps all others from stepping. Deaths are a step
 // of their own that nobody has to take. SPIN's end states and fairness know no such step, so a
 // process says at any moment that there will be no more of them: what comes then is a deadlock, or
@@ -21,6 +23,7 @@
 #include <memory>
 #include <optional>
 #include <set>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -95,10 +98,12 @@ class StepWriter {
         views_(system.programs.size()) {
     for (const Program& program : system.programs) {
       for (const Program::State& state : program.states) has_errors_ |= state.error != 0;
-      for (const CombinedStep& combined : program.combined)
-        has_deaths_ |= combined.role == CombinedStep::Role::death;
+      for (const ProgramEdge& edge : program.edges) has_idle_steps_ |= !program.is_progress(edge);
     }
-    knows_deaths_ = has_deaths_ && (is_ltl() || options.purpose == Purpose::deadlock);
+    for (const NobodysAction& action : system.nobodys_actions) {
+      has_idle_steps_ |= !action.counts_for_deadlock;
+    }
+    knows_deaths_ = has_idle_steps_ && (is_ltl() || options.purpose == Purpose::deadlock);
     has_cuts_ = rules_->may_cut() || has_errors_;
     if (is_ltl()) atoms_ = atoms_of(options.formula);
     for (const Atom& atom : atoms_) has_events_ |= atom.is_event();
@@ -106,7 +111,7 @@ class StepWriter {
 
   PromelaSystem run() {
     PromelaSystem& result = text_.result();
-    result.processes = system_.programs.size() + (is_ltl() ? 1 : 0) + (knows_deaths_ ? 1 : 0);
+    result.processes = actor_count(system_) + (is_ltl() ? 1 : 0) + (knows_deaths_ ? 1 : 0);
     if (result.processes > most_promela_names) {
       throw UsageError(
           fmt::format("SPIN takes at most {} programs ({})", most_promela_names - 2, system_.file));
@@ -118,6 +123,7 @@ class StepWriter {
     write_models();
     write_flags();
     for (std::uint32_t index = 0; index < system_.programs.size(); ++index) write_program(index);
+    if (!system_.nobodys_actions.empty()) write_nobody();
     if (knows_deaths_) write_survival();
     if (is_ltl()) {
       text_.idling("active proctype", has_events_);
@@ -352,11 +358,12 @@ class StepWriter {
     return parts.size() == 1 ? parts.front() : "(" + join(parts, " || ") + ")";
   }
 
-  // The number of what happens in the edge, as far as the formula's atoms see it; 0: nothing.
-  std::uint32_t event_code(std::uint32_t program, const ProgramEdge& edge) {
+  // The number of what a step of the actor gives and takes, as far as the formula's atoms see it;
+  // 0: nothing.
+  std::uint32_t event_code(std::uint32_t actor, std::span<const ModelUse> of_step) {
     std::vector<bool> events;
     for (const Atom& atom : atoms_) {
-      events.push_back(atom.is_event() && is_event_of(atom, system_, program, edge));
+      events.push_back(atom.is_event() && is_event_of(atom, actor, of_step));
     }
     if (std::find(events.begin(), events.end(), true) == events.end()) return 0;
     return event_codes_.try_emplace(events, static_cast<std::uint32_t>(event_codes_.size() + 1))
@@ -384,7 +391,7 @@ class StepWriter {
   }
 
   static std::string label(const Program& program, ControlState state) {
-    const bool may_stay = program.is_end(state) || program.states[state].may_rest;
+    const bool may_stay = program.is_end(state) || program.may_rest(state);
     return (may_stay ? "end_s" : "s") + std::to_string(state);
   }
 
@@ -434,11 +441,10 @@ class StepWriter {
       }
       return;
     }
-    const Program& program = system_.programs[rule.program];
-    const ProgramEdge& edge = program.edges[rule.edge];
+    const Step step = StepRules::begun_step(rule);
     std::vector<std::string> guards, effects;
     if (has_errors_) guards.push_back("!is_halted");
-    if (knows_deaths_ && program.is_death(edge)) guards.push_back("!no_more_deaths");
+    if (knows_deaths_ && !is_progress(system_, step)) guards.push_back("!no_more_deaths");
     for (std::size_t i = 0; i < ranks.size(); ++i) {
       const Move& move = moves_[rule.relations[i]][ranks[i]];
       if (!move.guard.empty()) guards.push_back(move.guard);
@@ -453,32 +459,56 @@ class StepWriter {
     const std::string text =
         fmt::format("  :: d_step {{ {}{}{} }} -> goto {}  /* line {}: {}{} */",
                     guards.empty() ? "true" : join(guards, " && "), effects.empty() ? "" : " -> ",
-                    join(effects, "; "), label(program, rule.is_cut ? rule.source : edge.target),
-                    edge.line, promela_comment(describe_edge(system_, program, edge)),
+                    join(effects, "; "), label_behind(rule), place_of(system_, step).line,
+                    promela_comment(describe_action(system_, step)),
                     rule.is_cut      ? ", beyond"
                     : rule.is_beyond ? ", dropped"
                                      : "");
     auto& steps = text_.result().steps;
-    text_.line(text, {PromelaLine::Kind::step, rule.program,
-                      static_cast<std::uint32_t>(steps.size()), 0, rule.is_beyond});
+    text_.line(text, {PromelaLine::Kind::step, rule.actor, static_cast<std::uint32_t>(steps.size()),
+                      0, rule.is_beyond});
     steps.push_back({rule, std::move(ranks)});
+  }
+
+  std::string label_behind(const StepRule& rule) const {
+    if (rule.actor == nobody) return "end_s0";
+    const Program& program = system_.programs[rule.actor];
+    return label(program, rule.is_cut ? rule.source : program.edges[rule.action].target);
   }
 
   // But for those on models.
   void add_effects(const StepRule& rule, std::vector<std::string>& effects) {
-    const Program& program = system_.programs[rule.program];
-    const ProgramEdge& edge = program.edges[rule.edge];
+    const Step step = StepRules::begun_step(rule);
+    if (has_events_ && rule.actor == nobody) {
+      effects.push_back(fmt::format("event = {}", event_code(nobody, events_of(system_, step))));
+    }
+    if (rule.actor == nobody) return;
+    const Program& program = system_.programs[rule.actor];
+    const ProgramEdge& edge = program.edges[rule.action];
     if (program.is_error(edge.target)) {
       effects.emplace_back("is_halted = true");
       if (is_ltl()) effects.emplace_back("cut = 1");
     }
     if (has_events_) {
-      effects.push_back(fmt::format("event = {}", event_code(rule.program, edge)));
+      effects.push_back(
+          fmt::format("event = {}", event_code(rule.actor, events_of(system_, step))));
     }
-    const std::vector<std::uint32_t>& seen = views_[rule.program].values;
+    const std::vector<std::uint32_t>& seen = views_[rule.actor].values;
     if (!seen.empty() && seen[rule.source] != seen[edge.target]) {
-      effects.push_back(fmt::format("{} = {}", view_variable(rule.program), seen[edge.target]));
+      effects.push_back(fmt::format("{} = {}", view_variable(rule.actor), seen[edge.target]));
     }
+  }
+
+  // A process that may stand for ever, for the steps that no program takes.
+  void write_nobody() {
+    text_.line("");
+    text_.line("/* what happens by itself */");
+    text_.line("active proctype nobody() {");
+    const std::vector<StepRule> rules = rules_->rules_of(nobody, 0);
+    text_.line(rules.empty() ? "end_s0: false;" : "end_s0: if");
+    for (const StepRule& rule : rules) write_rule(rule, {});
+    if (!rules.empty()) text_.line("  fi;");
+    text_.line("}");
   }
 
   void write_survival() {
@@ -495,7 +525,7 @@ class StepWriter {
   std::shared_ptr<const StepRules> rules_;
   PromelaNames names_;
   PromelaText text_;
-  bool has_errors_ = false, has_deaths_ = false, has_cuts_ = false, has_events_ = false;
+  bool has_errors_ = false, has_idle_steps_ = false, has_cuts_ = false, has_events_ = false;
   bool knows_deaths_ = false;  // the text has them as steps that nobody has to take
   bool has_tables_ = false;
   std::vector<std::vector<Move>> moves_;                    // by relation, rank

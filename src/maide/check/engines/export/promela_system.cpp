@@ -23,7 +23,7 @@ std::vector<std::string_view> reserved_words() {
   const auto promela = promela_reserved();
   std::vector<std::string_view> words(promela.begin(), promela.end());
   words.insert(words.end(), {"InChannel", "OutChannel", "quiet", "event", "cut", "idling"});
-  words.insert(words.end(), {"none", "is_halted", "no_more_deaths", "survival"});
+  words.insert(words.end(), {"none", "is_halted", "no_more_deaths", "survival", "nobody"});
   words.insert(words.end(), {"and", "or", "not", "next", "strong", "cond_expr", "R"});
   words.insert(words.end(), {"const", "define", "ifdef", "include"});
   return words;

@@ -58,6 +58,7 @@ class Writer {
         for (const StepRule& rule : rules_.rules_of(program, at)) add(rule);
       }
     }
+    for (const StepRule& rule : rules_.rules_of(nobody, 0)) add(rule);
     for (const auto& [action, letter] : letters_) step_name(action);
     for (std::uint32_t number = 0; number < rules_.relations().size(); ++number) {
       relations_.push_back(number);
@@ -83,19 +84,20 @@ class Writer {
   }
 
  private:
-  // What the program does in the steps of one action.
+  // What the actor does in the steps of one action.
   struct Letter {
     bool is_cut = false;
-    bool is_death = false;
-    Moves moves;  // of its control
+    bool is_progress = true;
+    Moves moves;  // of its control; of nobody none
   };
 
   void add(const StepRule& rule) {
-    const Program& program = system_.programs[rule.program];
-    const ProgramEdge& edge = program.edges[rule.edge];
+    const Step step = StepRules::begun_step(rule);
     Letter& letter = letters_[rules_.action_of(rule)];
     letter.is_cut = rule.is_cut;
-    letter.is_death = program.is_death(edge);
+    letter.is_progress = is_progress(system_, step);
+    if (rule.actor == nobody) return;
+    const ProgramEdge& edge = edge_of(system_, step);
     letter.moves.emplace_back(rule.source, edge.target);
   }
 
@@ -119,8 +121,10 @@ class Writer {
   }
   std::string main_can(const RuleAction& action) { return names_.of({"can", step_name(action)}); }
   std::string all_can(const RuleAction& action) {
-    std::string text =
-        instance("p", system_.programs[action.action.program].name) + "." + can(action.action);
+    std::string text = "TRUE";
+    if (action.action.actor != nobody) {
+      text = instance("p", system_.programs[action.action.actor].name) + "." + can(action.action);
+    }
     for (const std::uint32_t number : action.relations) {
       const ModelRelation& relation = rules_.relations()[number];
       text += " & " + instance("m", system_.models[relation.model()].name) + "." + can(relation);
@@ -148,18 +152,18 @@ class Writer {
       }
       out_ << "FALSE;\n";
     }
-    bool has_deaths = false;
+    bool has_idle_steps = false;
     for (const auto& [action, letter] : letters_) {
       out_ << fmt::format("  {} := {};\n", main_can(action), all_can(action));
-      has_deaths = has_deaths || letter.is_death;
+      has_idle_steps = has_idle_steps || !letter.is_progress;
     }
     out_ << "  can_step := ";
     for (const auto& [action, letter] : letters_) out_ << main_can(action) << " | ";
     out_ << "FALSE;\n";
-    if (has_deaths) {
+    if (has_idle_steps) {
       out_ << "  can_go_on := ";  // but for deaths
       for (const auto& [action, letter] : letters_) {
-        if (!letter.is_death) out_ << main_can(action) << " | ";
+        if (letter.is_progress) out_ << main_can(action) << " | ";
       }
       out_ << "FALSE;\n";
     }
@@ -170,7 +174,8 @@ class Writer {
                                  : name + ".ended & ");
     }
     out_ << fmt::format("TRUE;\n  deadlock := !{} & !all_ended{};\nTRANS\n  case\n",
-                        has_deaths ? "can_go_on" : "can_step", has_errors_ ? " & !is_error" : "");
+                        has_idle_steps ? "can_go_on" : "can_step",
+                        has_errors_ ? " & !is_error" : "");
     for (const auto& [action, letter] : letters_) {
       out_ << fmt::format("    step = {} : {};\n", step_name(action), main_can(action));
     }
@@ -179,8 +184,9 @@ class Writer {
   }
 
   static bool may_rest(const Program& program) {
-    return std::any_of(program.states.begin(), program.states.end(),
-                       [](const Program::State& state) { return state.may_rest; });
+    return std::any_of(
+        program.states.begin(), program.states.end(),
+        [&](const Program::State& state) { return program.flags.may_rest || state.may_rest; });
   }
 
   void write_model(std::uint32_t index) {
@@ -220,7 +226,7 @@ class Writer {
     write_control_definitions(program);
     std::map<std::string, Moves> moves;
     for (const auto& [action, letter] : letters_) {
-      if (action.action.program != index) continue;
+      if (action.action.actor != index) continue;
       Moves& all = moves[can(action.action)];
       all.insert(all.end(), letter.moves.begin(), letter.moves.end());
     }
@@ -229,7 +235,7 @@ class Writer {
     }
     out_ << "TRANS\n  case\n";
     for (const auto& [action, letter] : letters_) {
-      if (action.action.program != index || letter.is_cut) continue;
+      if (action.action.actor != index || letter.is_cut) continue;
       out_ << fmt::format("    step = {} :\n        {};\n", step_name(action),
                           moved("control", letter.moves));
     }
@@ -246,7 +252,7 @@ class Writer {
     };
     define("ended", [&](ControlState state) { return program.is_end(state); });
     if (may_rest(program)) {
-      define("rests", [&](ControlState state) { return program.states[state].may_rest; });
+      define("rests", [&](ControlState state) { return program.may_rest(state); });
     }
     if (has_errors_) {
       define("is_error", [&](ControlState state) { return program.is_error(state); });

@@ -20,6 +20,11 @@ std::string shown_name(const std::string& name) {
   return is_plain ? name : quote_name(name);
 }
 
+const CombinedStep& combined_step_of(const System& system, const StepAction& action) {
+  if (action.actor == nobody) return system.nobodys_actions[action.symbol].what;
+  return system.programs[action.actor].combined[action.symbol];
+}
+
 // The input's, output's or branch's name.
 const std::string& symbol_name(const StepAction& action, const System& system) {
   static const std::string quiet = "quiet", branches[] = {"if", "else"};
@@ -28,7 +33,7 @@ const std::string& symbol_name(const StepAction& action, const System& system) {
     case Kind::take: return system.models[action.model].automaton.outputs().name(action.symbol);
     case Kind::quiet: return quiet;
     case Kind::act: return system.models[action.model].actions[action.symbol].name;
-    case Kind::combined: return system.programs[action.program].combined[action.symbol].text;
+    case Kind::combined: return combined_step_of(system, action).text;
     case Kind::choice: break;
   }
   return branches[action.symbol];
@@ -58,7 +63,9 @@ std::string text_of(const StepAction& action, const System& system) {
 }  // namespace
 
 StepAction action_of(const System& system, const Step& step) {
-  StepAction action = action_of_edge(step.program, system.programs[step.program].edges[step.edge]);
+  StepAction action = step.actor == nobody
+                          ? StepAction{nobody, Kind::combined, 0, step.action, false}
+                          : action_of_edge(step.actor, edge_of(system, step));
   action.is_beyond = step.is_beyond;
   return action;
 }
@@ -70,7 +77,7 @@ bool is_cut(const System& system, const StepAction& action) {
   if (!action.is_beyond || action.kind != Kind::combined) {
     return action.is_beyond && stops(action.model);
   }
-  const auto& uses = system.programs[action.program].combined[action.symbol].uses;
+  const auto& uses = combined_step_of(system, action).uses;
   return std::any_of(uses.begin(), uses.end(),
                      [&](const ModelUse& use) { return stops(use.model); });
 }
@@ -84,17 +91,20 @@ ActionNames::ActionNames(const System& system) : system_(system) {
     auto& texts = texts_.emplace_back();
     for (const StepAction& action : actions) ++texts[text_of(action, system)];
   }
+  auto& texts = texts_.emplace_back();
+  for (const NobodysAction& action : system.nobodys_actions) ++texts[action.what.text];
 }
 
 std::string ActionNames::number_of_combined(const StepAction& action) const {
   MAIDE_CHECK(action.kind == Kind::combined);
   const std::string& text = symbol_name(action, system_);
-  return texts_[action.program].find(text)->second == 1 ? "" : fmt::format(" #{}", action.symbol);
+  return texts_[actor_number(system_, action.actor)].find(text)->second == 1
+             ? ""
+             : fmt::format(" #{}", action.symbol);
 }
 
 std::string ActionNames::of(const StepAction& action) const {
-  std::string text =
-      shown_name(system_.programs[action.program].name) + " " + text_of(action, system_);
+  std::string text = shown_name(actor_name(system_, action.actor)) + " " + text_of(action, system_);
   if (action.kind == Kind::combined) text += number_of_combined(action);
   if (action.is_beyond) text += is_cut(system_, action) ? " beyond" : " dropped";
   return text;
@@ -117,8 +127,9 @@ const std::string& ExportNames::of(std::initializer_list<std::string_view> parts
 
 const std::string& ExportNames::of(const StepAction& action, const System& system,
                                    bool of_program) {
-  std::string_view program;
-  if (of_program) program = system.programs[action.program].name;
+  std::string program;
+  // The blank tells nobody from a program of that name.
+  if (of_program) program = action.actor == nobody ? "nobody " : actor_name(system, action.actor);
   const std::string& symbol = symbol_name(action, system);
   const std::string_view bound = !action.is_beyond        ? ""
                                  : is_cut(system, action) ? "beyond"

@@ -19,10 +19,11 @@
 namespace maide {
 
 struct StepAction {
-  std::uint32_t program = 0;
+  std::uint32_t actor = 0;  // a program, or nobody, whose actions are of Kind::combined
   ProgramEdge::Kind kind = ProgramEdge::Kind::choice;
   std::uint32_t model = 0;  // of a step that uses one model alone
-  // The input, the output, the model's own action, the program's combined; of a choice: 0 for `if
+  // The input, the output, the model's own action, the number of the combined step, or of nobody's
+  // action; of a choice: 0 for `if
   // *`, 1 for `else`.
   Symbol symbol = 0;
   bool is_beyond = false;  // an input where it was never tried
@@ -43,12 +44,12 @@ class ActionNames {
   // Keeps a reference. O(edges x log edges).
   explicit ActionNames(const System& system);
   std::string of(const StepAction& action) const;
-  // " #4" of a combined step whose text another action of the program has, too.
+  // " #4" of a combined step whose text another action of the actor has, too.
   std::string number_of_combined(const StepAction& action) const;
 
  private:
   const System& system_;
-  // By program: how many of its actions have that text.
+  // By actor, nobody last: how many of its actions have that text.
   std::vector<std::map<std::string, std::size_t>> texts_;
 };
 

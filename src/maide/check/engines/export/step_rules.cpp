@@ -20,8 +20,10 @@ Bound bound_of(const ModelInstance& model, const ModelStep& step) {
 }  // namespace
 
 bool uses_second_edition(const System& system) {
+  if (!system.nobodys_actions.empty()) return true;
   return std::any_of(system.programs.begin(), system.programs.end(), [](const Program& program) {
-    return std::any_of(program.edges.begin(), program.edges.end(),
+    return program.flags != ActorFlags() ||
+           std::any_of(program.edges.begin(), program.edges.end(),
                        [](const ProgramEdge& edge) {
                          return edge.kind == Kind::combined || edge.kind == Kind::act;
                        }) ||
@@ -42,6 +44,9 @@ StepRules::StepRules(const System& system) : system_(system) {
     for (const ProgramEdge& edge : program.edges) {
       for (const ModelUse& use : program.uses_of(edge)) relations_of(use);
     }
+  }
+  for (const NobodysAction& action : system.nobodys_actions) {
+    for (const ModelUse& use : action.what.uses) relations_of(use);
   }
 }
 
@@ -66,19 +71,24 @@ const std::vector<std::uint32_t>& StepRules::relations_of(const ModelUse& use) {
   return entry->second;
 }
 
-std::vector<StepRule> StepRules::rules_of(std::uint32_t program, ControlState state) const {
+std::vector<StepRule> StepRules::rules_of(std::uint32_t actor, ControlState state) const {
   std::vector<StepRule> rules;
-  const Program::State& control = system_.programs[program].states[state];
+  if (actor == nobody) {
+    for (std::uint32_t action = 0; action < system_.nobodys_actions.size(); ++action) {
+      add_rules({nobody, 0, action, {}, false, false}, rules);
+    }
+    return rules;
+  }
+  const Program::State& control = system_.programs[actor].states[state];
   for (std::uint32_t offset = 0; offset < control.edge_count; ++offset) {
-    add_rules({program, state, control.first_edge + offset, {}, false, false}, rules);
+    add_rules({actor, state, control.first_edge + offset, {}, false, false}, rules);
   }
   return rules;
 }
 
 // Appends the rule with each relation of its further uses.
 void StepRules::add_rules(const StepRule& begun, std::vector<StepRule>& rules) const {
-  const Program& program = system_.programs[begun.program];
-  const std::span<const ModelUse> uses = program.uses_of(program.edges[begun.edge]);
+  const std::span<const ModelUse> uses = uses_of(system_, begun_step(begun));
   if (begun.relations.size() == uses.size()) {
     rules.push_back(begun);
     return;
@@ -97,12 +107,12 @@ bool StepRules::may_cut() const {
                      [](const ModelRelation& relation) { return relation.bound == Bound::cut; });
 }
 
+Step StepRules::begun_step(const StepRule& rule) {
+  return {rule.actor, rule.action, {}, rule.is_beyond, rule.is_cut};
+}
+
 RuleAction StepRules::action_of(const StepRule& rule) const {
-  Step step;
-  step.program = rule.program;
-  step.edge = rule.edge;
-  step.is_beyond = rule.is_beyond;
-  return {maide::action_of(system_, step), rule.relations};
+  return {maide::action_of(system_, begun_step(rule)), rule.relations};
 }
 
 const std::string& StepRules::name_of(const RuleAction& action, ExportNames& names,
@@ -127,8 +137,8 @@ std::string StepRules::describe(const ModelRelation& relation) const {
 std::optional<Step> StepRules::step_of(const StepRule& rule,
                                        const std::vector<std::uint32_t>& ranks,
                                        const GlobalState& state) const {
-  if (state.programs[rule.program] != rule.source) return std::nullopt;
-  Step step{rule.program, rule.edge, {}, rule.is_beyond, rule.is_cut};
+  if (rule.actor != nobody && state.programs[rule.actor] != rule.source) return std::nullopt;
+  Step step = begun_step(rule);
   for (std::size_t i = 0; i < rule.relations.size(); ++i) {
     const ModelRelation& relation = relations_[rule.relations[i]];
     const StateId at = state.models[relation.model()];

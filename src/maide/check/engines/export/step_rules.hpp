@@ -1,9 +1,9 @@
 // The steps of a system as rules, for its exports: each language writes the same rules in its own
-// words. A rule is one edge of one program, with a relation for each model that the edge uses: from
-// which of its states the model goes to which. So a step is possible where the program stands at
-// the rule's control state and each model in a state of its relation. The meaning is that of
-// check/system/system.hpp: a step of the system belongs to exactly one rule, and is exactly one
-// choice of moves of its relations.
+// words. A rule is one edge of one program, or one action of nobody, with a relation for each model
+// that the edge uses: from which of its states the model goes to which. So a step is possible where
+// the program stands at the rule's control state and each model in a state of its relation. The
+// meaning is that of check/system/system.hpp: a step of the system belongs to exactly one rule, and
+// is exactly one choice of moves of its relations.
 #pragma once
 
 #include <compare>
@@ -20,7 +20,8 @@
 namespace maide {
 
 // The system has what is no single input, output, `quiet` or choice: steps that use several models
-// or a shared variable, deaths, errors, statements at which a program may rest or wait for ever.
+// or a shared variable, deaths, errors, statements at which a program may rest or wait for ever,
+// what nobody does.
 bool uses_second_edition(const System& system);
 
 // What a model does when it is used in one way.
@@ -39,10 +40,10 @@ struct ModelRelation {
 };
 
 struct StepRule {
-  std::uint32_t program = 0;
-  ControlState source = 0;
-  std::uint32_t edge = 0;                // of the program
-  std::vector<std::uint32_t> relations;  // one for each use of the edge, in order
+  std::uint32_t actor = 0;               // a program, or nobody
+  ControlState source = 0;               // of nobody: 0
+  std::uint32_t action = 0;              // an edge of the program, or an action of nobody
+  std::vector<std::uint32_t> relations;  // one for each use, in order
   bool is_beyond = false;                // a relation is not within what was learned
   bool is_cut = false;                   // the run is cut: an export stays where it is
 };
@@ -61,11 +62,14 @@ class StepRules {
 
   // Those that have a move.
   const std::vector<ModelRelation>& relations() const { return relations_; }
-  // The rules of one control state, in the order of its edges. O(its edges x relations).
-  std::vector<StepRule> rules_of(std::uint32_t program, ControlState state) const;
+  // The rules of one control state, in the order of its edges; of nobody all. O(its edges x
+  // relations).
+  std::vector<StepRule> rules_of(std::uint32_t actor, ControlState state) const;
   // As far as the relations alone tell, some run is cut.
   bool may_cut() const;
 
+  // The step of the rule, but for its targets.
+  static Step begun_step(const StepRule& rule);
   RuleAction action_of(const StepRule& rule) const;
   // Its name in another language, which no other action of the program has.
   const std::string& name_of(const RuleAction& action, ExportNames& names, bool of_program) const;

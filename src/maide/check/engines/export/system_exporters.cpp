@@ -16,7 +16,7 @@
 #include "maide/base/text.hpp"
 #include "maide/check/engines/export/promela_system.hpp"
 #include "maide/check/engines/export/step_action.hpp"
-#include "maide/check/packed/packed_system.hpp"
+#include "maide/check/packed/packed_steps.hpp"
 #include "maide/formats/dot_syntax.hpp"
 
 namespace maide {
@@ -112,14 +112,14 @@ template <std::size_t words>
 class GraphWriter {
  public:
   GraphWriter(const PackedSystem& packed, std::uint64_t bytes, const RunControl& control)
-      : packed_(packed),
+      : steps_(packed),
         system_(packed.system()),
         bytes_(bytes),
         control_(control),
         names_(system_) {}
 
   GraphSize write(std::ostream& out) {
-    states_.number_of(packed_.pack<words>(initial_state(system_)));
+    states_.number_of(steps_.initial());
     std::uint64_t transitions = 0;
     walk("exploring", [&](std::uint64_t, const Step&, std::uint32_t) { ++transitions; });
     out << fmt::format("des (0, {}, {})\n", transitions, states_.size());
@@ -135,12 +135,12 @@ class GraphWriter {
   void walk(std::string_view phase, Visit visit) {
     for (std::uint64_t number = 0; number < states_.size(); ++number) {
       if (number % 1024 == 0) watch(phase, number);
-      const GlobalState state = packed_.unpack<words>(states_[number]);
-      for (const Step& step : enabled_steps(system_, state)) {
-        const GlobalState next = apply(system_, state, step);
-        const auto self = static_cast<std::uint32_t>(number);
-        visit(number, step, next.is_cut ? self : states_.number_of(packed_.pack<words>(next)));
-      }
+      const auto self = static_cast<std::uint32_t>(number);
+      const auto state = states_[number];
+      steps_.for_each(state, [&](const auto& next, std::size_t, std::uint32_t, bool is_cut,
+                                 std::uint64_t code) {
+        visit(number, steps_.undo(next, code).step, is_cut ? self : states_.number_of(next));
+      });
     }
   }
 
@@ -160,7 +160,7 @@ class GraphWriter {
     return entry->second;
   }
 
-  const PackedSystem& packed_;
+  PackedSteps<words> steps_;
   const System& system_;
   std::uint64_t bytes_;
   const RunControl& control_;

@@ -78,14 +78,15 @@ void write_smv(std::ostream& out, const System& system);
 // object of, without LTSmin's headers. LTSmin's backends explore it with many cores, symbolically,
 // or over MPI.
 //
-// The state has a slot for each program's place, then one for each model's state, then `halted` if
-// programs may come to an error. A group of transitions is what one program does with its models,
-// from whatever place; its action is the step's name (ActionNames). The states are those of the
-// system before any cut, and one transition is one step; a cut is a self-loop. Labels of states
-// are `valid_end_state` (all programs have ended or may rest, so that LTSmin's --deadlock is the
-// system's, unless programs may die), `deadlock`, `error`, `beyond` (a step can go beyond what was
-// learned, and is cut), and `always_NAME` for a property `NAME` that is `always` what states show.
-// Guards and their matrices are there for partial-order reduction.
+// The state has a slot for each program's place, one for nobody's if he has actions, then one for
+// each model's state, then `halted` if programs may come to an error. A group of transitions is
+// what one program does with its models, from whatever place; its action is the step's name
+// (ActionNames). The states are those of the system before any cut, and one transition is one step;
+// a cut is a self-loop. Labels of states are `valid_end_state` (all programs have ended or may
+// rest, so that LTSmin's --deadlock is the system's, unless programs may die), `deadlock`, `error`,
+// `beyond` (a step can go beyond what was learned, and is cut), and `always_NAME` for a property
+// `NAME` that is `always` what states show. Guards and their matrices are there for partial-order
+// reduction.
 void write_pins(std::ostream& out, const System& system, std::span<const Property> properties);
 
 // What keeps the property from being a label of states, "sees events, and not states alone"; "" if
