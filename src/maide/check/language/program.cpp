@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "maide/base/invariant.hpp"
+
 namespace maide {
 
 std::string Program::place_of(int line) const {
@@ -11,6 +13,12 @@ std::string Program::place_of(int line) const {
   const auto is_in = [&](const CallbackLines& of) { return of.first <= line && line <= of.last; };
   if (std::count_if(callbacks.begin(), callbacks.end(), is_in) != 1) return text;
   return text + " (" + std::find_if(callbacks.begin(), callbacks.end(), is_in)->name + ")";
+}
+
+ControlState Program::source_of(std::uint32_t edge) const {
+  const auto behind = std::ranges::upper_bound(states, edge, {}, &State::first_edge);
+  MAIDE_CHECK(behind != states.begin());
+  return static_cast<ControlState>(behind - states.begin() - 1);
 }
 
 bool Program::has_label(ControlState state, std::uint32_t label) const {

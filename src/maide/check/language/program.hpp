@@ -164,6 +164,8 @@ struct Program {
   bool is_error(ControlState state) const { return states[state].error != 0; }
   // It may stand there for ever.
   bool may_rest(ControlState state) const { return flags.may_rest || states[state].may_rest; }
+  // The control state that has the edge. O(log control states).
+  ControlState source_of(std::uint32_t edge) const;
   // The models that the edge uses: none for a choice. Valid as long as the program and the edge.
   std::span<const ModelUse> uses_of(const ProgramEdge& edge) const {
     if (edge.kind == ModelUse::Kind::combined) return combined[edge.symbol].uses;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cstdint>
 
+#include "maide/check/system/atom_view.hpp"
+
 namespace maide {
 
 std::optional<CallRules> rules_for_calls(const System& system, const Property& property) {
@@ -176,27 +178,16 @@ bool ignores_silent_steps(const Formula& formula) {
 }
 
 std::vector<std::vector<bool>> visible_edges(const Formula& formula, const System& system) {
-  const std::vector<Atom> atoms = atoms_of(formula);
+  const std::vector<AtomView> views = views_of(atoms_of(formula), system);
   std::vector<std::vector<bool>> visible;
-  for (std::size_t index = 0; index < system.programs.size(); ++index) {
-    const Program& program = system.programs[index];
-    auto& edges = visible.emplace_back(program.edges.size());
-    for (ControlState at = 0; at < program.states.size(); ++at) {
-      const Program::State& state = program.states[at];
-      for (std::uint32_t i = state.first_edge; i < state.first_edge + state.edge_count; ++i) {
-        edges[i] = std::any_of(atoms.begin(), atoms.end(), [&](const Atom& atom) {
-          return is_seen_by(atom, system, static_cast<std::uint32_t>(index), at, program.edges[i]);
-        });
-      }
-    }
+  const auto add = [&](std::uint32_t actor, std::size_t actions) {
+    std::vector<bool>& here = visible.emplace_back();
+    for (std::uint32_t i = 0; i < actions; ++i) here.push_back(is_visible(views, actor, i));
+  };
+  for (std::uint32_t index = 0; index < system.programs.size(); ++index) {
+    add(index, system.programs[index].edges.size());
   }
-  if (system.nobodys_actions.empty()) return visible;
-  std::vector<bool>& nobodys = visible.emplace_back();
-  for (const NobodysAction& action : system.nobodys_actions) {
-    nobodys.push_back(std::any_of(atoms.begin(), atoms.end(), [&](const Atom& atom) {
-      return is_seen_by(atom, system, action);
-    }));
-  }
+  if (!system.nobodys_actions.empty()) add(nobody, system.nobodys_actions.size());
   return visible;
 }
 

@@ -1,9 +1,11 @@
 #include "maide/check/search/monitors.hpp"
 
 #include <algorithm>
+#include <numeric>
 #include <stdexcept>
 
 #include "maide/base/invariant.hpp"
+#include "maide/check/system/atom_view.hpp"
 
 namespace maide {
 
@@ -16,59 +18,31 @@ constexpr std::size_t most_values = std::size_t{1} << 22;
 
 PackedAtom::PackedAtom(const Atom& atom, const System& system)
     : atom_(atom), system_(&system), is_event_(atom.is_event()) {
-  if (is_event()) {
+  const AtomView view(atom, system);
+  if (is_event_) {
+    const auto add = [&](std::uint32_t actor, std::size_t actions) {
+      std::vector<bool>& values = by_edge_.emplace_back();
+      for (std::uint32_t i = 0; i < actions; ++i) values.push_back(view.sees(actor, i));
+    };
     for (std::uint32_t index = 0; index < system.programs.size(); ++index) {
-      const Program& program = system.programs[index];
-      std::vector<bool>& values = by_edge_.emplace_back(program.edges.size());
-      for (std::size_t i = 0; i < program.edges.size(); ++i) {
-        values[i] = is_event_of(atom, index, program.events_of(program.edges[i]));
-      }
+      add(index, system.programs[index].edges.size());
     }
-    std::vector<bool>& nobodys = by_edge_.emplace_back();
-    for (const NobodysAction& action : system.nobodys_actions) {
-      nobodys.push_back(is_event_of(atom, nobody, action.what.events));
-    }
+    add(nobody, system.nobodys_actions.size());
     return;
   }
-  if (atom.kind != Atom::Kind::expression) {
-    add_field(false, atom.owner);
-  } else {
-    for_each_variable(system.expressions[atom.owner], [&](const Expression& leaf) {
-      if (leaf.op == Expression::Operator::local) return add_field(false, leaf.owner);
-      for (std::uint32_t i = 0; i < element_count(leaf); ++i) add_field(true, leaf.index + i);
-    });
+  std::vector<std::vector<std::uint32_t>> states;
+  for (const AtomField& field : view.fields()) {
+    states.emplace_back(count_states(field, system));
+    std::iota(states.back().begin(), states.back().end(), 0);
   }
-  fill_values();
+  values_ = view.values(states, most_values).value_or(std::vector<bool>());
+  std::size_t stride = values_.size();
+  for (std::size_t i = 0; i < states.size(); ++i) {
+    const auto& [is_model, index, variables] = view.fields()[i];
+    fields_.push_back({is_model, index, stride /= states[i].size()});
+  }
   if (fields_.size() == 1 && !fields_.front().is_model && !values_.empty()) {
     owner_ = fields_.front().index;
-  }
-}
-
-void PackedAtom::add_field(bool is_model, std::uint32_t index) {
-  for (const Field& field : fields_) {
-    if (field.is_model == is_model && field.index == index) return;
-  }
-  fields_.push_back(
-      {is_model, index,
-       is_model ? system_->models[index].automaton.size() : system_->programs[index].states.size(),
-       0});
-}
-
-void PackedAtom::fill_values() {
-  std::size_t count = 1;
-  for (Field& field : fields_) {
-    field.stride = count;
-    if (field.size > most_values / count) return;
-    count *= field.size;
-  }
-  GlobalState state = initial_state(*system_);
-  values_.resize(count);
-  for (std::size_t place = 0; place < count; ++place) {
-    for (const Field& field : fields_) {
-      const auto at = static_cast<std::uint32_t>(place / field.stride % field.size);
-      (field.is_model ? state.models : state.programs)[field.index] = at;
-    }
-    values_[place] = maide::is_true(atom_, *system_, state, nullptr);
   }
 }
 

@@ -55,10 +55,8 @@ class PackedAtom {
   struct Field {
     bool is_model = false;
     std::uint32_t index = 0;
-    std::size_t size = 0, stride = 0;
+    std::size_t stride = 0;
   };
-  void add_field(bool is_model, std::uint32_t index);
-  void fill_values();
 
   Atom atom_;
   const System* system_;

@@ -8,47 +8,29 @@
 
 #include "maide/base/invariant.hpp"
 #include "maide/check/ltl/ltl_automaton.hpp"
+#include "maide/check/system/atom_view.hpp"
 
 namespace maide {
 namespace {
 
 constexpr std::uint32_t not_there = ~std::uint32_t{0};
 
-std::vector<Atom> atoms_in(const Property& property) {
-  if (property.kind == Property::Kind::ltl) return atoms_of(property.formula);
-  if (property.kind == Property::Kind::never) return property.never->atoms;
-  return {};
-}
-
-// The programs and models that the atom names.
+// The programs and models that a property names.
 struct Named {
   std::set<std::uint32_t> programs, models;
 };
 
-void add_names(const System& system, const Atom& atom, Named& named) {
-  switch (atom.kind) {
-    case Atom::Kind::label:
-    case Atom::Kind::end: named.programs.insert(atom.owner); break;
-    case Atom::Kind::input:
-    case Atom::Kind::output:
-      named.models.insert(atom.owner);
-      if (atom.program != Atom::any_program) named.programs.insert(atom.program);
-      break;
-    case Atom::Kind::expression:
-      for_each_variable(system.expressions[atom.owner], [&](const Expression& leaf) {
-        if (leaf.op == Expression::Operator::local) {
-          named.programs.insert(leaf.owner);
-          return;
-        }
-        for (std::uint32_t i = 0; i < element_count(leaf); ++i) named.models.insert(leaf.index + i);
-      });
-      break;
-  }
-}
-
 Named names_of(const System& system, const Property& property) {
   Named named;
-  for (const Atom& atom : atoms_in(property)) add_names(system, atom, named);
+  for (const Atom& atom : atoms_of(property)) {
+    const AtomView view(atom, system);
+    for (const AtomField& field : view.fields()) {
+      (field.is_model ? named.models : named.programs).insert(field.index);
+    }
+    if (!atom.is_event()) continue;
+    named.models.insert(atom.owner);
+    if (atom.program != Atom::any_program) named.programs.insert(atom.program);
+  }
   return named;
 }
 
@@ -216,7 +198,7 @@ Part::Part(const System& whole, std::vector<std::uint32_t> programs, const Prope
   add_nobodys_actions();
   if (property != nullptr) {
     own.sources = whole.sources;
-    for (const Atom& atom : atoms_in(*property)) {
+    for (const Atom& atom : atoms_of(*property)) {
       if (atom.kind == Atom::Kind::expression) own.expressions = whole.expressions;
     }
   }

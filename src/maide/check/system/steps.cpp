@@ -29,15 +29,6 @@ class Digits {
   std::uint64_t number_, unit_ = 1;
 };
 
-// The control state that has the edge.
-ControlState source_of(const Program& program, std::uint32_t edge) {
-  const auto behind = std::upper_bound(
-      program.states.begin(), program.states.end(), edge,
-      [](std::uint32_t index, const Program::State& state) { return index < state.first_edge; });
-  MAIDE_CHECK(behind != program.states.begin());
-  return static_cast<ControlState>(behind - program.states.begin() - 1);
-}
-
 }  // namespace
 
 StepText describe_step(const System& system, const Step& step) {
@@ -118,7 +109,7 @@ StepBefore StepsByTheBook::undo(const State& state, std::uint64_t code) const {
   step.is_cut = digits.read(2) != 0;
   result.before.is_cut = false;
   if (step.actor != nobody) {
-    result.before.programs[actor] = source_of(system_->programs[actor], step.action);
+    result.before.programs[actor] = system_->programs[actor].source_of(step.action);
   }
   for (const ModelUse& use : uses_of(*system_, step)) {
     step.targets.push_back(state.models[use.model]);

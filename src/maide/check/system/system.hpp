@@ -264,12 +264,6 @@ bool is_true(const Atom& atom, const System& system, const GlobalState& state, c
 // Whether the atom, an event, names one of these inputs and outputs of a step by that actor.
 bool is_event_of(const Atom& atom, std::uint32_t actor, std::span<const ModelUse> events);
 
-// Whether that edge of that program, from `source`, may change what the atom is, or is an event
-// that it names.
-bool is_seen_by(const Atom& atom, const System& system, std::uint32_t program, ControlState source,
-                const ProgramEdge& edge);
-bool is_seen_by(const Atom& atom, const System& system, const NobodysAction& action);
-
 // Whether `input` was never tried in `state` of the automaton: marked, or drawn as absorbed.
 bool is_beyond_learned(const InterfaceAutomaton& automaton, StateId state, Symbol input);
 

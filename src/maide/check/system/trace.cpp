@@ -12,6 +12,7 @@
 
 #include "maide/base/invariant.hpp"
 #include "maide/check/ltl/ltl_automaton.hpp"
+#include "maide/check/system/atom_view.hpp"
 
 namespace maide {
 namespace {
@@ -216,24 +217,6 @@ namespace {
 
 constexpr std::size_t no_actor = ~std::size_t{0};
 
-// Whether the formula can see the step: one of its atoms changes, or is an event of this step.
-bool is_visible(const System& system, const std::vector<Atom>& atoms, const Step& step) {
-  if (step.actor == nobody) {
-    const NobodysAction& action = system.nobodys_actions[step.action];
-    return std::any_of(atoms.begin(), atoms.end(),
-                       [&](const Atom& atom) { return is_seen_by(atom, system, action); });
-  }
-  const Program& program = system.programs[step.actor];
-  const ProgramEdge& edge = program.edges[step.action];
-  const auto owner = std::upper_bound(
-      program.states.begin(), program.states.end(), step.action,
-      [](std::uint32_t index, const Program::State& state) { return index < state.first_edge; });
-  const auto source = static_cast<ControlState>(owner - program.states.begin() - 1);
-  return std::any_of(atoms.begin(), atoms.end(), [&](const Atom& atom) {
-    return is_seen_by(atom, system, step.actor, source, edge);
-  });
-}
-
 // A stretch of a run whose steps are put into another order.
 struct Stretch {
   GlobalState begin, end;
@@ -244,11 +227,11 @@ struct Stretch {
 // The search: 0-1 breadth-first, by the number of switches.
 class TurnSearch {
  public:
-  TurnSearch(const System& system, const std::vector<Atom>& atoms, const Stretch& stretch,
+  TurnSearch(const System& system, std::span<const AtomView> views, const Stretch& stretch,
              std::size_t most_nodes)
       : system_(system), stretch_(stretch), most_nodes_(most_nodes), own_(actor_count(system)) {
     for (const Step& step : stretch.steps) {
-      const bool visible = is_visible(system, atoms, step);
+      const bool visible = is_visible(views, step.actor, step.action);
       own_[actor_number(system, step.actor)].push_back(
           {step, visible ? visible_count_ : not_visible});
       visible_count_ += visible ? 1 : 0;
@@ -376,7 +359,7 @@ class TurnSearch {
 // that can go farthest comes next. O(steps x programs).
 class GreedyTurns {
  public:
-  GreedyTurns(const System& system, const std::vector<Atom>& atoms, const Stretch& stretch)
+  GreedyTurns(const System& system, std::span<const AtomView> views, const Stretch& stretch)
       : steps_(stretch.steps), needs_(stretch.steps.size()), own_(actor_count(system)) {
     std::vector<std::size_t> last_of_model(system.models.size(), none);
     std::size_t last_visible = none;
@@ -387,7 +370,7 @@ class GreedyTurns {
         const std::size_t last = std::exchange(last_of_model[use.model], at);
         if (last != none) needs_[at].push_back(last);
       }
-      if (is_visible(system, atoms, steps_[at])) {
+      if (is_visible(views, steps_[at].actor, steps_[at].action)) {
         const std::size_t last = std::exchange(last_visible, at);
         if (last != none) needs_[at].push_back(last);
       }
@@ -446,10 +429,10 @@ bool is_reordering(const System& system, const std::vector<Step>& steps, const S
   return own == wanted;
 }
 
-std::vector<Step> reorder(const System& system, const std::vector<Atom>& atoms,
+std::vector<Step> reorder(const System& system, std::span<const AtomView> views,
                           const Stretch& stretch, std::size_t most_nodes) {
-  auto steps = TurnSearch(system, atoms, stretch, most_nodes).run();
-  if (!steps) steps = GreedyTurns(system, atoms, stretch).run();
+  auto steps = TurnSearch(system, views, stretch, most_nodes).run();
+  if (!steps) steps = GreedyTurns(system, views, stretch).run();
   MAIDE_CHECK(is_reordering(system, *steps, stretch));
   return *steps;
 }
@@ -468,20 +451,18 @@ Trace with_fewest_switches(const System& system, const Property& property, const
                            std::size_t most_nodes) {
   if (trace.steps.empty()) return trace;
   const std::vector<GlobalState> states = replay(system, trace);
-  std::vector<Atom> atoms;
-  if (property.formula) atoms = atoms_of(property.formula);
-  if (property.never) atoms = property.never->atoms;
+  const std::vector<AtomView> views = views_of(atoms_of(property), system);
   const std::size_t split = trace.loop_start.value_or(trace.steps.size());
   const std::span<const Step> steps(trace.steps);
   Trace result;
   result.loop_start = trace.loop_start;
-  result.steps = reorder(system, atoms,
+  result.steps = reorder(system, views,
                          {states.front(), states[split], steps.first(split), no_actor}, most_nodes);
   if (trace.loop_start) {
     const std::size_t before =
         result.steps.empty() ? no_actor : actor_number(system, result.steps.back().actor);
     const std::vector<Step> loop = reorder(
-        system, atoms, {states[split], states[split], steps.subspan(split), before}, most_nodes);
+        system, views, {states[split], states[split], steps.subspan(split), before}, most_nodes);
     result.steps.insert(result.steps.end(), loop.begin(), loop.end());
   }
   // A formula may see more than the order of what it sees: how long it lasts (X), or a fair turn.

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cstdint>
 #include <map>
-#include <optional>
 #include <ostream>
 #include <set>
 #include <span>
@@ -20,6 +19,7 @@
 #include "maide/check/engines/export/step_rules.hpp"
 #include "maide/check/engines/export/system_exporters.hpp"
 #include "maide/check/reduce/reduction.hpp"
+#include "maide/check/system/atom_view.hpp"
 #include "maide/formats/names.hpp"
 
 namespace maide {
@@ -43,97 +43,6 @@ std::string cpp_string(std::string_view text) {
   }
   return quoted + '"';
 }
-
-// What an atom of a formula sees of a state.
-class AtomView {
- public:
-  // A program's place, or a model's state, as far as the atom tells them apart.
-  struct Field {
-    bool is_model = false;
-    std::uint32_t index = 0;
-    std::vector<std::uint32_t> classes;   // by place or state
-    std::vector<std::uint32_t> examples;  // by class
-  };
-
-  AtomView(const System& system, const Atom& atom) : system_(system), atom_(atom) {
-    if (atom.kind != Atom::Kind::expression) {
-      add_program(atom.owner, {});
-      return;
-    }
-    std::map<std::uint32_t, std::set<std::uint32_t>> variables;  // by program
-    std::set<std::uint32_t> models;
-    for_each_variable(system.expressions[atom.owner], [&](const Expression& leaf) {
-      for (std::uint32_t i = 0; i < element_count(leaf); ++i) {
-        if (leaf.op == Expression::Operator::local) {
-          variables[leaf.owner].insert(leaf.index + i);
-        } else {
-          models.insert(leaf.index + i);
-        }
-      }
-    });
-    for (const auto& [program, seen] : variables) add_program(program, seen);
-    for (const std::uint32_t model : models) {
-      Field field{true, model, {}, {}};
-      for (StateId at = 0; at < system.models[model].automaton.size(); ++at) {
-        field.classes.push_back(at);
-        field.examples.push_back(at);
-      }
-      fields_.push_back(std::move(field));
-    }
-  }
-
-  const std::vector<Field>& fields() const { return fields_; }
-  bool is_too_large() const {
-    std::size_t values = 1;
-    for (const Field& field : fields_) {
-      if (field.examples.size() > most_combined / values) return true;
-      values *= field.examples.size();
-    }
-    return false;
-  }
-  // Appends its value for each combination of classes, the last field's running fastest.
-  void add_values(std::vector<int>& values) const {
-    GlobalState state = initial_state(system_);
-    add_values(0, state, values);
-  }
-
- private:
-  void add_program(std::uint32_t index, const std::set<std::uint32_t>& variables) {
-    const Program& program = system_.programs[index];
-    GlobalState state = initial_state(system_);
-    Field field{false, index, {}, {}};
-    std::map<std::pair<bool, std::vector<std::optional<Value>>>, std::uint32_t> known;
-    for (ControlState at = 0; at < program.states.size(); ++at) {
-      state.programs[index] = at;
-      std::vector<std::optional<Value>> values;
-      for (const std::uint32_t number : variables) {
-        values.push_back(program.value_of(at, number));
-      }
-      const bool is_marked = variables.empty() && is_true(atom_, system_, state, nullptr);
-      const auto [entry, is_new] = known.try_emplace(
-          {is_marked, std::move(values)}, static_cast<std::uint32_t>(field.examples.size()));
-      if (is_new) field.examples.push_back(at);
-      field.classes.push_back(entry->second);
-    }
-    fields_.push_back(std::move(field));
-  }
-
-  void add_values(std::size_t next, GlobalState& state, std::vector<int>& values) const {
-    if (next == fields_.size()) {
-      values.push_back(is_true(atom_, system_, state, nullptr) ? 1 : 0);
-      return;
-    }
-    const Field& field = fields_[next];
-    for (const std::uint32_t example : field.examples) {
-      (field.is_model ? state.models : state.programs)[field.index] = example;
-      add_values(next + 1, state, values);
-    }
-  }
-
-  const System& system_;
-  const Atom& atom_;
-  std::vector<Field> fields_;
-};
 
 class PinsWriter {
  public:
@@ -405,15 +314,18 @@ class PinsWriter {
   }
 
   std::string atom(const Atom& atom, Label& label) {
-    const AtomView view(system_, atom);
+    const AtomView view(atom, system_);
+    const AtomTable table = table_of(view, {&view, 1}, system_, most_combined);
     const std::size_t first_seen = seen_.size(), first_value = values_.size();
-    for (const AtomView::Field& field : view.fields()) {
-      const std::size_t slot = field.is_model ? slot_of_model(field.index) : field.index;
+    for (std::size_t i = 0; i < table.classes.size(); ++i) {
+      const auto& [is_model, index, variables] = view.fields()[i];
+      const auto& [of_states, examples] = table.classes[i];
+      const std::size_t slot = is_model ? slot_of_model(index) : index;
       label.slots.insert(slot);
-      seen_.push_back(fmt::format("{{{}, {}, {}}}", slot, classes_.size(), field.examples.size()));
-      classes_.insert(classes_.end(), field.classes.begin(), field.classes.end());
+      seen_.push_back(fmt::format("{{{}, {}, {}}}", slot, classes_.size(), examples.size()));
+      classes_.insert(classes_.end(), of_states.begin(), of_states.end());
     }
-    view.add_values(values_);
+    values_.insert(values_.end(), table.values->begin(), table.values->end());
     atom_rows_.push_back(fmt::format("{{{}, {}, {}}}", first_seen, seen_.size(), first_value));
     return fmt::format("is_true({}, state)", atom_rows_.size() - 1);
   }
@@ -440,7 +352,9 @@ std::string why_no_label(const System& system, const Property& property) {
   if (!condition) return "is no `always`";
   for (const Atom& atom : atoms_of(condition)) {
     if (atom.is_event()) return "sees events, and not states alone";
-    if (AtomView(system, atom).is_too_large()) return "compares too many values";
+    const AtomView view(atom, system);
+    if (!table_of(view, {&view, 1}, system, most_combined).values)
+      return "compares too many values";
   }
   return "";
 }

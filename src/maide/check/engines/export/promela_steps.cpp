@@ -22,7 +22,6 @@
 #include <map>
 #include <memory>
 #include <optional>
-#include <set>
 #include <span>
 #include <string>
 #include <string_view>
@@ -33,6 +32,7 @@
 #include "maide/base/text.hpp"
 #include "maide/check/engines/export/promela_text.hpp"
 #include "maide/check/rules/model_words.hpp"
+#include "maide/check/system/atom_view.hpp"
 
 namespace maide {
 namespace {
@@ -81,21 +81,10 @@ struct Move {
   std::string effect;  // "" if nothing changes
 };
 
-// The part of a program's control state, or the model's state, that a formula's atom depends on.
-struct Field {
-  std::string variable;
-  bool is_model = false;
-  std::uint32_t index = 0;              // of the program or model
-  std::vector<std::uint32_t> examples;  // a control state for each value; of a model all its states
-};
-
 class StepWriter {
  public:
   StepWriter(const System& system, const PromelaOptions& options)
-      : system_(system),
-        options_(options),
-        rules_(std::make_shared<const StepRules>(system)),
-        views_(system.programs.size()) {
+      : system_(system), options_(options), rules_(std::make_shared<const StepRules>(system)) {
     for (const Program& program : system.programs) {
       for (const Program::State& state : program.states) has_errors_ |= state.error != 0;
       for (const ProgramEdge& edge : program.edges) has_idle_steps_ |= !program.is_progress(edge);
@@ -106,6 +95,7 @@ class StepWriter {
     knows_deaths_ = has_idle_steps_ && (is_ltl() || options.purpose == Purpose::deadlock);
     has_cuts_ = rules_->may_cut() || has_errors_;
     if (is_ltl()) atoms_ = atoms_of(options.formula);
+    views_ = views_of(atoms_, system);
     for (const Atom& atom : atoms_) has_events_ |= atom.is_event();
   }
 
@@ -128,7 +118,7 @@ class StepWriter {
     if (is_ltl()) {
       text_.idling("active proctype", has_events_);
       std::vector<std::string> expressions;
-      for (const Atom& atom : atoms_) expressions.push_back(expression(atom));
+      for (std::size_t i = 0; i < atoms_.size(); ++i) expressions.push_back(expression(i));
       text_.claim(options_.formula, expressions, has_cuts_);
     }
     return std::move(result);
@@ -240,48 +230,12 @@ class StepWriter {
 
   // ---- What a formula sees ----
 
-  // Of each program that the formula's atoms name: its control states by what these see of it.
   void find_views() {
-    if (!is_ltl()) return;
-    std::map<std::uint32_t, std::set<std::uint32_t>> variables;  // by program that is named
-    for (const Atom& atom : atoms_) {
-      if (atom.kind == Atom::Kind::label || atom.kind == Atom::Kind::end) variables[atom.owner];
-      if (atom.kind != Atom::Kind::expression) continue;
-      for_each_variable(system_.expressions[atom.owner], [&](const Expression& leaf) {
-        if (leaf.op != Expression::Operator::local) return;
-        for (std::uint32_t i = 0; i < element_count(leaf); ++i) {
-          variables[leaf.owner].insert(leaf.index + i);
-        }
-      });
-    }
-    for (const auto& [program, seen] : variables) find_view(program, seen);
-  }
-
-  struct View {
-    std::vector<std::uint32_t> values;   // by control state; none: nothing is seen
-    std::vector<ControlState> examples;  // by value
-  };
-
-  void find_view(std::uint32_t index, const std::set<std::uint32_t>& variables) {
-    const Program& program = system_.programs[index];
-    View& view = views_[index];
-    std::map<std::pair<std::vector<bool>, std::vector<std::optional<Value>>>, std::uint32_t> known;
-    for (ControlState state = 0; state < program.states.size(); ++state) {
-      std::vector<bool> marks;
-      for (const Atom& atom : atoms_) {
-        if (atom.kind == Atom::Kind::end && atom.owner == index) {
-          marks.push_back(program.is_end(state));
-        } else if (atom.kind == Atom::Kind::label && atom.owner == index) {
-          marks.push_back(program.has_label(state, atom.symbol));
-        }
+    for (const AtomView& view : views_) {
+      for (const AtomField& field : view.fields()) {
+        if (field.is_model || seen_.contains(field.index)) continue;
+        seen_.emplace(field.index, classes_of(field, views_, system_));
       }
-      std::vector<std::optional<Value>> values;
-      for (const std::uint32_t number : variables)
-        values.push_back(program.value_of(state, number));
-      const auto [entry, is_new] = known.try_emplace(
-          {std::move(marks), std::move(values)}, static_cast<std::uint32_t>(view.examples.size()));
-      if (is_new) view.examples.push_back(state);
-      view.values.push_back(entry->second);
     }
   }
 
@@ -289,68 +243,47 @@ class StepWriter {
     return names_.of("seen_", system_.programs[program].name);
   }
 
-  std::string expression(const Atom& atom) {
-    if (atom.is_event()) {
+  std::string expression(std::size_t atom) {
+    if (atoms_[atom].is_event()) {
       std::vector<std::uint32_t> codes;
       for (const auto& [events, code] : event_codes_) {
-        const auto at = std::lower_bound(atoms_.begin(), atoms_.end(), atom) - atoms_.begin();
-        if (events[static_cast<std::size_t>(at)]) codes.push_back(code);
+        if (events[atom]) codes.push_back(code);
       }
       std::sort(codes.begin(), codes.end());
       const auto text = membership("event", codes, event_codes_.size() + 2, codes.size());
       return *text;
     }
-    std::vector<Field> fields;
-    const auto add = [&](bool is_model, std::uint32_t index) {
-      for (const Field& field : fields) {
-        if (field.is_model == is_model && field.index == index) return;
-      }
-      if (!is_model) {
-        fields.push_back({view_variable(index), false, index, views_[index].examples});
-        return;
-      }
-      Field field{variable(index), true, index, {}};
-      for (StateId at = 0; at < system_.models[index].automaton.size(); ++at) {
-        field.examples.push_back(at);
-      }
-      fields.push_back(std::move(field));
-    };
-    if (atom.kind != Atom::Kind::expression) {
-      add(false, atom.owner);
-    } else {
-      for_each_variable(system_.expressions[atom.owner], [&](const Expression& leaf) {
-        if (leaf.op == Expression::Operator::local) return add(false, leaf.owner);
-        for (std::uint32_t i = 0; i < element_count(leaf); ++i) add(true, leaf.index + i);
-      });
-    }
-    std::size_t values = 1;
-    for (const Field& field : fields) {
-      values *= field.examples.size();
-      if (values <= most_values) continue;
+    const AtomTable table = table_of(views_[atom], views_, system_, most_values);
+    if (!table.values) {
       throw UsageError(
           fmt::format("SPIN takes no formula that compares so many values: more than "
                       "{} ({})",
                       most_values, system_.file));
     }
-    GlobalState state = initial_state(system_);
-    return decide(atom, fields, 0, state);
+    std::vector<std::pair<std::string, std::size_t>> fields;
+    for (std::size_t i = 0; i < table.classes.size(); ++i) {
+      const AtomField& field = views_[atom].fields()[i];
+      fields.emplace_back(field.is_model ? variable(field.index) : view_variable(field.index),
+                          table.classes[i].examples.size());
+    }
+    auto value = table.values->begin();
+    return decide(fields, value);
   }
 
-  // Where the atom is true, by the values of fields from `next` on.
-  std::string decide(const Atom& atom, const std::vector<Field>& fields, std::size_t next,
-                     GlobalState& state) const {
-    if (next == fields.size()) return is_true(atom, system_, state, nullptr) ? "true" : "false";
-    const Field& field = fields[next];
+  // Where an atom is true, by its fields, which are variables and how many values each has. Its
+  // values are read from `next` on.
+  static std::string decide(std::span<const std::pair<std::string, std::size_t>> fields,
+                            std::vector<bool>::const_iterator& next) {
+    if (fields.empty()) return *next++ ? "true" : "false";
+    const auto& [variable, size] = fields.front();
     std::map<std::string, std::vector<std::uint32_t>> values;  // by what is left to ask
-    for (std::uint32_t value = 0; value < field.examples.size(); ++value) {
-      (field.is_model ? state.models : state.programs)[field.index] = field.examples[value];
-      values[decide(atom, fields, next + 1, state)].push_back(value);
+    for (std::uint32_t value = 0; value < size; ++value) {
+      values[decide(fields.subspan(1), next)].push_back(value);
     }
     std::vector<std::string> parts;
     for (const auto& [rest, of_rest] : values) {
       if (rest == "false") continue;
-      const std::string here =
-          *membership(field.variable, of_rest, field.examples.size(), of_rest.size());
+      const std::string here = *membership(variable, of_rest, size, of_rest.size());
       if (here.empty()) return rest;
       parts.push_back(rest == "true" ? here : "(" + here + " && " + rest + ")");
     }
@@ -382,11 +315,10 @@ class StepWriter {
     if (has_events_) text_.line("short event;  /* of the step that reached this state; 0: none */");
     if (is_ltl() && has_cuts_)
       text_.line("bit cut;  /* the run left what was learned, or failed */");
-    for (std::uint32_t program = 0; program < views_.size(); ++program) {
-      if (views_[program].values.empty()) continue;
+    for (const auto& [program, classes] : seen_) {
       text_.line(fmt::format("{} {} = {};  /* what the formula sees of it */",
-                             type_for(views_[program].examples.size()), view_variable(program),
-                             views_[program].values.front()));
+                             type_for(classes.examples.size()), view_variable(program),
+                             classes.of_states.front()));
     }
   }
 
@@ -493,10 +425,11 @@ class StepWriter {
       effects.push_back(
           fmt::format("event = {}", event_code(rule.actor, events_of(system_, step))));
     }
-    const std::vector<std::uint32_t>& seen = views_[rule.actor].values;
-    if (!seen.empty() && seen[rule.source] != seen[edge.target]) {
-      effects.push_back(fmt::format("{} = {}", view_variable(rule.actor), seen[edge.target]));
-    }
+    const auto seen = seen_.find(rule.actor);
+    if (seen == seen_.end()) return;
+    const std::vector<std::uint32_t>& classes = seen->second.of_states;
+    if (classes[rule.source] == classes[edge.target]) return;
+    effects.push_back(fmt::format("{} = {}", view_variable(rule.actor), classes[edge.target]));
   }
 
   // A process that may stand for ever, for the steps that no program takes.
@@ -528,9 +461,10 @@ class StepWriter {
   bool has_errors_ = false, has_idle_steps_ = false, has_cuts_ = false, has_events_ = false;
   bool knows_deaths_ = false;  // the text has them as steps that nobody has to take
   bool has_tables_ = false;
-  std::vector<std::vector<Move>> moves_;                    // by relation, rank
-  std::vector<Atom> atoms_;                                 // of the formula
-  std::vector<View> views_;                                 // by program
+  std::vector<std::vector<Move>> moves_;        // by relation, rank
+  std::vector<Atom> atoms_;                     // of the formula
+  std::vector<AtomView> views_;                 // by atom
+  std::map<std::uint32_t, StateClasses> seen_;  // by program that atoms see: by what they see
   std::map<std::vector<bool>, std::uint32_t> event_codes_;  // by which atoms are true
 };
 
