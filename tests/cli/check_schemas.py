@@ -210,7 +210,7 @@ def main():
         pages = {path.stem.removeprefix("maide-") for path in Path("man").iterdir()} - {"maide"}
         if not pages or commands != pages or set(schemas) != pages | {"trace"}:
             problems.append(f"commands {sorted(pages)}, cases {sorted(commands)}, schemas {sorted(schemas)}")
-        for trace in ("trace.json", "lossy.json", "queued.json"):
+        for trace in ("trace.json", "lossy.json", "queued.json", "nobody-trace.json"):
             schemas["trace"].take(json.loads(Path(trace).read_text(encoding="utf-8")), trace)
         ends = {check_junit(path) for path in Path(".").glob("*.xml")}
         if not all(any(end[i] for end in ends) for i in range(4)):

@@ -82,6 +82,13 @@ programs:
     "log": "\n".join(json.dumps(trace) for trace in
                      ([["write", "quiet"], ["read", "message"]], [["read", "quiet"], ["read", "refused"]])),
     "wrong-log": json.dumps([["write", "quiet"], ["read", "lie"]]),
+    "wired.yaml": """
+models: {wire: {use: queue, with: {size: 1}}, box: {use: queue, with: {size: 1}}}
+programs:
+  planner: box.read -> message;
+  camera: wire.write;
+properties: {lost: "G !planner@end"}
+""",
     "untidy.yaml": "models: {via: {file: one.dot}}\nprograms: {p: via.x;}\n",
     # The wrapper of the reference port, which dies once, whatever it is asked.
     "dying.py": """
@@ -189,6 +196,14 @@ CASES = r"""
 0 view port.dot -o port.html
 0 view holds.yaml -o holds.html
 0 view trace.json -o trace.svg
+0 view holds.yaml --stage names
+0 view violated.yaml --stage models -o models.json
+0 view models.json --stage system -o system.json
+0 view system.json --stage tree
+1 check system.json
+! {bin}/maide view wired.yaml --stage system | {python} {tests}/cli/add_nobody.py >nobody.json
+1 check nobody.json --trace nobody-trace.json
+0 view nobody.json -o nobody.html
 2 view port.aut.gz
 0 reproduce table1 --system port
 0 reproduce interrupt --system port

@@ -50,8 +50,10 @@ std::optional<Graph> explore(const System& system) {
     const auto steps = enabled_steps(system, open.front());
     std::set<std::tuple<StepAction, std::vector<StateId>, ControlState>> distinct;
     for (const Step& step : steps) {
-      const ControlState target = step.actor == nobody ? 0 : edge_of(system, step).target;
-      distinct.emplace(action_of(system, step), step.targets, target);
+      const bool stays = step.is_cut || step.actor == nobody;  // the program
+      const ControlState target = stays ? 0 : edge_of(system, step).target;
+      distinct.emplace(action_of(system, step), step.is_cut ? std::vector<StateId>() : step.targets,
+                       target);
     }
     graph.all_steps += steps.size();
     graph.steps += distinct.size();

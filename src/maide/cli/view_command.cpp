@@ -1,5 +1,5 @@
-// `maide view MODEL|SYSTEM|TRACE`: pictures, as one page or one SVG file. What the source is, its
-// extension says.
+// `maide view MODEL|SYSTEM|TRACE`: pictures, as one page or one SVG file, and stages of reading a
+// system. What the source is, its extension says.
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -15,6 +15,7 @@
 
 #include "maide/base/file.hpp"
 #include "maide/base/log.hpp"
+#include "maide/check/build/stage_dump.hpp"
 #include "maide/check/build/system_file.hpp"
 #include "maide/cli/command.hpp"
 #include "maide/formats/model_file.hpp"
@@ -33,6 +34,7 @@ namespace fs = std::filesystem;
 struct ViewArguments {
   std::string source;
   std::string output;
+  std::string stage;
 };
 
 std::string extension_of(const std::string& path) { return fs::path(path).extension().string(); }
@@ -81,11 +83,13 @@ std::string view_model(const ViewArguments& arguments, bool is_svg, const RunCon
   return std::move(page).str();
 }
 
+ModelSource models_for(const ViewArguments& arguments, const RunControl& control) {
+  return make_learning_source({fs::path(arguments.source).parent_path(),
+                               [](const std::string& line) { log_note(line); }, control});
+}
+
 std::string view_system(const ViewArguments& arguments, bool is_svg, const RunControl& control) {
-  const ModelSource models =
-      make_learning_source({fs::path(arguments.source).parent_path(),
-                            [](const std::string& line) { log_note(line); }, control});
-  const System system = read_system(arguments.source, models, control);
+  const System system = read_system(arguments.source, models_for(arguments, control), control);
   if (is_svg) return drawn(connection_picture(system), arguments.source, control);
   std::ostringstream page;
   write_system_page(page, system, system.sources.at(system.file),
@@ -105,7 +109,25 @@ std::string view_trace(const ViewArguments& arguments, bool is_svg, const RunCon
   return std::move(page).str();
 }
 
+ExitStatus view_stage(const ViewArguments& arguments, Context& context) {
+  const std::string text =
+      dump_stage(*find_stage(arguments.stage), read_file(arguments.source, context.control()),
+                 arguments.source, models_for(arguments, context.control()), context.control());
+  Json result{{"source", arguments.source}, {"kind", "stage"}, {"stage", arguments.stage}};
+  if (arguments.output.empty()) {
+    context.print(text);
+    result["text"] = text;
+  } else {
+    write_file_atomically(arguments.output, text);
+    context.print(arguments.output + "\n");
+    result["output"] = arguments.output;
+  }
+  context.set_result(std::move(result));
+  return ExitStatus::ok;
+}
+
 ExitStatus run_view(const ViewArguments& arguments, Context& context) {
+  if (!arguments.stage.empty()) return view_stage(arguments, context);
   const std::string source = extension_of(arguments.source);
   const bool is_svg = extension_of(arguments.output) == ".svg";
   if (!arguments.output.empty() && !is_svg && extension_of(arguments.output) != ".html") {
@@ -115,6 +137,9 @@ ExitStatus run_view(const ViewArguments& arguments, Context& context) {
   std::string text;
   const char* kind = "model";
   if (source == ".yaml" || source == ".yml") {
+    kind = "system";
+    text = view_system(arguments, is_svg, context.control());
+  } else if (source == ".json" && is_stage_dump(read_file(arguments.source, context.control()))) {
     kind = "system";
     text = view_system(arguments, is_svg, context.control());
   } else if (source == ".json") {
@@ -147,6 +172,14 @@ RunFunction set_up_view(CommandLine& line) {
            "A model (.dot, .gv, .aut), a system (.yaml), or a trace (.json). `maide check --trace` "
            "writes one")
       .required();
+  line.add(
+          "--stage", arguments->stage,
+          "Of a system: in place of pictures, what this stage of reading made of it. `tree` is the "
+          "file in one style, `names` what its names are, `models` the automata, too, `system` "
+          "what "
+          "is searched. `check` and all that read a system take the result in its place")
+      .one_of({"tree", "names", "models", "system"})
+      .value_name("STAGE");
   line.add("-o,--output", arguments->output,
            "The page (.html), or one picture (.svg). The picture is of the model, the system's "
            "connections, or the trace. Default: a page in a temporary folder, whose path is "

@@ -2,11 +2,13 @@
 
 #include "maide/base/file.hpp"
 #include "maide/check/build/build_system.hpp"
+#include "maide/check/build/stage_dump.hpp"
 
 namespace maide {
 
 System parse_system(std::string_view text, const std::string& file, const ModelSource& source,
                     const RunControl& control) {
+  if (is_stage_dump(text)) return parse_stage_dump(text, file, source, control);
   const Declarations declared = declare(read_tree(text, file));
   return build_system(declared, find_models(declared, source), {}, control);
 }

@@ -14,7 +14,8 @@
 //
 // The way from text to system: read_tree() checks keys and parses all texts, declare() resolves the
 // file's own names, find_models() asks for models, build_system() unrolls programs. A slip in the
-// file is told before anybody is asked for a model.
+// file is told before anybody is asked for a model. What a stage hands on can be written out, and
+// stand where a file may stand (stage_dump.hpp).
 #pragma once
 
 #include <filesystem>

@@ -40,6 +40,7 @@ class WordTable {
   Value intern(const std::string& word);
   std::optional<Value> find(const std::string& word) const;
   const std::string& name(Value word) const { return words_[static_cast<std::size_t>(word)]; }
+  const std::vector<std::string>& names() const { return words_; }  // by number
 
  private:
   std::vector<std::string> words_;

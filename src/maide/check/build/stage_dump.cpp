@@ -1,0 +1,310 @@
+#include "maide/check/build/stage_dump.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <nlohmann/json.hpp>
+#include <utility>
+#include <vector>
+
+#include "maide/base/error.hpp"
+#include "maide/base/hash.hpp"
+#include "maide/base/json.hpp"
+#include "maide/base/text.hpp"
+#include "maide/base/version.hpp"
+#include "maide/check/build/build_system.hpp"
+#include "maide/check/build/declarations.hpp"
+#include "maide/check/build/models.hpp"
+#include "maide/check/build/system_file.hpp"
+#include "maide/check/system/system_json.hpp"
+#include "maide/check/tree/print.hpp"
+
+namespace maide {
+namespace {
+
+constexpr std::array<std::string_view, 4> stage_names{"tree", "names", "models", "system"};
+constexpr const char* stage_key = "maide_stage";
+
+// ---- Names --------------------------------------------------------------------------------------
+
+std::string place_of(const SourcePosition& position) {
+  return fmt::format("{}:{}", position.line, position.column);
+}
+
+std::vector<std::string> names_of(const std::vector<End>& ends, const Declarations& file) {
+  std::vector<std::string> names;
+  for (const End& end : ends) {
+    names.push_back(end.node.empty() ? file.programs[end.program].name : end.node);
+  }
+  return names;
+}
+
+// "size=6", in order.
+std::vector<std::string> options_of(
+    const std::vector<std::pair<std::string, std::string>>& options) {
+  std::vector<std::string> texts;
+  for (const auto& [name, value] : options) texts.push_back(name + "=" + value);
+  return texts;
+}
+
+Json json_of(const ModelRequest& request) {
+  Json known{{"model", request.instance}};
+  if (request.learn.empty()) known["file"] = request.file.string();
+  if (!request.learn.empty()) known["learn"] = request.learn;
+  if (!request.with.empty()) known["with"] = options_of(request.with);
+  if (!request.learning.empty()) known["learning"] = options_of(request.learning);
+  if (!request.values.empty()) known["values"] = request.values;
+  return known;
+}
+
+// Where the model's automaton comes from: a built-in one is its name and options.
+Json origin_of(const Declarations& file, std::size_t number) {
+  const ModelOrigin& origin = file.origins[number];
+  switch (origin.kind) {
+    case ModelOrigin::Kind::asked: return json_of(origin.request);
+    case ModelOrigin::Kind::copied: return {{"copy_of", file.models[origin.first].name}};
+    case ModelOrigin::Kind::mutex: return {{"use", "mutex"}};
+    case ModelOrigin::Kind::semaphore: return {{"use", "semaphore"}, {"count", origin.count}};
+    case ModelOrigin::Kind::queue:
+      if (origin.size.is_unknown) return {{"use", "queue"}, {"depth", "unknown"}};
+      return {{"use", "queue"}, {origin.size.drops_oldest ? "depth" : "size", origin.size.size}};
+    case ModelOrigin::Kind::made: break;
+  }
+  const auto shape = file.shapes.find(static_cast<std::uint32_t>(number));
+  if (shape == file.shapes.end()) return {{"use", "executor"}};
+  Json depth = shape->second.depth;
+  if (shape->second.is_depth_unknown) depth = "unknown";
+  return {{"use", "service"}, {"depth", depth}, {"clients", shape->second.names}};
+}
+
+Json programs_of(const Declarations& file) {
+  Json programs = Json::array();
+  for (const ProgramDeclaration& program : file.programs) {
+    Json added{{"name", program.name}, {"place", place_of(program.position)}};
+    if (program.may_die) added["may_die"] = true;
+    if (program.thread) {
+      added["runs"] = program.execution;
+      for (const program_syntax::Callback& callback : program.thread->callbacks) {
+        added["callbacks"].push_back(callback.whole_name());
+      }
+    }
+    programs.push_back(std::move(added));
+  }
+  return programs;
+}
+
+Json models_of(const Declarations& file) {
+  Json models = Json::array();
+  for (std::size_t number = 0; number < file.models.size(); ++number) {
+    const ModelInstance& model = file.models[number];
+    models.push_back({{"name", model.name},
+                      {"place", place_of(model.position)},
+                      {"from", origin_of(file, number)}});
+  }
+  return models;
+}
+
+Json topics_of(const Declarations& file) {
+  Json topics = Json::array();
+  for (const Topic& topic : file.names.topics) {
+    Json added{
+        {"name", topic.name}, {"place", place_of(topic.position)}, {"writers", topic.writer_names}};
+    for (const Topic::Reader& reader : topic.readers) {
+      added["readers"].push_back(reader.callback.empty() ? file.programs[reader.program].name
+                                                         : reader.callback);
+    }
+    topics.push_back(std::move(added));
+  }
+  return topics;
+}
+
+Json services_of(const Declarations& file) {
+  Json services = Json::array();
+  for (const auto& [model, service] : file.names.services) {
+    services.push_back({{"name", service.name},
+                        {"server", names_of({service.server}, file)[0]},
+                        {"clients", names_of(service.clients, file)}});
+  }
+  return services;
+}
+
+Json variables_of(const Declarations& file) {
+  Json variables = Json::array();
+  for (const auto& [name, variable] : file.names.variables) {
+    variables.push_back({{"name", name},
+                         {"members", member_count(variable.leaf.dimensions)},
+                         {"place", place_of(variable.position)},
+                         {"type", to_string(variable.type, file.words)},
+                         {"initial", to_string(variable.initial, variable.type.kind, file.words)}});
+  }
+  return variables;
+}
+
+Json names_of(const Declarations& file) {
+  Json constants = Json::object(), procedures = Json::object();
+  for (const auto& [name, value] : file.names.constants) {
+    constants[name] = to_string(value, file.words);
+  }
+  for (const auto& [name, procedure] : file.names.procedures) {
+    procedures[name] = {{"place", place_of(procedure.position)},
+                        {"parameters", procedure.parameters}};
+  }
+  return {{"constants", constants},        {"programs", programs_of(file)},
+          {"models", models_of(file)},     {"topics", topics_of(file)},
+          {"services", services_of(file)}, {"variables", variables_of(file)},
+          {"procedures", procedures}};
+}
+
+// Members and elements a line each, those of the third level and deeper in one.
+void write(std::string& out, const Json& value, std::size_t level) {
+  if (level > 3 || !value.is_structured() || value.empty()) {
+    out += value.dump(-1, ' ', false, Json::error_handler_t::replace);
+    return;
+  }
+  out += value.is_object() ? '{' : '[';
+  for (auto member = value.begin(); member != value.end(); ++member) {
+    out += (member == value.begin() ? "\n" : ",\n") + std::string(level, ' ');
+    if (value.is_object()) out += Json(member.key()).dump() + ": ";
+    write(out, *member, level + 1);
+  }
+  out += '\n' + std::string(level - 1, ' ') + (value.is_object() ? '}' : ']');
+}
+
+// ---- Reading ------------------------------------------------------------------------------------
+
+// A dump of names, models or a system, and what it says.
+class StageDump {
+ public:
+  StageDump(std::string_view text, const std::string& file) : file_(file) {
+    try {
+      content_ = parse_json(text, file);
+      stage_ = find_stage(content_.at(stage_key).get<std::string>());
+      const std::string sum = content_.at("sum").get<std::string>();
+      const std::string version_of = content_.at("version").get<std::string>();
+      if (version_of != version()) {
+        fail(fmt::format("the dump is of maide {}, and this is {}: make it anew", version_of,
+                         version()));
+      }
+      content_.erase("sum");
+      if (!stage_ || sum != sum_of(content_)) fail("the dump was changed: make it anew");
+    } catch (const nlohmann::json::exception& error) {
+      fail(fmt::format("no dump of a stage ({})", error.what()));
+    }
+  }
+
+  Stage stage() const { return *stage_; }
+  std::string text() const {
+    return fmt::format("{}", fmt::join(content_.at("text").get<std::vector<std::string>>(), "\n"));
+  }
+  std::string file() const { return content_.at("file").get<std::string>(); }
+
+  System system() const { return system_of(content_.at("system")); }
+  // Answers each request as the dump has it.
+  ModelSource source() const {
+    return [this](const ModelRequest& request) {
+      for (const Json& answer : content_.at("answers")) {
+        if (answer.at("request") == json_of(request)) return automaton_of(answer.at("automaton"));
+      }
+      throw ParseError(
+          fmt::format("the dump {} has no model '{}' as it is asked for", file_, request.instance),
+          request.position);
+    };
+  }
+  void check_names(const Declarations& declared) const {
+    if (content_.at("names") != names_of(declared)) {
+      fail("the names of the dump are not those of its file: make it anew");
+    }
+  }
+
+  static std::string sum_of(const Json& content) {
+    return fmt::format("{:016x}",
+                       hash_text(content.dump(-1, ' ', false, Json::error_handler_t::replace)));
+  }
+
+ private:
+  [[noreturn]] void fail(const std::string& message) const {
+    throw ParseError(message, {file_, 0, 0});
+  }
+
+  std::string file_;
+  Json content_;
+  std::optional<Stage> stage_;
+};
+
+// A file, or what an earlier stage made of it.
+struct Source {
+  std::string text, file;
+  std::optional<StageDump> dump;
+
+  Source(std::string_view given, const std::string& name) : text(given), file(name) {
+    if (!is_stage_dump(given)) return;
+    dump.emplace(given, name);
+    text = dump->text();
+    file = dump->file();
+  }
+
+  Declarations declare() const {
+    Declarations declared = maide::declare(read_tree(text, file));
+    if (dump) dump->check_names(declared);
+    return declared;
+  }
+  ModelSource models(const ModelSource& others) const {
+    return dump && dump->stage() == Stage::models ? dump->source() : others;
+  }
+};
+
+}  // namespace
+
+std::optional<Stage> find_stage(std::string_view name) {
+  for (std::size_t stage = 0; stage < stage_names.size(); ++stage) {
+    if (stage_names[stage] == name) return static_cast<Stage>(stage);
+  }
+  return std::nullopt;
+}
+
+std::string dump_stage(Stage stage, std::string_view text, const std::string& file,
+                       const ModelSource& source, const RunControl& control) {
+  const Source from(text, file);
+  if (from.dump && from.dump->stage() == stage) return std::string(text);
+  if (stage == Stage::tree) return format_system(from.text, from.file);
+  Json content{{stage_key, stage_names[static_cast<std::size_t>(stage)]},
+               {"version", version()},
+               {"file", from.file}};
+  const Declarations declared = from.declare();
+  content["names"] = names_of(declared);
+  if (stage != Stage::names) {
+    const ModelSource asked = from.models(source);
+    Json answers = Json::array();
+    Models models = find_models(declared, [&](const ModelRequest& request) {
+      InterfaceAutomaton automaton = asked(request);
+      answers.push_back({{"request", json_of(request)}, {"automaton", json_of(automaton)}});
+      return automaton;
+    });
+    if (stage == Stage::models) content["answers"] = std::move(answers);
+    if (stage == Stage::system) {
+      content["system"] = json_of(build_system(declared, std::move(models), {}, control));
+    }
+  }
+  content["text"] = split(from.text, '\n');
+  content["sum"] = StageDump::sum_of(content);
+  std::string written;
+  write(written, content, 1);
+  return written + "\n";
+}
+
+bool is_stage_dump(std::string_view text) {
+  if (!text.starts_with('{')) return false;
+  const std::size_t key = text.find('"');
+  return text.find_first_not_of(" \t\r\n", 1) == key &&
+         text.substr(key + 1).starts_with(std::string(stage_key) + '"');
+}
+
+System parse_stage_dump(std::string_view text, const std::string& file, const ModelSource& source,
+                        const RunControl& control) {
+  const Source from(text, file);
+  if (from.dump->stage() == Stage::system) return from.dump->system();
+  const Declarations declared = from.declare();
+  return build_system(declared, find_models(declared, from.models(source)), {}, control);
+}
+
+}  // namespace maide

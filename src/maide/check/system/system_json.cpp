@@ -1,0 +1,189 @@
+#include "maide/check/system/system_json.hpp"
+
+#include <cstdint>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "maide/check/ltl/ltl_automaton.hpp"
+
+namespace nlohmann {
+
+template <typename Value>
+struct adl_serializer<std::optional<Value>> {
+  static void to_json(json& to, const std::optional<Value>& from) {
+    if (from) {
+      to = *from;
+    } else {
+      to = nullptr;
+    }
+  }
+  static void from_json(const json& from, std::optional<Value>& to) {
+    to = from.is_null() ? std::nullopt : std::optional<Value>(from.get<Value>());
+  }
+};
+
+template <typename Value>
+struct adl_serializer<std::shared_ptr<const Value>> {
+  static void to_json(json& to, const std::shared_ptr<const Value>& from) {
+    if (from) {
+      to = *from;
+    } else {
+      to = nullptr;
+    }
+  }
+  static void from_json(const json& from, std::shared_ptr<const Value>& to) {
+    to = from.is_null() ? nullptr : std::make_shared<const Value>(from.get<Value>());
+  }
+};
+
+}  // namespace nlohmann
+
+namespace maide {
+
+using nlohmann::json;
+
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(SourcePosition, file, line, column)
+
+// ---- Automata -----------------------------------------------------------------------------------
+
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Actor, name, inputs, outputs)
+
+static void to_json(json& to, const InterfaceAutomaton& automaton) {
+  to = {{"inputs", automaton.inputs().names()}, {"outputs", automaton.outputs().names()},
+        {"initial", automaton.initial()},       {"origin", automaton.origin},
+        {"actors", automaton.actors},           {"hidden_returns", automaton.hidden_returns}};
+  json& states = to["states"] = json::array();
+  for (StateId state = 0; state < automaton.size(); ++state) {
+    json transitions = json::array();
+    for (const InterfaceAutomaton::Transition& known : automaton.transitions(state)) {
+      transitions.push_back({known.action.kind, known.action.symbol, known.target, known.absorbed});
+    }
+    const auto unexplored = automaton.unexplored(state);
+    states.push_back({transitions, std::vector<Symbol>(unexplored.begin(), unexplored.end())});
+  }
+}
+
+static void from_json(const json& from, InterfaceAutomaton& automaton) {
+  const json& states = from.at("states");
+  automaton = InterfaceAutomaton(Alphabet(from.at("inputs").get<std::vector<std::string>>()),
+                                 Alphabet(from.at("outputs").get<std::vector<std::string>>()),
+                                 states.size());
+  automaton.set_initial(from.at("initial").get<StateId>());
+  from.at("origin").get_to(automaton.origin);
+  from.at("actors").get_to(automaton.actors);
+  from.at("hidden_returns").get_to(automaton.hidden_returns);
+  for (StateId state = 0; state < states.size(); ++state) {
+    for (const json& known : states[state].at(0)) {
+      automaton.add_transition(state, {known.at(0).get<Action::Kind>(), known.at(1).get<Symbol>()},
+                               known.at(2).get<StateId>(), known.at(3).get<bool>());
+    }
+    for (const json& input : states[state].at(1)) {
+      automaton.mark_unexplored(state, input.get<Symbol>());
+    }
+  }
+}
+
+// ---- Values and expressions ---------------------------------------------------------------------
+
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ValueType, kind, low, high, words)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Expression::Dimension, low, high)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Expression, op, kind, value, owner, index, dimensions, operands,
+                                   name, line, column)
+
+static void to_json(json& to, const WordTable& words) { to = words.names(); }
+static void from_json(const json& from, WordTable& words) {
+  words = WordTable();
+  for (const json& word : from) words.intern(word.get<std::string>());
+}
+
+// ---- Programs -----------------------------------------------------------------------------------
+
+static void to_json(json& to, const ModelUse& use) { to = {use.kind, use.model, use.symbol}; }
+static void from_json(const json& from, ModelUse& use) {
+  use = {from.at(0).get<ModelUse::Kind>(), from.at(1).get<std::uint32_t>(),
+         from.at(2).get<Symbol>()};
+}
+
+static void to_json(json& to, const ModelStep& step) { to = {step.target, step.is_beyond}; }
+static void from_json(const json& from, ModelStep& step) {
+  step = {from.at(0).get<StateId>(), from.at(1).get<bool>()};
+}
+
+static void to_json(json& to, const ProgramEdge& edge) {
+  to = {edge.kind, edge.model, edge.symbol, edge.target, edge.line, edge.column, edge.origin};
+}
+static void from_json(const json& from, ProgramEdge& edge) {
+  from_json(from, static_cast<ModelUse&>(edge));
+  edge.target = from.at(3).get<ControlState>();
+  edge.line = from.at(4).get<int>();
+  edge.column = from.at(5).get<int>();
+  edge.origin = from.at(6).get<std::uint32_t>();
+}
+
+static void to_json(json& to, const Program::State& state) {
+  to = {state.first_edge, state.edge_count, state.label_set, state.round,
+        state.valuation,  state.error,      state.may_rest,  state.waits};
+}
+static void from_json(const json& from, Program::State& state) {
+  const auto number = [&](std::size_t place) { return from.at(place).get<std::uint32_t>(); };
+  state = {number(0),
+           number(1),
+           number(2),
+           number(3),
+           number(4),
+           number(5),
+           from.at(6).get<bool>(),
+           from.at(7).get<bool>()};
+}
+
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(CombinedStep, role, uses, events, text, fair, callback)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ActorFlags, counts_for_deadlock, is_fair, may_rest, is_shown)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(FairGroup, on_weak_runs, text)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ProgramVariable, name, type, position)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ProgramError, text, position)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Program::Round, outer, line, column, number, count)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Program::CallbackLines, name, first, last)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Program, name, flags, nodes, execution, callbacks, position,
+                                   last_line, states, edges, labels, label_sets, rounds,
+                                   unreachable, combined, fair_groups, variables, valuations,
+                                   errors, origins, names)
+
+// ---- Properties ---------------------------------------------------------------------------------
+
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Atom, kind, owner, symbol, program)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(FormulaNode, op, atom, left, right)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Letter, positive, negative)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(LtlAutomaton::Transition, letter, target, marks)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(LtlAutomaton, atoms, mark_count, states, initial, universal)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Property, name, kind, formula, never, fairness, position)
+
+// ---- The system ---------------------------------------------------------------------------------
+
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ModelAction, name, steps, is_call)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ModelInstance, name, automaton, actions, source, type, is_grown,
+                                   state_texts, when_unexplored, when_weak, origin, as_read,
+                                   is_learned, position)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(NobodysAction, what, counts_for_deadlock, is_shown, lost,
+                                   position, origin)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(TopicInstance::Reader, program, model, callback, collected)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(TopicInstance, name, writer_names, writers, readers,
+                                   delivers_one)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ServiceInstance, name, server, clients, model)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ExecutorInstance, name, threads, goes_by_rounds)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(CallbackInstance, kind, node, name, executor, group,
+                                   is_reentrant, model)
+
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(System, file, models, topics, services, executors, callbacks,
+                                   programs, nobodys_actions, nobodys_groups, properties, remarks,
+                                   expressions, words, sources)
+
+json json_of(const System& system) { return system; }
+json json_of(const InterfaceAutomaton& automaton) { return automaton; }
+System system_of(const json& from) { return from.get<System>(); }
+InterfaceAutomaton automaton_of(const json& from) { return from.get<InterfaceAutomaton>(); }
+
+}  // namespace maide

@@ -1,0 +1,136 @@
+// Dumps of the stages of reading: what is read from one leads on as the file does.
+#include "maide/check/build/stage_dump.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <regex>
+#include <string>
+#include <vector>
+
+#include "maide/base/error.hpp"
+#include "maide/base/file.hpp"
+#include "maide/check/build/system_file.hpp"
+#include "maide/check/system/system_json.hpp"
+#include "maide/formats/model_file.hpp"
+
+namespace maide {
+namespace {
+
+using testing::HasSubstr;
+
+// A model that was never learned stands for one that is.
+InterfaceAutomaton find_model(const ModelRequest& request) {
+  if (request.learn.empty()) return read_requested_model(request);
+  return std::get<InterfaceAutomaton>(read_model(MAIDE_SOURCE_DIR "/examples/models/strict-6.dot"));
+}
+InterfaceAutomaton ask_nobody(const ModelRequest& request) {
+  ADD_FAILURE() << "asked for " << request.instance;
+  return find_model(request);
+}
+
+std::string json_text(const System& system) { return json_of(system).dump(); }
+
+std::vector<std::string> examples() {
+  std::vector<std::string> files;
+  for (const auto& entry :
+       std::filesystem::recursive_directory_iterator(MAIDE_SOURCE_DIR "/examples")) {
+    if (entry.path().extension() == ".yaml") files.push_back(entry.path().string());
+  }
+  return files;
+}
+
+TEST(StageDump, OfEachStageOfEachExampleLeadsToTheSameSystem) {
+  int compared = 0;
+  for (const std::string& file : examples()) {
+    SCOPED_TRACE(file);
+    const std::string text = read_file(file);
+    System system;
+    try {
+      system = parse_system(text, file, find_model);
+    } catch (const ParseError&) {
+      continue;  // the model that stands for a learned one has other inputs
+    }
+    std::size_t states = 0;
+    for (const Program& program : system.programs) states += program.states.size();
+    if (states > 300) continue;
+    const std::string names = dump_stage(Stage::names, text, file, ask_nobody);
+    const std::string models = dump_stage(Stage::models, names, "names", find_model);
+    const std::string whole = dump_stage(Stage::system, models, "models", ask_nobody);
+    EXPECT_EQ(whole, dump_stage(Stage::system, text, file, find_model));
+    EXPECT_EQ(models, dump_stage(Stage::models, models, "models", ask_nobody));
+    EXPECT_EQ(whole, dump_stage(Stage::system, whole, "whole", ask_nobody));
+    const std::string expected = json_text(system);
+    EXPECT_EQ(expected, json_text(parse_system(names, "names", find_model)));
+    EXPECT_EQ(expected, json_text(parse_system(models, "models", ask_nobody)));
+    EXPECT_EQ(expected, json_text(parse_system(whole, "whole", ask_nobody)));
+    const std::string tree = dump_stage(Stage::tree, names, "names", ask_nobody);
+    EXPECT_EQ(tree, dump_stage(Stage::tree, text, file, ask_nobody));
+    if (tree == text) EXPECT_EQ(expected, json_text(parse_system(tree, file, find_model)));
+    ++compared;
+  }
+  EXPECT_GT(compared, 50);
+}
+
+constexpr const char* small =
+    "constants: {n: 2}\n"
+    "models: {q: {use: queue, with: {size: n}}, via: {learn: port}, \"m[i in 0..1]\": {use: "
+    "mutex}}\n"
+    "variables: \"var v[i in 0..2]: 0..3;\"\n"
+    "procedures: {\"both(x)\": \"v[0] = x; v[1] = x;\"}\n"
+    "programs: {p: via.write; call both(1);, \"r[i in 0..1]\": \"m[i].lock; q.write; "
+    "m[i].unlock;\"}\n"
+    "properties: {done: F p@end}\n";
+
+TEST(StageDump, NamesAreToldWithoutAnyModel) {
+  const auto dump =
+      nlohmann::json::parse(dump_stage(Stage::names, small, "small.yaml", ask_nobody));
+  const auto& names = dump.at("names");
+  EXPECT_EQ(names.at("constants").dump(), R"({"n":"2"})");
+  EXPECT_EQ(names.at("procedures").at("both").at("parameters").dump(), R"(["x"])");
+  EXPECT_EQ(names.at("variables").at(0).at("members"), 3);
+  EXPECT_EQ(names.at("variables").at(0).at("type"), "0..3");
+  EXPECT_EQ(names.at("models").size(), 4U);
+  EXPECT_EQ(names.at("models").at(0).at("from").dump(), R"({"size":2,"use":"queue"})");
+  EXPECT_EQ(names.at("models").at(1).at("from").at("learn"), "port");
+  EXPECT_EQ(names.at("models").at(3).at("name"), "m[1]");
+  EXPECT_EQ(names.at("programs").at(2).at("name"), "r[1]");
+}
+
+std::string error_of(const std::string& text) {
+  try {
+    parse_system(text, "dump.json", find_model);
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(StageDump, AChangedOneIsRefused) {
+  for (const Stage stage : {Stage::names, Stage::models, Stage::system}) {
+    const std::string dump = dump_stage(stage, small, "small.yaml", find_model);
+    EXPECT_EQ(error_of(dump), "");
+    EXPECT_THAT(error_of(std::regex_replace(dump, std::regex("done"), "gone")),
+                HasSubstr("the dump was changed"));
+    EXPECT_THAT(error_of(std::regex_replace(dump, std::regex("\"version\": \"[^\"]*\""),
+                                            "\"version\": \"0.0.1\"")),
+                HasSubstr("the dump is of maide 0.0.1"));
+    EXPECT_THAT(error_of(dump.substr(0, dump.size() / 2)), HasSubstr("not valid JSON"));
+  }
+  EXPECT_THAT(error_of(R"({"maide_stage": 3})"), HasSubstr("no dump of a stage"));
+  EXPECT_THAT(error_of(R"({"maide_stage": "packed", "sum": "", "version": ""})"),
+              HasSubstr("the dump is of maide "));
+  EXPECT_THAT(error_of("{}"), HasSubstr("programs"));
+}
+
+TEST(StageDump, OfALaterStageHasTheFile) {
+  const std::string dump = dump_stage(Stage::system, small, "small.yaml", find_model);
+  EXPECT_EQ(dump_stage(Stage::names, dump, "dump.json", ask_nobody),
+            dump_stage(Stage::names, small, "small.yaml", ask_nobody));
+  EXPECT_FALSE(find_stage("packed"));
+}
+
+}  // namespace
+}  // namespace maide
