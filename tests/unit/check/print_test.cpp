@@ -5,6 +5,8 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <functional>
+#include <string>
 
 #include "maide/base/file.hpp"
 #include "systems.hpp"
@@ -113,6 +115,44 @@ TEST(Layout, WhatIsNotKnownStaysAsItStands) {
   EXPECT_THAT(laid_out(lists), testing::HasSubstr("    -   a\n    - b\n"));
   const std::string anchor = "models:\n   a: &x {use: mutex}\n   b:   *x\nprograms: {p: a.lock;}\n";
   EXPECT_THAT(laid_out(anchor), testing::HasSubstr("  a: &x {use: mutex}\n"));
+}
+
+// What stands in no form of this style, and is changed, is written in it; what is not, as it was.
+TEST(Layout, ChangesAreWrittenWhereverTheyAreMade) {
+  const auto printed = [](const std::string& text, const std::function<void(YamlNode&)>& change) {
+    YamlDocument document = read_yaml(text, "x.yaml", "a system file");
+    change(document.root);
+    const std::string after = print_system(document);
+    EXPECT_TRUE(is_same_value(read_yaml(after, "x.yaml", "a system file").root, document.root))
+        << after;
+    return after;
+  };
+  const auto set_size = [](YamlNode& root) {
+    root.at("models").at("a").at("with").set("size", YamlNode("3"));
+  };
+  const std::string dashed =
+      "models:\n  a:\n    with: {size: 2}\n    readers:\n      - p\n      - q\n"
+      "  b:\n    readers:\n      - p  # first\n      - q\n";
+  EXPECT_EQ(printed(dashed, [](YamlNode&) {}), dashed);
+  EXPECT_EQ(printed(dashed, set_size),
+            "models:\n  a:\n    with: {size: 3}\n    readers:\n      - p\n      - q\n"
+            "  b:\n    readers:\n      - p  # first\n      - q\n");
+  EXPECT_EQ(
+      printed(dashed,
+              [](YamlNode& root) { root.at("models").at("a").at("readers").entries.pop_back(); }),
+      "models:\n  a:\n    with: {size: 2}\n    readers: [p]\n"
+      "  b:\n    readers:\n      - p  # first\n      - q\n");
+  // An anchor is written out wherever it stands.
+  EXPECT_EQ(printed("models:\n  a: {use: queue, with: &w {size: 2, \"x\": \"y\"}}\n"
+                    "  b: {use: queue, with: *w}\n",
+                    set_size),
+            "models:\n  a: {use: queue, with: {size: 3, \"x\": \"y\"}}\n"
+            "  b: {use: queue, with: {size: 2, \"x\": \"y\"}}\n");
+  EXPECT_EQ(printed("{models: {a: {with: {size: 2}}}}\n", set_size),
+            "models: {a: {with: {size: 3}}}\n");
+  EXPECT_EQ(printed("models:\n  a: {with: {size: 2, # two\n    depth: 4}}\n",
+                    [](YamlNode& root) { root.at("models").at("a").at("with").remove("depth"); }),
+            "models:\n  a: {with: {size: 2}}\n");
 }
 
 TEST(Layout, ErrorsNameThePlace) {

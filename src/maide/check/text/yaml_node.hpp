@@ -70,8 +70,8 @@ struct YamlNode {
 
 struct YamlEntry {
   YamlNode key, value;
-  std::vector<std::string> before;  // comments on lines of their own; "" is a blank line
-  std::string comment;              // at the end of the line where the key stands or the value ends
+  std::vector<std::string> before{};  // comments on lines of their own; "" is a blank line
+  std::string comment{};  // at the end of the line where the key stands or the value ends
   // Comments stand where none has a place in this tree: between a key and its text, in braces. The
   // entry is written as it stands.
   bool is_kept = false;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <optional>
+#include <set>
 #include <stdexcept>
 #include <string_view>
 #include <utility>
@@ -62,6 +63,11 @@ class Place {
 
 bool is_made(const YamlNode& node) { return node.begin == YamlNode::nowhere; }
 
+// Its text stands in the file, and nothing else with it.
+bool has_own_text(const YamlNode& node) {
+  return !is_made(node) && node.tag.empty() && node.anchor.empty() && node.alias.empty();
+}
+
 bool is_blank_line(std::string_view line) {
   return line.find_first_not_of(" \t\r") == std::string_view::npos;
 }
@@ -107,11 +113,17 @@ std::string in_quotes(const std::string& text) {
 
 class SystemPrinter {
  public:
-  explicit SystemPrinter(const YamlDocument& document) : document_(document) {}
+  explicit SystemPrinter(const YamlDocument& document) : document_(document) {
+    if (document.text.empty()) return;
+    before_ = read_yaml(document.text, document.file, "a system file");
+    is_changed_ = !is_same_value(before_.root, document.root);
+    if (is_changed_) find_unchanged(document.root, before_.root);
+  }
 
   std::string print() {
-    if (document_.is_kept || !document_.root.is_map() ||
-        document_.root.style != YamlNode::Style::block) {
+    if (is_changed_ ? !document_.root.is_map()
+                    : document_.is_kept || !document_.root.is_map() ||
+                          document_.root.style != YamlNode::Style::block) {
       return document_.text;
     }
     print_block(document_.root, Place(), 0);
@@ -139,7 +151,7 @@ class SystemPrinter {
   // The node's text, with the quotes that it has or needs.
   std::string scalar(const YamlNode& node) const {
     if (node.is_null() && node.value.empty()) return "";
-    if (is_made(node)) {
+    if (!has_own_text(node)) {
       return node.style == YamlNode::Style::plain && is_plain(node.value) ? node.value
                                                                           : in_quotes(node.value);
     }
@@ -147,7 +159,7 @@ class SystemPrinter {
   }
 
   ScalarText text_of(const YamlNode& node) const {
-    if (is_made(node)) return ScalarText(node.value, node.value, {document_.file, 1, 1});
+    if (!has_own_text(node)) return ScalarText(node.value, node.value, {document_.file, 1, 1});
     return ScalarText(node.value, document_.text, document_.position(node));
   }
 
@@ -170,10 +182,28 @@ class SystemPrinter {
 
   // ---- What is written as it stands -------------------------------------------------------------
 
+  // Notes the entries whose values are those of the text. Keys of a map differ.
+  void find_unchanged(const YamlNode& map, const YamlNode& before) {
+    for (const YamlEntry& entry : map.entries) {
+      const YamlNode* const old = before.find(entry.key.value);
+      if (old == nullptr) continue;
+      if (is_same_value(entry.value, *old)) unchanged_.insert(&entry);
+      find_unchanged(entry.value, *old);
+    }
+  }
+
+  // Once something was changed, an anchor may not stand for its value any more, and where something
+  // was changed nothing stands as it was.
   bool stands_as_it_is(const YamlEntry& entry) const {
     if (is_made(entry.key)) return false;
+    if (is_changed_ && (!unchanged_.contains(&entry) || has_reference(entry.value))) return false;
     return entry.is_kept || has_no_form(entry.key) || has_no_form(entry.value) ||
            document_.text.compare(entry.key.begin, 1, "?") == 0 || is_behind_sign(entry.key);
+  }
+  static bool has_reference(const YamlNode& node) {
+    return !node.anchor.empty() || !node.alias.empty() ||
+           std::any_of(node.entries.begin(), node.entries.end(),
+                       [](const YamlEntry& entry) { return has_reference(entry.value); });
   }
   // "? key"
   bool is_behind_sign(const YamlNode& key) const {
@@ -299,7 +329,7 @@ class SystemPrinter {
 
   // In a text that may be anything, every blank counts.
   void print_lines(const YamlEntry& entry, std::size_t indent, const std::string& begin) {
-    if (is_made(entry.value)) {
+    if (!has_own_text(entry.value)) {
       lines_.push_back({begin + " |", entry.comment});
       for (const std::string_view line : split_lines(entry.value.value)) {
         lines_.push_back(
@@ -330,6 +360,9 @@ class SystemPrinter {
   }
 
   const YamlDocument& document_;
+  YamlDocument before_;  // as its text has it
+  bool is_changed_ = false;
+  std::set<const YamlEntry*> unchanged_;  // if it is changed: entries that are not
   std::vector<LaidLine> lines_;
 };
 
