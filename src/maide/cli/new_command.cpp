@@ -22,6 +22,7 @@
 #include "maide/base/file.hpp"
 #include "maide/base/subprocess.hpp"
 #include "maide/base/text.hpp"
+#include "maide/check/tree/print.hpp"
 #include "maide/cli/command.hpp"
 #include "maide/experiment/open_system.hpp"
 #include "maide/formats/names.hpp"
@@ -280,7 +281,7 @@ ExitStatus run_init(const InitArguments& arguments, Context& context) {
   refuse_to_replace(arguments.file);
   const FirstSystem& system = find_first_system(arguments.system, context.control());
   const std::string shown = quote_shell_word(arguments.file);
-  write_file_atomically(arguments.file, first_file(system, shown));
+  write_file_atomically(arguments.file, format_system(first_file(system, shown), arguments.file));
   context.print(fmt::format("{}: two programs over {}\n", arguments.file, title_of(system.name)) +
                 (context.quiet() ? "" : fmt::format("  check it    maide check {}\n", shown)));
   context.set_result({{"file", arguments.file}, {"system", std::string(system.name)}});

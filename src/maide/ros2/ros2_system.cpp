@@ -1,7 +1,6 @@
 // A graph of ROS 2 as a system file, and what the file's topics stand for while nobody has said how
 // much they keep.
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <map>
@@ -14,6 +13,7 @@
 #include "maide/base/error.hpp"
 #include "maide/base/text.hpp"
 #include "maide/check/rules/built_in_models.hpp"
+#include "maide/check/text/yaml_node.hpp"
 #include "maide/check/tree/print.hpp"
 #include "maide/ros2/ros2_graph.hpp"
 
@@ -26,19 +26,37 @@ struct Connection {
   std::vector<std::string> writers;
   struct Reader {
     std::string node, callback;
-    std::string options;  // "depth: unknown"
+    YamlNode options;  // {depth: unknown}
   };
   std::vector<Reader> readers;
 };
 
-struct NodeText {
+struct NodeEntry {
   std::string name, process;
-  std::vector<std::pair<std::string, std::string>> callbacks;  // name, text
-  std::vector<std::string> says;                               // statements for its programs
+  YamlNode callbacks = YamlNode::make_map();
+  std::vector<std::string> says{};  // statements for its programs
 };
 
-std::string list_of(const std::vector<std::string>& names) {
-  return names.size() == 1 ? names.front() : fmt::format("[{}]", fmt::join(names, ", "));
+// "{depth: 3}"
+YamlNode braces(const std::vector<std::pair<std::string, std::string>>& fields) {
+  YamlNode map = YamlNode::make_map(YamlNode::Style::flow);
+  for (const auto& [key, value] : fields) map.set(key, YamlNode(value));
+  return map;
+}
+
+YamlNode list_of(const std::vector<std::string>& names) {
+  if (names.size() == 1) return YamlNode(names.front());
+  YamlNode list;
+  list.kind = YamlNode::Kind::list;
+  list.style = YamlNode::Style::flow;
+  for (const std::string& name : names) list.entries.emplace_back().value = YamlNode(name);
+  return list;
+}
+
+// Adds an entry to the map, with a comment on a line of its own before it, unless that is empty.
+void add_entry(YamlNode& map, const std::string& key, YamlNode value, const std::string& comment) {
+  map.set(key, std::move(value));
+  if (!comment.empty()) map.entries.back().before.push_back("# " + comment);
 }
 
 std::string describe(const Ros2End& end) {
@@ -51,30 +69,30 @@ std::string describe(const Ros2End& end) {
   return text;
 }
 
-// The middleware below, where it is not the one that is learned by default: ", rmw: fastrtps".
-std::string rmw_of(const Ros2Graph& graph) {
-  return graph.rmw.starts_with("rmw_fastrtps") ? ", rmw: fastrtps" : "";
+// The middleware below, where it is not the one that is learned by default.
+void add_rmw(const Ros2Graph& graph, YamlNode& options) {
+  if (graph.rmw.starts_with("rmw_fastrtps")) options.set("rmw", YamlNode("fastrtps"));
 }
 
 // The options of `learn ros2` for a pair of ends, without those that have their defaults.
-std::string options_of(const Ros2Qos& publisher, const Ros2Qos& subscription) {
-  std::string text;
+YamlNode options_of(const Ros2Qos& publisher, const Ros2Qos& subscription) {
+  YamlNode options = YamlNode::make_map(YamlNode::Style::flow);
   const auto depth_of = [](const Ros2Qos& end) {
     return end.depth ? std::to_string(*end.depth) : std::string(unknown_depth);
   };
   // The publisher's depth counts for who comes late alone.
   const bool has_late = hears_history(publisher, subscription) && publisher.history != "keep_all";
   if (subscription.history == "keep_all") {
-    text = "history: keep_all, size: 20";
+    options = braces({{"history", "keep_all"}, {"size", "20"}});
   } else if (has_late && depth_of(publisher) != depth_of(subscription)) {
-    text = fmt::format("pub-depth: {}, sub-depth: {}", depth_of(publisher), depth_of(subscription));
+    options = braces({{"pub-depth", depth_of(publisher)}, {"sub-depth", depth_of(subscription)}});
   } else {
-    text = "depth: " + depth_of(subscription);
+    options = braces({{"depth", depth_of(subscription)}});
   }
   const auto add = [&](const std::string& key, const std::string& pub, const std::string& sub,
                        const std::string& otherwise) {
     const auto one = [&](const std::string& name, const std::string& value) {
-      if (value != otherwise && value != "unknown") text += fmt::format(", {}: {}", name, value);
+      if (value != otherwise && value != "unknown") options.set(name, YamlNode(value));
     };
     if (pub == sub) {
       one(key, pub);
@@ -85,7 +103,7 @@ std::string options_of(const Ros2Qos& publisher, const Ros2Qos& subscription) {
   };
   add("reliability", publisher.reliability, subscription.reliability, "reliable");
   add("durability", publisher.durability, subscription.durability, "volatile");
-  return text;
+  return options;
 }
 
 class SystemWriter {
@@ -101,10 +119,19 @@ class SystemWriter {
     }
     for (const Ros2Topic& topic : graph_.topics) add(topic);
     for (const Ros2Service& service : graph_.services) add(service);
-    std::string text = topics() + services();
-    text += executors();  // they get their names here
-    text += nodes();
-    return format_system(head() + text, "the graph");
+    YamlDocument document;
+    document.file = "the graph";
+    document.root = YamlNode::make_map();
+    const auto add_section = [&](const std::string& name, YamlNode entries) {
+      if (!entries.entries.empty()) document.root.set(name, std::move(entries));
+    };
+    add_section("topics", topics());
+    add_section("services", std::move(services_));
+    add_section("executors", executors());  // they get their names here
+    add_section("nodes", nodes());
+    if (document.root.entries.empty()) document.root.set("nodes", YamlNode::make_map());
+    document.root.entries.front().before = head();
+    return print_system(document);
   }
 
  private:
@@ -140,27 +167,25 @@ class SystemWriter {
       const bool is_alone = own[base(node.name)] == 1;
       names_[node.name] = nodes_.size();
       nodes_.push_back(
-          {take(is_alone ? base(node.name) : plain(node.name), "_node"), node.process, {}, {}});
+          {take(is_alone ? base(node.name) : plain(node.name), "_node"), node.process});
     }
   }
 
   // A node that the graph names at an end only.
-  NodeText& node_of(const std::string& name) {
+  NodeEntry& node_of(const std::string& name) {
     const auto [place, is_new] = names_.emplace(name, nodes_.size());
-    if (is_new) nodes_.push_back({take(plain(name), "_node"), "", {}, {}});
+    if (is_new) nodes_.push_back({take(plain(name), "_node"), ""});
     return nodes_[place->second];
   }
 
   // The callback of a node's client has the name of the service.
-  std::string add_callback(NodeText& node, const std::string& name, std::string text) const {
+  std::string add_callback(NodeEntry& node, const std::string& name, YamlNode callback) const {
     std::string own = name;
     const auto is_taken = [&] {
-      return names_of_services_.contains(own) ||
-             std::any_of(node.callbacks.begin(), node.callbacks.end(),
-                         [&](const auto& other) { return other.first == own; });
+      return names_of_services_.contains(own) || node.callbacks.find(own) != nullptr;
     };
     for (int i = 2; is_taken(); ++i) own = name + "_" + std::to_string(i);
-    node.callbacks.emplace_back(own, std::move(text));
+    node.callbacks.set(own, std::move(callback));
     return own;
   }
 
@@ -212,7 +237,7 @@ class SystemWriter {
     connection.comment = topic.publishers.front().type;
     std::vector<std::string> ends;
     for (const Ros2End* publisher : publishers) {
-      NodeText& node = node_of(publisher->node);
+      NodeEntry& node = node_of(publisher->node);
       ends.push_back(describe(*publisher));
       if (std::find(connection.writers.begin(), connection.writers.end(), node.name) !=
           connection.writers.end()) {
@@ -232,13 +257,13 @@ class SystemWriter {
                         "late; here all keep what {} does",
                         topic.name, publishers.front()->node));
       }
-      NodeText& node = node_of(subscription->node);
+      NodeEntry& node = node_of(subscription->node);
       const std::string callback =
           add_callback(node, "on_" + connection.name,
-                       fmt::format("takes: {}.read, do: unknown", connection.name));
-      connection.readers.push_back(
-          {node.name, callback,
-           options_of(publishers.front()->qos, subscription->qos) + rmw_of(graph_)});
+                       braces({{"takes", connection.name + ".read"}, {"do", "unknown"}}));
+      YamlNode options = options_of(publishers.front()->qos, subscription->qos);
+      add_rmw(graph_, options);
+      connection.readers.push_back({node.name, callback, std::move(options)});
     }
     connection.comment += ". " + join(ends, "; ");
     connections_.push_back(std::move(connection));
@@ -253,35 +278,37 @@ class SystemWriter {
       return;
     }
     const std::string name = take(plain(service.name), service_suffix);
-    NodeText& server = node_of(service.servers.front());
+    NodeEntry& server = node_of(service.servers.front());
     const std::string server_name = server.name;
-    add_callback(server, "serve_" + name,
-                 fmt::format("serves: {}, do: \"{}.answer;\"", name, name));
+    add_callback(server, "serve_" + name, braces({{"serves", name}, {"do", name + ".answer;"}}));
     std::vector<std::string> clients;
     for (const std::string& client : service.clients) {
-      NodeText& node = node_of(client);
+      NodeEntry& node = node_of(client);
       if (std::find(clients.begin(), clients.end(), node.name) != clients.end()) continue;
       clients.push_back(node.name);
       node.says.push_back(fmt::format("{}.send; wait {} -> answer;", name, name));
     }
-    services_ += fmt::format(
-        "  # {}\n  {}: {{server: {}, clients: {}, learn: ros2, with: {{depth: {}{}}}}}\n",
-        service.type, name, server_name, list_of(clients),
-        service.depth ? std::to_string(*service.depth) : unknown_depth, rmw_of(graph_));
+    YamlNode options = braces(
+        {{"depth", service.depth ? std::to_string(*service.depth) : std::string(unknown_depth)}});
+    add_rmw(graph_, options);
+    YamlNode entry = braces({{"server", server_name}});
+    entry.set("clients", list_of(clients));
+    entry.set("learn", YamlNode("ros2"));
+    entry.set("with", std::move(options));
+    add_entry(services_, name, std::move(entry), service.type);
   }
 
-  std::string head() {
-    std::string text = "# From a running graph of ROS 2";
-    if (!graph_.rmw.empty()) text += " (" + graph_.rmw + ")";
-    text +=
-        ". The graph does not tell:\n"
-        "# - what callbacks do: write it in place of each `do: unknown`, and `skip;` for nothing\n"
-        "# - timers: a callback is added as `tick: {timer: 100, do: \"...\"}`\n"
-        "# - depths: write a number in place of each `unknown`\n"
+  std::vector<std::string> head() {
+    std::vector<std::string> lines{
+        "# From a running graph of ROS 2" + (graph_.rmw.empty() ? "" : " (" + graph_.rmw + ")") +
+            ". The graph does not tell:",
+        "# - what callbacks do: write it in place of each `do: unknown`, and `skip;` for nothing",
+        "# - timers: a callback is added as `tick: {timer: 100, do: \"...\"}`",
+        "# - depths: write a number in place of each `unknown`",
         "# - executors and callback groups: without `executor`, each node has one thread of its "
-        "own\n";
+        "own"};
     const bool is_built_in = graph_.rmw.empty() || graph_.rmw == "rmw_cyclonedds_cpp";
-    if (!is_built_in && rmw_of(graph_).empty()) {
+    if (!is_built_in && !graph_.rmw.starts_with("rmw_fastrtps")) {
       note(fmt::format("the models are those of rmw_cyclonedds_cpp: those of {} may differ",
                        graph_.rmw));
     }
@@ -289,82 +316,81 @@ class SystemWriter {
     for (const std::string& action : graph_.actions) {
       note("action " + action + " is left out: actions are not modelled");
     }
-    for (const std::string& remark : remarks_) text += "# " + remark + "\n";
-    return text;
+    for (const std::string& remark : remarks_) lines.push_back("# " + remark);
+    return lines;
   }
 
-  std::string topics() const {
-    std::string text = connections_.empty() ? "" : "topics:\n";
+  YamlNode topics() const {
+    YamlNode section = YamlNode::make_map();
     for (const Connection& connection : connections_) {
-      std::vector<std::string> readers, own;
-      const std::string& common = connection.readers.front().options;
+      std::vector<std::string> readers;
+      YamlNode own = YamlNode::make_map(YamlNode::Style::flow);
+      const YamlNode& common = connection.readers.front().options;
       const bool is_same =
           std::all_of(connection.readers.begin(), connection.readers.end(),
-                      [&](const auto& reader) { return reader.options == common; });
+                      [&](const auto& reader) { return is_same_value(reader.options, common); });
       for (const Connection::Reader& reader : connection.readers) {
         const auto of_node =
             std::count_if(connection.readers.begin(), connection.readers.end(),
                           [&](const auto& other) { return other.node == reader.node; });
         readers.push_back(of_node == 1 ? reader.node : reader.node + "." + reader.callback);
-        if (!is_same) own.push_back(fmt::format("{}: {{{}}}", readers.back(), reader.options));
+        own.set(readers.back(), reader.options);
       }
-      text +=
-          fmt::format("  # {}\n  {}: {{writers: {}, readers: {}, learn: ros2", connection.comment,
-                      connection.name, list_of(connection.writers), list_of(readers));
-      text += is_same ? fmt::format(", with: {{{}}}", common)
-                      : fmt::format(", readers_with: {{{}}}", fmt::join(own, ", "));
-      text += "}\n";
+      YamlNode entry = YamlNode::make_map(YamlNode::Style::flow);
+      entry.set("writers", list_of(connection.writers));
+      entry.set("readers", list_of(readers));
+      entry.set("learn", YamlNode("ros2"));
+      entry.set(is_same ? "with" : "readers_with", is_same ? common : std::move(own));
+      add_entry(section, connection.name, std::move(entry), connection.comment);
     }
-    return text;
+    return section;
   }
 
-  std::string services() const { return services_.empty() ? "" : "services:\n" + services_; }
-
-  static bool is_connected(const NodeText& node) {
-    return !node.callbacks.empty() || !node.says.empty();
+  static bool is_connected(const NodeEntry& node) {
+    return !node.callbacks.entries.empty() || !node.says.empty();
   }
 
   // Nodes of one process, where there are several.
   std::map<std::string, std::vector<std::string>> processes() const {
     std::map<std::string, std::vector<std::string>> all;
-    for (const NodeText& node : nodes_) {
+    for (const NodeEntry& node : nodes_) {
       if (!node.process.empty() && is_connected(node)) all[node.process].push_back(node.name);
     }
     std::erase_if(all, [](const auto& entry) { return entry.second.size() < 2; });
     return all;
   }
 
-  std::string executors() {
-    std::string text;
+  YamlNode executors() {
+    YamlNode section = YamlNode::make_map();
     for (const auto& [process, names] : processes()) {
       const std::string name = take("executor", "");
       executors_[process] = name;
-      text += fmt::format(
-          "  # {} are in one process; that one executor spins them is a guess\n"
-          "  {}: {{kind: single}}\n",
-          join(names), name);
+      add_entry(section, name, braces({{"kind", "single"}}),
+                join(names) + " are in one process; that one executor spins them is a guess");
     }
-    return text.empty() ? "" : "executors:\n" + text;
+    return section;
   }
 
-  std::string nodes() {
-    std::string text = "nodes:\n", left_out;
-    for (NodeText& node : nodes_) {
+  YamlNode nodes() {
+    YamlNode section = YamlNode::make_map();
+    for (NodeEntry& node : nodes_) {
       if (!is_connected(node)) {
-        left_out += "# " + node.name + " is left out: it has no connections\n";
+        section.tail.push_back("# " + node.name + " is left out: it has no connections");
         continue;
       }
-      text += "  " + node.name + ":\n";
-      if (!node.says.empty()) text += fmt::format("    # may say: {}\n", fmt::join(node.says, " "));
+      YamlNode entry = YamlNode::make_map();
       const auto executor = executors_.find(node.process);
-      if (executor != executors_.end()) text += "    executor: " + executor->second + "\n";
-      if (node.callbacks.empty()) add_callback(node, "tick", "timer: 100, do: unknown");
-      text += "    callbacks:\n";
-      for (const auto& [name, callback] : node.callbacks) {
-        text += fmt::format("      {}: {{{}}}\n", name, callback);
+      if (executor != executors_.end()) entry.set("executor", YamlNode(executor->second));
+      if (node.callbacks.entries.empty()) {
+        add_callback(node, "tick", braces({{"timer", "100"}, {"do", "unknown"}}));
       }
+      entry.set("callbacks", std::move(node.callbacks));
+      if (!node.says.empty()) {
+        entry.entries.front().before.push_back("# may say: " + join(node.says, " "));
+      }
+      add_entry(section, node.name, std::move(entry), "");
     }
-    return text + left_out;
+    return section;
   }
 
   const Ros2Graph& graph_;
@@ -372,9 +398,9 @@ class SystemWriter {
   std::set<std::string> taken_{"", "null", "Null", "NULL"};  // to YAML the last three are no words
   std::set<std::string> names_of_services_;
   std::map<std::string, std::size_t> names_;  // of nodes, by their names in the graph
-  std::vector<NodeText> nodes_;
+  std::vector<NodeEntry> nodes_;
   std::vector<Connection> connections_;
-  std::string services_;
+  YamlNode services_ = YamlNode::make_map();
   std::map<std::string, std::string> executors_;  // by process
   std::vector<std::string> remarks_;
 };

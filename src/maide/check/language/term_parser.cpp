@@ -11,8 +11,8 @@
 namespace maide::syntax {
 namespace {
 
-constexpr int max_nesting = 200;      // the parser and all walks over the tree recurse
-constexpr int max_operations = 2000;  // `a + b + c` is as deep as it is long
+constexpr int max_term_nesting = 200;  // the parser and all walks over the tree recurse
+constexpr int max_operations = 2000;   // `a + b + c` is as deep as it is long
 
 // Operators of the same strength.
 struct Level {
@@ -125,7 +125,7 @@ std::vector<Index> TermParser::parse_index_list(std::string_view as_in) {
 
 void TermParser::deeper(Grammar grammar, const Token& token) {
   const std::string what = grammar == Grammar::formula ? "the formula" : "this expression";
-  if (++nesting_ > max_nesting) tokens_.fail(what + " is nested too deeply", token);
+  if (++nesting_ > max_term_nesting) tokens_.fail(what + " is nested too deeply", token);
   if (++operations_ > max_operations) tokens_.fail(what + " is too large", token);
 }
 
