@@ -60,17 +60,17 @@ struct NodeDeclaration {
 // Where the automaton of a model comes from.
 struct ModelOrigin {
   enum class Kind : std::uint8_t {
-    made,    // it is there: by rules, or what runs callbacks
-    asked,   // of a ModelSource
-    copied,  // of an array: that of its first member
-    mutex,
-    semaphore,  // of `count`
-    queue,      // of `size`
+    made,      // it is there: by rules, or what runs callbacks
+    asked,     // of a ModelSource
+    copied,    // of an array: that of its first member
+    built_in,  // `built_in`, of `count`
+    queue,     // of `size`
   };
   Kind kind = Kind::made;
   ModelRequest request;
   std::vector<const TreeNode*> options;  // those of the request, for messages
   std::uint32_t first = 0;               // of a copy
+  const BuiltInModel* built_in = nullptr;
   std::uint32_t count = 0;
   QueueSize size;
   const YamlNode* ends = nullptr;  // what the file says under `ends:`

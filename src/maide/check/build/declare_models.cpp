@@ -98,22 +98,26 @@ class ModelDeclarer {
     const TreeNode* const use = find(fields_, "use");
     if (use == nullptr) return;
     const std::string& kind = use->text();
-    if (kind == "mutex") {
-      origin.kind = ModelOrigin::Kind::mutex;
-      if (!options_.empty()) file_.tree().fail("a mutex has no options", *find(fields_, "with"));
+    origin.built_in = find_built_in(kind);
+    origin.kind =
+        origin.built_in == nullptr ? ModelOrigin::Kind::queue : ModelOrigin::Kind::built_in;
+    std::vector<std::string> known{"size", "depth"};
+    if (origin.built_in != nullptr) known = {std::string(origin.built_in->option)};
+    if (known[0].empty()) {
+      if (!options_.empty())
+        file_.tree().fail("a " + kind + " has no options", *find(fields_, "with"));
       return;
     }
-    const bool is_queue = kind == "queue";
-    check_options(kind, is_queue);
+    check_options(kind, known);
     if (options_.size() != 1) {
-      file_.tree().fail(
-          "a " + kind + " needs " +
-              (is_queue ? "'with: {size: N}' or 'with: {depth: N}'" : "'with: {count: N}'"),
-          *use);
+      std::string forms;
+      for (const std::string& name : known) {
+        forms += (forms.empty() ? "'with: {" : " or 'with: {") + name + ": N}'";
+      }
+      file_.tree().fail("a " + kind + " needs " + forms, *use);
     }
     const TreeNode& option = *options_.front();
     const bool is_depth = option.name_text() == "depth";
-    origin.kind = is_queue ? ModelOrigin::Kind::queue : ModelOrigin::Kind::semaphore;
     if (is_depth && option.text() == unknown_depth) {
       origin.size = {1, true, {}, true};
       return;
@@ -129,9 +133,7 @@ class ModelDeclarer {
   }
 
  private:
-  void check_options(const std::string& kind, bool is_queue) const {
-    const std::vector<std::string> known =
-        is_queue ? std::vector<std::string>{"size", "depth"} : std::vector<std::string>{"count"};
+  void check_options(const std::string& kind, const std::vector<std::string>& known) const {
     for (const TreeNode* option : options_) {
       if (std::find(known.begin(), known.end(), option->name_text()) != known.end()) continue;
       file_.tree().fail_at_name("'with' of a " + kind + " has no key '" + option->name_text() +

@@ -122,8 +122,9 @@ class ModelFinder {
       case ModelOrigin::Kind::made:
         if (model.source == ModelInstance::Source::service) make_service(number);
         return;
-      case ModelOrigin::Kind::mutex: model.automaton = make_mutex(); break;
-      case ModelOrigin::Kind::semaphore: model.automaton = make_semaphore(origin.count); break;
+      case ModelOrigin::Kind::built_in:
+        model.automaton = origin.built_in->make(origin.count);
+        break;
       case ModelOrigin::Kind::queue:
         models_.queues.emplace(number, QueueModel{origin.size, {}, {}});
         make_queue_of(models_, number, origin.size, limits_);

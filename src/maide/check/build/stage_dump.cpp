@@ -63,8 +63,9 @@ Json origin_of(const Declarations& file, std::size_t number) {
   switch (origin.kind) {
     case ModelOrigin::Kind::asked: return json_of(origin.request);
     case ModelOrigin::Kind::copied: return {{"copy_of", file.models[origin.first].name}};
-    case ModelOrigin::Kind::mutex: return {{"use", "mutex"}};
-    case ModelOrigin::Kind::semaphore: return {{"use", "semaphore"}, {"count", origin.count}};
+    case ModelOrigin::Kind::built_in:
+      if (origin.built_in->option.empty()) return {{"use", origin.built_in->name}};
+      return {{"use", origin.built_in->name}, {origin.built_in->option, origin.count}};
     case ModelOrigin::Kind::queue:
       if (origin.size.is_unknown) return {{"use", "queue"}, {"depth", "unknown"}};
       return {{"use", "queue"}, {origin.size.drops_oldest ? "depth" : "size", origin.size.size}};

@@ -27,7 +27,23 @@ InterfaceAutomaton make_semaphore(std::uint32_t count) {
     semaphore.add_transition(taken, input(0), taken + 1);
     semaphore.add_transition(taken + 1, input(1), taken);
   }
+  semaphore.origin = {{"count", std::to_string(count)}};
   return semaphore;
+}
+
+std::span<const BuiltInModel> built_in_models() {
+  static constexpr BuiltInModel rows[] = {
+      {"mutex", "", [](std::uint32_t) { return make_mutex(); }},
+      {"semaphore", "count", make_semaphore},
+  };
+  return rows;
+}
+
+const BuiltInModel* find_built_in(std::string_view name) {
+  const auto rows = built_in_models();
+  const auto row = std::find_if(rows.begin(), rows.end(),
+                                [&](const BuiltInModel& each) { return each.name == name; });
+  return row == rows.end() ? nullptr : &*row;
 }
 
 double queue_states(const QueueSize& queue) {

@@ -5,7 +5,9 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "maide/automata/interface_automaton.hpp"
@@ -18,6 +20,16 @@ InterfaceAutomaton make_mutex();
 
 // `acquire` while something is there, at first `count`; `release` up to `count`. count + 1 states.
 InterfaceAutomaton make_semaphore(std::uint32_t count);
+
+// What a system file may write behind `use:`, one row each; queues, whose contents programs decide,
+// are apart.
+struct BuiltInModel {
+  std::string_view name;
+  std::string_view option;  // under `with`, from 1; empty: it has none
+  InterfaceAutomaton (*make)(std::uint32_t option);
+};
+std::span<const BuiltInModel> built_in_models();
+const BuiltInModel* find_built_in(std::string_view name);  // null: there is none
 
 struct QueueSize {
   std::uint32_t size = 1;     // at least 1

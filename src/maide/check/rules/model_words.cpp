@@ -36,9 +36,10 @@ std::string describe_bound(const ModelInstance& model) {
 
 std::string describe_built_in(const ModelInstance& model) {
   const InterfaceAutomaton& automaton = model.automaton;
-  if (automaton.inputs().find("lock")) return "a mutex";
-  if (automaton.inputs().find("acquire")) {
-    return fmt::format("a semaphore of count {}", automaton.size() - 1);
+  if (const BuiltInModel* const known = find_built_in(model.origin)) {
+    if (known->option.empty()) return fmt::format("a {}", known->name);
+    return fmt::format("a {} of {} {}", known->name, known->option,
+                       automaton.origin.at(std::string(known->option)));
   }
   if (has_unknown_depth(automaton)) return "a queue of unknown depth";
   for (const std::string kind : {"size", "depth"}) {
