@@ -3,7 +3,9 @@
 // that is meant: MAIDE_APPROVE=1 build/dev/bin/test_cli --gtest_filter='Transcript.*'.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdlib>
+#include <filesystem>
 #include <regex>
 #include <string>
 #include <vector>
@@ -37,6 +39,17 @@ const std::vector<std::string> command_lines{
     "check --threads 1 SRC/examples/ros2/late-server/late-server.yaml",
     "check --threads 1 SRC/examples/ros2/nested/nested-mended.yaml --property none",
     "check --threads 1 TMP/none.yaml",
+    "check --threads 1 --suggest SRC/examples/architectures/lifecycle.yaml",
+    "check --threads 1 --suggest SRC/examples/architectures/token.yaml",
+    "check --threads 1 --suggest --json SRC/examples/architectures/double-buffer.yaml",
+    "check --threads 1 --suggest SRC/examples/architectures/charging.yaml",
+    "check --threads 1 --suggest -q SRC/examples/case-study-1/buffered.yaml",
+    "check --threads 1 --reduction full SRC/examples/architectures/lifecycle.yaml",
+    "check --threads 1 --reduction calls SRC/examples/ros2/nested/nested.yaml",
+    "check --threads 1 --reduction all SRC/examples/ros2/nested/nested.yaml",
+    "check --threads 1 --engine none SRC/examples/ros2/nested/nested.yaml",
+    "check --threads 1 --report TMP/report.png SRC/examples/ros2/nested/nested.yaml",
+    "check --threads 0 SRC/examples/ros2/nested/nested.yaml",
     // Comparing.
     "compare SRC/tests/models/strict-1.dot SRC/tests/models/strict-1.dot",
     "compare SRC/tests/models/strict-1.dot SRC/tests/models/strict-2.dot",
@@ -132,14 +145,32 @@ std::string without_times(std::string text, const std::string& temporary) {
   return text;
 }
 
-std::string transcript() {
+// Every example that is checked within a second, but those that are learned; as JSON, too, where a
+// run of executors is searched for.
+std::vector<std::string> checks_of_examples() {
+  std::vector<std::string> lines;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(root + "/examples")) {
+    const std::string file = entry.path().string().substr(root.size() + 1);
+    const auto is_of = [&file](const char* part) { return file.find(part) != std::string::npos; };
+    if (entry.path().extension() != ".yaml" || is_of("on-middleware") || is_of("nonblocking") ||
+        is_of("180-200") || is_of("hundred-robots")) {
+      continue;
+    }
+    lines.push_back("check --threads 1 SRC/" + file);
+    if (is_of("ros2/")) lines.push_back("check --threads 1 --json SRC/" + file);
+  }
+  std::sort(lines.begin(), lines.end());
+  return lines;
+}
+
+std::string transcript(const std::vector<std::string>& lines) {
   // Whatever the locale of this machine is.
   ::setenv("LC_ALL", "C.UTF-8", 1);
   ::unsetenv("COLUMNS");
   const TempDir folder;
   const std::string temporary = folder.path().string();
   std::string text;
-  for (const std::string& line : command_lines) {
+  for (const std::string& line : lines) {
     std::vector<std::string> words;
     std::string word;
     for (const char letter : line + " ") {
@@ -162,11 +193,18 @@ std::string transcript() {
   return text;
 }
 
-TEST(Transcript, IsAsApproved) {
-  const std::string path = root + "/tests/cli/transcript.approved";
-  const std::string text = transcript();
+void expect_approved(const std::string& name, const std::string& text) {
+  const std::string path = root + "/tests/cli/" + name + ".approved";
   if (std::getenv("MAIDE_APPROVE") != nullptr) write_file_atomically(path, text);
   EXPECT_EQ(text, read_file(path)) << path;
+}
+
+TEST(Transcript, OfCommandsIsAsApproved) {
+  expect_approved("transcript", transcript(command_lines));
+}
+
+TEST(Transcript, OfExamplesIsAsApproved) {
+  expect_approved("examples-transcript", transcript(checks_of_examples()));
 }
 
 }  // namespace
