@@ -4,128 +4,17 @@
 
 #include <algorithm>
 #include <memory>
+#include <numeric>
 #include <ostream>
 #include <set>
 #include <utility>
 
 #include "maide/base/invariant.hpp"
+#include "maide/base/strong_components.hpp"
 #include "maide/base/version.hpp"
 #include "maide/formats/names.hpp"
 
 namespace maide {
-namespace {
-
-// The automaton together with a run, as a graph: a node is a state and the position that it reads.
-class RunGraph {
- public:
-  RunGraph(const LtlAutomaton& automaton, const std::vector<std::uint64_t>& valuations,
-           std::size_t loop)
-      : automaton_(automaton), valuations_(valuations), loop_(loop) {}
-
-  std::size_t size() const { return automaton_.states.size() * valuations_.size(); }
-  std::size_t node(std::uint32_t state, std::size_t at) const {
-    return state * valuations_.size() + at;
-  }
-  std::size_t edge_count(std::size_t node) const { return transitions(node).size(); }
-  // Of the node's transition of that number: whether it can be taken, where it leads, its marks.
-  bool is_edge(std::size_t node, std::size_t number) const {
-    return transitions(node)[number].letter.allows(valuations_[node % valuations_.size()]);
-  }
-  std::size_t target(std::size_t from, std::size_t number) const {
-    const std::size_t next = from % valuations_.size() + 1;
-    return node(transitions(from)[number].target, next < valuations_.size() ? next : loop_);
-  }
-  std::uint64_t marks(std::size_t node, std::size_t number) const {
-    return transitions(node)[number].marks;
-  }
-
- private:
-  const std::vector<LtlAutomaton::Transition>& transitions(std::size_t node) const {
-    return automaton_.states[node / valuations_.size()];
-  }
-
-  const LtlAutomaton& automaton_;
-  const std::vector<std::uint64_t>& valuations_;
-  std::size_t loop_;
-};
-
-// Tarjan's search (SIAM J. Comput. 1972) for a component with an edge inside and every mark. The
-// stack is a vector: runs may be long.
-class ComponentSearch {
- public:
-  ComponentSearch(const RunGraph& graph, std::uint64_t all_marks)
-      : graph_(graph), all_(all_marks), index_(graph.size()), component_(graph.size()) {}
-
-  bool is_accepting_from(std::size_t root) {
-    if (index_[root] != 0) return false;
-    enter(root);
-    while (!calls_.empty()) {
-      Call& call = calls_.back();
-      if (call.edge == graph_.edge_count(call.node)) {
-        if (leave()) return true;
-        continue;
-      }
-      MAIDE_CHECK(call.low <= index_[call.node] && component_[call.node] == 0);
-      const std::size_t edge = call.edge++;
-      if (!graph_.is_edge(call.node, edge)) continue;
-      const std::size_t target = graph_.target(call.node, edge);
-      if (index_[target] == 0) {
-        enter(target);
-      } else if (component_[target] == 0) {
-        call.low = std::min(call.low, index_[target]);
-      }
-    }
-    MAIDE_CHECK(open_.empty());  // every component that was entered is closed
-    return false;
-  }
-
- private:
-  struct Call {
-    std::size_t node, edge, low;
-  };
-
-  void enter(std::size_t node) {
-    index_[node] = ++visited_;
-    open_.push_back(node);
-    calls_.push_back({node, 0, index_[node]});
-  }
-
-  // Ends the last call; true if it closes a component that accepts.
-  bool leave() {
-    const Call call = calls_.back();
-    calls_.pop_back();
-    if (!calls_.empty()) calls_.back().low = std::min(calls_.back().low, call.low);
-    if (call.low != index_[call.node]) return false;
-    ++components_;
-    std::vector<std::size_t> nodes;
-    do {
-      nodes.push_back(open_.back());
-      component_[open_.back()] = components_;
-      open_.pop_back();
-    } while (nodes.back() != call.node);
-    bool has_edge = false;
-    std::uint64_t marks = 0;
-    for (const std::size_t node : nodes) {
-      for (std::size_t edge = 0; edge < graph_.edge_count(node); ++edge) {
-        if (!graph_.is_edge(node, edge)) continue;
-        if (component_[graph_.target(node, edge)] != components_) continue;
-        has_edge = true;
-        marks |= graph_.marks(node, edge);
-      }
-    }
-    return has_edge && marks == all_;
-  }
-
-  const RunGraph& graph_;
-  std::uint64_t all_;
-  std::vector<std::size_t> index_;      // 0: not yet visited
-  std::vector<std::size_t> component_;  // 0: not yet closed
-  std::size_t visited_ = 0, components_ = 0;
-  std::vector<std::size_t> open_;
-  std::vector<Call> calls_;
-};
-
-}  // namespace
 
 std::uint64_t LtlAutomaton::all_marks() const {
   return mark_count == 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << mark_count) - 1;
@@ -168,30 +57,6 @@ std::uint32_t find_universal(const LtlAutomaton& automaton) {
   return LtlAutomaton::no_state;
 }
 
-namespace {
-
-// Whether a path of at least one transition to another state comes back to `state`.
-bool comes_back(const LtlAutomaton& automaton, std::uint32_t state) {
-  std::vector<bool> seen(automaton.states.size(), false);
-  std::vector<std::uint32_t> open;
-  const auto follow = [&](std::uint32_t from) {
-    for (const auto& transition : automaton.states[from]) {
-      if (transition.target == from || seen[transition.target]) continue;
-      seen[transition.target] = true;
-      open.push_back(transition.target);
-    }
-  };
-  follow(state);
-  while (!open.empty() && !seen[state]) {
-    const std::uint32_t from = open.back();
-    open.pop_back();
-    follow(from);
-  }
-  return seen[state];
-}
-
-}  // namespace
-
 std::vector<bool> find_waiting(const LtlAutomaton& automaton) {
   constexpr std::size_t most_states = 1000;
   std::vector<bool> waiting(automaton.states.size(), false);
@@ -200,7 +65,16 @@ std::vector<bool> find_waiting(const LtlAutomaton& automaton) {
   for (std::size_t i = 0; i < automaton.atoms.size(); ++i) {
     if (automaton.atoms[i].is_event()) events |= std::uint64_t{1} << i;
   }
-  for (std::uint32_t state = 0; state < automaton.states.size(); ++state) {
+  const auto successors = [&](std::size_t state) {
+    std::vector<std::size_t> targets;
+    for (const auto& transition : automaton.states[state]) targets.push_back(transition.target);
+    return targets;
+  };
+  std::vector<std::size_t> states(automaton.states.size());
+  std::iota(states.begin(), states.end(), 0);
+  for (const auto& component : strong_components(states.size(), states, successors)) {
+    if (component.size() > 1) continue;  // a path leads back
+    const std::size_t state = component.front();
     std::uint64_t marks = 0, letters = 0;
     bool may_stay = false;
     for (const auto& transition : automaton.states[state]) {
@@ -209,20 +83,45 @@ std::vector<bool> find_waiting(const LtlAutomaton& automaton) {
       marks |= transition.marks;
       may_stay = may_stay || transition.letter == Letter();
     }
-    waiting[state] = may_stay && marks != automaton.all_marks() && (letters & events) == 0 &&
-                     !comes_back(automaton, state);
+    waiting[state] = may_stay && marks != automaton.all_marks() && (letters & events) == 0;
   }
   return waiting;
 }
 
+// The automaton together with the run is a graph: a node is a state and the position that it reads.
+// A component accepts if it has an edge inside and every mark.
 bool accepts(const LtlAutomaton& automaton, const std::vector<std::uint64_t>& valuations,
              std::size_t loop) {
   MAIDE_CHECK(loop < valuations.size());
-  const RunGraph graph(automaton, valuations, loop);
-  ComponentSearch search(graph, automaton.all_marks());
-  return std::any_of(automaton.initial.begin(), automaton.initial.end(), [&](std::uint32_t state) {
-    return search.is_accepting_from(graph.node(state, 0));
-  });
+  const std::size_t length = valuations.size();
+  const auto for_each_edge = [&](std::size_t node, const auto& visit) {
+    const std::size_t at = node % length, next = at + 1 < length ? at + 1 : loop;
+    for (const LtlAutomaton::Transition& transition : automaton.states[node / length]) {
+      if (!transition.letter.allows(valuations[at])) continue;
+      visit(transition.target * length + next, transition.marks);
+    }
+  };
+  const auto successors = [&](std::size_t node) {
+    std::vector<std::size_t> targets;
+    for_each_edge(node, [&](std::size_t target, std::uint64_t) { targets.push_back(target); });
+    return targets;
+  };
+  const auto is_accepting = [&](const std::vector<std::size_t>& component) {
+    bool has_edge = false;
+    std::uint64_t marks = 0;
+    for (const std::size_t node : component) {
+      for_each_edge(node, [&](std::size_t target, std::uint64_t of_edge) {
+        if (!std::ranges::binary_search(component, target)) return;
+        has_edge = true;
+        marks |= of_edge;
+      });
+    }
+    return has_edge && marks == automaton.all_marks();
+  };
+  std::vector<std::size_t> starts;
+  for (const std::uint32_t state : automaton.initial) starts.push_back(state * length);
+  return std::ranges::any_of(
+      strong_components(automaton.states.size() * length, starts, successors), is_accepting);
 }
 
 bool accepts_whatever_comes(const LtlAutomaton& automaton,

@@ -6,13 +6,16 @@
 #pragma once
 
 #include <algorithm>
+#include <cstddef>
 #include <cstdint>
+#include <numeric>
 #include <optional>
 #include <stdexcept>
 #include <utility>
 #include <vector>
 
 #include "maide/base/invariant.hpp"
+#include "maide/base/strong_components.hpp"
 #include "maide/check/search/product_graph.hpp"
 #include "maide/check/search/search.hpp"
 #include "maide/check/system/trace.hpp"
@@ -63,64 +66,24 @@ class FairParts {
     return std::nullopt;
   }
 
-  // Tarjan's components of a sorted set of nodes (iterative; SIAM J. Comput. 1972).
+  // The strongly connected components of a sorted set of nodes.
   std::vector<Set> components_of(const Set& set) {
-    struct Open {
-      std::size_t place;
-      std::vector<std::size_t> targets;  // not yet looked at
-    };
-    std::vector<Set> result;
-    std::vector<std::uint32_t> low(set.size(), 0), order(set.size(), 0);
-    std::vector<bool> is_active(set.size());
-    std::vector<std::size_t> active;
-    std::vector<Open> path;
-    std::uint32_t count = 0;
-    const auto enter = [&](std::size_t place) {
-      order[place] = low[place] = ++count;
-      is_active[place] = true;
-      active.push_back(place);
+    std::vector<std::size_t> places(set.size());
+    std::iota(places.begin(), places.end(), 0);
+    const auto successors = [&](std::size_t place) {
       std::vector<std::size_t> targets;
       for_each_edge_within(graph_, set, set[place], [&](const auto&, Number target) {
-        targets.push_back(static_cast<std::size_t>(
-            std::lower_bound(set.begin(), set.end(), target) - set.begin()));
-      });
-      path.push_back({place, std::move(targets)});
-    };
-    const auto leave = [&](std::size_t place) {
-      path.pop_back();
-      if (!path.empty()) low[path.back().place] = std::min(low[path.back().place], low[place]);
-      if (low[place] != order[place]) return;
-      Set& component = result.emplace_back();
-      std::size_t member = 0;
-      do {
-        member = active.back();
-        active.pop_back();
-        is_active[member] = false;
-        component.push_back(set[member]);
-        MAIDE_CHECK(order[member] >= order[place]);
-      } while (member != place);
-      std::sort(component.begin(), component.end());
-    };
-    for (std::size_t start = 0; start < set.size(); ++start) {
-      if (order[start] == 0) enter(start);
-      while (!path.empty()) {
         look();
-        auto& targets = path.back().targets;
-        const std::size_t place = path.back().place;
-        if (targets.empty()) {
-          leave(place);
-          continue;
-        }
-        const std::size_t target = targets.back();
-        targets.pop_back();
-        if (order[target] == 0) {
-          enter(target);
-        } else if (is_active[target]) {
-          low[place] = std::min(low[place], order[target]);
-        }
-      }
+        targets.push_back(
+            static_cast<std::size_t>(std::ranges::lower_bound(set, target) - set.begin()));
+      });
+      return targets;
+    };
+    std::vector<Set> result;
+    for (const auto& component : strong_components(set.size(), places, successors)) {
+      Set& members = result.emplace_back();
+      for (const std::size_t place : component) members.push_back(set[place]);
     }
-    MAIDE_CHECK(active.empty() && count == set.size());  // each node is in one component
     return result;
   }
 
