@@ -125,19 +125,19 @@ std::string to_string(const Progress& progress) {
   const char* separator = ": ";
   const auto add = [&](std::uint64_t count, std::string_view what) {
     if (count == 0) return;
-    text += separator + std::to_string(count) + std::string(what);
+    text += separator + counted(count, what);
     separator = ", ";
   };
-  add(progress.states, progress.states == 1 ? " state" : " states");
-  add(progress.words, progress.words == 1 ? " word" : " words");
-  add(progress.symbols, progress.symbols == 1 ? " symbol" : " symbols");
+  add(progress.states, "state");
+  add(progress.words, "word");
+  add(progress.symbols, "symbol");
   if (progress.total > 0) {
     text += separator + std::to_string(progress.done) + " of " + std::to_string(progress.total);
     if (progress.done < progress.total) {
       text += ", " + std::to_string(progress.total - progress.done) + " left";
     }
-  } else {
-    add(progress.done, " done");
+  } else if (progress.done > 0) {
+    text += separator + std::to_string(progress.done) + " done";
   }
   return text;
 }

@@ -3,6 +3,7 @@
 // which something is wrong.
 #pragma once
 
+#include <cstdint>
 #include <initializer_list>
 #include <optional>
 #include <span>
@@ -22,6 +23,11 @@ inline std::string join(std::span<const std::string> names, std::string_view sep
     text += name;
   }
   return text;
+}
+
+// "1 state", "3 states".
+inline std::string counted(std::uint64_t count, std::string_view what) {
+  return std::to_string(count) + " " + std::string(what) + (count == 1 ? "" : "s");
 }
 
 // The parts between separators; one at least, and "" where two meet.

@@ -25,6 +25,7 @@
 #include "maide/automata/mealy.hpp"
 #include "maide/base/file.hpp"
 #include "maide/base/log.hpp"
+#include "maide/base/text.hpp"
 #include "maide/cli/command.hpp"
 #include "maide/experiment/experiment.hpp"
 #include "maide/experiment/known_models.hpp"
@@ -69,10 +70,6 @@ struct Outcome {
   // The empty word tells them apart: outputs before the first input.
   bool is_initial() const { return json.contains("word") && json["word"].empty(); }
 };
-
-std::string counted(std::size_t count, const char* what) {
-  return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
-}
 
 // The names under which the report speaks of the models.
 struct Names {

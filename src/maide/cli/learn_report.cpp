@@ -75,9 +75,8 @@ std::string describe_contradictions(const std::vector<LogContradiction>& contrad
   if (contradictions.empty()) return "";
   const LogContradiction& first = contradictions.front();
   return fmt::format(
-      "  the log is wrong     about {} word{}: \"{}\" ends in '{}', there in '{}'{}\n",
-      contradictions.size(), contradictions.size() == 1 ? "" : "s", first.word, first.answered,
-      first.logged,
+      "  the log is wrong     about {}: \"{}\" ends in '{}', there in '{}'{}\n",
+      counted(contradictions.size(), "word"), first.word, first.answered, first.logged,
       contradictions.size() < LoggedTraces::most_contradictions ? "" : "; it was given up");
 }
 
@@ -174,10 +173,8 @@ std::string remarks(const InterfaceAutomaton& automaton) {
 }
 
 std::string describe_identification(const Identification& found, bool is_complete) {
-  const std::string known =
-      fmt::format("{} known model{}", found.known, found.known == 1 ? "" : "s");
-  const std::string words =
-      fmt::format("{} word{} told them apart", found.words, found.words == 1 ? "" : "s");
+  const std::string known = counted(found.known, "known model");
+  const std::string words = counted(found.words, "word") + " told them apart";
   if (!is_complete) return fmt::format("  identified           not yet ({}; {})\n", known, words);
   if (found.name.empty()) {
     return fmt::format("  identified           as none of {} ({})\n", known, words);
@@ -295,10 +292,9 @@ std::string describe_learned(const LearnedModel& learned, const SystemSpec& spec
   }
   if (learned.incidents.count > 0) {
     const SulIncidents::Death& first = learned.incidents.first.front();
-    text +=
-        fmt::format("  replaced             the wrapper, {} time{}: {}{}\n",
-                    learned.incidents.count, learned.incidents.count == 1 ? "" : "s", first.reason,
-                    first.after.empty() ? "" : fmt::format(", after \"{}\"", first.after));
+    text += fmt::format("  replaced             the wrapper, {}: {}{}\n",
+                        counted(learned.incidents.count, "time"), first.reason,
+                        first.after.empty() ? "" : fmt::format(", after \"{}\"", first.after));
   }
   if (!path.empty()) text += fmt::format("  model                {}\n", path);
   return text;

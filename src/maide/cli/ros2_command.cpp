@@ -55,13 +55,10 @@ ExitStatus run_import(const Ros2Arguments& arguments, Context& context) {
     context.print_data(text);
   } else {
     write_file_atomically(arguments.output, text);
-    const auto count = [](std::size_t number, const std::string& what) {
-      return fmt::format("{} {}{}", number, what, number == 1 ? "" : "s");
-    };
     context.print(fmt::format("{}: {}, {}, {}; its first lines say what to fill in\n",
-                              arguments.output, count(graph.topics.size(), "topic"),
-                              count(graph.services.size(), "service"),
-                              count(graph.nodes.size(), "node")));
+                              arguments.output, counted(graph.topics.size(), "topic"),
+                              counted(graph.services.size(), "service"),
+                              counted(graph.nodes.size(), "node")));
   }
   context.set_result({{"graph", ros2_graph_to_json(graph)}, {"system", text}});
   return ExitStatus::ok;
@@ -107,8 +104,8 @@ ExitStatus run_ros2_doctor(const std::string& file, double settle, Context& cont
         {{"kind", name_of(finding.kind)}, {"where", finding.where}, {"text", finding.text}});
   }
   text += unmatched == 0 ? "\nAll ends match.\n"
-                         : fmt::format("\n{} pair{} of ends never match{}.\n", unmatched,
-                                       unmatched == 1 ? "" : "s", unmatched == 1 ? "es" : "");
+                         : fmt::format("\n{} of ends never match{}.\n", counted(unmatched, "pair"),
+                                       unmatched == 1 ? "es" : "");
   context.print(text);
   context.set_result({{"matches", unmatched == 0}, {"findings", list}});
   return unmatched == 0 ? ExitStatus::ok : ExitStatus::violated;

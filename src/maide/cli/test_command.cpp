@@ -63,7 +63,7 @@ struct Report {
   const TestCommandArguments& arguments;
   const ConformanceResult& result;
   std::string system;           // name and options
-  std::string shown;            // the same, without options that are as they are by default
+  std::string shown;            // name and options, without those that are as they are by default
   std::string bound;            // of the system's own learning purpose
   std::string versions;         // of the system
   std::string learned;          // versions that the model was learned from; "" if it does not say
@@ -200,7 +200,7 @@ std::string describe(const ConformanceFailure& failure, const Report& report) {
   return describe(failure.word, failure.expected, failure.observed, report);
 }
 
-std::string counted(const Coverage& coverage, std::string_view what) {
+std::string covered(const Coverage& coverage, std::string_view what) {
   return fmt::format("{} of {} {}", coverage.covered, coverage.total, what);
 }
 
@@ -243,13 +243,13 @@ std::string describe_rest(const Report& report) {
   if (!report.learned.empty() && report.learned != report.versions) {
     text += fmt::format("  learned    from other versions ({})\n", report.learned);
   }
-  text += fmt::format("  covered    {}, {}, {}\n", counted(result.states, "states"),
-                      counted(result.transitions, "transitions"),
-                      counted(result.pairs, "pairs of transitions"));
+  text += fmt::format("  covered    {}, {}, {}\n", covered(result.states, "states"),
+                      covered(result.transitions, "transitions"),
+                      covered(result.pairs, "pairs of transitions"));
   const std::size_t untried = result.model.size() * inputs - result.transitions.total;
   if (untried > 0) {
-    text += fmt::format("  not judged {} input{} of states where the model was never tried\n",
-                        untried, untried == 1 ? "" : "s");
+    text += fmt::format("  not judged {} of states where the model was never tried\n",
+                        counted(untried, "input"));
   }
   if (!result.other_inputs.empty()) {
     text += fmt::format("  not tested inputs that the model does not have: {}\n",
@@ -319,9 +319,9 @@ JUnitSuite to_junit(const Report& report) {
                       {"learned from versions", report.learned},
                       {"seed", std::to_string(report.arguments.seed)},
                       {"words", std::to_string(result.words)},
-                      {"covered states", counted(result.states, "states")},
-                      {"covered transitions", counted(result.transitions, "transitions")},
-                      {"covered pairs", counted(result.pairs, "pairs of transitions")},
+                      {"covered states", covered(result.states, "states")},
+                      {"covered transitions", covered(result.transitions, "transitions")},
+                      {"covered pairs", covered(result.pairs, "pairs of transitions")},
                       {"tests", describe_tests(result)},
                       {"maide", std::string(version())}};
   if (report.ending) suite.error = report.ending->what();

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "maide/base/invariant.hpp"
+#include "maide/base/text.hpp"
 #include "maide/check/rules/model_words.hpp"
 #include "maide/check/verdict/message_account.hpp"
 #include "maide/check/verdict/waiting.hpp"
@@ -179,10 +180,6 @@ std::string past_of(const std::string& input) {
   return input == "write" ? "wrote" : input == "publish" ? "published" : "gave " + input;
 }
 
-std::string count_of(std::size_t count, const std::string& what) {
-  return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
-}
-
 class Sentence {
  public:
   Sentence(const System& system, const Trace& trace)
@@ -297,7 +294,7 @@ class Sentence {
     if (step.actor != nobody) giving += " " + past_of(input);
     const std::string place = fmt::format("(step {})", loss.step + 1);
     if (std::find(messages.begin(), messages.end(), given) == messages.end()) {
-      return fmt::format("{}, {} {}", count_of(loss.count, "message"), giving, place);
+      return fmt::format("{}, {} {}", counted(loss.count, "message"), giving, place);
     }
     const std::string last = fmt::format("message {}", loss.given);
     if (step.is_beyond) {
@@ -510,7 +507,7 @@ class Sentence {
         text += ", " + program(circle[i]) + " for " + program(circle[(i + 1) % circle.size()]);
       }
     } else if (shown < waitings.size()) {
-      text += fmt::format("; {} more wait", count_of(waitings.size() - shown, "program"));
+      text += fmt::format("; {} more wait", counted(waitings.size() - shown, "program"));
     }
     return text;
   }

@@ -39,10 +39,6 @@ namespace {
 
 constexpr std::size_t most_rows = 400;  // of a table of transitions
 
-std::string count(std::size_t number, const char* what) {
-  return fmt::format("{} {}{}", number, what, number == 1 ? "" : "s");
-}
-
 // Every transition, as in the model's file.
 struct Row {
   StateId from;
@@ -178,8 +174,8 @@ std::string describe_size(const Model& model) {
   const char* kind = std::holds_alternative<InterfaceAutomaton>(model) ? "interface automaton"
                      : std::holds_alternative<Mealy>(model)            ? "Mealy machine"
                                                             : "nondeterministic Mealy machine";
-  return fmt::format("{}: {}, {}", kind, count(size.states, "state"),
-                     count(size.transitions, "transition"));
+  return fmt::format("{}: {}, {}", kind, counted(size.states, "state"),
+                     counted(size.transitions, "transition"));
 }
 
 // The text with the numbers of its lines.
@@ -198,8 +194,8 @@ void write_program(std::ostream& out, const System& system, const Program& progr
   out << fmt::format(
       "<h2>program {}</h2>\n<p>line {}; {}, {} when its repetitions are unrolled"
       "</p>\n",
-      escape_markup(program.name), program.position.line, count(size.states, "control state"),
-      count(size.transitions, "step"));
+      escape_markup(program.name), program.position.line, counted(size.states, "control state"),
+      counted(size.transitions, "step"));
   if (size.is_drawable()) {
     write_picture(out, program_picture(system, program), paint);
   } else {
@@ -237,8 +233,8 @@ void write_system_page(std::ostream& out, const System& system, const std::strin
                        const GraphPainter& paint) {
   open_page(out, system.file);
   out << fmt::format("<p>{}, {}. Boxes are programs, ellipses are models.</p>\n",
-                     count(system.programs.size(), "program"),
-                     count(system.models.size(), "model"));
+                     counted(system.programs.size(), "program"),
+                     counted(system.models.size(), "model"));
   write_picture(out, connection_picture(system), paint);
   for (const Program& program : system.programs) write_program(out, system, program, paint);
   for (const ModelInstance& model : system.models) {

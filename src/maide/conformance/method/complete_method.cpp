@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "maide/automata/minimize.hpp"
+#include "maide/base/text.hpp"
 #include "maide/conformance/suite/identifier_suite.hpp"
 
 namespace maide {
@@ -22,10 +23,8 @@ std::string describe_passed(const IdentifierSuite& suite, std::uint64_t tests,
   if (*extra == 0) {
     return text + fmt::format(": no machine of at most {} states behaves differently", states);
   }
-  return text + fmt::format(
-                    ": no machine with at most {} more state{} ({} in all) behaves "
-                    "differently",
-                    *extra, *extra == 1 ? "" : "s", states + *extra);
+  return text + fmt::format(": no machine with at most {} ({} in all) behaves differently",
+                            counted(*extra, "more state"), states + *extra);
 }
 
 std::optional<Word> CompleteMethod::find_counterexample(const Mealy& hypothesis,

@@ -43,8 +43,7 @@ std::optional<Word> KnownWords::find_counterexample(const Mealy& hypothesis,
 }
 
 std::string KnownWords::guarantee() const {
-  return fmt::format("right about {} word{} that earlier models gave", words_.size(),
-                     words_.size() == 1 ? "" : "s");
+  return fmt::format("right about {} that earlier models gave", counted(words_.size(), "word"));
 }
 
 std::vector<Word> choose_confirmation_words(const Mealy& model, std::uint64_t seed,
@@ -154,9 +153,8 @@ std::optional<Word> LoggedTraces::find_counterexample(const Mealy& hypothesis,
 
 std::string LoggedTraces::guarantee() const {
   if (contradictions_.size() >= most_contradictions) return "the log was given up";
-  std::string text =
-      fmt::format("agrees with {} logged trace{}{}", traces_, traces_ == 1 ? "" : "s",
-                  contradictions_.empty() ? "" : " as far as the system does");
+  std::string text = fmt::format("agrees with {}{}", counted(traces_, "logged trace"),
+                                 contradictions_.empty() ? "" : " as far as the system does");
   if (cut_ > 0) {
     text += fmt::format(", of {} only up to an input that the system does not have", cut_);
   }

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "maide/base/error.hpp"
+#include "maide/base/text.hpp"
 
 namespace maide {
 namespace {
@@ -52,8 +53,8 @@ std::uint32_t Ballot::missing() const {
 std::string to_string(const Contradiction& contradiction) {
   std::string text = contradiction.word + ":";
   for (const auto& [answer, count] : contradiction.answers) {
-    text += fmt::format("{} {} {} \"{}\"", text.back() == ':' ? "" : ",", count,
-                        count == 1 ? "time" : "times", answer);
+    text +=
+        fmt::format("{} {} \"{}\"", text.back() == ':' ? "" : ",", counted(count, "time"), answer);
   }
   return text;
 }

@@ -18,6 +18,7 @@
 
 #include "maide/base/error.hpp"
 #include "maide/base/invariant.hpp"
+#include "maide/base/text.hpp"
 #include "maide/sul/fatal_words.hpp"
 
 namespace maide {
@@ -367,7 +368,7 @@ void WrapperSession::select_bound(const FullSetup& full, const SystemSetup& setu
     purposes_.push_back(std::move(one));
   }
   if (!info_.bound.empty()) info_.bound += ", ";
-  info_.bound += fmt::format("at most {} message{} in flight{}", size, size == 1 ? "" : "s",
+  info_.bound += fmt::format("at most {} in flight{}", counted(size, "message"),
                              full.readers() > 1 && !flight.is_shared ? " to each reader" : "");
 }
 
