@@ -296,7 +296,7 @@ State slots_of(const System& system, const GlobalState& state, std::size_t slots
 }
 
 // Some step is no progress.
-bool has_idle_steps(const System& system) {
+bool some_step_is_idle(const System& system) {
   if (std::any_of(system.nobodys_actions.begin(), system.nobodys_actions.end(),
                   [](const NobodysAction& action) { return !action.counts_for_deadlock; })) {
     return true;
@@ -317,7 +317,7 @@ class Comparison {
   Comparison(const System& system, Plugin& plugin, Totals& totals)
       : system_(system), plugin_(plugin), totals_(totals), names_(system) {
     Plugin::slots_of_current_ = static_cast<std::size_t>(plugin.slots());
-    has_idle_steps_ = has_idle_steps(system);
+    has_idle_steps_ = some_step_is_idle(system);
   }
 
   // Every state of the system, but at most so many.

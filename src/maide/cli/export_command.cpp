@@ -126,11 +126,9 @@ Export export_property(const ExportArguments& arguments, Context& context) {
     }
     automaton = *property.never;
   } else if (property.kind == Property::Kind::ltl) {
-    FormulaNode negation;
-    negation.op = FormulaNode::Operator::negation;
-    negation.left = property.formula;
-    automaton = translate(arguments.negated ? std::make_shared<const FormulaNode>(negation)
-                                            : property.formula);
+    automaton = translate(arguments.negated
+                              ? make_formula(FormulaNode::Operator::negation, property.formula)
+                              : property.formula);
   } else {
     throw UsageError("'" + property.name + "' is no formula and has no automaton");
   }

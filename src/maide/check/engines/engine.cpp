@@ -149,13 +149,6 @@ std::string why_incomplete(const SearchResult& search, const EngineOptions& opti
   return fmt::format("{} {}: {}", why_stopped(options), reached, found);
 }
 
-Formula negation_of(const Formula& formula) {
-  FormulaNode node;
-  node.op = FormulaNode::Operator::negation;
-  node.left = formula;
-  return std::make_shared<const FormulaNode>(std::move(node));
-}
-
 // By several ranks. What they find is a node near a cycle; this one goes on from there.
 template <std::size_t words, typename Monitor>
 SearchResult find_fair_cycle_on_ranks(const PackedSystem& system, const Monitor& monitor,
@@ -297,9 +290,10 @@ std::optional<SearchResult> search_for_cycle(const System& plain, const Property
     if (bits > bit_count_of<WideBits>) return std::nullopt;
     return search_for_stuck<WideBits>(plain, property, reduction, limits);
   }
-  LtlAutomaton automaton = property.kind == Property::Kind::never
-                               ? *property.never
-                               : translate(negation_of(property.formula));
+  LtlAutomaton automaton =
+      property.kind == Property::Kind::never
+          ? *property.never
+          : translate(make_formula(FormulaNode::Operator::negation, property.formula));
   const std::size_t marks =
       automaton.mark_count + (property.fairness == Fairness::weak ? programs : 0);
   bits = std::max(bits, marks);

@@ -99,18 +99,6 @@ class Exploration {
   double seconds_ = 0;
 };
 
-// Some step is no progress.
-bool has_idle_steps(const System& system) {
-  if (std::any_of(system.nobodys_actions.begin(), system.nobodys_actions.end(),
-                  [](const NobodysAction& action) { return !action.counts_for_deadlock; })) {
-    return true;
-  }
-  return std::any_of(system.programs.begin(), system.programs.end(), [](const Program& program) {
-    return std::any_of(program.edges.begin(), program.edges.end(),
-                       [&](const ProgramEdge& edge) { return !program.is_progress(edge); });
-  });
-}
-
 std::vector<std::string> goal_of(const System& system, const Property& property) {
   switch (property.kind) {
     case Property::Kind::error: return {"--invariant=!error"};

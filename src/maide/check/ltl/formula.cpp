@@ -5,13 +5,23 @@
 #include <utility>
 
 namespace maide {
+
+Formula make_formula(FormulaNode::Operator op, Formula left, Formula right) {
+  return std::make_shared<FormulaNode>(FormulaNode{op, {}, std::move(left), std::move(right)});
+}
+
+Formula make_formula(const Atom& atom) {
+  return std::make_shared<FormulaNode>(
+      FormulaNode{FormulaNode::Operator::atom, atom, nullptr, nullptr});
+}
+
 namespace {
 
 using Operator = FormulaNode::Operator;
 using Truth = std::vector<bool>;  // of a formula, for each position of a lasso
 
 Formula make(Operator op, Formula left = nullptr, Formula right = nullptr) {
-  return std::make_shared<FormulaNode>(FormulaNode{op, {}, std::move(left), std::move(right)});
+  return make_formula(op, std::move(left), std::move(right));
 }
 
 // The normal form of `formula`, or of its negation.

@@ -59,6 +59,9 @@ struct FormulaNode {
   Formula left, right;  // one operand: left
 };
 
+Formula make_formula(FormulaNode::Operator op, Formula left = nullptr, Formula right = nullptr);
+Formula make_formula(const Atom& atom);
+
 // What the names in a formula may mean. Without the last four there are no variables.
 struct FormulaScope {
   std::span<const Program> programs;

@@ -89,11 +89,11 @@ class FormulaResolver {
 
   Formula make(Operator op, Formula left, Formula right, TextPlace place) {
     if (++size_ > max_size) fail("the formula is too large", place);
-    return std::make_shared<FormulaNode>(FormulaNode{op, {}, std::move(left), std::move(right)});
+    return make_formula(op, std::move(left), std::move(right));
   }
   Formula make_atom(const Atom& atom, TextPlace place) {
     if (++size_ > max_size) fail("the formula is too large", place);
-    return std::make_shared<FormulaNode>(FormulaNode{Operator::atom, atom, nullptr, nullptr});
+    return make_formula(atom);
   }
 
   Operand operand(const Term& term) {

@@ -150,13 +150,6 @@ std::string quoted(std::string_view text) {
   return quote_name(line);
 }
 
-std::string atom_text(const Atom& atom, const FormulaScope& scope) {
-  FormulaNode node;
-  node.op = FormulaNode::Operator::atom;
-  node.atom = atom;
-  return to_string(std::make_shared<const FormulaNode>(node), scope);
-}
-
 std::string label_text(const Letter& letter, std::size_t atoms) {
   std::string text;
   for (std::size_t atom = 0; atom < atoms; ++atom) {
@@ -187,7 +180,8 @@ void write_hoa(std::ostream& out, const LtlAutomaton& automaton, const FormulaSc
   out << "tool: \"maide\" " << quoted(version()) << "\nStates: " << automaton.states.size() << "\n";
   for (const std::uint32_t state : automaton.initial) out << "Start: " << state << "\n";
   out << "AP: " << automaton.atoms.size();
-  for (const Atom& atom : automaton.atoms) out << " " << quoted(atom_text(atom, scope));
+  for (const Atom& atom : automaton.atoms)
+    out << " " << quoted(to_string(make_formula(atom), scope));
   out << "\n"
       << acceptance(automaton.mark_count)
       << "properties: trans-labels explicit-labels trans-acc\n--BODY--\n";

@@ -526,9 +526,7 @@ class PartsSearch {
     SearchLimits limits = limits_;
     limits.ranks = nullptr;
     const StepOrder order(system_);
-    BreadthFirstOptions options;
-    options.threads = limits.threads;
-    options.states_a_thread = limits.states_a_thread;
+    BreadthFirstOptions options(limits);
     options.order = &order;
     Reached reached(system_, limits, options);
     SearchResult result;

@@ -512,11 +512,8 @@ SearchResult search_hull(const PackedSystem& system, const Monitor& monitor,
   std::uint64_t roots = 0;
   for (std::uint32_t at = 0; at < monitor.states(); ++at) roots += monitor.is_root(at) ? 1 : 0;
   const StepOrder order(system);
-  BreadthFirstOptions options;
-  options.threads = limits.threads;
-  options.states_a_thread = limits.states_a_thread;
+  BreadthFirstOptions options(limits);
   options.order = &order;
-  options.ranks = limits.ranks;
   std::optional<Reached> reached;
   SearchResult result;
   if (roots > 0) {

@@ -118,10 +118,7 @@ SearchResult explore_for(const System& plain, std::optional<ReductionRules> rule
   const unsigned chain = rules && reduction == Reduction::full ? chain_length(system) : 1;
   if (chain > 1) system = PackedSystem(plain, chain_bits(chain, system.code_bits()));
   std::optional<StubbornSets> sets;
-  BreadthFirstOptions options;
-  options.threads = limits.threads;
-  options.states_a_thread = limits.states_a_thread;
-  options.ranks = limits.ranks;
+  BreadthFirstOptions options(limits);
   options.checkpoint = checkpoint;
   if (rules) {
     options.sets = &sets.emplace(system, rules->sets);
@@ -214,20 +211,7 @@ auto end_together(Ranks& ranks, Work&& work) {
 SearchResult explore(const System& plain, SearchJob::Goal goal, const Property& property,
                      Reduction reduction, const SearchLimits& limits,
                      const SearchJob::Monitor& monitor) {
-  const auto job = [&] {
-    return SearchJob{goal,
-                     plain,
-                     property,
-                     reduction,
-                     limits.states,
-                     limits.depth,
-                     limits.bytes,
-                     limits.states_a_thread,
-                     limits.threads,
-                     limits.checkpoints,
-                     limits.checkpoint_seconds,
-                     monitor};
-  };
+  const auto job = [&] { return SearchJob{goal, plain, property, reduction, limits, monitor}; };
   std::optional<Checkpoint> saved;
   const auto search = [&] {
     if (!limits.checkpoints.empty() && goal != SearchJob::Goal::cycle) {
@@ -251,18 +235,10 @@ void serve_searches(Ranks& ranks) {
   while (true) {
     Ranks::Bytes bytes;
     ranks.broadcast(bytes, 0);
-    const SearchJob job = end_together(ranks, [&] { return decode(bytes); });
+    SearchJob job = end_together(ranks, [&] { return decode(bytes); });
     if (job.goal == SearchJob::Goal::none) return;
-    SearchLimits limits;
-    limits.bytes = job.bytes;
-    limits.states = job.states;
-    limits.depth = job.depth;
-    limits.threads = job.threads;
-    limits.states_a_thread = job.states_a_thread;
-    limits.ranks = &ranks;
-    limits.checkpoints = job.checkpoints;
-    limits.checkpoint_seconds = job.checkpoint_seconds;
-    explore(job.system, job.goal, job.property, job.reduction, limits, job.monitor);
+    job.limits.ranks = &ranks;
+    explore(job.system, job.goal, job.property, job.reduction, job.limits, job.monitor);
   }
 }
 

@@ -25,21 +25,25 @@
 #include "maide/check/reduce/stubborn_sets.hpp"
 #include "maide/check/search/checkpoint.hpp"
 #include "maide/check/search/ranks.hpp"
+#include "maide/check/search/search.hpp"
 
 namespace maide {
 
 // How a search saves itself work.
 struct BreadthFirstOptions {
+  explicit BreadthFirstOptions(const SearchLimits& limits)
+      : threads(limits.threads), states_a_thread(limits.states_a_thread), ranks(limits.ranks) {}
+
   const StubbornSets* sets = nullptr;  // not owned; null: every state is visited
   bool puts_nothing_off = false;       // no step is left out for ever; with `sets`
   unsigned chain = 1;                  // most steps from one stored state to the next
   // Not owned; null, as with `sets`: every transition is taken. Else the goal must not depend on
   // the step by which a state was reached.
   const StepOrder* order = nullptr;
-  unsigned threads = 1;  // at least 1
+  unsigned threads;  // at least 1
   // At least, for it to be worth a thread; a round has sixteen times as many.
-  std::size_t states_a_thread = 256;
-  Ranks* ranks = nullptr;            // not owned; null: this process searches alone
+  std::size_t states_a_thread;
+  Ranks* ranks;                      // not owned; null: this process searches alone
   Checkpoint* checkpoint = nullptr;  // not owned; null: there are none
 };
 

@@ -242,11 +242,15 @@ void pass(Archive& archive, SearchJob::Monitor& monitor) {
   all(archive, monitor.automaton, monitor.stuck, monitor.has_wide_bits);
 }
 template <typename Archive>
+void pass(Archive& archive, SearchLimits& limits) {
+  all(archive, limits.states, limits.depth, limits.bytes, limits.states_a_thread, limits.threads,
+      limits.checkpoints, limits.checkpoint_seconds);
+}
+template <typename Archive>
 void pass(Archive& archive, SearchJob& job) {
   all(archive, job.goal, job.system.models, job.system.programs, job.system.nobodys_actions,
-      job.system.nobodys_groups, job.system.expressions, job.property, job.reduction, job.states,
-      job.depth, job.bytes, job.states_a_thread, job.threads, job.checkpoints,
-      job.checkpoint_seconds, job.monitor);
+      job.system.nobodys_groups, job.system.expressions, job.property, job.reduction, job.limits,
+      job.monitor);
 }
 
 template <typename Archive, typename... Parts>
@@ -264,10 +268,9 @@ Ranks::Bytes encode(SearchJob job) {
 }
 
 std::uint64_t key_of(SearchJob job) {
-  job.states = job.bytes = job.states_a_thread = 0;
-  job.threads = 0;
-  job.checkpoints.clear();
-  job.checkpoint_seconds = 0;
+  SearchLimits limits;
+  limits.depth = job.limits.depth;
+  job.limits = std::move(limits);
   JobWriter writer;
   pass(writer, job);
   std::uint64_t key = hash_start;

@@ -33,12 +33,7 @@ struct SearchJob {
   System system;      // without what only messages need
   Property property;  // of an invariant, or a cycle
   Reduction reduction = Reduction::none;
-  // SearchLimits: of all ranks together, then of each.
-  std::uint64_t states = 0, depth = 0;
-  std::uint64_t bytes = 0, states_a_thread = 0;
-  unsigned threads = 0;
-  std::string checkpoints;  // a folder, or empty
-  double checkpoint_seconds = 0;
+  SearchLimits limits;  // states and depth are those of all ranks together, the others of each
   Monitor monitor;
 };
 

@@ -235,6 +235,20 @@ std::size_t actor_count(const System& system) {
   return system.programs.size() + (system.nobodys_actions.empty() ? 0 : 1);
 }
 
+bool has_errors(const System& system) {
+  return std::ranges::any_of(system.programs, [](const Program& program) {
+    return std::ranges::any_of(program.states, [](const auto& state) { return state.error != 0; });
+  });
+}
+
+bool has_idle_steps(const System& system) {
+  return !std::ranges::all_of(system.nobodys_actions, &NobodysAction::counts_for_deadlock) ||
+         !std::ranges::all_of(system.programs, [](const Program& program) {
+           return std::ranges::all_of(
+               program.edges, [&](const ProgramEdge& edge) { return program.is_progress(edge); });
+         });
+}
+
 bool is_true(const Expression& expression, const System& system, const GlobalState& state) {
   struct OutOfScope {};
   try {

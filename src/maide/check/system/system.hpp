@@ -254,6 +254,11 @@ std::size_t actor_number(const System& system, std::uint32_t actor);
 // Programs, and nobody if he has actions.
 std::size_t actor_count(const System& system);
 
+// Some control state of a program is an error.
+bool has_errors(const System& system);
+// Some step is no progress.
+bool has_idle_steps(const System& system);
+
 // The line of the program's source, without blanks around it; "" if it is not known.
 std::string source_line(const System& system, const Program& program, int line);
 

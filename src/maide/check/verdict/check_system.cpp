@@ -34,13 +34,6 @@ GlobalState last_state(const System& system, const Trace& trace) {
   return state;
 }
 
-bool has_errors(const System& system) {
-  return std::any_of(system.programs.begin(), system.programs.end(), [](const Program& program) {
-    return std::any_of(program.states.begin(), program.states.end(),
-                       [](const Program::State& state) { return state.error != 0; });
-  });
-}
-
 // Checks properties of one part of a system, all of whose runs they are about.
 class PartChecker {
  public:

@@ -19,11 +19,12 @@ namespace {
 class Writer {
  public:
   Writer(std::ostream& out, const System& system)
-      : out_(out), system_(system), rules_(system), names_(system, mcrl2_reserved()) {
+      : out_(out),
+        system_(system),
+        rules_(system),
+        names_(system, mcrl2_reserved()),
+        has_errors_(has_errors(system)) {
     for (const char* own : {"Program", "p", "Running", "Halted", "Nobody"}) names_.of({own});
-    for (const Program& program : system.programs) {
-      for (const Program::State& state : program.states) has_errors_ |= state.error != 0;
-    }
     for (std::uint32_t program = 0; program < system.programs.size(); ++program) {
       for (ControlState at = 0; at < system.programs[program].states.size(); ++at) {
         for (const StepRule& rule : rules_.rules_of(program, at)) {
@@ -213,7 +214,7 @@ class Writer {
   const System& system_;
   StepRules rules_;
   ExportNames names_;
-  bool has_errors_ = false;
+  bool has_errors_;
   std::map<Key, Letter> letters_;
 };
 

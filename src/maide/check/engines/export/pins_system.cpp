@@ -52,11 +52,11 @@ class PinsWriter {
         properties_(properties),
         rules_(system),
         names_(system),
-        identifiers_(cpp_reserved()) {
+        identifiers_(cpp_reserved()),
+        has_errors_(has_errors(system)) {
     for (std::uint32_t program = 0; program < system.programs.size(); ++program) {
       std::map<std::pair<RuleAction, bool>, std::size_t> known;
       for (ControlState at = 0; at < system.programs[program].states.size(); ++at) {
-        has_errors_ = has_errors_ || system.programs[program].is_error(at);
         add_place(program, at, known);
       }
     }
@@ -336,7 +336,7 @@ class PinsWriter {
   StepRules rules_;
   ActionNames names_;
   Identifiers identifiers_;
-  bool has_errors_ = false;
+  bool has_errors_;
   std::vector<Group> groups_;
   std::vector<std::size_t> first_rule_;  // by place, of all programs
   std::vector<Rule> place_rules_;

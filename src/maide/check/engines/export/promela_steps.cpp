@@ -84,14 +84,11 @@ struct Move {
 class StepWriter {
  public:
   StepWriter(const System& system, const PromelaOptions& options)
-      : system_(system), options_(options), rules_(std::make_shared<const StepRules>(system)) {
-    for (const Program& program : system.programs) {
-      for (const Program::State& state : program.states) has_errors_ |= state.error != 0;
-      for (const ProgramEdge& edge : program.edges) has_idle_steps_ |= !program.is_progress(edge);
-    }
-    for (const NobodysAction& action : system.nobodys_actions) {
-      has_idle_steps_ |= !action.counts_for_deadlock;
-    }
+      : system_(system),
+        options_(options),
+        rules_(std::make_shared<const StepRules>(system)),
+        has_errors_(has_errors(system)),
+        has_idle_steps_(has_idle_steps(system)) {
     knows_deaths_ = has_idle_steps_ && (is_ltl() || options.purpose == Purpose::deadlock);
     has_cuts_ = rules_->may_cut() || has_errors_;
     if (is_ltl()) atoms_ = atoms_of(options.formula);
@@ -458,7 +455,7 @@ class StepWriter {
   std::shared_ptr<const StepRules> rules_;
   PromelaNames names_;
   PromelaText text_;
-  bool has_errors_ = false, has_idle_steps_ = false, has_cuts_ = false, has_events_ = false;
+  bool has_errors_, has_idle_steps_, has_cuts_ = false, has_events_ = false;
   bool knows_deaths_ = false;  // the text has them as steps that nobody has to take
   bool has_tables_ = false;
   std::vector<std::vector<Move>> moves_;        // by relation, rank

@@ -47,14 +47,17 @@ std::vector<std::uint32_t> sources(const Moves& moves) {
 class Writer {
  public:
   Writer(std::ostream& out, const System& system)
-      : out_(out), system_(system), rules_(system), names_(system, smv_reserved()) {
+      : out_(out),
+        system_(system),
+        rules_(system),
+        names_(system, smv_reserved()),
+        has_errors_(has_errors(system)) {
     for (const char* own : {"step", "idle", "state", "control", "ended", "rests", "is_error",
                             "all_ended", "can_step", "can_go_on", "deadlock"}) {
       names_.of({own});
     }
     for (std::uint32_t program = 0; program < system.programs.size(); ++program) {
       for (ControlState at = 0; at < system.programs[program].states.size(); ++at) {
-        has_errors_ = has_errors_ || system.programs[program].is_error(at);
         for (const StepRule& rule : rules_.rules_of(program, at)) add(rule);
       }
     }
@@ -269,7 +272,7 @@ class Writer {
   ExportNames names_;
   std::map<RuleAction, Letter> letters_;
   std::vector<std::uint32_t> relations_;  // by kind, symbol and bound
-  bool has_errors_ = false;
+  bool has_errors_;
 };
 
 }  // namespace
