@@ -46,7 +46,7 @@ struct TextPlace {
   int column = 0;
 };
 
-// The same, and the file.
+// A place in a file.
 struct SourcePosition {
   std::string file;
   int line = 0;

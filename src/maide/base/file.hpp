@@ -22,7 +22,8 @@ namespace maide {
 // `control` says stop (throws Interrupted); a regular file is read all the same.
 std::string read_file(const std::filesystem::path& path, const RunControl& control = {});
 
-// The same for a file that may be read again, which a pipe cannot be: only a regular file is one.
+// Reads a file that may be read again, which a pipe cannot be: throws UsageError unless it is a
+// regular file.
 std::string read_regular_file(const std::filesystem::path& path);
 
 // Puts `content` at `path`, all of it or none: a temporary file beside it, synced, then renamed. A

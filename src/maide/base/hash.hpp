@@ -26,7 +26,7 @@ constexpr std::uint64_t hash_mix(std::uint64_t hash, std::uint64_t value) {
   return hash ^ (hash >> 32);
 }
 
-// Of the text's bytes. O(length).
+// The hash of the text's bytes. O(length).
 constexpr std::uint64_t hash_text(std::string_view text) {
   std::uint64_t hash = hash_start;
   for (const char byte : text) hash = hash_step(hash, static_cast<unsigned char>(byte));

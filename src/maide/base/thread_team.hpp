@@ -16,7 +16,7 @@ unsigned processor_count();
 
 class ThreadTeam {
  public:
-  // Of `size` members, at least 1. The caller of run() is one, the others are threads.
+  // A team of `size` members, at least 1. The caller of run() is one, the others are threads.
   explicit ThreadTeam(unsigned size) : size_(size) {}
   ThreadTeam(const ThreadTeam&) = delete;
   ThreadTeam& operator=(const ThreadTeam&) = delete;

@@ -54,7 +54,7 @@ struct CheckArguments {
   double seconds = 0;
 };
 
-// Of a search that is large enough for it to matter.
+// "" for a search that is too small for it to matter.
 std::string describe_memory(const PropertyResult& result) {
   if (result.states < 10'000 || result.peak_bytes == 0) return "";
   std::string text = fmt::format(", {:.1f} bytes a state", result.bytes_per_state());

@@ -73,9 +73,9 @@ class Context {
   // Result text for people, on standard output at once; nothing under --json. Throws UsageError if
   // standard output cannot be written to, Error (inconclusive) if the disk is full.
   void print(std::string_view text) { print(text, Tone::plain); }
-  // The same in a colour, where there are any. On a terminal long lines are broken.
+  // Result text for people in a colour, where there are any. On a terminal long lines are broken.
   void print(std::string_view text, Tone tone);
-  // The same for a text that programs read (a model): as it is, but on a terminal.
+  // Result text that programs read (a model): as it is, but on a terminal.
   void print_data(std::string_view text);
 
   // The result for programs, printed when the command ends, and only under --json. Once a command.
@@ -94,7 +94,7 @@ class Context {
   // Another process prints the result.
   void leave_result_to_another() { has_no_result_ = true; }
 
-  // Of an embedded command: the JSON object that finish() would print.
+  // For an embedded command: the JSON object that finish() would print.
   std::string take_result(ExitStatus status);
 
  private:
@@ -109,7 +109,7 @@ class Context {
 // Writes to standard output and flushes it. Throws as Context::print.
 void write_to_stdout(std::string_view text);
 
-// The same; control characters of the text do not reach a terminal.
+// Writes to standard output and flushes it; control characters do not reach a terminal.
 void write_data(std::string_view text);
 
 // For a file that an option names and that is written in the end: throws UsageError now where it
@@ -148,7 +148,7 @@ std::span<const HelpPage> help_pages();
 const HelpPage* find_help_page(std::string_view name);
 // A line for each.
 std::string describe_help_pages();
-// Of the language of system files; for the page.
+// The page on the language of system files.
 std::string_view language_help();
 
 // Every command of this version, in the order of the overview.
@@ -163,7 +163,7 @@ struct DeclaredCommand {
   std::string color = "auto";  // --color
 };
 
-// Of every command's help and manual page: what exit statuses mean.
+// What exit statuses mean, for every command's help and manual page.
 std::string_view describe_exit_statuses();
 
 // One function for each row of the table, in a file of its own (new and init share one, as do

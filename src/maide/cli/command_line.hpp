@@ -113,7 +113,7 @@ class CommandLine {
   std::vector<std::string> typed_;
 };
 
-// Of a table whose rows have names.
+// The names of a table's rows.
 template <typename Table>
 std::vector<std::string> names_of(const Table& table) {
   std::vector<std::string> names;
@@ -121,7 +121,7 @@ std::vector<std::string> names_of(const Table& table) {
   return names;
 }
 
-// Of a help text: up to the first full stop that another sentence follows.
+// The first sentence of a help text: up to the first full stop that another sentence follows.
 std::string first_sentence(const std::string& text);
 
 // Checks that several commands need.

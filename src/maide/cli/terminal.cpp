@@ -24,7 +24,7 @@ bool gets_colors(int descriptor) {
   return ::isatty(descriptor) == 1 && (terminal == nullptr || std::string_view(terminal) != "dumb");
 }
 
-// Of "Select Graphic Rendition" (ECMA-48).
+// The tone's code of "Select Graphic Rendition" (ECMA-48).
 std::string_view code_of(Tone tone) {
   switch (tone) {
     case Tone::plain: return "";

@@ -27,7 +27,7 @@ enum class Tone : std::uint8_t {
   heading,   // bold
 };
 
-// Of this process from now on; at first automatic.
+// Sets when this process uses colours; at first ColorMode::automatic.
 void set_color_mode(ColorMode mode);
 
 // The text in the colour of its tone, where the stream behind the descriptor gets colours; line

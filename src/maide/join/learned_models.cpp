@@ -191,7 +191,7 @@ struct Kept {
   bool is_edited = false;  // since it was learned
 };
 
-// Of an edited model nobody knows how strong it is. A file without a checksum is believed.
+// How strong an edited model is, nobody knows. A file without a checksum is believed.
 std::optional<Kept> read_kept(const std::filesystem::path& file) {
   if (!std::filesystem::exists(file)) return std::nullopt;
   Kept kept{read_interface_automaton(file)};
@@ -323,7 +323,8 @@ ModelRequest with_payload(ModelRequest request, const std::vector<std::string>& 
   return request;
 }
 
-// The same system with room for at most `depth` messages, as far as its options say how many.
+// The request for that system with room for at most `depth` messages, as far as its options say how
+// many.
 ModelRequest with_depth(ModelRequest request, const Opened& opened,
                         const LearnedModelsOptions& options, std::int64_t depth) {
   for (const OptionSpec& row : list_system_options(opened.spec, {}, options.control)) {

@@ -57,7 +57,8 @@ struct RealSystemOptions {
   std::string token_file;
   RunControl control;
   std::shared_ptr<const ReplayedNodes> nodes{};  // one system stands for these; none: for no node
-  // Of every system, in place of those with which its model was learned: {"rmw", "fastrtps"}.
+  // Options of every system, in place of those with which its model was learned: {"rmw",
+  // "fastrtps"}.
   std::map<std::string, std::string> settings{};
 };
 

@@ -140,7 +140,7 @@ class Walk {
 
   void take(const Step& step) {
     if (is_held_up(step.actor)) return;
-    // Of a `quiet` nothing is to be seen: what is not due in the model is not due here, for give()
+    // A `quiet` shows nothing: what is not due in the model is not due here, for give()
     // has looked.
     std::string seen;
     for (const ModelUse& event : stage_.real_events(step)) {

@@ -388,7 +388,7 @@ void write_controls(std::ostream& out) {
 
 void write_walk(std::ostream& out, const DifferencePage& page, std::size_t number) {
   const Walk& walk = page.walks[number];
-  // Of a running system nobody knows the states.
+  // Nobody knows the states of a running system.
   const bool has_right =
       std::any_of(walk.steps.begin(), walk.steps.end(),
                   [](const WalkStep& step) { return step.right_at.has_value(); });

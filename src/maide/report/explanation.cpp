@@ -75,7 +75,7 @@ class Violation {
     return std::nullopt;
   }
 
-  // The same, or `at` itself where only what follows a cut would show it.
+  // find_first(), or `at` itself where only what follows a cut would show it.
   std::size_t first(std::size_t at, const std::function<bool(std::size_t)>& is_it) const {
     return find_first(at, is_it).value_or(at);
   }
@@ -444,7 +444,7 @@ class Sentence {
     return account.empty() ? name + " was given none" : name + " holds none: " + account;
   }
 
-  // Of a built-in model: "fork[2] is held: p[2] locked it at step 1", "q is full".
+  // Why a built-in model refuses: "fork[2] is held: p[2] locked it at step 1", "q is full".
   std::string describe_refusal_of(const Waiting& waiting) const {
     const Symbol symbol = waiting.awaited.front().symbol;
     std::string text = model(waiting).name + " " + describe_refusal(model(waiting), symbol);

@@ -23,7 +23,7 @@ bool can_draw();
 // than 20 seconds. Throws Interrupted.
 std::string draw_svg(const std::string& dot, const RunControl& control);
 
-// The same as a tikzpicture, for LaTeX: the classes of nodes and edges are its styles.
+// Draws the graph as a tikzpicture, for LaTeX: the classes of nodes and edges are its styles.
 std::string draw_tikz(const std::string& dot, const RunControl& control);
 
 // ---- Graphs ----

@@ -36,8 +36,8 @@ std::vector<std::vector<std::string>> find_access_words(std::size_t size, StateI
   return words;
 }
 
-// Of the outputs of one actor, how many can be had from each state by giving this actor's inputs;
-// nothing where some state has no most.
+// How many of one actor's outputs can be had from each state by giving this actor's inputs; nothing
+// where some state has no most.
 std::optional<std::vector<std::size_t>> count_held(const InterfaceAutomaton& automaton,
                                                    const Actor& actor) {
   Awaited awaited;

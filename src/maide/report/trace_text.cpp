@@ -219,7 +219,7 @@ void write_trace_text(std::ostream& out, const System& system, const Trace& trac
 
 namespace {
 
-// Of programs, and of the nodes whose callbacks they run.
+// The names of programs, and of the nodes whose callbacks they run.
 Json program_names(const System& system, const std::vector<std::uint32_t>& programs) {
   Json names = Json::array();
   const auto add = [&](const std::string& name) {

@@ -34,7 +34,7 @@ struct PropertyResult {
   std::vector<std::uint32_t> programs;
   bool is_internal_error = false;  // an error of Maide's own, which `reason` names
 
-  // Of the memory at its peak; 0 without states.
+  // The peak of the memory, shared out among the states; 0 without states.
   double bytes_per_state() const {
     return states == 0 ? 0 : static_cast<double>(peak_bytes) / static_cast<double>(states);
   }
@@ -51,8 +51,9 @@ struct EngineOptions {
   std::optional<std::uint64_t> memory_mib;  // limit of a search; none: most of the machine's
   // What the native engine may leave out, as far as the property allows.
   Reduction reduction = Reduction::none;
-  // Of searches that can use several; 0: one a processor. Verdicts do not depend on it, nor what is
-  // found and counted breadth-first, or counted where nothing is put off and no cycle is found.
+  // Threads of a search that can use several; 0: one a processor. Verdicts do not depend on it, nor
+  // what is found and counted breadth-first, or counted where nothing is put off and no cycle is
+  // found.
   unsigned threads = 0;
   std::size_t states_a_thread = 256;  // at least, for it to be worth a thread
   // Not owned; those of rank 0, while the others serve_searches(). Null: this process is alone.

@@ -23,7 +23,7 @@ class LtsminEngine : public Engine {
  public:
   explicit LtsminEngine(LtsminOptions options = {}) : options_(std::move(options)) {}
   std::string name() const override { return "ltsmin"; }
-  // Of formulas it takes `always` alone, of what states show.
+  // The only formulas that it takes are `always` of what states show.
   std::string obstacle(const System& system, const Property& property) const override;
   PropertyResult check(const System& system, const Property& property,
                        const EngineOptions& options) override;

@@ -357,7 +357,7 @@ struct Place {
   bool operator==(const Place&) const = default;
 };
 
-// Of "  7:	proc  3 (name:1) system.pml:N (state 5)	[...]"; nothing for other lines.
+// The place in "  7:	proc  3 (name:1) system.pml:N (state 5)	[...]"; nothing for other lines.
 std::optional<Place> place_of(const std::string& line) {
   const std::size_t proc = line.find(":\tproc ");
   const std::size_t file = line.find(".pml:");

@@ -77,7 +77,7 @@ void collect_atoms(const Formula& formula, std::vector<Atom>& atoms) {
 }
 
 std::string quoted(const std::string& whole) {
-  // Of a member of an array its indices, of a symbol its values.
+  // Indices of an array's member, and values of a symbol, stand behind the name.
   const std::string name = whole.substr(0, std::min(whole.find('['), whole.find('(')));
   const auto in_identifier = [](char c) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';
@@ -89,7 +89,7 @@ std::string quoted(const std::string& whole) {
   return is_identifier ? whole : "\"" + whole + "\"";
 }
 
-// Of an event that names its program: "camera:".
+// "camera:" before an event that names its program.
 std::string giver(const Atom& atom, const FormulaScope& scope) {
   return atom.program == Atom::any_program ? "" : quoted(scope.programs[atom.program].name) + ":";
 }

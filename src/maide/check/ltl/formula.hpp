@@ -119,7 +119,7 @@ inline constexpr std::size_t never_cut = ~std::size_t{0};
 bool holds_on_lasso(const Formula& formula, std::size_t length, std::size_t loop,
                     const std::function<bool(const Atom&, std::size_t position)>& value,
                     std::size_t cut = never_cut);
-// The same, at each position and not only at the start.
+// Whether the formula holds at each position of such a run.
 std::vector<bool> evaluate_on_lasso(
     const Formula& formula, std::size_t length, std::size_t loop,
     const std::function<bool(const Atom&, std::size_t position)>& value,

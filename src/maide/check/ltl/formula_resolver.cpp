@@ -156,7 +156,7 @@ class FormulaResolver {
     return place->second;
   }
 
-  // Of constants alone.
+  // An expression in which all names are those of constants.
   Expression expression_of_constants(const Term& term) const {
     if (term.is_name()) {
       auto constant = constant_of(term.name.text);
@@ -259,7 +259,7 @@ class FormulaResolver {
     return std::nullopt;
   }
 
-  // Of the file, or "node.variable"; `indices` has its indices.
+  // A variable of the file, or "node.variable"; `indices` has its indices.
   std::optional<Expression> variable_named(const std::string& whole, const Term& indices) const {
     const auto place = scope_.names->variables.find(whole);
     if (place == scope_.names->variables.end()) return std::nullopt;
@@ -408,7 +408,7 @@ class FormulaResolver {
          name.place);
   }
 
-  // Of a node, or of one of its callbacks: in any of the programs that run it.
+  // A label of a node, or of one of its callbacks, in any of the programs that run it.
   Formula find_node_label(const syntax::Name& owner, const syntax::Name& name) {
     Formula any;
     std::vector<std::string> known;

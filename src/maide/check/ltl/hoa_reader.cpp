@@ -238,7 +238,7 @@ class HoaReader {
     } else if (header.text == "Acceptance") {
       read_acceptance(header);
     } else if (header.text[0] >= 'A' && header.text[0] <= 'Z') {
-      // So the format's rule: what begins with a capital letter changes the meaning.
+      // The format's rule: a header that begins with a capital letter changes the meaning.
       tokens_.fail("the header '" + header.text + ":' is not understood", header);
     } else {
       while (!is_header_end(tokens_.peek())) tokens_.next();
@@ -394,7 +394,7 @@ class HoaReader {
 
   Letters read_label() { return read_disjunction(false); }
 
-  // Of a label, or of its negation: then conjunctions and disjunctions change places.
+  // The letters of a label, or of its negation, where conjunctions and disjunctions change places.
   Letters read_disjunction(bool is_negated) {
     if (++nesting_ > max_nesting) tokens_.fail("the label is nested too deeply", tokens_.peek());
     Letters letters = read_conjunction(is_negated);

@@ -229,7 +229,7 @@ class PackedSystem {
   static constexpr std::uint32_t no_table = none;
   static constexpr std::uint32_t no_model = none;
   static constexpr std::uint32_t no_group = none;
-  // Of a choice, which uses a field of no bits: one target, which changes nothing.
+  // The table of a choice, which uses a field of no bits: one target, which changes nothing.
   static constexpr std::uint32_t choice_table = 0;
   static constexpr std::uint32_t first_combined = std::uint32_t{1} << 31;
 
@@ -241,8 +241,8 @@ class PackedSystem {
   };
   struct PackedEdge {
     PackedField model;
-    // Of the model's action: index into targets_. Of a step that uses several models, or that may
-    // lead to several states of one: first_combined and an index into combined_.
+    // For one action of one model, an index into targets_. For a step that uses several models, or
+    // that may lead to several states of one, first_combined and an index into combined_.
     std::uint32_t table = choice_table;
     std::uint32_t code = 0;            // actor and place among the edges into the target
     std::uint64_t control_change = 0;  // shifted

@@ -8,9 +8,9 @@
 // in the order of their homes. An entry holds how far behind its home it lies, the payload, and as
 // many low bits of the scrambled word as tell apart the words of one home.
 //
-// So the table may have any number of slots, entries become smaller as it grows, and growing reads
-// and writes in order. Sixteen segments grow one at a time, so memory never doubles. A lookup costs
-// one cache miss as a rule. Threads may work on different segments at once.
+// Thanks to that the table may have any number of slots, entries become smaller as it grows, and
+// growing reads and writes in order. Sixteen segments grow one at a time, so memory never doubles.
+// A lookup costs one cache miss as a rule. Threads may work on different segments at once.
 #pragma once
 
 #include <sys/mman.h>
@@ -68,7 +68,7 @@ class Scrambler {
   unsigned shift_;
 };
 
-// Of a state of one word and what is stored with it, in a table.
+// Most bits of a state of one word and what is stored with it, in a table.
 inline constexpr unsigned most_bits_together = 76;
 
 template <std::size_t words>

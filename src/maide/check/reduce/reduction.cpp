@@ -150,7 +150,7 @@ Silence negated(Silence silence) {
   return silence;
 }
 
-// Of a formula in negation normal form.
+// `formula` is in negation normal form.
 Silence silence_of(const Formula& formula) {
   using Operator = FormulaNode::Operator;
   const auto left = [&] { return silence_of(formula->left); };

@@ -11,8 +11,8 @@
 namespace maide {
 namespace {
 
-// Of one model, times its states: pairs of actions, actors with actions. A larger one would take
-// longer than the order of its steps saves.
+// Most pairs of actions, or of actors and actions, of one model, times its states. A larger model
+// would take longer than the order of its steps saves.
 constexpr std::uint64_t most_pairs = std::uint64_t{1} << 20;
 
 // An actor's action: what it does with models, and whether it leads to an error.

@@ -27,7 +27,7 @@ class StepOrder {
     std::uint32_t model = no_model;
     std::uint32_t program = 0;
   };
-  // Of the initial state: nothing is left out.
+  // Says of the initial state that nothing is left out.
   static constexpr std::uint32_t first_state = 0;
 
   // Leaves out nothing in a system of more than 64 programs. O(actions^2 x transitions) of each

@@ -32,7 +32,7 @@ struct StubbornOptions {
   // Edges, and actions of nobody, that must not be in a set unless all is: by actor, by edge.
   // Empty: none but those into an error.
   std::vector<std::vector<bool>> visible;
-  bool cuts_are_visible = false;  // so are steps that cut the run
+  bool cuts_are_visible = false;  // steps that cut the run must not be in such a set, either
   bool singletons = false;        // one program, or all
 };
 

@@ -45,7 +45,7 @@ double queue_states(const QueueSize& queue);
 // A strict port: `write`; a `read` of an empty queue is taken and waits; `message` comes.
 // O(states).
 //
-// Of unknown size, the queue has what holds for every size. A second message may push out the
+// A queue of unknown size has what holds for every size. A second message may push out the
 // first, so from there on one `read` gets a message, and what another one gets is unexplored. With
 // values, the first is unexplored, too.
 InterfaceAutomaton make_queue(const QueueSize& queue);
@@ -87,7 +87,7 @@ class GrowingModel {
   const Contents& contents(StateId state) const { return met_[state]; }
   // The state with these contents: a new one, or behind cut_down() the one for all else.
   StateId state_of(InterfaceAutomaton& automaton, Contents contents);
-  // Of the automaton that cut_down() made: the state for all else.
+  // It is the state for all else, in the automaton that cut_down() made.
   bool is_elsewhere(StateId state) const { return is_cut_down_ && state + 1 == met_.size(); }
 
  protected:

@@ -55,8 +55,8 @@ class EndedModelMaker {
  private:
   enum class Mark : std::uint8_t {
     none,
-    throws_away,   // what is due to the end
-    disconnecting  // so it does, and the model takes `disconnect` as soon as it can
+    throws_away,   // what is due to the end is thrown away
+    disconnecting  // that, too, and the model takes `disconnect` as soon as it can
   };
   using Marks = std::vector<Mark>;  // by end
   struct Place {

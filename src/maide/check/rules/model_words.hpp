@@ -40,7 +40,7 @@ std::string describe_error(const System& system, const GlobalState& state);
 std::string describe_waiting(const System& system, const Program& program,
                              const std::vector<ProgramEdge>& awaited);
 
-// Of a callback, run by the program, that waits for an answer: why the callback does not start that
+// A callback that the program runs waits for an answer: why the callback does not start that
 // takes the answer, or the request: ". detector.lookup takes it, and main runs that, too". Empty if
 // no node has it. O(edges). The service's states have texts.
 std::string describe_taker(const System& system, const GlobalState& state, std::uint32_t program,

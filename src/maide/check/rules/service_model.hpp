@@ -45,18 +45,18 @@ class ServiceModel : public GrowingModel {
  public:
   struct Operation {
     enum class Kind : std::uint8_t {
-      // Of the server. Where its callback runs several times at once, `run` is the number.
+      // What the server does. Where its callback runs several times at once, `run` is the number.
       serve,         // asks for a request
       take_request,  // takes the one that is due
       serve_at_once,
       answer,
       answer_due,  // an answer is due to some client: a condition
-      // Of a client.
+      // What a client does.
       send,     // by the run number `run` of its callbacks; beyond them, or of a program: by nobody
       receive,  // asks for an answer
       take_answer,  // takes the one that is due
       receive_at_once,
-      // Of a client that is a node.
+      // What a client does that is a node.
       hand_over,    // its callback takes an answer to one of its requests, for the run that asked
       take_own,     // for code of its own
       take_others,  // its place in a round comes, and what it takes is for nobody here

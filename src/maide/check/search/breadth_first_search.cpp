@@ -146,7 +146,7 @@ class BreadthFirstSearch<words>::Search {
                                      [&](Checkpoint::Reader& reader) { rounds_.load(reader); });
     }
   }
-  // Of all parts together, before the first level.
+  // `states` and `next` are those of all parts together. Called before the first level.
   void check_what_was_loaded(std::uint64_t states, std::uint64_t next) const {
     if (saved_.number == 0 || saved_.is_done || result_.depth != saved_.depth) return;
     options_.checkpoint->check_total(saved_, states, next);
@@ -286,7 +286,7 @@ class BreadthFirstSearch<words>::Search {
     result_.bytes = std::max(most_bytes, sum.bytes);
   }
 
-  // So large a round leaves enough for each batch.
+  // A round with the pieces of so many ranks leaves enough for each batch.
   static constexpr unsigned most_ranks_in_round = 16;
 
   // A rank may be one round ahead of those whose batches it has.

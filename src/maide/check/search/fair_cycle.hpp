@@ -86,7 +86,7 @@ class FairCycleSearch {
   SearchResult run() {
     return run([this] { search(); });
   }
-  // The same from that node on, to which `way` leads.
+  // Searches from that node on, to which `way` leads.
   SearchResult run_from(const State& node, Trace way) {
     way_ = std::move(way);
     return run([&] { search_from(node); });
@@ -198,7 +198,7 @@ class FairCycleSearch {
     search_all();
   }
 
-  // Of parts beside each other, this one takes so many bytes now.
+  // Tells the searches of the other parts how many bytes this one takes now.
   void tell(std::uint64_t bytes_now) {
     auto& shared = part_->shared;
     shared.states += graph_.size() - told_states_;
@@ -434,8 +434,8 @@ class FairCycleSearch {
     result_.end = SearchResult::End::found;
   }
 
-  // Of the members to which a root goes at once, one with a short way there; else where the search
-  // came into this part.
+  // A member to which a root goes at once, with a short way there; where there is none, the node at
+  // which the search came into this part.
   Number nearest_entry(const std::vector<Number>& members) const {
     constexpr std::size_t most_looked_at = std::size_t{1} << 10;
     Number best = entry_;

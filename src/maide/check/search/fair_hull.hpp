@@ -47,7 +47,7 @@
 
 namespace maide {
 
-// Of one part of a product.
+// The search of one part of a product.
 template <std::size_t words, typename Monitor>
 class FairHull {
  public:

@@ -116,8 +116,8 @@ class FairLasso {
   using Share = typename Graph::Share;
   using Set = std::vector<Number>;  // sorted
 
-  // Of the graph's nodes now. Keeps references. Throws std::bad_alloc. `first`: where runs begin;
-  // none: at the graph's first nodes.
+  // For the nodes that the graph has when this is made. Keeps references. Throws std::bad_alloc.
+  // `first`: where runs begin; none: at the graph's first nodes.
   FairLasso(const Graph& graph, const RunControl& control, Set first = {})
       : graph_(graph), control_(control), first_(std::move(first)), parents_(graph.size(), unseen) {
     queue_.reserve(graph.size());

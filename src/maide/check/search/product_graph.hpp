@@ -40,7 +40,7 @@ namespace maide {
 
 inline constexpr std::uint32_t no_monitor_state = ~std::uint32_t{0};
 inline constexpr std::uint32_t no_part = ~std::uint32_t{0};
-// Of a product's nodes, in the table.
+// Bits of the number of a product's node, in the table.
 inline constexpr unsigned node_number_bits = 32;
 
 // Who can do something, or does: actors and fair groups, by bit.
@@ -206,8 +206,8 @@ class ProductGraph {
   void for_each_edge(Number number, Visit&& visit) const {
     for (const Edge& edge : edges_of(nodes_[number])) visit(edge);
   }
-  // The same as a list, which lasts until edges of a node are next asked for; `seen`: the steps
-  // that were looked at.
+  // The node's edges, as a list that lasts until edges of a node are next asked for; `seen`: the
+  // steps that were looked at.
   const std::vector<Edge>& edges_of(const State& node, std::uint64_t* seen = nullptr) const {
     find_steps(node, scratch_);
     if (seen != nullptr) *seen = scratch_.seen;

@@ -125,7 +125,7 @@ class RankBatches {
     return batches;
   }
 
-  // The same, of a value that each rank knows of itself and all shall know.
+  // Tells all ranks a value that each knows of itself; what each said, by rank.
   std::vector<Batch> exchange(const RankReport& own) {
     MAIDE_CHECK(own_.empty());
     send(own);

@@ -73,7 +73,7 @@ class SearchRounds {
     // that state's piece and its number there (tag_bits); or 0.
     std::uint32_t tag = 0;
   };
-  // The same, on its way to another rank.
+  // A state on its way to another rank, with the payload and tag of an Arrival.
   struct Parcel {
     State state;
     std::uint32_t payload = 0, tag = 0;
@@ -109,7 +109,7 @@ class SearchRounds {
     bool has_cut = false;
     std::optional<Find> find;
   };
-  // Of a tag: which piece, and which of its states.
+  // Bits of a tag: which piece, and which of its states.
   static constexpr unsigned tag_bits = 27;
 
   // Keeps a reference.
@@ -158,7 +158,7 @@ class SearchRounds {
       writer.put(options_.order != nullptr ? next_lasts_[i] : 0);
     }
   }
-  // Of what was saved by any rank, that which this rank owns.
+  // Loads what this rank owns, from what any rank saved.
   void load(Checkpoint::Reader& reader) {
     const std::uint64_t states = reader.get(), next = reader.get();
     const auto get_own = [&](auto&& keep) {
@@ -301,8 +301,8 @@ class SearchRounds {
   }
 
  protected:
-  // Of the round's states, which are those that were postponed and then those of the level from
-  // `first` on, takes the steps of the numbers begin..end-1, and pushes what they lead to. It stops
+  // Takes the steps of the round's states number begin..end-1, and pushes what they lead to. The
+  // round has the states that were postponed, and then those of the level from `first` on. Stops
   // where the goal is met.
   virtual void expand_some(Piece& piece, const std::vector<Reduced>& postponed, std::size_t first,
                            std::size_t begin, std::size_t end) = 0;

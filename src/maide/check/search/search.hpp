@@ -47,8 +47,8 @@ struct SearchResult {
   std::uint64_t bytes = 0;        // the most that the search had
   std::uint64_t sent_bytes = 0;   // between ranks
   std::optional<Trace> trace;     // of what was found
-  // Of a search for cycles by ranks: the trace ends here, from where a violation comes; the
-  // monitor's state.
+  // In a search for cycles by ranks: where the trace ends, from where a violation comes, and the
+  // monitor's state there.
   std::optional<std::pair<GlobalState, std::uint32_t>> near;
   std::optional<Trace> remarkable;        // of a run that is almost what was looked for
   Reduction reduction = Reduction::none;  // what was used

@@ -23,7 +23,7 @@ struct SearchJob {
     invariant,  // a position at which it does not hold
     cycle,      // a fair cycle that a monitor accepts
   };
-  // Of a cycle: the monitor.
+  // The monitor of a search for a cycle.
   struct Monitor {
     LtlAutomaton automaton;                    // of runs that violate a formula
     StuckRuns stuck = StuckRuns::weakly_fair;  // the runs on which somebody is stuck
@@ -40,7 +40,7 @@ struct SearchJob {
 // Both ways; ranks run the same program on machines of one kind. Throws UsageError for bytes of
 // another version.
 Ranks::Bytes encode(SearchJob job);
-// The same for two jobs whose searches find the same, whatever their limits.
+// A number that two jobs share if their searches find the same, whatever their limits but depth.
 std::uint64_t key_of(SearchJob job);
 SearchJob decode(std::span<const unsigned char> bytes);
 

@@ -1,8 +1,8 @@
 // Components of a system: programs that have something to do with one another, because their texts
 // name the same model or shared variable, or because an action of nobody joins their models.
-// Components do not notice each other. Deadlocks, stuck
-// programs and errors are decided in each, and a formula on the runs of those that its atoms name.
-// So what is to be visited is the sum of their states, and not the product.
+// Components do not notice each other. Deadlocks, stuck programs and errors are decided in each,
+// and a formula on the runs of those that its atoms name. A search visits the sum of their states,
+// and not the product.
 #pragma once
 
 #include <cstdint>
@@ -47,7 +47,7 @@ class Part {
 
   const System& system() const { return own_ ? *own_ : *whole_; }
   bool is_whole() const { return !own_; }
-  // Of the part's programs: their numbers in the whole system.
+  // The part's programs, by their numbers in the whole system.
   const std::vector<std::uint32_t>& programs() const { return programs_; }
   // A property of the whole system, whose atoms are all in the part, as one of the part.
   Property property(const Property& of_whole) const;

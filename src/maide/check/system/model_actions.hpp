@@ -41,7 +41,7 @@ inline constexpr std::size_t max_outcomes = 10'000;
 class ModelActions {
  public:
   using Steps = std::vector<std::vector<ModelStep>>;  // of an action, by state
-  // Of each model the actions that are known already, by their names.
+  // By model: the actions that are known already, by their names.
   using Made = std::vector<std::map<std::string, Steps>>;
 
   // Keeps a reference: its models' actions grow. Models that grow may do so.
@@ -59,7 +59,7 @@ class ModelActions {
   // The action with that name, which says all of it; `steps` makes it.
   ModelUse action(std::uint32_t model, const std::string& name,
                   const std::function<Steps()>& steps);
-  // The same, made state by state; of a model that may grow by make_steps() alone.
+  // An action that is made state by state; if the model may grow, by make_steps() alone.
   using StepsOfState = std::function<std::vector<ModelStep>(StateId)>;
   ModelUse action(std::uint32_t model, const std::string& name, StepsOfState steps);
   // Makes the steps in that state of all actions of a model that grows.

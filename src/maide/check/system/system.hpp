@@ -54,7 +54,7 @@ enum class WhenWeak : std::uint8_t {
 struct ModelAction {
   std::string name;                           // for messages
   std::vector<std::vector<ModelStep>> steps;  // by state; none: not possible there
-  // Made of two steps by a reduction (explore/merged_calls.hpp). Between the two nobody else can
+  // Made of two steps by a reduction (reduce/merged_calls.hpp). Between the two nobody else can
   // use the model.
   bool is_call = false;
 };
@@ -238,7 +238,7 @@ std::span<const ModelUse> uses_of(const System& system, const Step& step);
 std::span<const ModelUse> events_of(const System& system, const Step& step);
 // Null if it is one use of one model by a program, or `if *`.
 const CombinedStep* combined_step_of(const System& system, const Step& step);
-// Of a program's step.
+// The edge of a program's step.
 const ProgramEdge& edge_of(const System& system, const Step& step);
 // It counts for deadlocks (ActorFlags).
 bool is_progress(const System& system, const Step& step);

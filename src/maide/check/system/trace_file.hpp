@@ -32,7 +32,7 @@ struct ChangedValue {
   ValueKind kind = ValueKind::integer;
   std::optional<Value> before{};  // none: it was not in scope
 };
-// Of the variables of the actor, who took the step, and the shared ones.
+// What changed among the variables of the actor, who took the step, and the shared ones.
 std::vector<ChangedValue> find_changes(const System& system, const GlobalState& before,
                                        const GlobalState& after, std::uint32_t actor);
 

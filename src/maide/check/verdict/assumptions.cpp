@@ -229,7 +229,7 @@ class AssumptionList {
     }
   }
 
-  // Of the models that are weak, or of which nobody knows whether they are.
+  // Says which models are weak, and of which nobody knows whether they are.
   void state_strengths() {
     std::vector<std::string> unknown;
     for (const ModelInstance* model : find_used_models(system_)) {

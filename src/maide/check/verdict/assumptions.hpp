@@ -56,7 +56,7 @@ struct StatedAssumptions {
   std::map<std::string, std::string> brief;  // a short form of those that are long
 };
 
-// Of verdicts on these properties, with these results. `uses` are find_uses().
+// What verdicts on these properties rest on, with these results. `uses` are find_uses().
 StatedAssumptions state_assumptions(const System& system, const std::vector<InputUse>& uses,
                                     const std::vector<Property>& properties,
                                     const std::vector<PropertyResult>& results);

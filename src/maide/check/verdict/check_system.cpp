@@ -47,8 +47,8 @@ class PartChecker {
   PartChecker(const PartChecker&) = delete;
   PartChecker& operator=(const PartChecker&) = delete;
 
-  // Of the whole system. An error of Maide's own leaves this property undecided, unless its
-  // violation was found before, and the others' verdicts alone.
+  // `of_whole` is a property of the whole system. An error of Maide's own leaves this property
+  // undecided, unless its violation was found before, and the others' verdicts alone.
   PropertyResult check(const Property& of_whole) {
     const Property property = part_.property(of_whole);
     PropertyResult result;

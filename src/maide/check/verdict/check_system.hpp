@@ -33,7 +33,7 @@ struct CheckReport {
     std::vector<std::uint32_t> programs;
     std::uint64_t states = 0,
                   transitions = 0;  // of the first property decided in each; 0: none was
-    // Of `deadlock`, `stuck` and `error`, those that were checked.
+    // Those of `deadlock`, `stuck` and `error` that were checked.
     std::map<std::string, Verdict> verdicts;
   };
   std::vector<Component> components;
@@ -51,7 +51,8 @@ CheckReport check_system(const System& system, Engine& engine, const CheckReques
 // The remarks on the system file, then those of its check.
 std::vector<std::string> all_remarks(const System& system, const CheckReport& report);
 
-// Of the command that made the report: a violation comes before an error of Maide's own.
+// The exit status of the command that made the report: a violation comes before an error of Maide's
+// own.
 ExitStatus exit_status_of(const CheckReport& report);
 
 // The property of that name, the built-in ones included; throws UsageError for others.

@@ -71,7 +71,7 @@ std::optional<MessageAccount> take_account(const System& system, const Trace& tr
                                            const std::vector<GlobalState>& states,
                                            const Awaited& awaited);
 
-// Of each instance that lost messages which some program takes: its account. `states` are
+// The account of each instance that lost messages which some program takes. `states` are
 // replay()'s. In the order of the system. O(instances x steps + states x transitions).
 std::map<std::uint32_t, MessageAccount> find_losses(const System& system, const Trace& trace,
                                                     const std::vector<GlobalState>& states);

@@ -30,7 +30,8 @@ std::vector<std::string_view> reserved_words() {
 }
 
 // Labels with a meaning for SPIN, and the names of labels and macros of the text: s0, p0, is_cut.
-// Of bytes that are not ASCII some are left out of identifiers, so they might hide one of these.
+// Identifiers leave out some bytes that are not ASCII, so a name with such bytes may become one of
+// these.
 bool may_have_a_meaning(std::string_view word) {
   for (const std::string_view prefix : {"end", "accept", "progress", "T0", "is_cut", "never"}) {
     if (word.starts_with(prefix)) return true;

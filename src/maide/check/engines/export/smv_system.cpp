@@ -26,7 +26,7 @@ std::string membership(std::string_view variable, const std::vector<std::uint32_
   return fmt::format("{} in {{{}}}", variable, fmt::join(values, ", "));
 }
 
-// Of a model, or a program's control: from where to where.
+// From where to where a model, or a program's control, goes.
 using Moves = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
 
 std::string moved(std::string_view variable, const Moves& moves) {

@@ -62,7 +62,8 @@ class ExportNames {
   const std::string& of(std::initializer_list<std::string_view> parts);
   // The name for people, of any step (ActionNames).
   std::string of(const StepAction& action) const { return actions_.of(action); }
-  // Of a step's action: "in_via_write", "do_n_3", and with `of_program` "planner_in_via_write".
+  // The name of a step's action: "in_via_write", "do_n_3", and with `of_program`
+  // "planner_in_via_write".
   const std::string& of(const StepAction& action, const System& system, bool of_program);
 
  private:

@@ -29,7 +29,7 @@ struct ModelRelation {
   enum class Bound : std::uint8_t {
     within,   // of what was learned
     dropped,  // an input where it was never tried: nothing changes
-    cut,      // so is this, and the run is cut
+    cut,      // an input where it was never tried: the run is cut
   };
   ModelUse use;
   Bound bound = Bound::within;

@@ -23,8 +23,8 @@ struct SystemExportOptions {
 struct SystemExporter {
   std::string_view name;  // as in --to
   std::string_view summary;
-  // Of a system with several components that uses the second edition, too: an error, which stops
-  // its component, stops them all there.
+  // Takes a system with several components even if it uses the second edition. (There an error,
+  // which stops its component, stops them all.)
   bool takes_components = false;
   void (*write)(std::ostream& out, const System& system, const SystemExportOptions& options);
 };
