@@ -87,14 +87,6 @@ bool InterfaceAutomaton::is_deterministic() const {
   });
 }
 
-bool InterfaceAutomaton::is_output_determined() const {
-  return std::all_of(states_.begin(), states_.end(), [](const State& state) {
-    return std::count_if(
-               state.transitions.begin(), state.transitions.end(),
-               [](const Transition& transition) { return !transition.action.is_input(); }) <= 1;
-  });
-}
-
 bool InterfaceAutomaton::operator==(const InterfaceAutomaton& other) const {
   return inputs_ == other.inputs_ && outputs_ == other.outputs_ && initial_ == other.initial_ &&
          states_ == other.states_ && actors == other.actors &&

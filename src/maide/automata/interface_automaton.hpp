@@ -76,8 +76,6 @@ class InterfaceAutomaton {
   bool is_input_enabled() const;
   // At most one successor for each state and action.
   bool is_deterministic() const;
-  // At most one output enabled in each state.
-  bool is_output_determined() const;
 
   Origin origin;                            // where the model came from
   std::vector<Actor> actors;                // in their canonical order; empty: unknown

@@ -54,7 +54,6 @@ InterfaceAutomaton make_queue(const QueueSize& queue);
 inline constexpr const char* unknown_depth = "unknown";
 bool has_unknown_depth(const InterfaceAutomaton& automaton);
 
-inline constexpr const char* unknown_code = "unknown";
 // What a callback does whose code is not known: `begin` goes beyond what is known.
 InterfaceAutomaton make_unknown_code(const std::string& callback);
 // That callback; nothing of other models.

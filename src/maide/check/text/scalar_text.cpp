@@ -69,13 +69,6 @@ ScalarText::ScalarText(std::string value, std::string_view source, SourcePositio
   places_.push_back(cursor.place());
 }
 
-ScalarText ScalarText::replaced_by(std::string value) const {
-  ScalarText text = *this;
-  text.value_ = std::move(value);
-  text.places_.assign(text.value_.size() + 1, places_.empty() ? TextPlace() : places_.front());
-  return text;
-}
-
 SourcePosition ScalarText::position(std::size_t offset) const {
   if (places_.empty()) return {file_, 0, 0};
   const TextPlace place = places_[offset < places_.size() ? offset : places_.size() - 1];

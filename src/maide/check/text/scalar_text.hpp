@@ -19,9 +19,6 @@ class ScalarText {
   // node begins, from 1. O(value + source read).
   ScalarText(std::string value, std::string_view source, SourcePosition begin);
 
-  // Another value that stands where this one begins.
-  ScalarText replaced_by(std::string value) const;
-
   const std::string& value() const { return value_; }
   // A YAML tag stands before it: what looks like a leading `!` is no part of the value.
   bool has_tag() const { return has_tag_; }
