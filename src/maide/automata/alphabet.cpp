@@ -74,7 +74,7 @@ bool is_prefix(std::span<const Symbol> prefix, std::span<const Symbol> word) {
 
 // Sorted, a word comes right before one that goes on from it, if there is any.
 std::vector<Word> without_prefixes(std::vector<Word> words) {
-  std::sort(words.begin(), words.end());
+  std::ranges::sort(words);
   std::vector<Word> kept;
   for (std::size_t i = 0; i < words.size(); ++i) {
     const bool goes_on = i + 1 < words.size() && is_prefix(words[i], words[i + 1]);

@@ -15,7 +15,7 @@ namespace maide {
 
 StateSets::Id StateSets::intern(Set set) {
   MAIDE_CHECK(!set.empty() && set.back() < automaton_.size());
-  MAIDE_CHECK(std::adjacent_find(set.begin(), set.end(), std::greater_equal<>()) == set.end());
+  MAIDE_CHECK(std::ranges::adjacent_find(set, std::greater_equal<>()) == set.end());
   const auto [place, is_new] = numbers_.try_emplace(set, static_cast<Id>(sets_.size()));
   if (is_new) sets_.push_back(std::move(set));
   return place->second;
@@ -56,7 +56,7 @@ StateSets::Id StateSets::successor(Id id, Action action) {
       if (!transition.absorbed) next.push_back(transition.target);
     }
   }
-  std::sort(next.begin(), next.end());
+  std::ranges::sort(next);
   next.erase(std::unique(next.begin(), next.end()), next.end());
   return intern(std::move(next));
 }
@@ -221,7 +221,7 @@ BehaviourPair read_behaviours(const NondeterministicMealy& left, const Nondeterm
       answer.ways.push_back(
           {pair.labels.intern(machine.inputs().name(input) + " / " + output), choice.target});
     }
-    std::sort(outputs.begin(), outputs.end());
+    std::ranges::sort(outputs);
     answer.text = pair.texts.intern(outputs.empty() ? "no answer" : join(outputs, " or "));
     return answer;
   };

@@ -290,7 +290,7 @@ class PairExploration {
     for (; place != 0; place = queue_[place].parent) {
       word.push_back(actions_[queue_[place].last].name);
     }
-    std::reverse(word.begin(), word.end());
+    std::ranges::reverse(word);
     return word;
   }
 
@@ -346,8 +346,8 @@ IaComparison compare(const InterfaceAutomaton& left, const InterfaceAutomaton& r
   note_alphabets("outputs", left.outputs(), right.outputs(), result.notes);
   std::vector<std::string> left_returns = left.hidden_returns;
   std::vector<std::string> right_returns = right.hidden_returns;
-  std::sort(left_returns.begin(), left_returns.end());
-  std::sort(right_returns.begin(), right_returns.end());
+  std::ranges::sort(left_returns);
+  std::ranges::sort(right_returns);
   if (left_returns != right_returns) {
     result.notes.push_back("hidden returns differ: " + listed(left_returns) + " in the first, " +
                            listed(right_returns) + " in the second");

@@ -76,8 +76,8 @@ bool differs(const BehaviourPair& pair, StateId left, StateId right, std::size_t
   if (pair.left_answer(left, last).text == pair.right_answer(right, last).text) return true;
   const auto is_waited_for = [&](const Answer& answer, const Answer& outputs) {
     return answer.ways.empty() && answer.is_known &&
-           std::any_of(outputs.ways.begin(), outputs.ways.end(),
-                       [&](const Answer::Way& way) { return !pair.is_rest(way.label); });
+           std::ranges::any_of(outputs.ways,
+                               [&](const Answer::Way& way) { return !pair.is_rest(way.label); });
   };
   return !is_waited_for(left_answer, pair.left_answer(left, last)) &&
          !is_waited_for(right_answer, pair.right_answer(right, last));
@@ -208,9 +208,9 @@ class DifferenceSearch {
                          pair_.is_rest(left.ways.front().label);
       if (rests || (left.ways.empty() && right.ways.empty())) continue;
       ++asked;
-      agreed += std::any_of(left.ways.begin(), left.ways.end(), [&](const Answer::Way& way) {
-        return std::any_of(right.ways.begin(), right.ways.end(),
-                           [&](const Answer::Way& other) { return way.label == other.label; });
+      agreed += std::ranges::any_of(left.ways, [&](const Answer::Way& way) {
+        return std::ranges::any_of(
+            right.ways, [&](const Answer::Way& other) { return way.label == other.label; });
       });
     }
   }
@@ -240,9 +240,8 @@ class DifferenceSearch {
     for (std::uint32_t i = 0; i < order.size(); ++i) order[i] = i;
     // Scores that hardly differ are the same, so that rounding decides nothing.
     const auto rank = [&](std::uint32_t place) { return std::lround(scores[place] * 1000); };
-    std::stable_sort(order.begin(), order.end(), [&](std::uint32_t one, std::uint32_t other) {
-      return rank(one) > rank(other);
-    });
+    std::ranges::stable_sort(
+        order, [&](std::uint32_t one, std::uint32_t other) { return rank(one) > rank(other); });
     for (const std::uint32_t place : order) {
       if (scores[place] > 0) join(meetings_[place].left, meetings_[place].right);
     }
@@ -340,7 +339,7 @@ class DifferenceSearch {
       difference.way.push_back({step.question, name(step.left), name(step.right), step.left_state,
                                 step.right_state, step.agrees});
     }
-    std::reverse(difference.way.begin(), difference.way.end());
+    std::ranges::reverse(difference.way);
     MAIDE_CHECK(difference.way.size() == meeting.length && difference.passed() == meeting.passed);
     result_.list.push_back(std::move(difference));
   }
@@ -356,12 +355,11 @@ class DifferenceSearch {
 
 std::size_t Difference::passed() const {
   return static_cast<std::size_t>(
-      std::count_if(way.begin(), way.end(), [](const JointStep& step) { return !step.agrees; }));
+      std::ranges::count_if(way, [](const JointStep& step) { return !step.agrees; }));
 }
 
 std::size_t Differences::count_bounds() const {
-  return static_cast<std::size_t>(std::count_if(
-      list.begin(), list.end(), [](const Difference& difference) { return difference.is_bound; }));
+  return static_cast<std::size_t>(std::ranges::count_if(list, &Difference::is_bound));
 }
 
 std::vector<std::string> describe_way(const BehaviourPair& pair, const Difference& difference) {

@@ -30,20 +30,20 @@ void InterfaceAutomaton::add_transition(StateId from, Action action, StateId to,
   MAIDE_CHECK(action.symbol < (action.is_input() ? inputs_ : outputs_).size());
   const Transition transition{action, to, absorbed};
   auto& list = states_[from].transitions;
-  const auto place = std::lower_bound(list.begin(), list.end(), transition);
+  const auto place = std::ranges::lower_bound(list, transition);
   if (place == list.end() || *place != transition) list.insert(place, transition);
 }
 
 void InterfaceAutomaton::mark_unexplored(StateId state, Symbol input) {
   MAIDE_CHECK(state < states_.size() && input < inputs_.size());
   auto& list = states_[state].unexplored;
-  const auto place = std::lower_bound(list.begin(), list.end(), input);
+  const auto place = std::ranges::lower_bound(list, input);
   if (place == list.end() || *place != input) list.insert(place, input);
 }
 
 bool InterfaceAutomaton::is_unexplored(StateId state, Symbol input) const {
   const auto& list = states_[state].unexplored;
-  return std::binary_search(list.begin(), list.end(), input);
+  return std::ranges::binary_search(list, input);
 }
 
 StateId InterfaceAutomaton::successor(StateId state, Action action) const {
@@ -79,11 +79,11 @@ bool InterfaceAutomaton::is_input_enabled() const {
 }
 
 bool InterfaceAutomaton::is_deterministic() const {
-  return std::all_of(states_.begin(), states_.end(), [](const State& state) {
-    return std::adjacent_find(state.transitions.begin(), state.transitions.end(),
-                              [](const Transition& left, const Transition& right) {
-                                return left.action == right.action;
-                              }) == state.transitions.end();
+  return std::ranges::all_of(states_, [](const State& state) {
+    return std::ranges::adjacent_find(state.transitions,
+                                      [](const Transition& left, const Transition& right) {
+                                        return left.action == right.action;
+                                      }) == state.transitions.end();
   });
 }
 

@@ -58,7 +58,7 @@ std::vector<std::vector<StateId>> smaller_parts(const Partition& partition,
     parts.emplace_back(origin[block], origin[block]);
     parts.emplace_back(origin[block], block);
   }
-  std::sort(parts.begin(), parts.end());
+  std::ranges::sort(parts);
   parts.erase(std::unique(parts.begin(), parts.end()), parts.end());
   std::vector<std::vector<StateId>> result;
   for (auto begin = parts.begin(); begin != parts.end();) {
@@ -172,7 +172,7 @@ InterfaceAutomaton minimize(const InterfaceAutomaton& automaton) {
       moves.emplace_back(transition.action, transition.absorbed,
                          classes.block_of(transition.target));
     }
-    std::sort(moves.begin(), moves.end());
+    std::ranges::sort(moves);
     moves.erase(std::unique(moves.begin(), moves.end()), moves.end());
     return std::pair(Word(unexplored.begin(), unexplored.end()), std::move(moves));
   });

@@ -58,12 +58,11 @@ StateId NondeterministicMealy::successor(StateId from, Symbol input, Symbol outp
 }
 
 bool NondeterministicMealy::is_complete() const {
-  return std::none_of(cells_.begin(), cells_.end(), [](const auto& cell) { return cell.empty(); });
+  return std::ranges::none_of(cells_, [](const auto& cell) { return cell.empty(); });
 }
 
 bool NondeterministicMealy::is_deterministic() const {
-  return std::all_of(cells_.begin(), cells_.end(),
-                     [](const auto& cell) { return cell.size() <= 1; });
+  return std::ranges::all_of(cells_, [](const auto& cell) { return cell.size() <= 1; });
 }
 
 std::optional<Mealy> NondeterministicMealy::to_mealy() const {
@@ -89,8 +88,8 @@ using Choice = NondeterministicMealy::Choice;
 std::vector<std::size_t> rank_by_name(const Alphabet& outputs) {
   std::vector<Symbol> order(outputs.size());
   std::iota(order.begin(), order.end(), Symbol{0});
-  std::sort(order.begin(), order.end(),
-            [&](Symbol left, Symbol right) { return outputs.name(left) < outputs.name(right); });
+  std::ranges::sort(
+      order, [&](Symbol left, Symbol right) { return outputs.name(left) < outputs.name(right); });
   std::vector<std::size_t> rank(outputs.size());
   for (std::size_t place = 0; place < order.size(); ++place) rank[order[place]] = place;
   return rank;
@@ -125,7 +124,7 @@ NondeterministicMealy minimize(const NondeterministicMealy& machine) {
     for (Symbol input = 0; input < machine.inputs().size(); ++input) {
       const auto choices = machine.choices(order[place], input);
       std::vector<Choice> sorted(choices.begin(), choices.end());
-      std::sort(sorted.begin(), sorted.end(), [&](const Choice& left, const Choice& right) {
+      std::ranges::sort(sorted, [&](const Choice& left, const Choice& right) {
         return rank[left.output] < rank[right.output];
       });
       for (const Choice& choice : sorted) visit(choice.target);
@@ -154,7 +153,7 @@ std::vector<std::string> offered(const NondeterministicMealy& machine, StateId s
       names.push_back(machine.outputs().name(choice.output));
     }
   }
-  std::sort(names.begin(), names.end());
+  std::ranges::sort(names);
   return names;
 }
 
@@ -192,7 +191,7 @@ std::optional<TraceDifference> find_difference(const NondeterministicMealy& left
         for (std::size_t back = place; back != 0; back = pairs[back].parent) {
           difference.trace.emplace_back(pairs[back].input, pairs[back].output);
         }
-        std::reverse(difference.trace.begin(), difference.trace.end());
+        std::ranges::reverse(difference.trace);
         return difference;
       }
       for (const std::string& output : difference.left) {

@@ -67,8 +67,8 @@ class Partition {
     keyed.reserve(size(block));
     for (const Element element : elements(block)) keyed.emplace_back(key_of(element), element);
     const auto is_first_key = [&](const auto& entry) { return entry.first == keyed.front().first; };
-    if (std::all_of(keyed.begin(), keyed.end(), is_first_key)) return first_new;
-    std::sort(keyed.begin(), keyed.end());
+    if (std::ranges::all_of(keyed, is_first_key)) return first_new;
+    std::ranges::sort(keyed);
     std::uint32_t place = begin_[block];
     for (std::size_t i = 0; i < keyed.size(); ++i, ++place) {
       if (i > 0 && keyed[i].first != keyed[i - 1].first) block = cut(block, place);

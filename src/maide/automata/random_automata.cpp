@@ -247,8 +247,8 @@ class Builder {
       return target == state || (!forgives && target == first);
     };
     const auto row = machine_.row(state);
-    const bool is_any_free = std::any_of(
-        row.begin(), row.end(), [&](const auto& transition) { return is_free(transition.target); });
+    const bool is_any_free = std::ranges::any_of(
+        row, [&](const auto& transition) { return is_free(transition.target); });
     Symbol input = any_input();
     while (is_any_free && !is_free(row[input].target)) input = any_input();
     return input;
@@ -367,7 +367,7 @@ Mealy make_layers(Builder builder, std::size_t states) {
 std::span<const std::string_view> hiding_names() { return class_names; }
 
 Hiding find_hiding(std::string_view name) {
-  const auto found = std::find(class_names.begin(), class_names.end(), name);
+  const auto found = std::ranges::find(class_names, name);
   if (found == class_names.end()) {
     throw UsageError(
         fmt::format("nothing hides like '{}'; known are {}", name, fmt::join(class_names, ", ")));

@@ -31,7 +31,7 @@ void read_dimensions(std::string_view text, Take&& take) {
       std::vector<std::string> names;
       for (const auto& [name, most] : most_demanded) names.emplace_back(name);
       const std::string_view name = part.substr(0, equals);
-      const bool is_known = std::find(names.begin(), names.end(), name) != names.end();
+      const bool is_known = std::ranges::find(names, name) != names.end();
       const std::string near = is_known ? "" : did_you_mean(name, names);
       throw UsageError(fmt::format(
           "'{}' is no strength{}", part,
@@ -108,10 +108,9 @@ StatedStrength parse_stated_strength(std::string_view text) {
   const std::vector<std::string_view> parts = split(text, ',');
   std::vector<std::string> unstated;
   for (const auto& [dimension, most] : most_demanded) {
-    const bool is_stated =
-        std::any_of(parts.begin(), parts.end(), [&, name = dimension](std::string_view part) {
-          return part.substr(0, part.find('=')) == name;
-        });
+    const bool is_stated = std::ranges::any_of(parts, [&, name = dimension](std::string_view part) {
+      return part.substr(0, part.find('=')) == name;
+    });
     const bool is_deep = stated.strength.extra_states >= extra_states_without_random;
     if (!is_stated && !(dimension == "random" && is_deep)) unstated.emplace_back(dimension);
   }
@@ -141,7 +140,7 @@ StrengthDemand parse_demand(std::string_view text, StrengthDemand standard) {
 
 StrengthDemand demand_of(const Mealy& model, std::span<const std::size_t> sizes,
                          std::string_view text) {
-  const auto largest = std::max_element(sizes.begin(), sizes.end());
+  const auto largest = std::ranges::max_element(sizes);
   const StrengthDemand standard =
       default_demand(model.size(), model.inputs().size(), largest == sizes.end() ? 0 : *largest);
   return text.empty() ? standard : parse_demand(text, standard);

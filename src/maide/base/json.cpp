@@ -13,7 +13,7 @@ namespace {
 SourcePosition position_of(std::string_view text, std::size_t offset, const std::string& file) {
   const std::string_view before = text.substr(0, std::min(offset, text.size()));
   const std::size_t line_start = before.rfind('\n') + 1;  // npos + 1 is 0
-  return {file, static_cast<int>(std::count(before.begin(), before.end(), '\n')) + 1,
+  return {file, static_cast<int>(std::ranges::count(before, '\n')) + 1,
           static_cast<int>(before.size() - line_start) + 1};
 }
 

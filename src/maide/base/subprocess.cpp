@@ -191,8 +191,8 @@ class Subprocess {
   void transfer(SubprocessResult& result) {
     std::array<pollfd, 2> waiting{pollfd{out_.read_end.get(), POLLIN, 0},
                                   pollfd{err_.read_end.get(), POLLIN, 0}};
-    const bool all_closed = std::all_of(waiting.begin(), waiting.end(),
-                                        [](const pollfd& entry) { return entry.fd < 0; });
+    const bool all_closed =
+        std::ranges::all_of(waiting, [](const pollfd& entry) { return entry.fd < 0; });
     // A program that has closed its outputs is about to end.
     ::poll(waiting.data(), waiting.size(), all_closed ? 2 : 50);
     if (waiting[0].revents != 0) collect(out_.read_end, result.out);

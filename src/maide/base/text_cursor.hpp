@@ -61,8 +61,7 @@ class TextCursor {
   template <typename Predicate>
   std::string_view take_while(Predicate&& belongs) {
     const std::string_view ahead = rest();
-    return take(static_cast<std::size_t>(std::find_if_not(ahead.begin(), ahead.end(), belongs) -
-                                         ahead.begin()));
+    return take(static_cast<std::size_t>(std::ranges::find_if_not(ahead, belongs) - ahead.begin()));
   }
   std::string_view take_line() {  // without its end
     return take_while([](char c) { return c != '\n'; });

@@ -47,11 +47,11 @@ void ThreadTeam::run(const std::function<void(unsigned)>& work) {
   while (const std::uint32_t busy = busy_.load(std::memory_order_acquire)) {
     wait_for_change(busy_, busy);
   }
-  const auto error = std::find_if(errors_.begin(), errors_.end(),
-                                  [](const std::exception_ptr& one) { return one != nullptr; });
+  const auto error =
+      std::ranges::find_if(errors_, [](const std::exception_ptr& one) { return one != nullptr; });
   if (error == errors_.end()) return;
   const std::exception_ptr first = *error;
-  std::fill(errors_.begin(), errors_.end(), nullptr);
+  std::ranges::fill(errors_, nullptr);
   std::rethrow_exception(first);
 }
 

@@ -134,8 +134,7 @@ std::string describe(const System& system, const CheckReport& report, const Trac
   std::string grounds;
   for (const std::string& assumption : report.assumptions) {
     const auto brief = report.brief.find(assumption);
-    const bool is_doubt =
-        std::find(report.doubts.begin(), report.doubts.end(), assumption) != report.doubts.end();
+    const bool is_doubt = std::ranges::find(report.doubts, assumption) != report.doubts.end();
     if (is_doubt && !in_full) continue;  // was said first
     const bool cut = brief != report.brief.end() && !in_full;
     is_short = is_short || cut;

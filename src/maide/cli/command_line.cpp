@@ -258,8 +258,7 @@ constexpr std::size_t widest_synopsis = 26;
 std::string CommandLine::help(std::size_t width, bool full) const {
   if (!full) {
     std::string text = help(width, true);
-    const bool fits =
-        static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n')) <= most_help_lines;
+    const bool fits = static_cast<std::size_t>(std::ranges::count(text, '\n')) <= most_help_lines;
     if (fits) return text;
   }
   std::vector<TextRow> rows;
@@ -315,7 +314,7 @@ void CommandLine::check_values(const std::string& hint) const {
   for (const Argument& argument : all()) {
     if (argument.is_positional()) continue;
     const std::vector<std::string> values = argument.values();
-    if (std::find(values.begin(), values.end(), "") == values.end()) continue;
+    if (std::ranges::find(values, "") == values.end()) continue;
     throw UsageError("the value of " + argument.name() + " is empty" + hint);
   }
 }
@@ -331,7 +330,7 @@ std::string first_sentence(const std::string& text) {
 
 std::string check_one_of(const std::string& text, const std::vector<std::string>& names) {
   if (text.empty()) return "";  // check_values() says so
-  if (std::find(names.begin(), names.end(), text) != names.end()) return "";
+  if (std::ranges::find(names, text) != names.end()) return "";
   constexpr std::size_t short_list = 40;
   const std::string near = did_you_mean(text, names), list = join(names);
   return near.empty() || list.size() <= short_list ? "'" + text + "' is none of " + list + near

@@ -171,8 +171,8 @@ std::vector<Finding> examine_all(const RunControl& control) {
     all.push_back({std::string(name), std::string(title), std::string(advice)});
   }
   for (const std::string& name : list_wrappers()) {
-    const bool known = std::any_of(all.begin(), all.end(),
-                                   [&](const Middleware& entry) { return entry.name == name; });
+    const bool known =
+        std::ranges::any_of(all, [&](const Middleware& entry) { return entry.name == name; });
     if (!known) all.push_back({name, "a wrapper that does not come with maide", ""});
   }
   for (const Middleware& middleware : all) {
@@ -186,7 +186,7 @@ bool is_usable(const Finding& finding) { return finding.state == State::usable; 
 
 // The main job needs one wrapper.
 bool can_run_main_job(const std::vector<Finding>& findings) {
-  return std::any_of(findings.begin(), findings.end(), [](const Finding& finding) {
+  return std::ranges::any_of(findings, [](const Finding& finding) {
     return finding.kind == "wrapper" && is_usable(finding);
   });
 }

@@ -166,8 +166,8 @@ Part find_part(const System& system, const SystemExporter& exporter, const std::
   for (const auto& component : components) {
     for (const std::uint32_t index : component) {
       const Program& own = system.programs[index];
-      const bool is_meant = own.name == program || std::find(own.nodes.begin(), own.nodes.end(),
-                                                             program) != own.nodes.end();
+      const bool is_meant =
+          own.name == program || std::ranges::find(own.nodes, program) != own.nodes.end();
       if (is_meant) return Part(system, component);
       known.push_back(own.name);
     }

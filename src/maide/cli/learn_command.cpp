@@ -379,7 +379,7 @@ void check_without_system(const CommandLine& line, const LearnArguments& argumen
                                         "--json",        "--quiet",  "--verbose"};
   for (const Argument& argument : line.all()) {
     const std::string name = argument.name();
-    if (!argument.is_given() || std::find(useful.begin(), useful.end(), name) != useful.end()) {
+    if (!argument.is_given() || std::ranges::find(useful, name) != useful.end()) {
       continue;
     }
     throw UsageError(name + " needs a system: --from-traces alone asks none");

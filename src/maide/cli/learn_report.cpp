@@ -45,16 +45,15 @@ std::string describe_contradictions(const std::vector<Contradiction>& contradict
     for (const auto& entry : contradiction.answers) total += entry.second;
     return total - contradiction.answers.front().second;
   };
-  std::stable_sort(sorted.begin(), sorted.end(), [&](const auto& left, const auto& right) {
+  std::ranges::stable_sort(sorted, [&](const auto& left, const auto& right) {
     return minority(left) > minority(right);
   });
   for (std::size_t i = 0; i < std::min(shown, sorted.size()); ++i) {
     text += fmt::format("    {}\n", to_string(sorted[i]));
   }
   if (sorted.size() > shown) text += fmt::format("    and {} more\n", sorted.size() - shown);
-  const bool leaks = std::any_of(sorted.begin(), sorted.end(), [](const Contradiction& one) {
-    return one.word.find(' ') == std::string::npos;
-  });
+  const bool leaks = std::ranges::any_of(
+      sorted, [](const Contradiction& one) { return one.word.find(' ') == std::string::npos; });
   return text + (leaks
                      ? "    the first input of a word is among them: the reset leaves something "
                        "behind, or a step ends too early\n"
@@ -400,7 +399,7 @@ std::uint64_t needed_effort(const ExperimentResult& run, std::uint64_t effort) {
 }
 
 bool is_in(std::span<const char* const> names, const std::string& option) {
-  return std::find(names.begin(), names.end(), option) != names.end();
+  return std::ranges::find(names, option) != names.end();
 }
 
 // Options that choose the tests, or limit them; not those that say how far they are to go.
@@ -408,7 +407,7 @@ bool is_of_tests(const std::string& option) {
   if (option == "--eq") return true;
   const std::span<const TestOption> all = test_options();
   return option != "--strength" && option != "--effort" && option != "--seed" &&
-         std::any_of(all.begin(), all.end(), [&option](const TestOption& known) {
+         std::ranges::any_of(all, [&option](const TestOption& known) {
            return option == "--" + std::string(known.key);
          });
 }

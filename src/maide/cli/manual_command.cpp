@@ -27,9 +27,8 @@ std::string replace_each(std::string text,
                          const std::vector<std::pair<std::string, std::string>>& pairs) {
   std::string result;
   for (std::size_t at = 0; at < text.size();) {
-    const auto pair = std::find_if(pairs.begin(), pairs.end(), [&](const auto& one) {
-      return text.compare(at, one.first.size(), one.first) == 0;
-    });
+    const auto pair = std::ranges::find_if(
+        pairs, [&](const auto& one) { return text.compare(at, one.first.size(), one.first) == 0; });
     if (pair == pairs.end()) {
       result += text[at++];
     } else {

@@ -57,9 +57,8 @@ struct LineInput {
 std::string quoted(const std::string& text) { return Json(text).dump(); }
 
 std::string check_line(const std::string& text) {
-  const bool has_control = std::any_of(text.begin(), text.end(), [](unsigned char letter) {
-    return letter < 0x20 || letter == 0x7F;
-  });
+  const bool has_control = std::ranges::any_of(
+      text, [](unsigned char letter) { return letter < 0x20 || letter == 0x7F; });
   return has_control ? "has a control character" : "";
 }
 

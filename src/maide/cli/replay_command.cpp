@@ -112,8 +112,9 @@ Tally play(const Replay& replay, const ReplayArguments& arguments, Context& cont
     context.complain(fmt::format("{}; {} of {} runs were played", stop.what(), tally.runs,
                                  replay.traces.size()));
   }
-  std::stable_sort(tally.outcomes.begin(), tally.outcomes.end(),
-                   [](const auto& left, const auto& right) { return left.second > right.second; });
+  std::ranges::stable_sort(tally.outcomes, [](const auto& left, const auto& right) {
+    return left.second > right.second;
+  });
   return tally;
 }
 

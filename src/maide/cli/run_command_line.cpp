@@ -91,9 +91,8 @@ ExitStatus run(const Command& command, const std::vector<std::string>& typed) {
   const CommonOptions& common = declared.common;
   const std::string& color = declared.color;
   if (!line.parse(typed, hint)) {
-    const bool is_full = std::any_of(typed.begin(), typed.end(), [](const std::string& word) {
-      return word == "-v" || word == "--verbose";
-    });
+    const bool is_full = std::ranges::any_of(
+        typed, [](const std::string& word) { return word == "-v" || word == "--verbose"; });
     write_to_stdout(line.help(help_width(), is_full));
     return ExitStatus::ok;
   }
@@ -182,7 +181,7 @@ int run_reporting(int argc, const char* const* argv, Work&& work) noexcept {
   bool json = false;
   try {
     const std::vector<std::string> arguments(argv + std::min(argc, 1), argv + argc);
-    json = std::find(arguments.begin(), arguments.end(), "--json") != arguments.end();
+    json = std::ranges::find(arguments, "--json") != arguments.end();
     return static_cast<int>(work(arguments));
   } catch (const UsageError& error) {
     // Of several ranks the first says it.
@@ -221,8 +220,7 @@ DeclaredCommand::DeclaredCommand(const Command& command)
   for (Argument argument : line.all()) {
     static const std::vector<std::string> shown_below{"--help", "--json", "--quiet", "--verbose",
                                                       "--color"};
-    const bool is_common =
-        std::find(shown_below.begin(), shown_below.end(), argument.name()) != shown_below.end();
+    const bool is_common = std::ranges::find(shown_below, argument.name()) != shown_below.end();
     if (is_common) argument.topic(CommandLine::shown_in_footer);
   }
   line.set_footer(footer(command));

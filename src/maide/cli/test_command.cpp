@@ -332,8 +332,8 @@ JUnitSuite to_junit(const Report& report) {
       one.name = model.inputs().name(input) + ", " +
                  (report.states.empty() ? after(result.access[state], model)
                                         : "state: " + report.states[state]);
-      const auto failure = std::find_if(
-          result.failures.begin(), result.failures.end(), [&](const ConformanceFailure& candidate) {
+      const auto failure =
+          std::ranges::find_if(result.failures, [&](const ConformanceFailure& candidate) {
             return candidate.state == state && candidate.input == input;
           });
       if (failure != result.failures.end()) {

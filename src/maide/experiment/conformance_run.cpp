@@ -156,7 +156,7 @@ class Judge : public OutputOracle {
     result.never_tried = never_tried_;
     result.covered = covered_;
     const auto count = [](const std::vector<bool>& marks) {
-      return static_cast<std::uint64_t>(std::count(marks.begin(), marks.end(), true));
+      return static_cast<std::uint64_t>(std::ranges::count(marks, true));
     };
     result.states = {count(states_), model_.size()};
     result.transitions = {count(covered_), never_tried_.size() - count(never_tried_)};
@@ -279,10 +279,10 @@ class ConformanceRun {
       result_.error = std::current_exception();
     }
     judge_->fill_in(result_);
-    std::stable_sort(result_.failures.begin(), result_.failures.end(),
-                     [](const ConformanceFailure& left, const ConformanceFailure& right) {
-                       return left.word.size() < right.word.size();
-                     });
+    std::ranges::stable_sort(result_.failures,
+                             [](const ConformanceFailure& left, const ConformanceFailure& right) {
+                               return left.word.size() < right.word.size();
+                             });
     const QueryCounts counts = counter_.statistics().total();
     result_.words = counts.queries + slower_words_;
     result_.symbols = counts.symbols + slower_symbols_;

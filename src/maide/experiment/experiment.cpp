@@ -79,7 +79,7 @@ class OutputWatch : public OracleDecorator {
     }
   }
   const std::string& most_giving_input() const {
-    const auto most = std::max_element(new_by_input_.begin(), new_by_input_.end());
+    const auto most = std::ranges::max_element(new_by_input_);
     return inputs().name(static_cast<Symbol>(most - new_by_input_.begin()));
   }
 
@@ -141,8 +141,8 @@ bool names_length(std::string key) {
                                "rcvhwm", "samples",  "size",     "sndhwm", "window"};
   std::replace(key.begin(), key.end(), '-', '_');
   const std::vector<std::string_view> words = split(key, '_');
-  return std::any_of(words.begin(), words.end(), [&](std::string_view word) {
-    return std::find(lengths.begin(), lengths.end(), word) != lengths.end();
+  return std::ranges::any_of(words, [&](std::string_view word) {
+    return std::ranges::find(lengths, word) != lengths.end();
   });
 }
 
@@ -260,8 +260,8 @@ class Run {
       names.push_back(quote_shell_word(name));
       const ErrorOutputs named({name});
       const std::vector<std::string>& seen = cache_->outputs().names();
-      if (std::none_of(seen.begin(), seen.end(),
-                       [&](const std::string& output) { return named.contains(output); })) {
+      if (std::ranges::none_of(seen,
+                               [&](const std::string& output) { return named.contains(output); })) {
         log_warning("no output was '" + name + "', which was to end the session");
       }
     }
@@ -489,7 +489,7 @@ void require_test_option(const std::string& algorithm, const std::string& test_m
     return;
   }
   const std::vector<std::string_view> own = split(learner.test_options, ' ');
-  if (std::find(own.begin(), own.end(), option) != own.end()) return;
+  if (std::ranges::find(own, option) != own.end()) return;
   throw UsageError(fmt::format("the tests of {} have no option '{}'; they have: {}", learner.name,
                                option, learner.test_options));
 }

@@ -48,7 +48,7 @@ Mealy read_machine(const std::filesystem::path& path, Translation translation) {
 
 bool shares_inputs(const Mealy& machine, const Alphabet& inputs) {
   const auto is_known = [&](const std::string& name) { return inputs.find(name).has_value(); };
-  return std::any_of(machine.inputs().names().begin(), machine.inputs().names().end(), is_known);
+  return std::ranges::any_of(machine.inputs().names(), is_known);
 }
 
 Alphabet input_alphabet(const SulInfo& system) {
@@ -179,7 +179,7 @@ std::uint64_t confirm_model(const Mealy& model, const SlowerSystem& slower, Cach
 namespace {
 
 bool has_all(const Mealy& machine, const Alphabet& inputs) {
-  return std::all_of(inputs.names().begin(), inputs.names().end(), [&](const std::string& name) {
+  return std::ranges::all_of(inputs.names(), [&](const std::string& name) {
     return machine.inputs().find(name).has_value();
   });
 }
@@ -205,7 +205,7 @@ std::vector<std::filesystem::path> files_in(const std::filesystem::path& folder)
   }
   if (error)
     throw UsageError("cannot read the folder: " + error.message() + " (" + folder.string() + ")");
-  std::sort(files.begin(), files.end());
+  std::ranges::sort(files);
   return files;
 }
 
@@ -246,7 +246,7 @@ std::vector<KnownModel> read_known_models(const std::filesystem::path& folder,
         continue;
       }
       Mealy known = prepare(machine, inputs);
-      const auto same = std::find_if(models.begin(), models.end(), [&](const KnownModel& model) {
+      const auto same = std::ranges::find_if(models, [&](const KnownModel& model) {
         return !find_distinguishing_word(model.machine, known);
       });
       if (same != models.end()) {

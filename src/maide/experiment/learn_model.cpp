@@ -85,7 +85,7 @@ std::vector<SystemEnd> find_system_ends(const InterfaceAutomaton& automaton,
       if (output.empty()) continue;
       std::vector<std::string> word = *words[state];
       word.push_back(automaton.inputs().name(transition.action.symbol));
-      const auto known = std::find_if(ends.begin(), ends.end(), [&](const SystemEnd& end) {
+      const auto known = std::ranges::find_if(ends, [&](const SystemEnd& end) {
         return end.output == output && end.word.back() == word.back();
       });
       if (known == ends.end()) {
@@ -98,7 +98,7 @@ std::vector<SystemEnd> find_system_ends(const InterfaceAutomaton& automaton,
       }
     }
   }
-  std::sort(ends.begin(), ends.end(), [](const SystemEnd& left, const SystemEnd& right) {
+  std::ranges::sort(ends, [](const SystemEnd& left, const SystemEnd& right) {
     return std::tuple(left.word.size(), left.word, left.output) <
            std::tuple(right.word.size(), right.word, right.output);
   });

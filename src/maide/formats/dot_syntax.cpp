@@ -244,7 +244,7 @@ class Parser {
     if (scope.depth > max_depth) fail("subgraphs are nested too deeply");
     statements(scope);
     expect('}');
-    std::sort(scope.members.begin(), scope.members.end());
+    std::ranges::sort(scope.members);
     scope.members.erase(std::unique(scope.members.begin(), scope.members.end()),
                         scope.members.end());
     outer.members.insert(outer.members.end(), scope.members.begin(), scope.members.end());

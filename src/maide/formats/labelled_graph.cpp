@@ -107,7 +107,7 @@ bool is_deterministic(const LabelledGraph& graph, const Alphabet& inputs,
   };
   std::vector<std::size_t> order(steps.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t left, std::size_t right) {
+  std::ranges::stable_sort(order, [&](std::size_t left, std::size_t right) {
     return std::pair(cell(left), steps[left].output) < std::pair(cell(right), steps[right].output);
   });
   bool is_single = true;
@@ -239,8 +239,8 @@ bool is_interface_automaton(const LabelledGraph& graph) {
 
 bool looks_like_interface_automaton(const std::vector<std::string_view>& labels) {
   if (labels.empty()) return false;
-  return std::all_of(labels.begin(), labels.end(), begins_like_action) ||
-         std::any_of(labels.begin(), labels.end(), [](std::string_view label) {
+  return std::ranges::all_of(labels, begins_like_action) ||
+         std::ranges::any_of(labels, [](std::string_view label) {
            return begins_like_action(label) && label.find('/') == std::string_view::npos;
          });
 }

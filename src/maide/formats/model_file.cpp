@@ -129,8 +129,7 @@ class DotReader {
       } else if (attribute.key == strength_key) {
         placed(attribute, [](const std::string& text) { return parse_stated_strength(text); });
         graph_.origin.emplace(attribute.key, value);
-      } else if (std::find(drawing_attributes.begin(), drawing_attributes.end(), attribute.key) ==
-                 drawing_attributes.end()) {
+      } else if (std::ranges::find(drawing_attributes, attribute.key) == drawing_attributes.end()) {
         graph_.origin.emplace(unescape_dot_label(attribute.key), value);
       }
     }

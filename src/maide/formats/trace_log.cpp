@@ -40,7 +40,7 @@ TraceLog read_trace_log(std::string_view text, const std::string& file, const Ru
     const auto is_step = [&](const Json& step) {
       return step.is_array() && step.size() == 2 && is_name(step[0]) && is_name(step[1]);
     };
-    if (!json.is_array() || !std::all_of(json.begin(), json.end(), is_step)) {
+    if (!json.is_array() || !std::ranges::all_of(json, is_step)) {
       throw ParseError("a trace is an array of pairs [\"input\", \"output\"]", {file, number, 0});
     }
     TraceLog::Trace& trace = log.traces.emplace_back();

@@ -213,7 +213,7 @@ bool is_weak(const InterfaceAutomaton& automaton) {
 // Whether a model was learned from this very system: name, options, versions, bound.
 bool is_model_of(const InterfaceAutomaton& automaton, const SulInfo& system) {
   const Origin now = describe_origin(system);
-  return std::all_of(now.begin(), now.end(), [&](const auto& entry) {
+  return std::ranges::all_of(now, [&](const auto& entry) {
     const auto kept = automaton.origin.find(entry.first);
     return kept != automaton.origin.end() && kept->second == entry.second;
   });
@@ -308,8 +308,8 @@ constexpr std::size_t value_words = 300;  // that the model with the file's valu
 constexpr std::uint64_t value_seed = 23;
 
 void set_option(ModelRequest& request, const std::string& key, const std::string& value) {
-  const auto known = std::find_if(request.with.begin(), request.with.end(),
-                                  [&](const auto& entry) { return same_key(entry.first, key); });
+  const auto known = std::ranges::find_if(
+      request.with, [&](const auto& entry) { return same_key(entry.first, key); });
   if (known == request.with.end()) {
     request.with.emplace_back(key, value);
   } else {

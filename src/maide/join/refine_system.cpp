@@ -56,9 +56,9 @@ class Refiner {
       if (!deviation) continue;
       if (learn_from(*deviation, property)) return true;
     }
-    const bool is_violated =
-        std::any_of(result_.report.properties.begin(), result_.report.properties.end(),
-                    [](const auto& property) { return property.verdict == Verdict::violated; });
+    const bool is_violated = std::ranges::any_of(
+        result_.report.properties,
+        [](const auto& property) { return property.verdict == Verdict::violated; });
     return !is_violated && test_models();
   }
 

@@ -28,8 +28,7 @@ constexpr std::size_t runs_at_once = 16;  // between two looks at whether to sto
 // Whether the automaton can emit all that is due, each actor's outputs in their order, and then has
 // no output left.
 bool emits(const InterfaceAutomaton& automaton, StateId state, const Actions& due) {
-  const bool is_empty =
-      std::all_of(due.begin(), due.end(), [](const auto& queue) { return queue.empty(); });
+  const bool is_empty = std::ranges::all_of(due, [](const auto& queue) { return queue.empty(); });
   if (is_empty) return automaton.is_quiescent(state);
   for (std::size_t actor = 0; actor < due.size(); ++actor) {
     if (due[actor].empty()) continue;
@@ -185,8 +184,8 @@ class Walk {
       }
       const bool is_taken = step != nullptr && step->status == StepStatus::taken;
       // Threads of executors may tell of what they do in any order.
-      std::sort(seen.begin(), seen.end());
-      std::sort(all.begin(), all.end());
+      std::ranges::sort(seen);
+      std::ranges::sort(all);
       if (!is_taken || seen != call.expected) {
         deviate(kind, host, in_words(call.expected), is_taken ? in_words(all) : describe(step));
         return std::nullopt;
@@ -225,7 +224,7 @@ class Walk {
     const auto& busy = view.answer->steps[view.next - 1].busy;
     const Symbol input = stage_.input_of(program, *call);
     const std::uint32_t actor = stage_.real(call->model)->sul->info().inputs[input].actor;
-    if (std::find(busy.begin(), busy.end(), actor) == busy.end()) {
+    if (std::ranges::find(busy, actor) == busy.end()) {
       calls_[program].reset();
       return false;
     }
@@ -244,9 +243,7 @@ class Walk {
   // A model that the step does not use stays where it was.
   StateId after_input(const Step& step, std::uint32_t model) const {
     const auto uses = uses_of(system_, step);
-    const auto use = std::find_if(uses.begin(), uses.end(), [&](const ModelUse& candidate) {
-      return candidate.model == model;
-    });
+    const auto use = std::ranges::find(uses, model, &ModelUse::model);
     const StateId before = plan_.states[move_.step].models[model];
     if (use == uses.end()) return before;
     const StateId target = step.targets[static_cast<std::size_t>(use - uses.begin())];
@@ -256,7 +253,7 @@ class Walk {
       return event.kind == Kind::give && event.model == model;
     };
     const auto events = events_of(system_, step);
-    const auto input = std::find_if(events.begin(), events.end(), given_to);
+    const auto input = std::ranges::find_if(events, given_to);
     if (input == events.end()) return target;
     for (const auto& given : automaton.transitions(before)) {
       if (given.action != Action{Action::Kind::input, input->symbol} || given.absorbed) continue;
@@ -293,7 +290,7 @@ class Walk {
     const auto transitions = automaton.transitions(before);
     const bool is_another =
         is_taken && models.size() == 1 &&
-        std::any_of(transitions.begin(), transitions.end(), [&](const auto& transition) {
+        std::ranges::any_of(transitions, [&](const auto& transition) {
           return transition.action == Action{Action::Kind::input, event.symbol} &&
                  !transition.absorbed && is_as_expected(host, models, {transition.target});
         });
@@ -366,8 +363,8 @@ class Walk {
       if (symbol) collected.push_back(system_.models[models[i]].automaton.outputs().name(*symbol));
     }
     if (collected.size() < (topic.delivers_one ? 1 : models.size())) return {};
-    const auto failed = std::find_if(collected.begin(), collected.end(),
-                                     [](const auto& name) { return name.starts_with("failed"); });
+    const auto failed = std::ranges::find_if(
+        collected, [](const auto& name) { return name.starts_with("failed"); });
     return {failed == collected.end() ? collected.front() : *failed};
   }
 
@@ -389,7 +386,7 @@ class Walk {
     const InterfaceAutomaton& automaton = system_.models[event.model].automaton;
     const auto& hidden = automaton.hidden_returns;
     const std::string& name = automaton.inputs().name(event.symbol);
-    if (std::find(hidden.begin(), hidden.end(), name) == hidden.end()) return;
+    if (std::ranges::find(hidden, name) == hidden.end()) return;
     calls_[program] = event;
   }
 

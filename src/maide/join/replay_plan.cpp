@@ -24,8 +24,7 @@ namespace {
 
 Symbol input_named(const RealSystem& real, const std::string& name) {
   const auto& inputs = real.sul->info().inputs;
-  const auto place = std::find_if(inputs.begin(), inputs.end(),
-                                  [&](const SulInput& input) { return input.name == name; });
+  const auto place = std::ranges::find(inputs, name, &SulInput::name);
   if (place == inputs.end()) {
     throw UsageError(fmt::format("the system {} has no input '{}'", real.description, name));
   }
@@ -67,7 +66,7 @@ bool Stage::is_of_writers(const ModelUse& event) const {
 }
 
 std::size_t Stage::writer_of(const TopicInstance& topic, std::uint32_t program) {
-  const auto place = std::find(topic.writers.begin(), topic.writers.end(), program);
+  const auto place = std::ranges::find(topic.writers, program);
   return static_cast<std::size_t>(place - topic.writers.begin());
 }
 
@@ -133,7 +132,7 @@ class ProbeFinder {
     const std::uint32_t host = stage_.seat(event.model).host;
     const InterfaceAutomaton& automaton = system_.models[event.model].automaton;
     const StateId at = at_[event.model];
-    const bool is_open = std::find(left_.begin(), left_.end(), host) == left_.end();
+    const bool is_open = std::ranges::find(left_, host) == left_.end();
     for (const std::uint32_t model : stage_.models_of(host)) {
       if (!is_open || !system_.models[model].automaton.is_quiescent(at_[model])) return;
     }
@@ -184,8 +183,7 @@ std::string describe_due(const InterfaceAutomaton& automaton, StateId state) {
 namespace {
 
 void refuse_steps_of_nobody(const System& system, const Trace& trace) {
-  const auto step = std::find_if(trace.steps.begin(), trace.steps.end(),
-                                 [](const Step& one) { return one.actor == nobody; });
+  const auto step = std::ranges::find(trace.steps, nobody, &Step::actor);
   if (step == trace.steps.end()) return;
   throw UsageError(fmt::format("step {}, {}, is nobody's: no real system can be asked for it",
                                step - trace.steps.begin() + 1, describe_action(system, *step)));
@@ -243,8 +241,8 @@ std::set<std::uint32_t> find_met(const System& system, const Trace& trace,
     for (const ModelUse& use : uses_of(system, step)) met.insert(use.model);
   }
   for (const auto& component : find_components(system)) {
-    const bool is_met = std::any_of(trace.steps.begin(), trace.steps.end(), [&](const Step& step) {
-      return std::find(component.begin(), component.end(), step.actor) != component.end();
+    const bool is_met = std::ranges::any_of(trace.steps, [&](const Step& step) {
+      return std::ranges::find(component, step.actor) != component.end();
     });
     if (!is_met && !trace.steps.empty()) continue;
     for (const std::uint32_t index : component) {
@@ -268,10 +266,9 @@ bool is_lock(const ModelInstance& model) {
 
 bool meet_nodes(const System& system, std::span<const Trace> traces) {
   const std::vector<std::uint32_t> models = ReplayedNodes::find_models(system);
-  return std::any_of(traces.begin(), traces.end(), [&](const Trace& trace) {
+  return std::ranges::any_of(traces, [&](const Trace& trace) {
     const auto met = find_met(system, trace, replay(system, trace).back());
-    return std::any_of(models.begin(), models.end(),
-                       [&](std::uint32_t model) { return met.contains(model); });
+    return std::ranges::any_of(models, [&](std::uint32_t model) { return met.contains(model); });
   });
 }
 
@@ -285,9 +282,8 @@ Unplayed find_unplayed(const System& system, std::span<const Trace> traces,
     return system.models[model].source == source;
   };
   Unplayed unplayed;
-  unplayed.is_all = std::none_of(met.begin(), met.end(), [&](std::uint32_t model) {
-    return is_real_in(system, model, nodes);
-  });
+  unplayed.is_all = std::ranges::none_of(
+      met, [&](std::uint32_t model) { return is_real_in(system, model, nodes); });
   if (!unplayed.is_all) {
     std::erase_if(met, [&](std::uint32_t model) {
       return is(model, Source::variable) || is_lock(system.models[model]) ||

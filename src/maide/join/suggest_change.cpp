@@ -136,7 +136,7 @@ class ChangeSearch {
   void found(const std::string& change, const Outcome& outcome, const std::string& how) {
     std::string line = fmt::format("{} ({}checked: {} states)", change, how, outcome.states);
     std::vector<std::string>& changes = result_.changes;
-    if (std::find(changes.begin(), changes.end(), line) == changes.end()) {
+    if (std::ranges::find(changes, line) == changes.end()) {
       changes.push_back(std::move(line));
     }
   }
@@ -225,7 +225,7 @@ class ChangeSearch {
   void set(const ModelInstance& instance, const Learned& learned,
            const std::vector<OptionSpec>& specs, const OptionSpec& option) {
     const std::string& value = option.keeps_more;
-    if (std::find(option.allowed.begin(), option.allowed.end(), value) == option.allowed.end()) {
+    if (std::ranges::find(option.allowed, value) == option.allowed.end()) {
       return;
     }
     Learned changed = learned;
@@ -282,8 +282,8 @@ class ChangeSearch {
 
   // As many messages in flight as the programs may send; false if it is so already.
   bool fit_size(With& with, const std::vector<OptionSpec>& specs) const {
-    const bool has_size = std::any_of(specs.begin(), specs.end(),
-                                      [](const OptionSpec& spec) { return spec.key == "size"; });
+    const bool has_size =
+        std::ranges::any_of(specs, [](const OptionSpec& spec) { return spec.key == "size"; });
     if (!has_size) return false;
     std::string& size = value_of(with, "size");
     if (parse_number<std::uint32_t>(size).value_or(0) >= burst_) return false;

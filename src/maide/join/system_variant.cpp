@@ -67,8 +67,8 @@ std::optional<std::string> changed_text(const std::string& before, const std::st
   auto places = places_of_counts(tree, variant.repeats);
   if (places.size() != variant.repeats.size()) return std::nullopt;
   // From the end, so that places before stay right.
-  std::sort(places.begin(), places.end(),
-            [](const auto& a, const auto& b) { return in_order(a.first) > in_order(b.first); });
+  std::ranges::sort(
+      places, [](const auto& a, const auto& b) { return in_order(a.first) > in_order(b.first); });
   for (const auto& [place, count] : places) text = with_word(text, place, std::to_string(count));
   for (const NumberConstant& constant : variant.constants) {
     const YamlDocument now = read_yaml(text, file, "a system file");
@@ -131,8 +131,7 @@ std::vector<Repeat> find_repeats(const System& system) {
     }
   }
   const auto place = [](const Repeat& repeat) { return std::pair(repeat.line, repeat.column); };
-  std::sort(repeats.begin(), repeats.end(),
-            [&](const Repeat& a, const Repeat& b) { return place(a) < place(b); });
+  std::ranges::sort(repeats, [&](const Repeat& a, const Repeat& b) { return place(a) < place(b); });
   repeats.erase(std::unique(repeats.begin(), repeats.end(),
                             [&](const Repeat& a, const Repeat& b) { return place(a) == place(b); }),
                 repeats.end());
@@ -212,7 +211,7 @@ std::string base_of(const std::string& name) { return name.substr(0, name.find('
 bool names(const YamlNode* field, const std::string& node) {
   if (field == nullptr) return false;
   if (field->is_scalar()) return base_of(field->value) == node;
-  return std::any_of(field->entries.begin(), field->entries.end(), [&](const YamlEntry& entry) {
+  return std::ranges::any_of(field->entries, [&](const YamlEntry& entry) {
     return entry.value.is_scalar() && base_of(entry.value.value) == node;
   });
 }

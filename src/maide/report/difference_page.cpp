@@ -114,7 +114,7 @@ class Joiner {
         bool is_common = false;
         if (partner != Mealy::no_state) {
           const auto& others = answer(right, partner, question).ways;
-          is_common = std::any_of(others.begin(), others.end(), [&](const Answer::Way& other) {
+          is_common = std::ranges::any_of(others, [&](const Answer::Way& other) {
             return other.label == way.label && at_[right][other.target] == at_[left][way.target];
           });
         }
@@ -389,9 +389,8 @@ void write_controls(std::ostream& out) {
 void write_walk(std::ostream& out, const DifferencePage& page, std::size_t number) {
   const Walk& walk = page.walks[number];
   // Nobody knows the states of a running system.
-  const bool has_right =
-      std::any_of(walk.steps.begin(), walk.steps.end(),
-                  [](const WalkStep& step) { return step.right_at.has_value(); });
+  const bool has_right = std::ranges::any_of(
+      walk.steps, [](const WalkStep& step) { return step.right_at.has_value(); });
   out << fmt::format(
       "<details id=\"w{0}\"{1}><summary>{2}. {3}</summary>\n<table><tr><th>step</th><th>given</th>"
       "<th class=\"a\">{4} answers</th><th class=\"b\">{5} answers</th><th>{4} is "
@@ -550,7 +549,7 @@ void write_difference_page(std::ostream& out, const DifferencePage& page,
     edges.clear();
     out << "<p>No picture: Graphviz's dot is not installed here, or gave up.</p>\n";
   } else {
-    const auto drawn = static_cast<std::size_t>(std::count(is_drawn.begin(), is_drawn.end(), true));
+    const auto drawn = static_cast<std::size_t>(std::ranges::count(is_drawn, true));
     if (drawn < is_drawn.size()) {
       out << fmt::format(
           "<p>{} of {} states are drawn: those on the words below, those where the two differ, and "

@@ -234,7 +234,7 @@ class Sentence {
   // What comes out are messages, and not answers of other kinds.
   bool is_about_messages(const Waiting& waiting) const {
     const auto outputs = awaited_outputs(waiting);
-    return std::any_of(outputs.begin(), outputs.end(), [&](Symbol output) {
+    return std::ranges::any_of(outputs, [&](Symbol output) {
       return is_message_name(model(waiting).automaton.outputs().name(output));
     });
   }
@@ -274,9 +274,8 @@ class Sentence {
   // The input that the step gives to the model.
   Symbol given_input(std::uint32_t model, const Step& step) const {
     const auto events = events_of(system_, step);
-    const auto event = std::find_if(events.begin(), events.end(), [&](const ModelUse& use) {
-      return use.kind == Kind::give && use.model == model;
-    });
+    const auto event = std::ranges::find_if(
+        events, [&](const ModelUse& use) { return use.kind == Kind::give && use.model == model; });
     MAIDE_CHECK(event != events.end());
     return event->symbol;
   }
@@ -293,7 +292,7 @@ class Sentence {
     std::string giving = "when " + describe_actor(system_, step);
     if (step.actor != nobody) giving += " " + past_of(input);
     const std::string place = fmt::format("(step {})", loss.step + 1);
-    if (std::find(messages.begin(), messages.end(), given) == messages.end()) {
+    if (std::ranges::find(messages, given) == messages.end()) {
       return fmt::format("{}, {} {}", counted(loss.count, "message"), giving, place);
     }
     const std::string last = fmt::format("message {}", loss.given);
@@ -488,8 +487,8 @@ class Sentence {
       waitings.push_back(find_waiting(system_, trace_, states_, states_.size() - 1, index));
     }
     if (waitings.empty()) return describe_hopeless(state);
-    std::stable_sort(waitings.begin(), waitings.end(),
-                     [](const Waiting& a, const Waiting& b) { return rank(a) < rank(b); });
+    std::ranges::stable_sort(waitings,
+                             [](const Waiting& a, const Waiting& b) { return rank(a) < rank(b); });
     std::string text = describe(waitings.front(), state);
     const std::vector<std::uint32_t> circle = find_circle(waitings);
     const std::size_t shown = std::min(waitings.size(), circle.size() > 2 ? 1 : most_clauses);
@@ -563,7 +562,7 @@ class Sentence {
     const std::size_t length = trace_.steps.size() - *trace_.loop_start;
     for (std::size_t at = trace_.steps.size(); at-- > *trace_.loop_start;) {
       const auto waiting = blocked_programs(system_, states_[at]);
-      if (std::find(waiting.begin(), waiting.end(), index) == waiting.end()) continue;
+      if (std::ranges::find(waiting, index) == waiting.end()) continue;
       ++blocked;
       where = at;
     }

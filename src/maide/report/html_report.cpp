@@ -55,9 +55,9 @@ std::map<int, std::string> lines_of(const System& system, const Program& program
     const auto is_within = [&](int first, int last) { return line >= first && line <= last; };
     if (standing.waits.contains(line) || standing.loops.contains(line)) return true;
     if (program.callbacks.empty()) return is_within(program.position.line, program.last_line);
-    return std::any_of(
-        program.callbacks.begin(), program.callbacks.end(),
-        [&](const auto& callback) { return is_within(callback.first, callback.last); });
+    return std::ranges::any_of(program.callbacks, [&](const auto& callback) {
+      return is_within(callback.first, callback.last);
+    });
   };
   int line = 0;
   for (const std::string_view text : split(source->second, '\n')) {
@@ -92,7 +92,7 @@ Standing find_standing(const System& system, const Trace& trace, const GlobalSta
     return standing;
   }
   const auto blocked = blocked_programs(system, last);
-  const bool is_blocked = std::find(blocked.begin(), blocked.end(), index) != blocked.end();
+  const bool is_blocked = std::ranges::find(blocked, index) != blocked.end();
   if (program.may_rest(control) && !is_blocked) {
     standing.note = "rests";
     return standing;

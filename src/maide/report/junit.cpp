@@ -60,8 +60,8 @@ std::string escape_xml(std::string_view text) {
 
 void write_junit(std::ostream& out, const JUnitSuite& suite) {
   const auto count = [&](const std::string JUnitCase::*member) {
-    return std::count_if(suite.cases.begin(), suite.cases.end(),
-                         [&](const JUnitCase& one) { return !(one.*member).empty(); });
+    return std::ranges::count_if(suite.cases,
+                                 [&](const JUnitCase& one) { return !(one.*member).empty(); });
   };
   const std::size_t errors = suite.error.empty() ? 0 : 1;
   const std::string name = escape_xml(suite.name);

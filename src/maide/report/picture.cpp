@@ -289,9 +289,8 @@ std::string connection_picture(const System& system) {
       const auto events = program.events_of(edge);
       for (const ModelUse& event : events) add(event);
       for (const ModelUse& use : program.uses_of(edge)) {
-        const bool is_shown = std::any_of(events.begin(), events.end(), [&](const ModelUse& event) {
-          return event.model == use.model;
-        });
+        const bool is_shown = std::ranges::any_of(
+            events, [&](const ModelUse& event) { return event.model == use.model; });
         if (!is_shown) add(use);
       }
     }

@@ -381,7 +381,7 @@ class TextDrawing {
  private:
   void put(Characters& line, std::size_t at, const Characters& text) const {
     if (line.size() < at + text.size()) line.resize(at + text.size(), U' ');
-    std::copy(text.begin(), text.end(), line.begin() + static_cast<std::ptrdiff_t>(at));
+    std::ranges::copy(text, line.begin() + static_cast<std::ptrdiff_t>(at));
   }
 
   Characters clipped(std::string_view text) const {

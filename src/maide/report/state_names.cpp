@@ -45,7 +45,7 @@ std::optional<std::vector<std::size_t>> count_held(const InterfaceAutomaton& aut
     if (const auto input = automaton.inputs().find(name)) awaited.asking.push_back(*input);
   }
   if (awaited.asking.empty()) return std::nullopt;
-  std::sort(awaited.asking.begin(), awaited.asking.end());
+  std::ranges::sort(awaited.asking);
   // Outputs that come again and again without anything given ("null", "written") count nothing.
   for (const std::string& name : actor.outputs) {
     const auto output = automaton.outputs().find(name);
@@ -53,18 +53,18 @@ std::optional<std::vector<std::size_t>> count_held(const InterfaceAutomaton& aut
     Awaited alone = awaited;
     alone.outputs = {*output};
     const auto counts = count_obtainable(automaton, alone);
-    if (std::all_of(counts.begin(), counts.end(), [](const auto& count) { return !!count; })) {
+    if (std::ranges::all_of(counts, [](const auto& count) { return !!count; })) {
       awaited.outputs.push_back(*output);
     }
   }
   if (awaited.outputs.empty()) return std::nullopt;
-  std::sort(awaited.outputs.begin(), awaited.outputs.end());
+  std::ranges::sort(awaited.outputs);
   std::vector<std::size_t> held;
   for (const auto& count : count_obtainable(automaton, awaited)) {
     if (!count) return std::nullopt;
     held.push_back(*count);
   }
-  if (std::all_of(held.begin(), held.end(), [](std::size_t count) { return count == 0; })) {
+  if (std::ranges::all_of(held, [](std::size_t count) { return count == 0; })) {
     return std::nullopt;
   }
   return held;
@@ -75,20 +75,20 @@ bool waits(const InterfaceAutomaton& automaton, const Actor& actor, StateId stat
   if (!automaton.is_quiescent(state) || actor.inputs.empty()) return false;
   const auto is_of_actor = [&](Symbol input) {
     const std::string& name = automaton.inputs().name(input);
-    return std::find(actor.inputs.begin(), actor.inputs.end(), name) != actor.inputs.end();
+    return std::ranges::find(actor.inputs, name) != actor.inputs.end();
   };
   for (const auto& transition : automaton.transitions(state)) {
     if (transition.action.is_input() && is_of_actor(transition.action.symbol)) return false;
   }
   const auto& untried = automaton.unexplored(state);
-  return std::none_of(untried.begin(), untried.end(), is_of_actor);
+  return std::ranges::none_of(untried, is_of_actor);
 }
 
 std::vector<std::string> describe_states(const InterfaceAutomaton& automaton) {
   std::vector<std::optional<std::vector<std::size_t>>> held;
   for (const Actor& actor : automaton.actors) held.push_back(count_held(automaton, actor));
   const std::size_t holders = static_cast<std::size_t>(
-      std::count_if(held.begin(), held.end(), [](const auto& counts) { return !!counts; }));
+      std::ranges::count_if(held, [](const auto& counts) { return !!counts; }));
   std::vector<std::string> names;
   for (StateId state = 0; state < automaton.size(); ++state) {
     std::vector<std::string> parts;

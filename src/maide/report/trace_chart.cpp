@@ -219,8 +219,8 @@ void leave_out_hidden(const System& system, const Trace& trace, SequenceChart& c
     return !is_shown(system, trace.steps[message.step]);
   });
   if (!chart.loop_start) return;
-  const auto first = std::find_if(
-      chart.messages.begin(), chart.messages.end(),
+  const auto first = std::ranges::find_if(
+      chart.messages,
       [&](const SequenceChart::Message& message) { return message.step >= *trace.loop_start; });
   chart.loop_start.reset();
   if (first != chart.messages.end()) {
@@ -343,7 +343,7 @@ class ChartReader {
   void make_lanes() {
     std::vector<std::string> programs, models;
     const auto note = [](std::vector<std::string>& names, const std::string& name) {
-      if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+      if (std::ranges::find(names, name) == names.end()) names.push_back(name);
     };
     for (const Event& event : events_) {
       note(programs, event.actor.empty() ? nobodys_lane : event.actor);

@@ -82,9 +82,9 @@ void write_waiting(std::ostream& out, const System& system, const GlobalState& s
 // Whether some program waits for one of the outputs that are due.
 bool is_awaited(const System& system, const GlobalState& state, std::uint32_t model) {
   const auto steps = enabled_steps(system, state);
-  return std::any_of(steps.begin(), steps.end(), [&](const Step& step) {
+  return std::ranges::any_of(steps, [&](const Step& step) {
     const auto events = events_of(system, step);
-    return std::any_of(events.begin(), events.end(), [&](const ModelUse& event) {
+    return std::ranges::any_of(events, [&](const ModelUse& event) {
       return event.kind == Kind::take && event.model == model;
     });
   });
@@ -101,8 +101,8 @@ void write_loop(std::ostream& out, const System& system, const Trace& trace,
     for (std::size_t at = *trace.loop_start; at < trace.steps.size(); ++at) {
       steps = steps || trace.steps[at].actor == index;
       const auto enabled = enabled_steps(system, states[at]);
-      const bool can = std::any_of(enabled.begin(), enabled.end(),
-                                   [&](const Step& step) { return step.actor == index; });
+      const bool can =
+          std::ranges::any_of(enabled, [&](const Step& step) { return step.actor == index; });
       if (!can && !is_disabled) where = at;
       is_disabled = is_disabled || !can;
     }

@@ -56,13 +56,13 @@ ExecutorRules::ExecutorRules(const System& system)
       const CallbackInstance& first = system.callbacks[group.front()];
       return first.node == callback.node && first.group == callback.group;
     };
-    const auto place = std::find_if(groups_.begin(), groups_.end(), is_its);
+    const auto place = std::ranges::find_if(groups_, is_its);
     group_of_[number] = static_cast<std::size_t>(place - groups_.begin());
     if (place == groups_.end()) groups_.emplace_back();
     groups_[group_of_[number]].push_back(number);
     order_.push_back(number);
   }
-  std::stable_sort(order_.begin(), order_.end(), [&](std::uint32_t a, std::uint32_t b) {
+  std::ranges::stable_sort(order_, [&](std::uint32_t a, std::uint32_t b) {
     const Kind kind = system.callbacks[a].kind, other = system.callbacks[b].kind;
     return kind != other ? kind < other : group_of_[a] < group_of_[b];
   });
@@ -79,7 +79,7 @@ ExecutorRules::ExecutorRules(const System& system)
           discards ? system.callbacks[*combined.callback].model : combined.events.front().model;
       for (const ModelUse& use : combined.uses) {
         if (use.model != model) continue;
-        if (std::find(ways.begin(), ways.end(), use) == ways.end()) ways.push_back(use);
+        if (std::ranges::find(ways, use) == ways.end()) ways.push_back(use);
       }
     }
   }
@@ -101,7 +101,7 @@ std::size_t ExecutorRules::runs_of(std::uint32_t callback) const {
 }
 
 bool ExecutorRules::is_ready(std::uint32_t callback, const GlobalState& at) const {
-  return std::any_of(ways_[callback].begin(), ways_[callback].end(), [&](const ModelUse& use) {
+  return std::ranges::any_of(ways_[callback], [&](const ModelUse& use) {
     return !model_steps(system_.models[use.model], at.models[use.model], use).empty();
   });
 }
@@ -109,15 +109,14 @@ bool ExecutorRules::is_ready(std::uint32_t callback, const GlobalState& at) cons
 bool ExecutorRules::is_gone(std::uint32_t callback, const GlobalState& at,
                             std::span<const std::uint32_t> due) const {
   return system_.callbacks[callback].kind != Kind::timer && !is_ready(callback, at) &&
-         std::find(due.begin(), due.end(), callback) == due.end();
+         std::ranges::find(due, callback) == due.end();
 }
 
 bool ExecutorRules::is_busy(const State& state, std::size_t group) const {
   if (system_.callbacks[groups_[group].front()].is_reentrant) return false;
-  return std::any_of(groups_[group].begin(), groups_[group].end(), [&](std::uint32_t callback) {
+  return std::ranges::any_of(groups_[group], [&](std::uint32_t callback) {
     const auto& picked = state.picked[system_.callbacks[callback].executor];
-    return state.running[callback].front() ||
-           std::find(picked.begin(), picked.end(), callback) != picked.end();
+    return state.running[callback].front() || std::ranges::find(picked, callback) != picked.end();
   });
 }
 
@@ -128,17 +127,17 @@ std::optional<std::uint32_t> ExecutorRules::pick(State& state, std::uint32_t exe
   for (std::uint32_t callback = 0; callback < system_.callbacks.size(); ++callback) {
     if (system_.callbacks[callback].executor != executor) continue;
     const auto& running = state.running[callback];
-    busy += static_cast<std::size_t>(std::count(running.begin(), running.end(), true));
+    busy += static_cast<std::size_t>(std::ranges::count(running, true));
   }
   if (busy >= system_.executors[executor].threads) return std::nullopt;
   std::vector<std::uint32_t>& found = state.found[executor];
   std::erase_if(found, [&](std::uint32_t callback) { return is_gone(callback, at, due); });
   const auto is_free = [&](std::uint32_t callback) { return !is_busy(state, group_of_[callback]); };
-  auto first = std::find_if(found.begin(), found.end(), is_free);
+  auto first = std::ranges::find_if(found, is_free);
   if (first == found.end()) {
     found.clear();
     for (const std::uint32_t callback : order_) {
-      const bool is_due = std::find(due.begin(), due.end(), callback) != due.end();
+      const bool is_due = std::ranges::find(due, callback) != due.end();
       if (system_.callbacks[callback].executor == executor && is_free(callback) &&
           (is_due || is_ready(callback, at))) {
         found.push_back(callback);
@@ -150,20 +149,20 @@ std::optional<std::uint32_t> ExecutorRules::pick(State& state, std::uint32_t exe
   const std::uint32_t callback = *first;
   found.erase(first);
   auto& picked = state.picked[executor];
-  picked.insert(std::upper_bound(picked.begin(), picked.end(), callback), callback);
+  picked.insert(std::ranges::upper_bound(picked, callback), callback);
   return callback;
 }
 
 void ExecutorRules::discard(State& state, std::uint32_t callback) const {
   auto& picked = state.picked[system_.callbacks[callback].executor];
-  const auto place = std::find(picked.begin(), picked.end(), callback);
+  const auto place = std::ranges::find(picked, callback);
   if (place != picked.end()) picked.erase(place);
 }
 
 std::size_t ExecutorRules::start(State& state, std::uint32_t callback) const {
   discard(state, callback);
   auto& running = state.running[callback];
-  const auto run = std::find(running.begin(), running.end(), false);
+  const auto run = std::ranges::find(running, false);
   if (run == running.end()) return 0;
   *run = true;
   return static_cast<std::size_t>(run - running.begin());

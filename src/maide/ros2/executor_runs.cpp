@@ -23,9 +23,9 @@ namespace {
 // The step at another moment, when models may be in other states.
 std::optional<Step> step_like(const System& system, const GlobalState& at, const Step& as_told) {
   const std::vector<Step> enabled = enabled_steps(system, at, as_told.actor);
-  auto step = std::find(enabled.begin(), enabled.end(), as_told);
+  auto step = std::ranges::find(enabled, as_told);
   if (step == enabled.end()) {
-    step = std::find_if(enabled.begin(), enabled.end(), [&](const Step& other) {
+    step = std::ranges::find_if(enabled, [&](const Step& other) {
       return other.action == as_told.action && other.is_beyond == as_told.is_beyond;
     });
   }
@@ -113,7 +113,7 @@ class Scheduler {
     for (std::size_t queue = 0; queue < queues_.size(); ++queue) {
       if (place.progress[queue] < queues_[queue].size()) place.ways.push_back({queue, 0});
     }
-    std::sort(place.ways.begin(), place.ways.end(), [&](const Way& a, const Way& b) {
+    std::ranges::sort(place.ways, [&](const Way& a, const Way& b) {
       return step_of(place, *a.queue) < step_of(place, *b.queue);
     });
     // Some thread may have picked before.
@@ -147,7 +147,7 @@ class Scheduler {
     if (const auto callback = picked_for(system_, *step)) {
       const std::uint32_t executor = system_.callbacks[*callback].executor;
       const auto& picked = place.rules.picked[executor];
-      if (std::find(picked.begin(), picked.end(), *callback) == picked.end()) {
+      if (std::ranges::find(picked, *callback) == picked.end()) {
         return behind_pick(place, executor, {*callback});
       }
       if (started_by(system_, *step)) {
@@ -175,7 +175,7 @@ class Scheduler {
     Place next = copy_of(place);
     const auto callback = rules_.pick(next.rules, executor, place.at, due);
     const auto& before = place.rules.picked[executor];
-    if (!callback || std::find(before.begin(), before.end(), *callback) != before.end()) {
+    if (!callback || std::ranges::find(before, *callback) != before.end()) {
       return std::nullopt;
     }
     next.picks.push_back(*callback);
@@ -261,7 +261,7 @@ void NodeRuns::restrict(const GlobalState& at, std::vector<Step>& steps) const {
     if (!callback) return false;
     const std::uint32_t executor = system_.callbacks[*callback].executor;
     const auto& picked = state_.picked[executor];
-    if (!picked.empty()) return std::find(picked.begin(), picked.end(), *callback) == picked.end();
+    if (!picked.empty()) return std::ranges::find(picked, *callback) == picked.end();
     ExecutorRules::State next = state_;
     return rules_.pick(next, executor, at, {&*callback, 1}) != callback;
   });

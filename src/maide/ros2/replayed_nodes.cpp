@@ -20,7 +20,7 @@ namespace {
 using Kind = ModelUse::Kind;
 
 bool contains(const std::vector<std::string>& names, const std::string& name) {
-  return std::find(names.begin(), names.end(), name) != names.end();
+  return std::ranges::find(names, name) != names.end();
 }
 
 // "camera" of "camera[i]".
@@ -28,8 +28,9 @@ std::string array_of(const std::string& name) { return name.substr(0, name.find(
 
 // The writer is one of those that the topic names.
 bool is_writer(const TopicInstance& topic, const std::string& name) {
-  return std::any_of(topic.writer_names.begin(), topic.writer_names.end(),
-                     [&](const std::string& writer) { return array_of(writer) == array_of(name); });
+  return std::ranges::any_of(topic.writer_names, [&](const std::string& writer) {
+    return array_of(writer) == array_of(name);
+  });
 }
 
 std::string name_of(const System& system, const ModelUse& use) {
@@ -59,9 +60,9 @@ Json options_of_ends(const SystemSpec& spec, const std::string& where) {
 // ---- the system ---------------------------------------------------------------------------------
 
 bool ReplayedNodes::has_node(const System& system, const TopicInstance& topic) {
-  return std::any_of(topic.readers.begin(), topic.readers.end(),
-                     [](const auto& reader) { return reader.callback.has_value(); }) ||
-         std::any_of(topic.writers.begin(), topic.writers.end(), [&](std::uint32_t program) {
+  return std::ranges::any_of(topic.readers,
+                             [](const auto& reader) { return reader.callback.has_value(); }) ||
+         std::ranges::any_of(topic.writers, [&](std::uint32_t program) {
            return !system.programs[program].nodes.empty();
          });
 }
@@ -73,12 +74,11 @@ std::vector<std::uint32_t> ReplayedNodes::find_models(const System& system) {
     for (const TopicInstance::Reader& reader : topic.readers) models.insert(reader.model);
   }
   const auto is_node = [&](const std::string& name) {
-    return std::any_of(system.callbacks.begin(), system.callbacks.end(),
-                       [&](const CallbackInstance& callback) { return callback.node == name; });
+    return std::ranges::any_of(
+        system.callbacks, [&](const CallbackInstance& callback) { return callback.node == name; });
   };
   for (const ServiceInstance& service : system.services) {
-    if (is_node(service.server) ||
-        std::any_of(service.clients.begin(), service.clients.end(), is_node)) {
+    if (is_node(service.server) || std::ranges::any_of(service.clients, is_node)) {
       models.insert(service.model);
     }
   }
@@ -86,7 +86,7 @@ std::vector<std::uint32_t> ReplayedNodes::find_models(const System& system) {
 }
 
 bool ReplayedNodes::contains(std::uint32_t model) const {
-  return std::binary_search(models_.begin(), models_.end(), model);
+  return std::ranges::binary_search(models_, model);
 }
 
 // Makes the text by which the wrapper is told of the nodes.

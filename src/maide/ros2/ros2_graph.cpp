@@ -26,8 +26,7 @@ namespace {
 constexpr std::string_view action_part = "/_action/";
 
 bool ends_with_any(const std::string& name, std::initializer_list<std::string_view> ends) {
-  return std::any_of(ends.begin(), ends.end(),
-                     [&](std::string_view end) { return name.ends_with(end); });
+  return std::ranges::any_of(ends, [&](std::string_view end) { return name.ends_with(end); });
 }
 
 // What every node has, whatever its program does.
@@ -290,8 +289,8 @@ Ros2Graph graph_of_system(const std::string& text, const std::string& file,
     const std::filesystem::path kept =
         kept_model_path(std::filesystem::path(file).parent_path(), request);
     if (!request.values.empty() || !std::filesystem::exists(kept)) {
-      const auto kind = std::find_if(request.with.begin(), request.with.end(),
-                                     [](const auto& option) { return option.first == "kind"; });
+      const auto kind = std::ranges::find_if(
+          request.with, [](const auto& option) { return option.first == "kind"; });
       const bool is_service = kind != request.with.end() && kind->second == "service";
       return is_service ? any_service() : any_topic(request.values);
     }
@@ -391,8 +390,8 @@ class Examination {
   std::vector<Ros2Finding> run() {
     for (const Ros2Topic& topic : graph_.topics) examine(topic);
     for (const Ros2Service& service : graph_.services) examine(service);
-    std::stable_sort(findings_.begin(), findings_.end(),
-                     [](const auto& a, const auto& b) { return a.kind < b.kind; });
+    std::ranges::stable_sort(findings_,
+                             [](const auto& a, const auto& b) { return a.kind < b.kind; });
     return std::move(findings_);
   }
 
@@ -405,7 +404,7 @@ class Examination {
     const auto is_same = [&](const Ros2Finding& finding) {
       return finding.kind == kind && finding.where == where && finding.text == text;
     };
-    if (std::none_of(findings_.begin(), findings_.end(), is_same)) {
+    if (std::ranges::none_of(findings_, is_same)) {
       findings_.push_back({kind, where, text});
     }
   }

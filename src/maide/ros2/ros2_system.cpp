@@ -136,7 +136,7 @@ class SystemWriter {
 
  private:
   void note(const std::string& remark) {
-    if (std::find(remarks_.begin(), remarks_.end(), remark) == remarks_.end()) {
+    if (std::ranges::find(remarks_, remark) == remarks_.end()) {
       remarks_.push_back(remark);
     }
   }
@@ -219,8 +219,8 @@ class SystemWriter {
       name = take(name, group == groups.rbegin() ? "_topic" : "_2");
       add(topic, name, group->second, readers);
     }
-    const auto heard = std::count_if(groups.begin(), groups.end(), [](const auto& group) {
-      return std::find(group.first.begin(), group.first.end(), true) != group.first.end();
+    const auto heard = std::ranges::count_if(groups, [](const auto& group) {
+      return std::ranges::find(group.first, true) != group.first.end();
     });
     if (heard > 1) {
       note(topic.name +
@@ -239,8 +239,7 @@ class SystemWriter {
     for (const Ros2End* publisher : publishers) {
       NodeEntry& node = node_of(publisher->node);
       ends.push_back(describe(*publisher));
-      if (std::find(connection.writers.begin(), connection.writers.end(), node.name) !=
-          connection.writers.end()) {
+      if (std::ranges::find(connection.writers, node.name) != connection.writers.end()) {
         continue;
       }
       connection.writers.push_back(node.name);
@@ -250,8 +249,8 @@ class SystemWriter {
       ends.push_back(describe(*subscription));
       const Ros2Qos& first = publishers.front()->qos;
       if (hears_history(first, subscription->qos) &&
-          std::any_of(publishers.begin(), publishers.end(),
-                      [&](const Ros2End* other) { return other->qos.depth != first.depth; })) {
+          std::ranges::any_of(
+              publishers, [&](const Ros2End* other) { return other->qos.depth != first.depth; })) {
         note(
             fmt::format("{}: its publishers keep different numbers of messages for who comes "
                         "late; here all keep what {} does",
@@ -284,7 +283,7 @@ class SystemWriter {
     std::vector<std::string> clients;
     for (const std::string& client : service.clients) {
       NodeEntry& node = node_of(client);
-      if (std::find(clients.begin(), clients.end(), node.name) != clients.end()) continue;
+      if (std::ranges::find(clients, node.name) != clients.end()) continue;
       clients.push_back(node.name);
       node.says.push_back(fmt::format("{}.send; wait {} -> answer;", name, name));
     }
@@ -326,13 +325,12 @@ class SystemWriter {
       std::vector<std::string> readers;
       YamlNode own = YamlNode::make_map(YamlNode::Style::flow);
       const YamlNode& common = connection.readers.front().options;
-      const bool is_same =
-          std::all_of(connection.readers.begin(), connection.readers.end(),
-                      [&](const auto& reader) { return is_same_value(reader.options, common); });
+      const bool is_same = std::ranges::all_of(connection.readers, [&](const auto& reader) {
+        return is_same_value(reader.options, common);
+      });
       for (const Connection::Reader& reader : connection.readers) {
-        const auto of_node =
-            std::count_if(connection.readers.begin(), connection.readers.end(),
-                          [&](const auto& other) { return other.node == reader.node; });
+        const auto of_node = std::ranges::count_if(
+            connection.readers, [&](const auto& other) { return other.node == reader.node; });
         readers.push_back(of_node == 1 ? reader.node : reader.node + "." + reader.callback);
         own.set(readers.back(), reader.options);
       }

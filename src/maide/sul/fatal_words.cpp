@@ -31,7 +31,7 @@ SulStep step_of(const std::string& output) {
 // Under av the output comes behind the input, when Delta takes it from the queue.
 std::size_t find_fatal_step(const Word& inputs, const std::vector<std::string>& outputs,
                             Symbol delta, Translation translation) {
-  const auto end = std::find_if(outputs.begin(), outputs.end(), is_end_output);
+  const auto end = std::ranges::find_if(outputs, is_end_output);
   auto place = static_cast<std::size_t>(end - outputs.begin());
   if (end == outputs.end() || translation == Translation::eager) return place;
   while (place > 0 && (inputs[place] == delta || outputs[place] == "refused")) --place;
@@ -97,7 +97,7 @@ void FatalWords::add(const Word& inputs, const std::vector<std::string>& outputs
   const std::size_t fatal = find_fatal_step(inputs, outputs, delta, translation);
   if (fatal >= outputs.size()) return;
   SulAnswer answer;
-  const bool hangs = std::find(outputs.begin(), outputs.end(), hang_output) != outputs.end();
+  const bool hangs = std::ranges::find(outputs, hang_output) != outputs.end();
   answer.end = hangs ? WordEnd::hang : WordEnd::crash;
   for (std::size_t i = 0; i <= fatal; ++i) {
     answer.inputs.push_back(inputs[i]);

@@ -348,7 +348,7 @@ const InterfaceAutomaton::Transition* find_first_due(const InterfaceAutomaton& a
     const std::string& output = automaton.outputs().name(transition.action.symbol);
     for (std::size_t i = 0; i < automaton.actors.size(); ++i) {
       const auto& outputs = automaton.actors[i].outputs;
-      if (std::find(outputs.begin(), outputs.end(), output) != outputs.end()) return i + 1;
+      if (std::ranges::find(outputs, output) != outputs.end()) return i + 1;
     }
     return std::size_t{0};  // of no actor: first, as in to_interface_automaton
   };
@@ -364,11 +364,10 @@ namespace {
 
 // Every return of the input's call is among the outputs that are observed.
 bool are_returns_observed(const SulInput& input, const SulInfo& info) {
-  return !input.returns.empty() &&
-         std::all_of(input.returns.begin(), input.returns.end(), [&](const auto& name) {
-           return std::any_of(info.outputs.begin(), info.outputs.end(),
-                              [&](const SulOutput& output) { return output.name == name; });
-         });
+  return !input.returns.empty() && std::ranges::all_of(input.returns, [&](const auto& name) {
+    return std::ranges::any_of(info.outputs,
+                               [&](const SulOutput& output) { return output.name == name; });
+  });
 }
 
 }  // namespace
@@ -380,7 +379,7 @@ std::vector<std::string> find_hidden_returns(const Mealy& machine, Translation t
   std::vector<std::string> hidden;
   for (Symbol input = 0; input < steps.inputs().size(); ++input) {
     if (are_returns_observed(info.inputs[input], info)) continue;
-    const bool seen_busy = std::any_of(states.begin(), states.end(), [&](StateId state) {
+    const bool seen_busy = std::ranges::any_of(states, [&](StateId state) {
       const MacroStep step = steps.step(state, input);
       const bool is_end = !step.outputs.empty() && is_end_output(step.outputs.back());
       return step.status == StepStatus::taken && !is_end &&
@@ -395,7 +394,7 @@ std::vector<std::string> find_hidden_returns(const NondeterministicMealy& machin
                                              const SulInfo& info) {
   const auto has_status = [&](StateId state, Symbol input, StepStatus status, auto&& also) {
     const auto choices = machine.choices(state, input);
-    return std::any_of(choices.begin(), choices.end(), [&](const auto& choice) {
+    return std::ranges::any_of(choices, [&](const auto& choice) {
       const MacroStep step = read_eager_step(machine.outputs().name(choice.output), choice.target);
       const bool is_end = !step.outputs.empty() && is_end_output(step.outputs.back());
       return step.status == status && !is_end && also(choice.target);

@@ -110,7 +110,7 @@ std::uint32_t actor_of(const InterfaceAutomaton& automaton, const std::string& n
                        std::vector<std::string> Actor::*list) {
   for (std::uint32_t i = 0; i < automaton.actors.size(); ++i) {
     const auto& names = automaton.actors[i].*list;
-    if (std::find(names.begin(), names.end(), name) != names.end()) return i;
+    if (std::ranges::find(names, name) != names.end()) return i;
   }
   return 0;
 }
@@ -137,7 +137,7 @@ SimulatedSul::SimulatedSul(InterfaceAutomaton automaton, std::string name)
         info_.inputs.emplace_back(SulInput{input, actor_of(automaton_, input, &Actor::inputs), {}});
     // The file says which returns are hidden; for all others something observed ends the call.
     const auto& hidden = automaton_.hidden_returns;
-    const bool is_hidden = std::find(hidden.begin(), hidden.end(), input) != hidden.end();
+    const bool is_hidden = std::ranges::find(hidden, input) != hidden.end();
     if (!is_hidden && !info_.outputs.empty()) declared.returns = {info_.outputs.front().name};
   }
   if (const auto bound = automaton_.origin.find("bound"); bound != automaton_.origin.end()) {

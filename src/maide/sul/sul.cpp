@@ -39,7 +39,7 @@ std::string_view mealy_output(const SulStep& step, Translation translation, std:
 bool is_reserved_output(std::string_view name) {
   static constexpr std::array<std::string_view, 6> reserved = {"+",       "quiet",      "delta",
                                                                "refused", "unexplored", "absorbed"};
-  return std::find(reserved.begin(), reserved.end(), name) != reserved.end();
+  return std::ranges::find(reserved, name) != reserved.end();
 }
 
 void SulIncidents::add(Death death) {

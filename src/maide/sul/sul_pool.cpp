@@ -193,7 +193,7 @@ class SulPool::Batch {
     };
     return attempt(sul, portion, is_answered, [&] {
       sul.run(queries, sink, control);
-      if (std::find(is_answered.begin(), is_answered.end(), false) != is_answered.end()) {
+      if (std::ranges::find(is_answered, false) != is_answered.end()) {
         throw std::logic_error("a system left a query without an answer");
       }
     });
@@ -342,8 +342,8 @@ SulIncidents SulPool::incidents() const {
 }
 
 void SulPool::give_up(const Sul& sul, const std::exception_ptr& error) {
-  const auto member = std::find_if(members_.begin(), members_.end(),
-                                   [&](const Place& one) { return one.member.sul.get() == &sul; });
+  const auto member = std::ranges::find_if(
+      members_, [&](const Place& one) { return one.member.sul.get() == &sul; });
   MAIDE_CHECK(member != members_.end());
   const std::string name = member->member.name;
   earlier_incidents_.add(sul.incidents());

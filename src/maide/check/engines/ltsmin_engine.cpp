@@ -178,9 +178,8 @@ Trace read_ltsmin_run(const std::string& text, const System& system) {
       continue;
     }
     const std::vector<Step> steps = enabled_steps(system, state);
-    const auto step = std::find_if(steps.begin(), steps.end(), [&](const Step& candidate) {
-      return apply(system, state, candidate) == next;
-    });
+    const auto step = std::ranges::find_if(
+        steps, [&](const Step& candidate) { return apply(system, state, candidate) == next; });
     if (step == steps.end()) {
       throw std::logic_error("ltsmin's run shows a step that is not possible");
     }
@@ -256,8 +255,7 @@ CutResult LtsminEngine::find_cut(const System& system, const EngineOptions& opti
     Trace trace = exploration.find_trace();
     // The run ends before the step that is cut.
     const std::vector<Step> steps = enabled_steps(system, replay(system, trace).back());
-    const auto cut =
-        std::find_if(steps.begin(), steps.end(), [](const Step& step) { return step.is_cut; });
+    const auto cut = std::ranges::find_if(steps, &Step::is_cut);
     if (cut == steps.end()) throw std::logic_error("ltsmin's run to the bound does not replay");
     trace.steps.push_back(*cut);
     result.verdict = Verdict::violated;

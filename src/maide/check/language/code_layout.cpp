@@ -23,7 +23,7 @@ std::string written(const Token& token) {
 }
 
 bool is_among(const std::string& text, std::initializer_list<std::string_view> words) {
-  return std::find(words.begin(), words.end(), text) != words.end();
+  return std::ranges::find(words, text) != words.end();
 }
 
 // Words behind which an expression or a bracket begins, and no argument of theirs.
@@ -244,9 +244,9 @@ class LineWriter {
     }
   }
   static bool has_broken_block(const Statement& statement) {
-    return std::any_of(
-        statement.elements.begin(), statement.elements.end(),
-        [](const Element& element) { return element.block && element.block->is_broken; });
+    return std::ranges::any_of(statement.elements, [](const Element& element) {
+      return element.block && element.block->is_broken;
+    });
   }
   static bool is_line_end(const Statement& statement) {
     return statement.elements.empty() || !statement.comment.empty() || has_broken_block(statement);
@@ -283,9 +283,9 @@ class LineWriter {
     }
   }
   static bool has_block(const Statement& statement) {
-    return std::any_of(
-        statement.elements.begin(), statement.elements.end(),
-        [](const Element& element) { return element.block && !element.block->statements.empty(); });
+    return std::ranges::any_of(statement.elements, [](const Element& element) {
+      return element.block && !element.block->statements.empty();
+    });
   }
 
   void write_broken(const Statement& statement, std::size_t indent) {
@@ -356,8 +356,8 @@ bool has_same_words(const ScalarText& one, const ScalarText& other) {
 
 bool has_comments(const ScalarText& text) {
   const std::vector<Token> tokens = read_tokens(text);
-  return std::any_of(tokens.begin(), tokens.end(),
-                     [](const Token& token) { return token.kind == Token::Kind::comment; });
+  return std::ranges::any_of(tokens,
+                             [](const Token& token) { return token.kind == Token::Kind::comment; });
 }
 
 std::vector<std::string> align_comments(const std::vector<LaidLine>& lines, std::size_t width) {

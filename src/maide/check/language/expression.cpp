@@ -19,14 +19,14 @@ std::string to_string(ValueKind kind) {
 }
 
 Value WordTable::intern(const std::string& word) {
-  const auto place = std::find(words_.begin(), words_.end(), word);
+  const auto place = std::ranges::find(words_, word);
   const auto number = static_cast<Value>(place - words_.begin());
   if (place == words_.end()) words_.push_back(word);
   return number;
 }
 
 std::optional<Value> WordTable::find(const std::string& word) const {
-  const auto place = std::find(words_.begin(), words_.end(), word);
+  const auto place = std::ranges::find(words_, word);
   if (place == words_.end()) return std::nullopt;
   return static_cast<Value>(place - words_.begin());
 }
@@ -37,14 +37,14 @@ std::uint64_t ValueType::count() const {
 }
 
 bool ValueType::contains(Value value) const {
-  if (kind == ValueKind::word) return std::find(words.begin(), words.end(), value) != words.end();
+  if (kind == ValueKind::word) return std::ranges::find(words, value) != words.end();
   return low <= value && value <= high;
 }
 
 std::uint64_t ValueType::place_of(Value value) const {
   MAIDE_CHECK(contains(value));
   if (kind == ValueKind::word) {
-    return static_cast<std::uint64_t>(std::find(words.begin(), words.end(), value) - words.begin());
+    return static_cast<std::uint64_t>(std::ranges::find(words, value) - words.begin());
   }
   return distance(low, value);
 }
@@ -128,7 +128,7 @@ void for_each_variable(const Expression& expression,
 
 bool reads_shared(const Expression& expression) {
   if (expression.op == Expression::Operator::shared) return true;
-  return std::any_of(expression.operands.begin(), expression.operands.end(), reads_shared);
+  return std::ranges::any_of(expression.operands, reads_shared);
 }
 
 std::uint32_t element_count(const Expression& variable) {

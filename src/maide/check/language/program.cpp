@@ -11,8 +11,8 @@ namespace maide {
 std::string Program::place_of(int line) const {
   std::string text = "line " + std::to_string(line);
   const auto is_in = [&](const CallbackLines& of) { return of.first <= line && line <= of.last; };
-  if (std::count_if(callbacks.begin(), callbacks.end(), is_in) != 1) return text;
-  return text + " (" + std::find_if(callbacks.begin(), callbacks.end(), is_in)->name + ")";
+  if (std::ranges::count_if(callbacks, is_in) != 1) return text;
+  return text + " (" + std::ranges::find_if(callbacks, is_in)->name + ")";
 }
 
 ControlState Program::source_of(std::uint32_t edge) const {
@@ -23,7 +23,7 @@ ControlState Program::source_of(std::uint32_t edge) const {
 
 bool Program::has_label(ControlState state, std::uint32_t label) const {
   const auto& set = label_sets[states[state].label_set];
-  return std::binary_search(set.begin(), set.end(), label);
+  return std::ranges::binary_search(set, label);
 }
 
 bool Program::may_end() const {
@@ -34,9 +34,8 @@ bool Program::may_end() const {
 }
 
 bool Program::may_reach(std::uint32_t label) const {
-  return std::any_of(label_sets.begin(), label_sets.end(), [&](const auto& set) {
-    return std::binary_search(set.begin(), set.end(), label);
-  });
+  return std::ranges::any_of(
+      label_sets, [&](const auto& set) { return std::ranges::binary_search(set, label); });
 }
 
 }  // namespace maide

@@ -56,18 +56,17 @@ bool is_of_writer(const InterfaceAutomaton& model, const std::string& name) {
     return symbol.substr(0, symbol.find('('));
   };
   const auto names = [&](const std::vector<std::string>& symbols) {
-    return std::any_of(symbols.begin(), symbols.end(), [&](const std::string& symbol) {
-      return base_name(symbol) == base_name(name);
-    });
+    return std::ranges::any_of(
+        symbols, [&](const std::string& symbol) { return base_name(symbol) == base_name(name); });
   };
-  return std::any_of(model.actors.begin(), model.actors.end(), [&](const Actor& actor) {
+  return std::ranges::any_of(model.actors, [&](const Actor& actor) {
     return actor.name == "writer" && (names(actor.inputs) || names(actor.outputs));
   });
 }
 
 bool is_of_same_actor(const InterfaceAutomaton& automaton, Symbol input, Symbol output) {
   const auto has = [](const std::vector<std::string>& names, const std::string& name) {
-    return std::find(names.begin(), names.end(), name) != names.end();
+    return std::ranges::find(names, name) != names.end();
   };
   const std::string& in = automaton.inputs().name(input);
   const std::string& out = automaton.outputs().name(output);

@@ -63,8 +63,7 @@ struct Topic {
     std::vector<std::vector<ModelStep>> writer_death;
 
     bool has_returns() const {
-      return std::any_of(collected.begin(), collected.end(),
-                         [](const auto& output) { return output.has_value(); });
+      return std::ranges::any_of(collected, [](const auto& output) { return output.has_value(); });
     }
   };
   std::string name;
@@ -83,7 +82,7 @@ struct Topic {
   // `node`: that of the callback whose code is meant; empty: any code of the program.
   bool has_end(std::uint32_t program, bool writes, const std::string& node = "") const {
     if (writes) return writers.contains(program) && (node.empty() || writer_nodes.contains(node));
-    return std::any_of(readers.begin(), readers.end(), [&](const Reader& reader) {
+    return std::ranges::any_of(readers, [&](const Reader& reader) {
       return reader.program == program && reader.callback.empty();
     });
   }

@@ -95,7 +95,7 @@ class Finder {
   }
 
   static bool has_next_round(const Block& block) {
-    return std::any_of(block.statements.begin(), block.statements.end(), [](const Statement& s) {
+    return std::ranges::any_of(block.statements, [](const Statement& s) {
       if (s.kind == Statement::Kind::next_round) return true;
       if (s.body && has_next_round(*s.body)) return true;
       if (s.otherwise && has_next_round(*s.otherwise)) return true;
@@ -123,8 +123,7 @@ std::vector<SourcePosition> find_unreachable(const Tree& tree, const std::string
   finder.ways(tree.statements);
   std::vector<SourcePosition> found = finder.take();
   const auto place = [](const SourcePosition& at) { return std::pair(at.line, at.column); };
-  std::sort(found.begin(), found.end(),
-            [&](const auto& a, const auto& b) { return place(a) < place(b); });
+  std::ranges::sort(found, [&](const auto& a, const auto& b) { return place(a) < place(b); });
   const auto is_same = [&](const auto& a, const auto& b) { return place(a) == place(b); };
   found.erase(std::unique(found.begin(), found.end(), is_same), found.end());
   return found;

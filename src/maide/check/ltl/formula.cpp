@@ -84,7 +84,7 @@ std::string quoted(const std::string& whole) {
   };
   const bool is_identifier =
       !name.empty() && !(name[0] >= '0' && name[0] <= '9') &&
-      std::all_of(name.begin(), name.end(), in_identifier) &&
+      std::ranges::all_of(name, in_identifier) &&
       !(name.size() == 1 && std::string_view("XFGURW").find(name[0]) != std::string::npos);
   return is_identifier ? whole : "\"" + whole + "\"";
 }
@@ -214,7 +214,7 @@ bool is_syntactically_safe(const Formula& formula) {
 std::vector<Atom> atoms_of(const Formula& formula) {
   std::vector<Atom> atoms;
   collect_atoms(formula, atoms);
-  std::sort(atoms.begin(), atoms.end());
+  std::ranges::sort(atoms);
   atoms.erase(std::unique(atoms.begin(), atoms.end()), atoms.end());
   return atoms;
 }

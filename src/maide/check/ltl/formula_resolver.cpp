@@ -386,7 +386,7 @@ class FormulaResolver {
     std::vector<std::string> known;
     for (std::uint32_t index = 0; index < program.variables.size(); ++index) {
       const ProgramVariable& variable = program.variables[index];
-      if (std::find(known.begin(), known.end(), variable.name) == known.end()) {
+      if (std::ranges::find(known, variable.name) == known.end()) {
         known.push_back(variable.name);
       }
       if (variable.name != name.text) continue;
@@ -436,7 +436,7 @@ class FormulaResolver {
     if (!index || !scope_.programs[*index].nodes.empty()) fail_unknown_program(owner, true);
     const Program& program = scope_.programs[*index];
     if (name.text == "end") return {Atom::Kind::end, *index, 0};
-    const auto place = std::find(program.labels.begin(), program.labels.end(), name.text);
+    const auto place = std::ranges::find(program.labels, name.text);
     if (place == program.labels.end()) {
       std::vector<std::string> known = program.labels;
       known.emplace_back("end");

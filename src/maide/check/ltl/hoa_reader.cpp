@@ -469,7 +469,7 @@ class HoaReader {
       letters = left;
       letters.insert(letters.end(), right.begin(), right.end());
     }
-    std::sort(letters.begin(), letters.end());
+    std::ranges::sort(letters);
     letters.erase(std::unique(letters.begin(), letters.end()), letters.end());
     check_size(letters);
     return letters;

@@ -24,7 +24,7 @@ namespace {
 
 bool accepts_everything(const LtlAutomaton& automaton, std::uint32_t state) {
   const auto& transitions = automaton.states[state];
-  return std::any_of(transitions.begin(), transitions.end(), [&](const auto& transition) {
+  return std::ranges::any_of(transitions, [&](const auto& transition) {
     return transition.target == state && transition.letter == Letter() &&
            transition.marks == automaton.all_marks();
   });
@@ -41,9 +41,9 @@ bool is_well_formed(const LtlAutomaton& automaton) {
     return ((letter.positive | letter.negative) & ~atoms) == 0 && !letter.is_contradiction() &&
            is_state(transition.target) && (transition.marks & ~automaton.all_marks()) == 0;
   };
-  return std::all_of(automaton.initial.begin(), automaton.initial.end(), is_state) &&
-         std::all_of(automaton.states.begin(), automaton.states.end(), [&](const auto& state) {
-           return std::all_of(state.begin(), state.end(), is_good);
+  return std::ranges::all_of(automaton.initial, is_state) &&
+         std::ranges::all_of(automaton.states, [&](const auto& state) {
+           return std::ranges::all_of(state, is_good);
          });
 }
 

@@ -37,13 +37,12 @@ bool covers(const Move& left, const Move& right) {
 }
 
 std::vector<Move> without_covered(std::vector<Move> moves) {
-  std::sort(moves.begin(), moves.end());
+  std::ranges::sort(moves);
   moves.erase(std::unique(moves.begin(), moves.end()), moves.end());
   std::vector<Move> kept;
   for (const Move& move : moves) {
-    const bool is_covered = std::any_of(moves.begin(), moves.end(), [&](const Move& other) {
-      return !(other == move) && covers(other, move);
-    });
+    const bool is_covered = std::ranges::any_of(
+        moves, [&](const Move& other) { return !(other == move) && covers(other, move); });
     if (!is_covered) kept.push_back(move);
   }
   return kept;
@@ -59,7 +58,7 @@ std::vector<Move> combine(const std::vector<Move>& left, const std::vector<Move>
       if (!move.letter.is_contradiction()) moves.push_back(move);
     }
   }
-  std::sort(moves.begin(), moves.end());
+  std::ranges::sort(moves);
   moves.erase(std::unique(moves.begin(), moves.end()), moves.end());
   return moves;
 }
@@ -154,7 +153,7 @@ class Translation {
   }
 
   Letter letter_of(const Formula& atom, bool is_positive) const {
-    const auto place = std::find(automaton_.atoms.begin(), automaton_.atoms.end(), atom->atom);
+    const auto place = std::ranges::find(automaton_.atoms, atom->atom);
     MAIDE_CHECK(place != automaton_.atoms.end());
     const std::uint64_t bit = std::uint64_t{1} << (place - automaton_.atoms.begin());
     return is_positive ? Letter{bit, 0} : Letter{0, bit};
@@ -267,7 +266,7 @@ class Translation {
     const Parts own = Parts{1} << part;
     if ((move.parts & own) == 0) return true;
     const std::vector<Move>& moves = moves_of_part(part);
-    return std::any_of(moves.begin(), moves.end(), [&](const Move& own_move) {
+    return std::ranges::any_of(moves, [&](const Move& own_move) {
       return (own_move.parts & own) == 0 && covers(own_move, move);
     });
   }
@@ -296,15 +295,14 @@ class Translation {
   }
 
   static void leave_out_implied(std::vector<LtlAutomaton::Transition>& transitions) {
-    std::sort(transitions.begin(), transitions.end());
+    std::ranges::sort(transitions);
     transitions.erase(std::unique(transitions.begin(), transitions.end()), transitions.end());
     std::vector<LtlAutomaton::Transition> kept;
     for (const auto& one : transitions) {
-      const bool is_implied =
-          std::any_of(transitions.begin(), transitions.end(), [&](const auto& other) {
-            return !(other == one) && other.target == one.target &&
-                   covers({other.letter, 0}, {one.letter, 0}) && (one.marks & ~other.marks) == 0;
-          });
+      const bool is_implied = std::ranges::any_of(transitions, [&](const auto& other) {
+        return !(other == one) && other.target == one.target &&
+               covers({other.letter, 0}, {one.letter, 0}) && (one.marks & ~other.marks) == 0;
+      });
       if (!is_implied) kept.push_back(one);
     }
     transitions = std::move(kept);
@@ -315,7 +313,7 @@ class Translation {
       for (auto& transition : transitions) transition.target = becomes[transition.target];
     }
     for (std::uint32_t& state : automaton_.initial) state = becomes[state];
-    std::sort(automaton_.initial.begin(), automaton_.initial.end());
+    std::ranges::sort(automaton_.initial);
     automaton_.initial.erase(std::unique(automaton_.initial.begin(), automaton_.initial.end()),
                              automaton_.initial.end());
     for (std::uint32_t state = 0; state < becomes.size(); ++state) {

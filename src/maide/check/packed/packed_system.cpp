@@ -77,7 +77,7 @@ void PackedSystem::add_program(const Program& program) {
     packed.is_idle.push_back(!program.is_progress(edge));
     has_idle_steps_ = has_idle_steps_ || packed.is_idle.back();
   }
-  if (std::find(packed.is_error.begin(), packed.is_error.end(), true) != packed.is_error.end()) {
+  if (std::ranges::find(packed.is_error, true) != packed.is_error.end()) {
     erring_.push_back(static_cast<std::uint32_t>(actors_.size() - 1));
   }
   add_groups(program, packed);
@@ -225,8 +225,8 @@ void PackedSystem::lay_out(unsigned payload_bits, std::size_t monitor_states) {
   }
   fields.emplace_back(bits_for(monitor_states), &monitor_);
   for (const auto& [bits, field] : fields) state_bits_ += bits;
-  std::stable_sort(fields.begin(), fields.end(),
-                   [](const auto& left, const auto& right) { return left.first > right.first; });
+  std::ranges::stable_sort(
+      fields, [](const auto& left, const auto& right) { return left.first > right.first; });
   const bool is_one_word = state_bits_ <= 64 && state_bits_ + payload_bits <= most_bits_together;
   std::vector<unsigned> used{0};
   for (const auto& [bits, field] : fields) {

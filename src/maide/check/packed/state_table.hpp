@@ -147,8 +147,8 @@ class StateTable {
   // they call grow_if_near() of each as soon as one is_due(): it grows before so many more states
   // are in it.
   bool is_due(std::uint64_t states) const {
-    return std::any_of(segments_.begin(), segments_.end(),
-                       [&](const Segment& segment) { return is_full(segment, states); });
+    return std::ranges::any_of(segments_,
+                               [&](const Segment& segment) { return is_full(segment, states); });
   }
   void grow_if_near(std::size_t segment) {
     if (is_full(segments_[segment], segments_[segment].slots / 32)) grow(segments_[segment]);

@@ -26,7 +26,7 @@ std::vector<std::vector<ModelUse>> find_actions(const System& system) {
 }
 
 std::uint32_t action_number(const std::vector<ModelUse>& actions, const ModelUse& use) {
-  const auto place = std::find_if(actions.begin(), actions.end(), [&use](const ModelUse& other) {
+  const auto place = std::ranges::find_if(actions, [&use](const ModelUse& other) {
     return other.kind == use.kind &&
            (use.kind == ModelUse::Kind::quiet || other.symbol == use.symbol);
   });
@@ -44,14 +44,14 @@ Commutation::Commutation(const ModelInstance& model, const std::vector<ModelUse>
       for (const ModelStep& step : model_steps(model, at, action)) {
         outcomes[at].push_back({step.target, cuts(model, step)});
       }
-      std::sort(outcomes[at].begin(), outcomes[at].end());
+      std::ranges::sort(outcomes[at]);
     }
   }
 }
 
 bool Commutation::may_be_cut(std::size_t action, StateId at) const {
   const auto& outcomes = outcomes_[action][at];
-  return std::any_of(outcomes.begin(), outcomes.end(), [](const Outcome& o) { return o.is_cut; });
+  return std::ranges::any_of(outcomes, &Outcome::is_cut);
 }
 
 // What is said of one y and one b in the header.
@@ -73,15 +73,14 @@ bool Commutation::commute(std::size_t a, std::size_t b, StateId at) const {
   for (const Outcome& after_b : outcomes_[b][at]) {
     for (const Outcome& end : outcomes_[a][after_b.target]) {
       const Both both{{end.target, after_b.is_cut}, end.is_cut};
-      if (std::find(a_first.begin(), a_first.end(), both) == a_first.end()) return false;
+      if (std::ranges::find(a_first, both) == a_first.end()) return false;
     }
     for (const Outcome& after_a : outcomes_[a][at]) {
       const auto& ends = outcomes_[b][after_a.target];
-      const bool meet = std::any_of(ends.begin(), ends.end(), [&](const Outcome& end) {
+      const bool meet = std::ranges::any_of(ends, [&](const Outcome& end) {
         const auto& others = outcomes_[a][after_b.target];
         return end.is_cut == after_b.is_cut &&
-               std::find(others.begin(), others.end(), Outcome{end.target, after_a.is_cut}) !=
-                   others.end();
+               std::ranges::find(others, Outcome{end.target, after_a.is_cut}) != others.end();
       });
       if (!meet) return false;
     }
@@ -92,8 +91,8 @@ bool Commutation::commute(std::size_t a, std::size_t b, StateId at) const {
 bool Commutation::makes_possible(std::size_t a, std::size_t b, StateId at) const {
   if (is_possible(b, at)) return false;
   const auto& outcomes = outcomes_[a][at];
-  return std::any_of(outcomes.begin(), outcomes.end(),
-                     [&](const Outcome& outcome) { return is_possible(b, outcome.target); });
+  return std::ranges::any_of(
+      outcomes, [&](const Outcome& outcome) { return is_possible(b, outcome.target); });
 }
 
 bool Commutation::is_disturbed(std::size_t a, std::size_t b, StateId at) const {

@@ -43,16 +43,16 @@ class Call {
 
   // An answer is due there, and nobody else can do anything with the model before it is taken.
   bool is_due(StateId behind) const {
-    const bool is_answered = std::any_of(answers_.begin(), answers_.end(), [&](const auto& answer) {
+    const bool is_answered = std::ranges::any_of(answers_, [&](const auto& answer) {
       return answer.kind == Kind::take && can(answer, behind);
     });
-    return is_answered && std::none_of(others_.begin(), others_.end(),
-                                       [&](const ModelUse& other) { return can(other, behind); });
+    return is_answered &&
+           std::ranges::none_of(others_, [&](const ModelUse& other) { return can(other, behind); });
   }
 
   // The input may be given as late as just before its answer is taken.
   bool may_be_put_off(bool is_fair) const {
-    return std::all_of(reached_.begin(), reached_.end(), [&](StateId at) {
+    return std::ranges::all_of(reached_, [&](StateId at) {
       bool waits = false, is_answered = false;
       for (const ModelStep& given : model_steps(model_, at, give_)) {
         if (given.is_beyond) continue;
@@ -68,8 +68,8 @@ class Call {
   bool can(const ModelUse& use, StateId at) const { return !model_steps(model_, at, use).empty(); }
 
   bool is_waiting(StateId behind) const {
-    return std::none_of(answers_.begin(), answers_.end(),
-                        [&](const ModelUse& answer) { return can(answer, behind); });
+    return std::ranges::none_of(answers_,
+                                [&](const ModelUse& answer) { return can(answer, behind); });
   }
 
   // Giving there and then what others do is the same as the other way round: the same is possible,
@@ -77,7 +77,7 @@ class Call {
   bool closes_diamonds(StateId at) const {
     const auto given = model_steps(model_, at, give_);
     if (given.size() != 1) return false;
-    return std::all_of(others_.begin(), others_.end(), [&](const ModelUse& other) {
+    return std::ranges::all_of(others_, [&](const ModelUse& other) {
       std::set<ModelStep> given_last;
       for (const ModelStep& first : model_steps(model_, at, other)) {
         const auto then = model_steps(model_, first.target, give_);
@@ -119,14 +119,14 @@ class Call {
 };
 
 void add_new(std::vector<ModelUse>& to, const ModelUse& use) {
-  if (std::find(to.begin(), to.end(), use) == to.end()) to.push_back(use);
+  if (std::ranges::find(to, use) == to.end()) to.push_back(use);
 }
 
 // An input behind which the program does nothing but wait for answers, none of which is an error.
 bool may_merge(const Program& program, ControlState at, const ProgramEdge& give) {
   if (give.kind != Kind::give || give.target == at) return false;
   const auto answers = program.edges_of(give.target);
-  return !answers.empty() && std::all_of(answers.begin(), answers.end(), [&](const auto& answer) {
+  return !answers.empty() && std::ranges::all_of(answers, [&](const auto& answer) {
     return (answer.kind == Kind::take || answer.kind == Kind::quiet) &&
            answer.model == give.model && !program.is_error(answer.target);
   });
@@ -251,7 +251,7 @@ std::uint32_t MergedCalls::add_call(const ModelUse& give, const ModelUse& answer
     for (const ModelStep& given : model_steps(model, at, give)) {
       if (given.is_beyond || !is_due[given.target]) continue;
       for (const ModelStep& taken : model_steps(model, given.target, answer)) {
-        if (std::find(steps.begin(), steps.end(), taken) == steps.end()) steps.push_back(taken);
+        if (std::ranges::find(steps, taken) == steps.end()) steps.push_back(taken);
       }
     }
     is_any = is_any || !steps.empty();
@@ -341,8 +341,7 @@ void MergedCalls::find_uses(std::uint32_t index) {
 void MergedCalls::rebuild(std::uint32_t index) {
   const Program& program = plain_.programs[index];
   const auto& groups = group_of_[index];
-  if (std::all_of(groups.begin(), groups.end(),
-                  [](std::uint32_t group) { return group == none; })) {
+  if (std::ranges::all_of(groups, [](std::uint32_t group) { return group == none; })) {
     return;
   }
   Program& merged = merged_.programs[index];
@@ -386,7 +385,7 @@ void MergedCalls::add_merged(std::uint32_t index, std::uint32_t number, Program&
   for (std::uint32_t i = 0; i < awaits.edge_count; ++i) {
     const std::uint32_t taken = awaits.first_edge + i;
     const ModelUse& answer = program.edges[taken];
-    const auto place = std::find(group.answers.begin(), group.answers.end(), answer);
+    const auto place = std::ranges::find(group.answers, answer);
     const std::uint32_t call = group.calls[static_cast<std::size_t>(place - group.answers.begin())];
     if (call != none) add(call, {group.give, answer}, program.edges[taken].target, taken);
   }
@@ -446,7 +445,7 @@ void MergedCalls::expand(const Step& step, GlobalState& state, Trace& trace) con
   for (const ModelStep& given : model_steps(model, state.models[group.give.model], group.give)) {
     if (given.is_beyond || !group.is_due[given.target]) continue;
     const auto ends = model_steps(model, given.target, program.edges[origin.taken]);
-    if (std::find(ends.begin(), ends.end(), ModelStep{step.targets.front(), false}) == ends.end()) {
+    if (std::ranges::find(ends, ModelStep{step.targets.front(), false}) == ends.end()) {
       continue;
     }
     add({step.actor, origin.edge, {given.target}, false, false});

@@ -45,7 +45,7 @@ void StubbornSets::add_next(std::size_t index, std::span<const ModelUse> uses, b
     reduced.uses.push_back({use.model, action});
     ++next.use_count;
     auto& models = reduced.models;
-    if (std::find(models.begin(), models.end(), use.model) == models.end()) {
+    if (std::ranges::find(models, use.model) == models.end()) {
       models_[use.model].users.push_back(
           {static_cast<std::uint32_t>(index), static_cast<std::uint32_t>(models.size())});
       models.push_back(use.model);
@@ -66,7 +66,7 @@ void StubbornSets::add_nobody(const std::vector<std::vector<ModelUse>>& actions)
   reduced.first_use = {0, static_cast<std::uint32_t>(reduced.uses.size())};
   reduced.future.assign(reduced.models.size(), 0);
   for (const Use& use : reduced.uses) {
-    const auto slot = std::find(reduced.models.begin(), reduced.models.end(), use.model);
+    const auto slot = std::ranges::find(reduced.models, use.model);
     reduced.future[static_cast<std::size_t>(slot - reduced.models.begin())] |= bit(use.action);
   }
 }
@@ -102,9 +102,8 @@ void StubbornSets::compute_future(const Program& program, ReducedProgram& reduce
     for (std::uint32_t i = reduced.first[at]; i < reduced.first[at + 1]; ++i) {
       before[program.edges[i].target].push_back(at);
       for (const Use& use : reduced.uses_of(reduced.next[i])) {
-        const auto slot = static_cast<std::size_t>(
-            std::find(reduced.models.begin(), reduced.models.end(), use.model) -
-            reduced.models.begin());
+        const auto slot = static_cast<std::size_t>(std::ranges::find(reduced.models, use.model) -
+                                                   reduced.models.begin());
         reduced.future[at * width + slot] |= bit(use.action);
       }
     }
@@ -150,7 +149,7 @@ StubbornSets::Now StubbornSets::look_at(std::size_t program) const {
     now.steps += steps;
     now.is_visible =
         now.is_visible || next.is_visible ||
-        (options_.cuts_are_visible && std::any_of(uses.begin(), uses.end(), [&](const Use& use) {
+        (options_.cuts_are_visible && std::ranges::any_of(uses, [&](const Use& use) {
            return models_[use.model].commutation.may_be_cut(use.action, at_[use.model]);
          }));
   }

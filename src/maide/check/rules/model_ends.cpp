@@ -156,7 +156,7 @@ class EndedModelMaker {
   }
 
   static void add(const Place& place, std::vector<Place>& settled) {
-    if (std::find(settled.begin(), settled.end(), place) == settled.end()) settled.push_back(place);
+    if (std::ranges::find(settled, place) == settled.end()) settled.push_back(place);
   }
 
   void expand(StateId state) {
@@ -239,8 +239,7 @@ ModelEnd find_end(const InterfaceAutomaton& model, const std::string& actor, std
   const std::string disconnect =
       place == 0 ? "disconnect" : "disconnect" + std::to_string(place + 1);
   for (const Actor& owner : model.actors) {
-    const bool has_it =
-        std::find(owner.inputs.begin(), owner.inputs.end(), disconnect) != owner.inputs.end();
+    const bool has_it = std::ranges::find(owner.inputs, disconnect) != owner.inputs.end();
     const bool is_its_own = owner.name == actor;
     const bool disconnects = has_it && (is_its_own || !others.contains(owner.name));
     if (disconnects) end.disconnect = model.inputs().find(disconnect);
@@ -250,8 +249,8 @@ ModelEnd find_end(const InterfaceAutomaton& model, const std::string& actor, std
 }
 
 EndedModel with_ends(const InterfaceAutomaton& model, const EndOptions& options) {
-  const bool has_writer = std::any_of(model.actors.begin(), model.actors.end(),
-                                      [](const Actor& actor) { return actor.name == "writer"; });
+  const bool has_writer =
+      std::ranges::any_of(model.actors, [](const Actor& actor) { return actor.name == "writer"; });
   if (options.collects && !has_writer) {
     throw UsageError("a topic's model names its actors, and one is the \"writer\"");
   }

@@ -27,8 +27,8 @@ std::string describe_bound(const ModelInstance& model) {
     return fmt::format("{} was made with the {} (a smaller {} has fewer)", model.name, text,
                        model.source == ModelInstance::Source::service ? "depth" : "size");
   }
-  const bool is_number = !text.empty() && std::all_of(text.begin(), text.end(),
-                                                      [](char c) { return c >= '0' && c <= '9'; });
+  const bool is_number =
+      !text.empty() && std::ranges::all_of(text, [](char c) { return c >= '0' && c <= '9'; });
   if (!is_number) return fmt::format("{} was learned for {}", model.name, text);
   return fmt::format("{} was learned for at most {} message{} in flight", model.name, text,
                      text == "1" ? "" : "s");
@@ -50,7 +50,7 @@ std::string describe_built_in(const ModelInstance& model) {
   std::size_t size = 0;
   for (StateId state = automaton.initial();; ++size) {
     const auto transitions = automaton.transitions(state);
-    const auto write = std::find_if(transitions.begin(), transitions.end(), [](const auto& way) {
+    const auto write = std::ranges::find_if(transitions, [](const auto& way) {
       return way.action == Action{Action::Kind::input, 0};
     });
     if (write == transitions.end()) return fmt::format("a queue of size {}", size);
@@ -105,7 +105,7 @@ std::vector<std::string> describe_unreal(const System& system,
     lines.push_back(fmt::format("{} {} for every depth (depth: unknown)", join(of_any_depth),
                                 of_any_depth.size() == 1 ? "stands" : "stand"));
   }
-  std::sort(lines.begin(), lines.end());
+  std::ranges::sort(lines);
   return lines;
 }
 
@@ -146,7 +146,7 @@ std::string describe_error(const System& system, const GlobalState& state) {
 
 std::string describe_waiting(const System& system, const Program& program,
                              const std::vector<ProgramEdge>& awaited) {
-  const bool is_select = std::any_of(awaited.begin(), awaited.end(), [&](const ProgramEdge& edge) {
+  const bool is_select = std::ranges::any_of(awaited, [&](const ProgramEdge& edge) {
     const CombinedStep::Role role = program.role_of(edge);
     return role == CombinedStep::Role::arm || role == CombinedStep::Role::timer ||
            role == CombinedStep::Role::otherwise || role == CombinedStep::Role::timeout;
@@ -154,7 +154,7 @@ std::string describe_waiting(const System& system, const Program& program,
   std::vector<std::string> steps;
   for (const ProgramEdge& edge : awaited) {
     const std::string step = describe_edge(system, program, edge);
-    if (std::find(steps.begin(), steps.end(), step) == steps.end()) steps.push_back(step);
+    if (std::ranges::find(steps, step) == steps.end()) steps.push_back(step);
   }
   return fmt::format("waits at {}{} for {}", program.place_of(awaited.front().line),
                      is_select ? " in a select" : "", join(steps, " or "));
@@ -180,17 +180,16 @@ std::string describe_taker(const System& system, const GlobalState& state, std::
         const CombinedStep& combined = runner.combined[edge.symbol];
         if (is_answered) return combined.text == node + "." + model.name + std::string(starts);
         return combined.text.ends_with(starts) &&
-               std::any_of(combined.events.begin(), combined.events.end(),
-                           [&](const ModelUse& event) {
-                             return event.kind == ModelUse::Kind::give && event.model == service &&
-                                    event.symbol == serve;
-                           });
+               std::ranges::any_of(combined.events, [&](const ModelUse& event) {
+                 return event.kind == ModelUse::Kind::give && event.model == service &&
+                        event.symbol == serve;
+               });
       };
-      const auto taking = std::find_if(runner.edges.begin(), runner.edges.end(), takes_it);
+      const auto taking = std::ranges::find_if(runner.edges, takes_it);
       if (taking == runner.edges.end()) continue;
       const std::string& text = runner.combined[taking->symbol].text;
       const auto edges = runner.edges_of(state.programs[index]);
-      const bool is_free = std::any_of(edges.begin(), edges.end(), takes_it);
+      const bool is_free = std::ranges::any_of(edges, takes_it);
       return fmt::format(". {} {} it, and {}", text.substr(0, text.size() - starts.size()),
                          is_answered ? "takes" : "serves",
                          index == program ? runner.name + " runs that, too"

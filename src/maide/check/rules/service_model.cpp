@@ -32,8 +32,7 @@ struct ServiceModel::State {
   bool is_beyond = false;  // something was pushed out, or not: the depth would tell
 
   bool owes_answer() const {
-    return std::any_of(clients.begin(), clients.end(),
-                       [](const Client& c) { return c.waits == 2; });
+    return std::ranges::any_of(clients, [](const Client& c) { return c.waits == 2; });
   }
 };
 
@@ -43,8 +42,8 @@ void ServiceModel::tidy(State& state, std::uint32_t client) const {
   if (shape_.is_looked_at[client] && shape_.takes_one_by_one) return;
   auto& answers = state.clients[client].answers;
   const bool is_something_there = !answers.empty();
-  answers.erase(answers.begin(), std::find_if(answers.begin(), answers.end(),
-                                              [](auto owner) { return owner != others; }));
+  answers.erase(answers.begin(),
+                std::ranges::find_if(answers, [](auto owner) { return owner != others; }));
   if (is_something_there && answers.empty() && shape_.is_looked_at[client]) {
     answers.push_back(others);
   }
@@ -289,14 +288,13 @@ std::string ServiceModel::describe(StateId at) const {
       return item != none && client_of(item) == number;
     };
     const auto count = [&](const std::vector<std::uint32_t>& items) {
-      return static_cast<std::size_t>(std::count_if(items.begin(), items.end(), is_own));
+      return static_cast<std::size_t>(std::ranges::count_if(items, is_own));
     };
     const std::string& name = shape_.names[number];
     add(count(state.requests) + (is_own(state.due) ? 1 : 0), "request",
         " of " + name + " not served");
     add(count(state.served), "request", " of " + name + " served and not answered");
-    const auto strangers =
-        static_cast<std::size_t>(std::count(client.answers.begin(), client.answers.end(), others));
+    const auto strangers = static_cast<std::size_t>(std::ranges::count(client.answers, others));
     add(client.answers.size() - strangers, "answer", " to " + name + " not taken");
     const bool is_any_number = shape_.is_looked_at[number] && !shape_.takes_one_by_one &&
                                client.answers.size() == strangers;
@@ -305,8 +303,8 @@ std::string ServiceModel::describe(StateId at) const {
     } else {
       add(strangers, "answer", " to others in the queue of " + name);
     }
-    add(static_cast<std::size_t>(std::count(client.handed.begin(), client.handed.end(), 1U)),
-        "answer", " handed over to its callback");
+    add(static_cast<std::size_t>(std::ranges::count(client.handed, 1U)), "answer",
+        " handed over to its callback");
   }
   if (parts.empty()) return "nothing is on its way";
   std::string text;

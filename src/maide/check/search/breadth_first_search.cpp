@@ -468,7 +468,7 @@ class BreadthFirstSearch<words>::Search {
       MAIDE_CHECK(trace.steps.size() <=
                   std::max(all_states_, rounds_.table().size()) * options_.chain);
     }
-    std::reverse(trace.steps.begin(), trace.steps.end());
+    std::ranges::reverse(trace.steps);
     return trace;
   }
 

@@ -330,7 +330,7 @@ class FairCycleSearch {
     const std::uint64_t programs = sets_->select(graph_.plain(node));
     if (!sets_->is_reduced()) return find_successors(node, {});
     find_successors(node, {programs});
-    if (std::any_of(successors_.begin(), successors_.end(), [&](const Successor& successor) {
+    if (std::ranges::any_of(successors_, [&](const Successor& successor) {
           return successor.number != Graph::no_node && is_on_path_[successor.number];
         })) {
       find_successors(node, {~programs});

@@ -298,7 +298,7 @@ class FairHull {
       trim();
       if (!is_going_on()) return;
       RankReport own = report();
-      own.next = static_cast<std::uint64_t>(std::count(is_left_.begin(), is_left_.end(), true));
+      own.next = static_cast<std::uint64_t>(std::ranges::count(is_left_, true));
       has_any_left_ = together(own).next > 0;
       if (!has_any_left_) return;
       gather();

@@ -104,7 +104,7 @@ void for_each_edge_within(const Graph& graph, const std::vector<typename Graph::
   graph.for_each_edge(member, [&](const auto& edge) {
     const auto number = graph.find(edge.target);
     if (number == Graph::no_node) return;
-    if (std::binary_search(set.begin(), set.end(), number)) visit(edge, number);
+    if (std::ranges::binary_search(set, number)) visit(edge, number);
   });
 }
 
@@ -134,8 +134,8 @@ class FairLasso {
   Trace prefix_to(const Set& goals, Number* reached = nullptr) {
     std::vector<Edge> path;
     const Number end = shortest_path(
-        first_, nullptr,
-        [&](Number node) { return std::binary_search(goals.begin(), goals.end(), node); }, path);
+        first_, nullptr, [&](Number node) { return std::ranges::binary_search(goals, node); },
+        path);
     if (reached != nullptr) *reached = end;
     Trace trace;
     append(path, trace);

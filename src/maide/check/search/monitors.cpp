@@ -51,10 +51,7 @@ Condition::Condition(const Formula& formula, const System& system) {
   add(formula, system);
 }
 
-bool Condition::has_events() const {
-  return std::any_of(atoms_.begin(), atoms_.end(),
-                     [](const PackedAtom& atom) { return atom.is_event(); });
-}
+bool Condition::has_events() const { return std::ranges::any_of(atoms_, &PackedAtom::is_event); }
 
 std::uint32_t Condition::add(const Formula& formula, const System& system) {
   Node node;
@@ -77,8 +74,7 @@ std::vector<std::uint32_t> find_parts(const LtlAutomaton& automaton,
   const auto states = static_cast<std::uint32_t>(automaton.states.size());
   std::vector<bool> is_root = is_waiting;
   for (std::uint32_t state = 0; state < states; ++state) {
-    is_root[state] =
-        is_root[state] && std::count(automaton.initial.begin(), automaton.initial.end(), state) > 0;
+    is_root[state] = is_root[state] && std::ranges::count(automaton.initial, state) > 0;
   }
   for (std::uint32_t state = 0; state < states; ++state) {
     for (const auto& transition : automaton.states[state]) {

@@ -160,9 +160,7 @@ class LtlMonitor {
   const Bits& fair_programs() const { return fair_; }
   const Bits& groups() const { return groups_; }
   bool is_waiting(std::uint32_t at) const { return is_waiting_[at]; }
-  bool may_wait() const {
-    return std::find(is_waiting_.begin(), is_waiting_.end(), true) != is_waiting_.end();
-  }
+  bool may_wait() const { return std::ranges::find(is_waiting_, true) != is_waiting_.end(); }
   bool is_root(std::uint32_t at) const { return part_of_[at] == no_part; }
   std::uint32_t states() const { return static_cast<std::uint32_t>(part_of_.size()); }
   std::uint32_t parts() const { return parts_; }

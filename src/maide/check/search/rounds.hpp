@@ -252,7 +252,7 @@ class SearchRounds {
     std::size_t size = next_level_.size();
     for (Batch* batch : batches) {
       batch->collected_at = size;
-      size += static_cast<std::size_t>(std::count(batch->is_new.begin(), batch->is_new.end(), 1));
+      size += static_cast<std::size_t>(std::ranges::count(batch->is_new, 1));
     }
     next_level_.resize(size);
     if (options_.order != nullptr) next_lasts_.resize(size);

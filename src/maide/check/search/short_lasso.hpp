@@ -205,7 +205,7 @@ class ShortLasso {
         for (std::size_t back = queue.size() - 1; back != 0; back = queue[back].before) {
           loop.push_back(queue[back].link);
         }
-        std::reverse(loop.begin(), loop.end());
+        std::ranges::reverse(loop);
         return loop;
       }
     }
@@ -266,7 +266,7 @@ class ShortLasso {
     for (Number at = start; nodes_[at].parent != Graph::no_node; at = nodes_[at].parent) {
       way.push_back(nodes_[at].link);
     }
-    std::reverse(way.begin(), way.end());
+    std::ranges::reverse(way);
     Trace trace;
     append(way, trace);
     const std::size_t loop_start = trace.steps.size();

@@ -41,9 +41,8 @@ void add_models_joined(const System& system, std::set<std::uint32_t>& models) {
     before = models.size();
     for (const NobodysAction& action : system.nobodys_actions) {
       const auto& uses = action.what.uses;
-      const bool meets = std::any_of(uses.begin(), uses.end(), [&](const ModelUse& use) {
-        return models.contains(use.model);
-      });
+      const bool meets = std::ranges::any_of(
+          uses, [&](const ModelUse& use) { return models.contains(use.model); });
       for (const ModelUse& use : uses) {
         if (meets) models.insert(use.model);
       }
@@ -82,11 +81,9 @@ bool is_whole(const System& system, const std::vector<std::uint32_t>& programs) 
   std::set<std::uint32_t> models;
   for (const Program& program : system.programs) models.merge(models_of(program));
   add_models_joined(system, models);
-  return std::all_of(system.nobodys_actions.begin(), system.nobodys_actions.end(),
-                     [&](const NobodysAction& action) {
-                       return action.what.uses.empty() ||
-                              models.contains(action.what.uses.front().model);
-                     });
+  return std::ranges::all_of(system.nobodys_actions, [&](const NobodysAction& action) {
+    return action.what.uses.empty() || models.contains(action.what.uses.front().model);
+  });
 }
 
 // Each program leads to an earlier one of its component, the first to itself.
@@ -126,18 +123,17 @@ std::vector<std::uint32_t> programs_of(const System& system, const Property& pro
   add_models_joined(system, named.models);
   std::vector<std::uint32_t> programs;
   for (const auto& component : components) {
-    const bool is_named =
-        std::any_of(component.begin(), component.end(), [&](std::uint32_t program) {
-          if (named.programs.contains(program)) return true;
-          if (named.models.empty()) return false;
-          const auto models = models_of(system.programs[program]);
-          return std::any_of(models.begin(), models.end(),
-                             [&](std::uint32_t model) { return named.models.contains(model); });
-        });
+    const bool is_named = std::ranges::any_of(component, [&](std::uint32_t program) {
+      if (named.programs.contains(program)) return true;
+      if (named.models.empty()) return false;
+      const auto models = models_of(system.programs[program]);
+      return std::ranges::any_of(models,
+                                 [&](std::uint32_t model) { return named.models.contains(model); });
+    });
     if (is_named) programs.insert(programs.end(), component.begin(), component.end());
   }
   if (programs.empty() && !components.empty()) programs = components.front();
-  std::sort(programs.begin(), programs.end());
+  std::ranges::sort(programs);
   return programs;
 }
 
@@ -163,8 +159,8 @@ std::vector<std::uint32_t> deadlocked_programs(const System& system, const Globa
       if (!moving.empty()) models.merge(models_of(program));
     }
     if (!moving.empty()) add_models_joined(system, models);
-    is_able = is_able || std::any_of(moving.begin(), moving.end(),
-                                     [&](std::uint32_t model) { return models.contains(model); });
+    is_able = is_able || std::ranges::any_of(
+                             moving, [&](std::uint32_t model) { return models.contains(model); });
     if (is_able || is_at_rest) continue;
     deadlocked.insert(deadlocked.end(), component.begin(), component.end());
   }
@@ -275,8 +271,7 @@ Property Part::property(const Property& of_whole) const {
 
 bool Part::has(const Step& step) const {
   const auto& own = step.actor == nobody ? nobodys_actions_ : programs_;
-  return std::binary_search(own.begin(), own.end(),
-                            step.actor == nobody ? step.action : step.actor);
+  return std::ranges::binary_search(own, step.actor == nobody ? step.action : step.actor);
 }
 
 Step Part::to_whole(Step step) const {
@@ -291,8 +286,7 @@ Step Part::to_whole(Step step) const {
 Step Part::from_whole(Step step) const {
   if (is_whole()) return step;
   if (step.actor == nobody) {
-    const auto own =
-        std::lower_bound(nobodys_actions_.begin(), nobodys_actions_.end(), step.action);
+    const auto own = std::ranges::lower_bound(nobodys_actions_, step.action);
     MAIDE_CHECK(own != nobodys_actions_.end() && *own == step.action);
     step.action = static_cast<std::uint32_t>(own - nobodys_actions_.begin());
   } else {

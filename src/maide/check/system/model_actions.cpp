@@ -93,7 +93,7 @@ ModelUse ModelActions::variable(std::uint32_t model, const std::vector<bool>* va
       if (!(*values)[place]) continue;
       name += (name.empty() ? "" : ", ") + to_string(type.at(place), type.kind, words());
     }
-    const bool is_one = std::count(values->begin(), values->end(), true) == 1;
+    const bool is_one = std::ranges::count(*values, true) == 1;
     name = variable.name + (is_one ? " == " + name : " in {" + name + "}");
   }
   if (value) {
@@ -122,8 +122,7 @@ std::vector<ModelUse> ModelActions::variables(const Conditions& conditions,
   for (const auto& [model, value] : writes) {
     if (!conditions.contains(model)) uses.push_back(variable(model, nullptr, value));
   }
-  std::sort(uses.begin(), uses.end(),
-            [](const ModelUse& a, const ModelUse& b) { return a.model < b.model; });
+  std::ranges::sort(uses, {}, &ModelUse::model);
   return uses;
 }
 
@@ -151,7 +150,7 @@ std::optional<ModelUse> ModelActions::input_and_output(std::uint32_t model, Symb
   // Two ways to the same state are one step.
   const auto add = [](std::vector<ModelStep>& to, StateId target) {
     const ModelStep step{target, false};
-    if (std::find(to.begin(), to.end(), step) == to.end()) to.push_back(step);
+    if (std::ranges::find(to, step) == to.end()) to.push_back(step);
   };
   const bool is_grown = this->model(model).is_grown;
   if (is_grown && output && !is_of_same_actor(automaton, input, *output)) return std::nullopt;
@@ -203,8 +202,8 @@ std::string names_of(const ModelInstance& model, const std::vector<ModelUse>& us
 }
 
 bool takes_any(const ModelInstance& model, StateId state, const std::vector<ModelUse>& uses) {
-  return std::any_of(uses.begin(), uses.end(),
-                     [&](const ModelUse& use) { return !model_steps(model, state, use).empty(); });
+  return std::ranges::any_of(
+      uses, [&](const ModelUse& use) { return !model_steps(model, state, use).empty(); });
 }
 
 // The step of a condition.
@@ -253,14 +252,13 @@ bool ModelActions::is_possible_now(const ModelUse& action) {
   const auto [place, is_new] = possible_.try_emplace(action);
   if (is_new) {
     const auto& steps = model(action.model).actions[action.symbol].steps;
-    place->second =
-        std::any_of(steps.begin(), steps.end(), [](const auto& at) { return !at.empty(); });
+    place->second = std::ranges::any_of(steps, [](const auto& at) { return !at.empty(); });
   }
   return place->second;
 }
 
 bool ModelActions::are_possible(const std::vector<ModelUse>& uses) {
-  return std::all_of(uses.begin(), uses.end(), [&](const ModelUse& use) {
+  return std::ranges::all_of(uses, [&](const ModelUse& use) {
     return use.kind != ModelUse::Kind::act || is_possible(use);
   });
 }

@@ -41,9 +41,8 @@ StepText describe_step(const System& system, const Step& step) {
   }
   if (const CombinedStep* combined = combined_step_of(system, step)) {
     const auto& events = combined->events;
-    const bool is_of_one = std::all_of(events.begin(), events.end(), [&](const ModelUse& event) {
-      return event.model == events.front().model;
-    });
+    const bool is_of_one = std::ranges::all_of(
+        events, [&](const ModelUse& event) { return event.model == events.front().model; });
     if (events.empty() || !is_of_one) {
       text.event = combined->text;
       return text;
@@ -77,7 +76,7 @@ bool is_wanted(const System& system, const Step& step, const WantedSteps& wanted
   if (wanted.actor && step.actor != *wanted.actor) return false;
   if (!wanted.event) return true;
   const auto events = events_of(system, step);
-  return std::find(events.begin(), events.end(), *wanted.event) != events.end();
+  return std::ranges::find(events, *wanted.event) != events.end();
 }
 
 std::size_t StepsByTheBook::most_actions() const {

@@ -21,7 +21,7 @@ std::vector<ProgramInterface> System::interfaces() const {
 bool is_beyond_learned(const InterfaceAutomaton& automaton, StateId state, Symbol input) {
   if (automaton.is_unexplored(state, input)) return true;
   const auto transitions = automaton.transitions(state);
-  return std::any_of(transitions.begin(), transitions.end(), [&](const auto& transition) {
+  return std::ranges::any_of(transitions, [&](const auto& transition) {
     return transition.absorbed && transition.action.is_input() && transition.action.symbol == input;
   });
 }
@@ -100,7 +100,7 @@ bool is_possible(const System& system, const GlobalState& state, const Step& ste
   std::vector<Step> steps;
   add_steps(system, state, uses_of(system, step), {step.actor, step.action, {}, false, false},
             steps);
-  return std::find(steps.begin(), steps.end(), step) != steps.end();
+  return std::ranges::find(steps, step) != steps.end();
 }
 
 std::vector<Step> enabled_steps(const System& system, const GlobalState& state) {
@@ -137,7 +137,7 @@ std::vector<ModelUse> uses_beyond(const System& system, const GlobalState& state
   for (std::size_t i = 0; i < uses.size(); ++i) {
     const StateId at = state.models[uses[i].model];
     const auto steps = model_steps(system.models[uses[i].model], at, uses[i]);
-    if (std::find(steps.begin(), steps.end(), ModelStep{step.targets[i], true}) != steps.end()) {
+    if (std::ranges::find(steps, ModelStep{step.targets[i], true}) != steps.end()) {
       beyond.push_back(uses[i]);
     }
   }
@@ -164,8 +164,7 @@ bool is_error(const System& system, const GlobalState& state) {
 
 bool is_over(const System& system, const GlobalState& state) {
   const std::vector<Step> steps = enabled_steps(system, state);
-  return std::none_of(steps.begin(), steps.end(),
-                      [&](const Step& step) { return is_progress(system, step); });
+  return std::ranges::none_of(steps, [&](const Step& step) { return is_progress(system, step); });
 }
 
 bool is_deadlock(const System& system, const GlobalState& state) {
@@ -293,7 +292,7 @@ bool is_true(const Atom& atom, const System& system, const GlobalState& state, c
 bool is_event_of(const Atom& atom, std::uint32_t actor, std::span<const ModelUse> events) {
   if (atom.program != Atom::any_program && atom.program != actor) return false;
   const auto kind = atom.kind == Atom::Kind::input ? ModelUse::Kind::give : ModelUse::Kind::take;
-  return std::any_of(events.begin(), events.end(), [&](const ModelUse& event) {
+  return std::ranges::any_of(events, [&](const ModelUse& event) {
     return event.kind == kind && event.model == atom.owner && event.symbol == atom.symbol;
   });
 }

@@ -101,8 +101,7 @@ std::string find_flaw_of_stuck(const System& system, const Trace& trace,
 // No progress can come, and the run may end there.
 bool may_end(const System& system, const GlobalState& state) {
   const std::vector<Step> steps = enabled_steps(system, state);
-  return std::none_of(steps.begin(), steps.end(),
-                      [&](const Step& step) { return is_progress(system, step); });
+  return std::ranges::none_of(steps, [&](const Step& step) { return is_progress(system, step); });
 }
 
 // The run as what formulas and automata are evaluated on (see holds_on_lasso). `value` refers to
@@ -340,7 +339,7 @@ class TurnSearch {
   std::vector<Step> read_off(std::uint32_t at) const {
     std::vector<Step> steps;
     for (; nodes_[at].before != no_node; at = nodes_[at].before) steps.push_back(nodes_[at].step);
-    std::reverse(steps.begin(), steps.end());
+    std::ranges::reverse(steps);
     return steps;
   }
 
@@ -406,7 +405,7 @@ class GreedyTurns {
     const auto is_met = [&](std::size_t needed) { return is_taken_[needed]; };
     for (; first + count < own.size(); ++count) {
       const std::size_t at = own[first + count];
-      if (!std::all_of(needs_[at].begin(), needs_[at].end(), is_met)) break;
+      if (!std::ranges::all_of(needs_[at], is_met)) break;
       is_taken_[at] = true;  // for those behind it
     }
     for (std::size_t i = 0; i < count; ++i) is_taken_[own[first + i]] = false;

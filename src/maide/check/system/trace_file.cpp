@@ -101,7 +101,7 @@ class TraceReader {
   // Names that are nowhere say more than a step that is not possible.
   StepText checked(StepText text) const {
     const auto is_named = [](const auto& list, const std::string& name) {
-      return std::any_of(list.begin(), list.end(), [&](const auto& it) { return it.name == name; });
+      return std::ranges::any_of(list, [&](const auto& it) { return it.name == name; });
     };
     if (!text.actor.empty() && !is_named(system_.programs, text.actor)) {
       fail(fmt::format("there is no program '{}' in {}", text.actor, system_.file));
@@ -127,14 +127,14 @@ class TraceReader {
         }
         const bool is_entry = loop_start_ == layers_.size() - 1;
         Node node{after, std::move(step), parent, is_entry ? parent : layers_.back()[parent].entry};
-        const bool is_known = std::any_of(next.begin(), next.end(), [&](const Node& other) {
+        const bool is_known = std::ranges::any_of(next, [&](const Node& other) {
           return other.entry == node.entry && other.state == node.state;
         });
         if (!is_known) next.push_back(std::move(node));
       });
     }
     if (next.empty()) {
-      std::sort(possible.begin(), possible.end());
+      std::ranges::sort(possible);
       possible.erase(std::unique(possible.begin(), possible.end()), possible.end());
       fail(fmt::format("{} is not possible in {}; possible: {}", to_string(text), system_.file,
                        possible.empty() ? "nothing" : join(possible)));
@@ -154,7 +154,7 @@ class TraceReader {
   // The path to one of the last states; with a loop, to one at which it closes.
   void finish(Trace& trace) const {
     const auto& last = layers_.back();
-    const auto found = std::find_if(last.begin(), last.end(), [&](const Node& node) {
+    const auto found = std::ranges::find_if(last, [&](const Node& node) {
       return !loop_start_ || layers_[*loop_start_][node.entry].state == node.state;
     });
     if (found == last.end()) {

@@ -76,7 +76,7 @@ std::vector<Token> read_tokens(const ScalarText& text) {
   std::vector<Token> tokens;
   for (;;) {
     const auto blanks = cursor.take_while(is_space);
-    const auto breaks = static_cast<int>(std::count(blanks.begin(), blanks.end(), '\n'));
+    const auto breaks = static_cast<int>(std::ranges::count(blanks, '\n'));
     Token token{Token::Kind::end, "", cursor.offset()};
     if (!cursor.at_end()) token = scan(text, cursor);
     token.breaks = breaks;

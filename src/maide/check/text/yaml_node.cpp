@@ -74,7 +74,7 @@ class PlaceTable {
     for (std::size_t i = 0; i < text.size(); ++i) {
       if (text[i] == '\n') lines_.push_back(i + 1);
     }
-    if (std::none_of(text.begin(), text.end(), is_continuation)) return;
+    if (std::ranges::none_of(text, is_continuation)) return;
     for (std::size_t i = 0; i < text.size(); ++i) {
       if (!is_continuation(text[i])) bytes_.push_back(i);
     }
@@ -87,9 +87,7 @@ class PlaceTable {
   }
   // The number of the line, from 0.
   std::size_t line_of(std::size_t byte) const {
-    return static_cast<std::size_t>(std::upper_bound(lines_.begin(), lines_.end(), byte) -
-                                    lines_.begin()) -
-           1;
+    return static_cast<std::size_t>(std::ranges::upper_bound(lines_, byte) - lines_.begin()) - 1;
   }
   TextPlace place_of(std::size_t byte) const {
     const std::size_t line = line_of(byte);

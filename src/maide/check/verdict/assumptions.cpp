@@ -91,12 +91,11 @@ bool depends_on_fairness(const Property& property) {
 std::set<int> find_endless_lines(const System& system, const Program& program) {
   const auto cuts_run = [&](const ProgramEdge& edge) {
     const auto uses = program.uses_of(edge);
-    return std::any_of(uses.begin(), uses.end(), [&](const ModelUse& use) {
+    return std::ranges::any_of(uses, [&](const ModelUse& use) {
       if (use.kind != ModelUse::Kind::act) return false;
       const auto& steps = system.models[use.model].actions[use.symbol].steps;
-      return std::all_of(steps.begin(), steps.end(), [](const auto& of_state) {
-        return std::all_of(of_state.begin(), of_state.end(),
-                           [](const ModelStep& step) { return step.is_beyond; });
+      return std::ranges::all_of(steps, [](const auto& of_state) {
+        return std::ranges::all_of(of_state, &ModelStep::is_beyond);
       });
     });
   };
@@ -208,9 +207,8 @@ class AssumptionList {
       if (const auto stated = find_strength(model.automaton.origin); stated && !has_rule) {
         strengths.emplace(tests->second, to_string(stated->strength));
       }
-      const auto known = std::find_if(models_of.begin(), models_of.end(), [&](const auto& entry) {
-        return entry.first == tests->second;
-      });
+      const auto known = std::ranges::find_if(
+          models_of, [&](const auto& entry) { return entry.first == tests->second; });
       if (known == models_of.end()) {
         models_of.push_back({tests->second, {model.name}});
       } else {
@@ -308,7 +306,7 @@ class AssumptionList {
 
   // What runs callbacks is a program for `stuck`, and a callback is none.
   void state_callbacks_that_are_not_run(const std::vector<PropertyResult>& results) {
-    const bool holds = std::any_of(results.begin(), results.end(), [](const auto& result) {
+    const bool holds = std::ranges::any_of(results, [](const auto& result) {
       return result.name == "stuck" && result.verdict == Verdict::holds;
     });
     std::set<std::string> names;
@@ -401,9 +399,8 @@ class AssumptionList {
   }
 
   void state_time_outs(const std::vector<PropertyResult>& results) {
-    const bool holds = std::any_of(results.begin(), results.end(), [](const auto& result) {
-      return result.verdict == Verdict::holds;
-    });
+    const bool holds = std::ranges::any_of(
+        results, [](const auto& result) { return result.verdict == Verdict::holds; });
     std::set<int> lines;
     for (const Program& program : system_.programs) {
       for (const ProgramEdge& edge : program.edges) {
@@ -456,7 +453,7 @@ std::optional<std::string> find_hidden_return(const System& system,
     const InterfaceAutomaton& automaton = system.models[use.model].automaton;
     const std::string& input = automaton.inputs().name(use.input);
     const auto& hidden = automaton.hidden_returns;
-    if (std::find(hidden.begin(), hidden.end(), input) == hidden.end()) continue;
+    if (std::ranges::find(hidden, input) == hidden.end()) continue;
     std::vector<std::string> observed = automaton.outputs().names();
     observed.push_back(return_name(input));
     return fmt::format(

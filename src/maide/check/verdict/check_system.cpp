@@ -400,8 +400,8 @@ class Checker {
   // Whose waiting only a time-out ends: who would be stuck without it. So `stuck` is what is asked,
   // and about as many states are searched as were for it.
   void state_lone_time_outs() {
-    const auto stuck = std::find_if(report_.properties.begin(), report_.properties.end(),
-                                    [](const auto& result) { return result.name == "stuck"; });
+    const auto stuck = std::ranges::find_if(
+        report_.properties, [](const auto& result) { return result.name == "stuck"; });
     if (stuck == report_.properties.end() || !has_time_outs(system_)) return;
     SearchLimits limits;
     limits.bytes = memory_limit_mib(options_) << 20;
@@ -482,15 +482,12 @@ std::string find_flaw_in_parts(const System& system, const Property& property, c
   if (has_atoms) candidates = {programs_of(system, property, candidates)};
   std::string flaw = "its steps are of several components";
   for (const auto& programs : candidates) {
-    const bool is_within =
-        std::all_of(trace.steps.begin(), trace.steps.end(), [&](const Step& step) {
-          return step.actor == nobody ||
-                 std::binary_search(programs.begin(), programs.end(), step.actor);
-        });
+    const bool is_within = std::ranges::all_of(trace.steps, [&](const Step& step) {
+      return step.actor == nobody || std::ranges::binary_search(programs, step.actor);
+    });
     if (!is_within) continue;
     const Part part(system, programs, &property);
-    if (!std::all_of(trace.steps.begin(), trace.steps.end(),
-                     [&](const Step& step) { return part.has(step); })) {
+    if (!std::ranges::all_of(trace.steps, [&](const Step& step) { return part.has(step); })) {
       continue;
     }
     flaw = find_flaw(part.system(), part.property(property), from_whole(part, trace));
@@ -515,8 +512,7 @@ std::vector<std::string> all_remarks(const System& system, const CheckReport& re
 
 ExitStatus exit_status_of(const CheckReport& report) {
   if (report.verdict == Verdict::violated) return ExitStatus::violated;
-  if (std::any_of(report.properties.begin(), report.properties.end(),
-                  [](const PropertyResult& result) { return result.is_internal_error; })) {
+  if (std::ranges::any_of(report.properties, &PropertyResult::is_internal_error)) {
     return ExitStatus::internal;
   }
   return report.verdict == Verdict::holds ? ExitStatus::ok : ExitStatus::inconclusive;

@@ -45,17 +45,16 @@ Selects find_selects(const System& system) {
     auto& at = selects.at.emplace_back(program.states.size(), Selects::none);
     for (ControlState state = 0; state < program.states.size(); ++state) {
       const auto edges = program.edges_of(state);
-      const auto time_out = std::find_if(edges.begin(), edges.end(), [&](const ProgramEdge& edge) {
-        return program.role_of(edge) == Role::timeout;
-      });
+      const auto time_out = std::ranges::find_if(
+          edges, [&](const ProgramEdge& edge) { return program.role_of(edge) == Role::timeout; });
       if (time_out == edges.end() || program.may_rest(state)) continue;
       const auto [place, is_new] = known.try_emplace(
           {time_out->line, time_out->column}, static_cast<std::uint32_t>(selects.all.size()));
       if (is_new) selects.all.push_back({index, {}});
       at[state] = place->second;
       std::vector<ProgramEdge> arms;
-      std::copy_if(edges.begin(), edges.end(), std::back_inserter(arms),
-                   [&](const ProgramEdge& edge) { return is_arm(program, edge); });
+      std::ranges::copy_if(edges, std::back_inserter(arms),
+                           [&](const ProgramEdge& edge) { return is_arm(program, edge); });
       LoneTimeOut& select = selects.all[place->second];
       if (arms.size() > select.arms.size()) select.arms = std::move(arms);
     }
@@ -206,9 +205,10 @@ class LoneSearch {
 }  // namespace
 
 bool has_time_outs(const System& system) {
-  return std::any_of(system.programs.begin(), system.programs.end(), [](const Program& program) {
-    return std::any_of(program.combined.begin(), program.combined.end(),
-                       [](const CombinedStep& combined) { return combined.role == Role::timeout; });
+  return std::ranges::any_of(system.programs, [](const Program& program) {
+    return std::ranges::any_of(program.combined, [](const CombinedStep& combined) {
+      return combined.role == Role::timeout;
+    });
   });
 }
 

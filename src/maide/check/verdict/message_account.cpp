@@ -12,11 +12,11 @@ using Kind = ProgramEdge::Kind;
 using Levels = std::vector<std::optional<std::size_t>>;
 
 bool contains_sorted(const std::vector<Symbol>& sorted, Symbol symbol) {
-  return std::binary_search(sorted.begin(), sorted.end(), symbol);
+  return std::ranges::binary_search(sorted, symbol);
 }
 
 void sort_unique(std::vector<Symbol>& symbols) {
-  std::sort(symbols.begin(), symbols.end());
+  std::ranges::sort(symbols);
   symbols.erase(std::unique(symbols.begin(), symbols.end()), symbols.end());
 }
 
@@ -24,11 +24,10 @@ void sort_unique(std::vector<Symbol>& symbols) {
 std::vector<Symbol> asking_by_actors(const InterfaceAutomaton& automaton, const Awaited& awaited) {
   std::vector<Symbol> asking;
   for (const Actor& actor : automaton.actors) {
-    const bool has_output =
-        std::any_of(awaited.outputs.begin(), awaited.outputs.end(), [&](Symbol output) {
-          const std::string& name = automaton.outputs().name(output);
-          return std::find(actor.outputs.begin(), actor.outputs.end(), name) != actor.outputs.end();
-        });
+    const bool has_output = std::ranges::any_of(awaited.outputs, [&](Symbol output) {
+      const std::string& name = automaton.outputs().name(output);
+      return std::ranges::find(actor.outputs, name) != actor.outputs.end();
+    });
     if (!has_output) continue;
     for (const std::string& input : actor.inputs) {
       if (const auto symbol = automaton.inputs().find(input)) asking.push_back(*symbol);
@@ -42,7 +41,7 @@ std::vector<Symbol> asking_by_programs(const System& system, const Awaited& awai
   std::vector<Symbol> asking;
   const auto takes = [&](const Program& program, const ProgramEdge& edge) {
     const auto events = program.events_of(edge);
-    return std::any_of(events.begin(), events.end(), [&](const ModelUse& event) {
+    return std::ranges::any_of(events, [&](const ModelUse& event) {
       return event.kind == Kind::take && event.model == awaited.model &&
              contains_sorted(awaited.outputs, event.symbol);
     });
@@ -50,9 +49,9 @@ std::vector<Symbol> asking_by_programs(const System& system, const Awaited& awai
   for (const Program& program : system.programs) {
     for (const ProgramEdge& edge : program.edges) {
       const auto next = program.edges_of(edge.target);
-      const bool is_answered = takes(program, edge) ||
-                               std::any_of(next.begin(), next.end(),
-                                           [&](const auto& take) { return takes(program, take); });
+      const bool is_answered =
+          takes(program, edge) ||
+          std::ranges::any_of(next, [&](const auto& take) { return takes(program, take); });
       if (!is_answered) continue;
       for (const ModelUse& event : program.events_of(edge)) {
         if (event.kind == Kind::give && event.model == awaited.model) {
@@ -126,7 +125,7 @@ std::vector<Symbol> outputs_from(const InterfaceAutomaton& automaton, const Awai
   std::vector<Symbol> outputs;
   for (std::size_t steps = 0; outputs.size() < most && steps < automaton.size() * 2; ++steps) {
     const auto transitions = automaton.transitions(state);
-    const auto next = std::find_if(transitions.begin(), transitions.end(), [&](const auto& way) {
+    const auto next = std::ranges::find_if(transitions, [&](const auto& way) {
       if (!is_asked(awaited, way) || !levels[way.target]) return false;
       return *levels[way.target] + (is_awaited(awaited, way.action) ? 1 : 0) == *levels[state] &&
              way.target != state;
@@ -158,10 +157,10 @@ MessageAccount::Loss::Which which_was_lost(const InterfaceAutomaton& automaton,
 bool is_consistent(const MessageAccount& account, const Trace& trace) {
   const auto& losses = account.losses;
   const bool is_ordered =
-      std::adjacent_find(losses.begin(), losses.end(), [](const auto& one, const auto& next) {
+      std::ranges::adjacent_find(losses, [](const auto& one, const auto& next) {
         return one.step >= next.step || one.given > next.given || one.taken > next.taken;
       }) == losses.end();
-  return is_ordered && std::all_of(losses.begin(), losses.end(), [&](const auto& loss) {
+  return is_ordered && std::ranges::all_of(losses, [&](const auto& loss) {
            return loss.step < trace.steps.size() && loss.count > 0 && loss.given <= account.given &&
                   loss.taken <= account.taken;
          });
@@ -171,8 +170,7 @@ bool is_consistent(const MessageAccount& account, const Trace& trace) {
 
 bool uses_model(const Program& program, const ProgramEdge& edge, std::uint32_t model) {
   const auto uses = program.uses_of(edge);
-  return std::any_of(uses.begin(), uses.end(),
-                     [&](const ModelUse& use) { return use.model == model; });
+  return std::ranges::any_of(uses, [&](const ModelUse& use) { return use.model == model; });
 }
 
 std::size_t MessageAccount::lost() const {
@@ -241,8 +239,8 @@ std::optional<MessageAccount> take_account(const System& system, const Trace& tr
   for (std::size_t at = 0; at < trace.steps.size(); ++at) {
     const Step& step = trace.steps[at];
     const auto uses = uses_of(system, step);
-    if (std::none_of(uses.begin(), uses.end(),
-                     [&](const ModelUse& use) { return use.model == awaited.model; })) {
+    if (std::ranges::none_of(uses,
+                             [&](const ModelUse& use) { return use.model == awaited.model; })) {
       continue;
     }
     bool gives = false, takes = false, is_message = false;

@@ -16,7 +16,7 @@ using Reason = Waiting::Reason;
 using Helps = std::function<bool(const Program&, const ProgramEdge&)>;
 
 bool contains(const std::vector<Symbol>& symbols, Symbol symbol) {
-  return std::find(symbols.begin(), symbols.end(), symbol) != symbols.end();
+  return std::ranges::find(symbols, symbol) != symbols.end();
 }
 
 std::vector<Symbol> outputs_due(const InterfaceAutomaton& automaton, StateId state) {
@@ -52,7 +52,7 @@ std::vector<Symbol> same_actor(const InterfaceAutomaton& automaton, Symbol input
   const std::string& name = automaton.inputs().name(input);
   std::vector<Symbol> symbols{input};
   for (const Actor& actor : automaton.actors) {
-    if (std::find(actor.inputs.begin(), actor.inputs.end(), name) == actor.inputs.end()) continue;
+    if (std::ranges::find(actor.inputs, name) == actor.inputs.end()) continue;
     for (const std::string& other : actor.inputs) {
       if (const auto symbol = automaton.inputs().find(other)) symbols.push_back(*symbol);
     }
@@ -76,10 +76,10 @@ class WaitingFinder {
       : system_(system), trace_(trace), states_(states), at_(at), state_(states[at]) {
     waiting_.program = program;
     const auto edges = own().edges_of(state_.programs[program]);
-    std::copy_if(edges.begin(), edges.end(), std::back_inserter(waiting_.awaited),
-                 [&](const ProgramEdge& edge) { return !own().is_death(edge); });
+    std::ranges::copy_if(edges, std::back_inserter(waiting_.awaited),
+                         [&](const ProgramEdge& edge) { return !own().is_death(edge); });
     const auto& awaited = waiting_.awaited;
-    const bool is_plain = std::all_of(awaited.begin(), awaited.end(), [&](const auto& edge) {
+    const bool is_plain = std::ranges::all_of(awaited, [&](const auto& edge) {
       return (edge.kind == Kind::give || edge.kind == Kind::take || edge.kind == Kind::quiet) &&
              edge.model == awaited.front().model;
     });
@@ -135,9 +135,8 @@ class WaitingFinder {
   std::optional<std::size_t> last_step(const std::function<bool(std::size_t)>& is_it) const {
     for (std::size_t step = at_; step-- > 0;) {
       const auto uses = uses_of(system_, trace_.steps[step]);
-      const bool is_of_model = std::any_of(uses.begin(), uses.end(), [&](const ModelUse& use) {
-        return use.model == waiting_.model;
-      });
+      const bool is_of_model = std::ranges::any_of(
+          uses, [&](const ModelUse& use) { return use.model == waiting_.model; });
       if (is_of_model && is_it(step)) return step;
     }
     return std::nullopt;
@@ -175,7 +174,7 @@ class WaitingFinder {
     const std::vector<Symbol> actor = same_actor(automaton(), input);
     waiting_.cause = last_step([&](std::size_t step) {
       const auto events = events_of(system_, trace_.steps[step]);
-      return std::any_of(events.begin(), events.end(), [&](const ModelUse& event) {
+      return std::ranges::any_of(events, [&](const ModelUse& event) {
         return event.kind == Kind::give && event.model == waiting_.model &&
                contains(actor, event.symbol);
       });
@@ -187,7 +186,7 @@ class WaitingFinder {
     const Kind kind = waiting_.reason == Reason::output_due ? Kind::take : Kind::give;
     add_helpers([&](const Program& program, const ProgramEdge& edge) {
       const auto events = program.events_of(edge);
-      return std::any_of(events.begin(), events.end(), [&](const ModelUse& event) {
+      return std::ranges::any_of(events, [&](const ModelUse& event) {
         return event.kind == kind && event.model == waiting_.model &&
                contains(waiting_.wanted, event.symbol);
       });
@@ -197,13 +196,11 @@ class WaitingFinder {
   // Who uses a model that one of the awaited steps uses might make it possible.
   void find_users() {
     add_helpers([&](const Program& program, const ProgramEdge& edge) {
-      return std::any_of(waiting_.awaited.begin(), waiting_.awaited.end(),
-                         [&](const ProgramEdge& awaited) {
-                           const auto uses = own().uses_of(awaited);
-                           return std::any_of(uses.begin(), uses.end(), [&](const ModelUse& use) {
-                             return uses_model(program, edge, use.model);
-                           });
-                         });
+      return std::ranges::any_of(waiting_.awaited, [&](const ProgramEdge& awaited) {
+        const auto uses = own().uses_of(awaited);
+        return std::ranges::any_of(
+            uses, [&](const ModelUse& use) { return uses_model(program, edge, use.model); });
+      });
     });
   }
 
@@ -211,8 +208,8 @@ class WaitingFinder {
     for (std::uint32_t index = 0; index < system_.programs.size(); ++index) {
       const Program& program = system_.programs[index];
       if (index == waiting_.program) continue;
-      if (std::none_of(program.edges.begin(), program.edges.end(),
-                       [&](const ProgramEdge& edge) { return helps(program, edge); })) {
+      if (std::ranges::none_of(program.edges,
+                               [&](const ProgramEdge& edge) { return helps(program, edge); })) {
         continue;
       }
       waiting_.helpers.push_back(index);
@@ -223,7 +220,7 @@ class WaitingFinder {
   }
 
   bool is_awaited_step(const ProgramEdge& edge) const {
-    return std::any_of(waiting_.awaited.begin(), waiting_.awaited.end(), [&](const auto& other) {
+    return std::ranges::any_of(waiting_.awaited, [&](const auto& other) {
       return edge.kind == other.kind && edge.model == other.model && edge.symbol == other.symbol;
     });
   }
@@ -335,9 +332,7 @@ std::vector<std::uint32_t> find_circle(const std::vector<Waiting>& waitings) {
   std::vector<std::uint32_t> path;
   if (waitings.empty()) return path;
   for (std::uint32_t program = waitings.front().program;;) {
-    const auto waiting =
-        std::find_if(waitings.begin(), waitings.end(),
-                     [&](const Waiting& candidate) { return candidate.program == program; });
+    const auto waiting = std::ranges::find(waitings, program, &Waiting::program);
     if (waiting == waitings.end() || waiting->reachable_helpers.size() != 1) return {};
     path.push_back(program);
     MAIDE_CHECK(path.size() <= waitings.size());

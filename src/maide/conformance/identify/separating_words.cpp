@@ -99,7 +99,7 @@ Classes intersect(const Classes& left, const Classes& right) {
 // Leaves out words as long as the others still tell as many classes apart; long ones are tried
 // first, for they cost most. O(|W| n l).
 void drop_needless_words(const Mealy& machine, std::size_t class_count, std::vector<Word>& words) {
-  std::sort(words.begin(), words.end(), is_shorter);
+  std::ranges::sort(words, is_shorter);
   std::vector<Classes> by_word, by_shorter{{std::vector<std::uint32_t>(machine.size(), 0)}};
   for (const Word& word : words) {
     by_word.push_back(answers_to(word, machine));
@@ -154,7 +154,7 @@ std::vector<Word> compute_characterising_set(const Mealy& machine,
     words.push_back(*std::move(word));
   }
   drop_needless_words(machine, separating.class_count(), words);
-  std::sort(words.begin(), words.end(), is_shorter);
+  std::ranges::sort(words, is_shorter);
   return words;
 }
 

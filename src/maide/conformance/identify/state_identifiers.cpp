@@ -87,8 +87,8 @@ class AdaptiveWords {
         track.current = machine_.target(track.current, input);
       }
     }
-    std::stable_sort(answers.begin(), answers.end(),
-                     [](const auto& left, const auto& right) { return left.first < right.first; });
+    std::ranges::stable_sort(
+        answers, [](const auto& left, const auto& right) { return left.first < right.first; });
     MAIDE_CHECK(answers.front().first != answers.back().first);
     for (std::size_t i = 0; i < answers.size(); ++i) {
       if (i == 0 || answers[i].first != answers[i - 1].first) open.emplace_back();
@@ -149,7 +149,7 @@ class OwnWords {
         const auto stays = [&](StateId other) {
           return answers_[word][other] == answers_[word][state];
         };
-        const auto stay = static_cast<std::size_t>(std::count_if(left.begin(), left.end(), stays));
+        const auto stay = static_cast<std::size_t>(std::ranges::count_if(left, stays));
         if (stay < fewest) {
           fewest = stay;
           best = word;
@@ -188,7 +188,7 @@ StateIdentifiers::StateIdentifiers(std::vector<std::vector<Word>> words,
   for (const std::vector<Word>& own : own_) {
     rest_.emplace_back();
     for (const Word& word : for_all) {
-      if (std::find(own.begin(), own.end(), word) == own.end()) rest_.back().push_back(word);
+      if (std::ranges::find(own, word) == own.end()) rest_.back().push_back(word);
     }
   }
 }
@@ -219,9 +219,8 @@ StateIdentifiers compute_harmonised_words(const Mealy& machine, Random /*random*
   while (!open.empty()) {
     const Partition::Block block = open.back();
     const auto group = groups.elements(block);  // ascending
-    const auto other = std::find_if(group.begin(), group.end(), [&](StateId state) {
-      return separating.are_separable(group.front(), state);
-    });
+    const auto other = std::ranges::find_if(
+        group, [&](StateId state) { return separating.are_separable(group.front(), state); });
     if (other == group.end()) {
       open.pop_back();
       continue;
@@ -315,7 +314,7 @@ class AdaptiveSplitter {
       keys_.push_back(std::uint64_t{machine_.output(state, input)} << 32 |
                       machine_.target(state, input));
     }
-    std::sort(keys_.begin(), keys_.end());
+    std::ranges::sort(keys_);
     std::uint64_t lost = 0, run = 0;
     for (std::size_t i = 1; i < keys_.size(); ++i) {
       run = keys_[i] == keys_[i - 1] ? run + 1 : 0;
@@ -326,8 +325,8 @@ class AdaptiveSplitter {
 
   bool splits_by_output(NodeId leaf, Symbol input) const {
     const Symbol output = machine_.output(states(leaf).front(), input);
-    return std::any_of(states(leaf).begin(), states(leaf).end(),
-                       [&](StateId state) { return machine_.output(state, input) != output; });
+    return std::ranges::any_of(
+        states(leaf), [&](StateId state) { return machine_.output(state, input) != output; });
   }
 
   // The leaf into which all states of this one go, if it is the same.
@@ -364,7 +363,7 @@ class AdaptiveSplitter {
   std::size_t count_outputs(NodeId leaf, Symbol input) {
     keys_.clear();
     for (const StateId state : states(leaf)) keys_.push_back(machine_.output(state, input));
-    std::sort(keys_.begin(), keys_.end());
+    std::ranges::sort(keys_);
     return static_cast<std::size_t>(std::unique(keys_.begin(), keys_.end()) - keys_.begin());
   }
 

@@ -165,7 +165,7 @@ class StandardMethod::Query {
   // Where no input loops, what is demanded of those that do is met.
   std::optional<Word> run_loops() {
     const auto loops_in = [&](const auto& start) { return !loops_.of(start.state).empty(); };
-    if (std::none_of(loops_.states().begin(), loops_.states().end(), loops_in)) {
+    if (std::ranges::none_of(loops_.states(), loops_in)) {
       strength_.chained = demand_.chained;
       strength_.pumped = demand_.pumped;
       guarantee_ += "; in no state an input loops";
@@ -234,7 +234,7 @@ class StandardMethod::Query {
         if (count > 0 && count < counts.front()) counts.push_back(count);
       }
     }
-    std::sort(counts.begin(), counts.end());
+    std::ranges::sort(counts);
     counts.erase(std::unique(counts.begin(), counts.end()), counts.end());
     const auto is_paid = [&] { return fits(PumpSuite(loops_, counts), left_); };
     if (!is_paid()) {

@@ -103,7 +103,7 @@ TestChain::Link TestChain::parse_link(std::string_view text) {
 }
 
 bool TestChain::has(std::string_view method) const {
-  return std::any_of(links_.begin(), links_.end(), [&](const Link& link) {
+  return std::ranges::any_of(links_, [&](const Link& link) {
     return link.method != nullptr && link.method->name == method;
   });
 }

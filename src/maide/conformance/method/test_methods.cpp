@@ -262,7 +262,7 @@ const TestMethodEntry& find_test_method(std::string_view name) {
 
 bool heeds(const TestMethodEntry& method, std::string_view option) {
   const std::vector<std::string_view> keys = split(method.options, ' ');
-  return std::find(keys.begin(), keys.end(), option) != keys.end();
+  return std::ranges::find(keys, option) != keys.end();
 }
 
 std::string methods_with(std::string_view option) {

@@ -100,8 +100,8 @@ void LoopingInputs::find_ways(const std::vector<bool>& is_error) {
   }
   std::vector<std::pair<std::uint64_t, Start>> by_rarity;
   for (auto& [kind, start] : last) by_rarity.emplace_back(uses[kind.second], std::move(start));
-  std::stable_sort(by_rarity.begin(), by_rarity.end(),
-                   [](const auto& left, const auto& right) { return left.first < right.first; });
+  std::ranges::stable_sort(
+      by_rarity, [](const auto& left, const auto& right) { return left.first < right.first; });
   for (auto& [rarity, start] : by_rarity) ways_.push_back(std::move(start));
 }
 
@@ -232,7 +232,7 @@ Word draw_chain(std::span<const Symbol> letters, std::size_t order, Random rando
     }
   }
   MAIDE_CHECK(circuit.size() == nodes * count);  // every edge once
-  std::reverse(circuit.begin(), circuit.end());
+  std::ranges::reverse(circuit);
   // It begins in node 0, whose letters are all the first: the words across the seam are closed by
   // its own beginning.
   for (std::size_t i = 0; i + 1 < order; ++i) circuit.push_back(circuit[i]);

@@ -61,8 +61,8 @@ std::vector<MealyAnswer> Cache::ask(std::span<const Query> batch, const RunContr
                                     const PartialSink& on_early_end) {
   // Branches of trees in the tree's numbering; words are the same in all.
   std::vector<Query> converted;
-  if (std::any_of(batch.begin(), batch.end(),
-                  [](const Query& query) { return std::holds_alternative<DecisionTree>(query); })) {
+  if (std::ranges::any_of(
+          batch, [](const Query& query) { return std::holds_alternative<DecisionTree>(query); })) {
     learn_system_outputs();
     converted.reserve(batch.size());
     for (const Query& query : batch) {
@@ -110,8 +110,8 @@ std::vector<Query> Cache::select_whole(std::span<const Query> batch,
   for (std::size_t i = 0; i < batch.size(); ++i) {
     const auto* word = std::get_if<Word>(&batch[i]);
     const Word& outputs = known[i].answer.outputs;
-    const auto refused = std::find_if(outputs.begin(), outputs.end(),
-                                      [this](Symbol output) { return is_refusal(output); });
+    const auto refused =
+        std::ranges::find_if(outputs, [this](Symbol output) { return is_refusal(output); });
     if (word == nullptr || refused == outputs.end()) continue;
     if (static_cast<std::size_t>(refused - outputs.begin()) + 1 == word->size()) continue;
     ++shortened_;
@@ -147,7 +147,7 @@ std::vector<std::size_t> Cache::select_queries(std::span<const Query> batch,
     }
   }
   // A word's extensions follow it; of equal words the first in the batch comes last, and stays.
-  std::sort(words.begin(), words.end(), [&](const Leaving& left, const Leaving& right) {
+  std::ranges::sort(words, [&](const Leaving& left, const Leaving& right) {
     if (left.place != right.place) return left.place < right.place;
     const auto one = rest(left.index), other = rest(right.index);
     const auto order =
@@ -161,7 +161,7 @@ std::vector<std::size_t> Cache::select_queries(std::span<const Query> batch,
     }
     selected.push_back(words[i].index);
   }
-  std::sort(selected.begin(), selected.end());
+  std::ranges::sort(selected);
   MAIDE_CHECK(!selected.empty() && selected.size() <= unknown.size());
   return selected;
 }
@@ -199,7 +199,7 @@ void Cache::ask_system(std::span<const Query> batch, std::vector<std::size_t> un
     }
     std::vector<std::size_t> still_unknown;
     for (const std::size_t index : unknown) {
-      const bool was_sent = std::binary_search(selected.begin(), selected.end(), index);
+      const bool was_sent = std::ranges::binary_search(selected, index);
       Lookup& lookup = known[index];
       const bool is_over = was_sent && lookup.answer.end != WordEnd::complete;  // there is no more
       if (is_over && !has_refusals_) continue;
@@ -340,7 +340,7 @@ void Cache::check_refusals(const MealyAnswer& answer) const {
     const Symbol input = answer.inputs[i];
     if (is_refusal(answer.outputs[i])) {
       refused.push_back(input);
-    } else if (std::find(refused.begin(), refused.end(), input) == refused.end()) {
+    } else if (std::ranges::find(refused, input) == refused.end()) {
       refused.clear();
     } else {
       throw Error(
@@ -464,8 +464,8 @@ Query Cache::to_system(const Query& query) {
 
 bool Cache::has_refused(const Lookup& known) const {
   const Word& outputs = known.answer.outputs;
-  return has_refusals_ && std::any_of(outputs.begin(), outputs.end(),
-                                      [this](Symbol output) { return is_refusal(output); });
+  return has_refusals_ &&
+         std::ranges::any_of(outputs, [this](Symbol output) { return is_refusal(output); });
 }
 
 Word Cache::without_refused(std::span<const Symbol> inputs, std::span<const Symbol> outputs) const {
@@ -522,7 +522,7 @@ std::span<const Query> Cache::to_system(std::span<const Query> batch,
     return std::holds_alternative<Word>(batch[index]) && !has_refused(known[index]);
   };
   if (selected.back() - selected.front() + 1 == selected.size() &&
-      std::all_of(selected.begin(), selected.end(), is_as_it_is)) {
+      std::ranges::all_of(selected, is_as_it_is)) {
     return batch.subspan(selected.front(), selected.size());
   }
   copies.reserve(selected.size());

@@ -213,8 +213,8 @@ Contradiction Cache::describe(const Word& word) const {
   for (const auto& [output, count] : watched.ballot.counts()) counts[output] = count;
   for (const Symbol output : watched.before) ++counts[output];
   std::vector<std::pair<Symbol, std::uint64_t>> sorted(counts.begin(), counts.end());
-  std::stable_sort(sorted.begin(), sorted.end(),
-                   [](const auto& left, const auto& right) { return left.second > right.second; });
+  std::ranges::stable_sort(
+      sorted, [](const auto& left, const auto& right) { return left.second > right.second; });
   Contradiction result;
   result.word = to_string(word, system_.inputs());
   Word outputs = known_outputs(word);

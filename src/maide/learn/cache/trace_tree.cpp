@@ -134,8 +134,7 @@ void TraceTree::children(Node node, std::vector<Node>& result) const {
   for (std::uint32_t i = 1; i <= slots[0]; ++i) {
     if (slots[i] != 0) result.push_back(slots[i]);
   }
-  std::sort(result.begin(), result.end(),
-            [this](Node left, Node right) { return input(left) < input(right); });
+  std::ranges::sort(result, [this](Node left, Node right) { return input(left) < input(right); });
 }
 
 void TraceTree::check_invariants() const {

@@ -217,7 +217,7 @@ class Planner {
   // Into answers_, by input, ascending; those to one input end at first_answer_[input].
   void collect_answers(const std::vector<WeightedNode>& candidates) {
     unsorted_.clear();
-    std::fill(first_answer_.begin(), first_answer_.end(), 0U);
+    std::ranges::fill(first_answer_, 0U);
     for (std::uint32_t i = 0; i < candidates.size(); ++i) {
       tree_.for_each_child(candidates[i].node, [&](ObservationTree::Node child) {
         unsorted_.push_back({tree_.input(child), tree_.output(child), i});
@@ -321,11 +321,11 @@ class Planner {
         for (std::size_t at = next; at != 0; at = queue[at].parent) {
           witness.push_back(queue[at].input);
         }
-        std::reverse(witness.begin(), witness.end());
+        std::ranges::reverse(witness);
         return {std::move(witness), false};
       }
       // By input; one that is known from one node alone tells nothing.
-      std::sort(inputs_below_.begin(), inputs_below_.end());
+      std::ranges::sort(inputs_below_);
       std::size_t end = nodes.size();
       for (const Symbol input : inputs_below_) {
         Below& below = children_by_input_[input];
@@ -373,8 +373,7 @@ class Planner {
       const auto child = tree_.child(candidate.node, input);
       if (child == ObservationTree::none) continue;
       const Symbol output = tree_.output(child);
-      auto group = std::find_if(groups.begin(), groups.end(),
-                                [&](const Group& other) { return other.output == output; });
+      auto group = std::ranges::find(groups, output, &Group::output);
       if (group == groups.end()) group = groups.insert(group, {output, {}});
       group->candidates.push_back({child, candidate.weight});
     }

@@ -132,7 +132,7 @@ bool Apartness::has_isolated() {
 void Apartness::promote_isolated() {
   if (!has_isolated()) return;
   std::vector<Transition> isolated = std::exchange(isolated_, {});
-  std::stable_sort(isolated.begin(), isolated.end(), [&](Transition left, Transition right) {
+  std::ranges::stable_sort(isolated, [&](Transition left, Transition right) {
     return access_[source(left)].size() < access_[source(right)].size();
   });
   for (const Transition transition : isolated) {

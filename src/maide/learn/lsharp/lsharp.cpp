@@ -34,8 +34,7 @@ TargetEstimate::TargetEstimate(const Apartness& apartness)
 
 bool TargetEstimate::has_seen(Symbol input, Symbol output) const {
   const std::vector<Seen>& all = by_input_[input];
-  return std::any_of(all.begin(), all.end(),
-                     [&](const Seen& seen) { return seen.output == output; });
+  return std::ranges::any_of(all, [&](const Seen& seen) { return seen.output == output; });
 }
 
 std::vector<double> TargetEstimate::weights(std::size_t states, StateId source, Symbol input,
@@ -69,10 +68,9 @@ std::size_t checked_input_count(const OutputOracle& oracle) {
 void keep_likeliest(std::vector<WeightedNode>& nodes) {
   constexpr std::size_t most_nodes = 64;
   if (nodes.size() <= most_nodes) return;
-  std::stable_sort(nodes.begin(), nodes.end(),
-                   [](const WeightedNode& left, const WeightedNode& right) {
-                     return left.weight > right.weight;
-                   });
+  std::ranges::stable_sort(nodes, [](const WeightedNode& left, const WeightedNode& right) {
+    return left.weight > right.weight;
+  });
   nodes.resize(most_nodes);
 }
 
@@ -394,8 +392,8 @@ void LSharp::verify(const RunControl& control) {
     }
     if (batch.empty()) return;
     ask(batch, control);
-    if (!std::all_of(batch.begin(), batch.end(),
-                     [&](const Query& query) { return is_old_output(std::get<Word>(query)); })) {
+    if (!std::ranges::all_of(
+            batch, [&](const Query& query) { return is_old_output(std::get<Word>(query)); })) {
       first_words_.clear();
     }
   }

@@ -97,7 +97,7 @@ Word ObservationTree::find_witness(Node left, Node right) const {
   for (std::size_t next = 0; next < queue.size(); ++next) {
     sorted.clear();
     for_each_child(queue[next].left, [&](Node below) { sorted.emplace_back(input(below), below); });
-    std::sort(sorted.begin(), sorted.end());
+    std::ranges::sort(sorted);
     for (const auto& [symbol, below] : sorted) {
       const Node other = child(queue[next].right, symbol);
       if (other == none) continue;

@@ -128,7 +128,7 @@ std::vector<Word> OldModel::test_words() const {
       for (const Word& suffix : suffixes) words.push_back(joined(access, suffix));
     }
   }
-  std::sort(words.begin(), words.end(), [](const Word& left, const Word& right) {
+  std::ranges::sort(words, [](const Word& left, const Word& right) {
     return std::pair(left.size(), left) < std::pair(right.size(), right);
   });
   return words;

@@ -39,8 +39,8 @@ bool matches(std::string_view text, std::string_view pattern) {
 }  // namespace
 
 bool ErrorOutputs::contains(std::string_view output) const {
-  return std::any_of(patterns_.begin(), patterns_.end(),
-                     [&](const std::string& pattern) { return matches(output, pattern); });
+  return std::ranges::any_of(patterns_,
+                             [&](const std::string& pattern) { return matches(output, pattern); });
 }
 
 bool ErrorOutputCheck::is_error(Symbol output) {
@@ -58,8 +58,8 @@ std::optional<Symbol> ErrorOutputCheck::rest(Symbol error) const {
 }
 
 void ErrorOutputCheck::check(const MealyAnswer& answer) {
-  const auto error = std::find_if(answer.outputs.begin(), answer.outputs.end(),
-                                  [&](Symbol output) { return is_error(output); });
+  const auto error =
+      std::ranges::find_if(answer.outputs, [&](Symbol output) { return is_error(output); });
   if (error == answer.outputs.end() || error + 1 == answer.outputs.end()) return;
   const Symbol expected = rests_.try_emplace(*error, error[1]).first->second;
   const auto wrong = std::find_if(error + 1, answer.outputs.end(),
@@ -129,8 +129,8 @@ void ErrorAwareOracle::keep(const MealyAnswer& answer) {
 // What comes behind error outputs that are new: one input more.
 void ErrorAwareOracle::find_rests(std::span<const MealyAnswer> answers, const RunControl& control) {
   for (const MealyAnswer& answer : answers) {
-    const auto error = std::find_if(answer.outputs.begin(), answer.outputs.end(),
-                                    [&](Symbol output) { return check_.is_error(output); });
+    const auto error = std::ranges::find_if(answer.outputs,
+                                            [&](Symbol output) { return check_.is_error(output); });
     if (error == answer.outputs.end() || check_.rest(*error)) continue;
     Word word(answer.inputs.begin(), answer.inputs.begin() + (error - answer.outputs.begin()) + 1);
     word.push_back(0);
@@ -196,7 +196,7 @@ std::vector<bool> find_error_outputs(const Mealy& hypothesis, const OutputOracle
     const auto output = oracle.outputs().find(name);
     is_error.push_back(output && aware->is_error(*output));
   }
-  const bool is_any = std::find(is_error.begin(), is_error.end(), true) != is_error.end();
+  const bool is_any = std::ranges::find(is_error, true) != is_error.end();
   return is_any ? is_error : std::vector<bool>{};
 }
 

@@ -174,10 +174,10 @@ class Merger {
 
   // The one with most edges below, the oldest of several.
   Node heaviest_blue() const {
-    return std::max_element(blue_.begin(), blue_.end(),
-                            [](const auto& left, const auto& right) {
-                              return left.second.weight < right.second.weight;
-                            })
+    return std::ranges::max_element(blue_,
+                                    [](const auto& left, const auto& right) {
+                                      return left.second.weight < right.second.weight;
+                                    })
         ->first;
   }
 

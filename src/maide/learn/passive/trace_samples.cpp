@@ -52,7 +52,7 @@ TraceSamples::Node TraceSamples::child(Node node, Symbol input, Symbol output) c
 Word TraceSamples::inputs_of(Node node) const {
   Word word;
   for (; node != root; node = records_[node].parent) word.push_back(records_[node].input);
-  std::reverse(word.begin(), word.end());
+  std::ranges::reverse(word);
   return word;
 }
 

@@ -31,22 +31,22 @@ bool NStar::are_apart(Node left, Node right, std::span<const Symbol> suffix) con
   const auto shows_more = [&](Node more, Node complete) {
     if (!samples_.is_complete(complete, input)) return false;
     const auto branches = samples_.branches(more, input);
-    return std::any_of(branches.begin(), branches.end(), [&](const auto& branch) {
+    return std::ranges::any_of(branches, [&](const auto& branch) {
       return samples_.child(complete, input, branch.output) == TraceSamples::none;
     });
   };
   if (shows_more(left, right) || shows_more(right, left)) return true;
   if (suffix.size() == 1) return false;
   const auto branches = samples_.branches(left, input);
-  return std::any_of(branches.begin(), branches.end(), [&](const auto& branch) {
+  return std::ranges::any_of(branches, [&](const auto& branch) {
     const Node other = samples_.child(right, input, branch.output);
     return other != TraceSamples::none && are_apart(branch.node, other, suffix.subspan(1));
   });
 }
 
 bool NStar::are_apart(Node left, Node right) const {
-  return std::any_of(suffixes_.begin(), suffixes_.end(),
-                     [&](const Word& suffix) { return are_apart(left, right, suffix); });
+  return std::ranges::any_of(suffixes_,
+                             [&](const Word& suffix) { return are_apart(left, right, suffix); });
 }
 
 std::size_t NStar::find_equal(Node node) const {

@@ -284,8 +284,8 @@ bool is_same_place(const Death& left, const Death& right) {
 
 DeathRecord::Verdict DeathRecord::add(Death death) {
   deaths_.push_back(std::move(death));
-  const auto here = std::count_if(deaths_.begin(), deaths_.end(),
-                                  [&](const Death& other) { return is_same_place(other, last()); });
+  const auto here = std::ranges::count_if(
+      deaths_, [&](const Death& other) { return is_same_place(other, last()); });
   const std::size_t needed = last().end == WordEnd::hang ? 2 : 3;
   if (here >= 2 && deaths_.size() >= needed) return Verdict::reproducible;
   return deaths_.size() > most_deaths ? Verdict::hopeless : Verdict::ask_again;

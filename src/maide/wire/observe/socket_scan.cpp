@@ -316,7 +316,7 @@ bool SocketScan::watch_process(pid_t process) {
 
 bool SocketScan::is_left_out(const Process& process, int number) const {
   return process.id == 0 &&
-         (is_own(number) || std::find(ignored_.begin(), ignored_.end(), number) != ignored_.end());
+         (is_own(number) || std::ranges::find(ignored_, number) != ignored_.end());
 }
 
 // Its numbers, with what the last look knew of them.

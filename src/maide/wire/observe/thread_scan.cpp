@@ -189,7 +189,7 @@ SdkThread::SdkThread() : thread_(this_thread_id()) { add_excluded(thread_); }
 SdkThread::~SdkThread() {
   const std::scoped_lock lock(excluded().mutex);
   auto& threads = excluded().threads;
-  const auto found = std::find(threads.begin(), threads.end(), thread_);
+  const auto found = std::ranges::find(threads, thread_);
   if (found != threads.end()) threads.erase(found);
   ++excluded().generation;
 }
@@ -285,7 +285,7 @@ bool ThreadScan::list_threads(std::vector<pid_t>& threads) {
   own_threads_ = excluded().generation;
   std::erase_if(threads, [](pid_t thread) {
     const auto& own = excluded().threads;
-    return std::find(own.begin(), own.end(), thread) != own.end();
+    return std::ranges::find(own, thread) != own.end();
   });
   return all_there;
 }
@@ -308,12 +308,11 @@ bool ThreadScan::know_threads() {
   is_list_known_ = list_threads(threads_);
   if (!is_list_known_) return false;
   std::erase_if(entries_, [this](const auto& entry) {
-    return std::find(threads_.begin(), threads_.end(), entry->thread) == threads_.end();
+    return std::ranges::find(threads_, entry->thread) == threads_.end();
   });
   for (const pid_t thread : threads_) {
-    const bool is_known =
-        std::any_of(entries_.begin(), entries_.end(),
-                    [thread](const auto& entry) { return entry->thread == thread; });
+    const bool is_known = std::ranges::any_of(
+        entries_, [thread](const auto& entry) { return entry->thread == thread; });
     if (!is_known) entries_.push_back(std::make_unique<Entry>(thread, folder_of(thread)));
   }
   return true;

@@ -355,7 +355,7 @@ Hello decode_hello(const Json& json) {
 }
 
 std::uint32_t actor_of(const std::string& name, const SulInfo& info) {
-  const auto found = std::find(info.actors.begin(), info.actors.end(), name);
+  const auto found = std::ranges::find(info.actors, name);
   if (found == info.actors.end()) {
     throw ProtocolError(fmt::format("unknown actor '{}'", excerpt(name)));
   }
@@ -372,9 +372,8 @@ std::pair<std::string, std::uint32_t> decode_named(const Json& row, const SulInf
 }
 
 void check_output_name(const std::string& name) {
-  const bool has_bad_letter = std::any_of(name.begin(), name.end(), [](char letter) {
-    return letter == ',' || static_cast<unsigned char>(letter) < 0x20;
-  });
+  const bool has_bad_letter = std::ranges::any_of(
+      name, [](char letter) { return letter == ',' || static_cast<unsigned char>(letter) < 0x20; });
   if (name.empty() || has_bad_letter) {
     throw ProtocolError(fmt::format("'{}' cannot be the name of an output", excerpt(name)));
   }
@@ -461,12 +460,11 @@ SulStep decode_step(const Json& json, const SulInfo& info, bool open_outputs) {
     throw ProtocolError("a step that the system did not take has events");
   }
   // The canonical order is no wrapper's business to get right.
-  std::stable_sort(step.events.begin(), step.events.end(),
-                   [](const Event& left, const Event& right) { return left.actor < right.actor; });
+  std::ranges::stable_sort(step.events, {}, &Event::actor);
   for (const std::string& actor : texts_member(json, "busy")) {
     step.busy.push_back(actor_of(actor, info));
   }
-  std::sort(step.busy.begin(), step.busy.end());
+  std::ranges::sort(step.busy);
   step.duration = duration_member(json, "us");
   step.settling = std::min(step.duration, duration_member(json, "settling_us"));
   return step;

@@ -238,13 +238,12 @@ Reception::Reception(int listener, ReceptionRules rules)
 
 bool Reception::has_room() const {
   return waiting_.size() < rules_.most_waiting ||
-         std::any_of(waiting_.begin(), waiting_.end(),
-                     [](const Waiting& client) { return !client.is_ready; });
+         std::ranges::any_of(waiting_, [](const Waiting& client) { return !client.is_ready; });
 }
 
 int Reception::poll_limit(std::optional<std::chrono::milliseconds> limit) const {
-  const auto oldest = std::find_if(waiting_.begin(), waiting_.end(),
-                                   [](const Waiting& client) { return !client.is_ready; });
+  const auto oldest =
+      std::ranges::find_if(waiting_, [](const Waiting& client) { return !client.is_ready; });
   if (oldest != waiting_.end()) {
     const auto left =
         std::chrono::ceil<std::chrono::milliseconds>(oldest->since + rules_.limit - Clock::now());
@@ -301,8 +300,8 @@ void Reception::admit(Descriptor socket) {
 }
 
 bool Reception::drop_most_silent() {
-  const auto oldest = std::find_if(waiting_.begin(), waiting_.end(),
-                                   [](const Waiting& client) { return !client.is_ready; });
+  const auto oldest =
+      std::ranges::find_if(waiting_, [](const Waiting& client) { return !client.is_ready; });
   if (oldest == waiting_.end()) return false;
   tell(*oldest, protocol::ErrorCode::protocol, "too many connections wait for nothing");
   waiting_.erase(oldest);
@@ -365,8 +364,7 @@ Reception::Next Reception::take(Waiting& client, const std::string& line) const 
 }
 
 std::optional<AcceptedClient> Reception::take_ready() {
-  const auto ready = std::find_if(waiting_.begin(), waiting_.end(),
-                                  [](const Waiting& client) { return client.is_ready; });
+  const auto ready = std::ranges::find_if(waiting_, &Waiting::is_ready);
   if (ready == waiting_.end()) return std::nullopt;
   MAIDE_CHECK(ready->is_known);  // nobody is served without the token
   AcceptedClient client{std::move(ready->socket), std::move(ready->received), ""};

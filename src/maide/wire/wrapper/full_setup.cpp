@@ -12,7 +12,7 @@ namespace maide {
 namespace {
 
 bool contains(const std::vector<std::string>& names, const std::string& name) {
-  return std::find(names.begin(), names.end(), name) != names.end();
+  return std::ranges::find(names, name) != names.end();
 }
 
 std::size_t count_of(const OptionValues& options, std::string_view key) {
@@ -128,7 +128,7 @@ std::vector<std::string> FullSetup::names_in_purpose(
     const std::string& name, bool is_input, const std::vector<std::size_t>& readers) const {
   std::vector<std::string> names;
   const auto is_meant = [&](Side side, std::size_t end) {
-    return side != Side::reader || std::find(readers.begin(), readers.end(), end) != readers.end();
+    return side != Side::reader || std::ranges::find(readers, end) != readers.end();
   };
   if (is_input) {
     for (const Input& input : inputs) {

@@ -32,7 +32,7 @@ std::vector<std::string> split_list(std::string_view text) {
 }
 
 bool is_one_of(std::string_view value, const std::vector<std::string>& allowed) {
-  return std::find(allowed.begin(), allowed.end(), value) != allowed.end();
+  return std::ranges::find(allowed, value) != allowed.end();
 }
 
 // "values:a,b", where "values:V,..." is allowed: words of letters, digits, `_` and `-`.
@@ -223,9 +223,8 @@ OptionValues::OptionValues(const std::vector<OptionSpec>& table,
   for (const OptionSpec& spec : table) values_[spec.key] = spec.default_value;
   std::set<std::string> seen;
   for (const auto& [key, value] : given) {
-    const auto spec =
-        std::find_if(table.begin(), table.end(),
-                     [&name = key](const OptionSpec& row) { return same_key(row.key, name); });
+    const auto spec = std::ranges::find_if(
+        table, [&name = key](const OptionSpec& row) { return same_key(row.key, name); });
     if (spec == table.end()) {
       if (is_of_time(normalised(key))) {
         throw UsageError("option '" + key + "' is refused: time is not modelled");
@@ -243,8 +242,8 @@ OptionValues::OptionValues(const std::vector<OptionSpec>& table,
 }
 
 bool OptionValues::has(std::string_view key) const {
-  return std::any_of(values_.begin(), values_.end(),
-                     [&](const auto& entry) { return same_key(entry.first, key); });
+  return std::ranges::any_of(values_,
+                             [&](const auto& entry) { return same_key(entry.first, key); });
 }
 
 const std::string& OptionValues::text(std::string_view key) const {

@@ -231,9 +231,8 @@ WrapperSession::~WrapperSession() {
 const SulInfo& WrapperSession::configure(const std::map<std::string, std::string>& given) {
   options_ = OptionValues(table_, given);
   const SystemSetup setup = wrapper_.configure(options_);
-  if (setup.floor && std::none_of(given.begin(), given.end(), [](const auto& entry) {
-        return same_key(entry.first, "floor");
-      })) {
+  if (setup.floor && std::ranges::none_of(
+                         given, [](const auto& entry) { return same_key(entry.first, "floor"); })) {
     std::map<std::string, std::string> completed = given;
     completed["floor"] = std::to_string(setup.floor->count());
     options_ = OptionValues(table_, completed);
@@ -292,7 +291,7 @@ void WrapperSession::select_actors(const FullSetup& full) {
 }
 
 std::uint32_t WrapperSession::actor_index(const std::string& name) const {
-  const auto found = std::find(info_.actors.begin(), info_.actors.end(), name);
+  const auto found = std::ranges::find(info_.actors, name);
   if (found == info_.actors.end()) {
     throw std::logic_error(fmt::format("the wrapper declares no actor '{}'", name));
   }
@@ -308,8 +307,7 @@ void WrapperSession::select_events(const FullSetup& full, const std::vector<std:
           "the wrapper declares event '{}', a name with a meaning of its own", event.name));
     }
     const bool is_observed =
-        !options_.has("observe") ||
-        std::find(observed.begin(), observed.end(), event.reported) != observed.end();
+        !options_.has("observe") || std::ranges::find(observed, event.reported) != observed.end();
     events_.events[event.name] = {actor_index(event.actor), is_observed};
     if (is_observed) info_.outputs.push_back({event.name, actor_index(event.actor)});
   }
@@ -347,8 +345,8 @@ void WrapperSession::select_bound(const FullSetup& full, const SystemSetup& setu
   if (flight.capacity != 0 && flight.capacity <= size) return;  // never binds
   std::vector<std::string> sends;
   for (const std::string& name : flight.sends) {
-    const bool is_input = std::any_of(calls_.begin(), calls_.end(),
-                                      [&](const InstanceCall& call) { return call.input == name; });
+    const bool is_input =
+        std::ranges::any_of(calls_, [&](const InstanceCall& call) { return call.input == name; });
     if (is_input) sends.push_back(name);
   }
   std::vector<std::string> receives;

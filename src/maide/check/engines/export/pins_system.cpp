@@ -102,8 +102,7 @@ class PinsWriter {
       if (is_new) groups_.push_back({rule, is_error, !is_progress(system_, step)});
       here.push_back({entry->second, target});
     }
-    std::stable_sort(here.begin(), here.end(),
-                     [](const Rule& one, const Rule& other) { return one.group < other.group; });
+    std::ranges::stable_sort(here, {}, &Rule::group);
     first_rule_.push_back(place_rules_.size());
     place_rules_.insert(place_rules_.end(), here.begin(), here.end());
   }

@@ -246,7 +246,7 @@ class StepWriter {
       for (const auto& [events, code] : event_codes_) {
         if (events[atom]) codes.push_back(code);
       }
-      std::sort(codes.begin(), codes.end());
+      std::ranges::sort(codes);
       const auto text = membership("event", codes, event_codes_.size() + 2, codes.size());
       return *text;
     }
@@ -295,7 +295,7 @@ class StepWriter {
     for (const Atom& atom : atoms_) {
       events.push_back(atom.is_event() && is_event_of(atom, actor, of_step));
     }
-    if (std::find(events.begin(), events.end(), true) == events.end()) return 0;
+    if (std::ranges::find(events, true) == events.end()) return 0;
     return event_codes_.try_emplace(events, static_cast<std::uint32_t>(event_codes_.size() + 1))
         .first->second;
   }

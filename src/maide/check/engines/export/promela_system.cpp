@@ -40,8 +40,7 @@ bool may_have_a_meaning(std::string_view word) {
       std::all_of(word.begin() + 1, word.end(), is_digit)) {
     return true;
   }
-  return std::any_of(word.begin(), word.end(),
-                     [](char c) { return static_cast<unsigned char>(c) >= 0x80; });
+  return std::ranges::any_of(word, [](char c) { return static_cast<unsigned char>(c) >= 0x80; });
 }
 
 }  // namespace
@@ -102,7 +101,7 @@ namespace {
 std::string claim_text(const Formula& formula, const std::vector<Atom>& atoms, bool has_cuts) {
   using Operator = FormulaNode::Operator;
   const auto literal = [&](const Atom& atom, const char* sign) {
-    const auto number = std::lower_bound(atoms.begin(), atoms.end(), atom) - atoms.begin();
+    const auto number = std::ranges::lower_bound(atoms, atom) - atoms.begin();
     return fmt::format("({}p{}{})", sign, number, has_cuts ? " || is_cut" : "");
   };
   const auto part = [&](const Formula& operand) { return claim_text(operand, atoms, has_cuts); };

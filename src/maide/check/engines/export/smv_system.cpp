@@ -70,8 +70,8 @@ class Writer {
       const ModelRelation& relation = rules_.relations()[number];
       return std::tuple(relation.use.kind, relation.use.symbol, relation.bound);
     };
-    std::sort(relations_.begin(), relations_.end(),
-              [&](std::uint32_t one, std::uint32_t other) { return key(one) < key(other); });
+    std::ranges::sort(
+        relations_, [&](std::uint32_t one, std::uint32_t other) { return key(one) < key(other); });
   }
 
   void write() {
@@ -187,9 +187,9 @@ class Writer {
   }
 
   static bool may_rest(const Program& program) {
-    return std::any_of(
-        program.states.begin(), program.states.end(),
-        [&](const Program::State& state) { return program.flags.may_rest || state.may_rest; });
+    return std::ranges::any_of(program.states, [&](const Program::State& state) {
+      return program.flags.may_rest || state.may_rest;
+    });
   }
 
   void write_model(std::uint32_t index) {
@@ -207,8 +207,7 @@ class Writer {
       if (relation.changes_nothing()) continue;
       std::vector<std::string> steps;
       for (const auto& [action, letter] : letters_) {
-        const bool has_part = std::find(action.relations.begin(), action.relations.end(), number) !=
-                              action.relations.end();
+        const bool has_part = std::ranges::find(action.relations, number) != action.relations.end();
         if (has_part && !letter.is_cut) steps.push_back(step_name(action));
       }
       if (steps.empty()) continue;

@@ -14,7 +14,7 @@ namespace {
 using Kind = ProgramEdge::Kind;
 
 std::string shown_name(const std::string& name) {
-  const bool is_plain = !name.empty() && std::all_of(name.begin(), name.end(), [](char c) {
+  const bool is_plain = !name.empty() && std::ranges::all_of(name, [](char c) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';
   });
   return is_plain ? name : quote_name(name);
@@ -78,8 +78,7 @@ bool is_cut(const System& system, const StepAction& action) {
     return action.is_beyond && stops(action.model);
   }
   const auto& uses = combined_step_of(system, action).uses;
-  return std::any_of(uses.begin(), uses.end(),
-                     [&](const ModelUse& use) { return stops(use.model); });
+  return std::ranges::any_of(uses, [&](const ModelUse& use) { return stops(use.model); });
 }
 
 ActionNames::ActionNames(const System& system) : system_(system) {

@@ -21,22 +21,20 @@ Bound bound_of(const ModelInstance& model, const ModelStep& step) {
 
 bool uses_second_edition(const System& system) {
   if (!system.nobodys_actions.empty()) return true;
-  return std::any_of(system.programs.begin(), system.programs.end(), [](const Program& program) {
+  return std::ranges::any_of(system.programs, [](const Program& program) {
     return program.flags != ActorFlags() ||
-           std::any_of(program.edges.begin(), program.edges.end(),
-                       [](const ProgramEdge& edge) {
-                         return edge.kind == Kind::combined || edge.kind == Kind::act;
-                       }) ||
-           std::any_of(program.states.begin(), program.states.end(),
-                       [](const Program::State& state) {
-                         return state.error != 0 || state.may_rest || state.waits;
-                       });
+           std::ranges::any_of(program.edges,
+                               [](const ProgramEdge& edge) {
+                                 return edge.kind == Kind::combined || edge.kind == Kind::act;
+                               }) ||
+           std::ranges::any_of(program.states, [](const Program::State& state) {
+             return state.error != 0 || state.may_rest || state.waits;
+           });
   });
 }
 
 bool ModelRelation::changes_nothing() const {
-  return std::all_of(moves.begin(), moves.end(),
-                     [](const auto& move) { return move.first == move.second; });
+  return std::ranges::all_of(moves, [](const auto& move) { return move.first == move.second; });
 }
 
 StepRules::StepRules(const System& system) : system_(system) {
@@ -103,8 +101,8 @@ void StepRules::add_rules(const StepRule& begun, std::vector<StepRule>& rules) c
 }
 
 bool StepRules::may_cut() const {
-  return std::any_of(relations_.begin(), relations_.end(),
-                     [](const ModelRelation& relation) { return relation.bound == Bound::cut; });
+  return std::ranges::any_of(
+      relations_, [](const ModelRelation& relation) { return relation.bound == Bound::cut; });
 }
 
 Step StepRules::begun_step(const StepRule& rule) {
