@@ -268,6 +268,43 @@ TEST(Language, ValuesAreCarriedByQueues) {
             std::string::npos);
 }
 
+// A queue's values are those that its writers may come to.
+TEST(Language, RangesOfValuesFollowTheOperators) {
+  const auto values = [](const std::string& expression) {
+    const System system =
+        system_from(queue + "programs:\n  a: \"for k in 2..3 { q.write(" + expression + "); }\"\n" +
+                    "  b: \"loop { idle q.read -> message(var x); }\"\n");
+    std::vector<std::string> names = system.models[0].automaton.inputs().names();
+    names.pop_back();  // read
+    return names.front() + ".." + names.back();
+  };
+  EXPECT_EQ(values("k"), "write(2)..write(3)");
+  EXPECT_EQ(values("k + 5"), "write(7)..write(8)");
+  EXPECT_EQ(values("7 - k"), "write(4)..write(5)");
+  EXPECT_EQ(values("k - 7"), "write(-5)..write(-4)");
+  EXPECT_EQ(values("k - k"), "write(-1)..write(1)");
+  EXPECT_EQ(values("-k"), "write(-3)..write(-2)");
+  EXPECT_EQ(values("k * -4"), "write(-12)..write(-8)");
+  EXPECT_EQ(values("k / 2"), "write(0)..write(3)");
+  EXPECT_EQ(values("k % 3"), "write(0)..write(2)");
+  EXPECT_EQ(values("(k - 5) % 3"), "write(-2)..write(0)");
+}
+
+// Numbers below 0 are numbers in models and in programs.
+TEST(Language, ValuesMayBeNegative) {
+  const std::string writer = "programs:\n  a: \"q.write(-1); q.write(0); q.write(-20);\"\n  b: ";
+  const System bound = system_from(queue + writer +
+                                   "\"var sum: -30..0 = 0; repeat 3 { q.read -> message(var x); "
+                                   "sum = sum + x; } if (sum == -21) { "
+                                   "@right skip; }\"\nproperties: {right: \"F b@right\"}\n");
+  EXPECT_EQ(explore(bound).deadlocks, 0u);
+  EXPECT_TRUE(explore(bound).errors.empty());
+  const System constant =
+      system_from(queue + writer +
+                  "\"q.read -> message(-1); q.read -> message(0); q.read -> message(-20);\"\n");
+  EXPECT_EQ(explore(constant).deadlocks, 0u);
+}
+
 TEST(Language, BuiltInModels) {
   EXPECT_EQ(explore(system_from(
                 "models: {m: {use: mutex}}\nprograms: {p: \"loop { m.lock; m.unlock; }\"}")),

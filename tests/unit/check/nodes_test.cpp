@@ -473,6 +473,21 @@ TEST(Executors, MembersOfAnArrayAreFairEachByItself) {
   EXPECT_EQ(verdict(text, "starts"), "holds");
 }
 
+// What a look finds is fair: each timer is due again and again, alone and with the other.
+TEST(Executors, InRoundsEachTimerIsDueAgainAndAgain) {
+  const std::string text =
+      "executors: {e: {kind: single, order: rounds}}\n"
+      "nodes:\n  n:\n    executor: e\n    variables: \"var last: 0..2;\"\n    callbacks:\n"
+      "      a: {timer: 1, do: \"last = 1;\"}\n      b: {timer: 1, do: \"last = 2;\"}\n"
+      "properties:\n"
+      "  first: {ltl: \"G F (n.last == 1)\", fairness: strong}\n"
+      "  second: {ltl: \"G F (n.last == 2)\", fairness: strong}\n"
+      "  weakly: {ltl: \"G F (n.last == 2)\", fairness: weak}\n";
+  EXPECT_EQ(verdict(text, "first"), "holds");
+  EXPECT_EQ(verdict(text, "second"), "holds");
+  EXPECT_EQ(verdict(text, "weakly"), "violated");
+}
+
 TEST(Executors, ATakenValueIsKeptInAVariableOfTheNode) {
   const std::string text =
       "topics: {t: {writers: w, readers: n, use: queue, with: {size: 2}}}\n"
