@@ -11,7 +11,9 @@
 
 #include "maide/base/file.hpp"
 #include "maide/check/build/system_file.hpp"
+#include "maide/check/engines/export/promela_system.hpp"
 #include "maide/check/engines/export/system_exporters.hpp"
+#include "maide/check/verdict/check_system.hpp"
 #include "maide/formats/exporters.hpp"
 #include "maide/formats/model_file.hpp"
 
@@ -181,6 +183,40 @@ INSTANTIATE_TEST_SUITE_P(
                                      "architectures/cancel-mended.yaml"),
                      testing::Values("promela", "smv", "mcrl2", "pins", "aut")),
     example_name);
+
+// Promela for each thing that SPIN is asked.
+class PurposeGolden : public testing::TestWithParam<const char*> {};
+
+TEST_P(PurposeGolden, IsAsApproved) {
+  using Purpose = PromelaOptions::Purpose;
+  const std::string name = GetParam();
+  const System system =
+      parse_system(systems.at(name) + "properties: {after: \"G F via!message\"}\n", name + ".yaml",
+                   [](const ModelRequest& request) {
+                     return read_interface_automaton(
+                         std::filesystem::path(MAIDE_SOURCE_DIR "/tests/models") / request.file);
+                   });
+  std::string text;
+  for (const Purpose purpose : {Purpose::deadlock, Purpose::error, Purpose::cut, Purpose::ltl}) {
+    const PromelaSystem promela =
+        write_promela(system, {purpose, find_property(system, "after").formula});
+    text += promela.text + "\n/* claim: " + promela.claim + ", " +
+            std::to_string(promela.processes) + " processes, " +
+            (promela.has_start ? "a start, " : "") + (promela.is_doubled ? "doubled, " : "") +
+            "lines:";
+    for (const PromelaLine& line : promela.lines) {
+      text += " " + std::to_string(static_cast<int>(line.kind)) + "." + std::to_string(line.owner) +
+              "." + std::to_string(line.index) + (line.is_beyond ? "!" : "");
+    }
+    text += " */\n\n";
+  }
+  const std::string path =
+      MAIDE_SOURCE_DIR "/tests/golden/approved/" + name + ".purposes.promela.approved";
+  if (std::getenv("MAIDE_APPROVE") != nullptr) write_file_atomically(path, text);
+  EXPECT_EQ(text, read_file(path)) << path;
+}
+
+INSTANTIATE_TEST_SUITE_P(Promela, PurposeGolden, testing::Values("relay", "robot"));
 
 INSTANTIATE_TEST_SUITE_P(Machines, Golden, testing::Values(std::tuple("strange-mealy", "mealy")),
                          [](const auto&) { return "strange_mealy_mealy"; });

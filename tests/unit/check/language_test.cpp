@@ -305,6 +305,37 @@ TEST(Language, ValuesMayBeNegative) {
   EXPECT_EQ(explore(constant).deadlocks, 0u);
 }
 
+// An output that is due binds its value in every kind of arm, and a formula names it by a constant.
+TEST(Language, ArmsBindValuesAndFormulasNameThem) {
+  const std::string head = "constants: {half: 2}\n" + queue +
+                           "programs:\n  a: \"q.write(half); q.write(3);\"\n  b: \"var n: 0..9; ";
+  const std::string properties =
+      "\"\nproperties:\n  half: \"F q.write(half)\"\n  two: \"F q!message(2)\"\n"
+      "  sum: \"F (b.n == 5)\"\n  none: \"F (b.n == 2 && b@end)\"\n";
+  for (const std::string code :
+       {"repeat 2 { q.read -> message(var x); n = n + x; }",
+        "repeat 2 { switch q.read { message(var x) { n = n + x; } } }",
+        "repeat 2 { q.read; wait q -> message(var x); n = n + x; }",
+        "repeat 2 { q.read; select { on q!message(var x) { n = n + x; } } }",
+        "repeat 2 { select { on q.read -> message(var x) { n = n + x; } } }",
+        "repeat 2 { select { on q.read { message(var x) { n = n + x; } } } }",
+        "repeat 2 { q.read; switch q { message(var x) { n = n + x; } } }"}) {
+    const std::string text = head + code + properties;
+    const std::string error = test::error_of([&] { system_from(text); });
+    if (code.find("switch q {") != std::string::npos) {
+      EXPECT_NE(error, "") << "a switch gives an input";
+      continue;
+    }
+    ASSERT_EQ(error, "") << code;
+    NativeEngine engine;
+    const CheckReport report = check_system(system_from(text), engine, {});
+    for (const PropertyResult& result : report.properties) {
+      EXPECT_EQ(result.verdict, result.name == "none" ? Verdict::violated : Verdict::holds)
+          << code << ": " << result.name;
+    }
+  }
+}
+
 TEST(Language, BuiltInModels) {
   EXPECT_EQ(explore(system_from(
                 "models: {m: {use: mutex}}\nprograms: {p: \"loop { m.lock; m.unlock; }\"}")),
