@@ -145,5 +145,28 @@ TEST_F(Hoa, NeverNamesAFile) {
               HasSubstr("one of 'ltl', 'always' and 'never'"));
 }
 
+// As many marks and propositions as a word of 64 bits has; not one more.
+TEST_F(Hoa, HasAtMost64Marks) {
+  const auto with_marks = [](int count) {
+    std::string sets, marks;
+    for (int i = 0; i < count; ++i) {
+      sets += (i == 0 ? "" : "&") + std::string("Inf(") + std::to_string(i) + ")";
+      marks += (i == 0 ? "" : " ") + std::to_string(i);
+    }
+    return "HOA: v1\nStart: 0\nAP: 1 \"p@half\"\nAcceptance: " + std::to_string(count) + " " +
+           sets + "\n--BODY--\nState: 0\n[t] 0 {" + marks + "}\n--END--\n";
+  };
+  for (const int count : {1, 2, 63, 64}) {
+    const LtlAutomaton automaton = read(with_marks(count));
+    EXPECT_EQ(automaton.mark_count, static_cast<std::uint32_t>(count));
+    EXPECT_EQ(find_universal(automaton), 0U);
+    EXPECT_TRUE(accepts(automaton, {0, 1}, 1));
+    std::ostringstream out;
+    write_hoa(out, automaton, {system_.programs, interfaces_}, "");
+    EXPECT_EQ(read(out.str()).mark_count, automaton.mark_count);
+  }
+  EXPECT_THAT(error(with_marks(65)), HasSubstr("64"));
+}
+
 }  // namespace
 }  // namespace maide
