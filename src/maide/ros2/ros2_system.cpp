@@ -128,7 +128,7 @@ class SystemWriter {
     add_section("topics", topics());
     add_section("services", std::move(services_));
     add_section("executors", executors());  // they get their names here
-    add_section("nodes", nodes());
+    add_section("nodes", nodes(document.root.tail));
     if (document.root.entries.empty()) document.root.set("nodes", YamlNode::make_map());
     document.root.entries.front().before = head();
     return print_system(document);
@@ -369,11 +369,11 @@ class SystemWriter {
     return section;
   }
 
-  YamlNode nodes() {
+  YamlNode nodes(std::vector<std::string>& left_out) {
     YamlNode section = YamlNode::make_map();
     for (NodeEntry& node : nodes_) {
       if (!is_connected(node)) {
-        section.tail.push_back("# " + node.name + " is left out: it has no connections");
+        left_out.push_back("# " + node.name + " is left out: it has no connections");
         continue;
       }
       YamlNode entry = YamlNode::make_map();
