@@ -79,18 +79,7 @@ std::vector<GlobalState> reachable_states(const System& system, std::size_t limi
 }
 
 Formula make_atom(Atom::Kind kind, std::uint32_t owner) {
-  FormulaNode node;
-  node.op = FormulaNode::Operator::atom;
-  node.atom = {kind, owner, 0, Atom::any_program};
-  return std::make_shared<const FormulaNode>(node);
-}
-
-Formula make_formula(FormulaNode::Operator op, Formula left, Formula right = nullptr) {
-  FormulaNode node;
-  node.op = op;
-  node.left = std::move(left);
-  node.right = std::move(right);
-  return std::make_shared<const FormulaNode>(node);
+  return make_formula(Atom{kind, owner, 0, Atom::any_program});
 }
 
 // "The shared variable is not 0", as an expression of the system.

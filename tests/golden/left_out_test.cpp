@@ -16,6 +16,7 @@
 #include <variant>
 #include <vector>
 
+#include "approved.hpp"
 #include "maide/automata/interface_automaton.hpp"
 #include "maide/base/error.hpp"
 #include "maide/base/file.hpp"
@@ -33,7 +34,8 @@
 namespace maide {
 namespace {
 
-const std::string root = MAIDE_SOURCE_DIR;
+using test::expect_approved;
+using test::source_root;
 
 // All of the language, as small as may be.
 const std::string everything = R"yaml(
@@ -107,7 +109,8 @@ properties:
 
 System parse(const std::string& text) {
   return parse_system(text, "s.yaml", [](const ModelRequest& request) {
-    return read_interface_automaton(std::filesystem::path(root) / "tests/models" / request.file);
+    return read_interface_automaton(std::filesystem::path(source_root) / "tests/models" /
+                                    request.file);
   });
 }
 
@@ -396,20 +399,10 @@ std::string tell(const std::string& name, const std::string& by) {
 
 class LeftOut : public testing::TestWithParam<std::tuple<const char*, const char*>> {};
 
-// Without where the tree lies.
-void expect_approved(const std::string& name, std::string text) {
-  for (std::size_t at; (at = text.find(root + "/")) != std::string::npos;) {
-    text.erase(at, root.size() + 1);
-  }
-  const std::string path = root + "/tests/golden/approved/" + name + ".txt.approved";
-  if (std::getenv("MAIDE_APPROVE") != nullptr) write_file_atomically(path, text);
-  EXPECT_EQ(text, read_file(path)) << path;
-}
-
 TEST_P(LeftOut, IsAsApproved) {
   const std::string name = std::get<0>(GetParam()), by = std::get<1>(GetParam());
   const std::string text = by == "nothing" ? "" : by == "zero" ? "0" : by;
-  expect_approved(name + ".words." + by, tell(name, text));
+  expect_approved(name + ".words." + by + ".txt", tell(name, text));
 }
 
 INSTANTIATE_TEST_SUITE_P(Words, LeftOut,
@@ -430,7 +423,7 @@ TEST(Formulas, AreTheAutomataThatWereApproved) {
   for (const std::string_view line : split_lines(formulas)) {
     text += std::string(line) + "\n" + automaton_of_formula(std::string(line)) + "\n";
   }
-  expect_approved("formulas", text);
+  expect_approved("formulas.txt", text);
 }
 
 }  // namespace

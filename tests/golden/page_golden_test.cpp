@@ -13,6 +13,7 @@
 #include <variant>
 #include <vector>
 
+#include "approved.hpp"
 #include "maide/automata/behaviour.hpp"
 #include "maide/automata/compare.hpp"
 #include "maide/automata/differences.hpp"
@@ -30,7 +31,8 @@
 namespace maide {
 namespace {
 
-const std::string root = MAIDE_SOURCE_DIR;
+using test::expect_approved;
+using test::source_root;
 
 // The page shows what there is to draw.
 std::string show(const std::string& dot) { return "<pre>" + escape_markup(dot) + "</pre>\n"; }
@@ -38,18 +40,8 @@ std::string show(const std::string& dot) { return "<pre>" + escape_markup(dot) +
 // A page that cannot draw.
 std::string show_nothing(const std::string&) { return ""; }
 
-// Without where the tree lies.
-void expect_approved(const std::string& name, std::string text) {
-  for (std::size_t at; (at = text.find(root + "/")) != std::string::npos;) {
-    text.erase(at, root.size() + 1);
-  }
-  const std::string path = root + "/tests/golden/approved/" + name + ".approved";
-  if (std::getenv("MAIDE_APPROVE") != nullptr) write_file_atomically(path, text);
-  EXPECT_EQ(text, read_file(path)) << path;
-}
-
 InterfaceAutomaton automaton_of(const std::string& name) {
-  return read_interface_automaton(root + "/tests/models/" + name + ".dot");
+  return read_interface_automaton(source_root + "/tests/models/" + name + ".dot");
 }
 
 // Two ends of a queue with all that a model may say of itself.
@@ -87,7 +79,8 @@ Model large_machine(std::size_t states, std::size_t inputs) {
   Mealy machine(Alphabet(std::span<const std::string>(names)), {"quiet"}, states);
   for (StateId state = 0; state < states; ++state) {
     for (Symbol input = 0; input < inputs; ++input) {
-      machine.set_transition(state, input, 0, input == 0 ? (state + 1) % states : state);
+      machine.set_transition(state, input, 0,
+                             input == 0 ? static_cast<StateId>((state + 1) % states) : state);
     }
   }
   return machine;
@@ -123,14 +116,14 @@ TEST(PageGolden, OfSystems) {
   std::ostringstream out;
   for (const std::string file : {"ros2/nested/nested-mended.yaml", "architectures/map-server.yaml",
                                  "architectures/token.yaml"}) {
-    const std::string path = root + "/examples/" + file;
+    const std::string path = source_root + "/examples/" + file;
     write_system_page(out, read_system(path), read_file(path), show);
   }
   expect_approved("systems.html", out.str());
 }
 
 TEST(PageGolden, OfSystemsThatCannotBeDrawn) {
-  const std::string path = root + "/examples/architectures/two-by-two.yaml";
+  const std::string path = source_root + "/examples/architectures/two-by-two.yaml";
   std::ostringstream out;
   write_system_page(out, read_system(path), read_file(path), show_nothing);
   write_chart_page(out, "<svg><title>t</title></svg>", "a <title>");

@@ -68,7 +68,9 @@ TEST(StageDump, OfEachStageOfEachExampleLeadsToTheSameSystem) {
     EXPECT_EQ(expected, json_text(parse_system(whole, "whole", ask_nobody)));
     const std::string tree = dump_stage(Stage::tree, names, "names", ask_nobody);
     EXPECT_EQ(tree, dump_stage(Stage::tree, text, file, ask_nobody));
-    if (tree == text) EXPECT_EQ(expected, json_text(parse_system(tree, file, find_model)));
+    if (tree == text) {
+      EXPECT_EQ(expected, json_text(parse_system(tree, file, find_model)));
+    }
     ++compared;
   }
   EXPECT_GT(compared, 50);
