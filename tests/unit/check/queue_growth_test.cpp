@@ -203,6 +203,25 @@ TEST(QueueGrowth, AServiceOfManyRunsHeedsTheTime) {
   EXPECT_TRUE(system.models[0].is_grown) << "cut, as a verdict says";
 }
 
+TEST(QueueGrowth, EachModelThatIsMadeWholeHasTheStatesThatAreMet) {
+  QueueLimits limits;
+  limits.searched_first = 0;
+  const System system = read(
+      "services: {first: {server: p, clients: q}, second: {server: r, clients: s}}\n"
+      "programs:\n"
+      "  p: \"loop { idle first.serve -> request; first.answer; }\"\n"
+      "  q: \"first.send; first.receive -> answer;\"\n"
+      "  r: \"loop { idle second.serve -> request; second.answer; }\"\n"
+      "  s: \"repeat 2 { second.send; second.receive -> answer; }\"\n",
+      limits);
+  ASSERT_EQ(system.models.size(), 2U);
+  for (const ModelInstance& model : system.models) {
+    EXPECT_FALSE(model.is_grown) << model.name;
+    EXPECT_EQ(model.state_texts.size(), model.automaton.size()) << model.name;
+    EXPECT_FALSE(model.automaton.origin.contains("bound")) << model.name;
+  }
+}
+
 TEST(QueueGrowth, ATopicsQueueIsMadeWhole) {
   const std::string topic =
       "topics:\n  t: {use: queue, with: {size: 10}, writers: [a], readers: [b]}\n"
