@@ -199,12 +199,13 @@ class StageDump {
   }
   std::string file() const { return content_.at("file").get<std::string>(); }
 
-  System system() const { return system_of(content_.at("system")); }
+  System system() const { return system_of(nlohmann::json(content_.at("system"))); }
   // Answers each request as the dump has it.
   ModelSource source() const {
     return [this](const ModelRequest& request) {
       for (const Json& answer : content_.at("answers")) {
-        if (answer.at("request") == json_of(request)) return automaton_of(answer.at("automaton"));
+        if (answer.at("request") == json_of(request))
+          return automaton_of(nlohmann::json(answer.at("automaton")));
       }
       throw ParseError(
           fmt::format("the dump {} has no model '{}' as it is asked for", file_, request.instance),
@@ -278,12 +279,12 @@ std::string dump_stage(Stage stage, std::string_view text, const std::string& fi
     Json answers = Json::array();
     Models models = find_models(declared, [&](const ModelRequest& request) {
       InterfaceAutomaton automaton = asked(request);
-      answers.push_back({{"request", json_of(request)}, {"automaton", json_of(automaton)}});
+      answers.push_back({{"request", json_of(request)}, {"automaton", Json(json_of(automaton))}});
       return automaton;
     });
     if (stage == Stage::models) content["answers"] = std::move(answers);
     if (stage == Stage::system) {
-      content["system"] = json_of(build_system(declared, std::move(models), {}, control));
+      content["system"] = Json(json_of(build_system(declared, std::move(models), {}, control)));
     }
   }
   content["text"] = split(from.text, '\n');
