@@ -34,9 +34,30 @@ std::string reason_of(std::string text) {
   return text;
 }
 
+// Values are walked by recursion.
+constexpr std::size_t max_nesting = 1000;
+
+// Where brackets are nested deeper than that; npos: nowhere.
+std::size_t find_too_deep(std::string_view text) {
+  std::size_t depth = 0;
+  bool is_quoted = false;
+  for (std::size_t at = 0; at < text.size(); ++at) {
+    const char c = text[at];
+    if (c == '"') is_quoted = !is_quoted;
+    if (is_quoted && c == '\\') ++at;
+    if (is_quoted) continue;
+    if ((c == '[' || c == '{') && ++depth > max_nesting) return at;
+    if ((c == ']' || c == '}') && depth > 0) --depth;
+  }
+  return std::string_view::npos;
+}
+
 }  // namespace
 
 Json parse_json(std::string_view text, const std::string& file) {
+  if (const std::size_t at = find_too_deep(text); at != std::string_view::npos) {
+    throw ParseError("not valid JSON: brackets are nested too deeply", position_of(text, at, file));
+  }
   try {
     return Json::parse(text);
   } catch (const Json::parse_error& error) {

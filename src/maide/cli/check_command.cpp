@@ -227,8 +227,7 @@ void write_beside(const std::string& path, Write&& write) {
 }
 
 LearnedModelsOptions learning_options(const CheckArguments& arguments, const RunControl& control) {
-  return {std::filesystem::path(arguments.system).parent_path(),
-          [](const std::string& line) { log_note(line); }, control, arguments.jobs};
+  return {{}, [](const std::string& line) { log_note(line); }, control, arguments.jobs};
 }
 
 // Once, or until the verdict is confirmed on the real system.

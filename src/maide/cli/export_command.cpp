@@ -19,6 +19,7 @@
 #include "maide/base/file.hpp"
 #include "maide/base/log.hpp"
 #include "maide/base/text.hpp"
+#include "maide/check/build/stage_dump.hpp"
 #include "maide/check/build/system_file.hpp"
 #include "maide/check/engines/export/step_rules.hpp"
 #include "maide/check/engines/export/system_exporters.hpp"
@@ -104,13 +105,13 @@ Export export_model(const ExportArguments& arguments, Context& context) {
 
 bool is_system(const std::string& source) {
   const std::string extension = std::filesystem::path(source).extension().string();
-  return extension == ".yaml" || extension == ".yml";
+  return extension == ".yaml" || extension == ".yml" ||
+         (extension == ".json" && is_stage_dump(read_file(source)));
 }
 
 System read_exported_system(const ExportArguments& arguments, Context& context) {
-  const ModelSource models =
-      make_learning_source({std::filesystem::path(arguments.source).parent_path(),
-                            [](const std::string& line) { log_note(line); }, context.control()});
+  const ModelSource models = make_learning_source(
+      {{}, [](const std::string& line) { log_note(line); }, context.control()});
   return read_system(arguments.source, models, context.control());
 }
 

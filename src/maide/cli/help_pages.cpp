@@ -128,7 +128,7 @@ std::string describe_help_pages() {
 }
 
 // What `maide help language` prints: the language of system files on a page. The grammar of
-// programs stands in check/language/program_tree.hpp, that of formulas in check/ltl/formula.hpp.
+// programs stands in check/language/code_parser.cpp, that of formulas in check/ltl/formula.hpp.
 
 std::string_view language_help() {
   return R"(The language of system files (what it means: docs/systems.md)

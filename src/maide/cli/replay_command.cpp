@@ -307,11 +307,10 @@ ExitStatus run_replay(const ReplayArguments& arguments, Context& context) {
                                : "give a trace (maide check SYSTEM --trace FILE), or --random N");
   }
   ModelRequests requests;
-  const ModelSource models =
-      record_requests(make_learning_source({std::filesystem::path(arguments.system).parent_path(),
-                                            [](const std::string& line) { log_note(line); },
-                                            context.control(), arguments.jobs}),
-                      requests);
+  const ModelSource models = record_requests(
+      make_learning_source(
+          {{}, [](const std::string& line) { log_note(line); }, context.control(), arguments.jobs}),
+      requests);
   Replay replay;
   replay.system = read_system(arguments.system, models, context.control());
   read_traces(replay, arguments, requests, context.control());

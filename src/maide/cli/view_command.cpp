@@ -83,13 +83,12 @@ std::string view_model(const ViewArguments& arguments, bool is_svg, const RunCon
   return std::move(page).str();
 }
 
-ModelSource models_for(const ViewArguments& arguments, const RunControl& control) {
-  return make_learning_source({fs::path(arguments.source).parent_path(),
-                               [](const std::string& line) { log_note(line); }, control});
+ModelSource models_for(const RunControl& control) {
+  return make_learning_source({{}, [](const std::string& line) { log_note(line); }, control});
 }
 
 std::string view_system(const ViewArguments& arguments, bool is_svg, const RunControl& control) {
-  const System system = read_system(arguments.source, models_for(arguments, control), control);
+  const System system = read_system(arguments.source, models_for(control), control);
   if (is_svg) return drawn(connection_picture(system), arguments.source, control);
   std::ostringstream page;
   write_system_page(page, system, system.sources.at(system.file),
@@ -112,7 +111,7 @@ std::string view_trace(const ViewArguments& arguments, bool is_svg, const RunCon
 ExitStatus view_stage(const ViewArguments& arguments, Context& context) {
   const std::string text =
       dump_stage(*find_stage(arguments.stage), read_file(arguments.source, context.control()),
-                 arguments.source, models_for(arguments, context.control()), context.control());
+                 arguments.source, models_for(context.control()), context.control());
   Json result{{"source", arguments.source}, {"kind", "stage"}, {"stage", arguments.stage}};
   if (arguments.output.empty()) {
     context.print(text);

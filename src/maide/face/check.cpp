@@ -42,10 +42,9 @@ Checked check(const std::filesystem::path& system_file, const CheckOptions& opti
   request.options.threads = options.threads;
   request.options.reduction = options.reduction;
   request.options.control = options.control;
-  const auto [system, report] =
-      check_system_file(system_file, *engine, request,
-                        {system_file.parent_path(), [](const std::string& line) { log_note(line); },
-                         options.control, options.jobs});
+  const auto [system, report] = check_system_file(
+      system_file, *engine, request,
+      {{}, [](const std::string& line) { log_note(line); }, options.control, options.jobs});
   Checked checked{
       report.verdict, report.assumptions, report.doubts, all_remarks(system, report), {}};
   for (const PropertyResult& result : report.properties) {

@@ -105,7 +105,8 @@ Opened open(const ModelRequest& request, const LearnedModelsOptions& options) {
   for (const auto& [key, value] : request.with) key_values.push_back(key + "=" + value);
   SystemSpec spec = parse_system_spec(request.learn, key_values);
   if (spec.kind == SystemSpec::Kind::simulated) {
-    spec.target = (options.folder / spec.target).string();  // like every file that is named there
+    spec.target = (folder_of(options, request) / spec.target)
+                      .string();  // like every file that is named there
   }
   SystemAccess access;
   access.translation = Translation::eager;
@@ -253,6 +254,11 @@ Error with_place(const Error& error, const ModelRequest& request) {
 
 }  // namespace
 
+std::filesystem::path folder_of(const LearnedModelsOptions& options, const ModelRequest& request) {
+  if (!options.folder.empty()) return options.folder;
+  return std::filesystem::path(request.position.file).parent_path();
+}
+
 std::filesystem::path kept_model_path(const std::filesystem::path& folder,
                                       const ModelRequest& request) {
   const std::string text = describe(request);
@@ -273,10 +279,10 @@ void note(const LearnedModelsOptions& options, const std::string& line) {
 
 // The kept model of a request, or else a new one, which is kept.
 InterfaceAutomaton find_or_learn(const ModelRequest& request, const LearnedModelsOptions& options) {
-  const std::filesystem::path kept = kept_model_path(options.folder, request);
+  const std::filesystem::path kept = kept_model_path(folder_of(options, request), request);
   const Opened opened = open(request, options);
   const SulInfo& system = opened.system.sul->info();
-  ExperimentOptions experiment = read_learning(request, options.folder, opened.system);
+  ExperimentOptions experiment = read_learning(request, folder_of(options, request), opened.system);
   const auto before = read_kept(kept);
   if (before && is_model_of(before->automaton, system)) {
     const std::string& name = request.instance;
@@ -422,7 +428,7 @@ InterfaceAutomaton find_or_make_valued(const ModelRequest& request,
   }
   ModelRequest plain = request;
   plain.values.clear();
-  const std::filesystem::path kept = kept_model_path(options.folder, request);
+  const std::filesystem::path kept = kept_model_path(folder_of(options, request), request);
   const Opened opened = open(plain, options);
   const auto before = read_kept(kept);
   if (before && is_model_of(before->automaton, opened.system.sul->info())) return before->automaton;
@@ -449,7 +455,7 @@ InterfaceAutomaton find_or_make_valued(const ModelRequest& request,
 
 ModelSource make_learning_source(LearnedModelsOptions options) {
   return [options = std::move(options)](const ModelRequest& request) {
-    if (request.learn.empty()) return read_requested_model(request);
+    if (request.learn.empty() || request.known) return read_requested_model(request);
     try {
       if (auto topic = ros2_topic_of_unknown_depth(request)) return std::move(*topic);
       return request.values.empty() ? find_or_learn(request, options)
@@ -464,7 +470,7 @@ ModelSource make_learning_source(LearnedModelsOptions options) {
 
 Refinement refine_learned_model(const ModelRequest& request, const RefinementGoal& goal,
                                 const LearnedModelsOptions& options) {
-  const std::filesystem::path kept = kept_model_path(options.folder, request);
+  const std::filesystem::path kept = kept_model_path(folder_of(options, request), request);
   try {
     const Opened opened = open(request, options);
     const SulInfo& system = opened.system.sul->info();
@@ -473,7 +479,8 @@ Refinement refine_learned_model(const ModelRequest& request, const RefinementGoa
       throw UsageError("the model to refine is not there any more");
     }
     const InterfaceAutomaton& before = file->automaton;
-    ExperimentOptions experiment = read_learning(request, options.folder, opened.system);
+    ExperimentOptions experiment =
+        read_learning(request, folder_of(options, request), opened.system);
     experiment.old_model = machine_of(before, experiment, system);
     if (goal.tests_again) {
       experiment.test_method.clear();

@@ -19,7 +19,9 @@ namespace maide {
 inline constexpr const char* learned_models_folder = "maide-models";
 
 struct LearnedModelsOptions {
-  std::filesystem::path folder;                       // of the system file
+  // What names of files are relative to, and where models are kept; empty: the folder of the system
+  // file that asks.
+  std::filesystem::path folder;
   std::function<void(const std::string& line)> note;  // told what is learned and what is reused
   RunControl control;
   std::size_t jobs = 0;  // systems that are asked at once; 0: the default (default_jobs())
@@ -32,6 +34,8 @@ struct LearnedModelsOptions {
 // the place in the file that asks for the model; a UsageError is without a place, for the reader of
 // the system file adds it.
 ModelSource make_learning_source(LearnedModelsOptions options);
+
+std::filesystem::path folder_of(const LearnedModelsOptions& options, const ModelRequest& request);
 
 // Where the model of a request is kept: the system, its options, and a hash of both.
 std::filesystem::path kept_model_path(const std::filesystem::path& folder,

@@ -201,7 +201,10 @@ const ModelRequest& request_of(const ModelInstance& instance, const ModelRequest
   if (place == requests.end()) {
     place = requests.find(instance.name.substr(0, instance.name.find('[')));
   }
-  if (place == requests.end()) throw UsageError("nobody asked for model " + instance.name);
+  if (place == requests.end())
+    throw UsageError("which system model " + instance.name +
+                     " stands for is not known: of dumps, those of the stages 'names' and 'models' "
+                     "say it");
   return place->second;
 }
 

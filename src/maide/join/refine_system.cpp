@@ -107,7 +107,8 @@ class Refiner {
       return doubt(property, difference + fmt::format("; {} refinements were not enough",
                                                       options_.most_rounds));
     }
-    const bool tests_again = retested_.contains(kept_model_path(options_.models.folder, request));
+    const bool tests_again =
+        retested_.contains(kept_model_path(folder_of(options_.models, request), request));
     const Refinement refinement = refine_learned_model(
         request, {deviation.word, tests_again, options_.seed}, options_.models);
     if (!refinement.is_new) {
@@ -136,7 +137,8 @@ class Refiner {
         untested_.insert(name + (request.learn.empty() ? " is a file" : " was made with values"));
         continue;
       }
-      const std::filesystem::path kept = kept_model_path(options_.models.folder, request);
+      const std::filesystem::path kept =
+          kept_model_path(folder_of(options_.models, request), request);
       if (!seen.insert(kept).second) continue;
       if (result_.rounds.size() >= options_.most_rounds) return false;
       const Refinement refinement = refine_learned_model(

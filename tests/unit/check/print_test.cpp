@@ -54,6 +54,11 @@ TEST(Layout, ProgramsHaveOneStyle) {
             "\"odd name\".\"in put\"; call p(a, b[1]);\n");
 }
 
+TEST(Layout, AWordBehindADotIsAName) {
+  EXPECT_EQ(program("q.wait (3); q.read->when(4);\nwhile(n<3){skip;}"),
+            "q.wait(3); q.read -> when(4);\nwhile (n < 3) { skip; }\n");
+}
+
 TEST(Layout, CommentsStayWhereTheyBelong) {
   EXPECT_EQ(program("# first\nloop { // for ever\n  a.b;   # one\n  long.name;   # two\n}  # end"),
             "# first\nloop {  // for ever\n  a.b;        # one\n  long.name;  # two\n}  # end\n");

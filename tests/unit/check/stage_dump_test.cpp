@@ -23,10 +23,12 @@ using testing::HasSubstr;
 
 // A model that was never learned stands for one that is.
 InterfaceAutomaton find_model(const ModelRequest& request) {
+  if (request.known) return *request.known;
   if (request.learn.empty()) return read_requested_model(request);
   return std::get<InterfaceAutomaton>(read_model(MAIDE_SOURCE_DIR "/examples/models/strict-6.dot"));
 }
 InterfaceAutomaton ask_nobody(const ModelRequest& request) {
+  if (request.known) return *request.known;
   ADD_FAILURE() << "asked for " << request.instance;
   return find_model(request);
 }
@@ -125,6 +127,15 @@ TEST(StageDump, AChangedOneIsRefused) {
   EXPECT_THAT(error_of(R"({"maide_stage": "packed", "sum": "", "version": ""})"),
               HasSubstr("the dump is of maide "));
   EXPECT_THAT(error_of("{}"), HasSubstr("programs"));
+  const std::string deep = std::string(200'000, '[') + std::string(200'000, ']');
+  EXPECT_THAT(error_of(R"({"maide_stage": "names", "x": )" + deep + "}"),
+              HasSubstr("brackets are nested too deeply (dump.json:1:"));
+}
+
+TEST(StageDump, OfBytesThatAreNoUtf8IsRefused) {
+  const std::string text = "programs: {p: \"skip;\"}\n";
+  EXPECT_THROW(dump_stage(Stage::names, text, "\xe9.yaml", ask_nobody), UsageError);
+  EXPECT_THROW(dump_stage(Stage::system, text, "\xe9.yaml", ask_nobody), UsageError);
 }
 
 TEST(StageDump, OfALaterStageHasTheFile) {

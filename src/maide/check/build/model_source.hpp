@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
@@ -26,6 +27,9 @@ struct ModelRequest {
   // in place of `write`. Empty: the model as it is learned.
   std::vector<std::string> values;
   SourcePosition position;  // of `file:` or `learn:`
+  // The answer, where the system comes from a dump that has it; else null. Then nothing is read,
+  // and nobody is asked.
+  std::shared_ptr<const InterfaceAutomaton> known;
 };
 
 using ModelSource = std::function<InterfaceAutomaton(const ModelRequest&)>;

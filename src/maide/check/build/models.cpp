@@ -250,6 +250,7 @@ Models find_models(const Declarations& file, const ModelSource& source, const Qu
 }
 
 InterfaceAutomaton read_requested_model(const ModelRequest& request) {
+  if (request.known) return *request.known;
   if (!request.learn.empty()) {
     throw ParseError("model '" + request.instance + "' is to be learned: run `maide learn " +
                          request.learn + " -o model.dot` and name the file here",

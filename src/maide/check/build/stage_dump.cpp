@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <utility>
 #include <vector>
@@ -159,7 +160,7 @@ Json names_of(const Declarations& file) {
 // Members and elements a line each, those of the third level and deeper in one.
 void write(std::string& out, const Json& value, std::size_t level) {
   if (level > 3 || !value.is_structured() || value.empty()) {
-    out += value.dump(-1, ' ', false, Json::error_handler_t::replace);
+    out += value.dump(-1, ' ', false, Json::error_handler_t::strict);
     return;
   }
   out += value.is_object() ? '{' : '[';
@@ -188,8 +189,8 @@ class StageDump {
       }
       content_.erase("sum");
       if (!stage_ || sum != sum_of(content_)) fail("the dump was changed: make it anew");
-    } catch (const nlohmann::json::exception& error) {
-      fail(fmt::format("no dump of a stage ({})", error.what()));
+    } catch (const nlohmann::json::exception&) {
+      fail("no dump of a stage that is whole: make it anew");
     }
   }
 
@@ -200,12 +201,15 @@ class StageDump {
   std::string file() const { return content_.at("file").get<std::string>(); }
 
   System system() const { return system_of(nlohmann::json(content_.at("system"))); }
-  // Answers each request as the dump has it.
-  ModelSource source() const {
-    return [this](const ModelRequest& request) {
+  // Asks for each request with the answer that the dump has.
+  ModelSource source(const ModelSource& others) const {
+    return [this, others](const ModelRequest& request) {
       for (const Json& answer : content_.at("answers")) {
-        if (answer.at("request") == json_of(request))
-          return automaton_of(nlohmann::json(answer.at("automaton")));
+        if (answer.at("request") != json_of(request)) continue;
+        ModelRequest known = request;
+        known.known = std::make_shared<const InterfaceAutomaton>(
+            automaton_of(nlohmann::json(answer.at("automaton"))));
+        return others(known);
       }
       throw ParseError(
           fmt::format("the dump {} has no model '{}' as it is asked for", file_, request.instance),
@@ -220,7 +224,7 @@ class StageDump {
 
   static std::string sum_of(const Json& content) {
     return fmt::format("{:016x}",
-                       hash_text(content.dump(-1, ' ', false, Json::error_handler_t::replace)));
+                       hash_text(content.dump(-1, ' ', false, Json::error_handler_t::strict)));
   }
 
  private:
@@ -251,7 +255,7 @@ struct Source {
     return declared;
   }
   ModelSource models(const ModelSource& others) const {
-    return dump && dump->stage() == Stage::models ? dump->source() : others;
+    return dump && dump->stage() == Stage::models ? dump->source(others) : others;
   }
 };
 
@@ -288,10 +292,15 @@ std::string dump_stage(Stage stage, std::string_view text, const std::string& fi
     }
   }
   content["text"] = split(from.text, '\n');
-  content["sum"] = StageDump::sum_of(content);
-  std::string written;
-  write(written, content, 1);
-  return written + "\n";
+  try {
+    content["sum"] = StageDump::sum_of(content);
+    std::string written;
+    write(written, content, 1);
+    return written + "\n";
+  } catch (const Json::type_error&) {
+    throw UsageError(
+        fmt::format("a dump is JSON, and not all names and texts here are UTF-8 ({})", file));
+  }
 }
 
 bool is_stage_dump(std::string_view text) {

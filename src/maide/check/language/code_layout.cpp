@@ -26,8 +26,10 @@ bool is_among(const std::string& text, std::initializer_list<std::string_view> w
   return std::ranges::find(words, text) != words.end();
 }
 
-// Words behind which an expression or a bracket begins, and no argument of theirs.
-bool is_keyword(const Token& piece) {
+// Words behind which an expression or a bracket begins, and no argument of theirs. `before` stands
+// before the word: behind a dot or an arrow it is the name of an input or output.
+bool is_keyword(const Token& piece, const Token* before = nullptr) {
+  if (before != nullptr && (before->is(".") || before->is("->"))) return false;
   return piece.kind == Token::Kind::identifier &&
          is_among(piece.text, {"if", "while", "repeat", "when", "in", "any", "fair", "timeout",
                                "switch", "on", "wait", "idle", "else", "return", "select"});
@@ -55,7 +57,7 @@ bool is_apart(const Token* before_last, const Token& last, const Token& next) {
     return last.is("-") && !begins_operand(before_last);  // else a sign of one operand, or M!output
   }
   if (next.is("!")) return !ends_operand || is_keyword(last);
-  if (next.is("(")) return !is_operand(last) || is_keyword(last);
+  if (next.is("(")) return !is_operand(last) || is_keyword(last, before_last);
   return true;
 }
 
