@@ -9,6 +9,7 @@
 #include <string>
 
 #include "maide/base/file.hpp"
+#include "maide/check/tree/edit.hpp"
 #include "systems.hpp"
 
 namespace maide {
@@ -158,6 +159,17 @@ TEST(Layout, ChangesAreWrittenWhereverTheyAreMade) {
   EXPECT_EQ(printed("models:\n  a: {with: {size: 2, # two\n    depth: 4}}\n",
                     [](YamlNode& root) { root.at("models").at("a").at("with").remove("depth"); }),
             "models:\n  a: {with: {size: 2}}\n");
+}
+
+TEST(Edit, AValueBehindAnAnchorIsChangedAlone) {
+  const YamlDocument document =
+      read_yaml("constants: {x: &n 1, y: *n, z: 4}\n", "x.yaml", "a system file");
+  const YamlNode& constants = *document.root.find("constants");
+  EXPECT_EQ(with_value(document, *constants.find("x"), "2"), "constants: {x: 2, y: 1, z: 4}\n");
+  EXPECT_EQ(with_value(document, *constants.find("y"), "2"), "constants: {x: 1, y: 2, z: 4}\n");
+  const YamlDocument plain = read_yaml("constants: {x: 1,   y: 4}\n", "x.yaml", "a system file");
+  EXPECT_EQ(with_value(plain, *plain.root.find("constants")->find("x"), "20"),
+            "constants: {x: 20,   y: 4}\n");
 }
 
 TEST(Layout, ErrorsNameThePlace) {

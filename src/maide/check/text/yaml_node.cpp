@@ -53,6 +53,12 @@ void YamlNode::remove(std::string_view key) {
   std::erase_if(entries, [&](const YamlEntry& entry) { return entry.key.value == key; });
 }
 
+bool has_reference(const YamlNode& node) {
+  return !node.anchor.empty() || !node.alias.empty() ||
+         std::ranges::any_of(node.entries,
+                             [](const YamlEntry& entry) { return has_reference(entry.value); });
+}
+
 bool is_same_value(const YamlNode& one, const YamlNode& other) {
   if (one.kind != other.kind || one.value != other.value) return false;
   return std::equal(one.entries.begin(), one.entries.end(), other.entries.begin(),

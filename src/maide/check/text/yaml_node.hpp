@@ -77,6 +77,9 @@ struct YamlEntry {
   bool is_kept = false;
 };
 
+// An anchor or an alias stands in it.
+bool has_reference(const YamlNode& node);
+
 // Whether both have the same keys and values in the same order, however they are written.
 bool is_same_value(const YamlNode& one, const YamlNode& other);
 

@@ -1,13 +1,36 @@
 #include "maide/check/tree/edit.hpp"
 
+#include <cstddef>
 #include <stdexcept>
 #include <string_view>
 #include <utility>
 
+#include "maide/check/tree/print.hpp"
+
 namespace maide {
+namespace {
+
+// The node of `copy` that stands where `wanted` stands in `node`, of which it is a copy.
+YamlNode* find_in_copy(const YamlNode& node, const YamlNode& wanted, YamlNode& copy) {
+  if (&node == &wanted) return &copy;
+  for (std::size_t i = 0; i < node.entries.size(); ++i) {
+    YamlNode* const found = find_in_copy(node.entries[i].value, wanted, copy.entries[i].value);
+    if (found != nullptr) return found;
+  }
+  return nullptr;
+}
+
+}  // namespace
 
 std::string with_value(const YamlDocument& document, const YamlNode& node,
                        const std::string& value) {
+  if (has_reference(document.root)) {
+    YamlDocument changed = document;
+    if (YamlNode* const found = find_in_copy(document.root, node, changed.root)) {
+      *found = YamlNode(value);
+      return print_system(changed);
+    }
+  }
   std::string text = document.text;
   return text.replace(node.begin, node.end - node.begin, value);
 }

@@ -8,7 +8,8 @@
 
 namespace maide {
 
-// The text with another value in place of the node's, which was read from it.
+// The text with another value in place of the node's, which was read from it. Where anchors stand
+// in the file, they are written out, for the value may be that of an alias, too.
 std::string with_value(const YamlDocument& document, const YamlNode& node,
                        const std::string& value);
 

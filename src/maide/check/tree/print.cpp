@@ -200,11 +200,6 @@ class SystemPrinter {
     return entry.is_kept || has_no_form(entry.key) || has_no_form(entry.value) ||
            document_.text.compare(entry.key.begin, 1, "?") == 0 || is_behind_sign(entry.key);
   }
-  static bool has_reference(const YamlNode& node) {
-    return !node.anchor.empty() || !node.alias.empty() ||
-           std::any_of(node.entries.begin(), node.entries.end(),
-                       [](const YamlEntry& entry) { return has_reference(entry.value); });
-  }
   // "? key"
   bool is_behind_sign(const YamlNode& key) const {
     std::size_t at = key.begin;
