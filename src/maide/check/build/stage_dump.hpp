@@ -1,9 +1,9 @@
-// What the stages of reading a system file hand on, written out, and read again:
+// Dumps: what each stage of reading a system file hands on, written out, and read again.
 //
-//   tree    the file, in one style
-//   names   the file, and what each of its names is
-//   models  that, and the automata that were read or learned: whoever has this needs no wrapper
-//   system  programs, models and properties as the search sees them
+//   tree    The file, in one style.
+//   names   The file, and what each of its names is.
+//   models  Names, and the automata that were read or learned. Whoever has them needs no wrapper.
+//   system  Programs, models and properties as the search sees them.
 //
 // The dump of the tree is a system file. The others are JSON, which read_system() and
 // parse_system() take where a system file may stand. They have the text of the file, so places in

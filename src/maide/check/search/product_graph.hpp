@@ -5,12 +5,13 @@
 //   Bits                                   of programs, marks and groups: std::uint64_t or WideBits
 //   unsigned marks() const;                at most as many as Bits has
 //   std::uint32_t universal() const;       a state in which every run is accepted, or no state
-//   bool is_strong() const;                fair programs that can step again and again on the cycle
-//   do Bits fair_programs() const;            those of which it asks that Bits groups() const; so
-//   are the steps of these fair groups, by bit bool is_waiting(state) const;          whatever
-//   happens it may stay there; no cycle with every
-//                                          mark passes there, and what it goes to depends on the
-//                                          system's next state alone
+//   bool is_strong() const;                On the cycle, fair programs that can step again and
+//                                          again do.
+//   Bits fair_programs() const;            The programs of which it asks that.
+//   Bits groups() const;                   The fair groups of which it asks that.
+//   bool is_waiting(state) const;          It may stay there, whatever happens. No cycle with every
+//                                          mark passes there. Where it goes to depends on the
+//                                          system's next state alone.
 //   bool may_wait() const;                 in any state
 //   bool is_root(state) const;             it waits there, may begin there, and comes there from
 //                                          nowhere else

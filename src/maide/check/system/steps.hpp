@@ -45,9 +45,9 @@ struct StepBefore {
 // What both implementations have. Actors are numbered: programs as in the system, then nobody, if
 // he has actions. `code`: with the state after a step it tells the step and the state before it.
 //
-//   for_each_of(state, actor, visit)   visit(next, action, is_cut, code)
-//   for_each(state, visit)             visit(next, actor, action, is_cut, code), of all actors
-//   by_event(state, wanted, visit)     as for_each(), for the steps that are wanted
+//   for_each_of(state, actor, visit)   Calls visit(next, action, is_cut, code).
+//   for_each(state, visit)             Calls visit(next, actor, action, is_cut, code).
+//   by_event(state, wanted, visit)     Does what for_each() does, for the steps that are wanted.
 //
 // for_each() and by_event() give nothing where a program is at an error.
 template <typename Steps>

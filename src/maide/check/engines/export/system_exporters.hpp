@@ -82,11 +82,14 @@ void write_smv(std::ostream& out, const System& system);
 // each model's state, then `halted` if programs may come to an error. A group of transitions is
 // what one program does with its models, from whatever place; its action is the step's name
 // (ActionNames). The states are those of the system before any cut, and one transition is one step;
-// a cut is a self-loop. Labels of states are `valid_end_state` (all programs have ended or may
-// rest, so that LTSmin's --deadlock is the system's, unless programs may die), `deadlock`, `error`,
-// `beyond` (a step can go beyond what was learned, and is cut), and `always_NAME` for a property
-// `NAME` that is `always` what states show. Guards and their matrices are there for partial-order
-// reduction.
+// a cut is a self-loop. Guards and their matrices are there for partial-order reduction. Labels of
+// states are:
+//
+//   valid_end_state   all programs have ended or may rest. LTSmin's --deadlock is the system's by
+//                     that, unless programs may die.
+//   deadlock, error
+//   beyond            a step can go beyond what was learned, and is cut.
+//   always_NAME       of a property NAME that is `always` what states show.
 void write_pins(std::ostream& out, const System& system, std::span<const Property> properties);
 
 // What keeps the property from being a label of states, "sees events, and not states alone"; "" if
