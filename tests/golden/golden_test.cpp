@@ -2,13 +2,13 @@
 //   MAIDE_APPROVE=1 build/dev/bin/test_golden    and look at what git says.
 #include <gtest/gtest.h>
 
-#include <cstdlib>
 #include <filesystem>
 #include <map>
 #include <sstream>
 #include <string>
 #include <tuple>
 
+#include "approved.hpp"
 #include "maide/base/file.hpp"
 #include "maide/check/build/system_file.hpp"
 #include "maide/check/engines/export/promela_system.hpp"
@@ -63,10 +63,7 @@ TEST_P(Golden, IsAsApproved) {
   std::ostringstream out;
   exporter.write(out, model_of(name), {name, MarkLoss::accept});
   const std::string kind = exporter.takes_machines_alone ? ".mealy" : "";
-  const std::string path = std::string(MAIDE_SOURCE_DIR "/tests/golden/approved/") + name + kind +
-                           std::string(exporter.extension) + ".approved";
-  if (std::getenv("MAIDE_APPROVE") != nullptr) write_file_atomically(path, out.str());
-  EXPECT_EQ(out.str(), read_file(path)) << path;
+  test::expect_approved(name + kind + std::string(exporter.extension), out.str());
 }
 
 INSTANTIATE_TEST_SUITE_P(
@@ -124,10 +121,7 @@ TEST_P(SystemGolden, IsAsApproved) {
       });
   std::ostringstream out;
   find_system_exporter(format).write(out, system, {std::uint64_t{1} << 30, {}});
-  const std::string path =
-      MAIDE_SOURCE_DIR "/tests/golden/approved/" + name + "." + format + ".approved";
-  if (std::getenv("MAIDE_APPROVE") != nullptr) write_file_atomically(path, out.str());
-  EXPECT_EQ(out.str(), read_file(path)) << path;
+  test::expect_approved(name + "." + format, out.str());
 }
 
 INSTANTIATE_TEST_SUITE_P(Exports, SystemGolden,
@@ -150,10 +144,7 @@ TEST_P(ExampleGolden, IsAsApproved) {
   system.file = file.filename();  // wherever the tree lies
   std::ostringstream out;
   find_system_exporter(format).write(out, system, {std::uint64_t{1} << 30, {}});
-  const std::string path = MAIDE_SOURCE_DIR "/tests/golden/approved/" + file.stem().string() + "." +
-                           format + ".approved";
-  if (std::getenv("MAIDE_APPROVE") != nullptr) write_file_atomically(path, out.str());
-  EXPECT_EQ(out.str(), read_file(path)) << path;
+  test::expect_approved(file.stem().string() + "." + format, out.str());
 }
 
 const auto example_name = [](const auto& test) {
@@ -211,10 +202,7 @@ TEST_P(PurposeGolden, IsAsApproved) {
     }
     text += " */\n\n";
   }
-  const std::string path =
-      MAIDE_SOURCE_DIR "/tests/golden/approved/" + name + ".purposes.promela.approved";
-  if (std::getenv("MAIDE_APPROVE") != nullptr) write_file_atomically(path, text);
-  EXPECT_EQ(text, read_file(path)) << path;
+  test::expect_approved(name + ".purposes.promela", text);
 }
 
 INSTANTIATE_TEST_SUITE_P(Promela, PurposeGolden, testing::Values("relay", "robot"));

@@ -4,13 +4,13 @@
 #include <gtest/gtest.h>
 
 #include <array>
-#include <cstdlib>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <numeric>
 #include <string>
 #include <vector>
 
+#include "approved.hpp"
 #include "maide/base/file.hpp"
 #include "maide/base/json.hpp"
 #include "maide/check/build/system_file.hpp"
@@ -46,9 +46,7 @@ TEST_P(Ros2Golden, IsAsApproved) {
   const Json json = ros2_graph_to_json(graph);
   EXPECT_EQ(ros2_graph_to_json(read_ros2_graph(json, name)), json);
   const std::string text = system + "\n" + findings_of(graph) + "\n" + json.dump(1) + "\n";
-  const std::string path = MAIDE_SOURCE_DIR "/tests/golden/approved/" + name + ".txt.approved";
-  if (std::getenv("MAIDE_APPROVE") != nullptr) write_file_atomically(path, text);
-  EXPECT_EQ(text, read_file(path)) << path;
+  test::expect_approved(name + ".txt", text);
 }
 
 INSTANTIATE_TEST_SUITE_P(Graphs, Ros2Golden, testing::Values("ros2-graph", "ros2-wide-graph"),
@@ -99,10 +97,7 @@ TEST_P(ReplayedGolden, IsAsApproved) {
     text += "at the end\n";
     for (const auto& call : calls.end) tell(call);
   }
-  const std::string path =
-      MAIDE_SOURCE_DIR "/tests/golden/approved/" + file.stem().string() + ".replayed.txt.approved";
-  if (std::getenv("MAIDE_APPROVE") != nullptr) write_file_atomically(path, text);
-  EXPECT_EQ(text, read_file(path)) << path;
+  test::expect_approved(file.stem().string() + ".replayed.txt", text);
 }
 
 INSTANTIATE_TEST_SUITE_P(Nodes, ReplayedGolden,

@@ -3,9 +3,9 @@
 // matters. After a change that is meant: MAIDE_APPROVE=1 build/dev/bin/test_golden.
 #include <gtest/gtest.h>
 
-#include <cstdlib>
 #include <sstream>
 
+#include "approved.hpp"
 #include "maide/base/file.hpp"
 #include "maide/check/build/system_file.hpp"
 #include "maide/report/html_report.hpp"
@@ -103,10 +103,7 @@ TEST_P(TraceGolden, IsAsApproved) {
                       counterexample.trace),
             "");
   const std::string text = write(counterexample, format);
-  const std::string path =
-      std::string(MAIDE_SOURCE_DIR "/tests/golden/approved/") + name + "." + format + ".approved";
-  if (std::getenv("MAIDE_APPROVE") != nullptr) write_file_atomically(path, text);
-  EXPECT_EQ(text, read_file(path)) << path;
+  test::expect_approved(std::string(name) + "." + format, text);
 }
 
 INSTANTIATE_TEST_SUITE_P(Traces, TraceGolden,
