@@ -121,13 +121,16 @@ ExitStatus view_stage(const ViewArguments& arguments, Context& context) {
     context.print(arguments.output + "\n");
     result["output"] = arguments.output;
   }
-  context.set_result(std::move(result));
+  context.set_result(result);
   return ExitStatus::ok;
 }
 
 ExitStatus run_view(const ViewArguments& arguments, Context& context) {
   if (!arguments.stage.empty()) return view_stage(arguments, context);
   const std::string source = extension_of(arguments.source);
+  const bool is_system =
+      source == ".yaml" || source == ".yml" ||
+      (source == ".json" && is_stage_dump(read_file(arguments.source, context.control())));
   const bool is_svg = extension_of(arguments.output) == ".svg";
   if (!arguments.output.empty() && !is_svg && extension_of(arguments.output) != ".html") {
     throw UsageError("a picture's name ends in .html or .svg (" + arguments.output + ")");
@@ -135,10 +138,7 @@ ExitStatus run_view(const ViewArguments& arguments, Context& context) {
   if (!arguments.output.empty()) check_can_write(arguments.output);
   std::string text;
   const char* kind = "model";
-  if (source == ".yaml" || source == ".yml") {
-    kind = "system";
-    text = view_system(arguments, is_svg, context.control());
-  } else if (source == ".json" && is_stage_dump(read_file(arguments.source, context.control()))) {
+  if (is_system) {
     kind = "system";
     text = view_system(arguments, is_svg, context.control());
   } else if (source == ".json") {

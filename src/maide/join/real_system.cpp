@@ -201,10 +201,11 @@ const ModelRequest& request_of(const ModelInstance& instance, const ModelRequest
   if (place == requests.end()) {
     place = requests.find(instance.name.substr(0, instance.name.find('[')));
   }
-  if (place == requests.end())
+  if (place == requests.end()) {
     throw UsageError("which system model " + instance.name +
                      " stands for is not known: of dumps, those of the stages 'names' and 'models' "
                      "say it");
+  }
   return place->second;
 }
 

@@ -304,8 +304,7 @@ class SystemWriter {
         "# - what callbacks do: write it in place of each `do: unknown`, and `skip;` for nothing",
         "# - timers: a callback is added as `tick: {timer: 100, do: \"...\"}`",
         "# - depths: write a number in place of each `unknown`",
-        "# - executors and callback groups: without `executor`, each node has one thread of its "
-        "own"};
+        "# - executors and callback groups: without `executor`, each node has its own thread"};
     const bool is_built_in = graph_.rmw.empty() || graph_.rmw == "rmw_cyclonedds_cpp";
     if (!is_built_in && !graph_.rmw.starts_with("rmw_fastrtps")) {
       note(fmt::format("the models are those of rmw_cyclonedds_cpp: those of {} may differ",
@@ -338,7 +337,7 @@ class SystemWriter {
       entry.set("writers", list_of(connection.writers));
       entry.set("readers", list_of(readers));
       entry.set("learn", YamlNode("ros2"));
-      entry.set(is_same ? "with" : "readers_with", is_same ? common : std::move(own));
+      entry.set(is_same ? "with" : "readers_with", is_same ? common : own);
       add_entry(section, connection.name, std::move(entry), connection.comment);
     }
     return section;
