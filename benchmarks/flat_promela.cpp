@@ -16,14 +16,13 @@ std::map<StateId, StateId> moves(const ModelInstance& model, const ProgramEdge& 
   for (StateId state = 0; state < automaton.size(); ++state) {
     if (gives && !automaton.is_quiescent(state)) continue;
     for (const auto& transition : automaton.transitions(state)) {
-      if (transition.action.is_input() != gives || transition.action.symbol != edge.symbol)
-        continue;
+      if (transition.action.is_input() != gives || transition.action.symbol != edge.index) continue;
       if (transition.absorbed) continue;
       if (!result.emplace(state, transition.target).second) {
         throw std::logic_error("a nondeterministic model in a benchmark");
       }
     }
-    if (!gives || !is_beyond_learned(automaton, state, edge.symbol)) continue;
+    if (!gives || !is_beyond_learned(automaton, state, edge.index)) continue;
     if (model.when_unexplored == WhenUnexplored::stop) {
       throw std::logic_error("a run that is cut in a benchmark");
     }

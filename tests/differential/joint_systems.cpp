@@ -120,12 +120,12 @@ class Editor {
   void make_joint(ProgramEdge& edge) {
     CombinedStep joint;
     joint.role = edge.kind == Kind::choice ? CombinedStep::Role::choice : CombinedStep::Role::step;
-    if (edge.kind == Kind::choice) joint.text = "choice " + std::to_string(edge.symbol);
+    if (edge.kind == Kind::choice) joint.text = "choice " + std::to_string(edge.index);
     if (edge.kind != Kind::choice) joint.uses.push_back(edge);
     const auto other = static_cast<std::uint32_t>(random_.below(system_.models.size()));
     const bool is_other = joint.uses.empty() || joint.uses.front().model != other;
     if (is_other && random_.chance(0.6)) joint.uses.push_back(random_use(system_, other, random_));
-    edge.symbol = add_joint(std::move(joint));
+    edge.index = add_joint(std::move(joint));
     edge.kind = Kind::combined;
     edge.model = 0;
   }
@@ -156,7 +156,7 @@ class Editor {
     program_.combined.push_back(joint);
     ProgramEdge edge;
     edge.kind = Kind::combined;
-    edge.symbol = static_cast<Symbol>(program_.combined.size() - 1);
+    edge.index = static_cast<Symbol>(program_.combined.size() - 1);
     edge.target = grave_;
     edges_[at].push_back(edge);
   }

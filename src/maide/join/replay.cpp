@@ -127,7 +127,7 @@ class Walk {
       const Step& step = trace_.steps[move.step];
       for (const ModelUse& event : events_of(system_, step)) {
         if (event.kind != Kind::give || event.model != model || step.is_beyond) continue;
-        word.push_back(inputs.name(event.symbol));
+        word.push_back(inputs.name(event.index));
       }
     }
     for (std::size_t probe = 0; probe < probed_; ++probe) {
@@ -236,7 +236,7 @@ class Walk {
 
   std::string describe_call(const ModelUse& call) const {
     return system_.models[call.model].name + "." +
-           system_.models[call.model].automaton.inputs().name(call.symbol);
+           system_.models[call.model].automaton.inputs().name(call.index);
   }
 
   // Where the model is when it has taken the input: before the outputs that the step takes with it.
@@ -256,12 +256,12 @@ class Walk {
     const auto input = std::ranges::find_if(events, given_to);
     if (input == events.end()) return target;
     for (const auto& given : automaton.transitions(before)) {
-      if (given.action != Action{Action::Kind::input, input->symbol} || given.absorbed) continue;
+      if (given.action != Action{Action::Kind::input, input->index} || given.absorbed) continue;
       if (given.target == target) return target;
       for (const ModelUse& taken : events) {
         if (taken.kind != Kind::take || taken.model != model) continue;
         for (const auto& output : automaton.transitions(given.target)) {
-          if (output.action == Action{Action::Kind::output, taken.symbol} &&
+          if (output.action == Action{Action::Kind::output, taken.index} &&
               output.target == target) {
             return given.target;
           }
@@ -291,7 +291,7 @@ class Walk {
     const bool is_another =
         is_taken && models.size() == 1 &&
         std::ranges::any_of(transitions, [&](const auto& transition) {
-          return transition.action == Action{Action::Kind::input, event.symbol} &&
+          return transition.action == Action{Action::Kind::input, event.index} &&
                  !transition.absorbed && is_as_expected(host, models, {transition.target});
         });
     deviate(is_another ? Deviation::Kind::other_answer : Deviation::Kind::output, event.model,
@@ -385,7 +385,7 @@ class Walk {
   void remember_call(std::uint32_t program, const ModelUse& event) {
     const InterfaceAutomaton& automaton = system_.models[event.model].automaton;
     const auto& hidden = automaton.hidden_returns;
-    const std::string& name = automaton.inputs().name(event.symbol);
+    const std::string& name = automaton.inputs().name(event.index);
     if (std::ranges::find(hidden, name) == hidden.end()) return;
     calls_[program] = event;
   }
@@ -394,7 +394,7 @@ class Walk {
   std::optional<std::string> take_output(const Step& step, const ModelUse& event) {
     const Seat& seat = stage_.seat(event.model);
     Actions& queues = stage_.is_of_writers(event) ? views_[seat.host].written : due_[event.model];
-    const std::string& output = system_.models[event.model].automaton.outputs().name(event.symbol);
+    const std::string& output = system_.models[event.model].automaton.outputs().name(event.index);
     std::string due;
     for (std::size_t i = 0; i < queues.size(); ++i) {
       if (queues[i].empty()) continue;

@@ -62,7 +62,7 @@ bool Stage::is_of_writers(const ModelUse& event) const {
   const InterfaceAutomaton& automaton = system_.models[event.model].automaton;
   return is_of_writer(
       automaton,
-      (event.kind == Kind::give ? automaton.inputs() : automaton.outputs()).name(event.symbol));
+      (event.kind == Kind::give ? automaton.inputs() : automaton.outputs()).name(event.index));
 }
 
 std::size_t Stage::writer_of(const TopicInstance& topic, std::uint32_t program) {
@@ -73,10 +73,10 @@ std::size_t Stage::writer_of(const TopicInstance& topic, std::uint32_t program) 
 Symbol Stage::input_of(std::uint32_t program, const ModelUse& event) const {
   const Seat& seat = seats_[event.model];
   const RealSystem& real = *real_[seat.host];
-  if (seat.topic == nullptr) return real.inputs[event.symbol];
+  if (seat.topic == nullptr) return real.inputs[event.index];
   const std::size_t end = is_of_writers(event) ? writer_of(*seat.topic, program) : seat.reader;
   return input_named(
-      real, symbol_name(system_.models[event.model].automaton.inputs().name(event.symbol), end));
+      real, symbol_name(system_.models[event.model].automaton.inputs().name(event.index), end));
 }
 
 std::vector<ModelUse> Stage::real_events(const Step& step) const {
@@ -136,13 +136,13 @@ class ProbeFinder {
     for (const std::uint32_t model : stage_.models_of(host)) {
       if (!is_open || !system_.models[model].automaton.is_quiescent(at_[model])) return;
     }
-    if (is_beyond_learned(automaton, at, event.symbol)) return;
+    if (is_beyond_learned(automaton, at, event.index)) return;
     if (!asked_.insert({host, stage_.input_of(program, event)}).second) return;
-    Probe probe{program, event.model, event.symbol, {}};
+    Probe probe{program, event.model, event.index, {}};
     // A write that one reader's model takes may wait for another's: that says nothing of this one.
     if (stage_.is_of_writers(event) && takes(event)) return;
     for (const auto& transition : automaton.transitions(at)) {
-      if (transition.action != Action{Action::Kind::input, event.symbol}) continue;
+      if (transition.action != Action{Action::Kind::input, event.index}) continue;
       probe.reachable.push_back(transition.target);
     }
     if (!probe.reachable.empty()) {
@@ -154,7 +154,7 @@ class ProbeFinder {
 
   bool takes(const ModelUse& event) const {
     const InterfaceAutomaton& automaton = system_.models[event.model].automaton;
-    return automaton.successor(at_[event.model], {Action::Kind::input, event.symbol}) !=
+    return automaton.successor(at_[event.model], {Action::Kind::input, event.index}) !=
            Mealy::no_state;
   }
 
@@ -324,7 +324,7 @@ std::vector<std::string> find_assumptions(const System& system, const Trace& tra
               fmt::format("{} waits with {} for somebody to take {}: so programs and models "
                           "meet, whatever the real call would do",
                           program.name, call, describe_due(model.automaton, at)));
-        } else if (is_beyond_learned(model.automaton, at, event.symbol)) {
+        } else if (is_beyond_learned(model.automaton, at, event.index)) {
           found.insert(fmt::format("{}'s {} at line {} was never tried there ({}), and waits",
                                    program.name, call, edge.line, describe_bound(model)));
         }

@@ -226,7 +226,7 @@ class Sentence {
   std::vector<Symbol> awaited_outputs(const Waiting& waiting) const {
     std::vector<Symbol> outputs;
     for (const ProgramEdge& edge : waiting.awaited) {
-      if (edge.kind == Kind::take) outputs.push_back(edge.symbol);
+      if (edge.kind == Kind::take) outputs.push_back(edge.index);
     }
     return outputs;
   }
@@ -256,7 +256,7 @@ class Sentence {
     std::string text =
         fmt::format("waits at {} ", system_.programs[waiting.program].place_of(first.line));
     if (first.kind == Kind::give) {
-      const std::string input = model(waiting).automaton.inputs().name(first.symbol);
+      const std::string input = model(waiting).automaton.inputs().name(first.index);
       return text + fmt::format("to give {}.{}", name, input) + in_brackets;
     }
     if (is_about_messages(waiting)) {
@@ -277,7 +277,7 @@ class Sentence {
     const auto event = std::ranges::find_if(
         events, [&](const ModelUse& use) { return use.kind == Kind::give && use.model == model; });
     MAIDE_CHECK(event != events.end());
-    return event->symbol;
+    return event->index;
   }
 
   // The first loss, before which it is known which messages the model held: "message 1, overwritten
@@ -445,7 +445,7 @@ class Sentence {
 
   // Why a built-in model refuses: "fork[2] is held: p[2] locked it at step 1", "q is full".
   std::string describe_refusal_of(const Waiting& waiting) const {
-    const Symbol symbol = waiting.awaited.front().symbol;
+    const Symbol symbol = waiting.awaited.front().index;
     std::string text = model(waiting).name + " " + describe_refusal(model(waiting), symbol);
     const std::string& input = model(waiting).automaton.inputs().name(symbol);
     const char* done = input == "lock"      ? "locked it"

@@ -272,14 +272,14 @@ std::string connection_picture(const System& system) {
       switch (use.kind) {
         case ModelUse::Kind::give:
           edges.add(node(i), model_node(use.model), "input",
-                    model.automaton.inputs().name(use.symbol));
+                    model.automaton.inputs().name(use.index));
           break;
         case ModelUse::Kind::take:
           edges.add(model_node(use.model), node(i), "output",
-                    model.automaton.outputs().name(use.symbol));
+                    model.automaton.outputs().name(use.index));
           break;
         case ModelUse::Kind::act:
-          edges.add(node(i), model_node(use.model), "both", model.actions[use.symbol].name);
+          edges.add(node(i), model_node(use.model), "both", model.actions[use.index].name);
           break;
         default: break;
       }

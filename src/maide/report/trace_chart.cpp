@@ -129,7 +129,7 @@ SequenceChart::Message to_message(const System& system, const Lanes& lanes, cons
   const std::size_t program = lanes.of_program(step.actor);
   SequenceChart::Message message{program, program, "", fmt::format("line {}", edge.line), "", ""};
   if (edge.kind == Kind::choice) {
-    message.label = edge.symbol == 0 ? "if" : "else";
+    message.label = edge.index == 0 ? "if" : "else";
     return message;
   }
   if (edge.kind == Kind::combined || edge.kind == Kind::act) {
@@ -147,7 +147,7 @@ SequenceChart::Message to_message(const System& system, const Lanes& lanes, cons
   switch (edge.kind) {
     case Kind::give:
       message.to = lane;
-      message.label = model.automaton.inputs().name(edge.symbol);
+      message.label = model.automaton.inputs().name(edge.index);
       if (step.is_beyond) {
         message.remark = model.when_unexplored == WhenUnexplored::drop
                              ? "never tried there: dropped"
@@ -156,7 +156,7 @@ SequenceChart::Message to_message(const System& system, const Lanes& lanes, cons
       break;
     case Kind::take:
       message.from = lane;
-      message.label = model.automaton.outputs().name(edge.symbol);
+      message.label = model.automaton.outputs().name(edge.index);
       break;
     default: message.label = model.name + " is quiet"; break;
   }
@@ -172,9 +172,9 @@ std::string describe_wait(const System& system, const Program& program, const Pr
   const ModelInstance& model = system.models[edge.model];
   switch (edge.kind) {
     case Kind::give:
-      return fmt::format("waits: {}.{}", model.name, model.automaton.inputs().name(edge.symbol));
+      return fmt::format("waits: {}.{}", model.name, model.automaton.inputs().name(edge.index));
     case Kind::take:
-      return fmt::format("waits: {}!{}", model.name, model.automaton.outputs().name(edge.symbol));
+      return fmt::format("waits: {}!{}", model.name, model.automaton.outputs().name(edge.index));
     default: return fmt::format("waits: {} quiet", model.name);
   }
 }

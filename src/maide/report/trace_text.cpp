@@ -38,11 +38,11 @@ std::string describe_model(const ModelInstance& model, StateId state, const Prog
     return fmt::format("{} has {} due", model.name, actions_of(model, state, Action::Kind::output));
   }
   if (edge.kind == Kind::give) {
-    if (is_beyond_learned(model.automaton, state, edge.symbol)) {
+    if (is_beyond_learned(model.automaton, state, edge.index)) {
       return describe_bound(model) + ", and there it waits";
     }
     if (model.source == ModelInstance::Source::built_in) {
-      return model.name + " " + describe_refusal(model, edge.symbol);
+      return model.name + " " + describe_refusal(model, edge.index);
     }
     return model.name + " does not take it now: an earlier call has not returned";
   }

@@ -71,7 +71,7 @@ ExecutorRules::ExecutorRules(const System& system)
   for (const Program& program : system.programs) {
     for (const ProgramEdge& edge : program.edges) {
       if (edge.kind != ModelUse::Kind::combined) continue;
-      const CombinedStep& combined = program.combined[edge.symbol];
+      const CombinedStep& combined = program.combined[edge.index];
       const bool discards = combined.role == CombinedStep::Role::discard;
       if (!combined.callback || (combined.events.empty() && !discards)) continue;
       std::vector<ModelUse>& ways = ways_[*combined.callback];

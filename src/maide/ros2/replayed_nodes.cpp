@@ -35,7 +35,7 @@ bool is_writer(const TopicInstance& topic, const std::string& name) {
 
 std::string name_of(const System& system, const ModelUse& use) {
   const InterfaceAutomaton& automaton = system.models[use.model].automaton;
-  return (use.kind == Kind::give ? automaton.inputs() : automaton.outputs()).name(use.symbol);
+  return (use.kind == Kind::give ? automaton.inputs() : automaton.outputs()).name(use.index);
 }
 
 // The options of a topic's system that are of its ends.

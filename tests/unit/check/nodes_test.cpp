@@ -291,7 +291,7 @@ TEST(Nodes, AreOneEndOfAModel) {
       for (const ModelUse& event : program.events_of(edge)) {
         const ModelInstance& model = system.models[event.model];
         if (model.name != "line") continue;
-        inputs.push_back(program.name + " " + model.automaton.inputs().name(event.symbol));
+        inputs.push_back(program.name + " " + model.automaton.inputs().name(event.index));
       }
     }
   }

@@ -194,7 +194,7 @@ bool is_same(const System& one, const System& other) {
     }
     for (std::size_t e = 0; e < a.edges.size(); ++e) {
       if (a.edges[e].kind != b.edges[e].kind || a.edges[e].model != b.edges[e].model ||
-          a.edges[e].symbol != b.edges[e].symbol || a.edges[e].target != b.edges[e].target) {
+          a.edges[e].index != b.edges[e].index || a.edges[e].target != b.edges[e].target) {
         return false;
       }
     }

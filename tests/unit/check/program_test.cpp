@@ -49,7 +49,7 @@ TEST_F(ProgramTest, GiveThenTakeAreTwoSteps) {
   ASSERT_EQ(program.states.size(), 4u);
   const ProgramEdge give = program.edges_of(0)[0];
   EXPECT_EQ(give.kind, Kind::give);
-  EXPECT_EQ(give.symbol, 0u);
+  EXPECT_EQ(give.index, 0u);
   const ProgramEdge take = program.edges_of(give.target)[0];
   EXPECT_EQ(take.kind, Kind::take);
   EXPECT_EQ(take.column, 8);

@@ -67,7 +67,7 @@ std::string event_text(const System& system, const Step& step) {
     const ModelInstance& model = system.models[event.model];
     const bool gives = event.kind == ModelUse::Kind::give;
     events += model.name + (gives ? "." : "!") +
-              (gives ? model.automaton.inputs() : model.automaton.outputs()).name(event.symbol);
+              (gives ? model.automaton.inputs() : model.automaton.outputs()).name(event.index);
   }
   return events;
 }
@@ -86,7 +86,7 @@ class Executor {
       const ProgramEdge& edge = program.edges[step.action];
       const std::string events = event_text(system_, step);
       const bool is_combined = edge.kind == ModelUse::Kind::combined;
-      if (events != text && !(is_combined && program.combined[edge.symbol].text == text)) continue;
+      if (events != text && !(is_combined && program.combined[edge.index].text == text)) continue;
       trace.steps.push_back(step);
       at_ = apply(system_, at_, step);
       return;

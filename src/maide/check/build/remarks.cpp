@@ -56,7 +56,7 @@ class RemarkWriter {
         for (const ModelUse& event : program.events_of(edge)) {
           if (event.kind != ModelUse::Kind::give) continue;
           const std::string& input =
-              system_.models[event.model].automaton.inputs().name(event.symbol);
+              system_.models[event.model].automaton.inputs().name(event.index);
           if (input.starts_with("write")) written.insert(event.model);
         }
       }

@@ -201,7 +201,7 @@ std::vector<Outcome<Result>> Unroller::outcomes(const Expression& expression, co
 std::string Unroller::text_of(const std::vector<ModelUse>& uses, const ModelActions& actions) {
   std::string text;
   for (const ModelUse& use : uses) {
-    text += (text.empty() ? "" : ", ") + actions.model(use.model).actions[use.symbol].name;
+    text += (text.empty() ? "" : ", ") + actions.model(use.model).actions[use.index].name;
   }
   return text;
 }

@@ -25,16 +25,16 @@ using ControlState = std::uint32_t;
 // What a step does with one model.
 struct ModelUse {
   enum class Kind : std::uint8_t {
-    give,      // gives input `symbol` to instance `model`
-    take,      // takes output `symbol` of instance `model`
+    give,      // gives input `index` to instance `model`
+    take,      // takes output `index` of instance `model`
     quiet,     // sees that instance `model` has no output due
-    act,       // does action `symbol` of the instance's `actions`
-    choice,    // of an edge: no model; takes branch number `symbol` of an `if *`
-    combined,  // of an edge: what Program::combined[symbol] says; `model` is not used
+    act,       // does action `index` of the instance's `actions`
+    choice,    // of an edge: no model; takes branch number `index` of an `if *`
+    combined,  // of an edge: what Program::combined[index] says; `model` is not used
   };
   Kind kind = Kind::choice;
   std::uint32_t model = 0;
-  Symbol symbol = 0;
+  std::uint32_t index = 0;
   auto operator<=>(const ModelUse&) const = default;
 };
 
@@ -168,20 +168,20 @@ struct Program {
   ControlState source_of(std::uint32_t edge) const;
   // The models that the edge uses: none for a choice. Valid as long as the program and the edge.
   std::span<const ModelUse> uses_of(const ProgramEdge& edge) const {
-    if (edge.kind == ModelUse::Kind::combined) return combined[edge.symbol].uses;
+    if (edge.kind == ModelUse::Kind::combined) return combined[edge.index].uses;
     if (edge.kind == ModelUse::Kind::choice) return {};
     return {static_cast<const ModelUse*>(&edge), 1};
   }
   // The inputs that it gives and the outputs that it takes.
   std::span<const ModelUse> events_of(const ProgramEdge& edge) const {
-    if (edge.kind == ModelUse::Kind::combined) return combined[edge.symbol].events;
+    if (edge.kind == ModelUse::Kind::combined) return combined[edge.index].events;
     if (edge.kind == ModelUse::Kind::give || edge.kind == ModelUse::Kind::take) {
       return {static_cast<const ModelUse*>(&edge), 1};
     }
     return {};
   }
   CombinedStep::Role role_of(const ProgramEdge& edge) const {
-    return edge.kind == ModelUse::Kind::combined ? combined[edge.symbol].role
+    return edge.kind == ModelUse::Kind::combined ? combined[edge.index].role
                                                  : CombinedStep::Role::step;
   }
   // A step by it counts for deadlocks, and fairness asks for it.
@@ -192,7 +192,7 @@ struct Program {
     return role_of(edge) == CombinedStep::Role::death;
   }
   std::uint32_t fair_group_of(const ProgramEdge& edge) const {
-    return edge.kind == ModelUse::Kind::combined ? combined[edge.symbol].fair : 0;
+    return edge.kind == ModelUse::Kind::combined ? combined[edge.index].fair : 0;
   }
   // The value of the variable there; none where it is out of scope.
   std::optional<Value> value_of(ControlState state, std::uint32_t variable) const {

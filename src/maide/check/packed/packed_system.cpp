@@ -38,9 +38,9 @@ std::size_t PackedSystem::action_index(const ModelUse& use) const {
   const InterfaceAutomaton& automaton = system_->models[use.model].automaton;
   const std::size_t inputs = automaton.inputs().size(), outputs = automaton.outputs().size();
   switch (use.kind) {
-    case ModelUse::Kind::give: return use.symbol;
-    case ModelUse::Kind::take: return inputs + use.symbol;
-    case ModelUse::Kind::act: return inputs + outputs + 1 + use.symbol;
+    case ModelUse::Kind::give: return use.index;
+    case ModelUse::Kind::take: return inputs + use.index;
+    case ModelUse::Kind::act: return inputs + outputs + 1 + use.index;
     default: return inputs + outputs;  // quiet
   }
 }
@@ -124,7 +124,7 @@ void PackedSystem::add_nobody() {
 void PackedSystem::add_calls() {
   const auto& models = system_->models;
   const auto is_call = [&](const ModelUse& use) {
-    return use.kind == ModelUse::Kind::act && models[use.model].actions[use.symbol].is_call;
+    return use.kind == ModelUse::Kind::act && models[use.model].actions[use.index].is_call;
   };
   for (std::size_t index = 0; index < actors_.size(); ++index) {
     auto& called = actors_[index].called;

@@ -28,7 +28,7 @@ std::vector<std::vector<ModelUse>> find_actions(const System& system) {
 std::uint32_t action_number(const std::vector<ModelUse>& actions, const ModelUse& use) {
   const auto place = std::ranges::find_if(actions, [&use](const ModelUse& other) {
     return other.kind == use.kind &&
-           (use.kind == ModelUse::Kind::quiet || other.symbol == use.symbol);
+           (use.kind == ModelUse::Kind::quiet || other.index == use.index);
   });
   return static_cast<std::uint32_t>(place - actions.begin());
 }
@@ -38,7 +38,7 @@ Commutation::Commutation(const ModelInstance& model, const std::vector<ModelUse>
     : states_(model.automaton.size()), watch_(watch), answers_(actions.size()) {
   if (actions.size() > 64) throw std::invalid_argument("too many actions for a set of bits");
   for (const ModelUse& action : actions) {
-    is_call_.push_back(action.kind == ModelUse::Kind::act && model.actions[action.symbol].is_call);
+    is_call_.push_back(action.kind == ModelUse::Kind::act && model.actions[action.index].is_call);
     auto& outcomes = outcomes_.emplace_back(states_);
     for (StateId at = 0; at < states_; ++at) {
       for (const ModelStep& step : model_steps(model, at, action)) {

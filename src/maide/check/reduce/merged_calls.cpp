@@ -241,8 +241,8 @@ std::uint32_t MergedCalls::find_group(std::uint32_t program, const ModelUse& giv
 std::uint32_t MergedCalls::add_call(const ModelUse& give, const ModelUse& answer,
                                     const std::vector<bool>& is_due) {
   ModelInstance& model = merged_.models[give.model];
-  ModelAction action{model.automaton.inputs().name(give.symbol) + " -> " +
-                         model.automaton.outputs().name(answer.symbol),
+  ModelAction action{model.automaton.inputs().name(give.index) + " -> " +
+                         model.automaton.outputs().name(answer.index),
                      {},
                      true};
   bool is_any = false;
@@ -263,7 +263,7 @@ std::uint32_t MergedCalls::add_call(const ModelUse& give, const ModelUse& answer
 
 std::uint32_t MergedCalls::add_rest(const Group& group) {
   ModelInstance& model = merged_.models[group.give.model];
-  ModelAction action{model.automaton.inputs().name(group.give.symbol), {}, false};
+  ModelAction action{model.automaton.inputs().name(group.give.index), {}, false};
   bool is_any = false;
   for (StateId at = 0; at < model.automaton.size(); ++at) {
     auto& steps = action.steps.emplace_back();

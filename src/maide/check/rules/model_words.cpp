@@ -112,16 +112,16 @@ std::vector<std::string> describe_unreal(const System& system,
 std::string describe_use(const System& system, const ModelUse& use) {
   const ModelInstance& model = system.models[use.model];
   switch (use.kind) {
-    case ModelUse::Kind::give: return model.name + "." + model.automaton.inputs().name(use.symbol);
-    case ModelUse::Kind::take: return model.name + "!" + model.automaton.outputs().name(use.symbol);
-    case ModelUse::Kind::act: return model.actions[use.symbol].name;
+    case ModelUse::Kind::give: return model.name + "." + model.automaton.inputs().name(use.index);
+    case ModelUse::Kind::take: return model.name + "!" + model.automaton.outputs().name(use.index);
+    case ModelUse::Kind::act: return model.actions[use.index].name;
     default: return model.name + " quiet";
   }
 }
 
 std::string describe_edge(const System& system, const Program& program, const ProgramEdge& edge) {
-  if (edge.kind == ProgramEdge::Kind::combined) return program.combined[edge.symbol].text;
-  if (edge.kind == ProgramEdge::Kind::choice) return edge.symbol == 0 ? "if *" : "if * ... else";
+  if (edge.kind == ProgramEdge::Kind::combined) return program.combined[edge.index].text;
+  if (edge.kind == ProgramEdge::Kind::choice) return edge.index == 0 ? "if *" : "if * ... else";
   return describe_use(system, edge);
 }
 
@@ -177,17 +177,17 @@ std::string describe_taker(const System& system, const GlobalState& state, std::
       // The edges by which the callback starts that takes the answer, or the request.
       const auto takes_it = [&](const ProgramEdge& edge) {
         if (edge.kind != ProgramEdge::Kind::combined) return false;
-        const CombinedStep& combined = runner.combined[edge.symbol];
+        const CombinedStep& combined = runner.combined[edge.index];
         if (is_answered) return combined.text == node + "." + model.name + std::string(starts);
         return combined.text.ends_with(starts) &&
                std::ranges::any_of(combined.events, [&](const ModelUse& event) {
                  return event.kind == ModelUse::Kind::give && event.model == service &&
-                        event.symbol == serve;
+                        event.index == serve;
                });
       };
       const auto taking = std::ranges::find_if(runner.edges, takes_it);
       if (taking == runner.edges.end()) continue;
-      const std::string& text = runner.combined[taking->symbol].text;
+      const std::string& text = runner.combined[taking->index].text;
       const auto edges = runner.edges_of(state.programs[index]);
       const bool is_free = std::ranges::any_of(edges, takes_it);
       return fmt::format(". {} {} it, and {}", text.substr(0, text.size() - starts.size()),

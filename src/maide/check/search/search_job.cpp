@@ -155,7 +155,7 @@ void pass(Archive& archive, ModelInstance& model) {
 
 template <typename Archive>
 void pass(Archive& archive, ModelUse& use) {
-  all(archive, use.kind, use.model, use.symbol);
+  all(archive, use.kind, use.model, use.index);
 }
 template <typename Archive>
 void pass(Archive& archive, ProgramEdge& edge) {

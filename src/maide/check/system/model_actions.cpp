@@ -188,9 +188,9 @@ namespace {
 
 std::string name_of(const ModelInstance& model, const ModelUse& use) {
   switch (use.kind) {
-    case ModelUse::Kind::act: return model.actions[use.symbol].name;
-    case ModelUse::Kind::give: return model.automaton.inputs().name(use.symbol);
-    case ModelUse::Kind::take: return "!" + model.automaton.outputs().name(use.symbol);
+    case ModelUse::Kind::act: return model.actions[use.index].name;
+    case ModelUse::Kind::give: return model.automaton.inputs().name(use.index);
+    case ModelUse::Kind::take: return "!" + model.automaton.outputs().name(use.index);
     default: return "nothing due";
   }
 }
@@ -251,7 +251,7 @@ bool ModelActions::is_possible(const ModelUse& action) {
 bool ModelActions::is_possible_now(const ModelUse& action) {
   const auto [place, is_new] = possible_.try_emplace(action);
   if (is_new) {
-    const auto& steps = model(action.model).actions[action.symbol].steps;
+    const auto& steps = model(action.model).actions[action.index].steps;
     place->second = std::ranges::any_of(steps, [](const auto& at) { return !at.empty(); });
   }
   return place->second;

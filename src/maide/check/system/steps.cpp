@@ -50,24 +50,24 @@ StepText describe_step(const System& system, const Step& step) {
     const InterfaceAutomaton& automaton = system.models[events.front().model].automaton;
     text.model = system.models[events.front().model].name;
     for (const ModelUse& event : events) {
-      text.event += event.kind == Kind::give ? "?" + automaton.inputs().name(event.symbol)
-                                             : "!" + automaton.outputs().name(event.symbol);
+      text.event += event.kind == Kind::give ? "?" + automaton.inputs().name(event.index)
+                                             : "!" + automaton.outputs().name(event.index);
     }
     return text;
   }
   const ProgramEdge& edge = edge_of(system, step);
   if (edge.kind == Kind::choice) {
-    text.event = edge.symbol == 0 ? "if" : "else";
+    text.event = edge.index == 0 ? "if" : "else";
     return text;
   }
   const ModelInstance& instance = system.models[edge.model];
   if (edge.kind == Kind::act) {
-    text.event = instance.actions[edge.symbol].name;
+    text.event = instance.actions[edge.index].name;
     return text;
   }
   text.model = instance.name;
-  if (edge.kind == Kind::give) text.event = "?" + instance.automaton.inputs().name(edge.symbol);
-  if (edge.kind == Kind::take) text.event = "!" + instance.automaton.outputs().name(edge.symbol);
+  if (edge.kind == Kind::give) text.event = "?" + instance.automaton.inputs().name(edge.index);
+  if (edge.kind == Kind::take) text.event = "!" + instance.automaton.outputs().name(edge.index);
   if (edge.kind == Kind::quiet) text.event = "quiet";
   return text;
 }

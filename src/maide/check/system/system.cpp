@@ -27,17 +27,17 @@ bool is_beyond_learned(const InterfaceAutomaton& automaton, StateId state, Symbo
 }
 
 std::vector<ModelStep> model_steps(const ModelInstance& model, StateId at, const ModelUse& use) {
-  if (use.kind == ModelUse::Kind::act) return model.actions[use.symbol].steps[at];
+  if (use.kind == ModelUse::Kind::act) return model.actions[use.index].steps[at];
   const bool takes = use.kind == ModelUse::Kind::take;
   if (!takes && !model.automaton.is_quiescent(at)) return {};
   if (use.kind == ModelUse::Kind::quiet) return {{at, false}};
   std::vector<ModelStep> steps;
   for (const auto& transition : model.automaton.transitions(at)) {
-    if (transition.action.is_input() == takes || transition.action.symbol != use.symbol) continue;
+    if (transition.action.is_input() == takes || transition.action.symbol != use.index) continue;
     if (!transition.absorbed) steps.push_back({transition.target, false});
   }
   if (!takes && model.when_unexplored != WhenUnexplored::wait &&
-      is_beyond_learned(model.automaton, at, use.symbol)) {
+      is_beyond_learned(model.automaton, at, use.index)) {
     steps.push_back({at, true});
   }
   return steps;
@@ -191,7 +191,7 @@ const CombinedStep* combined_step_of(const System& system, const Step& step) {
   if (step.actor == nobody) return &system.nobodys_actions[step.action].what;
   const ProgramEdge& edge = edge_of(system, step);
   if (edge.kind != ModelUse::Kind::combined) return nullptr;
-  return &system.programs[step.actor].combined[edge.symbol];
+  return &system.programs[step.actor].combined[edge.index];
 }
 
 const ProgramEdge& edge_of(const System& system, const Step& step) {
@@ -293,7 +293,7 @@ bool is_event_of(const Atom& atom, std::uint32_t actor, std::span<const ModelUse
   if (atom.program != Atom::any_program && atom.program != actor) return false;
   const auto kind = atom.kind == Atom::Kind::input ? ModelUse::Kind::give : ModelUse::Kind::take;
   return std::ranges::any_of(events, [&](const ModelUse& event) {
-    return event.kind == kind && event.model == atom.owner && event.symbol == atom.symbol;
+    return event.kind == kind && event.model == atom.owner && event.index == atom.symbol;
   });
 }
 

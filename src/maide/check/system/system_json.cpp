@@ -102,7 +102,7 @@ static void from_json(const json& from, WordTable& words) {
 
 // ---- Programs -----------------------------------------------------------------------------------
 
-static void to_json(json& to, const ModelUse& use) { to = {use.kind, use.model, use.symbol}; }
+static void to_json(json& to, const ModelUse& use) { to = {use.kind, use.model, use.index}; }
 static void from_json(const json& from, ModelUse& use) {
   use = {from.at(0).get<ModelUse::Kind>(), from.at(1).get<std::uint32_t>(),
          from.at(2).get<Symbol>()};
@@ -114,7 +114,7 @@ static void from_json(const json& from, ModelStep& step) {
 }
 
 static void to_json(json& to, const ProgramEdge& edge) {
-  to = {edge.kind, edge.model, edge.symbol, edge.target, edge.line, edge.column, edge.origin};
+  to = {edge.kind, edge.model, edge.index, edge.target, edge.line, edge.column, edge.origin};
 }
 static void from_json(const json& from, ProgramEdge& edge) {
   from_json(from, static_cast<ModelUse&>(edge));

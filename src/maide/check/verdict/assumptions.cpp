@@ -93,7 +93,7 @@ std::set<int> find_endless_lines(const System& system, const Program& program) {
     const auto uses = program.uses_of(edge);
     return std::ranges::any_of(uses, [&](const ModelUse& use) {
       if (use.kind != ModelUse::Kind::act) return false;
-      const auto& steps = system.models[use.model].actions[use.symbol].steps;
+      const auto& steps = system.models[use.model].actions[use.index].steps;
       return std::ranges::all_of(steps, [](const auto& of_state) {
         return std::ranges::all_of(of_state, &ModelStep::is_beyond);
       });
@@ -364,7 +364,7 @@ class AssumptionList {
         for (const ModelUse& use : program.uses_of(edge)) {
           if (use.kind != ModelUse::Kind::give) continue;
           const ModelInstance& model = system_.models[use.model];
-          const std::string& input = model.automaton.inputs().name(use.symbol);
+          const std::string& input = model.automaton.inputs().name(use.index);
           const bool makes_end = input == "start" || input == "subscribe";
           if (makes_end && is_learned_from_ros2(model)) names.insert(model.name);
         }
@@ -439,8 +439,8 @@ std::vector<InputUse> find_uses(const System& system) {
     for (const ProgramEdge& edge : program.edges) {
       for (const ModelUse& event : program.events_of(edge)) {
         if (event.kind != ModelUse::Kind::give) continue;
-        if (!seen.insert({event.model, event.symbol}).second) continue;
-        uses.push_back({event.model, event.symbol, &program, &edge});
+        if (!seen.insert({event.model, event.index}).second) continue;
+        uses.push_back({event.model, event.index, &program, &edge});
       }
     }
   }

@@ -43,7 +43,7 @@ std::vector<Symbol> asking_by_programs(const System& system, const Awaited& awai
     const auto events = program.events_of(edge);
     return std::ranges::any_of(events, [&](const ModelUse& event) {
       return event.kind == Kind::take && event.model == awaited.model &&
-             contains_sorted(awaited.outputs, event.symbol);
+             contains_sorted(awaited.outputs, event.index);
     });
   };
   for (const Program& program : system.programs) {
@@ -55,7 +55,7 @@ std::vector<Symbol> asking_by_programs(const System& system, const Awaited& awai
       if (!is_answered) continue;
       for (const ModelUse& event : program.events_of(edge)) {
         if (event.kind == Kind::give && event.model == awaited.model) {
-          asking.push_back(event.symbol);
+          asking.push_back(event.index);
         }
       }
     }
@@ -190,7 +190,7 @@ std::optional<Awaited> find_awaited(const System& system, const Program& program
   for (const ProgramEdge& edge : program.edges_of(state)) {
     if (edge.kind != Kind::take) continue;
     awaited.model = edge.model;
-    awaited.outputs.push_back(edge.symbol);
+    awaited.outputs.push_back(edge.index);
   }
   if (awaited.outputs.empty()) return std::nullopt;
   complete(system, awaited);
@@ -249,7 +249,7 @@ std::optional<MessageAccount> take_account(const System& system, const Trace& tr
       gives = gives || event.kind == Kind::give;
       takes = takes || event.kind == Kind::take;
       is_message = is_message ||
-                   (event.kind == Kind::give && contains_sorted(account.messages, event.symbol));
+                   (event.kind == Kind::give && contains_sorted(account.messages, event.index));
     }
     const StateId before = states[at].models[awaited.model];
     const StateId after = states[at + 1].models[awaited.model];
@@ -287,10 +287,10 @@ std::map<std::uint32_t, MessageAccount> find_losses(const System& system, const 
       for (const ModelUse& event : program.events_of(edge)) {
         if (event.kind != Kind::take) continue;
         const Alphabet& outputs = system.models[event.model].automaton.outputs();
-        if (!is_message_name(outputs.name(event.symbol))) continue;
+        if (!is_message_name(outputs.name(event.index))) continue;
         Awaited& awaited = taken[event.model];
         awaited.model = event.model;
-        awaited.outputs.push_back(event.symbol);
+        awaited.outputs.push_back(event.index);
       }
     }
   }

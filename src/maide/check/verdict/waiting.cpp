@@ -102,11 +102,11 @@ class WaitingFinder {
       explain_due();
     } else if (first.kind != Kind::give) {
       explain_silence();
-    } else if (is_beyond_learned(automaton(), state_.models[waiting_.model], first.symbol)) {
+    } else if (is_beyond_learned(automaton(), state_.models[waiting_.model], first.index)) {
       waiting_.reason = Reason::bound;
-      waiting_.wanted = other_inputs(automaton(), same_actor(automaton(), first.symbol));
+      waiting_.wanted = other_inputs(automaton(), same_actor(automaton(), first.index));
     } else {
-      explain_refusal(first.symbol);
+      explain_refusal(first.index);
     }
     find_helpers();
     find_number();
@@ -176,7 +176,7 @@ class WaitingFinder {
       const auto events = events_of(system_, trace_.steps[step]);
       return std::ranges::any_of(events, [&](const ModelUse& event) {
         return event.kind == Kind::give && event.model == waiting_.model &&
-               contains(actor, event.symbol);
+               contains(actor, event.index);
       });
     });
     waiting_.wanted = other_inputs(automaton(), actor);
@@ -188,7 +188,7 @@ class WaitingFinder {
       const auto events = program.events_of(edge);
       return std::ranges::any_of(events, [&](const ModelUse& event) {
         return event.kind == kind && event.model == waiting_.model &&
-               contains(waiting_.wanted, event.symbol);
+               contains(waiting_.wanted, event.index);
       });
     });
   }
@@ -221,7 +221,7 @@ class WaitingFinder {
 
   bool is_awaited_step(const ProgramEdge& edge) const {
     return std::ranges::any_of(waiting_.awaited, [&](const auto& other) {
-      return edge.kind == other.kind && edge.model == other.model && edge.symbol == other.symbol;
+      return edge.kind == other.kind && edge.model == other.model && edge.index == other.index;
     });
   }
 

@@ -190,9 +190,9 @@ ModelUsage::ModelUsage(const System& system) : instances(system.models.size()) {
     for (const ProgramEdge& edge : program.edges) {
       if (edge.kind == ProgramEdge::Kind::quiet) instances[edge.model].quiet = true;
       if (edge.kind != ProgramEdge::Kind::give) continue;
-      if (!instances[edge.model].inputs.insert(edge.symbol).second) continue;
-      if (!cuts(system.models[edge.model], edge.symbol)) continue;
-      instances[edge.model].cutting.insert(edge.symbol);
+      if (!instances[edge.model].inputs.insert(edge.index).second) continue;
+      if (!cuts(system.models[edge.model], edge.index)) continue;
+      instances[edge.model].cutting.insert(edge.index);
       any_cut = true;
     }
   }
@@ -442,16 +442,16 @@ class Writer {
         option(out_channel(edge.model) + acceptance("quiet", has_value() ? ",0" : ""));
         break;
       case ProgramEdge::Kind::take: {
-        const std::string& name = system_.models[edge.model].automaton.outputs().name(edge.symbol);
+        const std::string& name = system_.models[edge.model].automaton.outputs().name(edge.index);
         option(out_channel(edge.model) +
-               acceptance(symbol(name), sent(Atom::Kind::output, edge.model, edge.symbol)));
+               acceptance(symbol(name), sent(Atom::Kind::output, edge.model, edge.index)));
         break;
       }
       case ProgramEdge::Kind::give: {
-        const std::string& name = system_.models[edge.model].automaton.inputs().name(edge.symbol);
+        const std::string& name = system_.models[edge.model].automaton.inputs().name(edge.index);
         option(fmt::format("{}!{}{}", in_channel(edge.model), symbol(name),
-                           sent(Atom::Kind::input, edge.model, edge.symbol)));
-        if (usage_.instances[edge.model].cutting.contains(edge.symbol)) {
+                           sent(Atom::Kind::input, edge.model, edge.index)));
+        if (usage_.instances[edge.model].cutting.contains(edge.index)) {
           option(fmt::format("{}!{}{}", in_channel(edge.model), beyond(name), is_ltl() ? ",1" : ""),
                  true);
         }

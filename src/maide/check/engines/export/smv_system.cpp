@@ -68,7 +68,7 @@ class Writer {
     }
     const auto key = [&](std::uint32_t number) {
       const ModelRelation& relation = rules_.relations()[number];
-      return std::tuple(relation.use.kind, relation.use.symbol, relation.bound);
+      return std::tuple(relation.use.kind, relation.use.index, relation.bound);
     };
     std::ranges::sort(
         relations_, [&](std::uint32_t one, std::uint32_t other) { return key(one) < key(other); });
@@ -118,7 +118,7 @@ class Writer {
   }
   // A definition of a model's module: where the relation has a move.
   std::string can(const ModelRelation& relation) {
-    const StepAction action{0, relation.use.kind, relation.use.model, relation.use.symbol,
+    const StepAction action{0, relation.use.kind, relation.use.model, relation.use.index,
                             relation.bound != ModelRelation::Bound::within};
     return names_.of({"can", names_.of(action, system_, false)});
   }

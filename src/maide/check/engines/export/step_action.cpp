@@ -21,28 +21,28 @@ std::string shown_name(const std::string& name) {
 }
 
 const CombinedStep& combined_step_of(const System& system, const StepAction& action) {
-  if (action.actor == nobody) return system.nobodys_actions[action.symbol].what;
-  return system.programs[action.actor].combined[action.symbol];
+  if (action.actor == nobody) return system.nobodys_actions[action.index].what;
+  return system.programs[action.actor].combined[action.index];
 }
 
 // The input's, output's or branch's name.
 const std::string& symbol_name(const StepAction& action, const System& system) {
   static const std::string quiet = "quiet", branches[] = {"if", "else"};
   switch (action.kind) {
-    case Kind::give: return system.models[action.model].automaton.inputs().name(action.symbol);
-    case Kind::take: return system.models[action.model].automaton.outputs().name(action.symbol);
+    case Kind::give: return system.models[action.model].automaton.inputs().name(action.index);
+    case Kind::take: return system.models[action.model].automaton.outputs().name(action.index);
     case Kind::quiet: return quiet;
-    case Kind::act: return system.models[action.model].actions[action.symbol].name;
+    case Kind::act: return system.models[action.model].actions[action.index].name;
     case Kind::combined: return combined_step_of(system, action).text;
     case Kind::choice: break;
   }
-  return branches[action.symbol];
+  return branches[action.index];
 }
 
 StepAction action_of_edge(std::uint32_t program, const ProgramEdge& edge) {
   const bool has_model = edge.kind != Kind::choice && edge.kind != Kind::combined;
-  const bool has_symbol = edge.kind != Kind::quiet;
-  return {program, edge.kind, has_model ? edge.model : 0, has_symbol ? edge.symbol : 0, false};
+  const bool has_index = edge.kind != Kind::quiet;
+  return {program, edge.kind, has_model ? edge.model : 0, has_index ? edge.index : 0, false};
 }
 
 // What is done, without who does it and whether that was never tried.
@@ -99,7 +99,7 @@ std::string ActionNames::number_of_combined(const StepAction& action) const {
   const std::string& text = symbol_name(action, system_);
   return texts_[actor_number(system_, action.actor)].find(text)->second == 1
              ? ""
-             : fmt::format(" #{}", action.symbol);
+             : fmt::format(" #{}", action.index);
 }
 
 std::string ActionNames::of(const StepAction& action) const {

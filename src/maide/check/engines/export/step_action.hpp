@@ -22,10 +22,9 @@ struct StepAction {
   std::uint32_t actor = 0;  // a program, or nobody, whose actions are of Kind::combined
   ProgramEdge::Kind kind = ProgramEdge::Kind::choice;
   std::uint32_t model = 0;  // of a step that uses one model alone
-  // The input, the output, the model's own action, the number of the combined step, or of nobody's
-  // action; of a choice: 0 for `if
-  // *`, 1 for `else`.
-  Symbol symbol = 0;
+  // The input, the output, the model's own action, the number of the combined step or of nobody's
+  // action; 0 and 1 for the `if *` and the `else` of a choice.
+  std::uint32_t index = 0;
   bool is_beyond = false;  // an input where it was never tried
   auto operator<=>(const StepAction&) const = default;
 };
