@@ -1,11 +1,12 @@
 // Reductions against the same engine without any, which other tests hold against the meaning of
 // systems: the same verdict for every property, each kind of fairness, and never a larger graph.
 // Whatever is left out, several threads find, count and show the same as one, and several ranks
-// find the same.
+// find the same. Formulas with assumptions of fairness have the verdicts of their plain automata.
 #include "maide/check/reduce/reduction.hpp"
 
 #include <gtest/gtest.h>
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -13,6 +14,7 @@
 #include "explicit_checker.hpp"
 #include "maide/check/engines/engine.hpp"
 #include "maide/check/engines/export/promela_system.hpp"
+#include "maide/check/ltl/ltl_automaton.hpp"
 #include "mailbox_ranks.hpp"
 #include "random_system.hpp"
 
@@ -42,6 +44,20 @@ class RandomFormula {
  public:
   RandomFormula(const System& system, Random& random) : system_(system), random_(random) {}
 
+  // Assumptions of fairness and what follows from them, one such formula or two. Few: a plain
+  // automaton of many is large.
+  std::string text_with_assumptions() {
+    std::string assumptions = assumption();
+    if (random_.chance(0.6)) assumptions += " && " + assumption();
+    switch (random_.below(5)) {
+      case 0: return "!(" + assumptions + " && " + assumption() + ")";
+      case 1:
+        return "(" + assumptions + " -> " + text(1) + ") && (" + assumption() + " -> " + text(1) +
+               ")";
+      default: return assumptions + " -> " + text(2);
+    }
+  }
+
   std::string text(int depth) {
     if (depth == 0 || random_.chance(0.1)) return atom();
     switch (random_.below(8)) {
@@ -57,6 +73,14 @@ class RandomFormula {
   }
 
  private:
+  std::string assumption() {
+    switch (random_.below(6)) {
+      case 0: return "F G " + atom();
+      case 1: return "(G F " + atom() + " || G F " + atom() + ")";
+      case 2: return "(G F (" + atom() + " && " + atom() + ") -> G F " + atom() + ")";
+      default: return "(G F " + atom() + " -> G F " + atom() + ")";
+    }
+  }
   std::string atom() {
     const Program& program = system_.programs[random_.below(system_.programs.size())];
     const std::string label =
@@ -286,6 +310,33 @@ TEST_P(Reductions, Formulas) {
     }
   }
   comparison_.expect_use(10, 100);
+}
+
+TEST_P(Reductions, Assumptions) {
+  std::size_t steps = 0, steps_by_plain_automata = 0;
+  for (int i = 0; i < 60 && !HasFatalFailure(); ++i) {
+    const System system = next_system();
+    const std::string text = RandomFormula(system, random_).text_with_assumptions();
+    for (const Fairness fairness : {Fairness::none, Fairness::weak, Fairness::strong}) {
+      const Property property = property_of(system, text, fairness);
+      comparison_.check(system, property);
+      Property plain = property;
+      plain.kind = Property::Kind::never;
+      plain.never = std::make_shared<LtlAutomaton>(
+          translate(make_formula(FormulaNode::Operator::negation, property.formula)));
+      const PropertyResult wanted = NativeEngine().check(system, plain, {});
+      const PropertyResult result = NativeEngine().check(system, property, {});
+      ASSERT_EQ(result.verdict, wanted.verdict) << text << "\n" << write_promela(system).text;
+      if (result.verdict == Verdict::holds) {
+        EXPECT_LE(result.states, wanted.states) << text;
+      } else {
+        steps += result.trace->steps.size();
+        steps_by_plain_automata += wanted.trace->steps.size();
+      }
+    }
+  }
+  comparison_.expect_use(10, 100);
+  EXPECT_LE(steps, steps_by_plain_automata);
 }
 
 INSTANTIATE_TEST_SUITE_P(Seeds, Reductions, testing::Range(0, 4));

@@ -3,12 +3,20 @@
 // the automata of f and of not-f exactly one accepts each run. A prefix after which the automaton
 // of not-f accepts whatever comes is bad in the direct semantics, too, and no run on which f holds
 // has a bad prefix. All of it after the automaton went through the Hanoi Omega-Automata format.
+// Automata with pairs are held against the same semantics.
 #include "maide/check/ltl/ltl_automaton.hpp"
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <chrono>
+#include <cstdint>
 #include <sstream>
+#include <vector>
 
+#include "maide/base/error.hpp"
+#include "maide/base/run_control.hpp"
+#include "maide/check/ltl/streett_automaton.hpp"
 #include "random_formula.hpp"
 
 namespace maide {
@@ -26,6 +34,133 @@ LtlAutomaton read_back(const LtlAutomaton& automaton) {
   LtlAutomaton read = read_hoa(text.str(), "f.hoa", atoms.scope());
   EXPECT_EQ(read, automaton) << text.str();
   return read;
+}
+
+// A run with positions 0..length-1, of which loop..length-1 repeat for ever.
+struct Lasso {
+  std::vector<std::uint64_t> truth;  // by position; bit: atom's number
+  std::size_t loop = 0;
+
+  bool value(const Atom& atom, std::size_t at) const { return (truth[at] >> atom.symbol & 1) != 0; }
+  bool holds(const Formula& formula) const {
+    return holds_on_lasso(formula, truth.size(), loop,
+                          [this](const Atom& atom, std::size_t at) { return value(atom, at); });
+  }
+  bool holds_again_and_again(const Formula& formula) const {
+    return holds(make(Operator::globally, make(Operator::finally, formula)));
+  }
+};
+
+// By each part of the union for itself.
+bool accepts(const StreettAutomaton& automaton, const Lasso& run) {
+  std::vector<std::uint64_t> valuations(run.truth.size());
+  for (std::size_t at = 0; at < valuations.size(); ++at) {
+    for (std::size_t i = 0; i < automaton.buchi.atoms.size(); ++i) {
+      if (run.value(automaton.buchi.atoms[i], at)) valuations[at] |= std::uint64_t{1} << i;
+    }
+  }
+  if (automaton.pairs_of.empty()) return accepts(automaton.buchi, valuations, run.loop);
+  for (std::uint32_t part = 0; part < automaton.pairs.size(); ++part) {
+    LtlAutomaton buchi = automaton.buchi;
+    std::erase_if(buchi.initial,
+                  [&](std::uint32_t state) { return automaton.pairs_of[state] != part; });
+    const bool has_all = std::ranges::all_of(automaton.pairs[part], [&](const StreettPair& pair) {
+      return !run.holds_again_and_again(pair.asked) || run.holds_again_and_again(pair.answered);
+    });
+    if (has_all && accepts(buchi, valuations, run.loop)) return true;
+  }
+  return false;
+}
+
+// Conditions on what comes again and again, among other formulas.
+Formula random_assumption(Random& random) {
+  const auto tail = [&] {
+    const Formula inner = random_formula(random, random.chance(0.5) ? 0 : 1);
+    return random.chance(0.5) ? make(Operator::globally, make(Operator::finally, inner))
+                              : make(Operator::finally, make(Operator::globally, inner));
+  };
+  switch (random.below(5)) {
+    case 0: return tail();
+    case 1: return random_formula(random, 2);
+    case 2: return make(Operator::disjunction, tail(), make(Operator::disjunction, tail(), tail()));
+    default: return make(Operator::implication, tail(), tail());
+  }
+}
+
+TEST(StreettAutomata, AcceptTheRunsOnWhichTheFormulaHolds) {
+  Random random(1987);
+  int held = 0, failed = 0;
+  std::size_t with_pairs = 0, unions = 0;
+  for (int round = 0; round < 1000; ++round) {
+    Formula formula = random_assumption(random);
+    for (std::size_t more = random.below(4); more > 0; --more) {
+      const bool either = random.chance(0.3);
+      formula = make(either ? Operator::disjunction : Operator::conjunction, formula,
+                     random_assumption(random));
+    }
+    const StreettAutomaton automaton = translate_with_pairs(formula);
+    with_pairs += automaton.most_pairs() > 0 ? 1 : 0;
+    unions += automaton.pairs.size() > 1 ? 1 : 0;
+    for (int i = 0; i < 12; ++i) {
+      Lasso run;
+      run.truth.resize(1 + random.below(6));
+      for (std::uint64_t& bits : run.truth) bits = random.below(8);
+      run.loop = random.below(run.truth.size());
+      const bool holds = run.holds(formula);
+      ++(holds ? held : failed);
+      ASSERT_EQ(accepts(automaton, run), holds) << to_string(formula, test::FormulaAtoms().scope());
+    }
+  }
+  EXPECT_GT(held, 2000);
+  EXPECT_GT(failed, 2000);
+  EXPECT_GT(with_pairs, 150U);
+  EXPECT_GT(unions, 30U);
+}
+
+Formula atom(std::uint32_t number) {
+  Atom atom;
+  atom.symbol = number;
+  return make_formula(atom);
+}
+
+// A formula of n assumptions, G F a -> G F b, has n pairs and no state more than without them; the
+// negation of n has n automata beside each other.
+TEST(StreettAutomata, AssumptionsCostNoStates) {
+  const auto again = [](std::uint32_t number) {
+    return make(Operator::globally, make(Operator::finally, atom(number)));
+  };
+  Formula assumptions = make(Operator::truth);
+  for (std::uint32_t i = 0; i < 30; ++i) {
+    assumptions = make(Operator::conjunction, assumptions,
+                       make(Operator::implication, again(2 * i), again(2 * i + 1)));
+    const StreettAutomaton alone = translate_with_pairs(assumptions);
+    EXPECT_EQ(alone.most_pairs(), i + 1);
+    EXPECT_EQ(alone.buchi.states.size(), 1U);
+    const Formula goal = make(Operator::globally, make(Operator::finally, atom(60)));
+    const StreettAutomaton with_goal = translate_with_pairs(
+        make(Operator::negation, make(Operator::implication, assumptions, goal)));
+    EXPECT_EQ(with_goal.most_pairs(), i + 1);
+    EXPECT_EQ(with_goal.buchi.states.size(), 2U);
+    const StreettAutomaton negation = translate_with_pairs(make(Operator::negation, assumptions));
+    EXPECT_LE(negation.buchi.states.size(), 3 * (i + 1));
+  }
+}
+
+// Ten pairs would take minutes as one automaton.
+TEST(LtlAutomaton, TranslationHearsTheDeadline) {
+  Formula formula = make(Operator::truth);
+  for (std::uint32_t i = 0; i < 10; ++i) {
+    const auto again = [](std::uint32_t number) {
+      return make(Operator::globally, make(Operator::finally, atom(number)));
+    };
+    formula = make(Operator::conjunction, formula,
+                   make(Operator::implication, again(2 * i), again(2 * i + 1)));
+  }
+  RunControl control;
+  const auto start = std::chrono::steady_clock::now();
+  control.deadline = deadline_in(0.2);
+  EXPECT_THROW(translate(formula, control), Interrupted);
+  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(2));
 }
 
 class RandomFormulas : public testing::TestWithParam<int> {};

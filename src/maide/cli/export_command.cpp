@@ -129,7 +129,8 @@ Export export_property(const ExportArguments& arguments, Context& context) {
   } else if (property.kind == Property::Kind::ltl) {
     automaton = translate(arguments.negated
                               ? make_formula(FormulaNode::Operator::negation, property.formula)
-                              : property.formula);
+                              : property.formula,
+                          context.control());
   } else {
     throw UsageError("'" + property.name + "' is no formula and has no automaton");
   }

@@ -2,6 +2,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <chrono>
+#include <string>
+
 #include "maide/check/engines/engine.hpp"
 #include "mailbox_ranks.hpp"
 #include "systems.hpp"
@@ -547,6 +550,67 @@ TEST(NativeEngine, StatesWithASingleStepArePassedBy) {
   const PropertyResult ends = check(system, system.properties[0]);
   ASSERT_EQ(ends.verdict, Verdict::violated);
   EXPECT_EQ(ends.trace->steps.size(), 3u);
+}
+
+// n programs that each hold a mutex of their own, again and again.
+System holders(unsigned count, const std::string& formula) {
+  std::string models = "models:\n", programs = "programs:\n";
+  for (unsigned i = 0; i < count; ++i) {
+    const std::string model = "m" + std::to_string(i);
+    models += "  " + model + ": {use: mutex}\n";
+    programs +=
+        "  p" + std::to_string(i) + ": loop { @a " + model + ".lock; @b " + model + ".unlock; }\n";
+  }
+  return parse_system(models + programs + "properties: {f: \"" + formula + "\"}\n", "system.yaml",
+                      test::test_model);
+}
+
+std::string assumptions(unsigned count) {
+  std::string text;
+  for (unsigned i = 0; i < count; ++i) {
+    const std::string program = "p" + std::to_string(i);
+    text += (i == 0 ? "" : " && ") + ("(G F " + program + "@a -> G F " + program + "@b)");
+  }
+  return text;
+}
+
+EngineOptions seconds(double most) {
+  EngineOptions options;
+  options.threads = 1;
+  options.control.deadline = deadline_in(most);
+  return options;
+}
+
+// The system has 2^n states. A plain automaton of the assumptions has 2^n states of its own.
+TEST(NativeEngine, AssumptionsOfFairnessCostNoStates) {
+  for (const unsigned count : {2U, 6U, 8U}) {
+    const std::string follows = "(" + assumptions(count) + ") -> G (p0@a -> F p0@b)";
+    const System response = holders(count, follows);
+    const PropertyResult holds = check(response, response.properties.front(), seconds(60));
+    EXPECT_EQ(holds.verdict, Verdict::holds);
+    EXPECT_LE(holds.states, 2U << count);
+    EXPECT_LE(holds.transitions, 2 * count << count);
+    const System denial = holders(count, "!(" + assumptions(count) + ")");
+    const PropertyResult violated = check(denial, denial.properties.front(), seconds(60));
+    ASSERT_EQ(violated.verdict, Verdict::violated);
+    EXPECT_LE(violated.states, 1U << count);
+    EXPECT_EQ(violated.trace->steps.size(), 2 * count);
+  }
+  // As many automata beside each other as there are assumptions.
+  const System each = holders(6, assumptions(6));
+  const PropertyResult holds = check(each, each.properties.front(), seconds(60));
+  EXPECT_EQ(holds.verdict, Verdict::holds);
+  EXPECT_LE(holds.states, 3 * 6 << 6);
+}
+
+// Under X assumptions are not taken for what they are.
+TEST(NativeEngine, ATranslationHearsTheDeadline) {
+  const System system = holders(10, "!X (" + assumptions(10) + ")");
+  const auto start = std::chrono::steady_clock::now();
+  const PropertyResult result = check(system, system.properties.front(), seconds(0.2));
+  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(2));
+  EXPECT_EQ(result.verdict, Verdict::inconclusive);
+  EXPECT_THAT(result.reason, HasSubstr("out of time"));
 }
 
 }  // namespace

@@ -260,9 +260,10 @@ SearchResult search_for_stuck(const System& plain, const Property& property, Red
 }
 
 template <typename Bits>
-SearchResult search_for_run(const System& plain, const Property& property, LtlAutomaton automaton,
-                            Reduction reduction, const SearchLimits& limits) {
-  const PackedSystem system(plain, node_number_bits, automaton.states.size());
+SearchResult search_for_run(const System& plain, const Property& property,
+                            StreettAutomaton automaton, Reduction reduction,
+                            const SearchLimits& limits) {
+  const PackedSystem system(plain, node_number_bits, automaton.buchi.states.size());
   SearchJob::Monitor job;
   job.automaton = automaton;
   job.has_wide_bits = std::is_same_v<Bits, WideBits>;
@@ -270,6 +271,18 @@ SearchResult search_for_run(const System& plain, const Property& property, LtlAu
   SearchResult search = find_fair_cycle(system, monitor, property, reduction, limits, job);
   shorten(system, monitor, property, limits.control, search);
   return search;
+}
+
+// The automaton of the runs that violate the property; nothing if the control says to stop.
+std::optional<StreettAutomaton> violating_runs(const Property& property,
+                                               const RunControl& control) {
+  if (property.kind == Property::Kind::never) return StreettAutomaton{*property.never, {}, {}};
+  try {
+    return translate_with_pairs(make_formula(FormulaNode::Operator::negation, property.formula),
+                                control);
+  } catch (const Interrupted&) {
+    return std::nullopt;
+  }
 }
 
 // Nothing if the system is too large for it.
@@ -290,19 +303,21 @@ std::optional<SearchResult> search_for_cycle(const System& plain, const Property
     if (bits > bit_count_of<WideBits>) return std::nullopt;
     return search_for_stuck<WideBits>(plain, property, reduction, limits);
   }
-  LtlAutomaton automaton =
-      property.kind == Property::Kind::never
-          ? *property.never
-          : translate(make_formula(FormulaNode::Operator::negation, property.formula));
-  const std::size_t marks =
-      automaton.mark_count + (property.fairness == Fairness::weak ? programs : 0);
+  std::optional<StreettAutomaton> automaton = violating_runs(property, limits.control);
+  if (!automaton) {
+    SearchResult stopped;
+    stopped.end = SearchResult::End::stopped;
+    return stopped;
+  }
+  const std::size_t marks = automaton->buchi.mark_count + 2 * automaton->most_pairs() +
+                            (property.fairness == Fairness::weak ? programs : 0);
   bits = std::max(bits, marks);
   if (bits <= bit_count_of<std::uint64_t>) {
-    return search_for_run<std::uint64_t>(plain, property, std::move(automaton), reduction, limits);
+    return search_for_run<std::uint64_t>(plain, property, std::move(*automaton), reduction, limits);
   }
   // The automaton's own marks are bits of a word.
-  if (bits > bit_count_of<WideBits> || automaton.mark_count >= 64) return std::nullopt;
-  return search_for_run<WideBits>(plain, property, std::move(automaton), reduction, limits);
+  if (bits > bit_count_of<WideBits> || automaton->buchi.mark_count >= 64) return std::nullopt;
+  return search_for_run<WideBits>(plain, property, std::move(*automaton), reduction, limits);
 }
 
 bool needs_cycle(const Property& property) {

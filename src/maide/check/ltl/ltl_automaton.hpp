@@ -13,6 +13,7 @@
 #include <string_view>
 #include <vector>
 
+#include "maide/base/run_control.hpp"
 #include "maide/check/ltl/formula.hpp"
 
 namespace maide {
@@ -51,10 +52,12 @@ struct LtlAutomaton {
 
 // Most atoms, and most temporal parts, of a formula.
 inline constexpr std::size_t max_automaton_atoms = 64;
+inline constexpr std::size_t max_temporal_parts = 64;
 
 // Throws UsageError for more atoms or temporal parts than that, or more than 100,000 states: at
-// most 2^(temporal parts) in theory, a handful in practice.
-LtlAutomaton translate(const Formula& formula);
+// most 2^(temporal parts) in theory, a handful in practice. Throws Interrupted when the control
+// says to stop.
+LtlAutomaton translate(const Formula& formula, const RunControl& control = {});
 
 // A state that goes to itself on every letter with every mark, or no_state.
 std::uint32_t find_universal(const LtlAutomaton& automaton);

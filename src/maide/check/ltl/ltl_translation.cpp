@@ -22,6 +22,8 @@ using Operator = FormulaNode::Operator;
 using Parts = std::uint64_t;  // a set of temporal parts, by bit
 
 constexpr std::size_t most_states = 100'000;
+constexpr std::size_t most_moves =
+    1'000'000;  // of a state, and sets of parts that it may begin with
 
 // A transition of the alternating automaton: read the letter, go on in all of `parts`.
 struct Move {
@@ -36,46 +38,11 @@ bool covers(const Move& left, const Move& right) {
          (left.letter.negative & ~right.letter.negative) == 0 && (left.parts & ~right.parts) == 0;
 }
 
-std::vector<Move> without_covered(std::vector<Move> moves) {
-  std::ranges::sort(moves);
-  moves.erase(std::unique(moves.begin(), moves.end()), moves.end());
-  std::vector<Move> kept;
-  for (const Move& move : moves) {
-    const bool is_covered = std::ranges::any_of(
-        moves, [&](const Move& other) { return !(other == move) && covers(other, move); });
-    if (!is_covered) kept.push_back(move);
-  }
-  return kept;
-}
-
-std::vector<Move> combine(const std::vector<Move>& left, const std::vector<Move>& right) {
-  std::vector<Move> moves;
-  for (const Move& one : left) {
-    for (const Move& other : right) {
-      const Move move{{one.letter.positive | other.letter.positive,
-                       one.letter.negative | other.letter.negative},
-                      one.parts | other.parts};
-      if (!move.letter.is_contradiction()) moves.push_back(move);
-    }
-  }
-  std::ranges::sort(moves);
-  moves.erase(std::unique(moves.begin(), moves.end()), moves.end());
-  return moves;
-}
-
-std::vector<Move> both(const std::vector<Move>& left, const std::vector<Move>& right) {
-  return without_covered(combine(left, right));
-}
-
-std::vector<Move> either(std::vector<Move> left, const std::vector<Move>& right) {
-  left.insert(left.end(), right.begin(), right.end());
-  return without_covered(std::move(left));
-}
-
 // Literals, && and || stand for sets of parts; the parts are U, R, X and literals behind an X.
 class Translation {
  public:
-  explicit Translation(const Formula& formula) {
+  // Keeps a reference to `control`.
+  Translation(const Formula& formula, const RunControl& control) : control_(control) {
     automaton_.atoms = atoms_of(formula);
     if (automaton_.atoms.size() > max_automaton_atoms) {
       throw UsageError("a formula has more than 64 different atoms");
@@ -102,12 +69,65 @@ class Translation {
     bool is_until = false;
   };
 
+  // Told of each small piece of work. Throws Interrupted when the control says to stop.
+  void look() {
+    constexpr std::uint64_t interval = 1 << 14;
+    if (++looked_at_ % interval == 0) control_.check("the translation of a formula");
+  }
+  static void require_room(std::size_t count) {
+    if (count < most_moves) return;
+    throw UsageError("a formula is too large: a state of its automaton has too many transitions");
+  }
+
+  std::vector<Move> without_covered(std::vector<Move> moves) {
+    std::ranges::sort(moves);
+    moves.erase(std::unique(moves.begin(), moves.end()), moves.end());
+    std::vector<Move> kept;
+    for (const Move& move : moves) {
+      const bool is_covered = std::ranges::any_of(moves, [&](const Move& other) {
+        look();
+        return !(other == move) && covers(other, move);
+      });
+      if (!is_covered) kept.push_back(move);
+    }
+    return kept;
+  }
+
+  std::vector<Move> combine(const std::vector<Move>& left, const std::vector<Move>& right) {
+    std::vector<Move> moves;
+    for (const Move& one : left) {
+      for (const Move& other : right) {
+        look();
+        const Move move{{one.letter.positive | other.letter.positive,
+                         one.letter.negative | other.letter.negative},
+                        one.parts | other.parts};
+        if (move.letter.is_contradiction()) continue;
+        require_room(moves.size());
+        moves.push_back(move);
+      }
+    }
+    std::ranges::sort(moves);
+    moves.erase(std::unique(moves.begin(), moves.end()), moves.end());
+    return moves;
+  }
+
+  std::vector<Move> both(const std::vector<Move>& left, const std::vector<Move>& right) {
+    return without_covered(combine(left, right));
+  }
+
+  std::vector<Move> either(std::vector<Move> left, const std::vector<Move>& right) {
+    left.insert(left.end(), right.begin(), right.end());
+    return without_covered(std::move(left));
+  }
+
   // The same formula is the same part wherever it stands.
   std::uint32_t part_of(const Formula& formula) {
     const std::uint32_t key = key_of(formula);
     const auto [place, is_new] = part_ids_.emplace(key, parts_.size());
     if (is_new) {
-      if (parts_.size() == 64) throw UsageError("a formula has more than 64 temporal parts");
+      if (parts_.size() == max_temporal_parts) {
+        throw UsageError("a formula has more than 64 temporal parts");
+      }
       Part part;
       part.formula = formula;
       part.key = key;
@@ -144,7 +164,11 @@ class Translation {
         std::vector<Parts> sets;
         const std::vector<Parts> left = sets_of(formula->left), right = sets_of(formula->right);
         for (const Parts one : left) {
-          for (const Parts other : right) sets.push_back(one | other);
+          for (const Parts other : right) {
+            look();
+            require_room(sets.size());
+            sets.push_back(one | other);
+          }
         }
         return sets;
       }
@@ -240,6 +264,7 @@ class Translation {
     }
     std::vector<std::uint64_t> marks(moves.size());
     for (std::size_t i = 0; i < moves.size(); ++i) {
+      look();
       for (std::size_t part = 0; part < parts_.size(); ++part) {
         if (parts_[part].is_until && is_served(part, moves[i])) {
           marks[i] |= std::uint64_t{1} << parts_[part].mark;
@@ -251,6 +276,7 @@ class Translation {
     for (std::size_t i = 0; i < moves.size(); ++i) {
       bool is_implied = false;
       for (std::size_t other = 0; other < moves.size() && !is_implied; ++other) {
+        look();
         is_implied =
             other != i && covers(moves[other], moves[i]) && (marks[i] & ~marks[other]) == 0;
       }
@@ -294,12 +320,13 @@ class Translation {
     drop_unreachable();
   }
 
-  static void leave_out_implied(std::vector<LtlAutomaton::Transition>& transitions) {
+  void leave_out_implied(std::vector<LtlAutomaton::Transition>& transitions) {
     std::ranges::sort(transitions);
     transitions.erase(std::unique(transitions.begin(), transitions.end()), transitions.end());
     std::vector<LtlAutomaton::Transition> kept;
     for (const auto& one : transitions) {
       const bool is_implied = std::ranges::any_of(transitions, [&](const auto& other) {
+        look();
         return !(other == one) && other.target == one.target &&
                covers({other.letter, 0}, {one.letter, 0}) && (one.marks & ~other.marks) == 0;
       });
@@ -344,6 +371,8 @@ class Translation {
     automaton_ = std::move(result);
   }
 
+  const RunControl& control_;
+  std::uint64_t looked_at_ = 0;
   LtlAutomaton automaton_;
   std::deque<Part> parts_;  // grows while its elements are read
   std::map<std::uint32_t, std::uint32_t> part_ids_;
@@ -356,6 +385,8 @@ class Translation {
 
 }  // namespace
 
-LtlAutomaton translate(const Formula& formula) { return Translation(formula).take(); }
+LtlAutomaton translate(const Formula& formula, const RunControl& control) {
+  return Translation(formula, control).take();
+}
 
 }  // namespace maide

@@ -9,6 +9,10 @@
 // "Combining partial order reductions with on-the-fly model-checking", FMSD 1996). Marks always
 // count every program that can step, left out or not.
 //
+// Streett pairs are taken with the marks. A component, or the part of one that was merged so far,
+// in which every pair that is asked is answered has a cycle. If a complete component has an
+// unanswered pair, a part of it may do without (FairParts).
+//
 // Without stubborn sets all nodes are visited. Among nodes in which the monitor still waits there
 // is no cycle to be found, so not every transition between them is taken (step_order.hpp).
 //
@@ -361,8 +365,13 @@ class FairCycleSearch {
     MAIDE_CHECK(active_[roots_.top().first_active] == roots_.top().node);
     roots_.top().marks |= marks;
     roots_.top().has_edge = true;
-    if (roots_.top().marks != graph_.all_marks() || graph_.wants_more()) return;
-    found_round(members_from(roots_.top().first_active));
+    if (graph_.wants_more() || !graph_.is_accepted(roots_.top().marks)) return;
+    std::vector<Number> members = members_from(roots_.top().first_active);
+    if (!graph_.has_pairs()) return found_round({std::move(members), {}});
+    // An edge between two of them that was not taken yet may ask more.
+    graph_.list_nodes();
+    check_whole(std::move(members));
+    MAIDE_CHECK(is_over_);
   }
 
   // The active nodes from that one on.
@@ -382,8 +391,8 @@ class FairCycleSearch {
     MAIDE_CHECK(root.node <= node && root.first_active < active_.size());
     if (root.node != node) return;
     roots_.pop();
-    if (graph_.wants_more() && root.has_edge && root.may_accept &&
-        root.marks == graph_.all_marks()) {
+    if ((graph_.wants_more() || graph_.has_pairs()) && root.has_edge && root.may_accept &&
+        graph_.has_all(root.marks)) {
       graph_.list_nodes();
       check_whole(members_from(root.first_active));
     }
@@ -391,14 +400,15 @@ class FairCycleSearch {
     active_.shrink_to(root.first_active);
   }
 
-  // Under strong fairness a component is looked at once it is complete.
+  // Under strong fairness, and with a pair that is not answered, a component is looked at once it
+  // is complete.
   void check_whole(std::vector<Number> members) {
     FairParts<Graph> parts(graph_, limits_.control);
-    if (const auto part = parts.find(std::move(members))) found_round(*part);
+    if (const auto part = parts.find({std::move(members), {}})) found_round(*part);
   }
 
-  void found_round(const std::vector<Number>& members) {
-    found(members, [&](FairLasso<Graph>& lasso) { return lasso.run_round(members); });
+  void found_round(const FairPart<Graph>& part) {
+    found(part.members, [&](FairLasso<Graph>& lasso) { return lasso.run_round(part); });
   }
 
   // There is a violation; `run(lasso)` makes the run that is shown, by way of the members.

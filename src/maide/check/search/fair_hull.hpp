@@ -7,9 +7,11 @@
 //   gather  Each node learns which marks lie on edges by which it can be reached, and who steps on
 //           them. A node that lacks a mark goes. So does one in which a program can step that has
 //           to be treated fairly, if no step of it leads there.
+//   cut     An edge goes that asks a pair, if nothing that leads to it answers the pair.
 //
-// Trimming and gathering take turns. In the end, a component to which no other leads has every
-// mark, for the marks that its nodes gathered are its own. One of its nodes is found by labels: a
+// Trimming, gathering and cutting take turns. In the end, a component to which no other leads has
+// every mark, and answers every pair that it asks, for the marks that its nodes gathered are its
+// own. One of its nodes is found by labels: a
 // node's label is the greatest number of the nodes that lead to it, and the least label of all is
 // the number of a node in such a component. From there rank 0 makes the run that is shown.
 //
@@ -123,7 +125,8 @@ class FairHull {
   std::uint64_t bytes() const {
     return (reached_ == nullptr ? 0 : reached_->bytes()) + graph_.bytes() +
            came_by_.capacity() * sizeof(std::uint64_t) +
-           in_degree_.capacity() * sizeof(std::uint32_t) + marks_.capacity() * sizeof(Bits) +
+           in_degree_.capacity() * sizeof(std::uint32_t) +
+           (marks_.capacity() + barred_.capacity()) * sizeof(Bits) +
            stepped_.capacity() * sizeof(Share) + labels_.capacity() * sizeof(std::uint64_t) +
            queue_.size() * sizeof(Number) + (is_left_.capacity() + is_queued_.capacity()) / 8;
   }
@@ -218,12 +221,17 @@ class FairHull {
     is_queued_[number] = false;
     return true;
   }
-  // A cycle may lie in what is left, and the edges between its nodes alone count.
+  // A cycle may lie in what is left, and the edges between its nodes alone count, without those
+  // that were cut.
   template <typename Visit>
   void for_each_counted_edge(Number number, Visit&& visit) const {
     graph_.for_each_edge(number, [&](const Edge& edge) {
-      if (!is_waiting(edge.target)) visit(edge);
+      if (is_waiting(edge.target)) return;
+      if (!graph_.has_pairs() || !is_cut(edge, barred_[number])) visit(edge);
     });
+  }
+  bool is_cut(const Edge& edge, const Bits& barred) const {
+    return !is_none(graph_.unanswered(edge.marks) & barred);
   }
   Number number_of(const State& node) const {
     const Number number = graph_.find(node);
@@ -290,6 +298,7 @@ class FairHull {
 
   void shrink() {
     guard([&] {
+      if (graph_.has_pairs()) barred_.assign(graph_.size(), {});
       for (Number number = 0; number < graph_.size(); ++number) {
         if (is_left_[number] && in_degree_[number] == 0) take_away(number);
       }
@@ -303,16 +312,52 @@ class FairHull {
       if (!has_any_left_) return;
       gather();
       if (!is_going_on()) return;
-      own = report();
+      std::uint64_t taken_away = 0;
       guard([&] {
         for (Number number = 0; number < graph_.size(); ++number) {
           if (!is_left_[number] || has_all(number)) continue;
           take_away(number);
-          ++own.next;
+          ++taken_away;
         }
       });
+      if (graph_.has_pairs()) taken_away += cut();
+      if (!is_going_on()) return;
+      own = report();
+      own.next = taken_away;
       if (together(own).next == 0) return;
     }
+  }
+
+  // How many edges go. Those of a node that goes itself are told when it is trimmed.
+  std::uint64_t cut() {
+    std::uint64_t gone = 0;
+    Number next = 0;
+    run_phase(
+        numbers_,
+        [&](const auto& send) {
+          if (next == graph_.size()) return false;
+          const Number number = next++;
+          if (!is_left_[number]) return true;
+          const Bits barred = graph_.unanswered(graph_.all_asks() | marks_[number]);
+          if (barred == barred_[number]) return true;
+          for_each_counted_edge(number, [&](const Edge& edge) {
+            if (!is_cut(edge, barred)) return;
+            ++gone;
+            send(NumberFor{edge.target, 0});
+          });
+          barred_[number] = barred;
+          return true;
+        },
+        [&](const NumberFor& item) { lose_edge_to(item); });
+    return gone;
+  }
+
+  // An edge to that node goes.
+  void lose_edge_to(const NumberFor& item) {
+    const Number number = number_of(item.node);
+    if (!is_left_[number]) return;
+    MAIDE_CHECK(in_degree_[number] > 0);
+    if (--in_degree_[number] == 0) take_away(number);
   }
 
   void take_away(Number number) {
@@ -329,12 +374,7 @@ class FairHull {
           for_each_counted_edge(number, [&](const Edge& edge) { send(NumberFor{edge.target, 0}); });
           return true;
         },
-        [&](const NumberFor& item) {
-          const Number number = number_of(item.node);
-          if (!is_left_[number]) return;
-          MAIDE_CHECK(in_degree_[number] > 0);
-          if (--in_degree_[number] == 0) take_away(number);
-        });
+        [&](const NumberFor& item) { lose_edge_to(item); });
   }
 
   // All that is left works at least once, and then what learned something new.
@@ -352,7 +392,7 @@ class FairHull {
           const Bits marks = marks_[number];
           const Share stepped = graph_.wants_more() ? stepped_[number] : Share();
           for_each_counted_edge(number, [&](const Edge& edge) {
-            const GainFor gain{edge.target, marks | edge.marks,
+            const GainFor gain{edge.target, marks | graph_.without_asked(edge.marks),
                                stepped | (graph_.share_of(edge) & graph_.wanted())};
             if (!is_none(gain.marks) || !gain.stepped.is_empty()) send(gain);
           });
@@ -385,7 +425,7 @@ class FairHull {
     queue_.push_back(number);
   }
   bool has_all(Number number) const {
-    if (marks_[number] != graph_.all_marks()) return false;
+    if (!graph_.has_all(marks_[number])) return false;
     return !graph_.wants_more() || graph_.able(number).without(stepped_[number]).is_empty();
   }
 
@@ -491,6 +531,7 @@ class FairHull {
   std::vector<bool> is_left_;             // a fair cycle may lead to it
   std::vector<bool> is_queued_;
   std::vector<Bits> marks_;     // gathered
+  std::vector<Bits> barred_;    // if there are pairs: those that nothing answers
   std::vector<Share> stepped_;  // gathered, if the monitor wants more than marks
   std::vector<std::uint64_t> labels_;
   std::deque<Number> queue_;

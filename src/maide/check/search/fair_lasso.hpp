@@ -1,8 +1,8 @@
 // Makes the run that is shown for an accepted strongly connected set of a product's nodes. The run
-// takes a shortest way into the set. In it, it goes past every mark and, with strong fairness, past
-// a step of every program, and of every fair group, that can step there. It always goes to the
-// nearest of what is still missing. Eight bytes a node of the product. Throws Interrupted when the
-// control says to stop.
+// takes a shortest way into the set. In it, it goes past every mark, past the answer of every pair
+// that it comes to ask and, with strong fairness, past a step of every program, and of every fair
+// group, that can step there. It always goes to the nearest of what is still missing. Eight bytes a
+// node of the product. Throws Interrupted when the control says to stop.
 #pragma once
 
 #include <algorithm>
@@ -22,67 +22,82 @@
 
 namespace maide {
 
-// Finds, for strong fairness, a part of a strongly connected set that is accepted. A program, or a
-// fair group, that can step in a set and never does is not treated fairly. So the nodes where it
-// can step are left out, and the rest is taken apart again (Emerson & Lei, "Modalities for model
-// checking", Sci. Comput. Program. 1987).
+// A strongly connected set of a product's nodes, with the edges between them.
+template <typename Graph>
+struct FairPart {
+  std::vector<typename Graph::Number> members;  // sorted
+  typename Graph::Bits barred{};                // edges with one of these marks are not in it
+};
+
+// Finds, for strong fairness and for pairs, a part of a strongly connected set that is accepted. A
+// program, or a fair group, that can step in a set and never does is not treated fairly. So the
+// nodes where it can step are left out, and the rest is taken apart again. So are the edges that
+// ask a pair which no edge of the set answers (Emerson & Lei, "Modalities for model checking", Sci.
+// Comput. Program. 1987).
 template <typename Graph>
 class FairParts {
  public:
   using Number = typename Graph::Number;
   using Share = typename Graph::Share;
-  using Set = std::vector<Number>;  // sorted
+  using Part = FairPart<Graph>;
 
   FairParts(const Graph& graph, const RunControl& control) : graph_(graph), control_(control) {}
 
-  // A part with every mark in which each program and group that can step does, if there is one. At
-  // most as many rounds as there are of these. Throws Interrupted when the control says to stop.
-  std::optional<Set> find(Set members) {
-    std::vector<Set> open{std::move(members)};
+  // A part with every mark in which each program and group that can step does, and each pair that
+  // is asked is answered, if there is one. At most as many rounds as there are of these. Throws
+  // Interrupted when the control says to stop.
+  std::optional<Part> find(Part whole) {
+    std::vector<Part> open;
+    open.push_back(std::move(whole));
     while (!open.empty()) {
-      const Set set = std::move(open.back());
+      Part part = std::move(open.back());
       open.pop_back();
       typename Graph::Bits marks{};
       Share able, stepped;
       bool has_edge = false;
-      for (const Number member : set) {
+      for (const Number member : part.members) {
         look();
-        able = able | graph_.able(member);
-        for_each_edge_within(graph_, set, member, [&](const auto& edge, Number) {
+        if (graph_.wants_more()) able = able | graph_.able(member);
+        for_each_edge_within(graph_, part, member, [&](const auto& edge, Number) {
           has_edge = true;
           marks |= edge.marks;
           stepped = stepped | graph_.share_of(edge);
         });
       }
-      if (!has_edge || marks != graph_.all_marks()) continue;
+      if (!has_edge || !graph_.has_all(marks)) continue;
       const Share starved = able.without(stepped);
-      if (starved.is_empty()) return set;
-      Set rest;
-      for (const Number member : set) {
-        if ((graph_.able(member) & starved).is_empty()) rest.push_back(member);
+      const auto unanswered = graph_.unanswered(marks);
+      if (starved.is_empty() && is_none(unanswered)) return part;
+      Part rest;
+      rest.barred = part.barred | unanswered;
+      for (const Number member : part.members) {
+        const bool is_left = starved.is_empty() || (graph_.able(member) & starved).is_empty();
+        if (is_left) rest.members.push_back(member);
       }
-      for (Set& component : components_of(rest)) open.push_back(std::move(component));
+      for (Part& component : components_of(rest)) open.push_back(std::move(component));
     }
     return std::nullopt;
   }
 
-  // The strongly connected components of a sorted set of nodes.
-  std::vector<Set> components_of(const Set& set) {
-    std::vector<std::size_t> places(set.size());
+  // The strongly connected components of nodes and edges, which need not be connected.
+  std::vector<Part> components_of(const Part& part) {
+    const auto& nodes = part.members;
+    std::vector<std::size_t> places(nodes.size());
     std::iota(places.begin(), places.end(), 0);
     const auto successors = [&](std::size_t place) {
       std::vector<std::size_t> targets;
-      for_each_edge_within(graph_, set, set[place], [&](const auto&, Number target) {
+      for_each_edge_within(graph_, part, nodes[place], [&](const auto&, Number target) {
         look();
         targets.push_back(
-            static_cast<std::size_t>(std::ranges::lower_bound(set, target) - set.begin()));
+            static_cast<std::size_t>(std::ranges::lower_bound(nodes, target) - nodes.begin()));
       });
       return targets;
     };
-    std::vector<Set> result;
-    for (const auto& component : strong_components(set.size(), places, successors)) {
-      Set& members = result.emplace_back();
-      for (const std::size_t place : component) members.push_back(set[place]);
+    std::vector<Part> result;
+    for (const auto& component : strong_components(nodes.size(), places, successors)) {
+      Part& found = result.emplace_back();
+      found.barred = part.barred;
+      for (const std::size_t place : component) found.members.push_back(nodes[place]);
     }
     return result;
   }
@@ -97,14 +112,15 @@ class FairParts {
   std::uint64_t looked_at_ = 0;
 };
 
-// `set` is sorted. Visits the edges from `member` that stay in it, and where they lead.
+// Visits the part's edges from `member`, and where they lead.
 template <typename Graph, typename Visit>
-void for_each_edge_within(const Graph& graph, const std::vector<typename Graph::Number>& set,
+void for_each_edge_within(const Graph& graph, const FairPart<Graph>& part,
                           typename Graph::Number member, Visit&& visit) {
   graph.for_each_edge(member, [&](const auto& edge) {
+    if (!is_none(edge.marks & part.barred)) return;
     const auto number = graph.find(edge.target);
     if (number == Graph::no_node) return;
-    if (std::ranges::binary_search(set, number)) visit(edge, number);
+    if (std::ranges::binary_search(part.members, number)) visit(edge, number);
   });
 }
 
@@ -114,6 +130,7 @@ class FairLasso {
   using Number = typename Graph::Number;
   using Edge = typename Graph::Edge;
   using Share = typename Graph::Share;
+  using Part = FairPart<Graph>;
   using Set = std::vector<Number>;  // sorted
 
   // For the nodes that the graph has when this is made. Keeps references. Throws std::bad_alloc.
@@ -142,10 +159,10 @@ class FairLasso {
     return trace;
   }
 
-  Trace run_round(const Set& members) {
+  Trace run_round(const Part& part) {
     Number start = 0;
-    Trace trace = prefix_to(members, &start);
-    const Share wanted = wanted_steps(members);
+    Trace trace = prefix_to(part.members, &start);
+    const Share wanted = wanted_steps(part.members);
     std::vector<Edge> loop;
     typename Graph::Bits marks{};
     Share stepped;
@@ -156,37 +173,41 @@ class FairLasso {
       stepped = stepped | graph_.share_of(edge);
     };
     const auto is_done = [&] {
-      return marks == graph_.all_marks() && wanted.without(stepped).is_empty();
+      return graph_.is_accepted(marks) && wanted.without(stepped).is_empty();
     };
     const auto is_useful = [&](const Edge& edge) {
-      return is_done() || !is_none(edge.marks & ~marks) ||
+      return is_done() || !is_none(edge.marks & graph_.all_marks() & ~marks) ||
+             !is_none(graph_.answered(edge.marks) & graph_.unanswered(marks)) ||
              !(graph_.share_of(edge) & wanted.without(stepped)).is_empty();
     };
-    // At least one edge, and then whatever is missing; then home.
-    while (loop.empty() || !is_done()) {
-      std::optional<Edge> next;
-      Number target = 0;
-      std::vector<Edge> path;
+    // At least one edge, and then whatever is missing; then home, and on if the way asked more.
+    do {
+      while (loop.empty() || !is_done()) {
+        std::optional<Edge> next;
+        Number target = 0;
+        std::vector<Edge> path;
+        shortest_path(
+            {at}, &part,
+            [&](Number node) {
+              for_each_edge_within(graph_, part, node, [&](const Edge& edge, Number to) {
+                if (next || !is_useful(edge)) return;
+                next = edge;
+                target = to;
+              });
+              return next.has_value();
+            },
+            path);
+        MAIDE_CHECK(next && is_useful(*next));
+        for (const Edge& edge : path) take(edge);
+        take(*next);
+        at = target;
+      }
+      std::vector<Edge> home;
       shortest_path(
-          {at}, &members,
-          [&](Number node) {
-            for_each_edge_within(graph_, members, node, [&](const Edge& edge, Number to) {
-              if (next || !is_useful(edge)) return;
-              next = edge;
-              target = to;
-            });
-            return next.has_value();
-          },
-          path);
-      MAIDE_CHECK(next && is_useful(*next));
-      for (const Edge& edge : path) take(edge);
-      take(*next);
-      at = target;
-    }
-    std::vector<Edge> home;
-    shortest_path(
-        {at}, &members, [&](Number node) { return node == start; }, home);
-    loop.insert(loop.end(), home.begin(), home.end());
+          {at}, &part, [&](Number node) { return node == start; }, home);
+      for (const Edge& edge : home) take(edge);
+      at = start;
+    } while (!is_done());
     MAIDE_CHECK(graph_.find(loop.back().target) == start);
     const std::size_t loop_start = trace.steps.size();
     append(loop, trace);
@@ -203,9 +224,9 @@ class FairLasso {
   }
 
   // From one of `first` to a node that `is_goal`; of a path without edges the first one. Appends
-  // the edges to `path`; keeps within `set` if there is one. O(what it comes by).
+  // the edges to `path`; keeps within `part` if there is one. O(what it comes by).
   template <typename IsGoal>
-  Number shortest_path(const Set& first, const Set* set, IsGoal&& is_goal,
+  Number shortest_path(const Set& first, const Part* part, IsGoal&& is_goal,
                        std::vector<Edge>& path) {
     for (const Number node : queue_) parents_[node] = unseen;
     queue_.clear();
@@ -219,31 +240,35 @@ class FairLasso {
       if (++looked_at_ % limit_interval == 0) control_.check("the search for a run to show");
       const Number node = queue_[at];
       if (is_goal(node)) {
-        append_path_to(node, path);
+        append_path_to(node, part, path);
         return node;
+      }
+      if (part != nullptr) {
+        for_each_edge_within(graph_, *part, node,
+                             [&](const Edge&, Number number) { see(number, node); });
+        continue;
       }
       graph_.for_each_edge(node, [&](const Edge& edge) {
         const Number number = graph_.find(edge.target);
-        if (number == Graph::no_node) return;
-        if (set != nullptr && !std::binary_search(set->begin(), set->end(), number)) return;
-        see(number, node);
+        if (number != Graph::no_node) see(number, node);
       });
     }
     throw std::logic_error("the search lost a node");
   }
 
-  void append_path_to(Number node, std::vector<Edge>& path) const {
+  void append_path_to(Number node, const Part* part, std::vector<Edge>& path) const {
     const std::size_t start = path.size();
     for (; parents_[node] != Graph::no_node; node = parents_[node]) {
-      path.push_back(edge_between(parents_[node], node));
+      path.push_back(edge_between(parents_[node], node, part));
     }
     std::reverse(path.begin() + static_cast<std::ptrdiff_t>(start), path.end());
     MAIDE_CHECK(path.size() - start < queue_.size());
   }
 
-  Edge edge_between(Number from, Number to) const {
+  Edge edge_between(Number from, Number to, const Part* part) const {
     std::optional<Edge> found;
     graph_.for_each_edge(from, [&](const Edge& edge) {
+      if (part != nullptr && !is_none(edge.marks & part->barred)) return;
       if (!found && edge.target == graph_.node(to)) found = edge;
     });
     return found.value();

@@ -151,7 +151,7 @@ SearchResult find_cycle(const System& plain, const Property& property,
   if (property.kind == Property::Kind::stuck) {
     return find_cycle<StuckMonitor<Bits>>(plain, plain.programs.size() + 1, limits, monitor.stuck);
   }
-  return find_cycle<LtlMonitor<Bits>>(plain, monitor.automaton.states.size(), limits,
+  return find_cycle<LtlMonitor<Bits>>(plain, monitor.automaton.buchi.states.size(), limits,
                                       monitor.automaton, property.fairness);
 }
 

@@ -10,6 +10,7 @@
 
 #include "maide/base/invariant.hpp"
 #include "maide/check/ltl/ltl_automaton.hpp"
+#include "maide/check/ltl/streett_automaton.hpp"
 #include "maide/check/packed/bits.hpp"
 #include "maide/check/packed/packed_system.hpp"
 #include "maide/check/search/product_graph.hpp"
@@ -129,15 +130,27 @@ std::vector<std::uint32_t> find_parts(const LtlAutomaton& automaton,
                                       const std::vector<bool>& is_waiting);
 
 // Runs that the automaton accepts. Reads the letter of a state when it is entered. Marks of
-// programs come behind those of the automaton.
+// programs come behind those of the automaton, and those of pairs come last.
 template <typename BitSet = std::uint64_t>
 class LtlMonitor {
  public:
   using Bits = BitSet;
 
   // Keeps a reference to `packed`.
-  LtlMonitor(const PackedSystem& packed, LtlAutomaton automaton, Fairness fairness)
-      : packed_(packed), automaton_(std::move(automaton)), fairness_(fairness) {
+  LtlMonitor(const PackedSystem& packed, StreettAutomaton automaton, Fairness fairness)
+      : packed_(packed),
+        automaton_(std::move(automaton.buchi)),
+        pairs_of_(std::move(automaton.pairs_of)),
+        fairness_(fairness) {
+    for (const auto& list : automaton.pairs) {
+      auto& conditions = pairs_.emplace_back();
+      for (const StreettPair& pair : list) {
+        conditions.push_back(
+            {Condition(pair.asked, packed.system()), Condition(pair.answered, packed.system())});
+      }
+      most_pairs_ = std::max(most_pairs_, static_cast<unsigned>(list.size()));
+    }
+    pairs_of_.resize(automaton_.states.size(), 0);
     MAIDE_CHECK(automaton_.atoms.size() <= 64);  // a letter is a word of bits
     MAIDE_CHECK(automaton_.mark_count <= 64);
     for (const Atom& atom : automaton_.atoms) atoms_.emplace_back(atom, packed.system());
@@ -155,6 +168,7 @@ class LtlMonitor {
     return automaton_.mark_count +
            (fairness_ == Fairness::weak ? static_cast<unsigned>(packed_.program_count()) : 0);
   }
+  unsigned pairs() const { return most_pairs_; }
   std::uint32_t universal() const { return automaton_.universal; }
   bool is_strong() const { return fairness_ == Fairness::strong; }
   const Bits& fair_programs() const { return fair_; }
@@ -180,12 +194,13 @@ class LtlMonitor {
       fair = moved_up(weakly_fair_marks(packed_.program_count(), fair_, program, enabled),
                       automaton_.mark_count);
     }
-    read(valuation(next, program, edge), at, fair, follow);
+    read(valuation(next, program, edge), at, fair | pair_marks(next, program, edge, at), follow);
   }
   template <typename State, typename Follow>
   void stay(const State& state, std::uint32_t at, Follow&& follow) const {
     const Bits fair = first_bits<Bits>(marks()) & ~first_bits<Bits>(automaton_.mark_count);
-    read(valuation(state, 0, PackedAtom::no_edge), at, fair, follow);
+    read(valuation(state, 0, PackedAtom::no_edge), at,
+         fair | pair_marks(state, 0, PackedAtom::no_edge, at), follow);
   }
 
  private:
@@ -197,6 +212,19 @@ class LtlMonitor {
     }
     return valuation;
   }
+  template <typename State>
+  Bits pair_marks(const State& state, std::size_t program, std::uint32_t edge,
+                  std::uint32_t at) const {
+    Bits result{};
+    if (most_pairs_ == 0) return result;
+    std::size_t bit = marks();
+    for (const Pair& pair : pairs_[pairs_of_[at]]) {
+      if (pair.answered.is_true(packed_, state, program, edge)) result |= bit_of<Bits>(bit);
+      if (pair.asked.is_true(packed_, state, program, edge)) result |= bit_of<Bits>(bit + 1);
+      bit += 2;
+    }
+    return result;
+  }
   template <typename Follow>
   void read(std::uint64_t valuation, std::uint32_t at, const Bits& marks, Follow&& follow) const {
     MAIDE_CHECK(at < automaton_.states.size());
@@ -205,8 +233,15 @@ class LtlMonitor {
     }
   }
 
+  struct Pair {
+    Condition asked, answered;
+  };
+
   const PackedSystem& packed_;
   LtlAutomaton automaton_;
+  std::vector<std::vector<Pair>> pairs_;
+  std::vector<std::uint32_t> pairs_of_;  // by state: in pairs_
+  unsigned most_pairs_ = 0;
   Fairness fairness_;
   Bits fair_{}, groups_{};
   std::vector<PackedAtom> atoms_;
@@ -244,6 +279,7 @@ class StuckMonitor {
   unsigned marks() const {
     return is_strong() ? 0 : static_cast<unsigned>(packed_.program_count());
   }
+  unsigned pairs() const { return 0; }
   std::uint32_t universal() const { return no_monitor_state; }
   bool is_strong() const { return runs_ == StuckRuns::strongly_fair; }
   const Bits& fair_programs() const { return fair_; }

@@ -3,7 +3,11 @@
 // search:
 //   std::size_t states() const;            0..states()-1
 //   Bits                                   of programs, marks and groups: std::uint64_t or WideBits
-//   unsigned marks() const;                at most as many as Bits has
+//   unsigned marks() const;                The marks that a cycle must have.
+//   unsigned pairs() const;                Streett pairs. Behind the marks that a cycle must have
+//                                          each has two: it is answered, and it is asked. A cycle
+//                                          on which a pair is asked must have its answer. All marks
+//                                          together are at most as many as Bits has.
 //   std::uint32_t universal() const;       a state in which every run is accepted, or no state
 //   bool is_strong() const;                On the cycle, fair programs that can step again and
 //                                          again do.
@@ -97,15 +101,30 @@ class ProductGraph {
         steps_(system),
         monitor_(monitor),
         table_(system.address_bits(), node_number_bits) {
-    if (std::max<std::size_t>(monitor.marks(), steps_.actors()) > bit_count_of<Bits>) {
+    const std::size_t marks = monitor.marks() + std::size_t{2} * monitor.pairs();
+    if (std::max<std::size_t>(marks, steps_.actors()) > bit_count_of<Bits>) {
       throw std::logic_error("too many marks or programs for a search for fair cycles");
+    }
+    for (std::size_t pair = 0; pair < monitor.pairs(); ++pair) {
+      asks_ |= bit_of<Bits>(monitor.marks() + 2 * pair + 1);
     }
   }
 
   const PackedSystem& system() const { return system_; }
   const PackedSteps<words>& steps() const { return steps_; }
   const Monitor& monitor() const { return monitor_; }
+  // That a cycle must have.
   Bits all_marks() const { return first_bits<Bits>(monitor_.marks()); }
+  bool has_all(const Bits& marks) const { return is_none(all_marks() & ~marks); }
+  // Pairs are sets of the marks by which they are asked.
+  bool has_pairs() const { return monitor_.pairs() != 0; }
+  const Bits& all_asks() const { return asks_; }
+  Bits asked(const Bits& marks) const { return marks & asks_; }
+  Bits without_asked(const Bits& marks) const { return marks & ~asks_; }
+  Bits answered(const Bits& marks) const { return moved_up(marks & ~asks_, 1) & asks_; }
+  Bits unanswered(const Bits& marks) const { return asked(marks) & ~answered(marks); }
+  // What a cycle with these marks needs of marks.
+  bool is_accepted(const Bits& marks) const { return has_all(marks) && is_none(unanswered(marks)); }
   std::size_t size() const { return table_.size(); }
   std::uint32_t monitor_state(const State& node) const { return system_.monitor().get(node); }
 
@@ -288,6 +307,7 @@ class ProductGraph {
   const PackedSystem& system_;
   PackedSteps<words> steps_;
   const Monitor& monitor_;
+  Bits asks_{};
   StateTable<words> table_;
   std::vector<State> nodes_;  // by number, in the order of discovery; once they are listed
   bool lists_nodes_ = false;

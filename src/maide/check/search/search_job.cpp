@@ -238,6 +238,14 @@ void pass(Archive& archive, LtlAutomaton& automaton) {
       automaton.universal);
 }
 template <typename Archive>
+void pass(Archive& archive, StreettPair& pair) {
+  all(archive, pair.asked, pair.answered);
+}
+template <typename Archive>
+void pass(Archive& archive, StreettAutomaton& automaton) {
+  all(archive, automaton.buchi, automaton.pairs, automaton.pairs_of);
+}
+template <typename Archive>
 void pass(Archive& archive, SearchJob::Monitor& monitor) {
   all(archive, monitor.automaton, monitor.stuck, monitor.has_wide_bits);
 }

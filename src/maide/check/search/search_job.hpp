@@ -25,7 +25,7 @@ struct SearchJob {
   };
   // The monitor of a search for a cycle.
   struct Monitor {
-    LtlAutomaton automaton;                    // of runs that violate a formula
+    StreettAutomaton automaton;                // of runs that violate a formula
     StuckRuns stuck = StuckRuns::weakly_fair;  // the runs on which somebody is stuck
     bool has_wide_bits = false;
   };

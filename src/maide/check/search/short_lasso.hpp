@@ -5,9 +5,10 @@
 // part at a node, nearest nodes first, and go round past everything that a fair cycle needs.
 //
 // Round is a shortest way if there are few needs: a breadth-first search over a node and the needs
-// that were met. Else it is the nearest need, then the nearest of those left, then home. Invariant:
-// what is returned is shorter than any run found before, and `is_good`. O(nodes x edges), but at
-// most `most_work` edges are looked at for ways round.
+// that were met. Else it is the nearest need, then the nearest of those left, then home. A pair has
+// two bits among the needs: it is answered, and it is asked, and the first is needed if the second
+// was met. Invariant: what is returned is shorter than any run found before, and `is_good`.
+// O(nodes x edges), but at most `most_work` edges are looked at for ways round.
 #pragma once
 
 #include <algorithm>
@@ -15,9 +16,11 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <unordered_set>
 #include <utility>
 #include <vector>
 
+#include "maide/base/hash.hpp"
 #include "maide/base/invariant.hpp"
 #include "maide/check/search/fair_lasso.hpp"
 #include "maide/check/search/product_graph.hpp"
@@ -50,12 +53,14 @@ class ShortLasso {
   static constexpr std::size_t most_nodes = std::size_t{1} << 15;
   static constexpr std::uint64_t most_work = std::uint64_t{1} << 22;
   static constexpr std::size_t most_places = std::size_t{1} << 18;  // of a node and met needs
+  static constexpr std::size_t most_sparse_places = std::size_t{1} << 16;
 
   // An edge between nodes that were seen.
   struct Link {
     Number target = 0;
-    std::uint32_t code = 0;   // of the step
-    std::uint64_t needs = 0;  // that it meets, by bit; before that is known, its marks
+    std::uint32_t code = 0;  // of the step
+    std::uint64_t marks = 0;
+    std::uint64_t needs = 0;  // that it meets, by bit, in the part that is searched
     typename Graph::Share share;
     bool is_step = false;
   };
@@ -65,11 +70,23 @@ class ShortLasso {
     std::uint32_t link = 0;           // from there
     std::uint32_t depth = 0;
   };
+  struct HashOfPlace {
+    std::size_t operator()(const std::pair<Number, std::uint64_t>& place) const {
+      return hash_mix(place.first, place.second);
+    }
+  };
   // A part of the graph in which a fair cycle lies.
   struct Part {
-    std::vector<Number> members;  // sorted
-    std::uint64_t all = 0;        // needs, by bit
-    unsigned count = 0;
+    FairPart<Graph> graph;
+    std::uint64_t all = 0;   // needs, by bit
+    std::uint64_t asks = 0;  // bits, each behind the one that is needed if it was met
+    unsigned count = 0;      // of bits
+
+    std::uint64_t unanswered(std::uint64_t met) const { return met & asks & ~(met << 1); }
+    // The needs that are left.
+    std::uint64_t missing(std::uint64_t met) const { return (all & ~met) | unanswered(met) >> 1; }
+    // What was met, in one way if it makes no difference: a pair that is answered may be asked.
+    std::uint64_t in_one_way(std::uint64_t met) const { return met | (met << 1 & asks); }
   };
 
   // ---- what lies near ----
@@ -86,7 +103,7 @@ class ShortLasso {
         const auto target =
             add(edge.target, number, static_cast<std::uint32_t>(links_.size()), depth);
         if (target == Graph::no_node) continue;
-        links_.push_back({target, edge.code, edge.marks, graph_.share_of(edge), edge.is_step});
+        links_.push_back({target, edge.code, edge.marks, 0, graph_.share_of(edge), edge.is_step});
       }
       nodes_[number].last = links_.size();
     }
@@ -114,30 +131,42 @@ class ShortLasso {
     }
     FairParts<Graph> fair(graph_, control_);
     std::vector<Part> parts;
-    for (auto& members : fair.components_of(all)) {
-      const auto accepted = fair.find(std::move(members));
+    for (auto& component : fair.components_of({std::move(all), {}})) {
+      auto accepted = fair.find(std::move(component));
       if (!accepted) continue;
       Part part;
-      part.members = *accepted;
+      part.graph = std::move(*accepted);
       if (number_needs(part)) parts.push_back(std::move(part));
     }
     return parts;
   }
 
-  // Gives each mark, program and fair group that the cycle needs a bit; false if there are too
-  // many.
+  // Gives each mark, program and fair group that the cycle needs a bit, and each pair that it may
+  // ask two; false if there are too many.
   bool number_needs(Part& part) {
     const std::uint64_t marks = graph_.all_marks();
     typename Graph::Share wanted;
     if (graph_.wants_more()) {
-      for (const Number member : part.members) wanted = wanted | graph_.able(member);
+      for (const Number member : part.graph.members) wanted = wanted | graph_.able(member);
     }
-    const int count =
+    std::uint64_t asked = 0;
+    if (graph_.has_pairs()) {
+      for (const Number member : part.graph.members) {
+        for_each_edge_within(graph_, part.graph, member,
+                             [&](const Edge& edge, Number) { asked |= graph_.asked(edge.marks); });
+      }
+    }
+    const std::uint64_t pairs = asked | asked >> 1;
+    const int required =
         std::popcount(marks) + std::popcount(wanted.programs) + std::popcount(wanted.groups);
+    const int count = required + std::popcount(pairs);
     if (count > 64) return false;
     part.count = static_cast<unsigned>(count);
-    part.all = low_bits(part.count);
-    for (const Number member : part.members) {
+    part.all = low_bits(static_cast<unsigned>(required));
+    for (auto bit = static_cast<unsigned>(required) + 1; bit < part.count; bit += 2) {
+      part.asks |= std::uint64_t{1} << bit;
+    }
+    for (const Number member : part.graph.members) {
       for (std::size_t at = nodes_[member].first; at < nodes_[member].last; ++at) {
         Link& link = links_[at];
         std::uint64_t needs = 0;
@@ -147,9 +176,10 @@ class ShortLasso {
             if ((bits & left & (~left + 1)) != 0) needs |= std::uint64_t{1} << bit;
           }
         };
-        append(marks, link.needs);
+        append(marks, link.marks);
         append(wanted.programs, link.share.programs);
         append(wanted.groups, link.share.groups);
+        append(pairs, link.marks);
         link.needs = needs;
       }
     }
@@ -160,25 +190,46 @@ class ShortLasso {
 
   void search(const Part& part) {
     places_.assign(nodes_.size(), Graph::no_node);
-    for (std::size_t i = 0; i < part.members.size(); ++i) {
-      places_[part.members[i]] = static_cast<Number>(i);
+    const auto& members = part.graph.members;
+    for (std::size_t i = 0; i < members.size(); ++i) {
+      places_[members[i]] = static_cast<Number>(i);
     }
-    const bool is_small = part.count < 18 && (part.members.size() << part.count) <= most_places;
+    const bool is_small = part.count < 18 && (members.size() << part.count) <= most_places;
+    const bool is_sparse = !is_small && part.asks != 0;  // few of the places may be met
     // Numbers are in the order of the depth.
-    for (const Number start : part.members) {
+    for (const Number start : members) {
       if (nodes_[start].depth + 1 >= length_ || work_ > most_work) return;
-      std::vector<std::size_t> loop =
-          is_small ? shortest_round(part, start) : round_by_nearest(part, start);
+      std::vector<std::size_t> loop;
+      if (is_small) {
+        std::vector<bool> seen(members.size() << part.count);
+        loop = shortest_round(part, start, [&](Number member, std::uint64_t met) {
+          const std::size_t place = member + members.size() * met;
+          if (seen[place]) return false;
+          seen[place] = true;
+          return true;
+        });
+      } else if (is_sparse) {
+        std::unordered_set<std::pair<Number, std::uint64_t>, HashOfPlace> seen;
+        loop = shortest_round(part, start, [&](Number member, std::uint64_t met) {
+          return seen.size() < most_sparse_places && seen.emplace(member, met).second;
+        });
+      }
+      if (loop.empty() && !is_small) loop = round_by_nearest(part, start);
       if (!loop.empty()) consider(start, loop);
     }
+  }
+
+  bool is_inside(const Part& part, const Link& link) const {
+    return places_[link.target] != Graph::no_node && (link.marks & part.graph.barred) == 0;
   }
 
   // What a run to a node of that depth may still take.
   std::size_t room(Number start) const { return length_ - nodes_[start].depth; }
 
-  // The links of a shortest way round, by a search over (met needs, member); empty if there is none
-  // of less than room() links.
-  std::vector<std::size_t> shortest_round(const Part& part, Number start) {
+  // The links of a shortest way round, by a search over (met needs, member), those that are new to
+  // `see`; empty if there is none of less than room() links.
+  template <typename See>
+  std::vector<std::size_t> shortest_round(const Part& part, Number start, See&& see) {
     struct Place {
       std::size_t before = 0;
       std::size_t link = 0;
@@ -187,20 +238,16 @@ class ShortLasso {
       std::uint32_t depth = 0;
     };
     std::vector<Place> queue{{0, 0, start, 0, 0}};
-    std::vector<bool> seen(part.members.size() << part.count);
     for (std::size_t at = 0; at < queue.size(); ++at) {
       const Place place = queue[at];
       if (place.depth + 1 >= room(start)) break;
       for (std::size_t link = nodes_[place.node].first; link < nodes_[place.node].last; ++link) {
         look(1);
-        const Number member = places_[links_[link].target];
-        if (member == Graph::no_node) continue;
-        const std::uint64_t met = place.met | links_[link].needs;
-        const std::size_t index = member + part.members.size() * met;
-        if (seen[index]) continue;
-        seen[index] = true;
+        if (!is_inside(part, links_[link])) continue;
+        const std::uint64_t met = part.in_one_way(place.met | links_[link].needs);
+        if (!see(places_[links_[link].target], met)) continue;
         queue.push_back({at, link, links_[link].target, met, place.depth + 1});
-        if (links_[link].target != start || met != part.all) continue;
+        if (links_[link].target != start || part.missing(met) != 0) continue;
         std::vector<std::size_t> loop;
         for (std::size_t back = queue.size() - 1; back != 0; back = queue[back].before) {
           loop.push_back(queue[back].link);
@@ -216,11 +263,11 @@ class ShortLasso {
   std::vector<std::size_t> round_by_nearest(const Part& part, Number start) {
     std::vector<std::size_t> loop;
     std::uint64_t met = 0;
-    for (Number at = start; met != part.all || at != start || loop.empty();) {
-      const bool goes_home = met == part.all;
+    for (Number at = start; part.missing(met) != 0 || at != start || loop.empty();) {
+      const std::uint64_t missing = part.missing(met);
       const std::size_t length = loop.size();
-      append_nearest(at, loop, [&](const Link& link) {
-        return goes_home ? link.target == start : (link.needs & ~met) != 0;
+      append_nearest(part, at, loop, [&](const Link& link) {
+        return missing == 0 ? link.target == start : (link.needs & missing) != 0;
       });
       if (loop.size() == length) return {};  // only by nodes too deep for their links to be known
       for (std::size_t i = length; i < loop.size(); ++i) met |= links_[loop[i]].needs;
@@ -232,7 +279,8 @@ class ShortLasso {
 
   // A shortest way in the part whose last link is wanted.
   template <typename IsWanted>
-  void append_nearest(Number from, std::vector<std::size_t>& way, IsWanted&& is_wanted) {
+  void append_nearest(const Part& part, Number from, std::vector<std::size_t>& way,
+                      IsWanted&& is_wanted) {
     struct Reached {
       std::size_t before = 0, link = 0;
       Number node = 0;
@@ -245,7 +293,7 @@ class ShortLasso {
       for (std::size_t link = nodes_[node].first; link < nodes_[node].last; ++link) {
         look(1);
         const Number target = links_[link].target;
-        if (places_[target] == Graph::no_node) continue;
+        if (!is_inside(part, links_[link])) continue;
         const bool is_last = is_wanted(links_[link]);
         if (!is_last && seen[target]) continue;
         seen[target] = true;
