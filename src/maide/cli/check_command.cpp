@@ -81,9 +81,12 @@ TraceStyle trace_style(const std::string& format) {
 std::string describe(const System& system, const CheckReport& report, const PropertyResult& result,
                      std::size_t width, const TraceStyle& style) {
   std::ostringstream text;
-  text << fmt::format("{:<{}}  {}  ({} states, {} transitions, {:.2f} s{})\n", result.name, width,
-                      to_string(result.verdict), result.states, result.transitions, result.seconds,
-                      describe_memory(result));
+  const bool has_counts = result.states > 0 || result.reason.empty();
+  text << fmt::format(
+      "{:<{}}  {}  ({}{:.2f} s{})\n", result.name, width, to_string(result.verdict),
+      has_counts ? fmt::format("{} states, {} transitions, ", result.states, result.transitions)
+                 : "",
+      result.seconds, describe_memory(result));
   if (!result.reason.empty()) text << "  " << result.reason << "\n";
   if (result.trace) {
     const Shown shown = shown_part(system, result);

@@ -82,6 +82,8 @@ using Clock = std::chrono::steady_clock;
 SearchLimits limits_of(const EngineOptions& options) {
   SearchLimits limits;
   limits.bytes = memory_limit_mib(options) << 20;
+  limits.states = options.most_states;
+  limits.shortens = options.shortens;
   limits.threads = thread_count(options);
   limits.states_a_thread = options.states_a_thread;
   limits.ranks = options.ranks;
@@ -125,6 +127,7 @@ SearchResult search_for_shortest(const System& system, const std::optional<CallR
                                  const EngineOptions& options, Search&& search) {
   SearchResult result = search_with_calls(system, rules, options, search);
   if (result.reduction == Reduction::none || result.end != SearchResult::End::found) return result;
+  if (!options.shortens) return result;
   SearchLimits limits = limits_of(options);
   limits.depth = result.trace->steps.size();
   limits.states = std::max(shortening_states, 16 * result.states);
@@ -269,7 +272,7 @@ SearchResult search_for_run(const System& plain, const Property& property,
   job.has_wide_bits = std::is_same_v<Bits, WideBits>;
   const LtlMonitor<Bits> monitor(system, std::move(automaton), property.fairness);
   SearchResult search = find_fair_cycle(system, monitor, property, reduction, limits, job);
-  shorten(system, monitor, property, limits.control, search);
+  if (limits.shortens) shorten(system, monitor, property, limits.control, search);
   return search;
 }
 

@@ -20,7 +20,7 @@ namespace maide {
 struct PropertyResult {
   std::string name;
   Verdict verdict = Verdict::inconclusive;
-  std::string reason;                     // of an inconclusive verdict, one line; else mostly empty
+  std::string reason;  // one line: of an inconclusive verdict, or why one that holds says nothing
   std::uint64_t states = 0;               // stored; with a formula, of its product with the system
   std::uint64_t transitions = 0;          // seen, or taken in a search for cycles
   double seconds = 0;                     // of the search, wall clock
@@ -60,6 +60,9 @@ struct EngineOptions {
   // Memory and threads are those of each. Which counterexample is shown, and the counts of a
   // search that does not come to its end, depend on their number.
   Ranks* ranks = nullptr;
+  // Stored by a search of the native engine, which is inconclusive beyond.
+  std::uint64_t most_states = ~std::uint64_t{0};
+  bool shortens = true;  // the native engine looks for a shorter run than the one it found first
   // A folder; not empty: the breadth-first searches of the native engine begin where one that was
   // stopped there had come to, and write how far they have come, every so many seconds.
   std::string checkpoints;

@@ -88,6 +88,28 @@ std::vector<bool> find_waiting(const LtlAutomaton& automaton) {
   return waiting;
 }
 
+bool accepts_nothing(const LtlAutomaton& automaton) {
+  const auto successors = [&](std::size_t state) {
+    std::vector<std::size_t> targets;
+    for (const auto& transition : automaton.states[state]) targets.push_back(transition.target);
+    return targets;
+  };
+  const std::vector<std::size_t> starts(automaton.initial.begin(), automaton.initial.end());
+  const auto components = strong_components(automaton.states.size(), starts, successors);
+  return std::ranges::none_of(components, [&](const std::vector<std::size_t>& component) {
+    bool has_edge = false;
+    std::uint64_t marks = 0;
+    for (const std::size_t state : component) {
+      for (const auto& transition : automaton.states[state]) {
+        if (!std::ranges::binary_search(component, transition.target)) continue;
+        has_edge = true;
+        marks |= transition.marks;
+      }
+    }
+    return has_edge && marks == automaton.all_marks();
+  });
+}
+
 // The automaton together with the run is a graph: a node is a state and the position that it reads.
 // A component accepts if it has an edge inside and every mark.
 bool accepts(const LtlAutomaton& automaton, const std::vector<std::uint64_t>& valuations,

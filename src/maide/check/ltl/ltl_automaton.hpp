@@ -68,6 +68,9 @@ std::uint32_t find_universal(const LtlAutomaton& automaton);
 // runs to a state does as well as another.) All false for more than 1,000 states.
 std::vector<bool> find_waiting(const LtlAutomaton& automaton);
 
+// Whether it accepts no run at all. O(transitions).
+bool accepts_nothing(const LtlAutomaton& automaton);
+
 // Whether the automaton accepts the run with positions 0..length-1, of which loop..length-1 repeat
 // for ever; `valuations`: the atoms that are true, by position. O(transitions x length).
 bool accepts(const LtlAutomaton& automaton, const std::vector<std::uint64_t>& valuations,

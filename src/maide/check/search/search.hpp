@@ -26,6 +26,7 @@ struct SearchLimits {
   unsigned threads = 1;                      // of searches that can use several
   std::size_t states_a_thread = 256;         // EngineOptions
   Ranks* ranks = nullptr;                    // of searches that can use them
+  bool shortens = true;                      // EngineOptions
   std::string checkpoints;                   // EngineOptions
   double checkpoint_seconds = 0;
   RunControl control;

@@ -22,6 +22,7 @@
 #include "maide/check/rules/model_words.hpp"
 #include "maide/check/system/trace.hpp"
 #include "maide/check/verdict/assumptions.hpp"
+#include "maide/check/verdict/vacuity.hpp"
 
 namespace maide {
 namespace {
@@ -234,6 +235,9 @@ class Checker {
     check_again(late);
     for (const PropertyResult& result : report_.properties) state_remark(result);
     state_lone_time_outs();
+    for (std::size_t at = 0; at < properties_.size(); ++at) {
+      state_vacuity(properties_[at], report_.properties[at]);
+    }
     for (const Verdict verdict : {Verdict::inconclusive, Verdict::violated}) {
       for (const PropertyResult& result : report_.properties) {
         if (result.verdict == verdict) report_.verdict = verdict;
@@ -420,6 +424,45 @@ class Checker {
     }
   }
 
+  // Why a formula that holds says nothing. That a premise can come true is mostly found at once;
+  // that it cannot takes a search of about as many states as the formula's own.
+  void state_vacuity(const Property& property, PropertyResult& result) {
+    if (result.verdict != Verdict::holds || property.kind != Property::Kind::ltl) return;
+    if (engine_.name() != "native") return;
+    RunControl control = options_.control;
+    control.deadline = deadline_;
+    try {
+      if (holds_of_everything(property.formula, control)) {
+        result.reason = "it holds of every run of everything, and says nothing of this system";
+        return;
+      }
+      for (const Premise& premise : premises_of(property.formula)) {
+        if (!is_never_met(property, premise, result, control)) continue;
+        const std::vector<ProgramInterface> interfaces = system_.interfaces();
+        const FormulaScope scope{system_.programs, interfaces, system_.expressions, &system_.words};
+        result.reason = "it says nothing here: its premise never comes true where it is asked: " +
+                        to_string(premise.premise, scope);
+        return;
+      }
+    } catch (const Interrupted&) {
+    }
+  }
+
+  bool is_never_met(const Property& property, const Premise& premise, const PropertyResult& result,
+                    const RunControl& control) {
+    Property denied = property;
+    denied.formula = premise.denied;
+    const Part part(system_, programs_of(system_, property, components_), &property);
+    EngineOptions options = options_;
+    options.control = control;
+    options.most_states = std::max(most_premise_states, result.states);
+    options.shortens = false;
+    options.checkpoints.clear();
+    const PropertyResult found = engine_.check(part.system(), part.property(denied), options);
+    return found.verdict == Verdict::holds;
+  }
+
+  static constexpr std::uint64_t most_premise_states = std::uint64_t{1} << 16;
   static constexpr std::uint64_t most_lone_states = std::uint64_t{1} << 20;
 
   const System& system_;
