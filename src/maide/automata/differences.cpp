@@ -3,15 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <functional>
 #include <optional>
-#include <queue>
 #include <set>
 #include <tuple>
-#include <unordered_map>
 #include <utility>
 
 #include "maide/automata/mealy.hpp"
+#include "maide/base/hash.hpp"
 #include "maide/base/invariant.hpp"
 
 namespace maide {
@@ -83,6 +81,47 @@ bool differs(const BehaviourPair& pair, StateId left, StateId right, std::size_t
          !is_waited_for(right_answer, pair.right_answer(right, last));
 }
 
+// The numbers of pairs of states. A table with linear probing, half full at most: it is asked for
+// each step of each pair.
+class PairNumbers {
+ public:
+  static constexpr std::uint32_t none = ~std::uint32_t{0};
+
+  std::uint32_t find(std::uint64_t pair) const { return places_[place_of(pair)].number; }
+  // False if the pair has a number already.
+  bool insert(std::uint64_t pair, std::uint32_t number) {
+    Place& place = places_[place_of(pair)];
+    if (place.number != none) return false;
+    place = {pair, number};
+    if (2 * ++size_ > places_.size()) grow();
+    return true;
+  }
+
+ private:
+  struct Place {
+    std::uint64_t pair = 0;
+    std::uint32_t number = none;
+  };
+
+  // The pair's own, or the free one where it belongs.
+  std::size_t place_of(std::uint64_t pair) const {
+    const std::size_t last = places_.size() - 1;
+    std::size_t at = hash_mix(0, pair) & last;
+    while (places_[at].number != none && places_[at].pair != pair) at = (at + 1) & last;
+    return at;
+  }
+  void grow() {
+    std::vector<Place> old(2 * places_.size());
+    old.swap(places_);
+    for (const Place& place : old) {
+      if (place.number != none) places_[place_of(place.pair)] = place;
+    }
+  }
+
+  std::vector<Place> places_{1024};
+  std::size_t size_ = 0;
+};
+
 class DifferenceSearch {
  public:
   DifferenceSearch(const BehaviourPair& pair, const RunControl& control)
@@ -90,13 +129,14 @@ class DifferenceSearch {
 
   Differences run() {
     explore();
+    result_.pairs = meetings_.size();
     find_partners();
     list();
     return std::move(result_);
   }
 
  private:
-  static constexpr std::uint32_t none = ~std::uint32_t{0};
+  static constexpr std::uint32_t none = PairNumbers::none;
 
   // Two states that a word leads to; the first such word by (steps that differ, length, order).
   struct Meeting {
@@ -109,40 +149,49 @@ class DifferenceSearch {
   static std::uint64_t key(StateId left, StateId right) {
     return (std::uint64_t{left} << 32) | right;
   }
-  std::uint32_t find(StateId left, StateId right) const {
-    const auto found = places_.find(key(left, right));
-    return found == places_.end() ? none : found->second;
+  std::uint32_t find(StateId left, StateId right) const { return places_.find(key(left, right)); }
+
+  // Dijkstra's algorithm. What is open lies in lists, by the steps that differ and the length, and
+  // is taken in the order in which it was found.
+  void explore() {
+    std::vector<std::vector<std::vector<Meeting>>> open;
+    std::size_t left_open = 0;
+    const auto push = [&](const Meeting& meeting) {
+      if (open.size() <= meeting.passed) open.resize(meeting.passed + std::size_t{1});
+      auto& lists = open[meeting.passed];
+      if (lists.size() <= meeting.length) lists.resize(meeting.length + std::size_t{1});
+      lists[meeting.length].push_back(meeting);
+      ++left_open;
+    };
+    const std::size_t most = most_pairs(pair_);
+    push({pair_.left.initial, pair_.right.initial, none, {}, 0, 0});
+    for (std::size_t passed = 0; passed < open.size(); ++passed) {
+      for (std::size_t length = 0; length < open[passed].size(); ++length) {
+        const std::vector<Meeting> list = std::move(open[passed][length]);
+        for (const Meeting& meeting : list) {
+          --left_open;
+          visit(meeting, push);
+          if (meetings_.size() < most) continue;
+          result_.is_complete = left_open == 0;
+          return;
+        }
+      }
+    }
   }
 
-  // Dijkstra's algorithm. The queue's order makes it breadth-first among steps that agree.
-  void explore() {
-    using Entry = std::tuple<std::uint32_t, std::uint32_t, std::uint64_t>;  // passed, length, place
-    std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open;
-    std::vector<Meeting> found;
-    const auto push = [&](const Meeting& meeting) {
-      open.emplace(meeting.passed, meeting.length, found.size());
-      found.push_back(meeting);
-    };
-    push({pair_.left.initial, pair_.right.initial, none, {}, 0, 0});
-    while (!open.empty()) {
-      const Meeting meeting = found[std::get<2>(open.top())];
-      open.pop();
-      const auto place = static_cast<std::uint32_t>(meetings_.size());
-      if (!places_.try_emplace(key(meeting.left, meeting.right), place).second) continue;
-      MAIDE_CHECK(meetings_.empty() || std::tie(meetings_.back().passed, meetings_.back().length) <=
-                                           std::tie(meeting.passed, meeting.length));
-      meetings_.push_back(meeting);
-      if (meetings_.size() >= most_pairs) {
-        result_.is_complete = open.empty();
-        break;
-      }
-      if (place % comparison_check == 0) control_.check("the comparison");
-      for_each_step(pair_, meeting.left, meeting.right, [&](const Step& step) {
-        if (find(step.left_state, step.right_state) != none) return;
-        push({step.left_state, step.right_state, place, step,
-              meeting.passed + (step.agrees ? 0 : 1), meeting.length + 1});
-      });
-    }
+  template <typename Push>
+  void visit(const Meeting& meeting, Push&& push) {
+    const auto place = static_cast<std::uint32_t>(meetings_.size());
+    if (!places_.insert(key(meeting.left, meeting.right), place)) return;
+    MAIDE_CHECK(meetings_.empty() || std::tie(meetings_.back().passed, meetings_.back().length) <=
+                                         std::tie(meeting.passed, meeting.length));
+    meetings_.push_back(meeting);
+    if (place % comparison_check == 0) control_.check("the comparison");
+    for_each_step(pair_, meeting.left, meeting.right, [&](const Step& step) {
+      if (find(step.left_state, step.right_state) != none) return;
+      push(Meeting{step.left_state, step.right_state, place, step,
+                   meeting.passed + (step.agrees ? 0 : 1), meeting.length + 1});
+    });
   }
 
   // ---- Partners ----
@@ -347,11 +396,16 @@ class DifferenceSearch {
   const BehaviourPair& pair_;
   const RunControl& control_;
   std::vector<Meeting> meetings_;
-  std::unordered_map<std::uint64_t, std::uint32_t> places_;
+  PairNumbers places_;
   Differences result_;
 };
 
 }  // namespace
+
+std::size_t most_pairs(const BehaviourPair& pair) {
+  constexpr std::size_t least = std::size_t{1} << 17, most = 1'000'000;
+  return std::clamp(4 * (pair.left.size + pair.right.size), least, most);
+}
 
 std::size_t Difference::passed() const {
   return static_cast<std::size_t>(

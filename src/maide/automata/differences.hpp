@@ -58,14 +58,17 @@ struct Differences {
   // Contradictions first, then bounds; of each kind those that pass the fewest differences, and of
   // these the shortest first.
   std::vector<Difference> list;
+  std::size_t pairs = 0;  // of states that meet, as far as they were looked at
   // False: so many pairs of states meet that not all were looked at.
   bool is_complete = true;
 
   std::size_t count_bounds() const;
 };
 
-// At most this many pairs of states are looked at: some 200 MB for ten inputs.
-inline constexpr std::size_t most_pairs = 1'000'000;
+// How many pairs of states are looked at, at most. Machines that have the most part in common have
+// hardly more pairs than states. Those that fell out of step may have one for each two states, and
+// what is told of these does not help. A million pairs are some 200 MB for ten inputs.
+std::size_t most_pairs(const BehaviourPair& pair);
 
 // The way by name: inputs of machines; "?a" and "!x" of automata, and "(!x / nothing)" where each
 // of the two went on with an answer of its own.

@@ -252,8 +252,9 @@ std::string list_differences(const Outcome& outcome, const Names& names) {
     text += fmt::format("  and {} more; --json lists all, --html shows them\n", all - lines);
   }
   if (!outcome.differences.is_complete) {
-    text += fmt::format(
-        "Note: more than {} pairs of states meet, and the rest was not looked at.\n", most_pairs);
+    text +=
+        fmt::format("Note: more than {} pairs of states meet, and the rest was not looked at.\n",
+                    outcome.differences.pairs);
   }
   return text;
 }

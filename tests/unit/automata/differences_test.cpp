@@ -263,5 +263,19 @@ TEST(Differences, AMutantWithOneOtherOutputHasOne) {
   EXPECT_GE(one, 190U) << "of 200";
 }
 
+// Two machines that have nothing in common meet in nearly all pairs of states.
+TEST(Differences, MachinesThatFallOutOfStepAreNotLookedAtWhole) {
+  Random random(7);
+  const Mealy left = random_mealy({600, 2, 2}, random), right = random_mealy({600, 2, 2}, random);
+  const Found found = find(left, right);
+  EXPECT_FALSE(found.differences.is_complete);
+  EXPECT_EQ(found.differences.pairs, most_pairs(found.pair));
+  EXPECT_LT(found.differences.pairs, found.pair.left.size * found.pair.right.size);
+  ASSERT_FALSE(found.differences.list.empty());
+  EXPECT_EQ(word_of(found, found.differences.list.front()).size(),
+            find_difference(left, right)->word.size());
+  EXPECT_TRUE(find(left, left).differences.is_complete);
+}
+
 }  // namespace
 }  // namespace maide
