@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "maide/base/file.hpp"
 #include "run_maide.hpp"
@@ -48,6 +49,40 @@ TEST(FormatCommand, BadInputIsOneLineAndLeavesTheFile) {
   EXPECT_EQ(read_file(file), broken);
   expect_error(run_maide({"format", (folder.path() / "none.yaml").string()}), 2, "cannot read");
   expect_error(run_maide({"format", folder.path().string()}), 2, "cannot read");
+}
+
+TEST(FormatCommand, AWrongFileStopsNoOther) {
+  const TempDir folder("format-test");
+  const auto path = [&](const std::string& name) { return (folder.path() / name).string(); };
+  const std::string broken = "programs:\n  p: \"loop {\"\n";
+  write_file_atomically(path("broken.yaml"), broken);
+  const auto format = [&](std::vector<std::string> more) {
+    write_file_atomically(path("a.yaml"), untidy);
+    write_file_atomically(path("b.yaml"), untidy);
+    std::vector<std::string> words{"format", path("a.yaml"), path("none.yaml"), path("broken.yaml"),
+                                   path("b.yaml")};
+    words.insert(words.end(), more.begin(), more.end());
+    return run_maide(words);
+  };
+  const SubprocessResult said = format({});
+  EXPECT_EQ(said.exit_status, 2);
+  EXPECT_EQ(said.out, path("a.yaml") + " laid out\n" + path("b.yaml") + " laid out\n");
+  EXPECT_THAT(said.err, HasSubstr("cannot read the file"));
+  EXPECT_THAT(said.err, HasSubstr("this '{' is not closed (" + path("broken.yaml") +
+                                  ":2:12)\n"
+                                  "    p: \"loop {\"\n"));
+  for (const char* name : {"a.yaml", "b.yaml"}) EXPECT_EQ(read_file(path(name)), tidy) << name;
+  EXPECT_EQ(read_file(path("broken.yaml")), broken);
+  const SubprocessResult result = format({"--json"});
+  EXPECT_EQ(result.exit_status, 2);
+  const Json json = json_of(result);
+  ASSERT_EQ(json["files"].size(), 4u);
+  EXPECT_EQ(json["files"][0], (Json{{"file", path("a.yaml")}, {"changed", true}}));
+  EXPECT_THAT(json["files"][1]["error"].get<std::string>(), HasSubstr("cannot read"));
+  EXPECT_EQ(json["files"][2]["changed"], false);
+  EXPECT_EQ(json["files"][3]["changed"], true);
+  EXPECT_EQ(json["status"], 2);
+  EXPECT_EQ(json["error"], json["files"][2]["error"]);
 }
 
 TEST(FormatCommand, AFileThatCannotBeWrittenIsLeftWhole) {

@@ -81,12 +81,14 @@ void Context::set_result(const Json& object) {
   result_ = to_json_line(result);
 }
 
-void Context::complain(std::string_view message) {
-  if (!options_.embedded) write_error_line(message);
+void Context::complain(std::string_view message, std::string_view excerpt) {
+  if (options_.embedded) return;
+  write_error_line(message);
+  std::fputs(printable(excerpt).c_str(), stderr);
 }
 
-ExitStatus Context::fail(const std::string& message, ExitStatus status) {
-  complain(message);
+ExitStatus Context::fail(const std::string& message, ExitStatus status, std::string_view excerpt) {
+  complain(message, excerpt);
   failure_ = message;
   return status;
 }

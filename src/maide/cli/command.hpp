@@ -81,12 +81,13 @@ class Context {
   // The result for programs, printed when the command ends, and only under --json. Once a command.
   void set_result(const Json& object);
 
-  // An error or a remark that ends nothing by itself: one line "maide: message" on standard error.
-  void complain(std::string_view message);
+  // An error or a remark that ends nothing by itself: one line "maide: message" on standard error,
+  // and below it the excerpt of the text in which it is, if there is one.
+  void complain(std::string_view message, std::string_view excerpt = {});
 
   // An error that ends a command which has a result all the same: complain(), and `error` and
-  // `status` in the result. Returns the status.
-  ExitStatus fail(const std::string& message, ExitStatus status);
+  // `status` in the result. Returns the status. Of several the result has the last.
+  ExitStatus fail(const std::string& message, ExitStatus status, std::string_view excerpt = {});
 
   // Prints what set_result left and makes sure that all output has arrived. The result of a command
   // that Ctrl-C ended has `error` and `status`, too.
@@ -191,6 +192,8 @@ Argument add_seed_option(CommandLine& line, std::uint64_t& seed);
 // 0: not given, the default of each system.
 Argument add_jobs_option(CommandLine& line, std::size_t& jobs);
 Argument add_token_option(CommandLine& line, std::string& token_file);
+// "n=5", for parse_settings().
+Argument add_set_option(CommandLine& line, std::vector<std::string>& settings);
 // How the one system of a command is reached: the two above, and other machines
 // (machine_options()). `access` must live as long as the line.
 std::vector<Argument> add_access_options(CommandLine& line, SystemAccess& access);

@@ -7,7 +7,9 @@
 #include <string>
 #include <vector>
 
+#include "maide/base/error.hpp"
 #include "maide/base/file.hpp"
+#include "maide/base/text.hpp"
 #include "maide/check/tree/print.hpp"
 #include "maide/cli/command.hpp"
 #include "maide/cli/command_line.hpp"
@@ -32,15 +34,22 @@ bool format_file(const std::string& path, bool only_check) {
 
 ExitStatus run_format(const FormatArguments& arguments, Context& context) {
   bool has_changes = false;
-  std::optional<ParseError> slip;  // the last one; a file that does not parse stops no other
+  std::optional<ExitStatus> failure;  // of the first file that failed; it stops no other
   Json list = Json::array();
+  const auto fail = [&](const std::string& path, const Error& error, const std::string& excerpt) {
+    const ExitStatus status = context.fail(error.what(), error.status(), excerpt);
+    if (!failure) failure = status;
+    list.push_back({{"file", path}, {"changed", false}, {"error", error.what()}});
+  };
   for (const std::string& path : arguments.files) {
     bool is_changed = false;
     try {
       is_changed = format_file(path, arguments.only_check);
     } catch (const ParseError& error) {
-      if (slip) context.complain(slip->what());
-      slip = error;
+      fail(path, error, source_excerpt(error.position()));
+      continue;
+    } catch (const Error& error) {
+      fail(path, error, "");
       continue;
     }
     has_changes = has_changes || is_changed;
@@ -49,8 +58,8 @@ ExitStatus run_format(const FormatArguments& arguments, Context& context) {
     context.print(
         fmt::format("{} {}\n", path, arguments.only_check ? "would be laid out anew" : "laid out"));
   }
-  if (slip) throw *slip;
   context.set_result({{"files", list}});
+  if (failure) return *failure;
   return arguments.only_check && has_changes ? ExitStatus::violated : ExitStatus::ok;
 }
 

@@ -160,6 +160,27 @@ TEST(Language, FormulasNameMembersOfTopics) {
   EXPECT_EQ(verdicts.at("each[1]"), Verdict::holds);
 }
 
+// A name in quotes that needs none is a word where one may stand, and a constant may have its name.
+TEST(Language, AWordInQuotesIsNoConstant) {
+  const System system = system_from(
+      "constants: {go: 1, my n: 1}\n"
+      "models: {q: {use: queue, with: {size: 1}}}\n"
+      "variables: 'var x: {\"go\", stop}; var y: 0..1;'\n"
+      "programs:\n"
+      "  a: 'x = stop; y = \"my n\"; x = \"go\"; y = go - 1; q.write(\"go\");'\n"
+      "  b: 'q.read -> message(\"go\"); if (x == \"go\" && y == go) { skip; }'\n"
+      "properties:\n"
+      "  word: 'F G x == \"go\"'\n"
+      "  number: 'F y == go'\n"
+      "  quoted: 'F y == \"my n\"'\n"
+      "  message: 'F q!message(\"go\")'\n");
+  NativeEngine engine;
+  const CheckReport report = check_system(system, engine, {});
+  for (const PropertyResult& result : report.properties) {
+    EXPECT_EQ(result.verdict, Verdict::holds) << result.name;
+  }
+}
+
 TEST(Language, SharedVariablesAreReadInOneStepAndWrittenInAnother) {
   // Both read 0 before one writes: the lost update.
   const System lost = system_from(

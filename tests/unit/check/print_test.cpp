@@ -172,6 +172,22 @@ TEST(Edit, AValueBehindAnAnchorIsChangedAlone) {
             "constants: {x: 20,   y: 4}\n");
 }
 
+TEST(Layout, WhatYamlTakesAsAnEscapeAloneStaysOne) {
+  // A name in quotes, in a program on one line, in a long one, and in a formula.
+  EXPECT_EQ(laid_out("programs: \n  p: \"loop{q.\\\"lo\\x01ck\\\";}\"\n"),
+            "programs:\n  p: \"loop { q.\\\"lo\\x01ck\\\"; }\"\n");
+  const std::string lines = "programs:\n  p: \"loop { q.\\\"lo\\x7fck\\\"; // why\\n }\"\n";
+  EXPECT_EQ(laid_out(lines), lines);
+  const std::string formula = "properties: {x: \"F p@\\\"\\u2028\\u0085\\x1b\\\"\"}\n";
+  EXPECT_EQ(laid_out("programs: {p: \"skip;\"}\n" + formula),
+            "programs: {p: \"skip;\"}\n" + formula);
+  // A text that was made.
+  YamlDocument made = read_yaml("programs: {p: skip}\n", "s.yaml", "a system file");
+  made.root.set("properties", YamlNode("a\x01\u0085\u2029\uFEFF'\"b"));
+  EXPECT_EQ(print_system(made),
+            "programs: {p: skip}\nproperties: \"a\\x01\\u0085\\u2029\\ufeff'\\\"b\"\n");
+}
+
 TEST(Layout, ErrorsNameThePlace) {
   const auto error = [](const std::string& text) {
     return test::error_of([&] { format_system(text, "s.yaml"); });

@@ -264,7 +264,7 @@ void EventResolver::check_constant_input(const ModelReference& model, const Even
 }
 
 Expression EventResolver::argument(const ModelReference& model, const syntax::Term& term) const {
-  if (term.is_name() && !term.has_indices && !names_.find(term.name.text)) {
+  if (term.is_name() && !term.has_indices && !names_.find_value(term.name)) {
     const ModelInstance& its = instance(model);
     if (its.source == ModelInstance::Source::built_in || its.is_learned ||
         !context().knows_models) {

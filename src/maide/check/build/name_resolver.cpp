@@ -77,6 +77,13 @@ std::optional<Binding> NameResolver::find(const std::string& name) const {
   return std::nullopt;
 }
 
+std::optional<Binding> NameResolver::find_value(const syntax::Name& name) const {
+  std::optional<Binding> binding = find(name.text);
+  const bool is_word =
+      binding && binding->kind == Binding::Kind::constant && !name.may_be_constant();
+  return is_word ? std::nullopt : binding;
+}
+
 std::string NameResolver::name_in_node(const std::string& name) const {
   const Callback* const of = context().callback != nullptr ? context().callback : context().starts;
   if (of == nullptr || !work_.calls.empty()) return "";
@@ -143,7 +150,7 @@ void NameResolver::fail_unknown(const syntax::Term& term) const {
 
 Expression NameResolver::named(const syntax::Term& term) const {
   const std::string& name = term.name.text;
-  const auto binding = find(name);
+  const auto binding = find_value(term.name);
   if (!binding) {
     const auto word = context().words.find(name);
     if (word && !term.has_indices) return make_constant(*word, ValueKind::word);

@@ -68,6 +68,8 @@ class NameResolver {
 
   // What the name stands for, here or in the file; nothing of a name that is not known.
   std::optional<Binding> find(const std::string& name) const;
+  // As above, where a word may stand, too: nothing of a word in quotes.
+  std::optional<Binding> find_value(const syntax::Name& name) const;
   void name_models(std::uint32_t first, const Dimensions& dimensions) const;
   // A name that may be given to a variable here.
   void check_new(const syntax::Name& name) const;

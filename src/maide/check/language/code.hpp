@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "maide/base/error.hpp"
+#include "maide/check/text/tokens.hpp"
 
 namespace maide::syntax {
 
@@ -25,6 +26,8 @@ struct Name {
   TextPlace place;
   // An identifier without quotes that is this word.
   bool is(std::string_view word) const { return !is_quoted && text == word; }
+  // Where it stands for a value it may be a constant. In quotes a name that needs none is a word.
+  bool may_be_constant() const { return !is_quoted || !is_identifier(text); }
 };
 
 // Signs of expressions and formulas.

@@ -304,7 +304,7 @@ void TermParser::parse_values(NamePart& part) {
   while (!tokens_.peek().is(")")) {
     const Token token = tokens_.next();
     if (token.kind == Token::Kind::end) tokens_.fail("this '(' is not closed", token);
-    part.values.push_back({token.text, !token.is_name(), tokens_.place(token)});
+    part.values.push_back({token.text, token.kind == Token::Kind::quoted, tokens_.place(token)});
   }
   tokens_.next();
 }

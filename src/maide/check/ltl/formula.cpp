@@ -4,6 +4,8 @@
 #include <string_view>
 #include <utility>
 
+#include "maide/check/text/tokens.hpp"
+
 namespace maide {
 
 Formula make_formula(FormulaNode::Operator op, Formula left, Formula right) {
@@ -79,14 +81,9 @@ void collect_atoms(const Formula& formula, std::vector<Atom>& atoms) {
 std::string quoted(const std::string& whole) {
   // Indices of an array's member, and values of a symbol, stand behind the name.
   const std::string name = whole.substr(0, std::min(whole.find('['), whole.find('(')));
-  const auto in_identifier = [](char c) {
-    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';
-  };
-  const bool is_identifier =
-      !name.empty() && !(name[0] >= '0' && name[0] <= '9') &&
-      std::ranges::all_of(name, in_identifier) &&
-      !(name.size() == 1 && std::string_view("XFGURW").find(name[0]) != std::string::npos);
-  return is_identifier ? whole : "\"" + whole + "\"";
+  const bool is_operator =
+      name.size() == 1 && std::string_view("XFGURW").find(name[0]) != std::string::npos;
+  return is_identifier(name) && !is_operator ? whole : "\"" + whole + "\"";
 }
 
 // "camera:" before an event that names its program.

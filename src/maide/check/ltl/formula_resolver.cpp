@@ -156,6 +156,11 @@ class FormulaResolver {
     return place->second;
   }
 
+  // Where a word may stand, too.
+  std::optional<Expression> constant_as_value(const syntax::Name& name) const {
+    return name.may_be_constant() ? constant_of(name.text) : std::nullopt;
+  }
+
   // An expression in which all names are those of constants.
   Expression expression_of_constants(const Term& term) const {
     if (term.is_name()) {
@@ -220,7 +225,7 @@ class FormulaResolver {
   // A name in brackets is one of a topic's readers unless it is a constant.
   bool is_reader(const std::string& owner, const std::vector<Term>& brackets) const {
     return is_topic(owner) && brackets.size() == 1 && brackets.front().is_name() &&
-           !constant_of(brackets.front().name.text);
+           !constant_as_value(brackets.front().name);
   }
   // "[logger]", "[detector[0].on_image]".
   std::string reader_of(const std::vector<Term>& brackets) const {
@@ -249,7 +254,7 @@ class FormulaResolver {
 
   // A variable or constant of the file, or a word; none if the name is none of them.
   std::optional<Expression> variable_or_word(const Term& term) const {
-    if (auto constant = constant_of(term.name.text)) return constant;
+    if (auto constant = constant_as_value(term.name)) return constant;
     if (scope_.names == nullptr) return std::nullopt;
     if (auto variable = variable_named(term.name.text, term)) return variable;
     if (term.has_indices) return std::nullopt;
@@ -452,7 +457,7 @@ class FormulaResolver {
     if (!part.has_values) return "";
     std::string text;
     for (const syntax::Name& value : part.values) {
-      const auto constant = value.is_quoted ? std::nullopt : constant_of(value.text);
+      const auto constant = constant_as_value(value);
       text += constant ? to_string(constant->value, constant->kind, *scope_.words) : value.text;
     }
     return "(" + text + ")";

@@ -54,6 +54,11 @@ Token scan(const ScalarText& text, TextCursor& cursor) {
 
 }  // namespace
 
+bool is_identifier(std::string_view name) {
+  return !name.empty() && begins_identifier(name.front()) &&
+         std::ranges::all_of(name, in_identifier);
+}
+
 std::string to_string(const Token& token) {
   switch (token.kind) {
     case Token::Kind::end: return "the end of the text";

@@ -62,6 +62,9 @@ class TokenStream {
   std::size_t at_ = 0;
 };
 
+// A name that needs no quotes, unless it is a word of the language.
+bool is_identifier(std::string_view name);
+
 // The sign that another language writes so: "&&" of "and"; "" of a text that is none of theirs.
 std::string_view own_sign(std::string_view foreign);
 

@@ -1,5 +1,7 @@
 #include "maide/check/tree/print.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cstdint>
 #include <optional>
@@ -75,9 +77,39 @@ std::size_t indent_of(std::string_view line) {
   return std::min(line.find_first_not_of(' '), line.size());
 }
 
+// Bytes of the character that stands there, if YAML takes it as an escape alone; else 0. Those that
+// break a line in YAML are among them, but for \n.
+std::size_t length_in_escape(std::string_view text) {
+  const auto first = static_cast<unsigned char>(text.front());
+  if (first < 0x20) return first == '\n' || first == '\t' ? 0 : 1;
+  if (first == 0x7f) return 1;
+  if (first == 0xc2 && text.size() > 1 && static_cast<unsigned char>(text[1]) < 0xa0) return 2;
+  for (const std::string_view sign : {"\u2028", "\u2029", "\uFEFF", "\uFFFE", "\uFFFF"}) {
+    if (text.starts_with(sign)) return sign.size();
+  }
+  return 0;
+}
+
+bool needs_escapes(std::string_view text) {
+  for (std::size_t at = 0; at < text.size(); ++at) {
+    if (length_in_escape(text.substr(at)) > 0) return true;
+  }
+  return false;
+}
+
+// Of one character: "\x01", "\u2028".
+std::string escape(std::string_view character) {
+  std::uint32_t code = static_cast<unsigned char>(character.front());
+  if (character.size() > 1) code &= character.size() == 2 ? 0x1fU : 0x0fU;
+  for (const char c : character.substr(1))
+    code = code << 6 | (static_cast<unsigned char>(c) & 0x3fU);
+  return code < 0x80 ? fmt::format("\\x{:02x}", code) : fmt::format("\\u{:04x}", code);
+}
+
 // A text that YAML reads as this text without quotes, in braces, too.
 bool is_plain(const std::string& text) {
-  if (text.empty() || YamlNode(text).is_null() || text.front() == ' ' || text.back() == ' ') {
+  if (text.empty() || YamlNode(text).is_null() || text.front() == ' ' || text.back() == ' ' ||
+      needs_escapes(text)) {
     return false;
   }
   if (std::string_view("-?:,[]{}#&*!|>'\"%@`").find(text.front()) != std::string_view::npos) {
@@ -91,8 +123,12 @@ bool is_plain(const std::string& text) {
 
 std::string in_double_quotes(const std::string& text) {
   std::string written = "\"";
-  for (const char c : text) {
-    if (c == '\n') {
+  for (std::size_t at = 0; at < text.size(); ++at) {
+    const char c = text[at];
+    if (const auto length = length_in_escape(std::string_view(text).substr(at)); length > 0) {
+      written += escape(std::string_view(text).substr(at, length));
+      at += length - 1;
+    } else if (c == '\n') {
       written += "\\n";
     } else if (c == '\t') {
       written += "\\t";
@@ -107,7 +143,8 @@ std::string in_double_quotes(const std::string& text) {
 // Single quotes where the text has double ones.
 std::string in_quotes(const std::string& text) {
   const bool has_double = text.find_first_of("\"\\") != std::string::npos;
-  if (has_double && text.find_first_of("'\n\t") == std::string::npos) return "'" + text + "'";
+  const bool has_others = text.find_first_of("'\n\t") != std::string::npos || needs_escapes(text);
+  if (has_double && !has_others) return "'" + text + "'";
   return in_double_quotes(text);
 }
 
@@ -314,6 +351,10 @@ class SystemPrinter {
         return;
       }
     }
+    if (needs_escapes(entry.value.value)) {  // a block has none
+      lines_.push_back({begin + " " + scalar(entry.value), entry.comment});
+      return;
+    }
     lines_.push_back({begin + " |", entry.comment});
     const std::size_t width = layout_width - std::min(indent + 2, layout_width / 2);
     for (const std::string& line :
@@ -325,6 +366,10 @@ class SystemPrinter {
   // In a text that may be anything, every blank counts.
   void print_lines(const YamlEntry& entry, std::size_t indent, const std::string& begin) {
     if (!has_own_text(entry.value)) {
+      if (needs_escapes(entry.value.value)) {  // a block has none
+        lines_.push_back({begin + " " + scalar(entry.value), entry.comment});
+        return;
+      }
       lines_.push_back({begin + " |", entry.comment});
       for (const std::string_view line : split_lines(entry.value.value)) {
         lines_.push_back(
