@@ -45,6 +45,9 @@ struct CheckOptions {
   std::optional<std::uint64_t> memory_mib;  // none: three quarters of the machine's
   unsigned threads = 0;                     // of a search; 0: one a processor
   std::size_t jobs = 0;                     // of systems that are learned, as in LearnOptions
+  // Other values for constants of the file, as in "n=5". UsageError: there is no such constant, or
+  // its value is no number and neither "true" nor "false".
+  std::vector<std::string> set;
   RunControl control;
 };
 

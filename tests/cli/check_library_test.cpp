@@ -77,6 +77,20 @@ TEST(CheckLibrary, SaysWhatTheCommandLineSays) {
     write_file_atomically(path, text);
     expect_same(path);
   }
+  const std::string counted = (folder.path() / "n.yaml").string();
+  write_file_atomically(counted,
+                        "constants: {n: 1}\nmodels: {m: {use: mutex}}\n"
+                        "programs: {a: 'repeat n { m.lock; m.unlock; }'}\n");
+  const auto states = [&](const std::vector<std::string>& set) {
+    CheckOptions options;
+    options.set = set;
+    return check(counted, options).properties[0].states;
+  };
+  EXPECT_EQ(states({"n=5"}), states({}) + 8);
+  EXPECT_EQ(states({"n=5"}), json_of(run_maide({"check", counted, "--set", "n=5", "--json"}))
+                                 .at("properties")[0]
+                                 .at("states"));
+  EXPECT_THROW(states({"k=5"}), UsageError);
   const std::filesystem::path examples = std::filesystem::path(MAIDE_SOURCE_DIR) / "examples";
   for (const char* name : {"case-study-1/buffered.yaml", "case-study-1/beyond-the-bound.yaml",
                            "architectures/cell.yaml", "architectures/election-mended.yaml"}) {

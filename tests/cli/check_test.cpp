@@ -128,6 +128,78 @@ TEST_F(CheckCommand, TraceFile) {
   EXPECT_EQ(report["properties"][0]["loop_start"], file["loop_start"]);
 }
 
+constexpr const char* counted =
+    "constants: {n: 2, half: n / 2, ok: true}\n"
+    "models: {m: {use: mutex}}\n"
+    "programs: {a: 'repeat half { m.lock; m.unlock; } @d skip;'}\n"
+    "properties: {never: 'G !a@d', \"<&'\\\"\": 'G !a@end'}\n";
+
+TEST_F(CheckCommand, JUnitHasACaseForEachProperty) {
+  const std::string path = file("s.yaml", counted), junit = (folder_.path() / "r.xml").string();
+  const SubprocessResult result = run_maide({"check", path, "--junit", junit, "--set", "n=4"});
+  EXPECT_EQ(result.exit_status, 1) << result.err;
+  const std::string text = read_file(junit);
+  EXPECT_THAT(text, HasSubstr("<testsuite name=\"s\" tests=\"4\" failures=\"2\" errors=\"0\""));
+  EXPECT_THAT(text, HasSubstr("<property name=\"constant n\" value=\"4\"/>"));
+  EXPECT_THAT(text, testing::ContainsRegex("classname=\"s\" name=\"deadlock\" time=\"[0-9.]+\"/>"));
+  EXPECT_THAT(text, testing::ContainsRegex(
+                        "name=\"never\" time=\"[0-9.]+\">\n      <failure message=\"a@d holds"));
+  EXPECT_THAT(text, HasSubstr("name=\"&lt;&amp;&apos;&quot;\""));
+  // An answer that is none is an error, and standard output is a file like others.
+  const SubprocessResult limited =
+      run_maide({"check", MAIDE_SOURCE_DIR "/examples/case-study-2/nonblocking-drop.yaml",
+                 "--property", "deadlock", "--memory", "1", "--junit", "-"});
+  EXPECT_EQ(limited.exit_status, 3);
+  EXPECT_THAT(limited.out, testing::StartsWith("<?xml"));
+  EXPECT_THAT(limited.out, testing::ContainsRegex("name=\"deadlock\" time=\"[0-9.]+\">\n      "
+                                                  "<error message=\"[^\"]*needs more than 1 MiB"));
+  EXPECT_THAT(limited.err, HasSubstr("verdict: inconclusive"));
+  expect_error(run_maide({"check", path, "--junit", path}), 2, "write over");
+  EXPECT_EQ(run_maide({"check", path, "--junit", "-", "--json"}).exit_status, 2);
+  const SubprocessResult full = run_maide({"check", path, "--junit", "/dev/full"});
+  EXPECT_EQ(full.exit_status, 2);
+  EXPECT_THAT(full.out, HasSubstr("verdict: violated"));
+}
+
+TEST_F(CheckCommand, ConstantsMayHaveOtherValues) {
+  const std::string path = file("s.yaml", counted), trace = (folder_.path() / "t.json").string();
+  const auto set = [&](const std::string& value) {
+    return run_maide({"check", path, "--set", value});
+  };
+  const SubprocessResult more =
+      run_maide({"check", path, "--set", "n=6", "--set", "ok=false", "--json", "--trace", trace});
+  EXPECT_EQ(more.exit_status, 1) << more.err;
+  const Json report = json_of(more);
+  EXPECT_EQ(report["set"], (Json{{"n", "6"}, {"ok", "false"}}));
+  EXPECT_THAT(report["remarks"][0].get<std::string>(), HasSubstr("n=6, ok=false"));
+  EXPECT_EQ(report["properties"][2]["trace"].size(), 6u);
+  EXPECT_EQ(read_file(path), counted);
+  // The trace is one of the system with these values alone.
+  EXPECT_EQ(Json::parse(read_file(trace))["set"], report["set"]);
+  EXPECT_THAT(run_maide({"replay", path, trace}).err, HasSubstr("as in the trace: --set n=6"));
+  expect_error(run_maide({"replay", path, trace, "--set", "n=4"}), 2,
+               "the trace was found with n=6, ok=false, and not with n=4");
+  const SubprocessResult chart = run_maide({"view", trace, "-o", trace + ".html"});
+  EXPECT_THAT(read_file(trace + ".html"), HasSubstr("with n=6, ok=false"));
+  // Others.
+  expect_error(set("k=1"), 2, "'k' is no constant; the constants are: n, half, ok");
+  expect_error(set("a=1"), 2, "'a' is no constant, it stands under 'programs:'");
+  expect_error(set("n"), 2, "a constant is set as in n=5, not 'n'");
+  expect_error(set("n=x"), 2, "a whole number, true or false, not 'x'");
+  expect_error(set("n=9223372036854775808"), 2, "a number of 64 bits");
+  expect_error(set("n=true"), 2, "the constant 'n' is a number");
+  expect_error(set("ok=1"), 2, "the constant 'ok' is true or false");
+  expect_error(run_maide({"check", path, "--set", "n=1", "--set", "n=2"}), 2, "set twice");
+  EXPECT_EQ(set("n=-4").exit_status, 2);
+  expect_error(run_maide({"export", std::string(MAIDE_SOURCE_DIR) + "/tests/models/strict-2.dot",
+                          "--to", "promela", "--set", "n=1"}),
+               2, "--set goes with a system");
+  EXPECT_THAT(run_maide({"export", path, "--to", "promela", "--set", "n=8"}).out,
+              HasSubstr("s.yaml with n=8"));
+  EXPECT_THAT(run_maide({"view", path, "--stage", "tree", "--set", "n=8"}).out,
+              HasSubstr("{n: 8, half: n / 2, ok: true}"));
+}
+
 TEST_F(CheckCommand, ATraceThatCannotBeWrittenLeavesTheVerdict) {
   const SubprocessResult result = run_maide(
       {"check", system("  p: sync.read -> message;\n"), "--trace", "/dev/full", "--json"});

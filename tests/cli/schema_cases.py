@@ -26,6 +26,11 @@ programs:
     var heard: bool;
     loop { repeat 2 { via.read -> message; heard = true; } sync.write; }
 """,
+    "counted.yaml": """
+constants: {n: 1}
+programs: {a: "repeat n { skip; }"}
+properties: {never: "G !a@end"}
+""",
     "never.yaml": """
 models: {via: {file: "{models}/buffered.dot"}}
 programs:
@@ -161,6 +166,8 @@ CASES = r"""
 0 check refined.yaml --engine native --property deadlock --refine
 1 check lossy.yaml --trace lossy.json
 1 check queued.yaml --property deadlock --trace queued.json
+1 check counted.yaml --set n=3 --junit counted.xml --trace counted.json
+2 check counted.yaml --set k=3
 2 check nowhere.yaml
 0 replay violated.yaml trace.json --rounds 2
 0 replay violated.yaml --random 2 --steps 20
@@ -193,6 +200,7 @@ CASES = r"""
 1 format --check untidy.yaml
 0 format untidy.yaml
 2 format nowhere.yaml
+2 format untidy.yaml nowhere.yaml
 0 view port.dot -o port.html
 0 view holds.yaml -o holds.html
 0 view trace.json -o trace.svg

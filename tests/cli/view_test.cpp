@@ -50,6 +50,17 @@ TEST_F(View, AModelWithItsMarksInWords) {
   EXPECT_THAT(picture, HasSubstr("<style>"));
 }
 
+TEST_F(View, WritesNothingOverItsSource) {
+  const std::string text = "programs: {a: skip}\n";
+  const std::string system = write("s.yaml", text);
+  expect_error(run_maide({"view", "--stage", "names", system, "-o", system}), 2,
+               "-o would write over a file that is used (" + system + ")");
+  const std::string beside = path("./s.yaml");
+  expect_error(run_maide({"view", "--stage", "tree", system, "-o", beside}), 2, "write over");
+  expect_error(run_maide({"export", system, "--to", "promela", "-o", beside}), 2, "write over");
+  EXPECT_EQ(read_file(system), text);
+}
+
 TEST_F(View, ModelsTooLargeToDrawAreTables) {
   Random random(5);
   std::ostringstream text;

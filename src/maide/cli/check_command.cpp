@@ -5,9 +5,11 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <cstdio>
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -15,6 +17,7 @@
 #include "maide/base/file.hpp"
 #include "maide/base/log.hpp"
 #include "maide/base/text.hpp"
+#include "maide/check/build/constant_settings.hpp"
 #include "maide/check/system/trace_file.hpp"
 #include "maide/check/verdict/check_system.hpp"
 #include "maide/cli/command.hpp"
@@ -25,8 +28,10 @@
 #include "maide/join/learned_models.hpp"
 #include "maide/join/refine_system.hpp"
 #include "maide/join/suggest_change.hpp"
+#include "maide/report/check_suite.hpp"
 #include "maide/report/explanation.hpp"
 #include "maide/report/html_report.hpp"
+#include "maide/report/junit.hpp"
 #include "maide/report/picture.hpp"
 #include "maide/report/sequence_chart.hpp"
 #include "maide/report/trace_text.hpp"
@@ -42,6 +47,8 @@ struct CheckArguments {
   std::vector<std::string> properties;
   std::string trace;
   std::string report;
+  std::string junit;
+  std::vector<std::string> settings;
   std::string trace_format = "chart";
   bool suggest = false;
   std::size_t jobs = 0;  // for models that are learned
@@ -147,15 +154,32 @@ std::string describe(const System& system, const CheckReport& report, const Trac
   return text + grounds;
 }
 
-// The verdict, then what makes it doubtful, then each property.
-void print(const System& system, const CheckReport& report, const TraceStyle& style,
-           Context& context) {
-  context.print(first_line(report), tone_of(report.verdict));
-  for (const std::string& doubt : report.doubts) {
-    context.print("beware: " + doubt + "\n", Tone::doubtful);
+// Says the result to people: on standard output, or on standard error where something else is
+// written to that.
+class Speaker {
+ public:
+  Speaker(Context& context, bool is_beside) : context_(context), is_beside_(is_beside) {}
+
+  void say(const std::string& text, Tone tone = Tone::plain) {
+    if (!is_beside_) {
+      context_.print(text, tone);
+    } else {
+      fmt::print(stderr, "{}", paint(printable(text), tone, STDERR_FILENO));
+    }
   }
-  context.print(describe(system, report, style, context.verbose()));
-}
+  // The verdict, then what makes it doubtful, then each property.
+  void say(const System& system, const CheckReport& report, const TraceStyle& style) {
+    say(first_line(report), tone_of(report.verdict));
+    for (const std::string& doubt : report.doubts) {
+      say("beware: " + doubt + "\n", Tone::doubtful);
+    }
+    say(describe(system, report, style, context_.verbose()));
+  }
+
+ private:
+  Context& context_;
+  bool is_beside_;
+};
 
 std::string describe(const Suggestions& suggestions, bool is_cut_short) {
   if (suggestions.changes.empty()) {
@@ -209,7 +233,7 @@ void write_report_file(const std::string& path, const System& system, const Chec
     if (!result.trace) continue;
     const Shown shown = shown_part(system, result);
     write_sequence_chart_svg(text, make_trace_chart(shown.part.system(), shown.trace,
-                                                    result.name + " of " + system.file));
+                                                    result.name + " of " + system.title()));
     write_file_atomically(path, text.str());
     return;
   }
@@ -229,6 +253,25 @@ void write_beside(const std::string& path, Write&& write) {
   }
 }
 
+// The next step of a pipeline reads it, and must not take an earlier one for this. So the error is
+// returned where it cannot be written, and the status is not the verdict's.
+std::optional<std::string> write_suite(const std::string& path, const System& system,
+                                       const CheckReport& report) {
+  if (path.empty()) return std::nullopt;
+  std::ostringstream text;
+  write_junit(text, make_check_suite(system, report));
+  try {
+    if (path == "-") {
+      write_data(text.str());
+    } else {
+      write_file_atomically(path, text.str());
+    }
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return std::nullopt;
+}
+
 LearnedModelsOptions learning_options(const CheckArguments& arguments, const RunControl& control) {
   return {{}, [](const std::string& line) { log_note(line); }, control, arguments.jobs};
 }
@@ -237,9 +280,12 @@ LearnedModelsOptions learning_options(const CheckArguments& arguments, const Run
 RefinedCheck check(const CheckArguments& arguments, Engine& engine, const CheckRequest& request) {
   const LearnedModelsOptions models = learning_options(arguments, request.options.control);
   if (!arguments.refine) {
-    return {check_system_file(arguments.system, engine, request, models), {}};
+    return {check_system_file(arguments.system, engine, request, models,
+                              parse_settings(arguments.settings)),
+            {}};
   }
   RefinementOptions options;
+  options.settings = parse_settings(arguments.settings);
   options.models = models;
   options.most_rounds = arguments.refinements;
   options.on_round = [](const RefinementRound& round) { log_note(to_string(round)); };
@@ -272,6 +318,12 @@ ExitStatus run_check(const CheckArguments& arguments, Context& context) {
       !arguments.report.ends_with(".svg")) {
     throw UsageError("a report's name ends in .html or .svg (" + arguments.report + ")");
   }
+  if (context.json() && arguments.junit == "-") {
+    throw UsageError("--junit - and --json both write to standard output");
+  }
+  if (arguments.junit != "-") {
+    check_output("--junit", arguments.junit, {arguments.system, arguments.trace, arguments.report});
+  }
   const std::unique_ptr<Engine> engine = make_engine(arguments.engine);
   CheckRequest request;
   request.properties = arguments.properties;
@@ -295,7 +347,8 @@ ExitStatus run_check(const CheckArguments& arguments, Context& context) {
   const System& system = checked.system;
   CheckReport& report = checked.report;
   for (const std::string& remark : all_remarks(system, report)) log_note(remark);
-  print(system, report, trace_style(arguments.trace_format), context);
+  Speaker speaker(context, arguments.junit == "-");
+  speaker.say(system, report, trace_style(arguments.trace_format));
   Json json = report_to_json(system, report);
   if (arguments.refine) json["refinements"] = refinements_to_json(checked.rounds);
   if (arguments.suggest && report.verdict == Verdict::violated) {
@@ -304,7 +357,7 @@ ExitStatus run_check(const CheckArguments& arguments, Context& context) {
     options.note = [](const std::string& line) { log_note(line); };
     options.control = request.options.control;
     const Suggestions suggestions = suggest_changes(system, report, options);
-    context.print(describe(suggestions, options.control.should_stop()));
+    speaker.say(describe(suggestions, options.control.should_stop()));
     json["suggestions"] = suggestions.changes;
   }
   context.set_result(json);
@@ -312,6 +365,9 @@ ExitStatus run_check(const CheckArguments& arguments, Context& context) {
   write_beside(arguments.report, [&] {
     write_report_file(arguments.report, system, report, request.options.control);
   });
+  if (const auto failure = write_suite(arguments.junit, system, report)) {
+    return context.fail(*failure, ExitStatus::usage);
+  }
   return exit_status_of(report);
 }
 
@@ -354,6 +410,10 @@ RunFunction set_up_check(CommandLine& line) {
            "Write a page (.html), or the first chart (.svg). The page has verdicts, charts and "
            "pictures of the models; the chart is that of the first counterexample")
       .value_name("FILE");
+  line.add("--junit", arguments->junit,
+           "Write a JUnit XML file, a case a property. - is standard output")
+      .value_name("FILE");
+  add_set_option(line, arguments->settings);
   line.add_flag("--suggest", arguments->suggest,
                 "Look for the smallest change that removes a violation. It may be other models, "
                 "other settings (learned where possible), other values of constants, other numbers "

@@ -19,6 +19,7 @@
 #include "maide/base/file.hpp"
 #include "maide/base/log.hpp"
 #include "maide/base/text.hpp"
+#include "maide/check/build/constant_settings.hpp"
 #include "maide/check/build/stage_dump.hpp"
 #include "maide/check/build/system_file.hpp"
 #include "maide/check/engines/export/step_rules.hpp"
@@ -47,6 +48,7 @@ struct ExportArguments {
   std::string property;  // whose automaton is written; empty: the model, or the system
   bool negated = false;
   std::uint64_t memory_mib = 0;
+  std::vector<std::string> settings;
 };
 
 // What is written, and what --json tells of it.
@@ -112,7 +114,8 @@ bool is_system(const std::string& source) {
 System read_exported_system(const ExportArguments& arguments, Context& context) {
   const ModelSource models = make_learning_source(
       {{}, [](const std::string& line) { log_note(line); }, context.control()});
-  return read_system(arguments.source, models, context.control());
+  return read_system(arguments.source, models, context.control(),
+                     parse_settings(arguments.settings));
 }
 
 // A property's automaton: of the runs on which it holds, or of the others.
@@ -138,8 +141,9 @@ Export export_property(const ExportArguments& arguments, Context& context) {
   for (const auto& state : automaton.states) transitions += state.size();
   const std::vector<ProgramInterface> interfaces = system.interfaces();
   std::ostringstream text;
-  write_hoa(text, automaton, {system.programs, interfaces, system.expressions, &system.words},
-            (arguments.negated ? "runs that violate " : "") + property.name + " of " + system.file);
+  write_hoa(
+      text, automaton, {system.programs, interfaces, system.expressions, &system.words},
+      (arguments.negated ? "runs that violate " : "") + property.name + " of " + system.title());
   return {[text = std::move(text).str()](std::ostream& out) { out << text; },
           fmt::format("{} states, {} transitions", automaton.states.size(), transitions),
           Json{{"states", automaton.states.size()}, {"transitions", transitions}}};
@@ -207,6 +211,9 @@ Export make_export(const ExportArguments& arguments, Context& context) {
         "--property NAME");
   }
   if (arguments.negated && !is_hoa) throw UsageError("--negated goes with --to hoa");
+  if (!arguments.settings.empty() && !is_system(arguments.source)) {
+    throw UsageError("--set goes with a system (" + arguments.source + ")");
+  }
   if (!arguments.component.empty() && (is_hoa || !is_system(arguments.source))) {
     throw UsageError("--component goes with a system (.yaml) that is written whole");
   }
@@ -220,6 +227,7 @@ Export make_export(const ExportArguments& arguments, Context& context) {
 }
 
 ExitStatus run_export(const ExportArguments& arguments, Context& context) {
+  check_output("-o", arguments.output, {arguments.source});
   const Export exported = make_export(arguments, context);
   Json result{{"source", arguments.source}, {"format", arguments.format}};
   result.update(exported.details);
@@ -261,6 +269,7 @@ RunFunction set_up_export(CommandLine& line) {
            "it has something to do with. Formats other than aut need this if there are several "
            "components and a program has more than single inputs, outputs and choices")
       .value_name("PROGRAM");
+  add_set_option(line, arguments->settings);
   line.add("-o,--output", arguments->output, "The file to write. Default: standard output")
       .value_name("FILE");
   line.add_flag("--lossy", arguments->lossy,

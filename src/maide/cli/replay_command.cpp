@@ -12,8 +12,10 @@
 #include <utility>
 #include <vector>
 
+#include "maide/base/file.hpp"
 #include "maide/base/log.hpp"
 #include "maide/base/text.hpp"
+#include "maide/check/build/constant_settings.hpp"
 #include "maide/check/build/system_file.hpp"
 #include "maide/check/system/trace_file.hpp"
 #include "maide/check/verdict/check_system.hpp"
@@ -35,7 +37,8 @@ struct ReplayArguments {
   std::size_t random_runs = 0;
   std::size_t steps = 60;
   std::uint64_t seed = 1;
-  std::vector<std::string> settings;  // "rmw=fastrtps"
+  std::vector<std::string> settings;   // "rmw=fastrtps"
+  std::vector<std::string> constants;  // "n=5"
   std::string token_file;
   std::size_t jobs = 0;
 };
@@ -274,8 +277,9 @@ Trace in_order_of_executors(Replay& replay, const Trace& trace, const RunControl
   return *ordered;
 }
 
-void read_traces(Replay& replay, const ReplayArguments& arguments, const ModelRequests& requests,
-                 const RunControl& control) {
+// `trace_text` is that of the trace, if there is one.
+void read_traces(Replay& replay, const ReplayArguments& arguments, const std::string& trace_text,
+                 const ModelRequests& requests, const RunControl& control) {
   const auto find_played = [&] {
     if (meet_nodes(replay.system, replay.traces))
       replay.nodes = find_nodes(replay.system, requests);
@@ -290,7 +294,7 @@ void read_traces(Replay& replay, const ReplayArguments& arguments, const ModelRe
     find_played();
     return;
   }
-  TraceFile file = read_trace(arguments.trace, replay.system, control);
+  TraceFile file = parse_trace(trace_text, arguments.trace, replay.system);
   replay.property = std::move(file.property);
   check_claim(replay, file.trace, arguments.trace);
   replay.assumptions = find_assumptions(replay.system, file.trace);
@@ -311,9 +315,19 @@ ExitStatus run_replay(const ReplayArguments& arguments, Context& context) {
       make_learning_source(
           {{}, [](const std::string& line) { log_note(line); }, context.control(), arguments.jobs}),
       requests);
+  std::vector<ConstantSetting> constants = parse_settings(arguments.constants);
+  std::string trace_text;
+  if (!is_random) {
+    trace_text = read_file(arguments.trace, context.control());
+    // A trace is one of the system with which it was found.
+    if (constants.empty()) {
+      constants = settings_of_trace(parse_json(trace_text, arguments.trace), arguments.trace);
+      if (!constants.empty()) log_note("as in the trace: --set " + to_string(constants));
+    }
+  }
   Replay replay;
-  replay.system = read_system(arguments.system, models, context.control());
-  read_traces(replay, arguments, requests, context.control());
+  replay.system = read_system(arguments.system, models, context.control(), constants);
+  read_traces(replay, arguments, trace_text, requests, context.control());
   // One run keeps one system busy.
   const std::size_t jobs = replay.traces.size() == 1 ? 1 : arguments.jobs;
   const auto settings = parse_system_spec("sim", arguments.settings).options;
@@ -351,6 +365,7 @@ RunFunction set_up_replay(CommandLine& line) {
       .no_default()
       .one_each()
       .value_name("KEY=VALUE");
+  add_set_option(line, arguments->constants);
   add_seed_option(line, arguments->seed);
   add_token_option(line, arguments->token_file);
   add_jobs_option(line, arguments->jobs);

@@ -250,6 +250,16 @@ Argument add_token_option(CommandLine& line, std::string& token_file) {
       .value_name("FILE");
 }
 
+Argument add_set_option(CommandLine& line, std::vector<std::string>& settings) {
+  return line
+      .add(
+          "--set", settings,
+          "Another value for a constant of the system file: --set n=5. May be given more than once")
+      .no_default()
+      .one_each()
+      .value_name("NAME=VALUE");
+}
+
 std::span<const MachineOption> machine_options() {
   static constexpr std::array options{
       MachineOption{"--launch", "COMMAND",

@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <cstddef>
 #include <cstdlib>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <sstream>
@@ -12,9 +14,11 @@
 #include <string_view>
 #include <system_error>
 #include <utility>
+#include <vector>
 
 #include "maide/base/file.hpp"
 #include "maide/base/log.hpp"
+#include "maide/check/build/constant_settings.hpp"
 #include "maide/check/build/stage_dump.hpp"
 #include "maide/check/build/system_file.hpp"
 #include "maide/cli/command.hpp"
@@ -35,6 +39,7 @@ struct ViewArguments {
   std::string source;
   std::string output;
   std::string stage;
+  std::vector<std::string> settings;
 };
 
 std::string extension_of(const std::string& path) { return fs::path(path).extension().string(); }
@@ -88,7 +93,8 @@ ModelSource models_for(const RunControl& control) {
 }
 
 std::string view_system(const ViewArguments& arguments, bool is_svg, const RunControl& control) {
-  const System system = read_system(arguments.source, models_for(control), control);
+  const System system = read_system(arguments.source, models_for(control), control,
+                                    parse_settings(arguments.settings));
   if (is_svg) return drawn(connection_picture(system), arguments.source, control);
   std::ostringstream page;
   write_system_page(page, system, system.sources.at(system.file),
@@ -111,13 +117,27 @@ std::string view_trace(const ViewArguments& arguments, bool is_svg, const RunCon
 ExitStatus view_stage(const ViewArguments& arguments, Context& context) {
   const std::string text =
       dump_stage(*find_stage(arguments.stage), read_file(arguments.source, context.control()),
-                 arguments.source, models_for(context.control()), context.control());
+                 arguments.source, models_for(context.control()), context.control(),
+                 parse_settings(arguments.settings));
   Json result{{"source", arguments.source}, {"kind", "stage"}, {"stage", arguments.stage}};
+  // A dump may be so long that it takes a while to hand it on.
+  constexpr std::size_t piece = std::size_t{1} << 20;
+  const auto hand_on = [&](const std::function<void(std::string_view)>& take) {
+    for (std::size_t at = 0; at < text.size(); at += piece) {
+      context.control().check("writing the dump");
+      take(std::string_view(text).substr(at, piece));
+    }
+  };
   if (arguments.output.empty()) {
-    context.print(text);
-    result["text"] = text;
+    if (context.json()) {
+      result["text"] = text;
+    } else {
+      hand_on([&](std::string_view part) { context.print_data(part); });
+    }
   } else {
-    write_file_atomically(arguments.output, text);
+    write_file_atomically(arguments.output, [&](std::ostream& out) {
+      hand_on([&](std::string_view part) { out << part; });
+    });
     context.print(arguments.output + "\n");
     result["output"] = arguments.output;
   }
@@ -126,16 +146,19 @@ ExitStatus view_stage(const ViewArguments& arguments, Context& context) {
 }
 
 ExitStatus run_view(const ViewArguments& arguments, Context& context) {
+  check_output("-o", arguments.output, {arguments.source});
   if (!arguments.stage.empty()) return view_stage(arguments, context);
   const std::string source = extension_of(arguments.source);
   const bool is_system =
       source == ".yaml" || source == ".yml" ||
       (source == ".json" && is_stage_dump(read_file(arguments.source, context.control())));
+  if (!is_system && !arguments.settings.empty()) {
+    throw UsageError("--set goes with a system (" + arguments.source + ")");
+  }
   const bool is_svg = extension_of(arguments.output) == ".svg";
   if (!arguments.output.empty() && !is_svg && extension_of(arguments.output) != ".html") {
     throw UsageError("a picture's name ends in .html or .svg (" + arguments.output + ")");
   }
-  if (!arguments.output.empty()) check_can_write(arguments.output);
   std::string text;
   const char* kind = "model";
   if (is_system) {
@@ -179,6 +202,7 @@ RunFunction set_up_view(CommandLine& line) {
           "is searched. `check` and all that read a system take the result in its place")
       .one_of({"tree", "names", "models", "system"})
       .value_name("STAGE");
+  add_set_option(line, arguments->settings);
   line.add("-o,--output", arguments->output,
            "The page (.html), or one picture (.svg). The picture is of the model, the system's "
            "connections, or the trace. Default: a page in a temporary folder, whose path is "

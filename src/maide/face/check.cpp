@@ -6,6 +6,7 @@
 #include <string>
 
 #include "maide/base/log.hpp"
+#include "maide/check/build/constant_settings.hpp"
 #include "maide/join/check_system_file.hpp"
 #include "maide/report/explanation.hpp"
 #include "maide/report/trace_text.hpp"
@@ -44,7 +45,8 @@ Checked check(const std::filesystem::path& system_file, const CheckOptions& opti
   request.options.control = options.control;
   const auto [system, report] = check_system_file(
       system_file, *engine, request,
-      {{}, [](const std::string& line) { log_note(line); }, options.control, options.jobs});
+      {{}, [](const std::string& line) { log_note(line); }, options.control, options.jobs},
+      parse_settings(options.set));
   Checked checked{
       report.verdict, report.assumptions, report.doubts, all_remarks(system, report), {}};
   for (const PropertyResult& result : report.properties) {

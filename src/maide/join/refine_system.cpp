@@ -41,9 +41,9 @@ class Refiner {
   void read_and_check() {
     requests_.clear();
     real_.clear();
-    static_cast<CheckedSystem&>(result_) =
-        check_system_text(text_, path_.string(), engine_, request_,
-                          record_requests(make_learning_source(options_.models), requests_));
+    static_cast<CheckedSystem&>(result_) = check_system_text(
+        text_, path_.string(), engine_, request_,
+        record_requests(make_learning_source(options_.models), requests_), options_.settings);
     options_.models.note = {};  // where models come from is told once
     confirmed_.clear();
   }

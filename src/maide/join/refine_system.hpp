@@ -39,6 +39,7 @@ std::string to_string(const RefinementRound& round);
 
 struct RefinementOptions {
   LearnedModelsOptions models;
+  std::vector<ConstantSetting> settings;
   std::size_t most_rounds = 100;  // then the verdict is inconclusive
   // A nondeterministic system is given so many chances to follow a counterexample.
   std::size_t most_attempts = 20;

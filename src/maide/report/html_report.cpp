@@ -186,7 +186,7 @@ void write_html_report(std::ostream& out, const System& system, const CheckRepor
   out << fmt::format(
       "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>{0}</title>"
       "<style>{1}</style></head>\n<body><h1>{0}: {2}</h1>\n",
-      escape_markup(system.file), style, verdict_cell(report.verdict));
+      escape_markup(system.title()), style, verdict_cell(report.verdict));
   write_table(out, report);
   if (!report.assumptions.empty()) {
     out << "<p>This rests on:</p><ul>\n";

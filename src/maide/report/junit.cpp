@@ -35,9 +35,13 @@ void append_escaped(std::string& text, std::string_view character, std::optional
 
 void write_case(std::ostream& out, const JUnitCase& one, std::string_view suite) {
   out << fmt::format("    <testcase classname=\"{}\" name=\"{}\"", suite, escape_xml(one.name));
+  if (one.seconds) out << fmt::format(" time=\"{:.3f}\"", *one.seconds);
   if (!one.failure.empty()) {
     out << fmt::format(">\n      <failure message=\"{}\">{}</failure>\n    </testcase>\n",
                        escape_xml(one.failure), escape_xml(one.details));
+  } else if (!one.error.empty()) {
+    out << fmt::format(">\n      <error message=\"{}\"/>\n    </testcase>\n",
+                       escape_xml(one.error));
   } else if (!one.skipped.empty()) {
     out << fmt::format(">\n      <skipped message=\"{}\"/>\n    </testcase>\n",
                        escape_xml(one.skipped));
@@ -63,11 +67,12 @@ void write_junit(std::ostream& out, const JUnitSuite& suite) {
     return std::ranges::count_if(suite.cases,
                                  [&](const JUnitCase& one) { return !(one.*member).empty(); });
   };
-  const std::size_t errors = suite.error.empty() ? 0 : 1;
+  const std::size_t whole = suite.error.empty() ? 0 : 1;
   const std::string name = escape_xml(suite.name);
   const std::string counts =
       fmt::format("tests=\"{}\" failures=\"{}\" errors=\"{}\" skipped=\"{}\" time=\"{:.3f}\"",
-                  suite.cases.size() + errors, count(&JUnitCase::failure), errors,
+                  suite.cases.size() + whole, count(&JUnitCase::failure),
+                  whole + static_cast<std::size_t>(count(&JUnitCase::error)),
                   count(&JUnitCase::skipped), suite.seconds);
   out << "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n";
   out << fmt::format("<testsuites {}>\n  <testsuite name=\"{}\" {}>\n", counts, name, counts);
@@ -78,7 +83,7 @@ void write_junit(std::ostream& out, const JUnitSuite& suite) {
   }
   out << "    </properties>\n";
   for (const JUnitCase& one : suite.cases) write_case(out, one, name);
-  if (errors != 0) {
+  if (whole != 0) {
     out << fmt::format(
         "    <testcase classname=\"{}\" name=\"(the whole suite)\">\n      <error "
         "message=\"{}\"/>\n    </testcase>\n",

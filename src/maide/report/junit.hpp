@@ -1,9 +1,10 @@
-// JUnit XML, which continuous integration servers read: one suite of cases, each passed, failed or
-// skipped, with properties of the suite. The form is that of Ant's JUnit task, as Jenkins, GitLab
-// and GitHub's actions take it.
+// JUnit XML, which continuous integration servers read: one suite of cases, each passed, failed,
+// in error or skipped, with properties of the suite. The form is that of Ant's JUnit task, as
+// Jenkins, GitLab and GitHub's actions take it.
 #pragma once
 
 #include <iosfwd>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -15,7 +16,9 @@ struct JUnitCase {
   std::string name;     // unique in its suite
   std::string failure;  // one line; "": not failed
   std::string details;  // of the failure; may have several lines
-  std::string skipped;  // why it was not judged; "": it was
+  std::string skipped;  // why it was not tried; "": it was
+  std::string error{};  // why it could not be judged; "": it could
+  std::optional<double> seconds{};
 };
 
 struct JUnitSuite {

@@ -231,7 +231,7 @@ void write_model_page(std::ostream& out, const Model& model, const std::string& 
 
 void write_system_page(std::ostream& out, const System& system, const std::string& text,
                        const GraphPainter& paint) {
-  open_page(out, system.file);
+  open_page(out, system.title());
   out << fmt::format("<p>{}, {}. Boxes are programs, ellipses are models.</p>\n",
                      counted(system.programs.size(), "program"),
                      counted(system.models.size(), "model"));

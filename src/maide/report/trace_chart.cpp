@@ -305,6 +305,8 @@ class ChartReader {
     const std::string property = text(trace, "property");
     const std::string system = text(trace, "system");
     chart_.title = property + (property.empty() || system.empty() ? "" : " of ") + system;
+    const auto settings = settings_of_trace(trace, file_);
+    if (!settings.empty()) chart_.title += " with " + to_string(settings);
     const auto loop = trace.find("loop_start");
     if (loop != trace.end() && !loop->is_null()) {
       if (!loop->is_number_unsigned() || loop->get<std::size_t>() >= events_.size()) {

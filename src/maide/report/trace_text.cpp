@@ -273,12 +273,14 @@ Json report_to_json(const System& system, const CheckReport& report) {
     }
     properties.push_back(std::move(entry));
   }
-  return {{"verdict", to_string(report.verdict)},
-          {"assumptions", report.assumptions},
-          {"doubts", report.doubts},
-          {"remarks", all_remarks(system, report)},
-          {"components", std::move(components)},
-          {"properties", std::move(properties)}};
+  Json json{{"verdict", to_string(report.verdict)}};
+  for (const auto& [name, value] : system.settings) json["set"][name] = value;
+  json["assumptions"] = report.assumptions;
+  json["doubts"] = report.doubts;
+  json["remarks"] = all_remarks(system, report);
+  json["components"] = std::move(components);
+  json["properties"] = std::move(properties);
+  return json;
 }
 
 }  // namespace maide

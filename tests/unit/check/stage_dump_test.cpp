@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <regex>
+#include <stop_token>
 #include <string>
 #include <vector>
 
@@ -35,6 +36,14 @@ InterfaceAutomaton ask_nobody(const ModelRequest& request) {
 
 std::string json_text(const System& system) { return json_of(system).dump(); }
 
+RunControl stopped() {
+  std::stop_source source;
+  source.request_stop();
+  RunControl control;
+  control.stop = source.get_token();
+  return control;
+}
+
 std::vector<std::string> examples() {
   std::vector<std::string> files;
   for (const auto& entry :
@@ -42,6 +51,52 @@ std::vector<std::string> examples() {
     if (entry.path().extension() == ".yaml") files.push_back(entry.path().string());
   }
   return files;
+}
+
+constexpr const char* small_system =
+    "constants: {n: 2, m: n}\nprograms: {a: 'repeat n { skip; } @d skip;'}\n";
+
+TEST(StageDump, IsReadWithAMarkBlankLinesAndAnotherOrder) {
+  const std::string dump = dump_stage(Stage::system, small_system, "s.yaml", ask_nobody);
+  const std::string expected = json_text(parse_system(small_system, "s.yaml", ask_nobody));
+  const std::string sorted = nlohmann::json::parse(dump).dump(1);
+  EXPECT_FALSE(sorted.starts_with("{\n \"maide_stage\""));
+  for (const std::string& text : {"\xEF\xBB\xBF" + dump, "\r\n \n" + dump, sorted}) {
+    EXPECT_TRUE(is_stage_dump(text));
+    EXPECT_EQ(json_text(parse_system(text, "s.json", ask_nobody)), expected);
+  }
+  for (const char* other :
+       {"", "{}", "{\"a\": {\"maide_stage\": 1}}", "{\"a\": \"{\\\"maide_stage\"}",
+        "[\"maide_stage\"]", "{\"maide_stages\": 1}", "{\"a"}) {
+    EXPECT_FALSE(is_stage_dump(other)) << other;
+  }
+}
+
+TEST(StageDump, WhatWritesOrReadsOneHearsThatItIsToStop) {
+  const std::string dump = dump_stage(Stage::names, small_system, "s.yaml", ask_nobody);
+  EXPECT_THROW(dump_stage(Stage::names, small_system, "s.yaml", ask_nobody, stopped()),
+               Interrupted);
+  EXPECT_THROW(parse_system(dump, "s.json", ask_nobody, stopped()), Interrupted);
+  // In the middle.
+  InterfaceAutomaton large(Alphabet({"a"}), Alphabet(std::vector<std::string>{}), 5000);
+  EXPECT_THROW(json_of(large, stopped()), Interrupted);
+  const nlohmann::json whole = json_of(large);
+  EXPECT_THROW(automaton_of(whole, stopped()), Interrupted);
+  EXPECT_EQ(automaton_of(whole).size(), 5000u);
+}
+
+TEST(StageDump, KeepsTheValuesOfConstantsThatWereSet) {
+  const std::vector<ConstantSetting> three{{"n", "3"}};
+  const System system = parse_system(small_system, "s.yaml", ask_nobody, {}, three);
+  EXPECT_EQ(system.settings, three);
+  for (const Stage stage : {Stage::names, Stage::models, Stage::system}) {
+    const std::string dump = dump_stage(stage, small_system, "s.yaml", ask_nobody, {}, three);
+    EXPECT_EQ(json_text(parse_system(dump, "d", ask_nobody)), json_text(system));
+    EXPECT_EQ(json_text(parse_system(dump, "d", ask_nobody, {}, three)), json_text(system));
+    EXPECT_THROW(parse_system(dump, "d", ask_nobody, {}, {{"n", "2"}}), UsageError);
+  }
+  EXPECT_THAT(dump_stage(Stage::tree, small_system, "s.yaml", ask_nobody, {}, three),
+              HasSubstr("{n: 3, m: n}"));
 }
 
 TEST(StageDump, OfEachStageOfEachExampleLeadsToTheSameSystem) {

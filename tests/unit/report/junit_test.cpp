@@ -55,6 +55,16 @@ TEST(JUnit, WritesEachCaseWithWhatBecameOfIt) {
 )");
 }
 
+TEST(JUnit, ACaseThatCouldNotBeJudgedIsAnError) {
+  JUnitSuite suite;
+  suite.name = "s";
+  suite.error = "interrupted";
+  suite.cases = {{"stuck", "", "", "", "a \"limit\"", 0.5}};
+  EXPECT_THAT(text_of(suite), HasSubstr("tests=\"2\" failures=\"0\" errors=\"2\" skipped=\"0\""));
+  EXPECT_THAT(text_of(suite), HasSubstr("name=\"stuck\" time=\"0.500\">\n      <error "
+                                        "message=\"a &quot;limit&quot;\"/>\n    </testcase>\n"));
+}
+
 TEST(JUnit, ASuiteThatDidNotEndHasAnError) {
   JUnitSuite suite;
   suite.name = "s";

@@ -2,18 +2,26 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
+#include <cstddef>
+#include <functional>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <ostream>
 #include <utility>
 #include <vector>
 
 #include "maide/base/error.hpp"
+#include "maide/base/file.hpp"
+#include "maide/base/free_beside.hpp"
 #include "maide/base/hash.hpp"
 #include "maide/base/json.hpp"
 #include "maide/base/text.hpp"
+#include "maide/base/text_cursor.hpp"
 #include "maide/base/version.hpp"
 #include "maide/check/build/build_system.hpp"
+#include "maide/check/build/constant_settings.hpp"
 #include "maide/check/build/declarations.hpp"
 #include "maide/check/build/models.hpp"
 #include "maide/check/build/system_file.hpp"
@@ -157,38 +165,109 @@ Json names_of(const Declarations& file) {
           {"procedures", procedures}};
 }
 
+Json json_of(const std::vector<ConstantSetting>& settings) {
+  Json values = Json::object();
+  for (const auto& [name, value] : settings) values[name] = value;
+  return values;
+}
+
+// ---- Writing ------------------------------------------------------------------------------------
+
+constexpr const char* writing = "writing the dump";
+
 // Members and elements a line each, those of the third level and deeper in one.
-void write(std::string& out, const Json& value, std::size_t level) {
+template <typename Value>
+void write(std::ostream& out, const Value& value, std::size_t level) {
   if (level > 3 || !value.is_structured() || value.empty()) {
-    out += value.dump(-1, ' ', false, Json::error_handler_t::strict);
+    out << value;
     return;
   }
-  out += value.is_object() ? '{' : '[';
+  out << (value.is_object() ? '{' : '[');
   for (auto member = value.begin(); member != value.end(); ++member) {
-    out += (member == value.begin() ? "\n" : ",\n") + std::string(level, ' ');
-    if (value.is_object()) out += Json(member.key()).dump() + ": ";
+    out << (member == value.begin() ? "\n" : ",\n") << std::string(level, ' ');
+    if (value.is_object()) out << Value(member.key()) << ": ";
     write(out, *member, level + 1);
   }
-  out += '\n' + std::string(level - 1, ' ') + (value.is_object() ? '}' : ']');
+  out << '\n' << std::string(level - 1, ' ') << (value.is_object() ? '}' : ']');
+}
+
+// What `make` writes, in pieces, between which the control is heard.
+void in_pieces(const RunControl& control, const std::function<void(std::string_view)>& take,
+               const std::function<void(std::ostream&)>& make) {
+  ChunkedStream pieces([&](std::string_view piece) {
+    control.check(writing);
+    take(piece);
+  });
+  make(pieces.stream());
+  pieces.finish();
+}
+
+// Of all that the dump says but the sum itself, in the order of the members' names.
+std::string sum_of(const nlohmann::json& content, const RunControl& control) {
+  std::uint64_t sum = hash_start;
+  in_pieces(
+      control,
+      [&](std::string_view piece) {
+        for (const char byte : piece) sum = hash_step(sum, static_cast<unsigned char>(byte));
+      },
+      [&](std::ostream& out) { out << content; });
+  return fmt::format("{:016x}", sum);
+}
+
+// `names` are those of the content in the order in which a person reads them.
+std::string dump_text(const nlohmann::json& content, const Json& names, const RunControl& control) {
+  std::string text;
+  in_pieces(
+      control, [&](std::string_view piece) { text += piece; },
+      [&](std::ostream& out) {
+        const char* before = "{\n";
+        for (const char* const key :
+             {stage_key, "version", "file", "set", "names", "answers", "system", "text", "sum"}) {
+          const auto member = content.find(key);
+          if (member == content.end()) continue;
+          out << before << ' ' << Json(key) << ": ";
+          if (std::string_view(key) == "names") {
+            write(out, names, 2);
+          } else {
+            write(out, *member, 2);
+          }
+          before = ",\n";
+        }
+        out << "\n}\n";
+      });
+  return text;
 }
 
 // ---- Reading ------------------------------------------------------------------------------------
 
+// What a dump says, which may be much: freed beside what comes next.
+struct Content {
+  Content() = default;
+  Content(const Content&) = delete;
+  Content& operator=(const Content&) = delete;
+  ~Content() {
+    if (!value.empty()) free_beside(std::move(value));
+  }
+  nlohmann::json value;
+};
+
 // A dump of names, models or a system, and what it says.
 class StageDump {
  public:
-  StageDump(std::string_view text, const std::string& file) : file_(file) {
+  StageDump(std::string_view text, const std::string& file, const RunControl& control)
+      : file_(file), control_(control) {
     try {
-      content_ = parse_json(text, file);
-      stage_ = find_stage(content_.at(stage_key).get<std::string>());
-      const std::string sum = content_.at("sum").get<std::string>();
-      const std::string version_of = content_.at("version").get<std::string>();
+      dump_.value = parse_sorted_json(text, file, control);
+      stage_ = find_stage(dump_.value.at(stage_key).get<std::string>());
+      const std::string sum = dump_.value.at("sum").get<std::string>();
+      const std::string version_of = dump_.value.at("version").get<std::string>();
       if (version_of != version()) {
         fail(fmt::format("the dump is of maide {}, and this is {}: make it anew", version_of,
                          version()));
       }
-      content_.erase("sum");
-      if (!stage_ || sum != sum_of(content_)) fail("the dump was changed: make it anew");
+      dump_.value.erase("sum");
+      if (!stage_ || sum != sum_of(dump_.value, control))
+        fail("the dump was changed: make it anew");
     } catch (const nlohmann::json::exception&) {
       fail("no dump of a stage that is whole: make it anew");
     }
@@ -196,19 +275,38 @@ class StageDump {
 
   Stage stage() const { return *stage_; }
   std::string text() const {
-    return fmt::format("{}", fmt::join(content_.at("text").get<std::vector<std::string>>(), "\n"));
+    return fmt::format("{}",
+                       fmt::join(dump_.value.at("text").get<std::vector<std::string>>(), "\n"));
   }
-  std::string file() const { return content_.at("file").get<std::string>(); }
+  std::string file() const { return dump_.value.at("file").get<std::string>(); }
 
-  System system() const { return system_of(nlohmann::json(content_.at("system"))); }
+  // Of the constants.
+  std::vector<ConstantSetting> settings() const {
+    std::vector<ConstantSetting> settings;
+    if (!dump_.value.contains("set")) return settings;
+    for (const auto& [name, value] : dump_.value.at("set").items()) {
+      settings.push_back({name, value.get<std::string>()});
+    }
+    return settings;
+  }
+  void check_settings(const std::vector<ConstantSetting>& wanted) const {
+    if (wanted.empty() || nlohmann::json(json_of(wanted)) == nlohmann::json(json_of(settings()))) {
+      return;
+    }
+    throw UsageError(fmt::format(
+        "a dump has the values of its constants, and {} cannot be set: make it anew ({})",
+        to_string(wanted), file_));
+  }
+
+  System system() const { return system_of(dump_.value.at("system"), control_); }
   // Asks for each request with the answer that the dump has.
   ModelSource source(const ModelSource& others) const {
     return [this, others](const ModelRequest& request) {
-      for (const Json& answer : content_.at("answers")) {
-        if (answer.at("request") != json_of(request)) continue;
+      for (const nlohmann::json& answer : dump_.value.at("answers")) {
+        if (answer.at("request") != nlohmann::json(json_of(request))) continue;
         ModelRequest known = request;
         known.known = std::make_shared<const InterfaceAutomaton>(
-            automaton_of(nlohmann::json(answer.at("automaton"))));
+            automaton_of(answer.at("automaton"), control_));
         return others(known);
       }
       throw ParseError(
@@ -217,14 +315,9 @@ class StageDump {
     };
   }
   void check_names(const Declarations& declared) const {
-    if (content_.at("names") != names_of(declared)) {
+    if (dump_.value.at("names") != nlohmann::json(names_of(declared))) {
       fail("the names of the dump are not those of its file: make it anew");
     }
-  }
-
-  static std::string sum_of(const Json& content) {
-    return fmt::format("{:016x}",
-                       hash_text(content.dump(-1, ' ', false, Json::error_handler_t::strict)));
   }
 
  private:
@@ -233,20 +326,29 @@ class StageDump {
   }
 
   std::string file_;
-  Json content_;
+  const RunControl& control_;
+  Content dump_;
   std::optional<Stage> stage_;
 };
 
 // A file, or what an earlier stage made of it.
 struct Source {
   std::string text, file;
+  std::vector<ConstantSetting> settings;
   std::optional<StageDump> dump;
 
-  Source(std::string_view given, const std::string& name) : text(given), file(name) {
-    if (!is_stage_dump(given)) return;
-    dump.emplace(given, name);
-    text = dump->text();
-    file = dump->file();
+  Source(std::string_view given, const std::string& name, const RunControl& control,
+         const std::vector<ConstantSetting>& wanted)
+      : file(name), settings(wanted) {
+    if (is_stage_dump(given)) {
+      dump.emplace(given, name, control);
+      dump->check_settings(wanted);
+      text = dump->text();
+      file = dump->file();
+      settings = dump->settings();
+    } else {
+      text = with_settings(std::string(given), name, wanted);
+    }
   }
 
   Declarations declare() const {
@@ -269,53 +371,74 @@ std::optional<Stage> find_stage(std::string_view name) {
 }
 
 std::string dump_stage(Stage stage, std::string_view text, const std::string& file,
-                       const ModelSource& source, const RunControl& control) {
-  const Source from(text, file);
+                       const ModelSource& source, const RunControl& control,
+                       const std::vector<ConstantSetting>& settings) {
+  const Source from(text, file, control, settings);
   if (from.dump && from.dump->stage() == stage) return std::string(text);
   if (stage == Stage::tree) return format_system(from.text, from.file);
-  Json content{{stage_key, stage_names[static_cast<std::size_t>(stage)]},
-               {"version", version()},
-               {"file", from.file}};
   const Declarations declared = from.declare();
-  content["names"] = names_of(declared);
+  const Json names = names_of(declared);
+  Content dump;
+  nlohmann::json& content = dump.value;
+  content = {{stage_key, stage_names[static_cast<std::size_t>(stage)]},
+             {"version", version()},
+             {"file", from.file},
+             {"names", names},
+             {"text", split(from.text, '\n')}};
+  if (!from.settings.empty()) content["set"] = json_of(from.settings);
   if (stage != Stage::names) {
     const ModelSource asked = from.models(source);
-    Json answers = Json::array();
+    nlohmann::json answers = nlohmann::json::array();
     Models models = find_models(declared, [&](const ModelRequest& request) {
       InterfaceAutomaton automaton = asked(request);
-      answers.push_back({{"request", json_of(request)}, {"automaton", Json(json_of(automaton))}});
+      if (stage == Stage::models) {
+        answers.push_back(
+            {{"request", json_of(request)}, {"automaton", json_of(automaton, control)}});
+      }
       return automaton;
     });
     if (stage == Stage::models) content["answers"] = std::move(answers);
     if (stage == Stage::system) {
-      content["system"] = Json(json_of(build_system(declared, std::move(models), {}, control)));
+      System system = build_system(declared, std::move(models), {}, control);
+      system.settings = from.settings;
+      content["system"] = json_of(system, control);
     }
   }
-  content["text"] = split(from.text, '\n');
   try {
-    content["sum"] = StageDump::sum_of(content);
-    std::string written;
-    write(written, content, 1);
-    return written + "\n";
-  } catch (const Json::type_error&) {
+    content["sum"] = sum_of(content, control);
+    return dump_text(content, names, control);
+  } catch (const nlohmann::json::type_error&) {
     throw UsageError(
         fmt::format("a dump is JSON, and not all names and texts here are UTF-8 ({})", file));
   }
 }
 
 bool is_stage_dump(std::string_view text) {
+  text = without_byte_order_mark(text);
+  text.remove_prefix(std::min(text.find_first_not_of(" \t\r\n"), text.size()));
   if (!text.starts_with('{')) return false;
-  const std::size_t key = text.find('"');
-  return text.find_first_not_of(" \t\r\n", 1) == key &&
-         text.substr(key + 1).starts_with(std::string(stage_key) + '"');
+  const std::string key = std::string(stage_key) + '"';
+  std::size_t depth = 0;
+  for (std::size_t at = 0; at < text.size(); ++at) {
+    const char c = text[at];
+    if (c == '{' || c == '[') ++depth;
+    if (c == '}' || c == ']') --depth;
+    if (depth == 0) return false;
+    if (c != '"') continue;
+    if (depth == 1 && text.substr(at + 1).starts_with(key)) return true;
+    while (++at < text.size() && text[at] != '"') at += text[at] == '\\' ? 1 : 0;
+  }
+  return false;
 }
 
 System parse_stage_dump(std::string_view text, const std::string& file, const ModelSource& source,
-                        const RunControl& control) {
-  const Source from(text, file);
+                        const RunControl& control, const std::vector<ConstantSetting>& settings) {
+  const Source from(text, file, control, settings);
   if (from.dump->stage() == Stage::system) return from.dump->system();
   const Declarations declared = from.declare();
-  return build_system(declared, find_models(declared, from.models(source)), {}, control);
+  System system = build_system(declared, find_models(declared, from.models(source)), {}, control);
+  system.settings = from.settings;
+  return system;
 }
 
 }  // namespace maide

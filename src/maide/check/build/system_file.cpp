@@ -2,21 +2,25 @@
 
 #include "maide/base/file.hpp"
 #include "maide/check/build/build_system.hpp"
+#include "maide/check/build/constant_settings.hpp"
 #include "maide/check/build/stage_dump.hpp"
 
 namespace maide {
 
 System parse_system(std::string_view text, const std::string& file, const ModelSource& source,
-                    const RunControl& control) {
-  if (is_stage_dump(text)) return parse_stage_dump(text, file, source, control);
-  const Declarations declared = declare(read_tree(text, file));
-  return build_system(declared, find_models(declared, source), {}, control);
+                    const RunControl& control, const std::vector<ConstantSetting>& settings) {
+  if (is_stage_dump(text)) return parse_stage_dump(text, file, source, control, settings);
+  const std::string changed = with_settings(std::string(text), file, settings);
+  const Declarations declared = declare(read_tree(changed, file));
+  System system = build_system(declared, find_models(declared, source), {}, control);
+  system.settings = settings;
+  return system;
 }
 
 System read_system(const std::filesystem::path& path, const ModelSource& source,
-                   const RunControl& control) {
+                   const RunControl& control, const std::vector<ConstantSetting>& settings) {
   const std::string text = read_file(path, control);
-  return parse_system(text, path.string(), source, control);
+  return parse_system(text, path.string(), source, control, settings);
 }
 
 }  // namespace maide

@@ -21,6 +21,7 @@
 #include <filesystem>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "maide/base/run_control.hpp"
 #include "maide/check/build/model_source.hpp"
@@ -31,15 +32,17 @@ namespace maide {
 // Parses the text of a system file; `file` is for messages and the folder of its models. Throws
 // ParseError (file:line:column) for everything that is not as it should be, unknown keys included.
 // The search for the states of large queues (queue_growth.hpp) gives up when the control's time is
-// up; its stop token interrupts it (throws Interrupted).
+// up; its stop token interrupts it (throws Interrupted). `settings` are other values of constants
+// (constant_settings.hpp); a dump has its own, and UsageError is thrown where these are others.
 System parse_system(std::string_view text, const std::string& file,
                     const ModelSource& source = read_requested_model,
-                    const RunControl& control = {});
+                    const RunControl& control = {},
+                    const std::vector<ConstantSetting>& settings = {});
 
 // Reads and parses. Throws UsageError if the file cannot be read. A pipe is waited for until
 // `control` says stop (throws Interrupted).
 System read_system(const std::filesystem::path& path,
-                   const ModelSource& source = read_requested_model,
-                   const RunControl& control = {});
+                   const ModelSource& source = read_requested_model, const RunControl& control = {},
+                   const std::vector<ConstantSetting>& settings = {});
 
 }  // namespace maide

@@ -183,6 +183,7 @@ Part::Part(const System& whole, std::vector<std::uint32_t> programs, const Prope
   add_models_joined(whole, models);
   System& own = own_.emplace();
   own.file = whole.file;
+  own.settings = whole.settings;
   own.words = whole.words;
   program_numbers_.resize(whole.programs.size(), not_there);
   model_numbers_.resize(whole.models.size(), not_there);

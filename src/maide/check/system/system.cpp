@@ -10,6 +10,14 @@
 #include "maide/formats/names.hpp"
 
 namespace maide {
+std::string to_string(const std::vector<ConstantSetting>& settings) {
+  std::string text;
+  for (const auto& [name, value] : settings) {
+    text += (text.empty() ? "" : ", ") + name + "=" + value;
+  }
+  return text;
+}
+
 std::vector<ProgramInterface> System::interfaces() const {
   std::vector<ProgramInterface> result;
   for (const ModelInstance& model : models) {

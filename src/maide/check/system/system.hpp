@@ -160,8 +160,17 @@ struct Property {
   SourcePosition position;
 };
 
+// A constant of the file that has another value than the file's.
+struct ConstantSetting {
+  std::string name, value;
+  bool operator==(const ConstantSetting&) const = default;
+};
+// "n=5, k=2".
+std::string to_string(const std::vector<ConstantSetting>& settings);
+
 struct System {
   std::string file;
+  std::vector<ConstantSetting> settings;  // each of another constant
   std::vector<ModelInstance> models;
   std::vector<TopicInstance> topics;
   std::vector<ServiceInstance> services;
@@ -177,6 +186,10 @@ struct System {
   std::map<std::string, std::string> sources;  // texts of the files that programs stand in, by name
 
   std::vector<ProgramInterface> interfaces() const;  // of the models, in order
+  // "s.yaml", or "s.yaml with n=5".
+  std::string title() const {
+    return settings.empty() ? file : file + " with " + to_string(settings);
+  }
 };
 
 struct GlobalState {

@@ -10,11 +10,42 @@
 
 #include "maide/check/ltl/ltl_automaton.hpp"
 
+namespace maide {
+namespace {
+
+// The conversions are called by nlohmann::json, which hands on no argument of ours.
+thread_local const RunControl* heard = nullptr;
+thread_local std::uint32_t unheard = 0;
+
+// As long as one lives, conversions on this thread hear of that control.
+class Hearing {
+ public:
+  explicit Hearing(const RunControl& control) : before_(std::exchange(heard, &control)) {}
+  ~Hearing() { heard = before_; }
+  Hearing(const Hearing&) = delete;
+  Hearing& operator=(const Hearing&) = delete;
+
+ private:
+  const RunControl* before_;
+};
+
+// Of each of what may be there by the million.
+void hear() {
+  constexpr std::uint32_t most_unheard = 4096;
+  if (heard == nullptr || ++unheard < most_unheard) return;
+  unheard = 0;
+  heard->check("a dump");
+}
+
+}  // namespace
+}  // namespace maide
+
 namespace nlohmann {
 
 template <typename Value>
 struct adl_serializer<std::optional<Value>> {
   static void to_json(json& to, const std::optional<Value>& from) {
+    maide::hear();
     if (from) {
       to = *from;
     } else {
@@ -22,6 +53,7 @@ struct adl_serializer<std::optional<Value>> {
     }
   }
   static void from_json(const json& from, std::optional<Value>& to) {
+    maide::hear();
     to = from.is_null() ? std::nullopt : std::optional<Value>(from.get<Value>());
   }
 };
@@ -58,6 +90,7 @@ static void to_json(json& to, const InterfaceAutomaton& automaton) {
         {"actors", automaton.actors},           {"hidden_returns", automaton.hidden_returns}};
   json& states = to["states"] = json::array();
   for (StateId state = 0; state < automaton.size(); ++state) {
+    hear();
     json transitions = json::array();
     for (const InterfaceAutomaton::Transition& known : automaton.transitions(state)) {
       transitions.push_back({known.action.kind, known.action.symbol, known.target, known.absorbed});
@@ -77,6 +110,7 @@ static void from_json(const json& from, InterfaceAutomaton& automaton) {
   from.at("actors").get_to(automaton.actors);
   from.at("hidden_returns").get_to(automaton.hidden_returns);
   for (StateId state = 0; state < states.size(); ++state) {
+    hear();
     for (const json& known : states[state].at(0)) {
       automaton.add_transition(state, {known.at(0).get<Action::Kind>(), known.at(1).get<Symbol>()},
                                known.at(2).get<StateId>(), known.at(3).get<bool>());
@@ -104,16 +138,22 @@ static void from_json(const json& from, WordTable& words) {
 
 static void to_json(json& to, const ModelUse& use) { to = {use.kind, use.model, use.index}; }
 static void from_json(const json& from, ModelUse& use) {
+  hear();
   use = {from.at(0).get<ModelUse::Kind>(), from.at(1).get<std::uint32_t>(),
          from.at(2).get<Symbol>()};
 }
 
-static void to_json(json& to, const ModelStep& step) { to = {step.target, step.is_beyond}; }
+static void to_json(json& to, const ModelStep& step) {
+  hear();
+  to = {step.target, step.is_beyond};
+}
 static void from_json(const json& from, ModelStep& step) {
+  hear();
   step = {from.at(0).get<StateId>(), from.at(1).get<bool>()};
 }
 
 static void to_json(json& to, const ProgramEdge& edge) {
+  hear();
   to = {edge.kind, edge.model, edge.index, edge.target, edge.line, edge.column, edge.origin};
 }
 static void from_json(const json& from, ProgramEdge& edge) {
@@ -125,10 +165,12 @@ static void from_json(const json& from, ProgramEdge& edge) {
 }
 
 static void to_json(json& to, const Program::State& state) {
+  hear();
   to = {state.first_edge, state.edge_count, state.label_set, state.round,
         state.valuation,  state.error,      state.may_rest,  state.waits};
 }
 static void from_json(const json& from, Program::State& state) {
+  hear();
   const auto number = [&](std::size_t place) { return from.at(place).get<std::uint32_t>(); };
   state = {number(0),
            number(1),
@@ -177,13 +219,26 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ExecutorInstance, name, threads, goes_by_roun
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(CallbackInstance, kind, node, name, executor, group,
                                    is_reentrant, model)
 
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(System, file, models, topics, services, executors, callbacks,
-                                   programs, nobodys_actions, nobodys_groups, properties, remarks,
-                                   expressions, words, sources)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ConstantSetting, name, value)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(System, file, settings, models, topics, services, executors,
+                                   callbacks, programs, nobodys_actions, nobodys_groups, properties,
+                                   remarks, expressions, words, sources)
 
-json json_of(const System& system) { return system; }
-json json_of(const InterfaceAutomaton& automaton) { return automaton; }
-System system_of(const json& from) { return from.get<System>(); }
-InterfaceAutomaton automaton_of(const json& from) { return from.get<InterfaceAutomaton>(); }
+json json_of(const System& system, const RunControl& control) {
+  const Hearing hearing(control);
+  return system;
+}
+json json_of(const InterfaceAutomaton& automaton, const RunControl& control) {
+  const Hearing hearing(control);
+  return automaton;
+}
+System system_of(const json& from, const RunControl& control) {
+  const Hearing hearing(control);
+  return from.get<System>();
+}
+InterfaceAutomaton automaton_of(const json& from, const RunControl& control) {
+  const Hearing hearing(control);
+  return from.get<InterfaceAutomaton>();
+}
 
 }  // namespace maide

@@ -5,17 +5,19 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include "maide/automata/interface_automaton.hpp"
+#include "maide/base/run_control.hpp"
 #include "maide/check/system/system.hpp"
 
 namespace maide {
 
-// Edges and transitions are lists of numbers, for there may be millions. O(system).
-nlohmann::json json_of(const System& system);
-nlohmann::json json_of(const InterfaceAutomaton& automaton);
+// Edges and transitions are lists of numbers, for there may be millions. All four throw Interrupted
+// when the control says stop. O(system).
+nlohmann::json json_of(const System& system, const RunControl& control = {});
+nlohmann::json json_of(const InterfaceAutomaton& automaton, const RunControl& control = {});
 
 // The way back. JSON that json_of() did not make throws nlohmann::json::exception, or gives what
 // must not be used: numbers are not checked.
-System system_of(const nlohmann::json& from);
-InterfaceAutomaton automaton_of(const nlohmann::json& from);
+System system_of(const nlohmann::json& from, const RunControl& control = {});
+InterfaceAutomaton automaton_of(const nlohmann::json& from, const RunControl& control = {});
 
 }  // namespace maide

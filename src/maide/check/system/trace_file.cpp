@@ -25,6 +25,17 @@ std::string to_string(const StepText& step) {
   return fmt::format("{}{} {}{}", actor, place, step.model, step.event);
 }
 
+// Whatever the order.
+bool is_same(std::vector<ConstantSetting> left, std::vector<ConstantSetting> right) {
+  std::ranges::sort(left, {}, &ConstantSetting::name);
+  std::ranges::sort(right, {}, &ConstantSetting::name);
+  return left == right;
+}
+
+std::string describe(const std::vector<ConstantSetting>& settings) {
+  return settings.empty() ? "the file's values of all constants" : maide::to_string(settings);
+}
+
 // Walks along the text through all states that the steps named so far may have led to.
 class TraceReader {
  public:
@@ -38,6 +49,11 @@ class TraceReader {
       throw UsageError("no trace: it must be an object with 'steps' (" + file_ + ")");
     }
     read_version(root);
+    if (const auto settings = settings_of_trace(root, file_);
+        !is_same(settings, system_.settings)) {
+      throw UsageError(fmt::format("the trace was found with {}, and not with {} ({})",
+                                   describe(settings), describe(system_.settings), file_));
+    }
     const Json& steps = root["steps"];
     if (steps.size() > max_steps) throw UsageError("a trace has too many steps (" + file_ + ")");
     read_loop_start(root, steps.size());
@@ -180,6 +196,20 @@ class TraceReader {
 
 }  // namespace
 
+std::vector<ConstantSetting> settings_of_trace(const Json& trace, const std::string& file) {
+  std::vector<ConstantSetting> settings;
+  if (!trace.is_object() || !trace.contains("set")) return settings;
+  const Json& set = trace["set"];
+  const auto is_text = [](const Json& value) { return value.is_string(); };
+  if (!set.is_object() || !std::ranges::all_of(set, is_text)) {
+    throw UsageError("'set' must name constants, each with its value as a text (" + file + ")");
+  }
+  for (const auto& [name, value] : set.items()) {
+    settings.push_back({name, value.get<std::string>()});
+  }
+  return settings;
+}
+
 std::vector<ChangedValue> find_changes(const System& system, const GlobalState& before,
                                        const GlobalState& after, std::uint32_t actor) {
   std::vector<ChangedValue> changes;
@@ -275,11 +305,12 @@ Json trace_to_json(const System& system, const Trace& trace) {
 }
 
 Json trace_file_to_json(const System& system, const std::string& property, const Trace& trace) {
-  return {{"version", trace_file_version},
-          {"system", system.file},
-          {"property", property},
-          {"steps", to_json(system, trace, "actor")},
-          {"loop_start", trace.loop_start ? Json(*trace.loop_start) : Json()}};
+  Json file{{"version", trace_file_version}, {"system", system.file}};
+  for (const auto& [name, value] : system.settings) file["set"][name] = value;
+  file["property"] = property;
+  file["steps"] = to_json(system, trace, "actor");
+  file["loop_start"] = trace.loop_start ? Json(*trace.loop_start) : Json();
+  return file;
 }
 
 TraceFile parse_trace(std::string_view text, const std::string& file, const System& system) {

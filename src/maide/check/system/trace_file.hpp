@@ -7,7 +7,8 @@
 //    "steps": [{"actor": "planner", "line": 8, "model": "via", "event": "?write"},
 //              {"actor": null, "line": 3, "model": null, "event": "image arrives"}, ...]}
 //
-// No actor is nobody. A step may have further members, which follow from the system and are not
+// `set`, if it is there, has the values of constants that are not the file's: {"n": "5"}. No actor
+// is nobody. A step may have further members, which follow from the system and are not
 // read: `values` (of variables that it changes), `origin` (its place in another file), `on_its_way`
 // (behind it, by wire) and `lost` (by it). Version 1 has no `version`, and `program` for `actor`.
 #pragma once
@@ -50,10 +51,14 @@ struct TraceFile {
   Trace trace;
 };
 
+// The constants' values that the trace was found with: `set`. `file` is for messages. Throws
+// UsageError.
+std::vector<ConstantSetting> settings_of_trace(const Json& trace, const std::string& file);
+
 // Finds the steps that the text names in the system; `file` is for messages. Where a model is
 // nondeterministic a text may stand for several runs: it is one of them. Throws ParseError for what
 // is no JSON, UsageError for what is no trace, or one of another system, with the number of the
-// step. O(steps x models + enabled steps).
+// step, or with other values of constants. O(steps x models + enabled steps).
 TraceFile parse_trace(std::string_view text, const std::string& file, const System& system);
 
 // Reads and parses. Throws UsageError if the file cannot be read. A pipe is waited for until

@@ -549,6 +549,10 @@ Shown shown_part(const System& system, const PropertyResult& result) {
 
 std::vector<std::string> all_remarks(const System& system, const CheckReport& report) {
   std::vector<std::string> remarks = system.remarks;
+  if (!system.settings.empty()) {
+    remarks.insert(remarks.begin(),
+                   "constants have other values than in the file: " + to_string(system.settings));
+  }
   remarks.insert(remarks.end(), report.remarks.begin(), report.remarks.end());
   return remarks;
 }

@@ -84,7 +84,7 @@ void PromelaText::heading(const System& system, PromelaOptions::Purpose purpose)
     }
     return "";
   };
-  line(fmt::format("/* {}: {} */", promela_comment(system.file), describe()));
+  line(fmt::format("/* {}: {} */", promela_comment(system.title()), describe()));
 }
 
 void PromelaText::idling(std::string_view head, bool has_events) {
