@@ -25,18 +25,16 @@
 // for word.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <functional>
-#include <map>
 #include <memory>
-#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "maide/base/error.hpp"
-#include "maide/learn/cache/trace_tree.hpp"
 #include "maide/learn/oracle/equivalence_oracle.hpp"
 #include "maide/learn/oracle/output_oracle.hpp"
 #include "maide/learn/oracle/vote.hpp"
@@ -44,6 +42,9 @@
 namespace maide {
 
 class CacheFile;
+class CacheVotes;
+class KnownAnswers;
+struct CacheLookup;
 
 // An answer that was handed up in this run was wrong, and is corrected. Whoever asked must begin
 // again. That costs little, because the cache answers.
@@ -67,6 +68,8 @@ class Cache : public OutputOracle {
   // Starts with what `file` holds and keeps every fresh answer there; keeps both references. Throws
   // UsageError if the file contradicts itself.
   Cache(OutputOracle& system, CacheFile& file, Refusals refusals = Refusals::are_outputs);
+  Cache(Cache&& other) noexcept;
+  ~Cache() override;
 
   using OutputOracle::ask;
   const Alphabet& inputs() const override { return system_.inputs(); }
@@ -100,109 +103,52 @@ class Cache : public OutputOracle {
   std::uint64_t hits() const { return hits_; }      // queries that needed no system
   std::uint64_t misses() const { return misses_; }  // queries sent to the system
   // Inputs observed, each once for each word that leads to it.
-  std::uint64_t observation_count() const { return tree_.edge_count(); }
-  std::uint64_t bytes() const { return tree_.bytes(); }
+  std::uint64_t observation_count() const;
+  std::uint64_t bytes() const;
 
   // Throws std::logic_error unless the tree, the numberings and the votes fit together. Between two
   // calls. O(observations).
   void check_invariants() const;
 
  private:
-  class ConsistencyTest;
-  class VoteScope;
-
   static constexpr Symbol no_symbol = ~Symbol{0};
 
-  // What the tree knows of a query.
-  struct Lookup {
-    // Outputs in the tree's numbering, as far as the tree goes; inputs of words only to the end.
-    MealyAnswer answer;
-    TraceTree::Node node = TraceTree::root;  // where it leads, behind refused inputs
-    bool is_whole = false;                   // the answer goes to the end of the query
-  };
-
-  // Both mark what they read as asked in this run.
-  Lookup look_up(const Query& query);
-  std::vector<Lookup> look_up_all(std::span<const Query> batch);
-  void follow_in_turn(std::span<const std::span<const Symbol>> words, std::vector<Lookup>& results);
-  bool is_refusal(Symbol output) const {
-    return has_refusals_ && output < is_refusal_.size() && is_refusal_[output];
-  }
-  // Where one is behind an edge from `node`.
-  TraceTree::Node behind(TraceTree::Node node, TraceTree::Node edge) const {
-    return is_refusal(tree_.output(edge)) ? node : edge;
-  }
-  void learn_refusals();
-  bool has_refused(const Lookup& known) const;
-  std::vector<Query> select_whole(std::span<const Query> batch, const std::vector<Lookup>& known);
-  Query without_refused(const Query& query, const Lookup& known) const;
-  // The word without the inputs that were refused, but for its last.
-  Word without_refused(std::span<const Symbol> inputs, std::span<const Symbol> outputs) const;
+  std::vector<Query> select_whole(std::span<const Query> batch,
+                                  const std::vector<CacheLookup>& known);
   void ask_system(std::span<const Query> batch, std::vector<std::size_t> unknown,
-                  std::vector<Lookup>& known, const RunControl& control);
+                  std::vector<CacheLookup>& known, const RunControl& control);
   static std::vector<std::size_t> select_queries(std::span<const Query> batch,
                                                  std::span<const std::size_t> unknown,
-                                                 const std::vector<Lookup>& known);
+                                                 const std::vector<CacheLookup>& known);
   std::vector<MealyAnswer> send(std::span<const Query> queries, const RunControl& control,
-                                std::span<const Lookup* const> known = {});
-  bool extend(const Query& query, const Lookup& known, const MealyAnswer& answer);
+                                std::span<const CacheLookup* const> known = {});
+  bool extend(const Query& query, const CacheLookup& known, const MealyAnswer& answer);
   std::vector<MealyAnswer> ask_below(std::span<const Query> queries, const RunControl& control);
   void insert(const Word& inputs, const Word& outputs);
-  // How many inputs agree before the outputs contradict the tree; nothing if they do not.
-  std::optional<std::size_t> find_conflict(const Word& inputs, const Word& outputs) const;
-  void check_refusals(const MealyAnswer& answer) const;
-  NondeterminismError contradiction(const Word& inputs, const Word& outputs,
-                                    std::size_t agreeing) const;
-
-  // Votes: cache_votes.cpp.
   bool accept(const MealyAnswer& answer, const RunControl& control);
-  void count_votes(const MealyAnswer& answer);
-  bool decide(const Word& word, Symbol other, const RunControl& control);
-  bool impose(const Word& word, Symbol output);
-  bool passes(TraceTree::Node edge, const Word& word, std::size_t input) const;
   void throw_if_corrected();
-  TraceTree::Node node_of(std::span<const Symbol> word) const;
-  Word known_outputs(std::span<const Symbol> word) const;
-  Contradiction describe(const Word& word) const;
+  void check_refusals(const MealyAnswer& answer) const;
   void learn_system_outputs();
   void hand_up(MealyAnswer& answer);
   Query to_stored(const DecisionTree& tree);
   Query to_system(const Query& query);
   std::span<const Query> to_system(std::span<const Query> batch,
                                    std::span<const std::size_t> selected,
-                                   const std::vector<Lookup>& known, std::vector<Query>& copies);
+                                   const std::vector<CacheLookup>& known,
+                                   std::vector<Query>& copies);
 
   OutputOracle& system_;
   CacheFile* file_ = nullptr;
-  // Three numberings of outputs: the system's; the tree's ("stored", the file's: in the order of
-  // recording); and that of `outputs_`, in which answers are handed up.
-  Alphabet stored_outputs_;
+  // Three numberings of outputs: the system's; that of what is known ("stored", the file's: in the
+  // order of recording); and that of `outputs_`, in which answers are handed up.
+  std::unique_ptr<KnownAnswers> known_;
   Alphabet outputs_;
-  std::vector<Symbol> handed_up_;    // stored -> outputs_, or no symbol while never handed up
-  std::vector<Symbol> from_system_;  // the system's -> stored
-  bool has_refusals_ = false;
-  std::vector<bool> is_refusal_;  // by stored output
-  std::uint64_t shortened_ = 0;   // words that were, or could have been, asked shorter
-  TraceTree tree_;                // a refused input is a leaf
-  std::uint64_t kept_ = 0;        // nodes of the tree that the file held
+  std::vector<Symbol> handed_up_;      // stored -> outputs_, or no symbol while never handed up
+  std::vector<Symbol> from_system_;    // the system's -> stored
+  std::unique_ptr<CacheVotes> votes_;  // null: none are held
+  std::uint64_t shortened_ = 0;        // words that were, or could have been, asked shorter
+  std::uint64_t kept_ = 0;             // edges of the tree that the file held
   std::uint64_t hits_ = 0, misses_ = 0;
-
-  struct Votes {
-    VoteOptions options;
-    std::function<void(bool)> on_vote;
-    int depth = 0;  // of votes that are being held
-    // The outputs seen to a word's last input, in the tree's numbering, where the others were as in
-    // the tree.
-    struct Watched {
-      Ballot ballot;
-      Word before;  // the two outputs that contradicted each other; they have no vote
-    };
-    std::map<Word, Watched> watched;    // each word that was ever contradicted
-    std::vector<Contradiction> closed;  // of words whose prefix was corrected since
-    std::optional<Word> corrected;      // a word handed up whose answer was corrected since
-    std::uint64_t corrections = 0;
-  };
-  std::optional<Votes> votes_;
 };
 
 }  // namespace maide
