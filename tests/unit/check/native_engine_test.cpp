@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <string>
+#include <vector>
 
 #include "maide/check/engines/engine.hpp"
 #include "mailbox_ranks.hpp"
@@ -601,6 +602,30 @@ TEST(NativeEngine, AssumptionsOfFairnessCostNoStates) {
   const PropertyResult holds = check(each, each.properties.front(), seconds(60));
   EXPECT_EQ(holds.verdict, Verdict::holds);
   EXPECT_LE(holds.states, 3 * 6 << 6);
+}
+
+// 42 pairs, whose marks are more than a word has bits: whoever is somewhere again and again is
+// everywhere again and again.
+TEST(NativeEngine, ManyAssumptionsOfFairness) {
+  std::vector<std::string> places;
+  for (const char* program : {"p0", "p1", "p2"}) {
+    for (const char* label : {"@a", "@b"}) places.push_back(std::string(program) + label);
+  }
+  places.emplace_back("(p0@a && p1@b)");
+  std::string all = "true";
+  for (const std::string& from : places) {
+    for (const std::string& to : places) {
+      if (from != to) all += " && (G F " + from + " -> G F " + to + ")";
+    }
+  }
+  const System follows = holders(3, "(" + all + ") -> G F (p0@a && p1@b)");
+  const PropertyResult holds = check(follows, follows.properties.front(), seconds(60));
+  EXPECT_EQ(holds.verdict, Verdict::holds);
+  EXPECT_LE(holds.states, 3U << 3);
+  const System denial = holders(3, "!(" + all + ")");
+  EXPECT_EQ(check(denial, denial.properties.front(), seconds(60)).verdict, Verdict::violated);
+  const System beyond = holders(3, "(" + all + ") -> G F (p0@a && p1@a && p2@b)");
+  EXPECT_EQ(check(beyond, beyond.properties.front(), seconds(60)).verdict, Verdict::violated);
 }
 
 // Under X assumptions are not taken for what they are.

@@ -365,7 +365,7 @@ class FairCycleSearch {
     MAIDE_CHECK(active_[roots_.top().first_active] == roots_.top().node);
     roots_.top().marks |= marks;
     roots_.top().has_edge = true;
-    if (graph_.wants_more() || !graph_.is_accepted(roots_.top().marks)) return;
+    if (!graph_.is_accepted(roots_.top().marks) || graph_.wants_more()) return;
     std::vector<Number> members = members_from(roots_.top().first_active);
     if (!graph_.has_pairs()) return found_round({std::move(members), {}});
     // An edge between two of them that was not taken yet may ask more.

@@ -194,13 +194,14 @@ class LtlMonitor {
       fair = moved_up(weakly_fair_marks(packed_.program_count(), fair_, program, enabled),
                       automaton_.mark_count);
     }
-    read(valuation(next, program, edge), at, fair | pair_marks(next, program, edge, at), follow);
+    if (most_pairs_ > 0) fair |= pair_marks(next, program, edge, at);
+    read(valuation(next, program, edge), at, fair, follow);
   }
   template <typename State, typename Follow>
   void stay(const State& state, std::uint32_t at, Follow&& follow) const {
-    const Bits fair = first_bits<Bits>(marks()) & ~first_bits<Bits>(automaton_.mark_count);
-    read(valuation(state, 0, PackedAtom::no_edge), at,
-         fair | pair_marks(state, 0, PackedAtom::no_edge, at), follow);
+    Bits fair = first_bits<Bits>(marks()) & ~first_bits<Bits>(automaton_.mark_count);
+    if (most_pairs_ > 0) fair |= pair_marks(state, 0, PackedAtom::no_edge, at);
+    read(valuation(state, 0, PackedAtom::no_edge), at, fair, follow);
   }
 
  private:
@@ -212,11 +213,11 @@ class LtlMonitor {
     }
     return valuation;
   }
+  // What the pairs of that state of the automaton are asked and answered.
   template <typename State>
   Bits pair_marks(const State& state, std::size_t program, std::uint32_t edge,
                   std::uint32_t at) const {
     Bits result{};
-    if (most_pairs_ == 0) return result;
     std::size_t bit = marks();
     for (const Pair& pair : pairs_[pairs_of_[at]]) {
       if (pair.answered.is_true(packed_, state, program, edge)) result |= bit_of<Bits>(bit);
