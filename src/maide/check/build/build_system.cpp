@@ -37,7 +37,6 @@ class SystemBuilder {
     for (const ExecutorDeclaration& executor : file_.executors) {
       system_.executors.push_back({executor.name, executor.threads, executor.goes_by_rounds});
     }
-    make_shared_variables();
     make_all_programs();
     find_own_variables();
     add_topics();
@@ -49,34 +48,6 @@ class SystemBuilder {
 
  private:
   // ---- Variables --------------------------------------------------------------------------------
-
-  bool is_own(const std::string& name) const {
-    return std::any_of(models_.own.begin(), models_.own.end(),
-                       [&](const auto& own) { return own.contains(name); });
-  }
-
-  // Those that several programs use become models of their own.
-  void make_shared_variables() {
-    for (auto& [name, variable] : models_.names.variables) {
-      if (is_own(name)) continue;
-      constexpr std::uint64_t most = 4096;
-      if (variable.type.count() > most) {
-        throw ParseError("a shared variable has at most " + std::to_string(most) + " values",
-                         variable.position);
-      }
-      variable.leaf.index = static_cast<std::uint32_t>(system_.models.size());
-      for (std::uint64_t member = 0; member < member_count(variable.leaf.dimensions); ++member) {
-        ModelInstance model;
-        model.name = name + member_suffix(variable.leaf.dimensions, member);
-        model.automaton = InterfaceAutomaton({}, {}, variable.type.count());
-        model.automaton.set_initial(static_cast<StateId>(variable.type.place_of(variable.initial)));
-        model.source = ModelInstance::Source::variable;
-        model.type = variable.type;
-        model.position = variable.position;
-        system_.models.push_back(std::move(model));
-      }
-    }
-  }
 
   // For formulas: where the variables stand that belong to one program.
   void find_own_variables() {
@@ -115,7 +86,7 @@ class SystemBuilder {
       const int last_line = declared.code ? declared.code->last.line : declared.position.line;
       Program& program = system_.programs.emplace_back(program_syntax::make_program(
           tree, {declared.name, number, declared.position, declared.may_die}, last_line, actions,
-          models_.names));
+          models_.names, control_));
       program.nodes = declared.nodes;
       program.execution = declared.execution;
       if (declared.thread) name_callbacks(program, *declared.thread);
@@ -123,22 +94,13 @@ class SystemBuilder {
     }
   }
 
-  // Behind an error it was not found out which variables are the program's own. So what is wrong
-  // with others is not told in its place.
   program_syntax::Tree resolve(std::uint32_t number) {
     const ProgramDeclaration& program = file_.programs[number];
     const program_syntax::Context known{
         system_.models,  models_.names, system_.words, number, models_.own[number],
         program.indices, nullptr,       nullptr,       {}};
-    try {
-      return program.thread
-                 ? program_syntax::resolve_thread(*program.thread, program.position, known)
-                 : program_syntax::resolve_program(*program.code, known);
-    } catch (const ParseError&) {
-      const auto before = models_.first_errors.find(number);
-      if (before == models_.first_errors.end()) throw;
-      throw before->second;
-    }
+    return program.thread ? program_syntax::resolve_thread(*program.thread, program.position, known)
+                          : program_syntax::resolve_program(*program.code, known);
   }
 
   static void name_callbacks(Program& program, const program_syntax::Thread& thread) {

@@ -552,7 +552,7 @@ void CodeResolver::resolve_taken(const syntax::Taken& taken, SelectArm& arm, Eve
     if (taken.output) pattern = events_.output(arm.model, *taken.output);
   }
   if (!arm.model.is_topic) return;
-  if (work_.context->knows_models &&
+  if (work_.context->stage != Context::Stage::names &&
       is_of_writer(events_.instance(arm.model).automaton, arm.event.name)) {
     names_.fail("a callback takes what a reader gets, and '" + arm.event.name + "' is the writer's",
                 taken.name_place);

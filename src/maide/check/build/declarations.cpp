@@ -190,7 +190,7 @@ void check_names(const Declarations& declared) {
     const ProgramDeclaration& program = file.programs[number];
     program_syntax::Context context = file.context(program.indices);
     context.program = number;
-    context.knows_models = false;
+    context.stage = program_syntax::Context::Stage::names;
     program_syntax::Tree tree =
         program.thread ? program_syntax::resolve_thread(*program.thread, program.position, context)
                        : program_syntax::resolve_program(*program.code, context);

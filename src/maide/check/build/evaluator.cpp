@@ -1,6 +1,7 @@
 #include "maide/check/build/evaluator.hpp"
 
 #include <algorithm>
+#include <functional>
 #include <utility>
 
 #include "maide/base/invariant.hpp"
@@ -23,6 +24,51 @@ Value Evaluator::evaluate(const Expression& expression, const Values& values,
     if (place == shared->end()) throw SharedDemand{index};
     return place->second;
   });
+}
+
+std::vector<Outcome<Result>> Evaluator::outcomes(const Expression& expression, const Values& values,
+                                                 const SourcePosition& where) const {
+  SharedValues known;
+  return outcomes_of<Result>(
+      [&](const SharedValues& shared) {
+        try {
+          return Result{evaluate(expression, values, &shared), "", 0, 0};
+        } catch (const EvaluationError& error) {
+          return Result{std::nullopt, error.text, error.line, error.column};
+        }
+      },
+      actions_, where, known);
+}
+
+std::vector<Outcome<AtomicResult>> Evaluator::outcomes_of_atomic(
+    const Block& block, const Values& values, const SourcePosition& where) const {
+  SharedValues known;
+  const std::function<AtomicResult(const SharedValues&)> run = [&](const SharedValues& shared) {
+    AtomicResult result{values, {}, "", 0, 0};
+    try {
+      execute(block, shared, result);
+    } catch (const EvaluationError& error) {
+      result = {{}, {}, error.text, error.line, error.column};
+    }
+    return result;
+  };
+  return outcomes_of(run, actions_, where, known);
+}
+
+void Evaluator::execute(const Block& block, const SharedValues& shared,
+                        AtomicResult& result) const {
+  for (const Statement& statement : block.statements) {
+    if (statement.kind == Statement::Kind::skip) continue;
+    const Value value = evaluate(*statement.expression, result.values, &shared, &result.writes);
+    if (statement.kind == Statement::Kind::when) {
+      execute(branch(statement, value), shared, result);
+    } else if (is_shared(statement.target)) {
+      check_range(statement.target, statement.type, value);
+      result.writes[element(statement.target, result.values)] = value;
+    } else {
+      set(statement.target, statement.type, value, result.values);
+    }
+  }
 }
 
 std::uint32_t Evaluator::element(const Expression& leaf, const Values& values) const {

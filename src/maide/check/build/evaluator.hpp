@@ -15,6 +15,23 @@ namespace maide::program_syntax {
 
 using Values = std::vector<std::optional<Value>>;  // by slot
 
+// What the evaluation of an expression comes to.
+struct Result {
+  std::optional<Value> value;
+  std::string error;  // if there is no value
+  int line = 0, column = 0;
+  bool operator==(const Result&) const = default;
+};
+
+// Of `atomic`: what it leaves behind.
+struct AtomicResult {
+  Values values;
+  SharedValues writes;
+  std::string error;
+  int line = 0, column = 0;
+  bool operator==(const AtomicResult&) const = default;
+};
+
 inline bool is_shared(const Expression& leaf) { return leaf.op == Expression::Operator::shared; }
 
 class Evaluator {
@@ -22,11 +39,23 @@ class Evaluator {
   // `number`: of the program. Keeps references.
   Evaluator(std::uint32_t number, ModelActions& actions, const Names& names)
       : number_(number), actions_(actions), names_(names) {}
+  virtual ~Evaluator() = default;
+  Evaluator(const Evaluator&) = delete;
+  Evaluator& operator=(const Evaluator&) = delete;
 
  protected:
   // `shared`: values of shared variables; null: it reads none.
   Value evaluate(const Expression& expression, const Values& values,
                  const SharedValues* shared = nullptr, const SharedValues* writes = nullptr) const;
+  // One for each set of values of the shared variables that it reads. Throws ParseError (at
+  // `where`) if they are too many.
+  std::vector<Outcome<Result>> outcomes(const Expression& expression, const Values& values,
+                                        const SourcePosition& where) const;
+  std::vector<Outcome<AtomicResult>> outcomes_of_atomic(const Block& block, const Values& values,
+                                                        const SourcePosition& where) const;
+  static const Block& branch(const Statement& statement, Value condition) {
+    return condition != 0 ? *statement.body : *statement.otherwise;
+  }
   // The slot or model that a variable or model with indices stands for.
   std::uint32_t element(const Expression& leaf, const Values& values) const;
   // The topic, if the reference is one and the program writes that; none of what stands for a
@@ -48,7 +77,7 @@ class Evaluator {
   // The name with its values: "write(3)".
   std::string name_of(const Event& event, const Values& values) const;
   // Throws EvaluationError: the model has no such input.
-  Symbol input_of(std::uint32_t model, const Event& event, const Values& values) const;
+  virtual Symbol input_of(std::uint32_t model, const Event& event, const Values& values) const;
   // Whether the arm is for an output of that name.
   bool matches(const Event& pattern, const NameParts& output, const std::string& symbol,
                const Values& values) const;
@@ -62,6 +91,10 @@ class Evaluator {
   // The values after the output was taken. Throws EvaluationError: a value outside of its variable.
   Values bind(const Event& pattern, const std::string& output, Values values);
 
+ private:
+  void execute(const Block& block, const SharedValues& shared, AtomicResult& result) const;
+
+ protected:
   std::uint32_t number_ = 0;  // of the program
   ModelActions& actions_;
   const Names& names_;

@@ -69,6 +69,22 @@ const ModelInstance& EventResolver::instance(const ModelReference& model) const 
   return context().models[context().names.topics[model.leaf.index].readers.front().model];
 }
 
+const std::vector<ValueType>* EventResolver::carried(const ModelReference& model) const {
+  const auto number = static_cast<std::uint32_t>(&instance(model) - context().models.data());
+  const auto known = context().names.carried.find(number);
+  return known == context().names.carried.end() ? nullptr : &known->second;
+}
+
+std::optional<ValueType> EventResolver::type_of(const ModelReference& model,
+                                                const Event& event) const {
+  const std::size_t place = event.arguments.size();
+  const std::vector<ValueType>* const types = carried(model);
+  if (types != nullptr && event.name == "message") {
+    return place < types->size() ? std::optional((*types)[place]) : std::nullopt;
+  }
+  return argument_type(instance(model).automaton.outputs(), event.name, place, context().words);
+}
+
 const Service* EventResolver::service_of(const ModelReference& model) const {
   if (model.is_topic) return nullptr;
   const auto place = context().names.services.find(model.leaf.index);
@@ -150,7 +166,7 @@ Event EventResolver::event_named(const ModelReference& model, const syntax::Even
   made.line = event.name.place.line;
   made.column = event.name.place.column;
   made.has_arguments = event.has_arguments;
-  if (!context().knows_models) return made;
+  if (context().stage == Context::Stage::names) return made;
   check_event(model, made, event.name, direction);
   check_received(model, made, event.name, direction);
   check_role(model, made, event.name);
@@ -162,7 +178,7 @@ void EventResolver::check_event(const ModelReference& model, const Event& event,
   const ModelInstance& instance = this->instance(model);
   const bool is_built_in = instance.source == ModelInstance::Source::built_in;
   const bool is_input = direction == Direction::input;
-  if (!context().knows_values() && (is_built_in || instance.is_learned)) return;
+  if (context().stage != Context::Stage::values && (is_built_in || instance.is_learned)) return;
   const Alphabet& alphabet = is_input ? instance.automaton.inputs() : instance.automaton.outputs();
   if (!event.has_arguments && alphabet.find(event.name)) return;
   if (!event.has_arguments && is_built_in && is_input) {
@@ -229,7 +245,7 @@ Event EventResolver::input(const ModelReference& model, const syntax::Event& eve
     if (context().on_value) note_value(model, made, names_.type_of(argument.expression));
     made.arguments.push_back(std::move(argument));
   }
-  if (made.has_arguments && context().knows_values()) {
+  if (made.has_arguments && context().stage == Context::Stage::values) {
     check_constant_input(model, made, event.name);
   }
   return made;
@@ -259,7 +275,7 @@ void EventResolver::check_constant_input(const ModelReference& model, const Even
         (values.empty() ? "" : ",") + to_string(expression.value, expression.kind, context().words);
   }
   const std::string symbol = event.name + "(" + values + ")";
-  if (instance(model).automaton.inputs().find(symbol)) return;
+  if (instance(model).automaton.inputs().find(symbol) || carried(model) != nullptr) return;
   names_.fail("model " + model.name() + " has no input '" + symbol + "'", name.place);
 }
 
@@ -267,7 +283,7 @@ Expression EventResolver::argument(const ModelReference& model, const syntax::Te
   if (term.is_name() && !term.has_indices && !names_.find_value(term.name)) {
     const ModelInstance& its = instance(model);
     if (its.source == ModelInstance::Source::built_in || its.is_learned ||
-        !context().knows_models) {
+        context().stage == Context::Stage::names) {
       return make_constant(context().words.intern(term.name.text), ValueKind::word);
     }
   }
@@ -288,9 +304,8 @@ Event::Argument EventResolver::pattern(const ModelReference& model, const Event&
   const syntax::Term& term = argument.term;
   if (argument.is_declared) {
     names_.check_new(term.name);
-    const auto type = argument_type(instance(model).automaton.outputs(), event.name,
-                                    event.arguments.size(), context().words);
-    if (!type && context().knows_values()) {
+    const auto type = type_of(model, event);
+    if (!type && context().stage == Context::Stage::values) {
       names_.fail("'" + event.name + "' of " + model.name() + " never has a value here",
                   term.place);
     }

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -55,6 +56,10 @@ class EventResolver {
   // Whose callback this is code of, or starts; empty: a program's.
   std::string node() const;
   [[noreturn]] void fail_unknown_model(const syntax::Name& name, bool is_unknown) const;
+  // What is written into it, if it is a queue whose values programs decide; else null.
+  const std::vector<ValueType>* carried(const ModelReference& model) const;
+  // The values of the output's next argument. None: it never has one there.
+  std::optional<ValueType> type_of(const ModelReference& model, const Event& event) const;
   // An input or output without its arguments.
   Event event_named(const ModelReference& model, const syntax::Event& event,
                     Direction direction) const;
@@ -71,7 +76,7 @@ class EventResolver {
   // A topic's writers write, and its readers read. Which topic it is that an index names shows when
   // control comes there.
   void check_role(const ModelReference& model, const Event& event, const syntax::Name& name) const;
-  // Tells the values to all members of the array: they have one alphabet.
+  // Tells the values to all members of the array: they carry values of one type.
   void note_value(const ModelReference& model, const Event& event, const ValueType& type) const;
   // An input whose values are known at once is one of the model.
   void check_constant_input(const ModelReference& model, const Event& event,

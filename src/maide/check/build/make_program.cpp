@@ -26,14 +26,14 @@ Program parse_program(const std::string& name, const ScalarText& text, System& s
 
 namespace program_syntax {
 
-Program unroll(const Tree& tree, const Unrolled& program, ModelActions& actions,
-               const Names& names) {
-  return Unroller(tree, program, actions, names).run();
+Program unroll(const Tree& tree, const Unrolled& program, ModelActions& actions, const Names& names,
+               const RunControl& control) {
+  return Unroller(tree, program, actions, names, control).run();
 }
 
 Program make_program(const Tree& tree, const Unrolled& program, int last_line,
-                     ModelActions& actions, const Names& names) {
-  Program made = unroll(tree, program, actions, names);
+                     ModelActions& actions, const Names& names, const RunControl& control) {
+  Program made = unroll(tree, program, actions, names, control);
   made.unreachable = find_unreachable(tree, made.position.file);
   made.last_line = last_line;
   return made;

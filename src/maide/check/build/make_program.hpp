@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <string>
 
+#include "maide/base/run_control.hpp"
 #include "maide/check/language/program.hpp"
 #include "maide/check/language/program_tree.hpp"
 #include "maide/check/language/system_names.hpp"
@@ -29,12 +30,12 @@ struct Unrolled {
 };
 
 // Unrolls the tree into an automaton. A program that may die has a death in every state. Throws
-// ParseError.
-Program unroll(const Tree& tree, const Unrolled& program, ModelActions& actions,
-               const Names& names);
+// ParseError, and Interrupted when the control says stop.
+Program unroll(const Tree& tree, const Unrolled& program, ModelActions& actions, const Names& names,
+               const RunControl& control = {});
 // As unroll() does, with what is known from the program's text.
 Program make_program(const Tree& tree, const Unrolled& program, int last_line,
-                     ModelActions& actions, const Names& names);
+                     ModelActions& actions, const Names& names, const RunControl& control = {});
 
 }  // namespace program_syntax
 }  // namespace maide

@@ -79,8 +79,11 @@ void make_queue_of(Models& models, std::uint32_t number, const QueueSize& size,
 void fail_large_queue(const Models& models, std::uint32_t model, const QueueLimits& limits) {
   const ModelInstance& instance = models.instances[model];
   std::string types;
-  for (const ValueType& type : models.queues.at(model).types) {
-    types += (types.empty() ? " with the values " : ", ") + to_string(type, models.words);
+  const auto carried = models.names.carried.find(model);
+  if (carried != models.names.carried.end()) {
+    for (const ValueType& type : carried->second) {
+      types += (types.empty() ? " with the values " : ", ") + to_string(type, models.words);
+    }
   }
   throw ParseError(
       "queue '" + instance.name + "'" + types + " has more than " + std::to_string(limits.states) +
@@ -95,8 +98,9 @@ namespace {
 
 class ModelFinder {
  public:
-  ModelFinder(const Declarations& file, const ModelSource& source, const QueueLimits& limits)
-      : file_(file), source_(source), limits_(limits) {}
+  ModelFinder(const Declarations& file, const ModelSource& source, const QueueLimits& limits,
+              const RunControl& control)
+      : file_(file), source_(source), limits_(limits), control_(control) {}
 
   Models find() {
     models_.instances = file_.models;
@@ -110,7 +114,7 @@ class ModelFinder {
       const Topic& topic = models_.names.topics[reader->second.first];
       if (reader->second.second + 1 == topic.readers.size()) finish_topic(reader->second.first);
     }
-    find_values(file_, models_, source_, limits_);
+    find_values(file_, models_, source_, limits_, control_);
     return std::move(models_);
   }
 
@@ -126,7 +130,7 @@ class ModelFinder {
         model.automaton = origin.built_in->make(origin.count);
         break;
       case ModelOrigin::Kind::queue:
-        models_.queues.emplace(number, QueueModel{origin.size, {}, {}});
+        models_.queues.emplace(number, QueueModel{origin.size, {}});
         make_queue_of(models_, number, origin.size, limits_);
         break;
       case ModelOrigin::Kind::asked: ask(number); break;
@@ -240,13 +244,15 @@ class ModelFinder {
   const Declarations& file_;
   const ModelSource& source_;
   const QueueLimits& limits_;
+  const RunControl& control_;
   Models models_;
 };
 
 }  // namespace
 
-Models find_models(const Declarations& file, const ModelSource& source, const QueueLimits& limits) {
-  return ModelFinder(file, source, limits).find();
+Models find_models(const Declarations& file, const ModelSource& source, const QueueLimits& limits,
+                   const RunControl& control) {
+  return ModelFinder(file, source, limits, control).find();
 }
 
 InterfaceAutomaton read_requested_model(const ModelRequest& request) {

@@ -14,10 +14,9 @@
 
 namespace maide {
 
-// A queue, of which programs decide which values it carries.
+// A queue, of which programs decide which values it carries (Names::carried).
 struct QueueModel {
   QueueSize size;
-  std::vector<ValueType> types;         // of what is written, by place; none: nothing has a value
   std::optional<ModelRequest> learned;  // the queue is a model that was learned without values
 };
 
@@ -36,9 +35,9 @@ struct Models {
 };
 
 // Asks for each model once, in the order of the file, and for queues that carry values once more.
-// Throws ParseError, and what `source` throws.
+// Throws ParseError, what `source` throws, and Interrupted when the control says stop.
 Models find_models(const Declarations& file, const ModelSource& source,
-                   const QueueLimits& limits = {});
+                   const QueueLimits& limits = {}, const RunControl& control = {});
 
 // ---- Its parts ----
 
@@ -55,9 +54,11 @@ void make_queue_of(Models& models, std::uint32_t number, const QueueSize& size,
                    const QueueLimits& limits);
 [[noreturn]] void fail_large_queue(const Models& models, std::uint32_t model,
                                    const QueueLimits& limits);
-// Which programs use which variables of the file, and which values are written into queues: found
-// by resolving the programs until nothing new comes. The queues get their automata.
+// Which programs use which variables of the file, and of what types are the values that are written
+// into queues: found by resolving the programs until nothing new comes. The variables that several
+// programs use become models. The queues get their automata, with the values that occur
+// (value_flow.hpp).
 void find_values(const Declarations& file, Models& models, const ModelSource& source,
-                 const QueueLimits& limits);
+                 const QueueLimits& limits, const RunControl& control);
 
 }  // namespace maide

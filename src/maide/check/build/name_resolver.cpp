@@ -154,7 +154,7 @@ Expression NameResolver::named(const syntax::Term& term) const {
   if (!binding) {
     const auto word = context().words.find(name);
     if (word && !term.has_indices) return make_constant(*word, ValueKind::word);
-    if (context().knows_models || term.has_indices) fail_unknown(term);
+    if (context().stage != Context::Stage::names || term.has_indices) fail_unknown(term);
     // It may be a word of a model's. It is no constant, for nothing is known of it at once.
     Expression unknown_word;
     unknown_word.op = Expression::Operator::shared;
@@ -178,7 +178,7 @@ Expression NameResolver::named(const syntax::Term& term) const {
 
 Expression NameResolver::without_shared(Expression expression, TextPlace begin,
                                         std::string_view where) const {
-  if (reads_shared(expression) && context().knows_values()) {
+  if (reads_shared(expression) && context().stage >= Context::Stage::owners) {
     fail("a shared variable stands in assignments and conditions only, not in " +
              std::string(where) + ": read it into a variable of the program's own",
          begin);

@@ -389,14 +389,15 @@ std::string dump_stage(Stage stage, std::string_view text, const std::string& fi
   if (stage != Stage::names) {
     const ModelSource asked = from.models(source);
     nlohmann::json answers = nlohmann::json::array();
-    Models models = find_models(declared, [&](const ModelRequest& request) {
+    const ModelSource noted = [&](const ModelRequest& request) {
       InterfaceAutomaton automaton = asked(request);
       if (stage == Stage::models) {
         answers.push_back(
             {{"request", json_of(request)}, {"automaton", json_of(automaton, control)}});
       }
       return automaton;
-    });
+    };
+    Models models = find_models(declared, noted, {}, control);
     if (stage == Stage::models) content["answers"] = std::move(answers);
     if (stage == Stage::system) {
       System system = build_system(declared, std::move(models), {}, control);
@@ -436,7 +437,7 @@ System parse_stage_dump(std::string_view text, const std::string& file, const Mo
   const Source from(text, file, control, settings);
   if (from.dump->stage() == Stage::system) return from.dump->system();
   const Declarations declared = from.declare();
-  System system = build_system(declared, find_models(declared, from.models(source)), {}, control);
+  System system = build_system(declared, find_models(declared, from.models(source), {}, control), {}, control);
   system.settings = from.settings;
   return system;
 }

@@ -12,7 +12,7 @@ System parse_system(std::string_view text, const std::string& file, const ModelS
   if (is_stage_dump(text)) return parse_stage_dump(text, file, source, control, settings);
   const std::string changed = with_settings(std::string(text), file, settings);
   const Declarations declared = declare(read_tree(changed, file));
-  System system = build_system(declared, find_models(declared, source), {}, control);
+  System system = build_system(declared, find_models(declared, source, {}, control), {}, control);
   system.settings = settings;
   return system;
 }

@@ -1,7 +1,6 @@
 #include "maide/check/build/unroller.hpp"
 
 #include <algorithm>
-#include <functional>
 #include <utility>
 
 namespace maide::program_syntax {
@@ -14,6 +13,7 @@ Program Unroller::run() {
 }
 
 void Unroller::add_edge(const ModelUse& use, ControlState target, int line, int column) {
+  look_sometimes();
   program_.edges.push_back({use, target, line, column, origin_});
 }
 
@@ -155,19 +155,6 @@ void Unroller::expand_any(const Place& place, const Statement& statement, const 
   }
 }
 
-ControlState Unroller::with_value(const Place& place, const Statement& statement, Value value,
-                                  Values values) {
-  if (is_shared(statement.target)) {
-    return control_state({place.frame, Phase::writes, 0, place.valuation, 0, value});
-  }
-  try {
-    assign(statement, value, values);
-  } catch (const EvaluationError& error) {
-    return error_state(error.text, error.line, error.column);
-  }
-  return settle(behind(place.frame), std::move(values));
-}
-
 void Unroller::add_write(const Place& place, const Statement& statement, Value value,
                          const Values& values) {
   const std::uint32_t model = element(statement.target, values);
@@ -182,20 +169,6 @@ void Unroller::add_write(const Place& place, const Statement& statement, Value v
     target = error_state(error.text, error.line, error.column);
   }
   add_combined(std::move(combined), target, statement.line, statement.column);
-}
-
-std::vector<Outcome<Result>> Unroller::outcomes(const Expression& expression, const Values& values,
-                                                const SourcePosition& where) {
-  SharedValues known;
-  return outcomes_of<Result>(
-      [&](const SharedValues& shared) {
-        try {
-          return Result{evaluate(expression, values, &shared), "", 0, 0};
-        } catch (const EvaluationError& error) {
-          return Result{std::nullopt, error.text, error.line, error.column};
-        }
-      },
-      actions_, where, known);
 }
 
 std::string Unroller::text_of(const std::vector<ModelUse>& uses, const ModelActions& actions) {
@@ -249,34 +222,9 @@ void Unroller::expand_condition(const Place& place, const Statement& statement,
 
 // ---- atomic -------------------------------------------------------------------------------------
 
-void Unroller::execute(const Block& block, const SharedValues& shared, AtomicResult& result) const {
-  for (const Statement& statement : block.statements) {
-    if (statement.kind == Statement::Kind::skip) continue;
-    const Value value = evaluate(*statement.expression, result.values, &shared, &result.writes);
-    if (statement.kind == Statement::Kind::when) {
-      execute(branch(statement, value), shared, result);
-    } else if (is_shared(statement.target)) {
-      check_range(statement.target, statement.type, value);
-      result.writes[element(statement.target, result.values)] = value;
-    } else {
-      set(statement.target, statement.type, value, result.values);
-    }
-  }
-}
-
 void Unroller::expand_atomic(const Place& place, const Statement& statement, const Values& values) {
-  SharedValues known;
-  const std::function<AtomicResult(const SharedValues&)> run = [&](const SharedValues& shared) {
-    AtomicResult result{values, {}, "", 0, 0};
-    try {
-      execute(*statement.body, shared, result);
-    } catch (const EvaluationError& error) {
-      result = {{}, {}, error.text, error.line, error.column};
-    }
-    return result;
-  };
   for (auto& [conditions, result] :
-       outcomes_of(run, actions_, at(statement.line, statement.column), known)) {
+       outcomes_of_atomic(*statement.body, values, at(statement.line, statement.column))) {
     CombinedStep combined;
     combined.uses = actions_.variables(conditions, result.writes);
     combined.text = combined.uses.empty() ? "atomic" : text_of(combined.uses, actions_);

@@ -17,30 +17,14 @@
 
 namespace maide::program_syntax {
 
-// What the evaluation of an expression comes to.
-struct Result {
-  std::optional<Value> value;
-  std::string error;  // if there is no value
-  int line = 0, column = 0;
-  bool operator==(const Result&) const = default;
-};
-
-// Of `atomic`: what it leaves behind.
-struct AtomicResult {
-  Values values;
-  SharedValues writes;
-  std::string error;
-  int line = 0, column = 0;
-  bool operator==(const AtomicResult&) const = default;
-};
-
 using Uses = std::vector<ModelUse>;
 
 class Unroller : public Walker {
  public:
   // Keeps references.
-  Unroller(const Tree& tree, const Unrolled& program, ModelActions& actions, const Names& names)
-      : Walker(tree, program, actions, names), may_die_(program.may_die) {}
+  Unroller(const Tree& tree, const Unrolled& program, ModelActions& actions, const Names& names,
+           const RunControl& control)
+      : Walker(tree, program, actions, names, control), may_die_(program.may_die) {}
 
   Program run();
 
@@ -60,22 +44,13 @@ class Unroller : public Walker {
   const std::vector<Uses>& deaths();
   void expand_choice(const Place& place, const Statement& statement, const Values& values);
   void expand_any(const Place& place, const Statement& statement, const Values& values);
-  // Where the value of an assignment is known: before its writing to a shared variable, or behind
-  // that to one of the program's own.
-  ControlState with_value(const Place& place, const Statement& statement, Value value,
-                          Values values);
   void add_write(const Place& place, const Statement& statement, Value value, const Values& values);
-  std::vector<Outcome<Result>> outcomes(const Expression& expression, const Values& values,
-                                        const SourcePosition& where);
   static std::string text_of(const std::vector<ModelUse>& uses, const ModelActions& actions);
   // One edge for each outcome of what is read.
   void expand_assign(const Place& place, const Statement& statement, const Values& values);
   void add_reading(const Statement& statement, const Conditions& conditions, ControlState target);
   void expand_condition(const Place& place, const Statement& statement, const Values& values);
 
-  // ---- atomic -----------------------------------------------------------------------------------
-
-  void execute(const Block& block, const SharedValues& shared, AtomicResult& result) const;
   void expand_atomic(const Place& place, const Statement& statement, const Values& values);
 
   // ---- inputs and outputs -----------------------------------------------------------------------

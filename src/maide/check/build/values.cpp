@@ -1,18 +1,21 @@
-// Which values programs write into queues, and which of them use which variables. Both depend on
-// each other - a value is read into a variable and written elsewhere - so programs are resolved
-// again and again until nothing new comes. Values only become more, and a queue with too many is
-// refused, so this ends.
+// The types of the values that programs write into queues, and which programs use which variables.
+// Both depend on each other - a value is read into a variable and written elsewhere - so programs
+// are resolved again and again until nothing new comes, or the types grow and grow. Then the queues
+// are made, with those of these values that occur.
 #include <algorithm>
 #include <cstdint>
+#include <filesystem>
 #include <map>
+#include <optional>
 #include <set>
-#include <span>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
 #include "maide/check/build/code_resolver.hpp"
 #include "maide/check/build/models.hpp"
+#include "maide/check/build/value_flow.hpp"
 
 namespace maide {
 namespace {
@@ -21,8 +24,7 @@ constexpr int max_rounds = 20;
 
 class ValueFinder {
  public:
-  ValueFinder(const Declarations& file, Models& models, const QueueLimits& limits)
-      : file_(file), models_(models), limits_(limits) {}
+  ValueFinder(const Declarations& file, Models& models) : file_(file), models_(models) {}
 
   void find() {
     for (int round = 0;; ++round) {
@@ -31,9 +33,6 @@ class ValueFinder {
         resolve(program);
       }
       if (!has_new_values_) break;
-      for (const auto& [model, queue] : models_.queues) {
-        if (!queue.types.empty()) make_valued(model);
-      }
       if (round == max_rounds) fail_growing();
     }
     for (const auto& [name, programs] : users_) {
@@ -48,6 +47,7 @@ class ValueFinder {
   void resolve(std::uint32_t number) {
     const ProgramDeclaration& program = file_.programs[number];
     program_syntax::Context known = models_.context(file_, number);
+    known.stage = program_syntax::Context::Stage::models;
     known.on_value = [&](std::uint32_t model, const program_syntax::Event& input, std::size_t place,
                          const ValueType& type) { note(model, input, place, type); };
     try {
@@ -64,9 +64,8 @@ class ValueFinder {
   // What is written has a value of that type, too.
   void note(std::uint32_t model, const program_syntax::Event& input, std::size_t place,
             const ValueType& type) {
-    const auto queue = models_.queues.find(model);
-    if (queue == models_.queues.end() || input.name != "write") return;
-    auto& types = queue->second.types;
+    if (!models_.queues.contains(model) || input.name != "write") return;
+    auto& types = models_.names.carried[model];
     if (types.size() <= place) {
       types.resize(place + 1, type);
       has_new_values_ = true;
@@ -82,66 +81,8 @@ class ValueFinder {
     has_new_values_ = has_new_values_ || known != before;
   }
 
-  // "(3)", "(3,go)": all values that may be written into the queue.
-  std::vector<std::string> values_of(std::uint32_t model) const {
-    std::vector<std::string> values = {""};
-    for (const ValueType& type : models_.queues.at(model).types) {
-      std::vector<std::string> longer;
-      if (type.count() > max_queue_states) fail_large_queue(models_, model, limits_);
-      for (const std::string& value : values) {
-        for (std::uint64_t place = 0; place < type.count(); ++place) {
-          longer.push_back((value.empty() ? "(" : value + ",") +
-                           to_string(type.at(place), type.kind, models_.words));
-          if (longer.size() > max_queue_states) fail_large_queue(models_, model, limits_);
-        }
-      }
-      values = std::move(longer);
-    }
-    for (std::string& value : values) value += ")";
-    return values;
-  }
-
-  // The queue's automaton with all values that are written into it; of a learned one as yet only
-  // the names of its inputs and outputs.
-  void make_valued(std::uint32_t model) {
-    QueueModel& queue = models_.queues.at(model);
-    queue.size.values = values_of(model);
-    ModelInstance& instance = models_.instances[model];
-    if (queue.learned) {
-      queue.learned->values.clear();
-      for (const std::string& value : queue.size.values) {
-        queue.learned->values.push_back(value.substr(1, value.size() - 2));
-      }
-      instance.read(names_alone(instance.automaton, queue.size.values));
-      return;
-    }
-    instance.as_read.reset();
-    make_queue_of(models_, model, queue.size, limits_);
-    add_ends(file_, models_, model, limits_);
-  }
-
-  static InterfaceAutomaton names_alone(const InterfaceAutomaton& known,
-                                        const std::vector<std::string>& values) {
-    const InterfaceAutomaton valued = make_queue({1, false, values});
-    std::vector<std::string> inputs = valued.inputs().names(), outputs = valued.outputs().names();
-    const auto add = [](std::vector<std::string>& names, const Alphabet& more) {
-      for (const std::string& name : more.names()) {
-        const std::string base = name.substr(0, name.find('('));
-        if (base == "write" || base == "message") continue;
-        if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
-      }
-    };
-    add(inputs, known.inputs());
-    add(outputs, known.outputs());
-    InterfaceAutomaton alone(Alphabet(std::span<const std::string>(inputs)),
-                             Alphabet(std::span<const std::string>(outputs)), 1);
-    alone.actors = known.actors;
-    return alone;
-  }
-
   [[noreturn]] void fail_growing() const {
-    for (const auto& [model, queue] : models_.queues) {
-      if (queue.types.empty()) continue;
+    for (const auto& [model, types] : models_.names.carried) {
       const ModelInstance& instance = models_.instances[model];
       throw ParseError("the values of queue '" + instance.name +
                            "' grow and grow: read them into a variable that is declared with its "
@@ -153,23 +94,118 @@ class ValueFinder {
 
   const Declarations& file_;
   Models& models_;
-  const QueueLimits& limits_;
   std::map<std::string, std::set<std::uint32_t>> users_;  // of variables: programs
   bool has_new_values_ = false;
+};
+
+// Those that several programs use become models of their own.
+void make_shared_variables(Models& models) {
+  for (auto& [name, variable] : models.names.variables) {
+    const bool is_own = std::ranges::any_of(
+        models.own, [&own_name = name](const auto& own) { return own.contains(own_name); });
+    if (is_own) continue;
+    constexpr std::uint64_t most = 4096;
+    if (variable.type.count() > most) {
+      throw ParseError("a shared variable has at most " + std::to_string(most) + " values",
+                       variable.position);
+    }
+    variable.leaf.index = static_cast<std::uint32_t>(models.instances.size());
+    for (std::uint64_t member = 0; member < member_count(variable.leaf.dimensions); ++member) {
+      ModelInstance model;
+      model.name = name + member_suffix(variable.leaf.dimensions, member);
+      model.automaton = InterfaceAutomaton({}, {}, variable.type.count());
+      model.automaton.set_initial(static_cast<StateId>(variable.type.place_of(variable.initial)));
+      model.source = ModelInstance::Source::variable;
+      model.type = variable.type;
+      model.position = variable.position;
+      models.instances.push_back(std::move(model));
+    }
+  }
+}
+
+// The queues with the values that occur.
+class QueueMaker {
+ public:
+  QueueMaker(const Declarations& file, Models& models, const ModelSource& source,
+             const QueueLimits& limits)
+      : file_(file), models_(models), source_(source), limits_(limits) {}
+
+  void make(OccurringValues values) {
+    for (const auto& [model, types] : models_.names.carried) {
+      // Where nothing ever occurs, there is one value nevertheless: the names say that it has some.
+      if (values[model].empty()) values[model].insert(std::vector<std::uint64_t>(types.size()));
+    }
+    share_learned(values);
+    for (const auto& [model, occurring] : values) make(model, names_of(model, occurring));
+  }
+
+ private:
+  // Those that are learned alike are learned once.
+  void share_learned(OccurringValues& values) const {
+    using Learned = std::tuple<std::filesystem::path, std::string,
+                               std::vector<std::pair<std::string, std::string>>>;
+    std::map<Learned, std::set<std::vector<std::uint64_t>>> shared;
+    const auto learned_as = [&](std::uint32_t model) -> std::optional<Learned> {
+      const auto& request = models_.queues.at(model).learned;
+      if (!request) return std::nullopt;
+      return Learned{request->file, request->learn, request->with};
+    };
+    for (const auto& [model, occurring] : values) {
+      if (const auto key = learned_as(model))
+        shared[*key].insert(occurring.begin(), occurring.end());
+    }
+    for (auto& [model, occurring] : values) {
+      if (const auto key = learned_as(model)) occurring = shared[*key];
+    }
+  }
+
+  // "3", "3,go".
+  std::vector<std::string> names_of(std::uint32_t model,
+                                    const std::set<std::vector<std::uint64_t>>& occurring) const {
+    const std::vector<ValueType>& types = models_.names.carried.at(model);
+    std::vector<std::string> names;
+    for (const std::vector<std::uint64_t>& places : occurring) {
+      std::string& name = names.emplace_back();
+      for (std::size_t i = 0; i < places.size(); ++i) {
+        name +=
+            (i == 0 ? "" : ",") + to_string(types[i].at(places[i]), types[i].kind, models_.words);
+      }
+    }
+    return names;
+  }
+
+  void make(std::uint32_t model, std::vector<std::string> values) {
+    QueueModel& queue = models_.queues.at(model);
+    ModelInstance& instance = models_.instances[model];
+    if (queue.learned) {
+      queue.learned->values = std::move(values);
+      instance.read(ask_source(file_, source_, {}, *queue.learned));
+    } else {
+      for (std::string& value : values) value = "(" + std::move(value) + ")";
+      queue.size.values = std::move(values);
+      instance.as_read.reset();
+      make_queue_of(models_, model, queue.size, limits_);
+    }
+    add_ends(file_, models_, model, limits_);
+  }
+
+  const Declarations& file_;
+  Models& models_;
+  const ModelSource& source_;
+  const QueueLimits& limits_;
 };
 
 }  // namespace
 
 void find_values(const Declarations& file, Models& models, const ModelSource& source,
-                 const QueueLimits& limits) {
+                 const QueueLimits& limits, const RunControl& control) {
   models.own.resize(file.programs.size());
   if (models.queues.empty() && models.names.variables.empty()) return;
-  ValueFinder(file, models, limits).find();
-  for (const auto& [model, queue] : models.queues) {
-    if (!queue.learned || queue.types.empty()) continue;
-    models.instances[model].read(ask_source(file, source, {}, *queue.learned));
-    add_ends(file, models, model, limits);
-  }
+  ValueFinder(file, models).find();
+  if (!models.first_errors.empty()) throw models.first_errors.begin()->second;
+  make_shared_variables(models);
+  if (models.names.carried.empty()) return;
+  QueueMaker(file, models, source, limits).make(find_occurring_values(file, models, control));
 }
 
 }  // namespace maide

@@ -101,8 +101,9 @@ bool is_inert(const Block& block) {
 
 }  // namespace
 
-Walker::Walker(const Tree& tree, const Unrolled& program, ModelActions& actions, const Names& names)
-    : Evaluator(program.number, actions, names), tree_(tree) {
+Walker::Walker(const Tree& tree, const Unrolled& program, ModelActions& actions, const Names& names,
+               const RunControl& control)
+    : Evaluator(program.number, actions, names), tree_(tree), control_(control) {
   program_.name = program.name;
   program_.position = program.position;
   program_.labels = tree.labels;
@@ -311,10 +312,6 @@ FrameId Walker::leave(FrameId id, Values& values) const {
   return frames_[id].parent;
 }
 
-const Block& Walker::branch(const Statement& statement, Value condition) {
-  return condition != 0 ? *statement.body : *statement.otherwise;
-}
-
 void Walker::assign(const Statement& statement, Value value, Values& values) const {
   if (statement.slots == 0) return set(statement.target, statement.type, value, values);
   check_range(statement.target, statement.type, value);
@@ -415,15 +412,28 @@ ControlState Walker::error_state(const std::string& text, int line, int column) 
   return control_state({no_frame, Phase::error, 0, 0, place->second, 0});
 }
 
-ParseError Walker::too_large(const Place& place) const {
+ControlState Walker::with_value(const Place& place, const Statement& statement, Value value,
+                                Values values) {
+  if (is_shared(statement.target)) {
+    return control_state({place.frame, Phase::writes, 0, place.valuation, 0, value});
+  }
+  try {
+    assign(statement, value, values);
+  } catch (const EvaluationError& error) {
+    return error_state(error.text, error.line, error.column);
+  }
+  return settle(behind(place.frame), std::move(values));
+}
+
+Error Walker::too_large(const Place& place) const {
   SourcePosition where = program_.position;
   if (place.frame != no_frame) {
     where.line = statement_at(place.frame).line;
     where.column = statement_at(place.frame).column;
   }
-  return ParseError("program " + program_.name + " unrolls to more than " +
-                        std::to_string(max_control_states) + " control states",
-                    where);
+  return Error(ExitStatus::inconclusive, "program " + program_.name + " has more than " +
+                                             std::to_string(max_control_states) +
+                                             " control states (" + to_string(where) + ")");
 }
 
 ControlState Walker::take(const Event& pattern, const Block& body, FrameId next,

@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "maide/base/hash.hpp"
+#include "maide/base/run_control.hpp"
 #include "maide/check/build/evaluator.hpp"
 
 namespace maide::program_syntax {
@@ -58,7 +59,8 @@ struct ValuesHash {
 class Walker : public Evaluator {
  public:
   // Keeps references.
-  Walker(const Tree& tree, const Unrolled& program, ModelActions& actions, const Names& names);
+  Walker(const Tree& tree, const Unrolled& program, ModelActions& actions, const Names& names,
+         const RunControl& control);
 
  protected:
   enum class Phase : std::uint8_t {
@@ -119,7 +121,6 @@ class Walker : public Evaluator {
   FrameId pass(FrameId id, const Statement& statement, Values& values);
   // The frame around it; its block's variables end.
   FrameId leave(FrameId id, Values& values) const;
-  static const Block& branch(const Statement& statement, Value condition);
   void assign(const Statement& statement, Value value, Values& values) const;
   FrameId enter_repeat(FrameId id, const Statement& statement, const Values& values);
   FrameId enter_for(FrameId id, const Statement& statement, Values& values);
@@ -129,12 +130,24 @@ class Walker : public Evaluator {
   std::uint32_t intern_labels(std::vector<std::uint32_t> labels);
   ControlState control_state(const Place& place);
   ControlState error_state(const std::string& text, int line, int column);
-  ParseError too_large(const Place& place) const;
+  // Where the value of an assignment is known: before its writing to a shared variable, or behind
+  // that to one of the program's own.
+  ControlState with_value(const Place& place, const Statement& statement, Value value,
+                          Values values);
+  Error too_large(const Place& place) const;
+  // Heeds the control, each time that so many steps were walked: less is no time.
+  void look_sometimes() {
+    constexpr std::size_t look_interval = 1 << 14;
+    if (++walked_ % look_interval != 0) return;
+    control_.check("the walk through program " + program_.name + ", which met " +
+                   std::to_string(places_.size()) + " control states,");
+  }
   // Where control goes when the arm's output was taken.
   ControlState take(const Event& pattern, const Block& body, FrameId next,
                     const std::string& output, const Values& values);
 
   const Tree& tree_;
+  const RunControl& control_;
   Program program_;
   std::vector<Frame> frames_;                // [no_frame] is not used
   std::vector<std::uint32_t> frame_rounds_;  // by frame: index into the program's rounds
@@ -145,6 +158,7 @@ class Walker : public Evaluator {
   std::unordered_map<Values, std::uint32_t, ValuesHash> value_ids_;
   std::unordered_map<Place, ControlState, PlaceHash> control_states_;
   std::vector<Place> places_;  // by control state
+  std::size_t walked_ = 0;
 };
 
 }  // namespace maide::program_syntax

@@ -173,15 +173,18 @@ struct Context {
   const Callback* callback = nullptr;         // in whose code this stands
   const Callback* starts = nullptr;           // what it takes is this text
   // Called for each argument of an input, with the values that it may have; for queues, whose
-  // values are those that are written. While it is there, their inputs and outputs are not checked.
+  // values are those that are written.
   std::function<void(std::uint32_t model, const Event& input, std::size_t place,
                      const ValueType& type)>
       on_value;
-  // The models' inputs and outputs are known. Before, no use of them is checked.
-  bool knows_models = true;
-
-  // So are the values that queues carry.
-  bool knows_values() const { return knows_models && !on_value; }
+  // What is not known yet is not checked. Each stage knows what those before it know.
+  enum class Stage : std::uint8_t {
+    names,   // of the file's own
+    models,  // their inputs and outputs, but for the values that queues carry
+    owners,  // which variables are shared, and the types of what queues carry
+    values,  // that occur in queues
+  };
+  Stage stage = Stage::values;
 };
 
 // What the values of an output's or input's argument are in an alphabet: of "message(3)" and

@@ -147,6 +147,10 @@ struct Names {
   std::map<std::string, ModelName> models;  // and topics
   std::vector<Topic> topics;
   std::map<std::uint32_t, Service> services;  // by model
+  // The types of what programs write into queues, by model and place in `write(3, go)`. The queue's
+  // automaton has the values of these that occur. A queue of which nothing is written with values
+  // is not there.
+  std::map<std::uint32_t, std::vector<ValueType>> carried;
   // What a program's death does to the models at whose ends it stands, by program, model and state.
   std::map<std::uint32_t, std::map<std::uint32_t, std::vector<std::vector<ModelStep>>>> deaths;
   // Those under `variables:`: shared ones are models, others belong to one program.

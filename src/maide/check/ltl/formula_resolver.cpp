@@ -4,11 +4,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -463,6 +465,32 @@ class FormulaResolver {
     return "(" + text + ")";
   }
 
+  // A value of a type that the queue carries, though no program comes to write it: "write(3)".
+  bool may_be_carried(const ProgramInterface& model, std::string_view text) const {
+    if (scope_.names == nullptr || !text.ends_with(')')) return false;
+    const std::string_view name = text.substr(0, text.find('('));
+    const auto number = static_cast<std::uint32_t>(&model - scope_.models.data());
+    const auto types = scope_.names->carried.find(number);
+    if (types == scope_.names->carried.end() || (name != "write" && name != "message"))
+      return false;
+    text.remove_prefix(name.size() + 1);
+    text.remove_suffix(1);
+    const std::vector<std::string_view> values = split(text, ',');
+    return std::ranges::equal(values, types->second, [&](auto value, const ValueType& type) {
+      return is_of_type(value, type);
+    });
+  }
+  bool is_of_type(std::string_view value, const ValueType& type) const {
+    if (type.kind == ValueKind::boolean) return value == "true" || value == "false";
+    if (type.kind == ValueKind::integer) {
+      Value number = 0;
+      const auto [end, error] = std::from_chars(value.begin(), value.end(), number);
+      return error == std::errc() && end == value.end() && type.contains(number);
+    }
+    return std::ranges::any_of(
+        type.words, [&](Value word) { return to_string(word, type.kind, *scope_.words) == value; });
+  }
+
   // A name without values is any of them, and a topic's any of its readers' models.
   Formula find_event(const syntax::Name& owner, const syntax::NamePart& part,
                      std::uint32_t program) {
@@ -489,6 +517,7 @@ class FormulaResolver {
     if (any) return any;
     if (found != nullptr) {
       if (!scope_.knows_models) return make_atom({kind, 0, 0, program}, owner.place);
+      if (may_be_carried(*found, text)) return make(Operator::falsity, {}, {}, owner.place);
       const Alphabet& alphabet = is_input ? *found->inputs : *found->outputs;
       fail("model " + owner.text + " has no " + (is_input ? "input '" : "output '") + text +
                "'; it has: " + known_instead(text, alphabet.names()),
