@@ -185,6 +185,30 @@ TEST(NativeEngine, MoreProgramsThanBitsOfAWord) {
   }
 }
 
+// 600 programs in turn: nineteen words a state, and few states. Where one does not hand the turn
+// on, all others are stuck.
+TEST(NativeEngine, StatesOfManyWords) {
+  const auto in_turn = [](const std::string& who_hands_on) {
+    std::string text = "constants: {last: 599}\nvariables: \"var turn: 0..600;\"\nprograms:\n";
+    text += "  p[i in 0..last]: \"select { when (turn == i) { } } if (" + who_hands_on +
+            ") { atomic { turn = i + 1; } }\"\n"
+            "properties:\n  all_end: \"F p[last]@end\"\n";
+    return parse_system(text, "s.yaml");
+  };
+  const System system = in_turn("i >= 0");
+  const PropertyResult ends = check(system, test::deadlock_property(), {});
+  EXPECT_EQ(ends.verdict, Verdict::holds);
+  EXPECT_EQ(ends.states, 1201U);
+  const System kept = in_turn("i != 40");
+  const PropertyResult deadlock = check(kept, test::deadlock_property(), {});
+  ASSERT_EQ(deadlock.verdict, Verdict::violated);
+  EXPECT_EQ(deadlock.trace->steps.size(), 81U);
+  EXPECT_EQ(find_flaw(kept, test::deadlock_property(), *deadlock.trace), "");
+  const PropertyResult late = check(kept, kept.properties[0], {});
+  ASSERT_EQ(late.verdict, Verdict::violated);
+  EXPECT_EQ(find_flaw(kept, kept.properties[0], *late.trace), "");
+}
+
 TEST(NativeEngine, TooManyProgramsAreInconclusive) {
   std::string text = "  busy: loop { sync.write; sync.read -> message; }\n";
   for (int i = 1; i < 1025; ++i) text += "  p" + std::to_string(i) + ": loop { sync.write; }\n";

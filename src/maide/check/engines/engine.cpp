@@ -212,7 +212,7 @@ requires(!uses_wide_bits<Monitor>) void shorten(const PackedSystem& system, cons
     return find_flaw(system.system(), property, trace).empty();
   };
   try {
-    auto shorter = with_words(system.words(), [&](auto words) {
+    auto shorter = with_own_words(system.words(), [&](auto words) {
       return ShortLasso<words.value, Monitor>(system, monitor, control)
           .find(search.trace->steps.size(), is_good);
     });
@@ -233,6 +233,11 @@ template <typename Bits>
 SearchResult search_for_stuck(const System& plain, const Property& property, Reduction reduction,
                               const SearchLimits& limits) {
   const PackedSystem system(plain, node_number_bits, plain.programs.size() + 1);
+  if constexpr (!std::is_same_v<Bits, WideBits>) {
+    if (system.words() > most_own_words) {
+      return search_for_stuck<WideBits>(plain, property, reduction, limits);
+    }
+  }
   const auto search = [&](StuckRuns runs) {
     Property wanted = property;
     wanted.fairness = runs == StuckRuns::strongly_fair ? Fairness::strong : Fairness::weak;
@@ -267,6 +272,11 @@ SearchResult search_for_run(const System& plain, const Property& property,
                             StreettAutomaton automaton, Reduction reduction,
                             const SearchLimits& limits) {
   const PackedSystem system(plain, node_number_bits, automaton.buchi.states.size());
+  if constexpr (!std::is_same_v<Bits, WideBits>) {
+    if (system.words() > most_own_words) {
+      return search_for_run<WideBits>(plain, property, std::move(automaton), reduction, limits);
+    }
+  }
   SearchJob::Monitor job;
   job.automaton = automaton;
   job.has_wide_bits = std::is_same_v<Bits, WideBits>;

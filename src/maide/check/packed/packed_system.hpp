@@ -35,7 +35,7 @@ struct PackedField {
 
 class PackedSystem {
  public:
-  static constexpr std::size_t most_words = 8;
+  static constexpr std::size_t most_words = 64;
   // Keeps a reference. Lays states out so that a StateTable can carry max(code_bits(),
   // least_payload_bits) with each; at most 32. Throws UsageError for a system that needs more than
   // most_words words. `monitor_states`: a field more, for the state of something that watches.
@@ -372,12 +372,19 @@ class PackedSystem {
 };
 
 // Calls `work(std::integral_constant<std::size_t, n>)` with the least n that is compiled and holds
-// that many words.
+// that many words, at most most_own_words.
 template <typename Work>
-auto with_words(std::size_t words, Work&& work) {
+auto with_own_words(std::size_t words, Work&& work) {
   if (words <= 1) return work(std::integral_constant<std::size_t, 1>());
   if (words <= 2) return work(std::integral_constant<std::size_t, 2>());
   if (words <= 4) return work(std::integral_constant<std::size_t, 4>());
+  return work(std::integral_constant<std::size_t, most_own_words>());
+}
+
+// And for any number of words that a system has.
+template <typename Work>
+auto with_words(std::size_t words, Work&& work) {
+  if (words <= most_own_words) return with_own_words(words, work);
   return work(std::integral_constant<std::size_t, PackedSystem::most_words>());
 }
 

@@ -38,6 +38,10 @@ __extension__ using WideNumber = unsigned __int128;
 template <std::size_t words>
 using PackedState = std::array<std::uint64_t, words>;
 
+// States of more words than these are kept in one kind, of which each system uses the first few;
+// a table stores no others.
+inline constexpr std::size_t most_own_words = 8;
+
 // An invertible scrambling of the numbers below 2^bits, 24 <= bits <= 64.
 class Scrambler {
  public:
@@ -78,8 +82,13 @@ class StateTable {
 
   // `address_bits` of a state's first word are used; 0..64. `payload_bits`: 0..32. With one word
   // both together are at most most_bits_together, with more the first word has at most 44.
-  StateTable(unsigned address_bits, unsigned payload_bits)
-      : bits_(std::max(address_bits, 24U)), payload_bits_(payload_bits), scrambler_(bits_) {
+  // `used_words`: those that are not always 0, which matters for more than most_own_words.
+  StateTable(unsigned address_bits, unsigned payload_bits, std::size_t used_words = words)
+      : bits_(std::max(address_bits, 24U)),
+        payload_bits_(payload_bits),
+        used_words_(used_words),
+        scrambler_(bits_) {
+    MAIDE_CHECK(used_words_ <= words);
     const unsigned local = bits_ - segment_bits;
     unsigned slot_bits = 6;
     while (8 + payload_bits_ + local > 64 + slot_bits) ++slot_bits;
@@ -218,7 +227,11 @@ class StateTable {
 
  private:
   static constexpr std::uint64_t most_distance = 255;  // of an entry behind its home, plus 1
-  static constexpr std::size_t rest_bytes = 8 * (words - 1);
+  // Of what is stored of a state besides its first word.
+  std::size_t rest_bytes() const {
+    if constexpr (words > most_own_words) return 8 * (used_words_ - 1);
+    return 8 * (words - 1);
+  }
 
   // In a cache line of its own, since each may be another thread's.
   struct alignas(64) Segment {
@@ -243,9 +256,10 @@ class StateTable {
     return (segment.size + more) * 5 > segment.slots * 4;
   }
 
-  static std::uint64_t fold(const State& state) {
+  std::uint64_t fold(const State& state) const {
+    const std::size_t count = words > most_own_words ? used_words_ : words;
     std::uint64_t sum = 0;
-    for (std::size_t i = 1; i < words; ++i) sum = hash_mix(sum, state[i]);
+    for (std::size_t i = 1; i < count; ++i) sum = hash_mix(sum, state[i]);
     return sum;
   }
 
@@ -262,12 +276,13 @@ class StateTable {
   bool has_rest(const Segment& segment, std::uint64_t at, const State& state) const {
     if constexpr (words == 1) return true;
     return std::memcmp(segment.data + at * segment.width + segment.low_bytes, &state[0] + 1,
-                       rest_bytes) == 0;
+                       rest_bytes()) == 0;
   }
   State rest_at(const Segment& segment, std::uint64_t at) const {
     State state{};
     if constexpr (words > 1) {
-      std::memcpy(&state[0] + 1, segment.data + at * segment.width + segment.low_bytes, rest_bytes);
+      std::memcpy(&state[0] + 1, segment.data + at * segment.width + segment.low_bytes,
+                  rest_bytes());
     }
     return state;
   }
@@ -278,7 +293,7 @@ class StateTable {
     std::memcpy(&value, place, sizeof value);
     value = (value & ~segment.low_mask) | (entry & segment.low_mask);
     std::memcpy(place, &value, sizeof value);
-    if constexpr (words > 1) std::memcpy(place + segment.low_bytes, &state[0] + 1, rest_bytes);
+    if constexpr (words > 1) std::memcpy(place + segment.low_bytes, &state[0] + 1, rest_bytes());
   }
 
   struct Place {
@@ -405,7 +420,7 @@ class StateTable {
     const unsigned used_bits = 8 + payload_bits_ + residual_bits;
     segment.low_bytes = (used_bits + 7) / 8;
     segment.low_mask = low_bits(8 * segment.low_bytes);
-    segment.width = segment.low_bytes + rest_bytes;
+    segment.width = segment.low_bytes + static_cast<unsigned>(rest_bytes());
     // Entries are read eight bytes at a time, the last one too.
     segment.bytes = mapped_bytes((slots + most_distance + 1) * segment.width + 8);
     segment.data = map_zeros(segment.bytes);
@@ -466,6 +481,7 @@ class StateTable {
   }
 
   unsigned bits_, payload_bits_;
+  std::size_t used_words_;
   Scrambler scrambler_;
   std::vector<Segment> segments_{segment_count};
   std::atomic<std::uint64_t> bytes_ = 0, peak_bytes_ = 0;

@@ -532,6 +532,7 @@ Trace BreadthFirstSearch<words>::run_to(const State& state) const {
 template class BreadthFirstSearch<1>;
 template class BreadthFirstSearch<2>;
 template class BreadthFirstSearch<4>;
+template class BreadthFirstSearch<most_own_words>;
 template class BreadthFirstSearch<PackedSystem::most_words>;
 
 }  // namespace maide

@@ -100,7 +100,7 @@ class ProductGraph {
       : system_(system),
         steps_(system),
         monitor_(monitor),
-        table_(system.address_bits(), node_number_bits) {
+        table_(system.address_bits(), node_number_bits, std::min(words, system.words())) {
     const std::size_t marks = monitor.marks() + std::size_t{2} * monitor.pairs();
     if (std::max<std::size_t>(marks, steps_.actors()) > bit_count_of<Bits>) {
       throw std::logic_error("too many marks or programs for a search for fair cycles");
@@ -315,7 +315,8 @@ class ProductGraph {
   mutable std::vector<Edge> edges_;
 };
 
-// Calls `work` as with_words() does. Searches with wide sets are compiled for large states alone.
+// Calls `work` as with_words() does. Searches with wide sets are compiled for the largest states
+// alone, and those without for all others.
 template <typename Monitor>
 inline constexpr bool uses_wide_bits = std::is_same_v<typename Monitor::Bits, WideBits>;
 template <typename Monitor, typename Work>
@@ -323,7 +324,8 @@ auto with_words_for(const PackedSystem& system, Work&& work) {
   if constexpr (uses_wide_bits<Monitor>) {
     return work(std::integral_constant<std::size_t, PackedSystem::most_words>());
   } else {
-    return with_words(system.words(), work);
+    MAIDE_CHECK(system.words() <= most_own_words);
+    return with_own_words(system.words(), work);
   }
 }
 

@@ -116,7 +116,8 @@ class SearchRounds {
   SearchRounds(const PackedSystem& system, const BreadthFirstOptions& options)
       : system_(system),
         options_(options),
-        table_(system.address_bits(), chain_bits(options.chain, system.code_bits())),
+        table_(system.address_bits(), chain_bits(options.chain, system.code_bits()),
+               std::min(words, system.words())),
         team_(std::min<unsigned>(options.threads, Table::segment_count)),
         pieces_(team_.size()) {}
   SearchRounds(const SearchRounds&) = delete;

@@ -73,7 +73,7 @@ class LoneSearch {
         selects_(selects),
         first_(first),
         limits_(limits),
-        table_(system.address_bits(), number_bits) {}
+        table_(system.address_bits(), number_bits, std::min(words, system.words())) {}
 
   // The bits of what was found; false if the limits ended it.
   bool run(std::uint64_t& lone) {
