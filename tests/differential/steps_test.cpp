@@ -149,7 +149,7 @@ TEST(Steps, OfTheExamplesAreTheSame) {
       if (text.find("learn:") != std::string::npos) continue;
       const System system = parse_system(text, entry.path(), read_requested_model);
       for (const auto& programs : find_components(system)) {
-        compare(Part(system, programs).system(), 60);
+        compare(SystemPart(system, programs).system(), 60);
       }
       if (HasFailure()) FAIL() << entry.path();
       ++systems;

@@ -152,11 +152,12 @@ Export export_property(const ExportArguments& arguments, Context& context) {
 constexpr std::size_t most_components_named = 3;  // in a message
 
 // The component of that program; without one the whole system.
-Part find_part(const System& system, const SystemExporter& exporter, const std::string& program) {
+SystemPart find_part(const System& system, const SystemExporter& exporter,
+                     const std::string& program) {
   const auto components = find_components(system);
   if (program.empty()) {
     if (components.size() < 2 || exporter.takes_components || !uses_second_edition(system)) {
-      return Part(system);
+      return SystemPart(system);
     }
     std::string first;
     for (std::size_t i = 0; i < std::min(components.size(), most_components_named); ++i) {
@@ -174,7 +175,7 @@ Part find_part(const System& system, const SystemExporter& exporter, const std::
       const Program& own = system.programs[index];
       const bool is_meant =
           own.name == program || std::ranges::find(own.nodes, program) != own.nodes.end();
-      if (is_meant) return Part(system, component);
+      if (is_meant) return SystemPart(system, component);
       known.push_back(own.name);
     }
   }
@@ -185,7 +186,8 @@ Part find_part(const System& system, const SystemExporter& exporter, const std::
 Export export_system(const ExportArguments& arguments, Context& context) {
   const SystemExporter& exporter = find_system_exporter(arguments.format);
   const auto whole = std::make_shared<const System>(read_exported_system(arguments, context));
-  const auto part = std::make_shared<const Part>(find_part(*whole, exporter, arguments.component));
+  const auto part =
+      std::make_shared<const SystemPart>(find_part(*whole, exporter, arguments.component));
   const System& system = part->system();
   const SystemExportOptions options{arguments.memory_mib << 20, context.control()};
   const Json details{{"models", system.models.size()}, {"programs", system.programs.size()}};

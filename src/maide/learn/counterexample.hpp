@@ -2,6 +2,10 @@
 // outputs first differ. It finds a suffix that tells apart two states of the system that are one
 // state of the hypothesis (Rivest & Schapire, "Inference of finite automata using homing
 // sequences", Information and Computation 103, 1993).
+//
+// Example: the counterexample is `a b c`, and by `a` the hypothesis goes to the state of the word
+// `d`. If the system ends `a b c` and `d b c` with different outputs, `b c` tells the two apart. If
+// it does not, the suffix is a shorter one.
 #pragma once
 
 #include <cstdint>

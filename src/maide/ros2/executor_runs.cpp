@@ -373,7 +373,7 @@ class PriorityRuns {
   }
 
   const System& system_;
-  const Part part_;
+  const SystemPart part_;
   const Property property_;  // of the part
   Random random_;
   std::size_t moves_ = 0;  // of all runs so far

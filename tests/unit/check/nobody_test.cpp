@@ -134,7 +134,7 @@ TEST(Nobody, StepsOnAloneWhileAProgramIsStuck) {
 TEST(Nobody, BelongsToTheComponentWhoseModelsItUses) {
   const System system = wire_system({writer, reader, spinner});
   EXPECT_EQ(find_components(system), (std::vector<std::vector<std::uint32_t>>{{0, 1}, {2}}));
-  const Part of_wire(system, {0, 1}), of_spinner(system, {2});
+  const SystemPart of_wire(system, {0, 1}), of_spinner(system, {2});
   EXPECT_EQ(of_wire.system().nobodys_actions.size(), 1U);
   EXPECT_TRUE(of_spinner.system().nobodys_actions.empty());
   Step arrival;

@@ -5,6 +5,9 @@
 // & Oddoux's ("Fast LTL to Buchi automata translation", CAV 2001): first a very weak alternating
 // automaton whose states are the formula's temporal parts, then the automaton of its conjunctions.
 // Implied transitions are left out, and equivalent states merged, as it is built.
+//
+// Example: `G F a` is one state with two loops, one under `true`, and one under `a` that has a
+// mark. A run with `a` again and again is accepted, and one with `a` three times is not.
 #pragma once
 
 #include <cstdint>

@@ -10,6 +10,7 @@
 // without taking anything from them. These are conditions D1 and D2 of stubborn sets (Valmari,
 // "Stubborn sets for reduced state space generation", 1989), for one model, nondeterminism
 // included. A read and a write on a queue that is neither empty nor full satisfy them.
+// On an empty queue they do not: before the write there is nothing to read.
 //
 // With fairness the run in which `a` comes first must also be treated as fairly: see Watch.
 #pragma once

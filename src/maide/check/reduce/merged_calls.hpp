@@ -10,6 +10,9 @@
 // docs/design/reductions.md has the proof, and what fairness asks for besides.
 // Calls of models that actions of nobody use stay two steps.
 //
+// Example: where one program alone reads a queue, its `q.read -> message` is one step. With a
+// second reader it stays two: the other may give `read` while the message is due.
+//
 // The reduced system is a system again, which all searches and reductions take. Its traces are
 // expanded to traces of the system itself.
 #pragma once

@@ -1,6 +1,9 @@
 // Reductions: which parts of a system's graph may be left out when a property is asked of it, and
 // what a search must respect then. Here are the rules for each kind of property, and the test
 // whether a formula can see silent steps. docs/design/reductions.md says why the rules are right.
+//
+// Example: `F p@sent` is true or false however many silent steps come before the label, so these
+// may be left out. `X p@sent` is not: it asks of the step that comes first.
 #pragma once
 
 #include <optional>

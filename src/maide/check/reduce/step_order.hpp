@@ -10,6 +10,9 @@
 // is never left out, for the order that was taken instead ends with a step of a later program
 // (docs/design/reductions.md). A step that uses several models leaves out nothing behind it, and is
 // itself never left out; nor is a step into an error, behind which nothing else comes.
+//
+// Example: program `a` takes one mutex, `b` another one. Behind the step of `b` that of `a` is left
+// out: `a` and then `b` leads to the same state. Where both want one mutex nothing is left out.
 #pragma once
 
 #include <cstdint>

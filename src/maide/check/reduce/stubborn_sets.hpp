@@ -12,6 +12,9 @@
 // 1989), or persistent sets (Godefroid, "Partial-order methods for the verification of concurrent
 // systems", 1996), in units of programs. What else must hold, visibility and cycles, depends on the
 // property: see docs/design/reductions.md.
+//
+// Example: two programs that write to a queue each: one of them alone is such a set. Where both
+// write to one queue, which has a single place left, it is not: the other's write takes the place.
 #pragma once
 
 #include <bit>

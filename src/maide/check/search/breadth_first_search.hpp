@@ -18,6 +18,9 @@
 //   chains  a state with a single step is passed by and not stored, a few in a row at most; the
 //           codes of all their steps are kept with the state at the end
 //
+// Example of a chain: one program computes, and all others have ended. Where a second program can
+// step, too, no state is passed by.
+//
 // Sources for expanding whole: Evangelista & Pajault, "Solving the ignoring problem for partial
 // order reduction", STTT 2010; Bosnacki & Holzmann, "Improving Spin's partial-order reduction for
 // breadth-first search", SPIN 2005.

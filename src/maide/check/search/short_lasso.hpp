@@ -9,6 +9,9 @@
 // two bits among the needs: it is answered, and it is asked, and the first is needed if the second
 // was met. Invariant: what is returned is shorter than any run found before, and `is_good`.
 // O(nodes x edges), but at most `most_work` edges are looked at for ways round.
+//
+// Example: 9 steps to a cycle of 2 are found first; a node 3 steps from the start lies on a cycle
+// of 5, and the run of 8 steps is taken. One of 3 steps to a cycle of 8 is not: it is as long.
 #pragma once
 
 #include <algorithm>

@@ -167,14 +167,15 @@ std::vector<std::uint32_t> deadlocked_programs(const System& system, const Globa
   return deadlocked;
 }
 
-Part::Part(const System& whole) : whole_(&whole), programs_(whole.programs.size()) {
+SystemPart::SystemPart(const System& whole) : whole_(&whole), programs_(whole.programs.size()) {
   std::iota(programs_.begin(), programs_.end(), 0);
   nobodys_actions_.resize(whole.nobodys_actions.size());
   std::iota(nobodys_actions_.begin(), nobodys_actions_.end(), 0);
 }
 
-Part::Part(const System& whole, std::vector<std::uint32_t> programs, const Property* property)
-    : Part(whole) {
+SystemPart::SystemPart(const System& whole, std::vector<std::uint32_t> programs,
+                       const Property* property)
+    : SystemPart(whole) {
   if (programs.empty() || maide::is_whole(whole, programs)) return;
   programs_ = std::move(programs);
   std::set<std::uint32_t> models;
@@ -210,7 +211,7 @@ Part::Part(const System& whole, std::vector<std::uint32_t> programs, const Prope
   }
 }
 
-void Part::add_programs() {
+void SystemPart::add_programs() {
   for (const std::uint32_t number : programs_) {
     program_numbers_[number] = static_cast<std::uint32_t>(own_->programs.size());
     Program& program = own_->programs.emplace_back(whole_->programs[number]);
@@ -220,7 +221,7 @@ void Part::add_programs() {
   }
 }
 
-void Part::add_nobodys_actions() {
+void SystemPart::add_nobodys_actions() {
   nobodys_actions_.clear();
   own_->nobodys_groups = whole_->nobodys_groups;
   for (std::uint32_t number = 0; number < whole_->nobodys_actions.size(); ++number) {
@@ -233,19 +234,19 @@ void Part::add_nobodys_actions() {
   }
 }
 
-CombinedStep Part::renumbered(CombinedStep step) const {
+CombinedStep SystemPart::renumbered(CombinedStep step) const {
   for (ModelUse& use : step.uses) use = renumbered(use);
   for (ModelUse& event : step.events) event = renumbered(event);
   return step;
 }
 
-ModelUse Part::renumbered(ModelUse use) const {
+ModelUse SystemPart::renumbered(ModelUse use) const {
   const bool has_model = use.kind != ModelUse::Kind::choice && use.kind != ModelUse::Kind::combined;
   if (has_model) use.model = model_numbers_[use.model];
   return use;
 }
 
-Property Part::property(const Property& of_whole) const {
+Property SystemPart::property(const Property& of_whole) const {
   Property result = of_whole;
   if (is_whole()) return result;
   const auto change = [&](Atom atom) {
@@ -270,12 +271,12 @@ Property Part::property(const Property& of_whole) const {
   return result;
 }
 
-bool Part::has(const Step& step) const {
+bool SystemPart::has(const Step& step) const {
   const auto& own = step.actor == nobody ? nobodys_actions_ : programs_;
   return std::ranges::binary_search(own, step.actor == nobody ? step.action : step.actor);
 }
 
-Step Part::to_whole(Step step) const {
+Step SystemPart::to_whole(Step step) const {
   if (step.actor == nobody) {
     step.action = nobodys_actions_[step.action];
   } else {
@@ -284,7 +285,7 @@ Step Part::to_whole(Step step) const {
   return step;
 }
 
-Step Part::from_whole(Step step) const {
+Step SystemPart::from_whole(Step step) const {
   if (is_whole()) return step;
   if (step.actor == nobody) {
     const auto own = std::ranges::lower_bound(nobodys_actions_, step.action);

@@ -36,14 +36,14 @@ bool is_whole(const System& system, const std::vector<std::uint32_t>& programs);
 // Some programs of a system with the models that they name, as a system of its own. What nobody
 // does belongs to it if it uses one of its models. Its programs, models and actions of nobody have
 // other numbers, in the same order; edges, states and actions of models have the same.
-class Part {
+class SystemPart {
  public:
   // The whole system. Keeps a reference.
-  explicit Part(const System& whole);
+  explicit SystemPart(const System& whole);
   // Those programs, ascending; no programs: the whole system. With a property, what its atoms name
   // besides, and the texts that reports show. Keeps a reference.
-  Part(const System& whole, std::vector<std::uint32_t> programs,
-       const Property* property = nullptr);
+  SystemPart(const System& whole, std::vector<std::uint32_t> programs,
+             const Property* property = nullptr);
 
   const System& system() const { return own_ ? *own_ : *whole_; }
   bool is_whole() const { return !own_; }

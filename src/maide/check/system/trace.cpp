@@ -160,12 +160,12 @@ std::string find_flaw_of_run(const System& system, const Property& property, con
 
 }  // namespace
 
-Trace to_whole(const Part& part, Trace trace) {
+Trace to_whole(const SystemPart& part, Trace trace) {
   for (Step& step : trace.steps) step = part.to_whole(std::move(step));
   return trace;
 }
 
-Trace from_whole(const Part& part, Trace trace) {
+Trace from_whole(const SystemPart& part, Trace trace) {
   for (Step& step : trace.steps) step = part.from_whole(std::move(step));
   return trace;
 }

@@ -22,8 +22,8 @@ struct Trace {
 };
 
 // A run of the part as one of the whole system, and back.
-Trace to_whole(const Part& part, Trace trace);
-Trace from_whole(const Part& part, Trace trace);
+Trace to_whole(const SystemPart& part, Trace trace);
+Trace from_whole(const SystemPart& part, Trace trace);
 
 // The states along the trace, one more than steps. Throws std::logic_error if a step is not
 // possible where it is taken, or the loop does not close.

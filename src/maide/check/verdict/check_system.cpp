@@ -38,7 +38,7 @@ GlobalState last_state(const System& system, const Trace& trace) {
 // Checks properties of one part of a system, all of whose runs they are about.
 class PartChecker {
  public:
-  PartChecker(Part part, Engine& engine, const EngineOptions& options)
+  PartChecker(SystemPart part, Engine& engine, const EngineOptions& options)
       : part_(std::move(part)),
         system_(part_.system()),
         engine_(engine),
@@ -142,7 +142,7 @@ class PartChecker {
     throw std::logic_error("the step does not go beyond what was learned");
   }
 
-  Part part_;
+  SystemPart part_;
   const System& system_;
   Engine& engine_;
   const EngineOptions& options_;
@@ -332,12 +332,13 @@ class Checker {
         property.kind == Property::Kind::ltl || property.kind == Property::Kind::never;
     PropertyResult result;
     if (has_atoms && !is_whole) {
-      result = PartChecker(Part(system_, programs, &property), engine_, options_).check(property);
+      result =
+          PartChecker(SystemPart(system_, programs, &property), engine_, options_).check(property);
     } else {
       auto& checker = checkers_[programs];
       if (!checker) {
-        checker = std::make_unique<PartChecker>(is_whole ? Part(system_) : Part(system_, programs),
-                                                engine_, options_);
+        checker = std::make_unique<PartChecker>(
+            is_whole ? SystemPart(system_) : SystemPart(system_, programs), engine_, options_);
       }
       result = checker->check(property);
     }
@@ -413,7 +414,8 @@ class Checker {
     limits.control = options_.control;
     limits.control.deadline = deadline_;
     for (const auto& programs : components_) {
-      const Part part = is_whole(system_, programs) ? Part(system_) : Part(system_, programs);
+      const SystemPart part =
+          is_whole(system_, programs) ? SystemPart(system_) : SystemPart(system_, programs);
       for (const LoneTimeOut& lone : find_lone_time_outs(part.system(), limits)) {
         const Program& program = part.system().programs[lone.program];
         report_.remarks.push_back(
@@ -452,7 +454,7 @@ class Checker {
                     const RunControl& control) {
     Property denied = property;
     denied.formula = premise.denied;
-    const Part part(system_, programs_of(system_, property, components_), &property);
+    const SystemPart part(system_, programs_of(system_, property, components_), &property);
     EngineOptions options = options_;
     options.control = control;
     options.most_states = std::max(most_premise_states, result.states);
@@ -529,7 +531,7 @@ std::string find_flaw_in_parts(const System& system, const Property& property, c
       return step.actor == nobody || std::ranges::binary_search(programs, step.actor);
     });
     if (!is_within) continue;
-    const Part part(system, programs, &property);
+    const SystemPart part(system, programs, &property);
     if (!std::ranges::all_of(trace.steps, [&](const Step& step) { return part.has(step); })) {
       continue;
     }
@@ -541,7 +543,7 @@ std::string find_flaw_in_parts(const System& system, const Property& property, c
 
 Shown shown_part(const System& system, const PropertyResult& result) {
   const Property property = find_property(system, result.name);
-  Part part(system, result.programs, &property);
+  SystemPart part(system, result.programs, &property);
   Trace trace = from_whole(part, *result.trace);
   Property of_part = part.property(property);
   return {std::move(part), std::move(of_part), std::move(trace)};

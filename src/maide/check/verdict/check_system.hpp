@@ -68,7 +68,7 @@ std::string find_flaw_in_parts(const System& system, const Property& property, c
 // The part of the system that the result is about, with its property and its trace, as reports show
 // them.
 struct Shown {
-  Part part;
+  SystemPart part;
   Property property;
   Trace trace;
 };

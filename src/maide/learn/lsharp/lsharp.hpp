@@ -7,6 +7,9 @@
 //   separate  a frontier node with several candidates is asked a word that two of them differ on
 //   conclude  every frontier node has one candidate: that is the hypothesis
 //
+// Example: `a` is answered 0 at the start, and 1 behind `b`. So the node behind `b` is promoted. If
+// it is answered 0 behind `b`, too, the start is a candidate there, and no state is new.
+//
 // A hypothesis that contradicts the tree is refined by that word, without an equivalence query. A
 // counterexample is shortened by binary search until it leaves a frontier node without a candidate.
 //

@@ -3,6 +3,9 @@
 // machine in the form of a tree. Two nodes are *apart* if some word that is known from both gets
 // different outputs. No later answer can take that back.
 //
+// Example: a node from which `a` got 0 is apart from one from which `a` got 1. From one from which
+// only `b` was asked it is not apart, though it may be another state.
+//
 // Invariant: adding words only makes more nodes apart. An edge takes 16 bytes; nodes that many
 // words leave have a table of children, the others a list.
 #pragma once

@@ -8,6 +8,9 @@
 // edges with it (the evidence), or becomes red if it contradicts all red states. Heavy states come
 // first, so that a wrong merge with little evidence does not mislead the others.
 //
+// Example: of the log `a` 0, `a` 0 the state behind the first `a` merges with the start: a machine
+// of one state. Of the log `a` 0, `a` 1 it does not, and becomes red.
+//
 // Invariant: the red states and the trees below them answer every trace as the log does. A machine
 // whose log is rich enough is found exactly. Otherwise the result is one of many machines that
 // agree with the log, and what it says beyond the log is a guess. O(red states x edges of the log's

@@ -9,6 +9,9 @@
 // only by evidence: along a suffix of the table, one shows an answer that the other did not show
 // though it was asked often enough.
 //
+// Example: behind one trace `a` was answered 0 and 1, behind another one 0 alone. They are apart if
+// `a` was asked 44 times behind the second (at 0.99), and not if it was asked once.
+//
 // Invariants: the traces of the basis are pairwise apart, hold the empty one, and lie in one piece.
 // When new answers undo an evidence, the basis is built again from what is known. Suffixes are
 // added one at a time, the shortest of a counterexample first, so the set of suffixes is

@@ -1,5 +1,8 @@
 // The learners with an observation table: L*M, Rivest & Schapire's, Suffix1by1 and L*M+. They share
 // `TableLearner`, and differ in the suffixes that they take from a counterexample.
+//
+// Example: the words `` and `b` are two states if the suffix `a` is answered 0 behind one and 1
+// behind the other. If all suffixes of the table are answered alike behind both, they are one.
 #pragma once
 
 #include <cstdint>

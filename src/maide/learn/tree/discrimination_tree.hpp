@@ -3,6 +3,10 @@
 // state each. A word goes down by the answers to itself and the suffix of each node. Here is the
 // tree alone; TreeHypothesis asks.
 //
+// Example: the suffix `a` at the root parts words behind which `a` is answered 0 from those behind
+// which it is answered 1. Two words of one leaf count as one state, until a counterexample splits
+// it.
+//
 // A node may be *temporary* (TTT: Isberner, Howar & Steffen, RV 2014). Its suffix came out of a
 // counterexample and will be replaced by a shorter one. Or it has no suffix yet, and one is still
 // to be found for its states (TTT-lambda: Howar & Steffen 2022). A maximal subtree of temporary
