@@ -437,7 +437,8 @@ System parse_stage_dump(std::string_view text, const std::string& file, const Mo
   const Source from(text, file, control, settings);
   if (from.dump->stage() == Stage::system) return from.dump->system();
   const Declarations declared = from.declare();
-  System system = build_system(declared, find_models(declared, from.models(source), {}, control), {}, control);
+  System system =
+      build_system(declared, find_models(declared, from.models(source), {}, control), {}, control);
   system.settings = from.settings;
   return system;
 }
