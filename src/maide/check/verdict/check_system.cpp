@@ -18,6 +18,7 @@
 
 #include "maide/base/error.hpp"
 #include "maide/base/text.hpp"
+#include "maide/check/reduce/reduction.hpp"
 #include "maide/check/rules/built_in_models.hpp"
 #include "maide/check/rules/model_words.hpp"
 #include "maide/check/system/trace.hpp"
@@ -457,7 +458,10 @@ class Checker {
     const SystemPart part(system_, programs_of(system_, property, components_), &property);
     EngineOptions options = options_;
     options.control = control;
-    options.most_states = std::max(most_premise_states, result.states);
+    // A search for a state ends at the first one, and a search for a cycle may go far before.
+    const bool is_state = invariant_of(denied) != nullptr;
+    options.most_states =
+        std::max(most_premise_states, is_state ? result.states : result.states / 64);
     options.shortens = false;
     options.checkpoints.clear();
     const PropertyResult found = engine_.check(part.system(), part.property(denied), options);

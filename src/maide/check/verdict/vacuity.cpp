@@ -16,11 +16,21 @@ Formula negation_of(const Formula& formula) { return make_formula(Operator::nega
 class PremiseSearch {
  public:
   std::vector<Premise> find(const Formula& formula) {
-    visit(formula, true, [](const Formula& whole) { return whole; });
+    find_in_conjuncts(formula);
     return std::move(premises_);
   }
 
  private:
+  // Each has to hold by itself.
+  void find_in_conjuncts(const Formula& formula) {
+    if (formula->op == Operator::conjunction) {
+      find_in_conjuncts(formula->left);
+      find_in_conjuncts(formula->right);
+    } else {
+      visit(formula, true, [](const Formula& whole) { return whole; });
+    }
+  }
+
   // The whole formula, with this in the place of what is visited.
   using Around = std::function<Formula(const Formula&)>;
 

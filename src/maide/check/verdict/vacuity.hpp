@@ -19,8 +19,9 @@ bool holds_of_everything(const Formula& formula, const RunControl& control);
 // An implication of a formula, where the formula is the weaker the weaker it is.
 struct Premise {
   Formula premise;
-  Formula denied;  // the formula, if nothing follows from the premise: it holds exactly if the
-                   // premise does not matter
+  // The formula, or the conjunct of it where the premise stands, if nothing follows from the
+  // premise. Where the formula holds, this holds exactly if the premise never matters.
+  Formula denied;
 };
 
 // From left to right; none inside of another's premise, or of `<->`.
