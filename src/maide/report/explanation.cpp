@@ -8,6 +8,7 @@
 #include <map>
 #include <optional>
 #include <set>
+#include <utility>
 #include <vector>
 
 #include "maide/base/invariant.hpp"
@@ -15,6 +16,7 @@
 #include "maide/check/rules/model_words.hpp"
 #include "maide/check/verdict/message_account.hpp"
 #include "maide/check/verdict/waiting.hpp"
+#include "maide/report/ways_out_text.hpp"
 
 namespace maide {
 namespace {
@@ -110,8 +112,8 @@ class Violation {
     if (formula->op == Operator::globally) {  // fails again and again
       const std::size_t place =
           first(loop_, [&](std::size_t i) { return !truth(formula->left)[i]; });
-      return text(formula->left) + " does not hold for ever: again and again, " +
-             why(formula->left, place, false);
+      const std::string reason = why(formula->left, place, false);
+      return place >= trace_.steps.size() + 1 ? reason : "again and again, " + reason;
     }
     return text(formula) + " never holds" + (at == 0 ? "" : " " + from(at));
   }
@@ -165,19 +167,10 @@ using Loss = MessageAccount::Loss;
 
 constexpr std::size_t most_clauses = 4;  // of programs that wait, in one sentence
 
-// "a", "a and b", "a, b and c".
-std::string list(const std::vector<std::string>& words, const std::string& last = " and ") {
-  std::string text;
-  for (std::size_t i = 0; i < words.size(); ++i) {
-    if (i > 0) text += i + 1 == words.size() ? last : ", ";
-    text += words[i];
-  }
-  return text;
-}
-
 // What it is called to have given an input, and to give it.
 std::string past_of(const std::string& input) {
-  return input == "write" ? "wrote" : input == "publish" ? "published" : "gave " + input;
+  const std::string word = input.substr(0, input.find('('));
+  return word == "write" ? "wrote" : word == "publish" ? "published" : "gave " + input;
 }
 
 class Sentence {
@@ -188,6 +181,7 @@ class Sentence {
   std::string write(const Property& property) {
     if (property.kind == Property::Kind::error) return describe_error(states_.back());
     std::string end = trace_.loop_start ? describe_loop() : describe_end();
+    if (is_weakly_fair_only(property)) end += "; `fairness: strong` leaves such runs out";
     if (property.kind == Property::Kind::never) {
       const std::string accepted = property.name + " accepts this run, which must never happen";
       return end.empty() ? accepted : accepted + ": " + end;
@@ -200,27 +194,40 @@ class Sentence {
   }
 
  private:
+  // The property is about weakly fair runs, and this one is not strongly fair.
+  bool is_weakly_fair_only(const Property& property) const {
+    const bool has_fairness =
+        property.kind == Property::Kind::ltl || property.kind == Property::Kind::never;
+    if (!has_fairness || property.fairness != Fairness::weak || !trace_.loop_start) return false;
+    return !is_fair(system_, trace_, states_, Fairness::strong);
+  }
+
   const std::string& program(std::uint32_t index) const { return system_.programs[index].name; }
   const ModelInstance& model(const Waiting& waiting) const { return system_.models[waiting.model]; }
 
   std::string programs(const std::vector<std::uint32_t>& indices) const {
     std::vector<std::string> names;
     for (const std::uint32_t index : indices) names.push_back(program(index));
-    return list(names);
+    return list_words(names);
   }
 
-  static std::string input_names(const ModelInstance& model, const std::vector<Symbol>& inputs) {
+  std::string input_name(std::uint32_t model, Symbol input) const {
+    return file_word(system_, model, system_.models[model].automaton.inputs().name(input));
+  }
+
+  std::string input_names(std::uint32_t model, const std::vector<Symbol>& inputs) const {
     std::vector<std::string> names;
-    for (const Symbol input : inputs) names.push_back(model.automaton.inputs().name(input));
-    return list(names, " or ");
+    for (const Symbol input : inputs) names.push_back(input_name(model, input));
+    return list_words(without_values(names), " or ");
   }
 
   std::string output_names(const Waiting& waiting, const std::vector<Symbol>& outputs) const {
     std::vector<std::string> names;
     for (const Symbol output : outputs) {
-      names.push_back(model(waiting).automaton.outputs().name(output));
+      const std::string& name = model(waiting).automaton.outputs().name(output);
+      names.push_back(file_word(system_, waiting.model, name));
     }
-    return list(names, " or ");
+    return list_words(without_values(names), " or ");
   }
 
   std::vector<Symbol> awaited_outputs(const Waiting& waiting) const {
@@ -241,11 +248,15 @@ class Sentence {
 
   // "waits at line 13 for message 2 of 6 from via"
   std::string what_is_awaited(const Waiting& waiting) const {
-    if (waiting.awaited.empty()) return "can do nothing but die";
-    const ProgramEdge& first = waiting.awaited.front();
     if (waiting.reason == Reason::several) {
-      return describe_waiting(system_, system_.programs[waiting.program], waiting.awaited);
+      std::vector<Program::Guard> guards;
+      for (const WayOut& way : waiting.ways) {
+        if (way.guard) guards.push_back(*way.guard);
+      }
+      if (guards.empty() && waiting.awaited.empty()) return "can do nothing but die";
+      return describe_waiting(system_, system_.programs[waiting.program], waiting.awaited, guards);
     }
+    const ProgramEdge& first = waiting.awaited.front();
     const std::string& name = model(waiting).name;
     const std::string of_all = fmt::format("{} of {}", waiting.number, waiting.rounds);
     const std::string in_round =
@@ -256,7 +267,7 @@ class Sentence {
     std::string text =
         fmt::format("waits at {} ", system_.programs[waiting.program].place_of(first.line));
     if (first.kind == Kind::give) {
-      const std::string input = model(waiting).automaton.inputs().name(first.index);
+      const std::string input = input_name(waiting.model, first.index);
       return text + fmt::format("to give {}.{}", name, input) + in_brackets;
     }
     if (is_about_messages(waiting)) {
@@ -288,9 +299,8 @@ class Sentence {
     const auto& messages = account.messages;
     const ModelInstance& model = system_.models[index];
     const Symbol given = given_input(index, step);
-    const std::string& input = model.automaton.inputs().name(given);
     std::string giving = "when " + describe_actor(system_, step);
-    if (step.actor != nobody) giving += " " + past_of(input);
+    if (step.actor != nobody) giving += " " + past_of(input_name(index, given));
     const std::string place = fmt::format("(step {})", loss.step + 1);
     if (std::ranges::find(messages, given) == messages.end()) {
       return fmt::format("{}, {} {}", counted(loss.count, "message"), giving, place);
@@ -320,10 +330,13 @@ class Sentence {
 
   // "planner wrote 6, 1 was read and 5 were lost, the first ..."
   std::string describe_account(std::uint32_t index, const MessageAccount& account) const {
-    const std::string verb = past_of(input_names(system_.models[index], account.messages));
     if (account.given == 0) return "";
+    const std::string verb = past_of(input_names(index, account.messages));
     const std::string givers = programs({account.givers.begin(), account.givers.end()});
-    std::string text = fmt::format("{} {} {}", givers, verb, account.given);
+    // Of messages with values it is said that they are counted, and not listed.
+    const std::string given = account.messages.size() == 1 ? std::to_string(account.given)
+                                                           : counted(account.given, "message");
+    std::string text = fmt::format("{} {} {}", givers, verb, given);
     const std::size_t lost = account.lost();
     const auto were = [](std::size_t count) { return count == 1 ? "was" : "were"; };
     if (lost == 0 && account.given == account.taken) {
@@ -333,7 +346,7 @@ class Sentence {
     if (account.taken > 0)
       parts.push_back(fmt::format("{} {} read", account.taken, were(account.taken)));
     if (lost > 0) parts.push_back(fmt::format("{} {} lost", lost, were(lost)));
-    text = list(parts);
+    text = list_words(parts);
     if (lost == 0) return text;
     return text + (lost > 1 ? ", first " : ": ") + describe_loss(index, account);
   }
@@ -353,17 +366,14 @@ class Sentence {
   // What would help: "writes there", "gives fork.release", "takes it".
   std::string help_verb(const Waiting& waiting) const {
     if (waiting.reason == Reason::output_due) return "take it";
-    const std::string inputs = input_names(model(waiting), waiting.wanted);
+    const std::string inputs = input_names(waiting.model, waiting.wanted);
     return inputs == "write" ? "write to " + model(waiting).name
                              : fmt::format("give {}.{}", model(waiting).name, inputs);
   }
 
   // Who could change it: "p1 has ended", "nobody else would write to q1".
   std::string describe_helpers(const Waiting& waiting, const GlobalState& state) const {
-    if (waiting.reason == Reason::several) {
-      const std::string services = describe_services(waiting, state);
-      return services.empty() ? describe_users(waiting) : services;
-    }
+    if (waiting.reason == Reason::several) return describe_ways_out(system_, waiting);
     if (waiting.wanted.empty()) return "nothing that programs do there would change that";
     if (waiting.helpers.empty()) return "no other program would ever " + help_verb(waiting);
     if (!waiting.reachable_helpers.empty()) {
@@ -384,32 +394,7 @@ class Sentence {
     if (!others.empty()) {
       parts.push_back(fmt::format("{} will never {} again", programs(others), help_verb(waiting)));
     }
-    return list(parts);
-  }
-
-  // What is on its way in the services that are waited for: "lookup: a request of a not served".
-  std::string describe_services(const Waiting& waiting, const GlobalState& state) const {
-    std::vector<std::string> parts;
-    std::set<std::uint32_t> known;
-    for (const ProgramEdge& edge : waiting.awaited) {
-      for (const ModelUse& use : system_.programs[waiting.program].uses_of(edge)) {
-        const ModelInstance& model = system_.models[use.model];
-        if (model.state_texts.empty() || !known.insert(use.model).second) continue;
-        const std::string& text = model.state_texts[state.models[use.model]];
-        parts.push_back(model.name + ": " + text +
-                        describe_taker(system_, state, waiting.program, use.model));
-      }
-    }
-    return list(parts, "; ");
-  }
-
-  std::string describe_users(const Waiting& waiting) const {
-    if (waiting.helpers.empty()) return "no other program uses what it waits for";
-    if (!waiting.reachable_helpers.empty()) {
-      return programs(waiting.reachable_helpers) + " could still change that";
-    }
-    return fmt::format("{} {} used it for the last time", programs(waiting.helpers),
-                       waiting.helpers.size() == 1 ? "has" : "have");
+    return list_words(parts);
   }
 
   // What the model does instead: "via holds none: ..."
@@ -432,7 +417,7 @@ class Sentence {
                                             maker, step)
                               : "");
       case Reason::bound: return describe_bound(model(waiting)) + ", and there it waits";
-      case Reason::several: return "none of it is possible";
+      case Reason::several:  // the ways out say it
       case Reason::nothing_due: break;
     }
     if (!waiting.account || !is_about_messages(waiting)) return name + " has nothing to give";
@@ -460,25 +445,54 @@ class Sentence {
                        input == "read" ? "" : " at", *waiting.cause + 1);
   }
 
-  std::string describe(const Waiting& waiting, const GlobalState& state) const {
-    return fmt::format("{} {}; {}; {}", program(waiting.program), what_is_awaited(waiting),
-                       describe_model(waiting), describe_helpers(waiting, state));
+  // What the model does instead, and who could change it.
+  std::string describe_cause(const Waiting& waiting, const GlobalState& state) const {
+    if (waiting.reason == Reason::nothing_due) {
+      const std::string mismatch = describe_mismatch(model(waiting));
+      if (!mismatch.empty()) return model(waiting).name + " delivers nothing: " + mismatch;
+    }
+    const std::string helpers = describe_helpers(waiting, state);
+    return waiting.reason == Reason::several ? helpers : describe_model(waiting) + "; " + helpers;
+  }
+
+  // Programs that wait for the same, and why.
+  struct Clause {
+    std::vector<std::string> programs;
+    std::string awaited, cause;  // the cause may be said with what is awaited
+
+    std::string text(const std::string& between) const {
+      std::string what = awaited;
+      if (programs.size() > 1 && what.starts_with("waits ")) what.replace(0, 6, "wait ");
+      return list_words(programs) + " " + what + (cause.empty() ? "" : between + cause);
+    }
+  };
+
+  void add_clause(const Waiting& waiting, const GlobalState& state,
+                  std::vector<Clause>& clauses) const {
+    Clause clause{
+        {program(waiting.program)}, what_is_awaited(waiting), describe_cause(waiting, state)};
+    if (waiting.reason == Reason::nothing_due && !clauses.empty()) {
+      clause.awaited += ", and " + describe_helpers(waiting, state);
+      clause.cause.clear();
+    }
+    const auto same = std::ranges::find_if(clauses, [&](const Clause& other) {
+      return waiting.reason == Reason::several && other.awaited == clause.awaited &&
+             other.cause == clause.cause;
+    });
+    if (same == clauses.end()) {
+      clauses.push_back(std::move(clause));
+    } else {
+      same->programs.push_back(program(waiting.program));
+    }
   }
 
   // The program by which to begin: one whose message was lost, or whom nobody can help any more.
   static int rank(const Waiting& waiting) {
     if (waiting.account && !waiting.account->losses.empty()) return 0;
+    if (std::ranges::any_of(waiting.services,
+                            [](const auto& wait) { return wait.loss.has_value(); }))
+      return 0;
     return waiting.reachable_helpers.empty() ? 1 : 2;
-  }
-
-  // Where no program waits for a model: each is in a `select` whose guards do not hold, or at rest.
-  std::string describe_hopeless(const GlobalState& state) const {
-    std::vector<std::uint32_t> hopeless;
-    for (std::uint32_t index = 0; index < system_.programs.size(); ++index) {
-      if (system_.programs[index].states[state.programs[index]].waits) hopeless.push_back(index);
-    }
-    return fmt::format("{} in a 'select' of which no guard holds, and nobody can change that",
-                       programs(hopeless) + (hopeless.size() == 1 ? " is" : " are"));
   }
 
   std::string describe_deadlock(const GlobalState& state) const {
@@ -486,27 +500,24 @@ class Sentence {
     for (const std::uint32_t index : blocked_programs(system_, state)) {
       waitings.push_back(find_waiting(system_, trace_, states_, states_.size() - 1, index));
     }
-    if (waitings.empty()) return describe_hopeless(state);
     std::ranges::stable_sort(waitings,
                              [](const Waiting& a, const Waiting& b) { return rank(a) < rank(b); });
-    std::string text = describe(waitings.front(), state);
     const std::vector<std::uint32_t> circle = find_circle(waitings);
-    const std::size_t shown = std::min(waitings.size(), circle.size() > 2 ? 1 : most_clauses);
-    for (std::size_t i = 1; i < shown; ++i) {
-      const Waiting& waiting = waitings[i];
-      text += fmt::format("; {} {}", program(waiting.program), what_is_awaited(waiting));
-      text +=
-          waiting.reason == Reason::nothing_due ? ", and " : ": " + describe_model(waiting) + "; ";
-      text += describe_helpers(waiting, state);
-    }
+    std::vector<Clause> clauses;
+    for (const Waiting& waiting : waitings) add_clause(waiting, state, clauses);
+    std::string text = clauses.front().text("; ");
+    const std::size_t shown = std::min(clauses.size(), circle.size() > 2 ? 1 : most_clauses);
+    for (std::size_t i = 1; i < shown; ++i) text += "; " + clauses[i].text(": ");
     if (circle.size() == 2) text += ": each waits for the other";
     if (circle.size() > 2) {
       text += "; they wait in a circle: " + program(circle[0]) + " for " + program(circle[1]);
       for (std::size_t i = 1; i < circle.size(); ++i) {
         text += ", " + program(circle[i]) + " for " + program(circle[(i + 1) % circle.size()]);
       }
-    } else if (shown < waitings.size()) {
-      text += fmt::format("; {} more wait", counted(waitings.size() - shown, "program"));
+    } else if (shown < clauses.size()) {
+      std::size_t more = 0;
+      for (std::size_t i = shown; i < clauses.size(); ++i) more += clauses[i].programs.size();
+      text += fmt::format("; {} more wait", counted(more, "program"));
     }
     return text;
   }
@@ -554,7 +565,7 @@ class Sentence {
     const std::string who = running.empty() ? "what happens by itself" : programs(running);
     const std::string loop =
         fmt::format("{} {} on for ever ({})", who, running.size() > 1 ? "go" : "goes", which);
-    return clauses.empty() ? loop : list(clauses, "; and ") + "; " + loop;
+    return clauses.empty() ? loop : list_words(clauses, "; and ") + "; " + loop;
   }
 
   std::string describe_standstill(std::uint32_t index) const {
@@ -572,8 +583,8 @@ class Sentence {
     if (blocked < length) {
       return never + what_is_awaited(waiting) + ", and each time it could go on, others are faster";
     }
-    return fmt::format("{}{}; {}; {}", never, what_is_awaited(waiting), describe_model(waiting),
-                       describe_helpers(waiting, states_[where]));
+    return fmt::format("{}{}; {}", never, what_is_awaited(waiting),
+                       describe_cause(waiting, states_[where]));
   }
 
   const System& system_;

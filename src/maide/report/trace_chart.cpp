@@ -17,6 +17,7 @@
 #include "maide/check/system/trace_file.hpp"
 #include "maide/check/verdict/check_system.hpp"
 #include "maide/check/verdict/message_account.hpp"
+#include "maide/check/verdict/service_account.hpp"
 #include "maide/report/trace_text.hpp"
 
 namespace maide {
@@ -112,6 +113,13 @@ class Lanes {
   std::vector<std::size_t> lane_of_;
 };
 
+// The input that is given, or the output that is taken.
+std::string label_of(const System& system, const ModelUse& event) {
+  const InterfaceAutomaton& automaton = system.models[event.model].automaton;
+  const Alphabet& names = event.kind == Kind::give ? automaton.inputs() : automaton.outputs();
+  return file_word(system, event.model, names.name(event.index));
+}
+
 // A combined step that gives to one model, or takes from one, is an arrow; other ones are notes of
 // the program. A step of nobody that uses several models is an arrow between two of them.
 SequenceChart::Message to_message(const System& system, const Lanes& lanes, const Step& step) {
@@ -134,10 +142,15 @@ SequenceChart::Message to_message(const System& system, const Lanes& lanes, cons
   }
   if (edge.kind == Kind::combined || edge.kind == Kind::act) {
     const StepText text = describe_step(system, step);
-    message.label = text.model.empty() ? text.event : text.event.substr(1);
+    message.label = text.event;
     if (!text.model.empty()) {
-      const ModelUse& event = events_of(system, step).front();
+      const auto events = events_of(system, step);
+      const ModelUse& event = events.front();
       (text.event[0] == '?' ? message.to : message.from) = lanes.of_model(event.model);
+      message.label = label_of(system, events.front());
+      for (const ModelUse& other : events.subspan(1)) {
+        message.label += (other.kind == Kind::give ? "?" : "!") + label_of(system, other);
+      }
     }
     if (step.is_beyond) message.remark = "never tried there";
     return message;
@@ -147,7 +160,7 @@ SequenceChart::Message to_message(const System& system, const Lanes& lanes, cons
   switch (edge.kind) {
     case Kind::give:
       message.to = lane;
-      message.label = model.automaton.inputs().name(edge.index);
+      message.label = label_of(system, edge);
       if (step.is_beyond) {
         message.remark = model.when_unexplored == WhenUnexplored::drop
                              ? "never tried there: dropped"
@@ -156,7 +169,7 @@ SequenceChart::Message to_message(const System& system, const Lanes& lanes, cons
       break;
     case Kind::take:
       message.from = lane;
-      message.label = model.automaton.outputs().name(edge.index);
+      message.label = label_of(system, edge);
       break;
     default: message.label = model.name + " is quiet"; break;
   }
@@ -169,13 +182,10 @@ std::string describe_wait(const System& system, const Program& program, const Pr
   if (edge.kind == Kind::combined || edge.kind == Kind::act) {
     return "waits: " + describe_edge(system, program, edge);
   }
-  const ModelInstance& model = system.models[edge.model];
   switch (edge.kind) {
     case Kind::give:
-      return fmt::format("waits: {}.{}", model.name, model.automaton.inputs().name(edge.index));
-    case Kind::take:
-      return fmt::format("waits: {}!{}", model.name, model.automaton.outputs().name(edge.index));
-    default: return fmt::format("waits: {} quiet", model.name);
+    case Kind::take: return "waits: " + describe_use(system, edge);
+    default: return fmt::format("waits: {} quiet", system.models[edge.model].name);
   }
 }
 
@@ -188,6 +198,21 @@ void remark_on_losses(const System& system, const Trace& trace,
       const std::string text =
           loss.count == 1 ? "one is lost" : fmt::format("{} are lost", loss.count);
       remark += (remark.empty() ? "" : "; ") + text;
+    }
+  }
+}
+
+// At each step in which a request or an answer was pushed out, with whose it was.
+void remark_on_service_losses(const System& system, const Trace& trace,
+                              const std::vector<GlobalState>& states, SequenceChart& chart) {
+  for (const ServiceInstance& service : system.services) {
+    for (const ServiceLoss& loss : find_service_losses(system, trace, states, service.model)) {
+      std::string& remark = chart.messages[loss.step].remark;
+      const std::string& client = service.clients[loss.client];
+      remark += (remark.empty() ? "" : "; ") +
+                (loss.count == 1 ? std::string("one is lost: ")
+                                 : fmt::format("{} are lost: ", loss.count)) +
+                (loss.is_answer ? "the answer to " + client : client + "'s request");
     }
   }
 }
@@ -255,6 +280,7 @@ SequenceChart make_trace_chart(const System& system, const Trace& trace, std::st
   }
   const std::vector<GlobalState> states = replay(system, trace);
   remark_on_losses(system, trace, states, chart);
+  remark_on_service_losses(system, trace, states, chart);
   remark_on_values(system, trace, states, chart);
   leave_out_hidden(system, trace, chart);
   const GlobalState& last = states.back();

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <ostream>
@@ -19,23 +20,29 @@ namespace {
 
 using Kind = ProgramEdge::Kind;
 
+constexpr std::size_t most_listed = 3;  // names that differ in their values alone
+
 // The inputs that the instance takes in its state, or the outputs that are due.
-std::string actions_of(const ModelInstance& model, StateId state, Action::Kind kind) {
+std::string actions_of(const System& system, std::uint32_t index, StateId state,
+                       Action::Kind kind) {
+  const ModelInstance& model = system.models[index];
   std::vector<std::string> names;
   for (const auto& transition : model.automaton.transitions(state)) {
     if (transition.action.kind != kind || transition.absorbed) continue;
     const Alphabet& alphabet =
         transition.action.is_input() ? model.automaton.inputs() : model.automaton.outputs();
     const std::string& name = alphabet.name(transition.action.symbol);
-    if (names.empty() || names.back() != name) names.push_back(name);
+    names.push_back(file_word(system, index, name));
   }
-  return fmt::format("{}", fmt::join(names, ", "));
+  return fmt::format("{}", fmt::join(without_values(names, most_listed), ", "));
 }
 
 // Why the instance does not do what a program waits for.
-std::string describe_model(const ModelInstance& model, StateId state, const ProgramEdge& edge) {
+std::string describe_model(const System& system, StateId state, const ProgramEdge& edge) {
+  const ModelInstance& model = system.models[edge.model];
   if (!model.automaton.is_quiescent(state)) {
-    return fmt::format("{} has {} due", model.name, actions_of(model, state, Action::Kind::output));
+    return fmt::format("{} has {} due", model.name,
+                       actions_of(system, edge.model, state, Action::Kind::output));
   }
   if (edge.kind == Kind::give) {
     if (is_beyond_learned(model.automaton, state, edge.index)) {
@@ -46,7 +53,7 @@ std::string describe_model(const ModelInstance& model, StateId state, const Prog
     }
     return model.name + " does not take it now: an earlier call has not returned";
   }
-  const std::string inputs = actions_of(model, state, Action::Kind::input);
+  const std::string inputs = actions_of(system, edge.model, state, Action::Kind::input);
   return fmt::format("{} has nothing to give{}", model.name,
                      inputs.empty() ? "" : "; it would take " + inputs);
 }
@@ -61,22 +68,23 @@ void write_waiting(std::ostream& out, const System& system, const GlobalState& s
     awaited.push_back(edge);
     steps.push_back(describe_edge(system, program, edge));
   }
-  if (program.states[control].waits) {
-    out << fmt::format("  {} is in a 'select' of which no guard holds\n", program.name);
-    return;
-  }
-  if (awaited.empty()) {
+  const std::vector<Program::Guard> guards = closed_guards(program, control);
+  if (awaited.empty() && guards.empty()) {
     out << fmt::format("  {} can only die\n", program.name);
     return;
   }
-  const ProgramEdge& first = awaited.front();
-  if (first.kind == Kind::act || first.kind == Kind::combined) {
-    out << fmt::format("  {} {}\n", program.name, describe_waiting(system, program, awaited));
+  const bool is_plain =
+      guards.empty() && awaited.front().kind != Kind::act && awaited.front().kind != Kind::combined;
+  if (!is_plain) {
+    out << fmt::format("  {} {}\n", program.name,
+                       describe_waiting(system, program, awaited, guards));
     return;
   }
+  const ProgramEdge& first = awaited.front();
   out << fmt::format("  {} waits at {} {}{}; {}\n", program.name, program.place_of(first.line),
-                     first.kind == Kind::give ? "to give " : "for ", fmt::join(steps, " or "),
-                     describe_model(system.models[first.model], state.models[first.model], first));
+                     first.kind == Kind::give ? "to give " : "for ",
+                     fmt::join(without_values(steps), " or "),
+                     describe_model(system, state.models[first.model], first));
 }
 
 // Whether some program waits for one of the outputs that are due.
@@ -156,7 +164,8 @@ void write_end(std::ostream& out, const System& system, const Trace& trace,
     if (model.automaton.is_quiescent(state.models[index])) continue;
     if (is_awaited(system, state, index)) continue;
     out << fmt::format("  {} has {} due, which no program takes: until then it takes no input\n",
-                       model.name, actions_of(model, state.models[index], Action::Kind::output));
+                       model.name,
+                       actions_of(system, index, state.models[index], Action::Kind::output));
   }
 }
 

@@ -322,12 +322,232 @@ TEST(Explanation, SaysWhichCallbackCannotStart) {
   };
   EXPECT_THAT(
       why("{kind: single}", "exclusive", ""),
-      testing::HasSubstr("s: an answer to n not taken. n.s takes it, and n runs that, too"));
+      testing::HasSubstr("its answer has come, but n.s, which takes it, finds no idle thread: "
+                         "the one of e runs n.on, which waits"));
+  EXPECT_THAT(why("{kind: single}", "exclusive", "executor: e, "),
+              testing::HasSubstr(
+                  "its request is not served: m.find finds no idle thread: the one of e runs "
+                  "n.on, which waits, nor does n.s, which would take the answer\n"));
   EXPECT_THAT(
-      why("{kind: single}", "exclusive", "executor: e, "),
-      testing::HasSubstr("a request of n not served. m.find serves it, and e runs that, too"));
-  EXPECT_THAT(why("{kind: multi, threads: 2}", "reentrant", ""),
-              testing::HasSubstr("2 answers to n not taken. n.s takes it, and has no free thread"));
+      why("{kind: multi, threads: 2}", "reentrant", ""),
+      testing::HasSubstr("n.on[0] and n.on[1] wait at line 5 (n.on) for s!answer; its answer "
+                         "has come, but n.s, which takes it, finds no idle thread: both "
+                         "threads of e run n.on\n"));
+}
+
+// A deadlock's sentence, and what a chart says of the step in which something was lost.
+std::string sentence(const std::string& text) {
+  const std::string all = shown(parse_system(text, "s.yaml"), "deadlock");
+  return all.substr(0, all.find('\n'));
+}
+
+TEST(Explanation, SaysWhoseRequestOrAnswerWasPushedOut) {
+  const std::string server = "  cm: \"loop { idle list.serve -> request; list.answer; }\"\n";
+  const std::string service =
+      "services: {list: {server: cm, clients: [a, b], with: {depth: 1}}}\nprograms:\n";
+  const std::string by_other =
+      shown(parse_system(service +
+                             "  a: \"list.send; list.receive -> answer;\"\n"
+                             "  b: \"list.send; list.send;\"\n" +
+                             server,
+                         "s.yaml"),
+            "deadlock");
+  EXPECT_THAT(by_other, testing::StartsWith("a waits at line 3 for list!answer; its request was "
+                                            "pushed out at step 3 by b's, before cm "
+                                            "served it (list keeps the last 1)\n"));
+  EXPECT_THAT(by_other, testing::HasSubstr("  (one is lost: a's request)\n"));
+  const std::string queue = "{use: queue, with: {size: 1}}";
+  const std::string answer =
+      shown(parse_system("models: {go: " + queue + ", done: " + queue + "}\n" + service +
+                             "  a: \"list.send; done.read -> message; list.receive -> answer;\"\n"
+                             "  b: \"go.read -> message; list.send; list.receive -> answer; "
+                             "done.write;\"\n"
+                             "  cm: \"list.serve -> request; list.answer; go.write; "
+                             "list.serve -> request; list.answer;\"\n",
+                         "s.yaml"),
+            "deadlock");
+  EXPECT_THAT(answer, testing::ContainsRegex("a waits at line 4 for list!answer; its answer was "
+                                             "pushed out at step [0-9]+ by the answer to b, before "
+                                             "it was taken"));
+  EXPECT_THAT(answer, testing::HasSubstr("(one is lost: the answer to a)"));
+}
+
+TEST(Explanation, SaysWhatBecameOfARequest) {
+  const std::string clients = "  c: \"s.send; s.receive -> answer;\"\n";
+  const std::string service = "services: {s: {server: a, clients: [b, c]}}\nprograms:\n";
+  EXPECT_EQ(sentence(service +
+                     "  a: \"s.serve -> request; s.answer;\"\n"
+                     "  b: \"s.send; s.receive -> answer;\"\n" +
+                     clients),
+            "c waits at line 5 for s!answer; its request is not served: a has ended");
+  EXPECT_EQ(sentence(service + "  a: \"s.serve -> request;\"\n  b: skip;\n" + clients),
+            "c waits at line 5 for s!answer; its request is served, but not answered: a has ended");
+  EXPECT_EQ(sentence(service + "  a: skip;\n  b: skip;\n  c: \"s.receive -> answer;\"\n"),
+            "c waits at line 5 for s!answer; it has sent no request to s");
+}
+
+// A node whose callback `waiter` waits for what `setter` would do.
+std::string why_waits(const std::string& executor, const std::string& groups, int writes) {
+  return sentence("models: {go: {use: queue, with: {size: 2}}}\nprograms: {w: \"repeat " +
+                  std::to_string(writes) + " { go.write; }\"}\nexecutors: {e: " + executor +
+                  "}\nnodes:\n  a:\n    executor: e\n    " + groups +
+                  "\n    variables: \"var done: bool;\"\n"
+                  "    callbacks:\n"
+                  "      waiter: {takes: go.read, group: g, do: \"select { when (done) { } }\"}\n"
+                  "      setter: {timer: 1, group: t, do: \"done = true;\"}\n");
+}
+
+TEST(Explanation, SaysThatNoThreadIsIdle) {
+  EXPECT_EQ(why_waits("{kind: single}", "groups: {g: exclusive, t: exclusive}", 1),
+            "a waits at line 10 (a.waiter) in a select for a.done; only a.setter would make a.done "
+            "true, but it finds no idle thread: the one of e runs a.waiter, which waits");
+  EXPECT_EQ(
+      why_waits("{kind: multi, threads: 2}", "groups: {g: reentrant, t: exclusive}", 2),
+      "a.waiter[0] and a.waiter[1] wait at line 10 (a.waiter) in a select for a.done == true; "
+      "only a.setter would make a.done == true, but it finds no idle thread: both threads of "
+      "e run a.waiter");
+}
+
+TEST(Explanation, NamesBothWaysOutOfASelect) {
+  EXPECT_EQ(
+      sentence("models: {go: {use: queue, with: {size: 1}}}\nvariables: \"var acked: bool;\"\n"
+               "programs: {w: \"go.write; if * { acked = true; }\"}\n"
+               "executors: {e: {kind: multi, threads: 4}}\nnodes:\n  a:\n    executor: e\n"
+               "    groups: {one: exclusive}\n"
+               "    variables: \"var late: bool;\"\n    callbacks:\n"
+               "      waiter: {takes: go.read, group: one, do: \"select { when (acked) { } when "
+               "(late) { } }\"}\n"
+               "      timeout: {timer: 1, group: one, do: \"late = true;\"}\n"),
+      "a.one waits at line 11 (a.waiter) in a select for acked == true or a.late; only w would "
+      "make "
+      "acked == true, but it has ended; only a.timeout would make a.late true, but it is in the "
+      "group "
+      "one, which a.waiter has while it waits");
+}
+
+TEST(Explanation, NamesOnlyWhoCanChangeWhatIsWaitedFor) {
+  EXPECT_EQ(
+      sentence("variables: \"var i: 0..1;\"\nprograms:\n"
+               "  p[k in 0..1]: \"select { when (i > 0) { } } i = i - 1;\"\n"),
+      "p[0] and p[1] wait at line 3 in a select for i == 1; no program would ever make i == 1");
+  const std::string three =
+      "models: {go: {use: queue, with: {size: 1}}}\nvariables: \"var x: 0..3;\"\nprograms:\n"
+      "  w: \"select { when (x == 3) { } }\"\n  v: \"x = 1; go.read -> message; x = 2;\"\n";
+  EXPECT_THAT(
+      sentence(three),
+      testing::StartsWith(
+          "w waits at line 4 in a select for x == 3; no program would ever make x == 3; v waits"));
+  EXPECT_THAT(
+      sentence(three + "  u: \"go.read -> message; x = 3;\"\n"),
+      testing::HasSubstr("w waits at line 4 in a select for x == 3: only u would make x == 3"));
+  EXPECT_THAT(
+      sentence(three + "  u: \"if * { x = 3; }\"\n"),
+      testing::HasSubstr(
+          "w waits at line 4 in a select for x == 3; only u would make x == 3, but it has ended"));
+}
+
+TEST(Explanation, CountsMessagesAndListsNone) {
+  const std::string text =
+      shown(parse_system("models: {q: {use: queue, with: {depth: 1}}}\nprograms:\n"
+                         "  a: \"for k in 0..30 { q.write(k); }\"\n"
+                         "  b: \"q.read -> message; q.read -> message;\"\n",
+                         "s.yaml"),
+            "deadlock");
+  EXPECT_THAT(text, testing::StartsWith("b waits at line 4 for a message from q; q holds none: a "
+                                        "wrote 31 messages, 1 was read and 30 "
+                                        "were lost, first message 1 or 2, when a wrote message 2 "
+                                        "before message 1 was read (step 2); a "
+                                        "has ended\n"));
+  EXPECT_THAT(
+      text, testing::HasSubstr(
+                "  b waits at line 4 for q!message; q has nothing to give; it would take write\n"));
+}
+
+TEST(Explanation, HasTheWordsOfTheFileAtASecondEnd) {
+  const std::string text = shown(
+      parse_system(
+          "topics: {t: {writers: [a, b], readers: c, use: queue, with: {size: 1}}}\nprograms:\n"
+          "  a: skip;\n  b: \"t.write; t.write;\"\n  c: skip;\n",
+          "s.yaml"),
+      "deadlock");
+  EXPECT_THAT(text, testing::Not(testing::HasSubstr("write2")));
+  EXPECT_THAT(text, testing::StartsWith("b waits at line 4 for t.write; t[c] is full; no program "
+                                        "would ever make that possible\n"));
+}
+
+// A connection of DDS whose ends never match: what is written is lost.
+TEST(Explanation, SaysThatTheEndsNeverMatch) {
+  const auto model_of = [](const std::string& sul) {
+    return parse_system(
+        "models: {pong: {file: f.dot}}\n"
+        "programs: {board: \"loop { pong.write; }\", pc: \"pong.read -> message;\"}\n",
+        "s.yaml", [&](const ModelRequest&) {
+          InterfaceAutomaton silent({"write", "read"}, {"message"}, 2);
+          silent.add_transition(0, {Action::Kind::input, 0}, 0);
+          silent.add_transition(0, {Action::Kind::input, 1}, 1);
+          silent.add_transition(1, {Action::Kind::input, 0}, 1);
+          silent.origin["sul"] = sul;
+          return silent;
+        });
+  };
+  const auto sentence_of = [](const System& system) {
+    NativeEngine engine;
+    CheckRequest request;
+    request.properties = {"stuck"};
+    const CheckReport report = check_system(system, engine, request);
+    return explain(system, built_in(Property::Kind::stuck), *report.properties.front().trace);
+  };
+  const System unreliable = model_of(
+      "cyclonedds pub-reliability=best_effort reliability=default sub-reliability=reliable");
+  const std::string reliability =
+      "pong delivers nothing: its writer offers reliability best_effort, its reader asks for "
+      "reliable, and such ends never match";
+  EXPECT_THAT(sentence_of(unreliable), testing::HasSubstr("from pong; " + reliability + "; "));
+  EXPECT_THAT(unreliable.remarks, testing::ElementsAre(reliability + " (s.yaml:1:10)"));
+  // What one end does not say is what both say.
+  EXPECT_THAT(sentence_of(model_of("ros2 durability=volatile pub-durability=both "
+                                   "sub-durability=transient_local")),
+              testing::HasSubstr("its writer offers durability volatile, its reader asks for "
+                                 "transient_local, and such ends never match"));
+  const System matching = model_of("cyclonedds reliability=reliable sub-reliability=best_effort");
+  EXPECT_THAT(sentence_of(matching), testing::HasSubstr("only board would write to pong"));
+  EXPECT_THAT(matching.remarks, testing::IsEmpty());
+}
+
+// A reader that polls may keep the writer waiting on a run that is weakly fair only.
+TEST(Explanation, NamesStrongFairnessWhereItLeavesTheRunOut) {
+  const auto report_of = [](const std::string& fairness) {
+    const System system = parse_system(
+        "models: {m: {use: mutex}}\nprograms:\n  a: \"m.lock; @got m.unlock;\"\n"
+        "  b: \"loop { m.lock; m.unlock; }\"\nproperties: {got: {ltl: F a@got, fairness: " +
+            fairness + "}}\n",
+        "s.yaml");
+    NativeEngine engine;
+    CheckReport report = check_system(system, engine, {});
+    std::string text;
+    for (const PropertyResult& result : report.properties) {
+      if (result.trace) text = explain(system, find_property(system, result.name), *result.trace);
+    }
+    return std::pair(text, report.remarks);
+  };
+  const auto [text, remarks] = report_of("weak");
+  EXPECT_THAT(text, testing::EndsWith("; `fairness: strong` leaves such runs out"));
+  EXPECT_THAT(remarks, testing::IsEmpty());  // it is said already
+  const auto [none, remark] = report_of("strong");
+  EXPECT_EQ(none, "");
+  EXPECT_THAT(remark, testing::ElementsAre(testing::StartsWith(
+                          "a may never step again on a run that is weakly fair only, which `stuck` "
+                          "leaves out, as a property with `fairness: strong` does: it waits at "
+                          "line 3, ")));
+}
+
+TEST(Explanation, SaysOfAPromiseThatIsNotKeptWhatDoesNotHold) {
+  const System system = parse_system(
+      "variables: \"var n: 0..2;\"\nprograms: {P: \"n = 1;\", Q: \"n = 2;\"}\n"
+      "properties: {test: \"F G (n == 1)\"}\n",
+      "s.yaml");
+  EXPECT_THAT(shown(system, "test"),
+              testing::StartsWith("n == 1 does not hold at the end: all programs have ended\n"));
 }
 
 TEST(Explanation, SaysWhatASelectWaitsFor) {

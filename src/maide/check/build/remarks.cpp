@@ -8,6 +8,7 @@
 
 #include "maide/base/text.hpp"
 #include "maide/check/build/build_system.hpp"
+#include "maide/check/rules/model_words.hpp"
 
 namespace maide {
 namespace {
@@ -82,6 +83,15 @@ class RemarkWriter {
       system_.remarks.push_back("no program " + join(silent, ", or "));
   }
 
+  void note_ends_that_never_match() {
+    for (const ModelInstance& model : system_.models) {
+      const std::string mismatch = describe_mismatch(model);
+      if (mismatch.empty()) continue;
+      system_.remarks.push_back(model.name + " delivers nothing: " + mismatch + " (" +
+                                to_string(model.position) + ")");
+    }
+  }
+
   void note_unused_variables(const std::vector<VariableName>& unused) {
     for (const VariableName& variable : unused) {
       system_.remarks.push_back("no program uses variable '" + variable.leaf.name + "' (" +
@@ -127,6 +137,7 @@ void add_remarks(System& system, const std::vector<VariableName>& unused) {
   writer.note_what_is_unknown();
   writer.note_unused_models();
   writer.note_silent_connections();
+  writer.note_ends_that_never_match();
   writer.note_unused_variables(unused);
   writer.note_unreachable_statements();
   writer.note_idle_atoms();

@@ -47,11 +47,33 @@ void Unroller::expand(const Place place) {
     origin_ = intern_origin(statement.origin);
     expand(place, statement);
     origin_ = 0;
+    if (statement.kind == Statement::Kind::select) note_guards(statement);
     if (may_die_) add_death(place);
   }
   state.edge_count = static_cast<std::uint32_t>(program_.edges.size()) - state.first_edge;
   state.waits = state.edge_count == 0 && may_go_on;
   program_.states.push_back(state);
+}
+
+void Unroller::note_guards(const Statement& statement) {
+  const auto [known, is_new] =
+      guard_ids_.try_emplace(&statement, static_cast<std::uint32_t>(program_.guard_lists.size()));
+  if (is_new) {
+    auto& guards = program_.guard_lists.emplace_back();
+    for (const SelectArm& arm : statement.select_arms) {
+      if (!arm.guard) continue;
+      Program::Guard guard{to_string(*arm.guard, actions_.words()), arm.line, arm.column, {}};
+      for_each_variable(*arm.guard, [&](const Expression& leaf) {
+        if (leaf.op != Expression::Operator::local) return;
+        for (std::uint32_t i = 0; i < element_count(leaf); ++i) {
+          guard.variables.push_back(leaf.index + i);
+        }
+      });
+      guards.push_back(std::move(guard));
+    }
+  }
+  if (program_.guard_lists[known->second].empty()) return;
+  program_.selects.push_back({static_cast<ControlState>(program_.states.size()), known->second});
 }
 
 std::uint32_t Unroller::intern_origin(const std::optional<SourcePosition>& origin) {

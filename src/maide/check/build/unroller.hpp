@@ -39,6 +39,8 @@ class Unroller : public Walker {
   std::uint32_t intern_origin(const std::optional<SourcePosition>& origin);
   void expand(const Place place);
   void expand(const Place& place, const Statement& statement);
+  // Keeps the guards of the `select` at the next control state.
+  void note_guards(const Statement& statement);
   void add_death(const Place& place);
   // What the program's death does to models: one of these.
   const std::vector<Uses>& deaths();
@@ -130,6 +132,9 @@ class Unroller : public Walker {
   // The arm's steps where its guard holds, which asks for `conditions`.
   void expand_arm(const Place& place, const SelectArm& arm, const Values& values,
                   const std::vector<ModelUse>& conditions, std::uint32_t fair);
+  // None of the outputs that the arm awaits ever follows its input.
+  [[noreturn]] void fail_without_output(const SelectArm& arm, const std::string& input,
+                                        const Alphabet& outputs, const Values& values) const;
   // `otherwise` and `timeout`: no arm whose guard holds can be taken, and none of their models has
   // an output due.
   void expand_otherwise(const Place& place, const Statement& statement, const SelectArm& waiting,
@@ -157,6 +162,7 @@ class Unroller : public Walker {
   std::vector<Uses> deaths_;  // empty: not known yet
   std::map<std::tuple<const Callback*, int, int, Value>, std::uint32_t> fair_ids_;
   std::map<std::tuple<std::string, int, int>, std::uint32_t> origin_ids_;
+  std::map<const Statement*, std::uint32_t> guard_ids_;
   std::uint32_t origin_ = 0;  // of the statement that is expanded
 };
 

@@ -1,6 +1,7 @@
 #include "maide/check/language/program.hpp"
 
 #include <algorithm>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -19,6 +20,12 @@ ControlState Program::source_of(std::uint32_t edge) const {
   const auto behind = std::ranges::upper_bound(states, edge, {}, &State::first_edge);
   MAIDE_CHECK(behind != states.begin());
   return static_cast<ControlState>(behind - states.begin() - 1);
+}
+
+std::span<const Program::Guard> Program::guards_at(ControlState state) const {
+  const auto at = std::ranges::lower_bound(selects, state, {}, &Select::state);
+  if (at == selects.end() || at->state != state) return {};
+  return guard_lists[at->guards];
 }
 
 bool Program::has_label(ControlState state, std::uint32_t label) const {

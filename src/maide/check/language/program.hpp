@@ -124,6 +124,18 @@ struct Program {
     std::uint32_t count = 0;   // of the `repeat`; 0 in a `loop`
     bool operator==(const Round&) const = default;
   };
+  // An arm `when (e)` of a `select`.
+  struct Guard {
+    std::string text;  // "late && n > 3"
+    int line = 0, column = 0;
+    std::vector<std::uint32_t> variables;  // of the program's own, those that it reads
+    bool operator==(const Guard&) const = default;
+  };
+  // A control state before a `select` that has guards.
+  struct Select {
+    ControlState state = 0;
+    std::uint32_t guards = 0;  // index into guard_lists
+  };
   std::string name;
   ActorFlags flags;
   std::vector<std::string> nodes;  // whose callbacks it runs; else empty
@@ -147,6 +159,9 @@ struct Program {
   // Values by variable; none where it is out of scope. [0]: no variable is in scope.
   std::vector<std::vector<std::optional<Value>>> valuations;
   std::vector<ProgramError> errors;  // [0] is not used
+  // For messages: a guard that reads own variables has no edge where it does not hold.
+  std::vector<Select> selects;  // by control state
+  std::vector<std::vector<Guard>> guard_lists;
   // Places in other files that edges were made from, such as a line of C++; [0] is not used.
   std::vector<SourcePosition> origins;
   // The models and shared variables that its text names, reached or not; of an array all members.
@@ -199,6 +214,8 @@ struct Program {
     const auto& values = valuations[states[state].valuation];
     return variable < values.size() ? values[variable] : std::nullopt;
   }
+  // The guards of the `select` that control stands at. O(log control states).
+  std::span<const Guard> guards_at(ControlState state) const;
   // "line 18", or "line 18 (detector.on_image)" in the code of one callback alone.
   std::string place_of(int line) const;
   bool has_label(ControlState state, std::uint32_t label) const;

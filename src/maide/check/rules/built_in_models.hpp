@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "maide/automata/interface_automaton.hpp"
+#include "maide/check/system/system.hpp"
 
 namespace maide {
 
@@ -73,6 +74,8 @@ class GrowingModel {
   virtual bool is_large() const = 0;
   // What the model holds there, in words; empty where its name says it.
   virtual std::string describe(StateId) const { return ""; }
+  // What it holds there, if it is a service.
+  virtual std::optional<ServiceContents> service_contents(StateId) const { return std::nullopt; }
   // Adds to the automaton, which start() made, what follows `state`. Nothing the second time.
   void expand(InterfaceAutomaton& automaton, StateId state);
   // And what follows the messages that are due then.

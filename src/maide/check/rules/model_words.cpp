@@ -3,8 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
 #include <map>
+#include <optional>
 #include <string_view>
+#include <utility>
 
 #include "maide/base/text.hpp"
 #include "maide/check/rules/built_in_models.hpp"
@@ -59,6 +62,53 @@ std::string describe_built_in(const ModelInstance& model) {
   }
 }
 
+namespace {
+
+// The setting of one end in a description such as "cyclonedds pub-reliability=both
+// reliability=reliable"; "" if the description does not say.
+std::string setting_of(const std::string& sul, const std::string& end, const std::string& key) {
+  const auto value = [&](const std::string& whole_key) -> std::string {
+    for (const std::string_view word : split(sul, ' ')) {
+      if (word.starts_with(whole_key + "=")) return std::string(word.substr(whole_key.size() + 1));
+    }
+    return "";
+  };
+  const std::string own = value(end + "-" + key);
+  return own.empty() || own == "both" ? value(key) : own;
+}
+
+bool delivers(const InterfaceAutomaton& automaton) {
+  for (StateId state = 0; state < automaton.size(); ++state) {
+    for (const auto& transition : automaton.transitions(state)) {
+      if (transition.action.is_input()) continue;
+      const std::string& name = automaton.outputs().name(transition.action.symbol);
+      if (name.starts_with("message") || name == "next" || name == "gap") return true;
+    }
+  }
+  return false;
+}
+
+}  // namespace
+
+std::string describe_mismatch(const ModelInstance& model) {
+  const auto sul = model.automaton.origin.find("sul");
+  if (sul == model.automaton.origin.end() || delivers(model.automaton)) return "";
+  const std::map<std::string, std::vector<std::string>> by_strength{
+      {"durability", {"volatile", "transient_local", "transient", "persistent"}},
+      {"reliability", {"best_effort", "reliable"}}};
+  for (const auto& [key, strengths] : by_strength) {
+    const std::string offered = setting_of(sul->second, "pub", key);
+    const std::string asked = setting_of(sul->second, "sub", key);
+    const auto is_offered = std::ranges::find(strengths, offered);
+    const auto is_asked = std::ranges::find(strengths, asked);
+    if (is_offered == strengths.end() || is_asked == strengths.end()) continue;
+    if (is_offered >= is_asked) continue;
+    return fmt::format("its writer offers {} {}, its reader asks for {}, and such ends never match",
+                       key, offered, asked);
+  }
+  return "";
+}
+
 std::string describe_refusal(const ModelInstance& model, Symbol input) {
   const std::string& name = model.automaton.inputs().name(input);
   if (name == "lock") return "is held";
@@ -109,20 +159,85 @@ std::vector<std::string> describe_unreal(const System& system,
   return lines;
 }
 
+namespace {
+
+// "write" of "write2(3)" if the name's word ends with a number; else nothing.
+std::optional<std::string> without_number(const std::string& name) {
+  const std::size_t end = std::min(name.find('('), name.size());
+  const std::size_t last = name.find_last_not_of("0123456789", end == 0 ? 0 : end - 1);
+  if (last == std::string::npos || last + 1 == end) return std::nullopt;
+  return name.substr(0, last + 1) + name.substr(end);
+}
+
+bool has_several_writers(const System& system, std::uint32_t model) {
+  return std::ranges::any_of(system.topics, [&](const TopicInstance& topic) {
+    return topic.writer_names.size() > 1 &&
+           std::ranges::any_of(topic.readers,
+                               [&](const auto& reader) { return reader.model == model; });
+  });
+}
+
+}  // namespace
+
+std::string file_word(const System& system, std::uint32_t model, const std::string& name) {
+  const ModelInstance& instance = system.models[model];
+  const auto base = without_number(name);
+  if (!base) return name;
+  if (instance.source == ModelInstance::Source::service) return *base;
+  const bool is_known = instance.automaton.inputs().find(*base).has_value() ||
+                        instance.automaton.outputs().find(*base).has_value();
+  return is_known && has_several_writers(system, model) ? *base : name;
+}
+
+std::vector<std::string> without_values(const std::vector<std::string>& names, std::size_t most) {
+  const auto base_of = [](std::string name) {
+    for (std::size_t open = name.find('('); open != std::string::npos; open = name.find('(')) {
+      const std::size_t close = name.find(')', open);
+      name.erase(open, close == std::string::npos ? close : close + 1 - open);
+    }
+    return name;
+  };
+  std::map<std::string, std::size_t> counts;
+  for (const std::string& name : names) ++counts[base_of(name)];
+  std::vector<std::string> result;
+  for (const std::string& name : names) {
+    const std::string base = base_of(name);
+    const std::string& shown = counts[base] > most ? base : name;
+    if (std::ranges::find(result, shown) == result.end()) result.push_back(shown);
+  }
+  return result;
+}
+
 std::string describe_use(const System& system, const ModelUse& use) {
   const ModelInstance& model = system.models[use.model];
+  const auto word = [&](const Alphabet& names) {
+    return file_word(system, use.model, names.name(use.index));
+  };
   switch (use.kind) {
-    case ModelUse::Kind::give: return model.name + "." + model.automaton.inputs().name(use.index);
-    case ModelUse::Kind::take: return model.name + "!" + model.automaton.outputs().name(use.index);
+    case ModelUse::Kind::give: return model.name + "." + word(model.automaton.inputs());
+    case ModelUse::Kind::take: return model.name + "!" + word(model.automaton.outputs());
     case ModelUse::Kind::act: return model.actions[use.index].name;
     default: return model.name + " quiet";
   }
 }
 
 std::string describe_edge(const System& system, const Program& program, const ProgramEdge& edge) {
-  if (edge.kind == ProgramEdge::Kind::combined) return program.combined[edge.index].text;
   if (edge.kind == ProgramEdge::Kind::choice) return edge.index == 0 ? "if *" : "if * ... else";
-  return describe_use(system, edge);
+  if (edge.kind != ProgramEdge::Kind::combined) return describe_use(system, edge);
+  const CombinedStep& combined = program.combined[edge.index];
+  std::string text = combined.text;
+  for (const ModelUse& event : combined.events) {
+    const InterfaceAutomaton& automaton = system.models[event.model].automaton;
+    const bool gives = event.kind == ModelUse::Kind::give;
+    const std::string& name = (gives ? automaton.inputs() : automaton.outputs()).name(event.index);
+    const std::string word = file_word(system, event.model, name);
+    if (word == name) continue;
+    for (const std::string before : {".", "!", "-> "}) {
+      const std::size_t at = text.find(before + name);
+      if (at != std::string::npos) text.replace(at + before.size(), name.size(), word);
+    }
+  }
+  return text;
 }
 
 std::string describe_action(const System& system, const Step& step) {
@@ -145,59 +260,42 @@ std::string describe_error(const System& system, const GlobalState& state) {
 }
 
 std::string describe_waiting(const System& system, const Program& program,
-                             const std::vector<ProgramEdge>& awaited) {
-  const bool is_select = std::ranges::any_of(awaited, [&](const ProgramEdge& edge) {
-    const CombinedStep::Role role = program.role_of(edge);
-    return role == CombinedStep::Role::arm || role == CombinedStep::Role::timer ||
-           role == CombinedStep::Role::otherwise || role == CombinedStep::Role::timeout;
-  });
-  std::vector<std::string> steps;
+                             const std::vector<ProgramEdge>& awaited,
+                             const std::vector<Program::Guard>& guards) {
+  const bool is_select =
+      !guards.empty() || std::ranges::any_of(awaited, [&](const ProgramEdge& edge) {
+        const CombinedStep::Role role = program.role_of(edge);
+        return role == CombinedStep::Role::arm || role == CombinedStep::Role::timer ||
+               role == CombinedStep::Role::otherwise || role == CombinedStep::Role::timeout;
+      });
+  std::map<std::pair<int, int>, std::vector<std::string>> steps;  // by the place of the arm
   for (const ProgramEdge& edge : awaited) {
-    const std::string step = describe_edge(system, program, edge);
-    if (std::ranges::find(steps, step) == steps.end()) steps.push_back(step);
+    steps[{edge.line, edge.column}].push_back(describe_edge(system, program, edge));
   }
-  return fmt::format("waits at {}{} for {}", program.place_of(awaited.front().line),
-                     is_select ? " in a select" : "", join(steps, " or "));
-}
-
-std::string describe_taker(const System& system, const GlobalState& state, std::uint32_t program,
-                           std::uint32_t service) {
-  const ModelInstance& model = system.models[service];
-  const std::string& on_its_way = model.state_texts[state.models[service]];
-  const auto is_there = [&](const std::string& what) {
-    return on_its_way.find(what) != std::string::npos;
-  };
-  constexpr std::string_view starts = " starts";
-  for (const std::string& node : system.programs[program].nodes) {
-    const bool is_answered = is_there(" to " + node + " not taken");
-    if (!is_answered && !is_there(" of " + node + " not served")) continue;
-    const auto serve = model.automaton.inputs().find("serve");
-    for (std::uint32_t index = 0; index < system.programs.size(); ++index) {
-      const Program& runner = system.programs[index];
-      // The edges by which the callback starts that takes the answer, or the request.
-      const auto takes_it = [&](const ProgramEdge& edge) {
-        if (edge.kind != ProgramEdge::Kind::combined) return false;
-        const CombinedStep& combined = runner.combined[edge.index];
-        if (is_answered) return combined.text == node + "." + model.name + std::string(starts);
-        return combined.text.ends_with(starts) &&
-               std::ranges::any_of(combined.events, [&](const ModelUse& event) {
-                 return event.kind == ModelUse::Kind::give && event.model == service &&
-                        event.index == serve;
-               });
-      };
-      const auto taking = std::ranges::find_if(runner.edges, takes_it);
-      if (taking == runner.edges.end()) continue;
-      const std::string& text = runner.combined[taking->index].text;
-      const auto edges = runner.edges_of(state.programs[index]);
-      const bool is_free = std::ranges::any_of(edges, takes_it);
-      return fmt::format(". {} {} it, and {}", text.substr(0, text.size() - starts.size()),
-                         is_answered ? "takes" : "serves",
-                         index == program ? runner.name + " runs that, too"
-                         : is_free        ? "has no free thread"
-                                          : runner.name + " is busy");
+  for (const Program::Guard& guard : guards) {
+    steps[{guard.line, guard.column}].push_back(guard.text);
+  }
+  std::vector<std::string> shown;
+  for (const auto& [place, of_arm] : steps) {
+    for (const std::string& step : without_values(of_arm)) {
+      if (std::ranges::find(shown, step) == shown.end()) shown.push_back(step);
     }
   }
-  return "";
+  const int line = awaited.empty() ? guards.front().line : awaited.front().line;
+  return fmt::format("waits at {}{} for {}", program.place_of(line),
+                     is_select ? " in a select" : "", join(shown, " or "));
+}
+
+std::vector<Program::Guard> closed_guards(const Program& program, ControlState control) {
+  const auto guards = program.guards_at(control);
+  const auto edges = program.edges_of(control);
+  std::vector<Program::Guard> closed;
+  std::ranges::copy_if(guards, std::back_inserter(closed), [&](const Program::Guard& guard) {
+    return std::ranges::none_of(edges, [&](const ProgramEdge& edge) {
+      return edge.line == guard.line && edge.column == guard.column;
+    });
+  });
+  return closed;
 }
 
 }  // namespace maide

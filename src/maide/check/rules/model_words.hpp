@@ -19,8 +19,22 @@ std::string describe_built_in(const ModelInstance& model);
 std::vector<std::string> describe_unreal(const System& system,
                                          const std::vector<std::uint32_t>& models);
 
+// Why nothing that is written to a model, learned from a real connection, is ever delivered: "its
+// writer offers reliability best_effort, its reader asks for reliable, and such ends never match";
+// "" if something is, or it is not known why. By the rules of DDS: a reader takes no less than it
+// asks for.
+std::string describe_mismatch(const ModelInstance& model);
+
 // Why the built-in model does not take that input in its state: "is held", "is full".
 std::string describe_refusal(const ModelInstance& model, Symbol input);
+
+// The input or output of that name as the file has it: "send" for the "send2" of a service's second
+// client, "write" for the "write2" of a topic's second writer.
+std::string file_word(const System& system, std::uint32_t model, const std::string& name);
+// Names of inputs or outputs; where more than `most` differ in their values alone, these as one
+// without a value: "write" for "write(0)" and "write(1)".
+std::vector<std::string> without_values(const std::vector<std::string>& names,
+                                        std::size_t most = 1);
 
 // "via.write", "via!message", "via quiet": what a step does with one model.
 std::string describe_use(const System& system, const ModelUse& use);
@@ -35,15 +49,13 @@ std::string describe_edge(const System& system, const Program& program, const Pr
 // (system.yaml:7:3)"; "" if it is at none.
 std::string describe_error(const System& system, const GlobalState& state);
 
-// What the program waits for with these steps, of which one is no plain input or output: "waits at
-// line 6 in a select for q.read -> message or n == 1".
+// What the program waits for with these steps, of which one is no plain input or output, and by
+// these guards, which do not hold: "waits at line 6 in a select for q.read -> message or n == 1".
 std::string describe_waiting(const System& system, const Program& program,
-                             const std::vector<ProgramEdge>& awaited);
-
-// A callback that the program runs waits for an answer: why the callback does not start that
-// takes the answer, or the request: ". detector.lookup takes it, and main runs that, too". Empty if
-// no node has it. O(edges). The service's states have texts.
-std::string describe_taker(const System& system, const GlobalState& state, std::uint32_t program,
-                           std::uint32_t service);
+                             const std::vector<ProgramEdge>& awaited,
+                             const std::vector<Program::Guard>& guards = {});
+// The guards of the `select` at which control stands that do not hold there, whatever shared
+// variables are.
+std::vector<Program::Guard> closed_guards(const Program& program, ControlState control);
 
 }  // namespace maide

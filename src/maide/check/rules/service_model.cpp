@@ -5,6 +5,8 @@
 #include <string>
 #include <utility>
 
+#include "maide/base/invariant.hpp"
+
 namespace maide {
 namespace {
 
@@ -186,7 +188,8 @@ std::optional<ServiceModel::State> ServiceModel::after(State state,
   };
   const bool takes_requests = state.due == none;
   const bool serves = takes_requests && state.server_waits == 0;
-  State::Client* const client = number < state.clients.size() ? &state.clients[number] : nullptr;
+  MAIDE_CHECK(number < state.clients.size());  // what the server does has the number 0
+  State::Client& client = state.clients[number];
   switch (kind) {
     case Kind::serve:
       if (!serves) return std::nullopt;
@@ -221,25 +224,25 @@ std::optional<ServiceModel::State> ServiceModel::after(State state,
       }
       return state;
     case Kind::receive:
-      if (client->waits != 0) return std::nullopt;
-      client->waits = take_own(state, number) ? 2 : 1;
+      if (client.waits != 0) return std::nullopt;
+      client.waits = take_own(state, number) ? 2 : 1;
       return state;
     case Kind::take_answer:
-      if (client->waits != 2) return std::nullopt;
-      client->waits = 0;
+      if (client.waits != 2) return std::nullopt;
+      client.waits = 0;
       return state;
-    case Kind::receive_at_once: return when(client->waits == 0 && take_own(state, number));
+    case Kind::receive_at_once: return when(client.waits == 0 && take_own(state, number));
     case Kind::hand_over:
     case Kind::take_own: {
       const auto owner = take_own(state, number);
       if (!owner) return std::nullopt;
-      if (kind == Kind::hand_over && *owner != nobody(number)) client->handed[*owner - 1] = 1;
+      if (kind == Kind::hand_over && *owner != nobody(number)) client.handed[*owner - 1] = 1;
       return state;
     }
     case Kind::take_others: return when(take_others(state, number));
     case Kind::wait:
-      if (client->handed[run] == 0) return std::nullopt;
-      client->handed[run] = 0;
+      if (client.handed[run] == 0) return std::nullopt;
+      client.handed[run] = 0;
       return state;
     case Kind::end_run: forget(state, number, run); return state;
   }
@@ -310,6 +313,26 @@ std::string ServiceModel::describe(StateId at) const {
   std::string text;
   for (const std::string& part : parts) text += (text.empty() ? "" : ", ") + part;
   return text;
+}
+
+std::optional<ServiceContents> ServiceModel::service_contents(StateId at) const {
+  ServiceContents result;
+  result.answers.resize(shape_.askers.size());
+  if (is_elsewhere(at)) return result;
+  const State state = unpack(contents(at));
+  if (state.due != none) result.requests.push_back(client_of(state.due));
+  for (const std::uint32_t item : state.requests) result.requests.push_back(client_of(item));
+  for (const std::uint32_t item : state.served) {
+    if (item != none) result.served.push_back(client_of(item));
+  }
+  for (std::uint32_t number = 0; number < state.clients.size(); ++number) {
+    const State::Client& client = state.clients[number];
+    const auto own =
+        std::ranges::count_if(client.answers, [](auto owner) { return owner != others; });
+    const auto handed = std::ranges::count(client.handed, 1U);
+    result.answers[number] = static_cast<std::uint32_t>(own + handed) + (client.waits == 2 ? 1 : 0);
+  }
+  return result;
 }
 
 std::string ServiceModel::text_of(const Operation& operation) const {

@@ -74,6 +74,7 @@ class ServiceModel : public GrowingModel {
   bool is_large() const override { return false; }
   // "a request of detector is not served, 2 answers to detector are not taken".
   std::string describe(StateId state) const override;
+  std::optional<ServiceContents> service_contents(StateId state) const override;
 
   // The use of the model that this is.
   ModelUse use(ModelActions& actions, std::uint32_t model, const Operation& operation);

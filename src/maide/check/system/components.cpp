@@ -193,6 +193,7 @@ SystemPart::SystemPart(const System& whole, std::vector<std::uint32_t> programs,
     own.models.push_back(whole.models[model]);
   }
   add_programs();
+  add_ends();
   add_nobodys_actions();
   if (property != nullptr) {
     own.sources = whole.sources;
@@ -218,6 +219,30 @@ void SystemPart::add_programs() {
     for (std::uint32_t& model : program.names) model = model_numbers_[model];
     for (ProgramEdge& edge : program.edges) static_cast<ModelUse&>(edge) = renumbered(edge);
     for (CombinedStep& combined : program.combined) combined = renumbered(std::move(combined));
+  }
+}
+
+// Steps name callbacks by their numbers, so all of them stay. Topics and services are those whose
+// models are there.
+void SystemPart::add_ends() {
+  own_->executors = whole_->executors;
+  own_->callbacks = whole_->callbacks;
+  for (CallbackInstance& callback : own_->callbacks) {
+    callback.model = model_numbers_[callback.model];
+  }
+  for (ServiceInstance service : whole_->services) {
+    service.model = model_numbers_[service.model];
+    if (service.model != not_there) own_->services.push_back(std::move(service));
+  }
+  for (TopicInstance topic : whole_->topics) {
+    for (TopicInstance::Reader& reader : topic.readers) {
+      reader.program = program_numbers_[reader.program];
+      reader.model = model_numbers_[reader.model];
+    }
+    for (std::uint32_t& writer : topic.writers) writer = program_numbers_[writer];
+    const bool is_there = std::ranges::all_of(
+        topic.readers, [](const auto& reader) { return reader.model != not_there; });
+    if (is_there) own_->topics.push_back(std::move(topic));
   }
 }
 

@@ -59,6 +59,7 @@ class SystemPart {
 
  private:
   void add_programs();
+  void add_ends();
   void add_nobodys_actions();
   CombinedStep renumbered(CombinedStep step) const;
   ModelUse renumbered(ModelUse use) const;

@@ -59,6 +59,14 @@ struct ModelAction {
   bool is_call = false;
 };
 
+// What a service holds in one of its states.
+struct ServiceContents {
+  std::vector<std::uint32_t> requests;  // their clients, oldest first: not served
+  std::vector<std::uint32_t> served;    // their clients: served and not answered
+  std::vector<std::uint32_t> answers;   // by client: answers to it that it has not taken
+  bool operator==(const ServiceContents&) const = default;
+};
+
 struct ModelInstance {
   // What stands behind it.
   enum class Source : std::uint8_t {
@@ -77,6 +85,7 @@ struct ModelInstance {
   // Of a queue that has too many states to make them all: it has those that programs reach.
   bool is_grown = false;
   std::vector<std::string> state_texts;  // of a service or wire, by state: what is on its way
+  std::vector<ServiceContents> service_contents;  // of a service, by state
   WhenUnexplored when_unexplored = WhenUnexplored::stop;
   WhenWeak when_weak = WhenWeak::inconclusive;
   std::string origin;  // the file, or what it was learned from; for messages

@@ -189,10 +189,12 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ProgramVariable, name, type, position)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ProgramError, text, position)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Program::Round, outer, line, column, number, count)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Program::CallbackLines, name, first, last)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Program::Guard, text, line, column, variables)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Program::Select, state, guards)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Program, name, flags, nodes, execution, callbacks, position,
                                    last_line, states, edges, labels, label_sets, rounds,
                                    unreachable, combined, fair_groups, variables, valuations,
-                                   errors, origins, names)
+                                   errors, selects, guard_lists, origins, names)
 
 // ---- Properties ---------------------------------------------------------------------------------
 
@@ -206,9 +208,10 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Property, name, kind, formula, never, fairnes
 // ---- The system ---------------------------------------------------------------------------------
 
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ModelAction, name, steps, is_call)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ServiceContents, requests, served, answers)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ModelInstance, name, automaton, actions, source, type, is_grown,
-                                   state_texts, when_unexplored, when_weak, origin, as_read,
-                                   is_learned, position)
+                                   state_texts, service_contents, when_unexplored, when_weak,
+                                   origin, as_read, is_learned, position)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(NobodysAction, what, counts_for_deadlock, is_shown, lost,
                                    position, origin)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(TopicInstance::Reader, program, model, callback, collected)

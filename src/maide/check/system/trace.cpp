@@ -137,7 +137,7 @@ Positions positions_of(const System& system, const Trace& trace,
 std::string find_flaw_of_run(const System& system, const Property& property, const Trace& trace,
                              const std::vector<GlobalState>& states) {
   const bool loops = trace.loop_start.has_value();
-  if (loops && !is_fair_loop(system, share_loop(system, trace, states), property.fairness)) {
+  if (loops && !is_fair(system, trace, states, property.fairness)) {
     return "the run is not fair";
   }
   if (property.kind == Property::Kind::ltl) {
@@ -189,6 +189,11 @@ std::vector<bool> evaluate_on_run(const System& system, const Formula& formula, 
                                   const std::vector<GlobalState>& states) {
   const Positions run = positions_of(system, trace, states);
   return evaluate_on_lasso(formula, run.length, run.loop, run.value, run.cut);
+}
+
+bool is_fair(const System& system, const Trace& trace, const std::vector<GlobalState>& states,
+             Fairness fairness) {
+  return is_fair_loop(system, share_loop(system, trace, states), fairness);
 }
 
 std::string find_flaw(const System& system, const Property& property, const Trace& trace) {

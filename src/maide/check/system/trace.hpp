@@ -35,6 +35,11 @@ std::vector<GlobalState> replay(const System& system, const Trace& trace);
 std::vector<bool> evaluate_on_run(const System& system, const Formula& formula, const Trace& trace,
                                   const std::vector<GlobalState>& states);
 
+// Whether the loop of a run is one of the runs that count under that fairness. `states` are
+// replay()'s.
+bool is_fair(const System& system, const Trace& trace, const std::vector<GlobalState>& states,
+             Fairness fairness);
+
 // Whether the trace is what it claims to be: it replays and shows that `property` does not hold - a
 // deadlock, a fair run that violates the formula, or a prefix that no run can make good. Returns
 // what is wrong with it, "" if nothing is.

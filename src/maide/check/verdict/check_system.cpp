@@ -380,6 +380,25 @@ class Checker {
     }
   }
 
+  // The run of a property has a loop in which the program could step, and does not: its sentence
+  // says so.
+  bool is_shown_to_starve(std::uint32_t index) const {
+    return std::ranges::any_of(report_.properties, [&](const PropertyResult& result) {
+      if (!result.trace || !result.trace->loop_start) return false;
+      GlobalState state = initial_state(system_);
+      bool could_step = false;
+      for (std::size_t at = 0; at < result.trace->steps.size(); ++at) {
+        const Step& step = result.trace->steps[at];
+        if (at >= *result.trace->loop_start) {
+          if (step.actor == index) return false;
+          could_step = could_step || !enabled_steps(system_, state, index).empty();
+        }
+        state = apply(system_, state, step);
+      }
+      return could_step;
+    });
+  }
+
   // Who starves on weakly fair runs, and is not stuck.
   void state_remark(const PropertyResult& result) {
     if (!result.remarkable) return;
@@ -391,16 +410,32 @@ class Checker {
     }
     const std::vector<std::uint32_t>& programs =
         result.programs.empty() ? components_.front() : result.programs;
+    std::map<int, std::vector<std::string>> starving;  // by the line at which they wait
     for (const std::uint32_t index : programs) {
       const Program& program = system_.programs[index];
       const ControlState at = last.programs[index];
       if (steps[index] || program.edges_of(at).empty() || program.may_rest(at)) continue;
-      report_.remarks.push_back(
-          fmt::format("{} may never step again on a run that is weakly fair only, which `stuck` "
-                      "leaves out: it waits at line {}, and each time it could go on, others are "
-                      "faster",
-                      program.name, program.edges_of(at).front().line));
+      if (!is_shown_to_starve(index)) {
+        starving[program.edges_of(at).front().line].push_back(program.name);
+      }
     }
+    for (const auto& [line, names] : starving) {
+      report_.remarks.push_back(fmt::format(
+          "{} may never step again on a run that is weakly fair only, which `stuck` leaves out, as "
+          "a property with `fairness: strong` does: {} at line {}, and each time {} could go on, "
+          "others are faster",
+          first_names(names), names.size() == 1 ? "it waits" : "they wait", line,
+          names.size() == 1 ? "it" : "one"));
+    }
+  }
+
+  // "a, b, c and 6 more".
+  static std::string first_names(std::vector<std::string> names) {
+    constexpr std::size_t most = 3;
+    if (names.size() <= most + 1) return join(names);
+    const std::size_t more = names.size() - most;
+    names.resize(most);
+    return fmt::format("{} and {} more", join(names), more);
   }
 
   // Whose waiting only a time-out ends: who would be stuck without it. So `stuck` is what is asked,

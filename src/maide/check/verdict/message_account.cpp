@@ -168,11 +168,6 @@ bool is_consistent(const MessageAccount& account, const Trace& trace) {
 
 }  // namespace
 
-bool uses_model(const Program& program, const ProgramEdge& edge, std::uint32_t model) {
-  const auto uses = program.uses_of(edge);
-  return std::ranges::any_of(uses, [&](const ModelUse& use) { return use.model == model; });
-}
-
 std::size_t MessageAccount::lost() const {
   std::size_t count = 0;
   for (const Loss& loss : losses) count += loss.count;

@@ -44,9 +44,6 @@ struct MessageAccount {
 // Whether an output of that name brings a message, and is no answer of another kind.
 bool is_message_name(const std::string& output);
 
-// Whether the edge, one of the program's, uses that instance.
-bool uses_model(const Program& program, const ProgramEdge& edge, std::uint32_t model);
-
 // What a program awaits of an instance: outputs, and the inputs that ask for them.
 struct Awaited {
   std::uint32_t model = 0;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <functional>
 #include <iterator>
+#include <set>
 #include <string>
 #include <utility>
 
@@ -15,8 +16,9 @@ using Kind = ProgramEdge::Kind;
 using Reason = Waiting::Reason;
 using Helps = std::function<bool(const Program&, const ProgramEdge&)>;
 
-bool contains(const std::vector<Symbol>& symbols, Symbol symbol) {
-  return std::ranges::find(symbols, symbol) != symbols.end();
+// Symbols, and other numbers.
+bool contains(const std::vector<std::uint32_t>& numbers, std::uint32_t number) {
+  return std::ranges::find(numbers, number) != numbers.end();
 }
 
 std::vector<Symbol> outputs_due(const InterfaceAutomaton& automaton, StateId state) {
@@ -92,7 +94,7 @@ class WaitingFinder {
 
   Waiting run() {
     if (waiting_.reason == Reason::several) {
-      find_users();
+      find_ways();
       MAIDE_CHECK(is_consistent());
       return std::move(waiting_);
     }
@@ -193,15 +195,102 @@ class WaitingFinder {
     });
   }
 
-  // Who uses a model that one of the awaited steps uses might make it possible.
-  void find_users() {
-    add_helpers([&](const Program& program, const ProgramEdge& edge) {
-      return std::ranges::any_of(waiting_.awaited, [&](const ProgramEdge& awaited) {
-        const auto uses = own().uses_of(awaited);
-        return std::ranges::any_of(
-            uses, [&](const ModelUse& use) { return uses_model(program, edge, use.model); });
-      });
-    });
+  void find_ways() {
+    waiting_.ways = find_ways_out(system_, state_, waiting_.program);
+    std::set<std::uint32_t> helpers, reachable;
+    for (const WayOut& way : waiting_.ways) {
+      for (const Helper& helper : way.helpers) {
+        if (helper.program == waiting_.program) continue;
+        helpers.insert(helper.program);
+        if (helper.obstacle == Obstacle::none) reachable.insert(helper.program);
+      }
+    }
+    waiting_.helpers.assign(helpers.begin(), helpers.end());
+    waiting_.reachable_helpers.assign(reachable.begin(), reachable.end());
+    find_services();
+  }
+
+  // The answers that are awaited, each of a service once.
+  void find_services() {
+    std::set<std::uint32_t> known;
+    for (const ProgramEdge& edge : waiting_.awaited) {
+      for (const ModelUse& event : own().events_of(edge)) {
+        const ServiceInstance* const service = find_service(system_, event.model);
+        if (service == nullptr || event.kind != Kind::take) continue;
+        const Alphabet& outputs = system_.models[event.model].automaton.outputs();
+        if (!is_numbered(outputs.name(event.index), "answer")) continue;
+        const auto client = client_named(*service, own_name());
+        if (client && known.insert(event.model).second) add_service(*service, *client);
+      }
+    }
+  }
+
+  // The program's name, or that of the node whose callback it runs.
+  std::string own_name() const {
+    const auto callback = running_callback(system_, state_, waiting_.program);
+    return callback ? system_.callbacks[*callback].node : own().name;
+  }
+
+  void add_service(const ServiceInstance& service, std::uint32_t client) {
+    const std::uint32_t model = service.model;
+    const auto& contents = system_.models[model].service_contents;
+    if (contents.empty()) return;
+    const ServiceContents& held = contents[state_.models[model]];
+    ServiceWait wait;
+    wait.model = model;
+    wait.client = client;
+    wait.is_requested = contains(held.requests, client);
+    wait.is_served = contains(held.served, client);
+    wait.is_answered = held.answers[client] > 0;
+    const auto asked = last_request(model, client);
+    wait.has_asked = asked.has_value();
+    const bool is_on_its_way = wait.is_requested || wait.is_served || wait.is_answered;
+    if (!is_on_its_way && asked) wait.loss = last_loss(model, client, *asked);
+    const std::string& node = service.clients[client];
+    for (std::uint32_t number = 0; number < system_.callbacks.size(); ++number) {
+      const CallbackInstance& callback = system_.callbacks[number];
+      if (callback.model != model) continue;
+      if (callback.kind == CallbackKind::client && callback.node == node) {
+        wait.taker = find_starter(system_, state_, waiting_.program, number);
+      }
+      if (callback.kind == CallbackKind::service) {
+        wait.server = find_starter(system_, state_, waiting_.program, number);
+      }
+    }
+    if (!wait.server) wait.server = serving_program(service);
+    waiting_.services.push_back(std::move(wait));
+  }
+
+  std::optional<Helper> serving_program(const ServiceInstance& service) const {
+    const auto place = std::ranges::find(system_.programs, service.server, &Program::name);
+    if (place == system_.programs.end()) return std::nullopt;
+    Helper server;
+    server.program = static_cast<std::uint32_t>(place - system_.programs.begin());
+    if (place->is_end(state_.programs[server.program])) server.obstacle = Obstacle::ended;
+    return server;
+  }
+
+  // The step in which the client asked last.
+  std::optional<std::size_t> last_request(std::uint32_t model, std::uint32_t client) const {
+    const auto send = system_.models[model].automaton.inputs().find(name_at_client("send", client));
+    for (std::size_t step = at_; send && step-- > 0;) {
+      const auto events = events_of(system_, trace_.steps[step]);
+      const ModelUse sends{Kind::give, model, *send};
+      if (std::ranges::find(events, sends) != events.end()) return step;
+    }
+    return std::nullopt;
+  }
+
+  std::optional<ServiceLoss> last_loss(std::uint32_t model, std::uint32_t client,
+                                       std::size_t since) const {
+    const Trace so_far{{trace_.steps.begin(), trace_.steps.begin() + static_cast<long>(at_)}, {}};
+    const std::vector<GlobalState> states(states_.begin(),
+                                          states_.begin() + static_cast<long>(at_) + 1);
+    std::optional<ServiceLoss> last;
+    for (const ServiceLoss& loss : find_service_losses(system_, so_far, states, model)) {
+      if (loss.client == client && loss.step > since) last = loss;
+    }
+    return last;
   }
 
   void add_helpers(const Helps& helps) {
@@ -320,7 +409,7 @@ std::vector<std::uint32_t> blocked_programs(const System& system, const GlobalSt
   for (std::uint32_t index = 0; index < system.programs.size(); ++index) {
     const Program& program = system.programs[index];
     const Program::State& at = program.states[state.programs[index]];
-    if (!can_step[index] && at.edge_count > 0 && at.error == 0 &&
+    if (!can_step[index] && (at.edge_count > 0 || at.waits) && at.error == 0 &&
         !program.may_rest(state.programs[index])) {
       blocked.push_back(index);
     }

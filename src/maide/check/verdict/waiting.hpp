@@ -10,8 +10,23 @@
 #include "maide/check/system/system.hpp"
 #include "maide/check/system/trace.hpp"
 #include "maide/check/verdict/message_account.hpp"
+#include "maide/check/verdict/service_account.hpp"
+#include "maide/check/verdict/ways_out.hpp"
 
 namespace maide {
+
+// What became of the request whose answer a client waits for.
+struct ServiceWait {
+  std::uint32_t model = 0;          // of the service
+  std::uint32_t client = 0;         // its number there
+  bool has_asked = false;           // along the run
+  bool is_requested = false;        // a request of the client is not served
+  bool is_served = false;           // one is served, and not answered
+  bool is_answered = false;         // an answer to it is not taken
+  std::optional<ServiceLoss> loss;  // its last, where nothing of it is on its way
+  std::optional<Helper> taker;      // the client's callback that takes the answer, if it has one
+  std::optional<Helper> server;     // who would serve the request, or answer it
+};
 
 // Why one program waits, at one position of a run.
 struct Waiting {
@@ -29,6 +44,8 @@ struct Waiting {
   std::optional<std::size_t> cause;       // the step that made the output due, or the call busy
   std::vector<Symbol> due;                // outputs of the model that are due
   std::optional<MessageAccount> account;  // of nothing_due: what became of the messages
+  std::vector<WayOut> ways;               // of `several`
+  std::vector<ServiceWait> services;      // of `several`: where an answer is awaited
   std::vector<Symbol> wanted;             // inputs that would help; of output_due: outputs to take
   // Programs, other than this one, that do what would help: that have it in their text, and of
   // those the ones that can still come to it from where they are.
