@@ -1,6 +1,7 @@
 // The second edition of the program language: what control states, steps and errors programs have.
 // Counts are of what is reachable, and were made by hand; tests/referee holds random systems
 // against an interpreter that shares nothing with the parser.
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <deque>
@@ -269,6 +270,39 @@ TEST(Language, AnOutputWithoutAnArmIsAnError) {
   EXPECT_NE(error_in("select { on via.write -> message { } }", models)
                 .find("this arm's outputs never follow via.write at once (s.yaml:4:14)"),
             std::string::npos);
+}
+
+// What cannot be, and what to do instead, in one line with its place.
+TEST(Language, ErrorsSayWhatToDoInstead) {
+  const auto error_of = [](const std::string& text) {
+    return test::error_of([&] { parse_system(text, "s.yaml"); });
+  };
+  EXPECT_EQ(error_of("models: {q: {use: queue, with: {size: 1}}}\nprograms:\n"
+                     "  a: \"q.write(1);\"\n"
+                     "  c: \"select { on q.read -> message(7) { } }\"\n"),
+            "no program writes 7 to q, so q.read never brings message(7) (s.yaml:4:29)");
+  const auto service = [](const std::string& server, const std::string& client) {
+    return "services: {s: {server: a, clients: b}}\nprograms:\n  a: \"" + server + "\"\n  b: \"" +
+           client + "\"\n";
+  };
+  EXPECT_THAT(error_of(service("s.serve -> request; s.answer(1);", "s.send;")),
+              testing::AllOf(testing::StartsWith("requests and answers carry no values: write "
+                                                 "'s.answer' without one, and keep the value in a "
+                                                 "shared variable"),
+                             testing::EndsWith(" (s.yaml:3:29)")));
+  EXPECT_THAT(
+      error_of(service("s.serve -> request; s.answer;", "s.send; s.receive -> answer(var x);")),
+      testing::HasSubstr("write 's -> answer' without one"));
+  EXPECT_EQ(error_of("topics: {t: {writers: a, readers: b, use: queue, "
+                     "with: {depth: 1, durability: transient_local}}}\n"
+                     "programs: {a: \"t.write;\", b: \"t.read -> message;\"}\n"),
+            "a queue written by hand has no 'durability': that is a middleware's, so write 'learn: "
+            "cyclonedds' or another one in place of 'use: queue' (s.yaml:1:67)");
+  EXPECT_EQ(
+      error_of("nodes: {a: {groups: {g: {kind: exclusive, executor: n}}, callbacks: {x: {timer: 1, "
+               "group: g, do: skip;}}}}\n"),
+      "a group is one of exclusive, reentrant: all groups of a node run on the node's executor, so "
+      "what another executor is to run goes into a node of its own (s.yaml:1:25)");
 }
 
 TEST(Language, ValuesAreCarriedByQueues) {

@@ -133,9 +133,22 @@ class ModelDeclarer {
   }
 
  private:
+  // What connections of ROS 2 and DDS are set up with.
+  static bool is_of_middleware(const std::string& option) {
+    const std::string_view name = std::string_view(option).substr(
+        option.starts_with("pub-") || option.starts_with("sub-") ? 4 : 0);
+    return name == "durability" || name == "reliability" || name == "history";
+  }
+
   void check_options(const std::string& kind, const std::vector<std::string>& known) const {
     for (const TreeNode* option : options_) {
       if (std::find(known.begin(), known.end(), option->name_text()) != known.end()) continue;
+      if (kind == "queue" && is_of_middleware(option->name_text())) {
+        file_.tree().fail_at_name("a queue written by hand has no '" + option->name_text() +
+                                      "': that is a middleware's, so write 'learn: cyclonedds' or "
+                                      "another one in place of 'use: queue'",
+                                  *option);
+      }
       file_.tree().fail_at_name("'with' of a " + kind + " has no key '" + option->name_text() +
                                     "'; it may have: " + known_instead(option->name_text(), known),
                                 *option);

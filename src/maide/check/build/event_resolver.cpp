@@ -191,6 +191,12 @@ void EventResolver::check_event(const ModelReference& model, const Event& event,
                   name.place);
     }
   }
+  if (event.has_arguments && service_of(model) != nullptr) {
+    names_.fail("requests and answers carry no values: write '" + model.name() +
+                    (is_input ? "." : " -> ") + name.text +
+                    "' without one, and keep the value in a shared variable ('variables:')",
+                name.place);
+  }
   const bool may_have_arguments = event.has_arguments || !is_input;
   for (const std::string& other : alphabet.names()) {
     const NameParts parts = split_name(other);

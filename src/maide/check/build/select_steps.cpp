@@ -182,10 +182,33 @@ void Unroller::expand_arm(const Place& place, const SelectArm& arm, const Values
       add({way.use}, {given, {Kind::take, model, *way.output}}, text + " -> " + name, target);
     }
   }
-  if (!has_arm) {
-    throw ParseError("this arm's outputs never follow " + text + " at once",
-                     at(arm.line, arm.column));
+  if (!has_arm) fail_without_output(arm, text, outputs, values);
+}
+
+void Unroller::fail_without_output(const SelectArm& arm, const std::string& input,
+                                   const Alphabet& outputs, const Values& values) const {
+  for (const Arm& awaited : arm.arms) {
+    const Event& event = awaited.output;
+    const bool is_given = !event.arguments.empty() &&
+                          std::none_of(event.arguments.begin(), event.arguments.end(),
+                                       [](const auto& argument) { return argument.binds; });
+    if (!is_given) continue;
+    const auto& names = outputs.names();
+    const bool is_written = std::any_of(names.begin(), names.end(), [&](const std::string& name) {
+      return matches(event, split_name(name), name, values);
+    });
+    if (is_written) continue;
+    std::string given;
+    for (const Event::Argument& argument : event.arguments) {
+      const Value value = evaluate(argument.expression, values);
+      given += (given.empty() ? "" : ", ") + text_of(value, argument.expression.kind);
+    }
+    throw ParseError("no program writes " + given + " to " + arm.model.name() + ", so " + input +
+                         " never brings " + event.name + "(" + given + ")",
+                     at(awaited.line, awaited.column));
   }
+  throw ParseError("this arm's outputs never follow " + input + " at once",
+                   at(arm.line, arm.column));
 }
 
 std::vector<Unroller::InputWay> Unroller::ways_of(const SelectArm& arm, std::uint32_t model,
@@ -356,8 +379,8 @@ void Unroller::expand_topic_arm(const Place& place, const SelectArm& arm, const 
     add(way.uses, way.events, whole, target);
   }
   if (!has_way) {
-    throw ParseError("this arm's outputs never follow " + text + " at once",
-                     at(arm.line, arm.column));
+    const std::uint32_t reader = topic.readers.front().model;
+    fail_without_output(arm, text, actions_.model(reader).automaton.outputs(), values);
   }
 }
 

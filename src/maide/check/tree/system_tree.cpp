@@ -235,8 +235,14 @@ class TreeReader {
   }
 
   void read_word(const TreeNode& node) const {
-    check_scalar(node);
     const std::vector<std::string> known = values_of(*node.key);
+    if (node.yaml->is_map() && node.key->path == "nodes/*/groups/*") {
+      fail("a group is one of " + join(known) +
+               ": all groups of a node run on the node's executor, so what another executor is to "
+               "run goes into a node of its own",
+           *node.yaml);
+    }
+    check_scalar(node);
     const std::string& word = node.yaml->value;
     if (std::find(known.begin(), known.end(), word) != known.end()) return;
     fail(what_is(node) + " is one of " + join(known) + ", not " + in_single_quotes(word) +
