@@ -229,9 +229,10 @@ class ChangeSearch {
       return;
     }
     Learned changed = learned;
-    std::string& now = value_of(changed.with, option.key);
-    if (now == value) return;
-    now = value;
+    for (const std::string& key : keys_that_count(learned.with, option.key, specs)) {
+      value_of(changed.with, key) = value;
+    }
+    if (changed.with == learned.with) return;
     fit_size(changed.with, specs);
     const Outcome outcome = learn_and_check(instance, changed);
     if (outcome.holds) found(change_of(instance, learned, changed), outcome, "learned and ");
@@ -241,13 +242,25 @@ class ChangeSearch {
   void raise(const ModelInstance& instance, const Learned& learned,
              const std::vector<OptionSpec>& specs, const OptionSpec& option) {
     Learned changed = learned;
-    const std::optional<std::uint32_t> before =
-        parse_number<std::uint32_t>(value_of(changed.with, option.key));
+    const std::vector<std::string> keys = keys_that_count(learned.with, option.key, specs);
+    std::optional<std::uint32_t> before;
+    std::map<std::string, std::uint32_t> own;
+    for (const std::string& key : keys) {
+      const auto number = parse_number<std::uint32_t>(value_of(changed.with, key));
+      if (!number) return;
+      own.emplace(key, *number);
+      before = std::min(before.value_or(*number), *number);
+    }
     std::uint32_t high = burst_;
     if (!before || *before >= high || std::int64_t{high} > option.most) return;
     std::uint32_t low = *before;  // is not enough; `high` is
+    const auto set_all = [&](std::uint32_t number) {
+      for (const auto& [key, value] : own) {
+        value_of(changed.with, key) = std::to_string(std::max(number, value));
+      }
+    };
     const auto outcome_of = [&](std::uint32_t number) {
-      value_of(changed.with, option.key) = std::to_string(number);
+      set_all(number);
       Outcome outcome = learn_and_check(instance, changed);
       if (outcome.is_unknown && fit_size(changed.with, specs)) {
         outcome = learn_and_check(instance, changed);
@@ -262,7 +275,7 @@ class ChangeSearch {
       (outcome.holds ? high : low) = middle;
       if (outcome.holds) best = outcome;
     }
-    value_of(changed.with, option.key) = std::to_string(high);
+    set_all(high);
     found(change_of(instance, learned, changed), best, "learned and ");
   }
 
@@ -272,6 +285,22 @@ class ChangeSearch {
       if (plain(own) == plain(key)) return value;
     }
     return with[key];
+  }
+
+  // The keys whose values the ends have: where `pub-depth` is not what it is by itself, it is the
+  // writer's depth, and `depth` is the reader's alone.
+  static std::vector<std::string> keys_that_count(const With& with, const std::string& key,
+                                                  const std::vector<OptionSpec>& specs) {
+    std::vector<std::string> keys;
+    for (const std::string prefix : {"pub-", "sub-"}) {
+      const auto spec = std::ranges::find(specs, prefix + key, &OptionSpec::key);
+      const auto own = std::ranges::find_if(
+          with, [&](const auto& entry) { return plain(entry.first) == plain(prefix + key); });
+      if (spec == specs.end() || own == with.end() || own->second == spec->default_value) continue;
+      keys.push_back(own->first);
+    }
+    if (keys.size() < 2) keys.push_back(key);
+    return keys;
   }
 
   std::string change_of(const ModelInstance& instance, const Learned& before,
