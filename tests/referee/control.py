@@ -418,7 +418,10 @@ class Compiler:
 
     def compile_atomic(self, statement: Statement, frame: Frame, after: Node) -> Node:
         body = self.atomic_body(statement.body, frame)
-        return Node("atomic", frame, statement.place, body=body, next=after)
+        condition = statement.condition
+        if condition is not None:
+            condition = self.expression(frame, condition)
+        return Node("atomic", frame, statement.place, condition=condition, body=body, next=after)
 
     def atomic_body(self, body: list[Statement], frame: Frame) -> list[tuple]:
         """The statements of an `atomic`, resolved."""
@@ -433,8 +436,15 @@ class Compiler:
                 yes = self.atomic_body(statement.body, frame)
                 no = self.atomic_body(statement.other, frame)
                 found.append(("if", condition, yes, no))
+            elif statement.kind == "for":
+                low = frame.scope.constant(statement.low)
+                high = frame.scope.constant(statement.high)
+                for value in range(low, high + 1):
+                    scope = Scope(frame.scope)
+                    scope.names[statement.name] = ("value", value)
+                    found += self.atomic_body(statement.body, replace(frame, scope=scope))
             else:
-                raise Refused("an atomic has assignments and 'if' alone")
+                raise Refused("an atomic has assignments, 'if' and 'for' alone")
         return found
 
     def compile_call(self, statement: Statement, frame: Frame, after: Node) -> Node:

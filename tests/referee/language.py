@@ -191,6 +191,9 @@ class Parser:
         if kind == "name" and value in KEYWORDS and not self.sees(".", ahead=1):
             self.at += 1
             return getattr(self, "parse_" + value, self.misplaced)(place)
+        if self.sees("when") and self.sees("(", ahead=1):
+            self.at += 1
+            return self.parse_guarded(place)
         name, indices = self.reference()
         if self.sees("."):
             given = self.given((name, indices))
@@ -391,7 +394,14 @@ class Parser:
         return ranges
 
     def parse_atomic(self, place):
-        return Statement("atomic", place, body=self.block())
+        return Statement("atomic", place, condition=None, body=self.block())
+
+    def parse_guarded(self, place):
+        self.expect("(")
+        condition = self.expression()
+        self.expect(")")
+        self.expect("atomic")
+        return Statement("atomic", place, condition=condition, body=self.block())
 
     def parse_select(self, place):
         self.expect("{")

@@ -355,6 +355,9 @@ class Program:
     def steps_atomic(self, node: Node, control: Control, values: dict, world: World) -> list[Step]:
         values = dict(values)
         try:
+            if node.condition is not None:
+                if not evaluate(node.condition, self.reader(values, world)):
+                    return []
             after = self.run(node.body, values, world)
         except Mistake as mistake:
             return [self.mistake(("atomic",), node.place, mistake, world)]

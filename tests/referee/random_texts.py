@@ -219,7 +219,12 @@ class TextMaker(ModelMaker):
                 if self.chance(0.4):
                     test = self.condition(place, shared=True)
                     lines = [f"if ({test}) {{ {' '.join(lines)} }}"]
-                return [f"atomic {{ {' '.join(lines)} }}"]
+                if self.chance(0.15):
+                    lines = [f"for round in 1..2 {{ {' '.join(lines)} }}"]
+                guard = ""
+                if self.chance(0.3):
+                    guard = f"when ({self.condition(place, shared=True)}) "
+                return [f"{guard}atomic {{ {' '.join(lines)} }}"]
             return lines
         if truths and (not settable(place) or self.chance(0.3)):
             shared = bool(self.has["shared"] and self.chance(0.3))

@@ -193,6 +193,19 @@ TEST(Language, SharedVariablesAreReadInOneStepAndWrittenInAnother) {
       "variables: \"var n: 0..2;\"\n"
       "programs: {a: \"atomic { n = n + 1; }\", b: \"atomic { n = n + 1; }\"}\n");
   EXPECT_EQ(explore(atomic), (Explored{4, 4, 0, {}}));
+  // Who finds it taken waits, in one step with the taking.
+  const System guarded = system_from(
+      "variables: \"var taken: bool;\"\n"
+      "programs:\n"
+      "  a: \"when (!taken) atomic { taken = true; } taken = false;\"\n"
+      "  b: \"when (!taken) atomic { taken = true; }\"\n");
+  EXPECT_EQ(explore(guarded), (Explored{5, 4, 1, {}}));
+  const System counted = system_from(
+      "variables: \"var n: 0..9; var other: bool;\"\n"
+      "programs:\n"
+      "  a: \"atomic { for k in 1..3 { n = n + k; } other = n == 6; }\"\n"
+      "  b: \"when (other) atomic { for k in 2..3 { n = k; } }\"\n");
+  EXPECT_EQ(explore(counted), (Explored{3, 2, 0, {}}));
   // What one program alone uses is its own, and costs no step.
   const System own = system_from(
       "variables: \"var n: 0..2;\"\n"
@@ -487,7 +500,10 @@ TEST(Language, ErrorsNameThePlace) {
       {"break;", "this 'break' is in no loop (s.yaml:3:5)"},
       {"for k in 0..2 { k = 1; }", "'k' is counted by its 'for', and cannot be set (s.yaml:3:21)"},
       {"call f();", "unknown procedure 'f'; there is: none (s.yaml:3:10)"},
-      {"atomic { loop { } }", "in 'atomic' stand assignments and 'if (...)' alone (s.yaml:3:14)"},
+      {"atomic { loop { } }",
+       "in 'atomic' stand assignments, 'if (...)' and 'for' alone (s.yaml:3:14)"},
+      {"when (1 < 2) { }",
+       "outside of a 'select', 'atomic { ... }' stands behind 'when (...)', not '{' (s.yaml:3:18)"},
       {"select { }", "this 'select' has no arm (s.yaml:3:5)"},
       {"select { otherwise { } timeout 5 { } }", "has one 'otherwise' or one 'timeout'"},
       {"select { skip; }", "expected an arm, which begins with 'on', 'when'"},

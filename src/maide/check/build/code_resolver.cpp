@@ -176,6 +176,9 @@ void CodeResolver::resolve_kind(const syntax::Statement& from, Statement& to) {
     case From::call: resolve_call(from, to); break;
     case From::atomic:
       to.kind = To::atomic;
+      if (from.expression) {
+        to.expression = names_.expression(*from.expression, ValueKind::boolean, "a condition");
+      }
       to.body = resolve_block(from.body);
       break;
     case From::select:

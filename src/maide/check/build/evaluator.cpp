@@ -41,14 +41,17 @@ std::vector<Outcome<Result>> Evaluator::outcomes(const Expression& expression, c
 }
 
 std::vector<Outcome<AtomicResult>> Evaluator::outcomes_of_atomic(
-    const Block& block, const Values& values, const SourcePosition& where) const {
+    const Statement& statement, const Values& values, const SourcePosition& where) const {
   SharedValues known;
   const std::function<AtomicResult(const SharedValues&)> run = [&](const SharedValues& shared) {
-    AtomicResult result{values, {}, "", 0, 0};
+    AtomicResult result{false, values, {}, "", 0, 0};
     try {
-      execute(block, shared, result);
+      if (statement.expression && evaluate(*statement.expression, values, &shared) == 0) {
+        return AtomicResult{true, {}, {}, "", 0, 0};
+      }
+      execute(*statement.body, shared, result);
     } catch (const EvaluationError& error) {
-      result = {{}, {}, error.text, error.line, error.column};
+      result = {false, {}, {}, error.text, error.line, error.column};
     }
     return result;
   };
@@ -59,6 +62,10 @@ void Evaluator::execute(const Block& block, const SharedValues& shared,
                         AtomicResult& result) const {
   for (const Statement& statement : block.statements) {
     if (statement.kind == Statement::Kind::skip) continue;
+    if (statement.kind == Statement::Kind::repeat_for) {
+      execute_rounds(statement, shared, result);
+      continue;
+    }
     const Value value = evaluate(*statement.expression, result.values, &shared, &result.writes);
     if (statement.kind == Statement::Kind::when) {
       execute(branch(statement, value), shared, result);
@@ -69,6 +76,23 @@ void Evaluator::execute(const Block& block, const SharedValues& shared,
       set(statement.target, statement.type, value, result.values);
     }
   }
+}
+
+void Evaluator::execute_rounds(const Statement& statement, const SharedValues& shared,
+                               AtomicResult& result) const {
+  const Value low = evaluate(*statement.expression, result.values);
+  const Value high = evaluate(statement.upper, result.values);
+  if (low > high) return;
+  if (distance(low, high) >= max_outcomes) {
+    throw EvaluationError{
+        "'for' in 'atomic' goes round more than " + std::to_string(max_outcomes) + " times",
+        statement.line, statement.column};
+  }
+  for (Value round = low; round <= high; ++round) {
+    result.values[statement.target.index] = round;
+    execute(*statement.body, shared, result);
+  }
+  result.values[statement.target.index].reset();
 }
 
 std::uint32_t Evaluator::element(const Expression& leaf, const Values& values) const {

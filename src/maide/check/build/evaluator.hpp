@@ -25,6 +25,8 @@ struct Result {
 
 // Of `atomic`: what it leaves behind.
 struct AtomicResult {
+  bool is_blocked = false;  // its condition does not hold
+
   Values values;
   SharedValues writes;
   std::string error;
@@ -51,7 +53,8 @@ class Evaluator {
   // `where`) if they are too many.
   std::vector<Outcome<Result>> outcomes(const Expression& expression, const Values& values,
                                         const SourcePosition& where) const;
-  std::vector<Outcome<AtomicResult>> outcomes_of_atomic(const Block& block, const Values& values,
+  std::vector<Outcome<AtomicResult>> outcomes_of_atomic(const Statement& statement,
+                                                        const Values& values,
                                                         const SourcePosition& where) const;
   static const Block& branch(const Statement& statement, Value condition) {
     return condition != 0 ? *statement.body : *statement.otherwise;
@@ -93,6 +96,9 @@ class Evaluator {
 
  private:
   void execute(const Block& block, const SharedValues& shared, AtomicResult& result) const;
+  // Of an `atomic`: a `for`.
+  void execute_rounds(const Statement& statement, const SharedValues& shared,
+                      AtomicResult& result) const;
 
  protected:
   std::uint32_t number_ = 0;  // of the program

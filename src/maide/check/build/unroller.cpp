@@ -246,7 +246,8 @@ void Unroller::expand_condition(const Place& place, const Statement& statement,
 
 void Unroller::expand_atomic(const Place& place, const Statement& statement, const Values& values) {
   for (auto& [conditions, result] :
-       outcomes_of_atomic(*statement.body, values, at(statement.line, statement.column))) {
+       outcomes_of_atomic(statement, values, at(statement.line, statement.column))) {
+    if (result.is_blocked) continue;
     CombinedStep combined;
     combined.uses = actions_.variables(conditions, result.writes);
     combined.text = combined.uses.empty() ? "atomic" : text_of(combined.uses, actions_);

@@ -156,8 +156,8 @@ class FlowWalker final : public Walker {
         }
         break;
       case Kind::atomic:
-        for (const auto& way : outcomes_of_atomic(*statement.body, values, where)) {
-          if (way.result.error.empty()) settle(next, way.result.values);
+        for (const auto& way : outcomes_of_atomic(statement, values, where)) {
+          if (!way.result.is_blocked && way.result.error.empty()) settle(next, way.result.values);
         }
         break;
       case Kind::select: expand_arms(number, place, statement, values); break;

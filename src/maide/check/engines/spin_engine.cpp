@@ -43,6 +43,11 @@ class Verification {
         memory_mib_(memory_limit_mib(options)),
         promela_(write_promela(system, promela_options)),
         folder_("spin", options.control) {
+    if (promela_.has_atomic_steps) {
+      throw UsageError(system.file +
+                       ": a program has more than 2,000 steps, which the engine spin cannot follow "
+                       "(--engine native can; `maide export --to promela` writes them for SPIN)");
+    }
     std::string text = promela_.text;
     if (purpose_ == Purpose::ltl) text += never_claim();
     write_file_atomically(folder_.path() / "system.pml", text);

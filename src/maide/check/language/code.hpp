@@ -171,7 +171,7 @@ struct Statement {
     next_round,  // continue
     give_back,   // return
     call,        // `name`(arguments)
-    atomic,
+    atomic,      // where `expression` holds, if there is one
     select,
   };
   Kind kind = Kind::skip;

@@ -6,7 +6,7 @@
 //              | label* ( if * block [ else block ] | if fair * block [ else block ]
 //              | if (e) block [ else (block | if ...) ] | loop block | repeat e block
 //              | while (e) block | for k in e..e block | break; | continue; | stop; | skip;
-//              | var x: type [= e]; | x = e; | x = any [fair] e..e; | atomic block
+//              | var x: type [= e]; | x = e; | x = any [fair] e..e; | [when (e)] atomic block
 //              | call p(arguments); | return; )
 //   arm := (output | quiet) block      block := { statement* }      label := @name
 //   choice := [when (e)] on M.input { arm* } | [when (e)] on M.input block
@@ -318,9 +318,16 @@ class CodeParser {
     } else if (accept_keyword("var")) {
       parse_declaration(statement);
     } else if (accept_keyword("atomic")) {
-      statement.kind = Kind::atomic;
-      statement.body = parse_block("after 'atomic'");
-      check_atomic(statement.body);
+      parse_atomic(statement);
+    } else if (tokens_.peek().is("when") && tokens_.peek(1).is("(")) {
+      tokens_.next();
+      statement.expression = parse_condition("after 'when'");
+      if (!accept_keyword("atomic")) {
+        tokens_.fail("outside of a 'select', 'atomic { ... }' stands behind 'when (...)', not " +
+                         to_string(tokens_.peek()),
+                     tokens_.peek());
+      }
+      parse_atomic(statement);
     } else if (accept_keyword("select")) {
       parse_select(first, statement);
     } else {
@@ -496,14 +503,20 @@ class CodeParser {
     expect_semicolon();
   }
 
+  void parse_atomic(Statement& statement) {
+    statement.kind = Statement::Kind::atomic;
+    statement.body = parse_block("after 'atomic'");
+    check_atomic(statement.body);
+  }
+
   void check_atomic(const Block& block) const {
     for (const Statement& statement : block.statements) {
       using Kind = Statement::Kind;
       const SourcePosition place{text_.position(0).file, statement.place.line,
                                  statement.place.column};
       if (statement.kind != Kind::assign && statement.kind != Kind::when &&
-          statement.kind != Kind::skip) {
-        throw ParseError("in 'atomic' stand assignments and 'if (...)' alone", place);
+          statement.kind != Kind::repeat_for && statement.kind != Kind::skip) {
+        throw ParseError("in 'atomic' stand assignments, 'if (...)' and 'for' alone", place);
       }
       if (!statement.labels.empty()) {
         throw ParseError("control does not stop inside of 'atomic', so no label stands there",

@@ -205,7 +205,9 @@ InterfaceAutomaton GrowingModel::cut_down(const InterfaceAutomaton& automaton,
   return result;
 }
 
-GrowingQueue::GrowingQueue(QueueSize queue) : GrowingModel({idle}), queue_(std::move(queue)) {
+GrowingQueue::GrowingQueue(QueueSize queue)
+    : GrowingModel(queue.values.empty() ? Contents{idle, 0} : Contents{idle}),
+      queue_(std::move(queue)) {
   if (!queue_.values.empty()) letters_ = static_cast<Symbol>(queue_.values.size());
 }
 
@@ -228,21 +230,38 @@ InterfaceAutomaton GrowingQueue::start() const {
   return automaton;
 }
 
+void GrowingQueue::add(Contents& contents, Symbol letter) const {
+  if (is_counted()) {
+    ++contents[1];
+  } else {
+    contents.push_back(letter);
+  }
+}
+
+Symbol GrowingQueue::take_oldest(Contents& contents) const {
+  if (is_counted()) {
+    --contents[1];
+    return 0;
+  }
+  const Symbol oldest = contents[1];
+  contents.erase(contents.begin() + 1);
+  return oldest;
+}
+
 std::vector<GrowingModel::Follower> GrowingQueue::followers(const Contents& contents) const {
   Contents free = contents;
   free[0] = idle;
   if (is_due(contents)) return {{output(contents[0] - first_message), free}};
   std::vector<Follower> result;
-  const std::size_t kept = contents.size() - 1;
   for (Symbol letter = 0; letter < letters_; ++letter) {
     Contents next = contents;
     if (contents[0] == waiting) {
       next[0] = first_message + letter;
-    } else if (kept < queue_.size) {
-      next.push_back(letter);
+    } else if (kept(contents) < queue_.size) {
+      add(next, letter);
     } else if (queue_.drops_oldest) {
-      next.erase(next.begin() + 1);
-      next.push_back(letter);
+      take_oldest(next);
+      add(next, letter);
     } else {
       continue;
     }
@@ -250,11 +269,10 @@ std::vector<GrowingModel::Follower> GrowingQueue::followers(const Contents& cont
   }
   if (contents[0] == waiting) return result;
   Contents next = contents;
-  if (kept == 0) {
+  if (kept(contents) == 0) {
     next[0] = waiting;
   } else {
-    next[0] = first_message + contents[1];
-    next.erase(next.begin() + 1);
+    next[0] = first_message + take_oldest(next);
   }
   result.push_back({input(letters_), std::move(next)});
   return result;

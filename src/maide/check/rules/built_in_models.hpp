@@ -110,7 +110,8 @@ class GrowingModel {
 };
 
 // Contents: what the reader has (nothing, a read that waits, or a message), and what is kept,
-// oldest first.
+// oldest first. Messages without values are counted instead: a list of each length would be as long
+// as all of them squared.
 class GrowingQueue : public GrowingModel {
  public:
   explicit GrowingQueue(QueueSize queue);
@@ -123,6 +124,14 @@ class GrowingQueue : public GrowingModel {
 
   std::vector<Follower> followers(const Contents& contents) const override;
   bool is_due(const Contents& contents) const override { return contents[0] >= first_message; }
+
+  bool is_counted() const { return queue_.values.empty(); }
+  // How many are kept.
+  std::size_t kept(const Contents& contents) const {
+    return is_counted() ? contents[1] : contents.size() - 1;
+  }
+  void add(Contents& contents, Symbol letter) const;
+  Symbol take_oldest(Contents& contents) const;
 
   QueueSize queue_;
   Symbol letters_ = 1;

@@ -81,6 +81,9 @@ struct Move {
   std::string effect;  // "" if nothing changes
 };
 
+// Of one process: SPIN's MAXDSTEP is 2048 jumps.
+constexpr std::size_t most_d_steps = 2000;
+
 class StepWriter {
  public:
   StepWriter(const System& system, const PromelaOptions& options)
@@ -326,6 +329,7 @@ class StepWriter {
 
   void write_program(std::uint32_t index) {
     const Program& program = system_.programs[index];
+    const std::size_t begin = text_.result().text.size(), steps = text_.result().steps.size();
     text_.line("");
     text_.line(fmt::format("/* program {}, line {} */", promela_comment(program.name),
                            program.position.line));
@@ -345,6 +349,17 @@ class StepWriter {
       text_.line("  fi;");
     }
     text_.line("}");
+    if (text_.result().steps.size() - steps > most_d_steps) make_atomic(begin);
+  }
+
+  // Each step from there on.
+  void make_atomic(std::size_t begin) {
+    constexpr std::string_view from = "  :: d_step {", to = "  :: atomic {";
+    std::string& text = text_.result().text;
+    while ((begin = text.find(from, begin)) != std::string::npos) {
+      text.replace(begin, from.size(), to);
+    }
+    text_.result().has_atomic_steps = true;
   }
 
   void write_error(const Program& program, ControlState state) {
