@@ -21,7 +21,7 @@ namespace {
 
 using Texts = std::vector<std::string>;
 
-System read(const std::string& text, const RunControl& control = {}) {
+System system_of_text(const std::string& text, const RunControl& control = {}) {
   const Declarations declared = declare(read_tree(text, "s.yaml"));
   return build_system(declared, find_models(declared, test::test_model, {}, control), {}, control);
 }
@@ -60,7 +60,7 @@ constexpr const char* forward =
     "  g: \"var x: 0..TOP; q.read -> message(x); idle q.read -> message(x);\"\n";
 
 TEST(ValueFlow, AQueueCarriesWhatOccurs) {
-  const System system = read(with_top(forward, "800"));
+  const System system = system_of_text(with_top(forward, "800"));
   for (const ModelInstance& queue : system.models) {
     EXPECT_EQ(queue.automaton.inputs().names(), (Texts{"write(5)", "read"})) << queue.name;
     EXPECT_EQ(queue.automaton.outputs().names(), (Texts{"message(5)"})) << queue.name;
@@ -71,7 +71,8 @@ TEST(ValueFlow, AQueueCarriesWhatOccurs) {
 class Ranges : public testing::TestWithParam<const char*> {};
 
 TEST_P(Ranges, ChangeNothing) {
-  EXPECT_EQ(outcome(read(with_top(GetParam(), "9"))), outcome(read(with_top(GetParam(), "9000"))));
+  EXPECT_EQ(outcome(system_of_text(with_top(GetParam(), "9"))),
+            outcome(system_of_text(with_top(GetParam(), "9000"))));
 }
 
 INSTANTIATE_TEST_SUITE_P(
@@ -133,23 +134,24 @@ TEST(ValueFlow, AFormulaMayNameWhatNeverOccurs) {
       "  a: \"var m: {idle, busy, lost}; q.write(m, 3); m = busy; q.write(m, 3);\"\n"
       "  b: \"repeat 2 { q.read -> message; }\"\n"
       "properties:\n";
-  const System known = read(system + "  p: \"G !q.write(lost,3) && G !q!message(lost,3)\"\n");
+  const System known =
+      system_of_text(system + "  p: \"G !q.write(lost,3) && G !q!message(lost,3)\"\n");
   EXPECT_EQ(known.models[0].automaton.inputs().names(),
             (Texts{"write(idle,3)", "write(busy,3)", "read"}));
   EXPECT_EQ(outcome(known).back().substr(0, 7), "p holds");
   EXPECT_NE(test::error_of([&] {
-              read(system + "  p: \"G !q.write(gone,3)\"\n");
+              system_of_text(system + "  p: \"G !q.write(gone,3)\"\n");
             }).find("has no input 'write(gone,3)'"),
             std::string::npos);
   EXPECT_NE(test::error_of([&] {
-              read(system + "  p: \"G !q.write(lost,4)\"\n");
+              system_of_text(system + "  p: \"G !q.write(lost,4)\"\n");
             }).find("has no input 'write(lost,4)'"),
             std::string::npos);
 }
 
 // Where control never comes to the write, the names say nevertheless that there is a value.
 TEST(ValueFlow, WhatIsNeverWrittenHasAValue) {
-  const System system = read(
+  const System system = system_of_text(
       "models: {q: {use: queue, with: {size: 1}}}\n"
       "programs: {a: \"if (1 > 2) { q.write(7); }\", b: \"idle q.read -> message(var x);\"}\n");
   EXPECT_EQ(outcome(system).front().substr(0, 14), "deadlock holds");
@@ -160,9 +162,9 @@ TEST(ValueFlow, HearsThatItIsToStop) {
   source.request_stop();
   RunControl late;
   late.stop = source.get_token();
-  EXPECT_THROW(read("models: {q: {use: queue, with: {size: 1}}}\n"
-                    "programs: {a: \"for n in 0..20000 { q.write(n); }\"}\n",
-                    late),
+  EXPECT_THROW(system_of_text("models: {q: {use: queue, with: {size: 1}}}\n"
+                              "programs: {a: \"for n in 0..20000 { q.write(n); }\"}\n",
+                              late),
                Interrupted);
 }
 

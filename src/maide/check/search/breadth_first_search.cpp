@@ -108,9 +108,13 @@ class BreadthFirstSearch<words>::Search {
     }
   }
 
-  // True if the goal is met.
+  // True if the search is over: the goal is met, or the control says stop.
   bool run_round(std::size_t first, std::size_t end) {
     const std::size_t used = rounds_.expand(first, end);
+    if (rounds_.is_cut_off()) {
+      look_at_limits(rounds_.table().size());
+      return true;
+    }
     std::vector<Batch*> batches;
     for (std::size_t i = 0; i < used; ++i) batches.push_back(&rounds_.pieces()[i].batch);
     rounds_.enter(batches, rounds_.threads());
@@ -345,7 +349,9 @@ class BreadthFirstSearch<words>::Search {
     const std::size_t first = expanded_;
     expanded_ = std::min(rounds_.level_size(), first + ranks * 16 * options_.states_a_thread);
     try {
-      return rounds_.expand(first, expanded_);
+      const std::size_t used = rounds_.expand(first, expanded_);
+      if (rounds_.is_cut_off()) look();
+      return used;
     } catch (const std::bad_alloc&) {
       stop_ = End::out_of_memory;
       return 0;

@@ -43,11 +43,17 @@ class GoalRounds final : public SearchRounds<words> {
   using Piece = typename Rounds::Piece;
   using Reduced = typename Rounds::Reduced;
 
+  static constexpr std::size_t states_between_looks = 16;
   static constexpr std::uint64_t every_program = ~std::uint64_t{0};
 
   void expand_some(Piece& piece, const std::vector<Reduced>& postponed, std::size_t first,
                    std::size_t begin, std::size_t end) override {
     for (std::size_t i = begin; i < end; ++i) {
+      if (options_.sets != nullptr && i % states_between_looks == 0 &&
+          options_.control.should_stop()) {
+        piece.is_cut_off = true;
+        return;
+      }
       if (i < postponed.size()) {
         if (take_steps(piece, postponed[i].state, ~postponed[i].programs)) return;
         continue;

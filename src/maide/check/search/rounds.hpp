@@ -32,7 +32,10 @@ namespace maide {
 // How a search saves itself work.
 struct BreadthFirstOptions {
   explicit BreadthFirstOptions(const SearchLimits& limits)
-      : threads(limits.threads), states_a_thread(limits.states_a_thread), ranks(limits.ranks) {}
+      : threads(limits.threads),
+        states_a_thread(limits.states_a_thread),
+        ranks(limits.ranks),
+        control(limits.control) {}
 
   const StubbornSets* sets = nullptr;  // not owned; null: every state is visited
   bool puts_nothing_off = false;       // no step is left out for ever; with `sets`
@@ -45,6 +48,7 @@ struct BreadthFirstOptions {
   std::size_t states_a_thread;
   Ranks* ranks;                      // not owned; null: this process searches alone
   Checkpoint* checkpoint = nullptr;  // not owned; null: there are none
+  RunControl control;                // stops a round of states with `sets`, which take their time
 };
 
 // Bits of payload of a search with chains of that length.
@@ -107,6 +111,7 @@ class SearchRounds {
     std::uint32_t tag = 0;        // of the state that is expanded now
     std::uint64_t transitions = 0;
     bool has_cut = false;
+    bool is_cut_off = false;  // the control said stop: states are left
     std::optional<Find> find;
   };
   // Bits of a tag: which piece, and which of its states.
@@ -200,6 +205,8 @@ class SearchRounds {
   }
   std::size_t level_size() const { return level_.size(); }
   std::size_t next_size() const { return next_level_.size(); }
+  // The last expand() left states out, for the control says stop.
+  bool is_cut_off() const { return is_cut_off_; }
   bool has_postponed() const { return !postponed_.empty(); }
 
   std::uint64_t bytes() const {
@@ -232,6 +239,7 @@ class SearchRounds {
     std::size_t used = 0;
     while (used < threads_ && !pieces_[used++].find) {
     }
+    is_cut_off_ = std::ranges::any_of(pieces_, &Piece::is_cut_off);
     for (std::size_t i = 0; i < used; ++i) {
       transitions_ += std::exchange(pieces_[i].transitions, 0);
       has_cut_ = has_cut_ || pieces_[i].has_cut;
@@ -413,6 +421,7 @@ class SearchRounds {
   std::vector<Reduced> postponed_;
   std::uint64_t transitions_ = 0;
   bool has_cut_ = false;
+  bool is_cut_off_ = false;
 };
 
 }  // namespace maide

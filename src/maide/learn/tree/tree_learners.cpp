@@ -18,7 +18,7 @@ constexpr Symbol unknown_output = ~Symbol{0};
 
 // Queries asked at once: enough for any number of systems, few enough to stay in a processor's
 // cache.
-constexpr std::size_t batch_size = 4096;
+constexpr std::size_t words_in_batch = 4096;
 
 }  // namespace
 
@@ -75,8 +75,8 @@ void TreeHypothesis::settle(const RunControl& control) {
   while (!unsettled_.empty()) {
     control.check("learning");
     const std::vector<Transition> asked(
-        unsettled_.begin(),
-        unsettled_.begin() + static_cast<std::ptrdiff_t>(std::min(batch_size, unsettled_.size())));
+        unsettled_.begin(), unsettled_.begin() + static_cast<std::ptrdiff_t>(
+                                                     std::min(words_in_batch, unsettled_.size())));
     std::vector<Query> batch;
     batch.reserve(asked.size());
     for (const Transition transition : asked) batch.push_back(question(transition));
