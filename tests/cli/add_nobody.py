@@ -40,5 +40,5 @@ program["origins"] = [{"file": "", "line": 0, "column": 0}, {"file": "node.cpp",
 for number, edge in enumerate(program["edges"]):
     edge[6] = 1 + number % 2
 del dump["sum"]
-dump["sum"] = hash_text(json.dumps(dump, separators=(",", ":"), ensure_ascii=False))
+dump["sum"] = hash_text(json.dumps(dump, sort_keys=True, separators=(",", ":"), ensure_ascii=False))
 json.dump(dump, sys.stdout)

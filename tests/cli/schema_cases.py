@@ -200,6 +200,7 @@ CASES = r"""
 1 format --check untidy.yaml
 0 format untidy.yaml
 2 format nowhere.yaml
+2 format --nonsense
 2 format untidy.yaml nowhere.yaml
 0 view port.dot -o port.html
 0 view holds.yaml -o holds.html

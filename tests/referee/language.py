@@ -191,9 +191,6 @@ class Parser:
         if kind == "name" and value in KEYWORDS and not self.sees(".", ahead=1):
             self.at += 1
             return getattr(self, "parse_" + value, self.misplaced)(place)
-        if self.sees("when") and self.sees("(", ahead=1):
-            self.at += 1
-            return self.parse_guarded(place)
         name, indices = self.reference()
         if self.sees("."):
             given = self.given((name, indices))
@@ -396,7 +393,7 @@ class Parser:
     def parse_atomic(self, place):
         return Statement("atomic", place, condition=None, body=self.block())
 
-    def parse_guarded(self, place):
+    def parse_when(self, place):
         self.expect("(")
         condition = self.expression()
         self.expect(")")

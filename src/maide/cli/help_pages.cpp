@@ -173,7 +173,7 @@ Statements (M: model, x: variable, e: expression; @name before one labels it):
   loop { }  while (e) { }  repeat e { }  for k in e..e { }  break;  continue;
   var x: 0..3 = 1;  var ok: bool;  var m: {idle, busy};  var a[k in 0..9]: bool;
   x = e;  a[e] = e;                       no step, unless a variable is shared
-  atomic { x = e; if (e) { } }            one step; when (e) atomic { } waits for e
+  atomic { x = e; if (e) { } }            one step; `when (e) atomic { }` waits
   call p(ARGUMENTS);  return;  stop;  skip;
 Values:       M.write(e);  M.read -> message(x) sets x, message(var x) declares
               it, message(3) takes that one alone, message takes any.
