@@ -240,15 +240,18 @@ std::string dump_text(const nlohmann::json& content, const Json& names, const Ru
 
 // ---- Reading ------------------------------------------------------------------------------------
 
-// What a dump says, which may be much: freed beside what comes next.
+constexpr std::size_t large_dump = 16'000'000;  // bytes: to free what it says takes seconds
+
+// What a dump says. Of a large one it is freed beside what comes next.
 struct Content {
   Content() = default;
   Content(const Content&) = delete;
   Content& operator=(const Content&) = delete;
   ~Content() {
-    if (!value.empty()) free_beside(std::move(value));
+    if (is_large) free_beside(std::move(value));
   }
   nlohmann::json value;
+  bool is_large = false;
 };
 
 // A dump of names, models or a system, and what it says.
@@ -256,6 +259,7 @@ class StageDump {
  public:
   StageDump(std::string_view text, const std::string& file, const RunControl& control)
       : file_(file), control_(control) {
+    dump_.is_large = text.size() > large_dump;
     try {
       dump_.value = parse_sorted_json(text, file, control);
       stage_ = find_stage(dump_.value.at(stage_key).get<std::string>());
@@ -379,6 +383,7 @@ std::string dump_stage(Stage stage, std::string_view text, const std::string& fi
   const Declarations declared = from.declare();
   const Json names = names_of(declared);
   Content dump;
+  dump.is_large = true;  // until its size is known
   nlohmann::json& content = dump.value;
   content = {{stage_key, stage_names[static_cast<std::size_t>(stage)]},
              {"version", version()},
@@ -407,7 +412,9 @@ std::string dump_stage(Stage stage, std::string_view text, const std::string& fi
   }
   try {
     content["sum"] = sum_of(content, control);
-    return dump_text(content, names, control);
+    std::string written = dump_text(content, names, control);
+    dump.is_large = written.size() > large_dump;
+    return written;
   } catch (const nlohmann::json::type_error&) {
     throw UsageError(
         fmt::format("a dump is JSON, and not all names and texts here are UTF-8 ({})", file));

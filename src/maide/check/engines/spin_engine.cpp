@@ -33,21 +33,16 @@ constexpr std::chrono::seconds shortening_time{5};  // what "cheap" means
 class Verification {
  public:
   Verification(const SpinOptions& tools, const EngineOptions& options, const System& system,
-               const PromelaOptions& promela_options, bool is_fair, std::string what)
+               Purpose purpose, const Formula& formula, bool is_fair, std::string what)
       : tools_(tools),
         options_(options),
         system_(system),
-        purpose_(promela_options.purpose),
+        purpose_(purpose),
         is_fair_(is_fair),
         what_(std::move(what)),
         memory_mib_(memory_limit_mib(options)),
-        promela_(write_promela(system, promela_options)),
+        promela_(write_promela(system, {purpose, formula, true})),
         folder_("spin", options.control) {
-    if (promela_.has_atomic_steps) {
-      throw UsageError(system.file +
-                       ": a program has more than 2,000 steps, which the engine spin cannot follow "
-                       "(--engine native can; `maide export --to promela` writes them for SPIN)");
-    }
     std::string text = promela_.text;
     if (purpose_ == Purpose::ltl) text += never_claim();
     write_file_atomically(folder_.path() / "system.pml", text);
@@ -243,7 +238,7 @@ PropertyResult SpinEngine::check(const System& system, const Property& property,
   const std::string what =
       fmt::format("property '{}'{}", property.name, place.empty() ? "" : " (" + place + ")");
   try {
-    Verification verification(options_, options, system, {purpose_of(property), property.formula},
+    Verification verification(options_, options, system, purpose_of(property), property.formula,
                               depends_on_fairness(property), what);
     const PanOutput output = verification.search();
     result.states = verification.states(output);
@@ -277,7 +272,7 @@ CutResult SpinEngine::find_cut(const System& system, const EngineOptions& option
     return result;
   }
   try {
-    Verification verification(options_, options, system, {Purpose::cut, nullptr}, false, "");
+    Verification verification(options_, options, system, Purpose::cut, nullptr, false, "");
     const PanOutput output = verification.search();
     if (output.errors == 0) {
       result.verdict = output.is_complete ? Verdict::holds : Verdict::inconclusive;

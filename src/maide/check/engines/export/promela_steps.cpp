@@ -81,7 +81,7 @@ struct Move {
   std::string effect;  // "" if nothing changes
 };
 
-// Of one process: SPIN's MAXDSTEP is 2048 jumps.
+// SPIN's MAXDSTEP is 2048, which some texts pass with the 2,046th step.
 constexpr std::size_t most_d_steps = 2000;
 
 class StepWriter {
@@ -115,6 +115,7 @@ class StepWriter {
     for (std::uint32_t index = 0; index < system_.programs.size(); ++index) write_program(index);
     if (!system_.nobodys_actions.empty()) write_nobody();
     if (knows_deaths_) write_survival();
+    if (!options_.has_trails && result.steps.size() > most_d_steps) make_atomic();
     if (is_ltl()) {
       text_.idling("active proctype", has_events_);
       std::vector<std::string> expressions;
@@ -329,7 +330,6 @@ class StepWriter {
 
   void write_program(std::uint32_t index) {
     const Program& program = system_.programs[index];
-    const std::size_t begin = text_.result().text.size(), steps = text_.result().steps.size();
     text_.line("");
     text_.line(fmt::format("/* program {}, line {} */", promela_comment(program.name),
                            program.position.line));
@@ -349,17 +349,15 @@ class StepWriter {
       text_.line("  fi;");
     }
     text_.line("}");
-    if (text_.result().steps.size() - steps > most_d_steps) make_atomic(begin);
   }
 
-  // Each step from there on.
-  void make_atomic(std::size_t begin) {
+  // Each step in an `atomic`: the states are the same.
+  void make_atomic() {
     constexpr std::string_view from = "  :: d_step {", to = "  :: atomic {";
     std::string& text = text_.result().text;
-    while ((begin = text.find(from, begin)) != std::string::npos) {
-      text.replace(begin, from.size(), to);
+    for (std::size_t at = 0; (at = text.find(from, at)) != std::string::npos;) {
+      text.replace(at, from.size(), to);
     }
-    text_.result().has_atomic_steps = true;
   }
 
   void write_error(const Program& program, ControlState state) {

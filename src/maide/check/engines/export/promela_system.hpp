@@ -31,6 +31,9 @@ struct PromelaOptions {
   };
   Purpose purpose = Purpose::deadlock;
   Formula formula;  // of Purpose::ltl; without X
+  // Trails of pan are read, in which each step is to be one line. Without, a text with more steps
+  // than SPIN's d_steps can have has them in `atomic`s.
+  bool has_trails = false;
 };
 
 // Which transition stands in a line of the text.
@@ -56,9 +59,6 @@ struct PromelaSystem {
   std::size_t processes = 0;
   std::shared_ptr<const StepRules> rules;  // of the form with steps, which it is written from
   std::vector<Step> steps;
-  // A process with more steps than SPIN's d_steps can have together has each in an `atomic`: the
-  // states are the same, but a trail of pan has several lines a step.
-  bool has_atomic_steps = false;
   // The processes are started by a step of their own: there is one state more, before it.
   bool has_start = false;
   // Purposes deadlock and ltl: each state is there twice, before and after nobody dies any more.
