@@ -40,6 +40,18 @@ void hear() {
 }  // namespace
 }  // namespace maide
 
+// NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE, for conversions that may be stopped: what was made up to
+// there is freed. (A constructor of the library that throws frees nothing.)
+#define MAIDE_JSON_MEMBERS(Type, ...)                                                   \
+  static void to_json(nlohmann::json& to, const Type& nlohmann_json_t) {                \
+    nlohmann::json nlohmann_json_j;                                                     \
+    NLOHMANN_JSON_EXPAND(NLOHMANN_JSON_PASTE(NLOHMANN_JSON_TO, __VA_ARGS__))            \
+    to = std::move(nlohmann_json_j);                                                    \
+  }                                                                                     \
+  static void from_json(const nlohmann::json& nlohmann_json_j, Type& nlohmann_json_t) { \
+    NLOHMANN_JSON_EXPAND(NLOHMANN_JSON_PASTE(NLOHMANN_JSON_FROM, __VA_ARGS__))          \
+  }
+
 namespace nlohmann {
 
 template <typename Value>
@@ -78,17 +90,14 @@ namespace maide {
 
 using nlohmann::json;
 
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(SourcePosition, file, line, column)
+MAIDE_JSON_MEMBERS(SourcePosition, file, line, column)
 
 // ---- Automata -----------------------------------------------------------------------------------
 
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Actor, name, inputs, outputs)
+MAIDE_JSON_MEMBERS(Actor, name, inputs, outputs)
 
 static void to_json(json& to, const InterfaceAutomaton& automaton) {
-  to = {{"inputs", automaton.inputs().names()}, {"outputs", automaton.outputs().names()},
-        {"initial", automaton.initial()},       {"origin", automaton.origin},
-        {"actors", automaton.actors},           {"hidden_returns", automaton.hidden_returns}};
-  json& states = to["states"] = json::array();
+  json states = json::array();
   for (StateId state = 0; state < automaton.size(); ++state) {
     hear();
     json transitions = json::array();
@@ -98,6 +107,10 @@ static void to_json(json& to, const InterfaceAutomaton& automaton) {
     const auto unexplored = automaton.unexplored(state);
     states.push_back({transitions, std::vector<Symbol>(unexplored.begin(), unexplored.end())});
   }
+  to = {{"inputs", automaton.inputs().names()}, {"outputs", automaton.outputs().names()},
+        {"initial", automaton.initial()},       {"origin", automaton.origin},
+        {"actors", automaton.actors},           {"hidden_returns", automaton.hidden_returns}};
+  to["states"] = std::move(states);
 }
 
 static void from_json(const json& from, InterfaceAutomaton& automaton) {
@@ -123,10 +136,10 @@ static void from_json(const json& from, InterfaceAutomaton& automaton) {
 
 // ---- Values and expressions ---------------------------------------------------------------------
 
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ValueType, kind, low, high, words)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Expression::Dimension, low, high)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Expression, op, kind, value, owner, index, dimensions, operands,
-                                   name, line, column)
+MAIDE_JSON_MEMBERS(ValueType, kind, low, high, words)
+MAIDE_JSON_MEMBERS(Expression::Dimension, low, high)
+MAIDE_JSON_MEMBERS(Expression, op, kind, value, owner, index, dimensions, operands, name, line,
+                   column)
 
 static void to_json(json& to, const WordTable& words) { to = words.names(); }
 static void from_json(const json& from, WordTable& words) {
@@ -182,50 +195,46 @@ static void from_json(const json& from, Program::State& state) {
            from.at(7).get<bool>()};
 }
 
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(CombinedStep, role, uses, events, text, fair, callback)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ActorFlags, counts_for_deadlock, is_fair, may_rest, is_shown)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(FairGroup, on_weak_runs, text)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ProgramVariable, name, type, position)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ProgramError, text, position)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Program::Round, outer, line, column, number, count)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Program::CallbackLines, name, first, last)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Program::Guard, text, line, column, variables)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Program::Select, state, guards)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Program, name, flags, nodes, execution, callbacks, position,
-                                   last_line, states, edges, labels, label_sets, rounds,
-                                   unreachable, combined, fair_groups, variables, valuations,
-                                   errors, selects, guard_lists, origins, names)
+MAIDE_JSON_MEMBERS(CombinedStep, role, uses, events, text, fair, callback)
+MAIDE_JSON_MEMBERS(ActorFlags, counts_for_deadlock, is_fair, may_rest, is_shown)
+MAIDE_JSON_MEMBERS(FairGroup, on_weak_runs, text)
+MAIDE_JSON_MEMBERS(ProgramVariable, name, type, position)
+MAIDE_JSON_MEMBERS(ProgramError, text, position)
+MAIDE_JSON_MEMBERS(Program::Round, outer, line, column, number, count)
+MAIDE_JSON_MEMBERS(Program::CallbackLines, name, first, last)
+MAIDE_JSON_MEMBERS(Program::Guard, text, line, column, variables)
+MAIDE_JSON_MEMBERS(Program::Select, state, guards)
+MAIDE_JSON_MEMBERS(Program, name, flags, nodes, execution, callbacks, position, last_line, states,
+                   edges, labels, label_sets, rounds, unreachable, combined, fair_groups, variables,
+                   valuations, errors, selects, guard_lists, origins, names)
 
 // ---- Properties ---------------------------------------------------------------------------------
 
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Atom, kind, owner, symbol, program)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(FormulaNode, op, atom, left, right)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Letter, positive, negative)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(LtlAutomaton::Transition, letter, target, marks)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(LtlAutomaton, atoms, mark_count, states, initial, universal)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Property, name, kind, formula, never, fairness, position)
+MAIDE_JSON_MEMBERS(Atom, kind, owner, symbol, program)
+MAIDE_JSON_MEMBERS(FormulaNode, op, atom, left, right)
+MAIDE_JSON_MEMBERS(Letter, positive, negative)
+MAIDE_JSON_MEMBERS(LtlAutomaton::Transition, letter, target, marks)
+MAIDE_JSON_MEMBERS(LtlAutomaton, atoms, mark_count, states, initial, universal)
+MAIDE_JSON_MEMBERS(Property, name, kind, formula, never, fairness, position)
 
 // ---- The system ---------------------------------------------------------------------------------
 
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ModelAction, name, steps, is_call)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ServiceContents, requests, served, answers)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ModelInstance, name, automaton, actions, source, type, is_grown,
-                                   state_texts, service_contents, when_unexplored, when_weak,
-                                   origin, as_read, is_learned, position)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(NobodysAction, what, counts_for_deadlock, is_shown, lost,
-                                   position, origin)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(TopicInstance::Reader, program, model, callback, collected)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(TopicInstance, name, writer_names, writers, readers,
-                                   delivers_one)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ServiceInstance, name, server, clients, model)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ExecutorInstance, name, threads, goes_by_rounds)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(CallbackInstance, kind, node, name, executor, group,
-                                   is_reentrant, model)
+MAIDE_JSON_MEMBERS(ModelAction, name, steps, is_call)
+MAIDE_JSON_MEMBERS(ServiceContents, requests, served, answers)
+MAIDE_JSON_MEMBERS(ModelInstance, name, automaton, actions, source, type, is_grown, state_texts,
+                   service_contents, when_unexplored, when_weak, origin, as_read, is_learned,
+                   position)
+MAIDE_JSON_MEMBERS(NobodysAction, what, counts_for_deadlock, is_shown, lost, position, origin)
+MAIDE_JSON_MEMBERS(TopicInstance::Reader, program, model, callback, collected)
+MAIDE_JSON_MEMBERS(TopicInstance, name, writer_names, writers, readers, delivers_one)
+MAIDE_JSON_MEMBERS(ServiceInstance, name, server, clients, model)
+MAIDE_JSON_MEMBERS(ExecutorInstance, name, threads, goes_by_rounds)
+MAIDE_JSON_MEMBERS(CallbackInstance, kind, node, name, executor, group, is_reentrant, model)
 
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ConstantSetting, name, value)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(System, file, settings, models, topics, services, executors,
-                                   callbacks, programs, nobodys_actions, nobodys_groups, properties,
-                                   remarks, expressions, words, sources)
+MAIDE_JSON_MEMBERS(ConstantSetting, name, value)
+MAIDE_JSON_MEMBERS(System, file, settings, models, topics, services, executors, callbacks, programs,
+                   nobodys_actions, nobodys_groups, properties, remarks, expressions, words,
+                   sources)
 
 json json_of(const System& system, const RunControl& control) {
   const Hearing hearing(control);
