@@ -21,10 +21,7 @@ void Unroller::expand_rendezvous(const Place& place, const Statement& statement,
   using Kind = ModelUse::Kind;
   if (place.phase == Phase::before) {
     const Symbol input = input_of(model, statement.input, values);
-    const ControlState target =
-        statement.arms.empty()
-            ? settle(behind(place.frame), values)
-            : control_state({place.frame, Phase::awaits, 0, place.valuation, 0, 0});
+    const ControlState target = behind_input(place, statement, values);
     if (const Topic* topic = written_topic(statement.model, statement.input.name, values)) {
       const std::string name = name_of(statement.input, values);
       for (const Writing& way : writings(*topic, name, WriteKind::statement)) {

@@ -70,10 +70,7 @@ void Unroller::expand_service(const Place& place, const Statement& statement, co
   };
   const std::string& input = statement.input.name;
   if (place.phase == Phase::before) {
-    const ControlState target =
-        statement.arms.empty()
-            ? settle(behind(place.frame), values)
-            : control_state({place.frame, Phase::awaits, 0, place.valuation, 0, 0});
+    const ControlState target = behind_input(place, statement, values);
     return add(operation_of(service, input, true, statement.callback), input, "",
                service.name + "." + input, target, statement.line, statement.column);
   }

@@ -6,8 +6,7 @@
 namespace maide::program_syntax {
 
 Program Unroller::run() {
-  check_loops(tree_.statements);
-  settle(intern({&tree_.statements, 0, 1, 1, no_frame}), tree_.initial);
+  begin();
   for (std::size_t next = 0; next < places_.size(); ++next) expand(places_[next]);
   return std::move(program_);
 }
@@ -228,17 +227,9 @@ void Unroller::expand_condition(const Place& place, const Statement& statement,
                                 const Values& values) {
   for (auto& [conditions, result] :
        outcomes(*statement.expression, values, at(statement.line, statement.column))) {
-    ControlState target = 0;
-    if (!result.value) {
-      target = error_state(result.error, result.line, result.column);
-    } else if (statement.kind == Statement::Kind::when) {
-      target = settle(enter(branch(statement, *result.value), behind(place.frame)), values);
-    } else if (*result.value == 0) {
-      target = settle(behind(place.frame), values);
-    } else {
-      target = settle(enter(*statement.body, behind(place.frame)), values);
-    }
-    add_reading(statement, conditions, target);
+    add_reading(statement, conditions,
+                result.value ? behind_condition(place, statement, *result.value, values)
+                             : error_state(result.error, result.line, result.column));
   }
 }
 

@@ -71,8 +71,7 @@ class FlowWalker final : public Walker {
   FlowWalker(const Tree& tree, const Unrolled& program, ModelActions& actions, const Names& names,
              const RunControl& control, Flow& flow)
       : Walker(tree, program, actions, names, control), flow_(flow) {
-    check_loops(tree_.statements);
-    settle(intern({&tree_.statements, 0, 1, 1, no_frame}), tree_.initial);
+    begin();
   }
 
   // Goes on from all places that were come to. Returns false if there was none.
@@ -85,6 +84,7 @@ class FlowWalker final : public Walker {
     }
     return next_ > first;
   }
+
   // The model offers the output to the place, which waits at it.
   void offer(ControlState number, std::uint32_t model, const std::string& output) {
     look_sometimes();
@@ -145,14 +145,7 @@ class FlowWalker final : public Walker {
       case Kind::when:
       case Kind::repeat_while:
         for (const auto& way : outcomes(*statement.expression, values, where)) {
-          if (!way.result.value) continue;
-          const bool is_while = statement.kind == Kind::repeat_while;
-          if (is_while && *way.result.value == 0) {
-            settle(next, values);
-          } else {
-            settle(enter(is_while ? *statement.body : branch(statement, *way.result.value), next),
-                   values);
-          }
+          if (way.result.value) behind_condition(place, statement, *way.result.value, values);
         }
         break;
       case Kind::atomic:
@@ -176,11 +169,7 @@ class FlowWalker final : public Walker {
     const std::uint32_t model = model_of(statement.model, values);
     if (place.phase == Phase::before) {
       note(statement.model, statement.input, values);
-      if (statement.arms.empty()) {
-        settle(next, values);
-      } else {
-        control_state({place.frame, Phase::awaits, 0, place.valuation, 0, 0});
-      }
+      behind_input(place, statement, values);
       return;
     }
     const bool is_service = names_.services.contains(model);

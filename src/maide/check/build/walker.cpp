@@ -119,6 +119,11 @@ Walker::Walker(const Tree& tree, const Unrolled& program, ModelActions& actions,
   frame_rounds_.push_back(0);
 }
 
+void Walker::begin() {
+  check_loops(tree_.statements);
+  settle(intern({&tree_.statements, 0, 1, 1, no_frame}), tree_.initial);
+}
+
 void Walker::check_loops(const Block& block) {
   for (const Statement& statement : block.statements) {
     using Kind = Statement::Kind;
@@ -434,6 +439,21 @@ Error Walker::too_large(const Place& place) const {
   return Error(ExitStatus::inconclusive, "program " + program_.name + " has more than " +
                                              std::to_string(max_control_states) +
                                              " control states (" + to_string(where) + ")");
+}
+
+ControlState Walker::behind_condition(const Place& place, const Statement& statement, Value value,
+                                      const Values& values) {
+  const FrameId next = behind(place.frame);
+  if (statement.kind == Statement::Kind::when) {
+    return settle(enter(branch(statement, value), next), values);
+  }
+  return settle(value == 0 ? next : enter(*statement.body, next), values);
+}
+
+ControlState Walker::behind_input(const Place& place, const Statement& statement,
+                                  const Values& values) {
+  if (statement.arms.empty()) return settle(behind(place.frame), values);
+  return control_state({place.frame, Phase::awaits, 0, place.valuation, 0, 0});
 }
 
 ControlState Walker::take(const Event& pattern, const Block& body, FrameId next,

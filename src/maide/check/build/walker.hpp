@@ -89,6 +89,8 @@ class Walker : public Evaluator {
   using Loops = std::unordered_map<const Block*, const Statement*>;  // by body
 
   SourcePosition at(int line, int column) const { return {program_.position.file, line, column}; }
+  // Comes to where the program begins. Throws ParseError: a loop would never step.
+  void begin();
   // And notes which blocks are bodies of loops.
   void check_loops(const Block& block);
 
@@ -142,6 +144,11 @@ class Walker : public Evaluator {
     control_.check("the walk through program " + program_.name + ", which met " +
                    std::to_string(places_.size()) + " control states,");
   }
+  // Where control goes from a condition of that value.
+  ControlState behind_condition(const Place& place, const Statement& statement, Value value,
+                                const Values& values);
+  // Where control goes when the statement's input was given: it may await an output.
+  ControlState behind_input(const Place& place, const Statement& statement, const Values& values);
   // Where control goes when the arm's output was taken.
   ControlState take(const Event& pattern, const Block& body, FrameId next,
                     const std::string& output, const Values& values);
