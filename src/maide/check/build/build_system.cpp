@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "maide/base/file.hpp"
-#include "maide/check/build/code_resolver.hpp"
 #include "maide/check/build/make_program.hpp"
 #include "maide/check/ltl/ltl_automaton.hpp"
 #include "maide/check/system/model_actions.hpp"
@@ -99,8 +98,7 @@ class SystemBuilder {
     const program_syntax::Context known{
         system_.models,  models_.names, system_.words, number, models_.own[number],
         program.indices, nullptr,       nullptr,       {}};
-    return program.thread ? program_syntax::resolve_thread(*program.thread, program.position, known)
-                          : program_syntax::resolve_program(*program.code, known);
+    return maide::resolve(program, known);
   }
 
   static void name_callbacks(Program& program, const program_syntax::Thread& thread) {

@@ -5,6 +5,12 @@
 
 namespace maide {
 
+program_syntax::Tree resolve(const ProgramDeclaration& program,
+                             const program_syntax::Context& known) {
+  return program.thread ? program_syntax::resolve_thread(*program.thread, program.position, known)
+                        : program_syntax::resolve_program(*program.code, known);
+}
+
 void Declarations::take_name(const std::string& name, SourcePosition place) {
   const auto [known, is_new] = taken.emplace(name, place);
   if (is_new) return;
@@ -191,9 +197,7 @@ void check_names(const Declarations& declared) {
     program_syntax::Context context = file.context(program.indices);
     context.program = number;
     context.stage = program_syntax::Context::Stage::names;
-    program_syntax::Tree tree =
-        program.thread ? program_syntax::resolve_thread(*program.thread, program.position, context)
-                       : program_syntax::resolve_program(*program.code, context);
+    program_syntax::Tree tree = resolve(program, context);
     Program& shown = programs.emplace_back();
     shown.name = program.name;
     shown.nodes = program.nodes;

@@ -38,6 +38,10 @@ struct ProgramDeclaration {
   SourcePosition position;         // where its text begins, or what runs it is named
 };
 
+// The tree of its text, or of the thread that runs its callbacks. Throws ParseError.
+program_syntax::Tree resolve(const ProgramDeclaration& program,
+                             const program_syntax::Context& known);
+
 struct ExecutorDeclaration {
   std::string name;
   std::uint32_t threads = 1;

@@ -5,7 +5,6 @@
 #include <string>
 #include <utility>
 
-#include "maide/check/build/code_resolver.hpp"
 #include "maide/check/build/walker.hpp"
 
 namespace maide {
@@ -334,9 +333,7 @@ class ValueSearch {
           program.indices, nullptr,       nullptr,      {}};
       known.stage = program_syntax::Context::Stage::owners;
       try {
-        trees_.push_back(program.thread ? program_syntax::resolve_thread(*program.thread,
-                                                                         program.position, known)
-                                        : program_syntax::resolve_program(*program.code, known));
+        trees_.push_back(resolve(program, known));
       } catch (const ParseError&) {
         continue;  // which is told when the program is made
       }

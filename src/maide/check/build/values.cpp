@@ -13,7 +13,6 @@
 #include <utility>
 #include <vector>
 
-#include "maide/check/build/code_resolver.hpp"
 #include "maide/check/build/models.hpp"
 #include "maide/check/build/value_flow.hpp"
 
@@ -51,9 +50,7 @@ class ValueFinder {
     known.on_value = [&](std::uint32_t model, const program_syntax::Event& input, std::size_t place,
                          const ValueType& type) { note(model, input, place, type); };
     try {
-      const program_syntax::Tree tree =
-          program.thread ? program_syntax::resolve_thread(*program.thread, program.position, known)
-                         : program_syntax::resolve_program(*program.code, known);
+      const program_syntax::Tree tree = maide::resolve(program, known);
       models_.first_errors.erase(number);
       for (const std::string& name : tree.file_variables) users_[name].insert(number);
     } catch (const ParseError& error) {
