@@ -395,7 +395,7 @@ def main() -> int:
         for case in CASES:
             path = folder / f"{re.sub('[^a-z0-9]+', '-', case.name)}.yaml"
             path.write_text(case.file(), encoding="utf-8")
-            report = judge(str(path))
+            report = judge(str(path), at_once=True)
             if case.verdicts is None:
                 found = [] if "error" in report else ["not refused"]
             elif "properties" not in report:

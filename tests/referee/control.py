@@ -23,6 +23,7 @@ from expressions import (
     variables_of,
 )
 from language import Refused, Statement
+from wires import refuse_arms
 
 SILENT = {"assign", "enter", "branch", "jump", "label"}
 
@@ -556,6 +557,8 @@ class Compiler:
             if arm.input is not None:
                 self.system.check_input(self.program, model, arm.input)
                 self.refuse_reading(model[0], arm.input, True)
+                for use in self.system.meant(model):
+                    refuse_arms(use, self.program, arm.input)
                 arguments = [self.local(frame, argument) for argument in arm.arguments]
                 if arguments:
                     self.system.gives_values.add(model[0])

@@ -10,9 +10,11 @@ from expressions import Mistake, Scope, Variable, evaluate, members
 from graph import Component, State
 from language import Parser, Refused
 from ltl import FALSE, TRUE, Formula, negated
+from services import Service
 from system import System
 from use import Topic
 
+ON_THE_WAY = {"request_arrives", "answer_arrives", "request_lost", "answer_lost"}
 BOOLEAN = {"&&", "||", "->", "<->"}
 COMPARISONS = {"==", "!=", "<", "<=", ">", ">="}
 
@@ -210,7 +212,7 @@ class Formulas:
         self.programs |= found
         return found
 
-    def use(self, reference: tuple) -> tuple[str, frozenset[int] | None]:
+    def use(self, reference: tuple, event: str) -> tuple[str, frozenset[int] | None]:
         """The model or topic that a reference names, and the readers, if it names some."""
         name, indices = reference
         meaning = self.scope.find(name)
@@ -231,9 +233,13 @@ class Formulas:
                 self.programs.add(program)
         use = self.system.uses[number]
         if reader is not None:
-            if not isinstance(use, Topic):
+            if isinstance(use, Service) and event in ON_THE_WAY:
+                place = use.client_of
+            elif isinstance(use, Topic):
+                place = use.reader_of
+            else:
                 raise Refused(f"{use.name} has no readers")
-            reader = frozenset(use.reader_of[p] for p in reader if p in use.reader_of)
+            reader = frozenset(place[p] for p in reader if p in place)
             if not reader:
                 raise Refused(f"no reader of {use.name}")
         return use.name, reader
@@ -242,7 +248,7 @@ class Formulas:
         self, program: tuple | None, reference: tuple, sign: str, name: str, values: Any
     ) -> Formula:
         """The atom of an event."""
-        use, reader = self.use(reference)
+        use, reader = self.use(reference, name)
         own = None if program is None else self.program(program)
         known = None if values is None else tuple(self.scope.constant(v) for v in values)
         return self.number(Event(own, use, reader, sign, name, known))

@@ -1,12 +1,13 @@
 """Graphs of states, and whether they have a run that is fair.
 
 An edge has the number of the state it leads to, and what fairness looks at: which program steps,
-which arm and which fair choice it is, and which acceptance sets it is in.
+which arm and which fair choice it is, and which acceptance sets it is in. A message that arrives is
+a step of its wire, which is named ("wire", connection, number) where programs have numbers.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -60,6 +61,13 @@ class Component:
         models = tuple(use.initial for use in system.uses)
         world = (models, tuple(variable.initial for variable in system.shared))
         self.number(tuple(program.start() for program in self.programs), world)
+        self.on_wires = [
+            (k, use)
+            for k, use in enumerate(system.uses)
+            if hasattr(use, "arrivals") and any(k in system.models_of[n] for n in numbers)
+        ]
+        self.streams = [(k, use) for k, use in enumerate(system.uses) if hasattr(use, "noted")]
+        self.calls = any(use.acknowledges(n) for _, use in self.on_wires for n in numbers)
         at = 0
         while at < len(self.states):
             self.explore(self.states[at])
@@ -83,28 +91,58 @@ class Component:
             state.failed = True
             return
         seen = set()
+        for at, step in self.steps(state):
+            if not step.death:
+                state.enabled.add(step.program)
+            if step.arm is not None:
+                state.arms.add((step.program, step.arm))
+            if step.choice is not None:
+                key = (step.program, step.choice[0])
+                state.choices.setdefault(key, set()).add(step.choice[1])
+            if step.cut:
+                mark = (step.program, step.label, "cut")
+                if mark not in seen:
+                    state.cuts.append(step)
+            else:
+                controls = state.controls
+                if at is not None:
+                    controls = controls[:at] + (step.control,) + controls[at + 1 :]
+                target = self.number(*self.followed(controls, step.world))
+                mark = (step.program, step.label, target)
+                if mark not in seen:
+                    state.edges.append(Edge(target, step))
+            self.transitions += mark not in seen
+            seen.add(mark)
+
+    def steps(self, state: State) -> Iterator[tuple[int | None, Step]]:
+        """All steps, with the place of the program that moves; None: a message arrives."""
         for at, program in enumerate(self.programs):
             for step in program.steps(state.controls[at], state.world):
-                if not step.death:
-                    state.enabled.add(program.number)
-                if step.arm is not None:
-                    state.arms.add((program.number, step.arm))
-                if step.choice is not None:
-                    key = (program.number, step.choice[0])
-                    state.choices.setdefault(key, set()).add(step.choice[1])
-                if step.cut:
-                    mark = (program.number, step.label, "cut")
-                    if mark not in seen:
-                        state.cuts.append(step)
-                else:
-                    controls = state.controls
-                    controls = controls[:at] + (step.control,) + controls[at + 1 :]
-                    target = self.number(controls, step.world)
-                    mark = (program.number, step.label, target)
-                    if mark not in seen:
-                        state.edges.append(Edge(target, step))
-                self.transitions += mark not in seen
-                seen.add(mark)
+                yield at, step
+        models, shared = state.world
+        for k, use in self.on_wires:
+            for one in use.arrivals(models[k]):
+                wire = ("wire", k, one.wire)
+                if any(not s.is_next(models[n], (k, one.wire)) for n, s in self.streams):
+                    continue
+                label = (one.action, one.is_loss)
+                if one.after is None:
+                    yield None, Step(wire, label, cut=True)
+                    continue
+                world = (models[:k] + (one.after,) + models[k + 1 :], shared)
+                yield None, Step(wire, label, None, world, (one.event,), death=one.is_loss)
+
+    def followed(self, controls: tuple, world: tuple) -> tuple[tuple, tuple]:
+        """What follows in the same step: streams note what was sent, and calls end."""
+        for n, stream in self.streams:
+            world = (stream.noted(n, world[0]), world[1])
+        if self.calls:
+            ended = []
+            for program, control in zip(self.programs, controls):
+                control, world = program.called(control, world)
+                ended.append(control)
+            controls = tuple(ended)
+        return controls, world
 
 
 def components_of(nodes: set[int], edges: Callable[[int], list[int]]) -> list[list[int]]:
@@ -206,6 +244,13 @@ class FairRuns:
                 always = all(program in self.states[node].enabled for node in part)
                 if always and program not in stepping:
                     return False
+            held_up = {
+                node
+                for node in part
+                if any(isinstance(who, tuple) for who in self.states[node].enabled - stepping)
+            }
+            if held_up:  # wires are strongly fair on every fair run
+                return self.exists(part - held_up, banned)
             too_many = self.unfair_choices(inner)
             if too_many:
                 return self.exists(part, banned | too_many)

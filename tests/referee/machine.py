@@ -16,6 +16,7 @@ from expressions import Mistake, Variable, evaluate
 
 World = tuple[tuple, tuple]
 Control = tuple
+CALLING = "calling"  # kept while a program stands in a call that an arrival ends
 
 
 def is_error(control: Control) -> bool:
@@ -25,9 +26,11 @@ def is_error(control: Control) -> bool:
 
 @dataclass
 class Step:
-    """A step of a program: its name, what it leads to, and what fairness and formulas look at."""
+    """A step of a program: its name, what it leads to, and what fairness and formulas look at.
 
-    program: int
+    Of an arrival the program is the wire; a loss is no progress, as a death."""
+
+    program: Any
     label: tuple
     control: Control | None = None
     world: World | None = None
@@ -168,7 +171,9 @@ class Program:
         if node.kind == "end":
             return []
         values = self.values_at(node, control, world)
-        found = getattr(self, "steps_" + node.kind)(node, control, values, world)
+        found = []
+        if control[3] != CALLING:
+            found = getattr(self, "steps_" + node.kind)(node, control, values, world)
         if self.may_die:
             found = found + self.deaths(values, world)
         return found
@@ -216,11 +221,33 @@ class Program:
         action = (node.input, tuple(evaluate(a, read) for a in node.arguments))
         after, cut = self.system.uses[number].give(world[0][number], self.number, action)
         found = [
-            self.step((number, "?", action, event[2]), node.next, values,
-                      self.with_model(world, number, state), events=(event,))
+            self.gave((number, "?", action, event[2]), node, values,
+                      self.with_model(world, number, state), number, events=(event,))
             for state, event in after
         ]
         return found + self.cuts((number, "?", action), cut)
+
+    def gave(
+        self, label: tuple, node: Node, values: dict, world: World, number: int, **more: Any
+    ) -> Step:
+        """A step after which control goes on, or stands in the call until all readers have it."""
+        use = self.system.uses[number]
+        if not hasattr(use, "is_calling") or not use.is_calling(world[0][number], self.number):
+            return self.step(label, node.next, values, world, **more)
+        kept = tuple(values.get(v) for v in node.scope)
+        control, world = self.settled((node.number, frozenset(), kept, CALLING), world)
+        return Step(self.number, label, control, world, **more)
+
+    def called(self, control: Control, world: World) -> tuple[Control, World]:
+        """Where control comes to stand if its call ended with a step of others."""
+        if control[3:] != (CALLING,):
+            return control, world
+        node = self.nodes[control[0]]
+        values = self.values_at(node, control, world)
+        number = self.model(node.model, values.__getitem__)
+        if self.system.uses[number].is_calling(world[0][number], self.number):
+            return control, world
+        return self.settled(self.arrive(node.next, values), world)
 
     def cuts(self, label: tuple, cut: Any, **more: Any) -> list[Step]:
         """The steps that leave what was learned: one, or one for each model that is given it."""

@@ -206,7 +206,7 @@ class ExecutorMachine:
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / "system.yaml"
             path.write_text("\n".join(lines) + "\n", encoding="utf-8")
-            self.system = System(str(path))
+            self.system = System(str(path), at_once=True)
         self.callbacks = self.system.programs[1 + bool(askers) : -1]
         self.look = self.system.programs[-1]
         self.asking = {callback.name: callback.number for callback in self.callbacks}

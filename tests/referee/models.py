@@ -137,6 +137,7 @@ class Model:
     initial: State
     hidden_returns: set[str] = set()
     weak = False
+    sul = ""  # what the file says it is of
     has_actors = False
     input_names: set[str] = set()
     output_names: set[str] = set()
@@ -221,6 +222,7 @@ class Automaton(Model):
         hidden = split_names(graph.get("hidden_returns", ""))
         self.hidden_returns = {action_of(name)[0] for name in hidden}
         self.weak = graph.get("strength", "").startswith("weak")
+        self.sul = graph.get("sul", "")
 
     def steps(self, state: int, action: Action) -> list[int]:
         return self.table[state].get(action, [])
@@ -264,11 +266,15 @@ class Semaphore(Model):
         return [state + 1] if action == (self.give_name, ()) and state < self.count else []
 
 
-class Queue(Model):
-    """The state is (values held, whether a read waits, the values due as a 1-tuple, or None)."""
+NULL = "null"  # what is due to a `tryread` of an empty queue
 
-    input_names = {"write", "read"}
-    output_names = {"message"}
+
+class Queue(Model):
+    """The state is (values held, whether a read waits, the values due as a 1-tuple, NULL or
+    None)."""
+
+    input_names = {"write", "read", "tryread"}
+    output_names = {"message", "null"}
     has_actors = True
 
     def __init__(self, size: int, drops_oldest: bool) -> None:
@@ -284,6 +290,8 @@ class Queue(Model):
         name, values = action
         if name == "read" and not values and not waits:
             return [(held[1:], False, (held[0],))] if held else [((), True, None)]
+        if name == "tryread" and not values and not waits:
+            return [(held[1:], False, (held[0],)) if held else ((), False, NULL)]
         if name == "write":
             if waits:
                 return [((), False, (values,))]
@@ -295,15 +303,22 @@ class Queue(Model):
 
     def reaches(self, state: tuple, outputs: set[str], without: set[str]) -> bool:
         held, waits, due = state
+        if due is not None:
+            return ("null" if due == NULL else "message") in outputs
+        if not waits and "tryread" not in without and "null" in outputs:
+            return True
         if "message" not in outputs:
             return False
         written = "write" not in without
-        may_read = "read" not in without and bool(held or written)
-        return due is not None or (written if waits else may_read)
+        reads = not {"read", "tryread"} <= without
+        return written if waits else reads and bool(held or written)
 
     def outputs(self, state: tuple) -> list[tuple[Action, tuple]]:
         held, _, due = state
-        return [(("message", due[0]), (held, False, None))] if due else []
+        if due is None:
+            return []
+        action = ("null", ()) if due == NULL else ("message", due[0])
+        return [(action, (held, False, None))]
 
 
 def model_of(description: dict, folder: str, constant: Any) -> Model:

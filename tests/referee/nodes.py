@@ -67,6 +67,7 @@ class Executor:
         self.name = name
         self.threads = threads
         self.rounds = rounds
+        self.process: str | None = None
         self.callbacks: list[CallbackText] = []  # in the order of a round
         self.use = -1  # its number among the models
 
@@ -78,7 +79,7 @@ class Executor:
 def executor_of(name: str, description: dict, number: Any) -> Executor:
     """The executor that an entry of the file describes."""
     kind = description.get("kind", "single")
-    if not set(description) <= {"kind", "threads", "order"} or kind not in ("single", "multi"):
+    if not set(description) <= {"kind", "threads", "order", "process"} or kind not in ("single", "multi"):
         raise Refused(f"executor {name}: {description}")
     order = description.get("order", "any")
     if order not in ("any", "rounds") or kind == "multi" and "order" in description:
@@ -88,7 +89,9 @@ def executor_of(name: str, description: dict, number: Any) -> Executor:
     threads = number(description["threads"]) if kind == "multi" else 1
     if threads < 1:
         raise Refused(f"executor {name}: {threads} threads")
-    return Executor(name, threads, order == "rounds")
+    executor = Executor(name, threads, order == "rounds")
+    executor.process = description.get("process")
+    return executor
 
 
 def parse_taken(text: str, origin: str) -> dict:
@@ -336,6 +339,10 @@ class Look:
     def start(self) -> Control:
         """It is always at the same place."""
         return ("looks",)
+
+    def called(self, control: Control, world: World) -> tuple[Control, World]:
+        """It makes no calls."""
+        return control, world
 
     def rests(self, control: Control) -> bool:
         """It need not look."""

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from typing import Any
 
+from deliveries import AT_ONCE, acknowledged_by_one
 from expressions import Scope
 from language import Parser, Refused, parse_declarations
 from nodes import KINDS, CallbackText, Executor, NodeText, callback_of, executor_of, group_of
 from services import Client, Service
+from services_on_wires import SERVER, ServiceOnWires
 
 NODE_KEYS = {"executor", "groups", "clients", "variables", "callbacks"}
 
@@ -92,7 +94,8 @@ def service_members(system: Any) -> list[tuple[str, tuple, Scope, dict]]:
     """(name, index, scope, description) of each service."""
     found = []
     for header, description in (system.document.get("services") or {}).items():
-        if not set(description) <= {"server", "clients", "with", "learn"}:
+        keys = {"server", "clients", "with", "learn", "delivery", "loses", "stream"}
+        if not set(description) <= keys:
             raise Refused(f"service {header}: unknown keys")
         name, array = system.declare_array(header)
         found += [(name, index, scope, description) for index, scope in array]
@@ -206,7 +209,20 @@ def add_services(system: Any, services: list) -> None:
             raise Refused(f"service {name}: a client is there twice")
         full = f"{name}[{','.join(map(str, index))}]" if index else name
         slots = slots_of(system, (name, index))
-        service = Service(full, depth, servers[0], clients, slots, rmw == "fastrtps")
+        arguments = (full, depth, servers[0], clients, slots, rmw == "fastrtps")
+        to_server = [
+            system.wire(description, {}, None, [], i, servers[0], 0, client.programs)
+            for i, client in enumerate(clients)
+        ]
+        to_clients = [
+            system.wire(description, {}, None, [], SERVER, client.programs, i, servers[0])
+            for i, client in enumerate(clients)
+        ]
+        if len(clients) == 1:
+            to_clients = [acknowledged_by_one(wire) for wire in to_clients]
+        wires = [acknowledged_by_one(wire) for wire in to_server] + to_clients
+        is_late = any(wire.delivery != AT_ONCE for wire in wires)
+        service = ServiceOnWires(*arguments, wires) if is_late else Service(*arguments)
         system.add_use(name, index, service)
 
 

@@ -276,10 +276,10 @@ class Positions:
         return self.successors[position]
 
 
-def judge(path: str, max_states: int = MAX_STATES) -> dict:
-    """The report on a system file."""
+def judge(path: str, max_states: int = MAX_STATES, at_once: bool = False) -> dict:
+    """The report on a system file; `at_once`: nothing is ever on its way."""
     try:
-        return Referee(System(path), max_states).report()
+        return Referee(System(path, at_once), max_states).report()
     except Refused as refused:
         return {"error": str(refused)}
     except TooLarge as large:
@@ -291,9 +291,10 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("system")
     parser.add_argument("--json", action="store_true", help="the only form there is")
+    parser.add_argument("--at-once", action="store_true", help="nothing is ever on its way")
     parser.add_argument("--max-states", type=int, default=MAX_STATES)
     options = parser.parse_args()
-    report = judge(options.system, options.max_states)
+    report = judge(options.system, options.max_states, options.at_once)
     print(json.dumps(report, indent=None))
     return 4 if "error" in report else 5 if "too_large" in report else 0
 

@@ -137,16 +137,22 @@ class Service:
 
     def sent(self, state: tuple, program: int) -> tuple:
         """The state after a request."""
-        state = self.forgotten(state, program)
-        requests, server, served, clients = state
+        return self.requested(self.forgotten(state, program), self.request_of(program))
+
+    def request_of(self, program: int) -> tuple:
+        """A request of this program."""
         i = self.client_of[program]
         client = self.clients[i]
-        who = OWN if not client.is_node else program if client.hands_over else NOBODY
+        return (i, OWN if not client.is_node else program if client.hands_over else NOBODY)
+
+    def requested(self, state: tuple, request: tuple) -> tuple:
+        """The state after a request came to the server."""
+        requests, server, served, clients = state
         if requests is None:
             return state
         if server == WAITS:
-            return (requests, (i, who), served, clients)
-        return (self.kept(requests + ((i, who),)), server, served, clients)
+            return (requests, request, served, clients)
+        return (self.kept(requests + (request,)), server, served, clients)
 
     def slot(self, program: int) -> int:
         """Where it is kept what this program served."""
@@ -163,15 +169,16 @@ class Service:
         asking, who = state[2][self.slot(program)]
         state = self.with_served(state, program, None)
         for i, client in enumerate(state[3]):
-            if client is None:
-                continue
-            answers, stands = client
-            if stands != WAITS:
-                entry = who if i == asking else STRANGER
-                state = self.with_client(state, i, self.kept(answers + (entry,)), stands)
-            elif i == asking:
-                state = self.with_client(state, i, answers, DUE)
+            if client is not None:
+                state = self.reached(state, i, who if i == asking else STRANGER)
         return state
+
+    def reached(self, state: tuple, i: int, entry: Any) -> tuple:
+        """The state after an answer came to a client."""
+        answers, stands = state[3][i]
+        if stands != WAITS:
+            return self.with_client(state, i, self.kept(answers + (entry,)), stands)
+        return state if entry == STRANGER else self.with_client(state, i, answers, DUE)
 
     @staticmethod
     def own_answers(answers: tuple) -> tuple:

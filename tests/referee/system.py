@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 import yaml
 
 from control import Compiler
+from deliveries import AT_ONCE, Origin, Wire, acknowledged_by_one, delivery_of, kept, loses
 from expressions import Mistake, Scope, Value, Variable, declared, members, words_in
 from language import (
     Parser,
@@ -35,6 +36,7 @@ from read_nodes import (
 )
 from services import Service
 from use import End, Instance, Topic, end_of
+from wires import ModelOnWires, Stream, TopicOnWires, writing_inputs
 
 KEYS = {
     "constants", "models", "topics", "services", "procedures", "variables", "programs",
@@ -50,6 +52,7 @@ class Text(NamedTuple):
     scope: Scope
     body: list[Statement]
     may_die: bool = False
+    process: str | None = None
     callback: CallbackText | None = None
     executor: Executor | None = None
 
@@ -62,7 +65,9 @@ def member_name(name: str, index: tuple) -> str:
 class System:
     """All of a system file but its properties, which `properties` keeps as they stand there."""
 
-    def __init__(self, path: str) -> None:
+    def __init__(self, path: str, at_once: bool = False) -> None:
+        """With `at_once`, everything arrives in the step in which it is sent."""
+        self.at_once = at_once
         with open(path, encoding="utf-8") as file:
             try:
                 self.document = yaml.safe_load(file) or {}
@@ -92,6 +97,7 @@ class System:
         self.read_models()
         self.read_topics()
         add_services(self, services)
+        self.add_streams()
         check_serving(self)
         for text in self.texts:
             executor = text.callback.node.executor if text.callback else None
@@ -145,13 +151,16 @@ class System:
         """The programs of the file."""
         found = []
         for header, text in (self.document.get("programs") or {}).items():
-            may_die = False
+            may_die, process = False, None
             if isinstance(text, dict):
-                may_die, text = text.get("may_die", False), text["do"]
+                if not set(text) <= {"may_die", "process", "do"}:
+                    raise Refused(f"program {header}: unknown keys")
+                may_die, process = text.get("may_die", False), text.get("process")
+                text = text["do"]
             name, array = self.array(header)
             body = parse_program(text, f"program {name}")
             for index, scope in array:
-                found.append(Text(name, index, scope, body, may_die))
+                found.append(Text(name, index, scope, body, may_die, process))
             self.add_name(name, ("program", name))
         return found
 
@@ -322,7 +331,14 @@ class System:
                             if model.actor(action) == actor:
                                 own[action] = action if k == 0 else f"{action}{k + 1}"
                 full = member_name(name, index)
-                self.add_use(name, index, Instance(full, model, policy, ends, mortal))
+                arguments = (full, model, policy, ends, mortal)
+                entries = self.entries([frozenset([n]) for n in range(len(self.texts))])
+                wires = self.wires_of(description, model, entries)
+                if all(w.delivery == AT_ONCE for w in wires):
+                    self.add_use(name, index, Instance(*arguments))
+                    continue
+                entry_of = {p: e for e, programs in enumerate(entries) for p in programs}
+                self.add_use(name, index, ModelOnWires(*arguments, wires, entry_of))
 
     def read_topics(self) -> None:
         """Reads the topics."""
@@ -330,7 +346,8 @@ class System:
         for header, description in (self.document.get("topics") or {}).items():
             name, array = self.declare_array(header)
             for index, scope in array:
-                writers = {p for end in self.ends(description["writers"], scope) for p in end}
+                entries = self.entries(self.ends(description["writers"], scope))
+                writers = {p for end in entries for p in end}
                 readers = self.readers(description["readers"], scope, name, index)
                 own: dict[frozenset, dict] = {}
                 for reader, options in (description.get("readers_with") or {}).items():
@@ -343,9 +360,90 @@ class System:
                 policy = description.get("when_unexplored", "stop")
                 one = description.get("deliver") == "one"
                 full = member_name(name, index)
-                self.add_use(
-                    name, index, Topic(full, models, writers, readers, policy, one, mortal)
-                )
+                arguments = (full, models, writers, readers, policy, one, mortal)
+                wires = [
+                    self.wire(description, own.get(reader, {}), model, entries, e, reader, i)
+                    for e in range(len(entries))
+                    for i, (reader, model) in enumerate(zip(readers, models))
+                ]
+                if len(readers) == 1:
+                    wires = [acknowledged_by_one(w) for w in wires]
+                if all(w.delivery == AT_ONCE for w in wires):
+                    self.add_use(name, index, Topic(*arguments))
+                    continue
+                entry_of = {p: e for e, programs in enumerate(entries) for p in programs}
+                use = TopicOnWires(*arguments, wires=wires, entry_of=entry_of)
+                self.add_use(name, index, use)
+
+    # --- wires
+
+    def entries(self, ends: list[frozenset[int]]) -> list[frozenset[int]]:
+        """The entries of writers: a node with all its callbacks is one."""
+        found: dict[Any, frozenset[int]] = {}
+        for end in ends:
+            callback = self.texts[min(end)].callback
+            node = callback.node if callback is not None else min(end)
+            found[node] = found.get(node, frozenset()) | end
+        return list(found.values())
+
+    def process_of(self, programs: frozenset[int]) -> Any:
+        """The process of an end."""
+        text = self.texts[min(programs)]
+        if text.callback is not None:
+            executor = text.callback.node.executor
+            return ("named", executor.process) if executor.process else executor
+        return ("named", text.process) if text.process else min(programs)
+
+    def wires_of(self, description: dict, model: Model, entries: list) -> list[Wire]:
+        """The wires of a model that stands by itself."""
+        if not writing_inputs(model):
+            return [Wire(0, 0, None, AT_ONCE)]
+        return [
+            acknowledged_by_one(self.wire(description, {}, model, entries, e, None, 0))
+            for e in range(len(entries))
+        ]
+
+    def wire(
+        self,
+        description: dict,
+        own: dict,
+        model: Model | None,
+        entries: list,
+        entry: int,
+        reader: frozenset[int] | None,
+        box: int,
+        sender: frozenset[int] | None = None,
+    ) -> Wire:
+        """The one function that makes a wire; without a model it is a service's."""
+        sender = entries[entry] if sender is None else sender
+        origin = Origin(description, model.sul if model is not None else "")
+        here = self.process_of(sender)
+        there = None if reader is None else self.process_of(reader)
+        is_nodes = reader is not None and all(
+            self.texts[min(end)].callback is not None for end in (sender, reader)
+        )
+        is_connection = reader is not None
+        delivery = delivery_of(
+            description, origin, here == there, is_connection, is_nodes
+        )
+        keep = kept(origin, model is None, lambda v: self.number(v, self.file))
+        stream = description.get("stream", "mqtt" if origin.name == "mqtt" else None)
+        if self.at_once:
+            delivery = AT_ONCE
+        if stream is not None and delivery != AT_ONCE:
+            stream = (stream, here, there)
+        return Wire(entry, box, keep, delivery, loses(description, origin, own), stream)
+
+    def add_streams(self) -> None:
+        """Adds the streams, each an order of several wires."""
+        found: dict[tuple, list[tuple[int, int]]] = {}
+        for number, use in enumerate(self.uses):
+            for k, wire in enumerate(getattr(use, "wires", [])):
+                if wire.stream is not None and wire.delivery != AT_ONCE:
+                    found.setdefault(wire.stream, []).append((number, k))
+        self.stream_members = list(found.values())
+        for members_of_stream in self.stream_members:
+            self.uses.append(Stream(members_of_stream, self.uses))
 
     def collect_words(self) -> None:
         """Notes the words that types and models list."""
@@ -445,6 +543,8 @@ class System:
             if base != name:
                 continue
             use = self.uses[number]
+            if action == "arrived" and not is_input:
+                return False
             if isinstance(use, Topic):
                 return not use.of_writer(action)
             if isinstance(use, Service):
@@ -473,6 +573,9 @@ class System:
 
         for use in range(len(self.uses)):
             join([p for p, used in enumerate(self.models_of) if use in used])
+        for stream in self.stream_members:  # one order is one component
+            uses = {use for use, _ in stream}
+            join([p for p, used in enumerate(self.models_of) if used & uses])
         for variable in self.shared:
             join(sorted(variable.users))
         return [[p for p in range(len(group)) if group[p] == g] for g in sorted(set(group))]

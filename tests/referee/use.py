@@ -61,6 +61,7 @@ def end_of(model: Model, program: int, actor: str, number: int, count: int, othe
 
 # What a model still owes to an end that is dead.
 NOTHING, THROWS_AWAY, DISCONNECTS = 0, 1, 2
+ARRIVED = ("arrived", ())  # an output of a connection: all that was sent has arrived
 LOST = "lost"  # a model that was disconnected where that was never tried
 
 
@@ -120,7 +121,7 @@ class Instance:
 
     def check_output(self, program: int, name: str) -> None:
         """Refuses an output that the model does not have."""
-        if self.renamed(program, (name, ()))[0] not in self.model.output_names:
+        if name != "arrived" and self.renamed(program, (name, ()))[0] not in self.model.output_names:
             raise Refused(f"{self.name} has no output {name}")
 
     def renamed(self, program: int, action: Action) -> Action:
@@ -162,6 +163,13 @@ class Instance:
         return list(dict.fromkeys(found)), cut
 
     def due(self, state: tuple, program: int) -> list:
+        found = self.outputs_due(state, program)
+        if "arrived" not in self.model.output_names:
+            found.append((ARRIVED, state, self.event(program, "!", ARRIVED)))
+        return found
+
+    def outputs_due(self, state: tuple, program: int) -> list:
+        """What the program may take of the model."""
         inner, marks = state
         if inner == LOST:
             return []
@@ -181,7 +189,7 @@ class Instance:
             return [], self.policy == "stop"
         found = []
         for middle, event in self.give(state, program, action)[0]:
-            for output, after, other in self.due(middle, program):
+            for output, after, other in self.outputs_due(middle, program):
                 if self.model.same_actor(given[0], self.renamed(program, output)[0]):
                     if (output, after, (event, other)) not in found:
                         found.append((output, after, (event, other)))
@@ -259,6 +267,8 @@ class Topic:
 
     def check_output(self, program: int, name: str) -> None:
         """Refuses an output that the topic does not have, or not for this program."""
+        if name == "arrived" and program in self.writers:
+            return
         if not any(name in model.output_names for model in self.models):
             raise Refused(f"topic {self.name} has no output {name}")
         self.check_role(program, name)
@@ -371,6 +381,13 @@ class Topic:
         return list(dict.fromkeys(found)), False
 
     def due(self, state: tuple, program: int) -> list:
+        found = self.outputs_due(state, program)
+        if program in self.writers:
+            found.append((ARRIVED, state, (program, self.name, None, "!", ARRIVED)))
+        return found
+
+    def outputs_due(self, state: tuple, program: int) -> list:
+        """What the program may take of the models."""
         found = []
         if program in self.writers:
             output = self.written(state)
@@ -395,14 +412,14 @@ class Topic:
                 return [], False
         given, cut = self.give(state, program, action, tried=True)
         for middle, event in given:
-            for output, after, other in self.due(middle, program):
+            for output, after, other in self.outputs_due(middle, program):
                 if self.of_writer(output[0]) == writes:
                     if (output, after, (event, other)) not in found:
                         found.append((output, after, (event, other)))
         return found, cut
 
     def quiet(self, state: tuple, program: int, name: str, is_input: bool) -> bool:
-        if not self.of_writer(name):
+        if not self.of_writer(name) and name != "arrived":
             concerned = [self.reader_of[program]]
         elif self.written(state) is not None:
             return False

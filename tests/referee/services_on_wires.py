@@ -1,0 +1,218 @@
+"""Services whose requests and answers arrive later.
+
+A wire lies between each client and the server (the first half of `wires`, box 0), and between the
+server and each client (the second half). The state is (the state of the service as in services.py,
+what is on the wires, the dead whose messages are on their way, the wires that a stream must note).
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+from deliveries import ACKNOWLEDGED, AT_ONCE, Wire
+from models import Action
+from services import DUE, FREE, NOBODY, STRANGER, WAITS, Client, Service
+from wires import Arrival, Line
+
+SERVER = -1  # its entry; a client's is its number
+
+
+class Calls(NamedTuple):
+    """The state of a service with wires."""
+
+    rest: tuple
+    lines: tuple
+    dead: frozenset = frozenset()
+    journal: tuple = ()
+
+
+class ServiceOnWires(Line, Service):
+    """A service as two topics with wires; what it does at rest is a Service's.
+
+    On a request's wire are (the request,), on an answer's (whose it is, the program whose call of
+    `answer` ends when it arrives)."""
+
+    def __init__(
+        self,
+        name: str,
+        depth: int,
+        server: frozenset[int],
+        clients: list[Client],
+        slots: tuple[int, ...],
+        one_by_one: bool,
+        wires: list[Wire],
+    ) -> None:
+        arguments = (name, depth, server, clients, slots, one_by_one)
+        Service.__init__(self, *arguments)
+        self.rest = Service(*arguments)
+        self.wires = wires
+        self.initial: Any = Calls(self.rest.initial, ((),) * len(wires))
+
+    def to_server(self, i: int) -> int:
+        """The wire of a client's requests."""
+        return i
+
+    def to_client(self, i: int) -> int:
+        """The wire of a client's answers."""
+        return len(self.clients) + i
+
+    def at_rest(self, state: Calls, found: list) -> list:
+        """Results of the service at rest, with the wires as they are."""
+        return [(*one[:-2], state._replace(rest=one[-2]), one[-1]) for one in found]
+
+    # --- what programs do
+
+    def forgotten(self, state: Calls, program: int) -> Calls:
+        """The state after nobody waits any more for what this copy of a callback asked for."""
+        i = self.client_of.get(program)
+        state = state._replace(rest=self.rest.forgotten(state.rest, program))
+        if i is None or not self.clients[i].is_node:
+            return state
+
+        def older(message: tuple) -> tuple:
+            return ((i, NOBODY),) if message == ((i, program),) else message
+
+        k = self.to_server(i)
+        state = self.with_line(state, k, tuple(map(older, state.lines[k])))
+        k = self.to_client(i)
+        line = tuple((NOBODY if who == program else who, by) for who, by in state.lines[k])
+        return self.with_line(state, k, line)
+
+    def sent(self, state: Calls, program: int) -> Calls:
+        """The state after a request."""
+        state = self.forgotten(state, program)
+        request = self.rest.request_of(program)
+        k = self.to_server(request[0])
+        if self.wires[k].delivery == AT_ONCE:
+            return state._replace(rest=self.rest.requested(state.rest, request))
+        return state if state.rest[0] is None else self.put(state, k, (request,))
+
+    def answered(self, state: Calls, program: int) -> Calls:
+        """The state after the request that was served last was answered, to all clients."""
+        asking, who = state.rest[2][self.slot(program)]
+        state = state._replace(rest=self.rest.with_served(state.rest, program, None))
+        for i, client in enumerate(state.rest[3]):
+            entry, k = who if i == asking else STRANGER, self.to_client(i)
+            if client is None:
+                continue
+            if self.wires[k].delivery == AT_ONCE:
+                state = state._replace(rest=self.rest.reached(state.rest, i, entry))
+            else:
+                by = program if self.wires[k].delivery == ACKNOWLEDGED else None
+                state = self.put(state, k, (entry, by))
+        return state
+
+    def give(self, state: Calls, program: int, action: Action) -> tuple[list, bool]:
+        """The states after an input."""
+        name, rest = action[0], state.rest
+        if name not in ("send", "answer") or action[1]:
+            found, cut = self.rest.give(rest, program, action)
+            return self.at_rest(state, found), cut
+        event = self.event(program, "?", name)
+        if name == "send":
+            at_once = self.wires[self.to_server(self.client_of[program])].delivery == AT_ONCE
+            if at_once and rest[1] not in (FREE, WAITS):
+                return [], False
+            return [(self.sent(state, program), event)], False
+        if rest[2][self.slot(program)] is None:
+            return [], False
+        for i, client in enumerate(rest[3]):
+            at_once = self.wires[self.to_client(i)].delivery == AT_ONCE
+            if at_once and client is not None and client[1] == DUE:
+                return [], False
+        return [(self.answered(state, program), event)], False
+
+    def due(self, state: Calls, program: int) -> list:
+        return self.at_rest(state, self.rest.due(state.rest, program))
+
+    def pick(self, state: Calls, program: int, action: Action) -> tuple[list, bool]:
+        found, cut = self.rest.pick(state.rest, program, action)
+        return self.at_rest(state, found), cut
+
+    def quiet(self, state: Calls, program: int, name: str, is_input: bool) -> bool:
+        """As at rest, but nothing that is due elsewhere matters to who sends on a wire."""
+        if name == "send" and self.wires[self.client_of[program]].delivery != AT_ONCE:
+            return True
+        if name == "answer" and is_input:
+            return all(
+                client is None or client[1] != DUE
+                for i, client in enumerate(state.rest[3])
+                if self.wires[self.to_client(i)].delivery == AT_ONCE
+            )
+        return self.rest.quiet(state.rest, program, name, is_input)
+
+    def is_calling(self, state: Calls, program: int) -> bool:
+        """Whether a program stands in an `answer` that ends when all clients have it."""
+        lines = state.lines[len(self.clients) :]
+        return any(by == program for line in lines for _, by in line)
+
+    def acknowledges(self, program: int) -> bool:
+        """Whether calls of a program end with an arrival."""
+        wires = self.wires[len(self.clients) :]
+        return program in self.server and any(w.delivery == ACKNOWLEDGED for w in wires)
+
+    def died(self, state: Calls, program: int) -> tuple[list, bool]:
+        """The states after a program died."""
+        ((rest,), cut) = self.rest.died(state.rest, program)
+        state = state._replace(rest=rest)
+        if program in self.server:
+            for i in range(len(self.clients)):
+                state = self.with_line(state, self.to_server(i), ())
+            state = state._replace(dead=state.dead | {SERVER})
+        i = self.client_of.get(program)
+        if i is not None:
+            state = self.with_line(state, self.to_client(i), ())
+            state = state._replace(dead=state.dead | {i})
+        return [self.without_dead(state)], cut
+
+    # --- what nobody does
+
+    def arrivals(self, state: Calls) -> list[Arrival]:
+        """What may arrive or be lost."""
+        found = []
+        for k, line in enumerate(state.lines):
+            if not line:
+                continue
+            is_request = k < len(self.clients)
+            i = k if is_request else k - len(self.clients)
+            if is_request:
+                if state.rest[1] not in (FREE, WAITS):
+                    continue
+                rest = self.rest.requested(state.rest, line[0][0])
+            else:
+                if state.rest[3][i][1] == DUE:
+                    continue
+                rest = self.rest.reached(state.rest, i, line[0][0])
+            without = self.with_line(state, k, line[1:])
+            kind = "request" if is_request else "answer"
+            for what, after in (("arrives", rest), ("lost", state.rest)):
+                if what == "lost" and not self.may_lose(state, k):
+                    continue
+                now = self.without_dead(without._replace(rest=after))
+                action = (f"{kind}_{what}", ())
+                event = (None, self.name, (i,), "!", action)
+                found.append(Arrival(k, action, now, event, what == "lost"))
+        return found
+
+    # --- what the executor of a node does
+
+    def has_request(self, state: Calls) -> bool:
+        return self.rest.has_request(state.rest)
+
+    def served_by(self, state: Calls, program: int) -> tuple[Any, tuple]:
+        rest, events = self.rest.served_by(state.rest, program)
+        return state._replace(rest=rest), events
+
+    def is_found(self, state: Calls, i: int) -> bool:
+        return self.rest.is_found(state.rest, i)
+
+    def takes_others(self, state: Calls, i: int) -> Any:
+        rest = self.rest.takes_others(state.rest, i)
+        return None if rest is None else state._replace(rest=rest)
+
+    def has_answer(self, state: Calls, i: int) -> bool:
+        return self.rest.has_answer(state.rest, i)
+
+    def received_by(self, state: Calls, i: int, program: int) -> tuple[Any, tuple]:
+        rest, events = self.rest.received_by(state.rest, i, program)
+        return state._replace(rest=rest), events
