@@ -114,7 +114,7 @@ class Comparison:
                         )
                     )
                 return found
-            if reduction == "none":
+            if reduction == "none" and at_once:  # wires that change nothing may be left out
                 found += self.count_differences(path, mine, theirs)
             verdicts = self.verdicts(theirs)
             for name, entry in mine["properties"].items():
@@ -260,6 +260,10 @@ def smaller(document: dict) -> Iterable[dict]:
     for name, node in (document.get("nodes") or {}).items():
         for less in smaller_nodes(node):
             yield {**document, "nodes": {**document["nodes"], name: less}}
+    for section in ("topics", "services"):
+        for name, entry in (document.get(section) or {}).items():
+            for less in smaller_connections(entry):
+                yield {**document, section: {**document[section], name: less}}
     if "variables" in document:
         yield {k: v for k, v in document.items() if k != "variables"}
     for name, entry in (document.get("models") or {}).items():
@@ -267,6 +271,22 @@ def smaller(document: dict) -> Iterable[dict]:
             if key in entry:
                 less = {k: v for k, v in entry.items() if k != key}
                 yield {**document, "models": {**document["models"], name: less}}
+
+
+def smaller_connections(entry: dict) -> Iterable[dict]:
+    """A topic or service with a word or an end left out."""
+    for key in ("delivery", "loses", "stream", "deliver", "readers_with", "when_unexplored"):
+        if key in entry:
+            yield {k: v for k, v in entry.items() if k != key}
+    options = entry.get("with") or {}
+    for key in ("pub-depth", "pub-history", "reliability"):
+        if key in options:
+            yield {**entry, "with": {k: v for k, v in options.items() if k != key}}
+    for key in ("writers", "readers", "clients"):
+        ends = entry.get(key)
+        if isinstance(ends, list) and len(ends) > 1:
+            for end in ends:
+                yield {**entry, key: [other for other in ends if other != end]}
 
 
 def smaller_nodes(node: dict) -> Iterable[dict]:

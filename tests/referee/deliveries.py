@@ -79,7 +79,8 @@ def delivery_of(
     if same_process and (origin.hands_over() or between_nodes and origin.bare):
         return AT_ONCE
     if origin.name == "yarp":
-        is_late = origin.value("kind") == "buffered" or origin.value("carrier") in UNBUFFERED_LATE
+        is_buffered = origin.value("kind") in ("buffered", "strict")
+        is_late = is_buffered or origin.value("carrier") in UNBUFFERED_LATE
         return LATE if is_late else ACKNOWLEDGED
     return LATE if origin.name in LATE_MIDDLEWARE or is_topic else AT_ONCE
 

@@ -13,15 +13,19 @@ import re
 from pathlib import Path
 
 from random_models import Known, Place
-from random_nodes import NodeMaker
+from random_wires import WireMaker
 
 KINDS = [
     "section5", "variables", "shared", "select", "arrays", "error", "values", "topics",
-    "components", "builtins", "mixed", "death", "services", "nodes",
+    "components", "builtins", "mixed", "death", "services", "nodes", "wires",
 ]  # fmt: skip
 
 
-class Generator(NodeMaker):
+# What else a system of the kind `wires` may be, for the rest of them.
+WIRED = ["topics", "services", "nodes", "nodes", "death", "builtins"]
+
+
+class Generator(WireMaker):
     """Makes one system."""
 
     # --- properties
@@ -107,19 +111,24 @@ class Generator(NodeMaker):
                 kind = self.rng.choice(["size", "depth"])
                 source = f"use: queue, with: {{{kind}: {self.rng.randint(1, 2)}}}"
                 known = self.port_known(name, "", False, False)
+                if self.is_wired:
+                    source = f"use: queue, with: {{{self.depths()}}}"
+                    known = self.port_known(name, "", False, self.chance(0.5))
                 if self.has["values"] and self.chance(0.5):
                     known.valued = ["0", "1"]
             else:
                 written, tryread = self.chance(0.4), self.chance(0.4)
                 at_bound = self.rng.choice(["unexplored", "absorbs", "refuses"])
                 size = self.rng.randint(1, 2)
-                self.write(name, self.port_lines(size, written, tryread, at_bound))
+                lines_of_port = self.port_lines(size, written, tryread, at_bound)
+                self.write(name, self.of_middleware(lines_of_port))
                 source = f"file: {name}.dot"
                 known = self.port_known(name, "", written, tryread)
                 if at_bound == "unexplored":
                     options = f", when_unexplored: {self.rng.choice(['stop', 'wait', 'drop'])}"
                 if not written and self.chance(0.25):
                     options += ", deliver: one"
+            options += self.delivery(name)
             lines.append(
                 f"  {name}: {{writers: [{', '.join(writers)}], readers: [{', '.join(readers)}], "
                 f"{source}{options}}}"
@@ -171,6 +180,9 @@ class Generator(NodeMaker):
             self.make_models(rng.randint(1, 2) if self.kind != "components" else 3)
         if self.kind == "death":
             self.give_ends(names)
+        for known in self.models:
+            if "write" in known.inputs:
+                known.entry = f"{known.entry[:-1]}{self.delivery(known.name)}}}"
         for known in self.models:
             suffix = f"[{rng.randrange(known.size)}]" if known.size else ""
             for name in known.inputs:
@@ -238,8 +250,11 @@ class Generator(NodeMaker):
             head = f"{name}[{index} in 0..{size - 1}]"
             shown = f"{name}[{self.rng.randrange(size)}]"
         body = self.program(shown, place)
+        keys = self.process()
         if self.has["die"] and self.chance(0.6 if self.kind in ("death", "topics") else 0.4):
-            lines = [f"  {head}:", "    may_die: true", "    do: |"]
+            keys.append("may_die: true")
+        if keys:
+            lines = [f"  {head}:", *(f"    {key}" for key in keys), "    do: |"]
             return lines + [f"      {line}" for line in body]
         return [f"  {head}: |", *(f"    {line}" for line in body)]
 
@@ -249,7 +264,12 @@ def generate(kind: str, seed: int, number: int, folder: Path) -> Path:
     own = folder / f"{kind}-{seed}-{number}"
     own.mkdir(parents=True, exist_ok=True)
     rng = random.Random(f"{kind} {seed} {number}")
-    text = Generator(rng, kind, own).system()
+    is_wired = kind == "wires"
+    if is_wired and rng.random() < 0.35:
+        kind = rng.choice(WIRED)
+    generator = Generator(rng, kind, own)
+    generator.is_wired = is_wired
+    text = generator.race_system() if kind == "wires" else generator.system()
     path = own / "system.yaml"
     path.write_text(text, encoding="utf-8")
     return path

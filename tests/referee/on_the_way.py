@@ -249,11 +249,15 @@ programs:
 properties: {first: "F sink@end", lost: "G !data!lost -> F sink@end"}
 """, {"first": (H, V, V), "lost": (H, V, V)}),
     Case("best effort loses, but not for ever", """
-topics: {data: {writers: source, readers: sink, use: queue, with: {depth: 1, reliability: best_effort}}}
+topics:
+  data: {writers: source, readers: sink, use: queue, with: {depth: 1, reliability: best_effort}}
 programs:
   source: "loop { data.write; }"
   sink: "loop { data.read -> message; @got skip; }"
-properties: {again: "G F sink@got", unfair: {ltl: "G F sink@got", fairness: none}, none: "G !data!lost"}
+properties:
+  again: "G F sink@got"
+  unfair: {ltl: "G F sink@got", fairness: none}
+  none: "G !data!lost"
 """, {"again": H, "unfair": V, "none": (H, V, V), "stuck": H}),
     Case("best effort may lose the only message", """
 topics: {data: {writers: source, readers: sink, use: queue, with: {depth: 1}, loses: true}}
@@ -265,8 +269,8 @@ topics: {data: {writers: source, readers: [left, right], use: queue, with: {dept
   delivery: acknowledged}}
 programs:
   source: "data.write;"
-  left: "switch data.tryread { message { } null { @early skip; loop { idle data.read -> message; } } }"
-  right: "switch data.tryread { message { } null { @early skip; loop { idle data.read -> message; } } }"
+  left: "switch data.tryread { message { } null { loop { idle data.read -> message; } } }"
+  right: "switch data.tryread { message { } null { loop { idle data.read -> message; } } }"
 properties:
   all_have_it: {always: "!(source@end && data!null)"}
   together: "G !(data[left]!message && F (data[right]!null))"
@@ -315,7 +319,7 @@ def main() -> int:
         for case in CASES:
             states = []
             for column in COLUMNS:
-                own = folder / "wires" / f"{re.sub('[^a-z0-9]+', '-', case.name)}-{column}"
+                own = folder / f"wires-{re.sub('[^a-z0-9]+', '-', case.name)}-{column}"
                 own.mkdir(parents=True, exist_ok=True)
                 write(case.file(column), own / "system.yaml")
                 report = judge(str(own / "system.yaml"))

@@ -49,6 +49,9 @@ class ModelMaker:
         self.shared_truths: list[str] = []
         self.labels: list[str] = []
         self.atoms: list[str] = []
+        self.places: list[str] = []  # where programs of systems that race may stand
+        self.misses: list[str] = []  # where they found nothing
+        self.is_late: dict[str, bool] = {}  # whether a connection has wires
         self.fresh = 0
         self.topic_roles: dict[str, tuple[str, list[str]]] = {}
         everything = kind == "mixed"

@@ -45,6 +45,18 @@ class Node:
 class NodeMaker(TextMaker):
     """Makes services and nodes."""
 
+    def delivery(self, name: str) -> str:
+        """What an entry says of its wires."""
+        return ""
+
+    def process(self) -> list[str]:
+        """A key of a program or executor that says in which process it is."""
+        return []
+
+    def of_middleware(self, lines: list[str]) -> list[str]:
+        """A model's file that says what it is of."""
+        return lines
+
     # --- services between programs
 
     def make_services(self, names: list[str]) -> list[str]:
@@ -65,6 +77,7 @@ class NodeMaker(TextMaker):
         """The entry of a service."""
         rmw = self.rng.choice(["", "", ", rmw: fastrtps", ", rmw: cyclonedds"])
         depth = f", with: {{depth: {self.rng.randint(1, 2)}{rmw}}}"
+        depth += self.delivery(name)
         return f"  {name}: {{server: {server}, clients: [{', '.join(clients)}]{depth}}}"
 
     def note_service(self, name: str, server: str, clients: list[str]) -> None:
@@ -189,7 +202,10 @@ class NodeMaker(TextMaker):
             rng.shuffle(node.callbacks)
         lines = models + (topics if len(topics) > 1 else [])
         lines += services if len(services) > 1 else []
-        lines += ["executors:", *(f"  {name}: {text}" for name, text in executors.items())]
+        lines.append("executors:")
+        for name, text in executors.items():
+            keys = "".join(f", {key}" for key in self.process())
+            lines.append(f"  {name}: {text[:-1]}{keys}}}")
         lines.append("nodes:")
         for node in self.nodes:
             lines += self.node_lines(node, chosen[node.name])
@@ -211,7 +227,7 @@ class NodeMaker(TextMaker):
             known, source = self.topic_model(name)
             lines.append(
                 f"  {name}: {{writers: [{', '.join(writers)}], readers: [{', '.join(readers)}], "
-                f"{source}}}"
+                f"{source}{self.delivery(name)}}}"
             )
             for node in self.nodes:
                 if node.name in readers:
@@ -248,7 +264,7 @@ class NodeMaker(TextMaker):
             return known, source
         written, tryread = self.chance(0.5), self.chance(0.5)
         at_bound = rng.choice(["unexplored", "absorbs", "refuses"])
-        self.write(name, self.port_lines(1, written, tryread, at_bound))
+        self.write(name, self.of_middleware(self.port_lines(1, written, tryread, at_bound)))
         source = f"file: {name}.dot"
         if at_bound == "unexplored":
             source += f", when_unexplored: {rng.choice(['stop', 'wait', 'drop'])}"
