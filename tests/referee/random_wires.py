@@ -261,6 +261,11 @@ class WireMaker(NodeMaker):
         """Properties over one side and both, as lines."""
         rng = self.rng
         lines = ["properties:"]
+        of_each: dict[str, str] = {}  # a place of each program at which it found nothing
+        for place in rng.sample(self.misses, len(self.misses)):
+            of_each.setdefault(place.split("@")[0], place)
+        if len(of_each) > 1 and self.chance(0.7):
+            lines.append(f'  all: {{always: "!({" && ".join(of_each.values())})"}}')
         for number in range(rng.randint(2, 4)):
             one, other = rng.choice(self.places), rng.choice(self.places)
             fairness = rng.choice(["none", "weak", "weak", "strong"])

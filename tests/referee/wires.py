@@ -87,6 +87,8 @@ class Line:
 
     def without_dead(self, state: Any) -> Any:
         """The state without the dead of whom nothing is on its way."""
+        if not state.dead:
+            return state
         still = {w.entry for w, line in zip(self.wires, state.lines) if line}
         return state._replace(dead=state.dead & still)
 
@@ -126,6 +128,7 @@ class Boxes(Line):
         self.waits_for = [
             any(wires[k].delivery == ACKNOWLEDGED for k in into) for into in self.into
         ]
+        self.returning = [i for i in range(len(self.models)) if self.has_returns(i)]
         self.boxes_of: dict[int, list[int]] = {}
         for k, wire in enumerate(wires):
             self.boxes_of.setdefault(wire.entry, []).append(k)
@@ -156,6 +159,8 @@ class Boxes(Line):
 
     def emptied(self, i: int, inner: State, returns_only: bool) -> list[tuple]:
         """(state, returns) of a model after its outputs were taken, or its returns alone."""
+        if returns_only and i not in self.returning:
+            return [(inner, ())]
         if inner == LOST:
             return [(inner, ())]
         found, seen, waiting = [], set(), [(inner, ())]
@@ -221,8 +226,8 @@ class Boxes(Line):
 
     def refreshed(self, state: Way) -> Way:
         """The state with the returns that the writers may take by now."""
-        for i, inner in enumerate(state.inners):
-            if inner in (None, LOST) or self.is_open[i] or not self.has_returns(i):
+        for i in self.returning:
+            if state.inners[i] in (None, LOST):
                 continue
             least = min((len(outs) for _, outs in self.after_all(state, i)), default=0)
             if state.debts[i] > least:  # what would have been returned was lost
