@@ -474,20 +474,21 @@ class TopicOnWires(Boxes, Topic):
         return self.settled(state), False
 
 
-def writing_inputs(model: Model, names: set[str] | None = None) -> set[str]:
-    """The inputs of a model's writing side."""
+def inputs_named(model: Model, names: tuple) -> set[str]:
+    """The inputs of a model with these names, those of further ends among them."""
+    return {name for name in model.input_names if name.rstrip("0123456789") in names}
 
-    def base(name: str) -> str:
-        return name.rstrip("0123456789")
 
-    writes = {name for name in model.input_names if base(name) in WRITES}
-    actors = {model.actor(name) for name in writes} - {None}
-    side = {name for name in model.input_names if model.actor(name) in actors}
-    return writes | {name for name in side if base(name) not in RECEIVES}
+def writing_inputs(model: Model) -> set[str]:
+    """The inputs of a model that go on wires."""
+    return inputs_named(model, WRITES)
 
 
 class ModelOnWires(Boxes, Instance):
-    """A model that stands by itself, whose writing side is on wires."""
+    """A model that stands by itself, whose writing side is on wires.
+
+    Other inputs of an actor that sends are given at once, behind what is on its way from the
+    same entry."""
 
     def __init__(
         self,
@@ -506,9 +507,7 @@ class ModelOnWires(Boxes, Instance):
         Instance.__init__(self, name, model, policy, ends, reading)
         self.models = [model]
         self.write_actors = {model.actor(n) for n in self.inputs} - {None}
-        self.read_actors = {
-            model.actor(n) for n in model.input_names - self.inputs if model.actor(n)
-        }
+        self.read_actors = {model.actor(n) for n in inputs_named(model, RECEIVES)} - {None}
         self.set_up(wires, entry_of)
         self.initial: Any = self.first
 
@@ -526,6 +525,11 @@ class ModelOnWires(Boxes, Instance):
             for inner, marks in found
         ]
 
+    def is_behind(self, state: Way, program: int, name: str) -> bool:
+        """Whether an input waits until what its own entry sent has arrived."""
+        sends = self.model.actor(name) in self.write_actors
+        return name not in self.inputs and sends and not self.has_arrived(state, program)
+
     def at_rest(self, state: Way) -> tuple:
         """The state of the model without wires."""
         return (state.inners[0], state.marks)
@@ -541,7 +545,9 @@ class ModelOnWires(Boxes, Instance):
         if given[0] in self.inputs:
             found, cut = self.written(state, program, given)
             return [(now, event) for now, _ in found], cut
-        if given[0] in EMPTIES:
+        if self.is_behind(state, program, given[0]):
+            return [], False
+        if given[0] in EMPTIES and self.model.actor(given[0]) not in self.write_actors:
             state = self.without_messages(state, 0)
         inner_after, cut = Instance.give(self, self.at_rest(state), program, action)
         found = [
@@ -576,6 +582,8 @@ class ModelOnWires(Boxes, Instance):
         given = self.renamed(program, action)
         if state.inners[0] == LOST:
             return [], True
+        if self.is_behind(state, program, given[0]):
+            return [], False
         if given[0] not in self.inputs and self.model.unexplored(state.inners[0], given):
             if not self.model.outputs(state.inners[0]):
                 return [], self.policy == "stop"
