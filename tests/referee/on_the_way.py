@@ -304,6 +304,115 @@ properties:
   both: "G (lookup[first]!answer_arrives -> X lookup[second]!answer_arrives)"
   arrives: "F lookup[first]!answer_arrives"
 """, {"both": (H, V, V), "arrives": (V, H, H), "deadlock": H}),
+    Case("a look finds the answer and not the map", """
+topics:
+  go: {writers: user, readers: robot.on_go, use: queue, with: {depth: 1}}
+  map: {writers: server, readers: robot.on_map, use: queue, with: {depth: 1}}
+services: {lookup: {server: server, clients: [robot]}}
+executors: {main: {kind: single, order: rounds}}
+programs:
+  user: "go.write;"
+  server: "lookup.serve -> request; map.write; lookup.answer;"
+nodes:
+  robot:
+    executor: main
+    variables: "var has: bool; var answered: bool;"
+    clients: {lookup: {do: "answered = true;"}}
+    callbacks:
+      on_go: {takes: go.read, do: "lookup.send;"}
+      on_map: {takes: map.read, do: "has = true;"}
+properties:
+  order: {always: "robot.answered -> robot.has"}
+  both: "F (robot.answered && robot.has)"
+""", {"order": (H, V, V), "both": H, "deadlock": H, "stuck": H}),
+    Case("a service of one executor's nodes hands over at once", """
+topics:
+  go: {writers: user, readers: robot.on_go, use: queue, with: {depth: 1}}
+services: {lookup: {server: map, clients: [robot]}}
+executors: {main: {kind: multi, threads: 2}}
+programs: {user: "go.write;"}
+nodes:
+  robot:
+    executor: main
+    groups: {own: exclusive}
+    clients: {lookup: own}
+    callbacks: {on_go: {takes: go.read, do: "lookup.send; @asked wait lookup -> answer;"}}
+  map: {executor: main, callbacks: {find: {serves: lookup, do: "lookup.answer;"}}}
+properties: {never: "G !lookup!request_arrives && G !lookup!answer_arrives"}
+""", {"never": H, "deadlock": H, "stuck": H}),
+    Case("nodes of two executors, and of one process", """
+topics: {go: {writers: user, readers: robot.on_go, use: queue, with: {depth: 1}}}
+services: {lookup: {server: map, clients: [robot]}}
+executors: {one: {kind: single}, two: {kind: single}}
+programs: {user: "go.write;"}
+nodes:
+  robot:
+    executor: one
+    clients: {lookup: {do: "@got skip;"}}
+    callbacks: {on_go: {takes: go.read, do: "lookup.send;"}}
+  map: {executor: two, callbacks: {find: {serves: lookup, do: "lookup.answer;"}}}
+properties: {never: "G !lookup!request_arrives", got: "F robot@got"}
+""", {"never": (H, V, V), "got": H, "deadlock": H}),
+    Case("the same in one process", """
+topics: {go: {writers: user, readers: robot.on_go, use: queue, with: {depth: 1}}}
+services: {lookup: {server: map, clients: [robot]}}
+executors: {one: {kind: single, process: robot}, two: {kind: single, process: robot}}
+programs: {user: "go.write;"}
+nodes:
+  robot:
+    executor: one
+    clients: {lookup: {do: "@got skip;"}}
+    callbacks: {on_go: {takes: go.read, do: "lookup.send;"}}
+  map: {executor: two, callbacks: {find: {serves: lookup, do: "lookup.answer;"}}}
+properties: {never: "G !lookup!request_arrives", got: "F robot@got"}
+""", {"never": H, "got": H, "deadlock": H}),
+    Case("each write to one reader that has room", """
+topics: {data: {writers: source, readers: [left, right], use: queue, with: {size: 1}, deliver: one}}
+programs:
+  source: "data.write; data.write; @third data.write;"
+  left: "skip;"
+  right: "skip;"
+properties:
+  two: "F source@third"
+  not_three: "G !source@end"
+  both: "F data[left]!arrives || F data[right]!arrives"
+""", {"two": H, "not_three": H, "both": (V, H, H), "deadlock": V}),
+    Case("a write waits while ten are on a wire that loses nothing", """
+topics:
+  data: {writers: source, readers: sink, use: queue, with: {depth: 12, pub-history: keep_all}}
+  done: {writers: source, readers: sink, use: queue, with: {depth: 1}, delivery: at_once}
+programs:
+  source: "repeat 11 { data.write; } done.write;"
+  sink: |
+    done.read -> message;
+    switch data.tryread { message { } null { @none stop; } }
+properties: {some: "G !sink@none", lost: "G !data!lost"}
+""", {"some": H, "lost": H, "deadlock": H}),
+    Case("a reader's own depth is not what its writer keeps", """
+topics:
+  data: {writers: source, readers: sink, use: queue, with: {depth: 3}, readers_with:
+    {sink: {depth: 1}}}
+programs:
+  source: "data.write; data.write; data.write;"
+  sink: "skip;"
+properties: {lost: "G !data!lost"}
+""", {"lost": H}),
+    Case("a reader that dies frees its writer", """
+topics:
+  data: {writers: source, readers: [left, right], use: queue, with: {size: 1}}
+programs:
+  source: "data.write; data.write; wait data -> arrived;"
+  left: {do: "data.read -> message; data.read -> message;", may_die: true}
+  right: "data.read -> message; idle data.read -> message;"
+properties: {sent: "F source@end"}
+""", {"sent": H, "deadlock": H}),
+    Case("requests that push each other off", """
+services: {ask: {server: server, clients: [client], with: {depth: 1}}}
+programs:
+  server: "loop { idle ask.serve -> request; ask.answer; }"
+  client: "ask.send; ask.send; ask.receive -> answer; ask.receive -> answer;"
+properties: {both: "F client@end"}
+""", {"both": (V, V, V), "deadlock": V}),
 ]  # fmt: skip
 
 
