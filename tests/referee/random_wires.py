@@ -84,6 +84,8 @@ class WireMaker(NodeMaker):
     def race_system(self) -> str:
         """The system's file."""
         rng = self.rng
+        if self.chance(0.6):
+            return self.chain_system()
         names = [f"p{k}" for k in range(rng.choice([2, 2, 3, 3, 3, 4]))]
         ends = {name: Ends() for name in names}
         self.valued: set[str] = set()
@@ -99,6 +101,133 @@ class WireMaker(NodeMaker):
         for name in names:
             lines += self.race_program(name, ends[name])
         return "\n".join(lines + self.race_properties()) + "\n"
+
+    # --- a system in which one tells the next, and some look whether all is there
+
+    def chain_system(self) -> str:
+        """The system's file."""
+        rng = self.rng
+        self.valued = set()
+        names = [f"p{k}" for k in range(rng.choice([2, 2, 2, 3, 3]))]
+        body: dict[str, list[list[str]]] = {name: [] for name in names}
+        topics, services = ["topics:"], ["services:"]
+        looks: dict[str, list[list[str]]] = {name: [] for name in names}
+        data: dict[str, list[list[str]]] = {name: [] for name in names}
+        self.judged = len(names) < 3 and self.chance(0.25)
+        for _ in range(rng.choice([1, 1, 1, 2])):
+            topics.append(self.chain_data(names, data, looks))
+        if self.judged:
+            topics.append("  v: {writers: [%s], readers: o, use: queue, with: {depth: 2}}"
+                          % ", ".join(names))  # fmt: skip
+        for name in names:
+            body[name] = data[name]
+        told = 0.4 if self.chance(0.25) else 0.9
+        for one, other in zip(names, names[1:]):
+            if not self.chance(told):
+                continue
+            go = self.new("g")
+            self.is_late[go] = True
+            if self.chance(0.3):
+                services.append(f"  {go}: {{server: {one}, clients: [{other}]{self.delivery(go)}}}")
+                body[one] = [[f"{go}.serve -> request;"], *body[one], [f"{go}.answer;"]]
+                body[other].insert(0, [f"{go}.send;", f"{go}.receive -> answer;"])
+                continue
+            topics.append(f"  {go}: {{writers: {one}, readers: {other}, use: queue, "
+                          f"with: {{depth: {rng.choice([1, 1, 2])}}}{self.delivery(go)}}}")  # fmt: skip
+            body[one].append([f"{go}.write;"])
+            body[other].insert(0, [f"{go}.read -> message;"])
+        lines = (topics if len(topics) > 1 else []) + (services if len(services) > 1 else [])
+        lines.append("programs:")
+        for name in names:
+            parts = body[name] + looks[name]
+            if len(parts) > 1 and self.chance(0.2):
+                at = rng.randrange(len(parts) - 1)
+                parts[at], parts[at + 1] = parts[at + 1], parts[at]
+            lines += self.chain_program(name, [line for part in parts for line in part])
+        if self.judged:
+            lines.append('  o: "idle v.read -> message; idle v.read -> message; @both skip;"')
+            self.places += ["o@end", "o@both"]
+            self.misses.append("o@both")
+        return "\n".join(lines + self.race_properties()) + "\n"
+
+    def chain_data(self, names: list[str], data: dict, looks: dict) -> str:
+        """A topic of which somebody writes first and somebody looks later; its line."""
+        rng = self.rng
+        topic = self.new("t")
+        self.is_late[topic] = True
+        reader = rng.choice(names[1:]) if self.chance(0.85) else names[0]
+        others = [name for name in names if name != reader]
+        if reader != names[0] and self.chance(0.85):
+            others = names[: names.index(reader)]
+        writers = rng.sample(others, min(len(others), 2 if self.chance(0.5) else 1))
+        readers = [reader]
+        others = [name for name in names if name != reader]
+        rest = [name for name in others if name not in writers]
+        if rest and self.chance(0.4):
+            readers += rest[:1]
+        if len(writers) > 1 and self.chance(0.6) or self.chance(0.15):
+            self.valued.add(topic)
+        count = 0
+        for number, name in enumerate(sorted(writers), 1):
+            for again in range(rng.choice([1, 1, 2, 2, 3])):
+                value = 1 + (number + again + 1) % 2 if len(writers) == 1 else number
+                given = f"({value})" if topic in self.valued else ""
+                data[name].append([f"{topic}.write{given};"])
+                count += 1
+        for name in readers:
+            looks[name].append(self.chain_look(topic, count))
+        self.atoms += [f"{topic}.write", f"{topic}!message", f"{topic}!null"]
+        words = self.delivery(topic) if self.chance(0.3) else ""
+        if self.is_late[topic] and self.chance(0.3):
+            self.atoms.append(f"{topic}!arrives")
+        return (f"  {topic}: {{writers: [{', '.join(writers)}], readers: [{', '.join(readers)}], "
+                f"use: queue, with: {{{self.depths()}}}{words}}}")  # fmt: skip
+
+    def chain_look(self, topic: str, count: int) -> list[str]:
+        """How a reader looks whether all that so many writes sent is there."""
+        rng = self.rng
+        message = "message(x)" if topic in self.valued else "message"
+        miss = f"{self.label()} skip;"
+        if self.judged and self.chance(0.8):
+            miss = "v.write;"
+        rest = f" loop {{ idle {topic}.read -> message; }}" if self.chance(0.3) else ""
+        roll = rng.random()
+        if topic in self.valued and roll < 0.6:
+            lines = [f"{topic}.read -> message(x); if (x == {rng.randint(1, 2)}) {{ {miss} }}"]
+            return [f"{topic}.read -> {message};"] * rng.choice([0, 0, 1]) + lines
+        if roll < 0.3:
+            count = max(1, count + rng.choice([-2, -1, -1, 0, 0]))
+            return [f"{topic}.read -> {message};"] * count + [f"{self.label()} skip;"]
+        if roll < 0.8:
+            lines = [f"switch {topic}.tryread {{ {message} {{ }} null {{ {miss}{rest} }} }}"]
+        else:
+            other = rng.choice(["otherwise", "timeout 5"])
+            lines = [f"select {{ on {topic}.read -> {message} {{ }} {other} {{ {miss}{rest} }} }}"]
+        if self.chance(0.25):
+            lines += [f"{topic}.read -> {message};"] * rng.choice([1, 2])
+            lines.append(f"{self.label()} skip;")
+        return lines
+
+    def chain_program(self, name: str, lines: list[str]) -> list[str]:
+        """A program's entry, as lines."""
+        body = "\n".join(lines or ["skip;"])
+        if "message(x)" in body:
+            body = "var x: 0..2;\n" + body
+        labels = list(dict.fromkeys(re.findall(r"@(l[0-9]+) ", body)))
+        places = [f"{name}@{label}" for label in labels]
+        self.misses += places
+        self.places += [*places, f"{name}@end"]
+        self.atoms += [*places, f"{name}@end"]
+        if self.chance(0.1):
+            body = "loop {\n" + body + "\n}" if "var x" not in body else body
+        head = [f"  {name}: |"]
+        keys = ["may_die: true"] * self.chance(0.06) + self.process()
+        if keys:
+            head = [f"  {name}:", *(f"    {key}" for key in keys), "    do: |"]
+        indent = " " * (len(head[-1]) - len(head[-1].lstrip()) + 2)
+        return head + [indent + line for line in body.split("\n")]
+
+    # --- a system of ends that are used at random
 
     def race_topics(self, names: list[str], ends: dict[str, Ends]) -> list[str]:
         """Topics, as lines."""
@@ -266,7 +395,9 @@ class WireMaker(NodeMaker):
             of_each.setdefault(place.split("@")[0], place)
         if len(of_each) > 1 and self.chance(0.7):
             lines.append(f'  all: {{always: "!({" && ".join(of_each.values())})"}}')
-        for number in range(rng.randint(2, 4)):
+        for place in rng.sample(self.misses, min(3, len(self.misses))):
+            lines.append(f'  never_{place.replace("@", "_")}: "G !{place}"')
+        for number in range(rng.randint(1, 3)):
             one, other = rng.choice(self.places), rng.choice(self.places)
             fairness = rng.choice(["none", "weak", "weak", "strong"])
             roll = rng.random()
