@@ -117,13 +117,13 @@ class WireMaker(NodeMaker):
         for _ in range(rng.choice([1, 1, 1, 2])):
             topics.append(self.chain_data(names, data, looks))
         if self.judged:
-            topics.append("  v: {writers: [%s], readers: o, use: queue, with: {depth: 2}}"
-                          % ", ".join(names))  # fmt: skip
+            told = ", ".join(names)
+            topics.append(f"  v: {{writers: [{told}], readers: o, use: queue, with: {{depth: 2}}}}")
         for name in names:
             body[name] = data[name]
-        told = 0.4 if self.chance(0.25) else 0.9
+        likely = 0.4 if self.chance(0.25) else 0.9
         for one, other in zip(names, names[1:]):
-            if not self.chance(told):
+            if not self.chance(likely):
                 continue
             go = self.new("g")
             self.is_late[go] = True
@@ -132,8 +132,9 @@ class WireMaker(NodeMaker):
                 body[one] = [[f"{go}.serve -> request;"], *body[one], [f"{go}.answer;"]]
                 body[other].insert(0, [f"{go}.send;", f"{go}.receive -> answer;"])
                 continue
-            topics.append(f"  {go}: {{writers: {one}, readers: {other}, use: queue, "
-                          f"with: {{depth: {rng.choice([1, 1, 2])}}}{self.delivery(go)}}}")  # fmt: skip
+            depth = rng.choice([1, 1, 2])
+            options = f"use: queue, with: {{depth: {depth}}}{self.delivery(go)}"
+            topics.append(f"  {go}: {{writers: {one}, readers: {other}, {options}}}")
             body[one].append([f"{go}.write;"])
             body[other].insert(0, [f"{go}.read -> message;"])
         lines = (topics if len(topics) > 1 else []) + (services if len(services) > 1 else [])
