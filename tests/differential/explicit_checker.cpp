@@ -148,10 +148,11 @@ struct StuckNode {
   std::vector<StuckEdge> edges;
   // (program, group) that could step; group 0 is the program itself.
   std::vector<std::pair<std::uint32_t, std::uint32_t>> able;
+  std::size_t depth = 0;
 };
 
 std::vector<StuckNode> make_graph(const System& system) {
-  std::vector<StuckNode> nodes{{initial_state(system), {}, {}}};
+  std::vector<StuckNode> nodes{{initial_state(system), {}, {}, 0}};
   std::map<std::vector<std::uint32_t>, std::uint32_t> known{{key_of(nodes[0].state), 0}};
   for (std::size_t at = 0; at < nodes.size(); ++at) {
     const GlobalState state = nodes[at].state;
@@ -164,7 +165,7 @@ std::vector<StuckNode> make_graph(const System& system) {
       if (next.is_cut || is_error(system, next)) continue;
       const auto [place, is_new] =
           known.try_emplace(key_of(next), static_cast<std::uint32_t>(nodes.size()));
-      if (is_new) nodes.push_back({next, {}, {}});
+      if (is_new) nodes.push_back({next, {}, {}, nodes[at].depth + 1});
       nodes[at].edges.push_back({place->second, actor, group});
     }
   }
@@ -206,22 +207,63 @@ bool has_fair_run(const std::vector<StuckNode>& nodes, std::uint32_t stuck,
   return false;
 }
 
+// Where the program has neither ended nor may rest.
+std::vector<bool> restless(const System& system, const std::vector<StuckNode>& nodes,
+                           std::uint32_t index) {
+  std::vector<bool> allowed(nodes.size());
+  const Program& program = system.programs[index];
+  for (std::size_t at = 0; at < nodes.size(); ++at) {
+    const ControlState control = nodes[at].state.programs[index];
+    allowed[at] =
+        !program.is_end(control) && !program.is_error(control) && !program.may_rest(control);
+  }
+  return allowed;
+}
+
 }  // namespace
 
 bool has_stuck_program(const System& system) {
   const std::vector<StuckNode> nodes = make_graph(system);
   for (std::uint32_t stuck = 0; stuck < system.programs.size(); ++stuck) {
-    std::vector<bool> allowed(nodes.size());
-    const Program& program = system.programs[stuck];
-    if (!program.flags.is_fair) continue;
-    for (std::size_t at = 0; at < nodes.size(); ++at) {
-      const ControlState control = nodes[at].state.programs[stuck];
-      allowed[at] =
-          !program.is_end(control) && !program.is_error(control) && !program.may_rest(control);
-    }
-    if (has_fair_run(nodes, stuck, allowed)) return true;
+    if (!system.programs[stuck].flags.is_fair) continue;
+    if (has_fair_run(nodes, stuck, restless(system, nodes, stuck))) return true;
   }
   return false;
+}
+
+std::optional<std::size_t> nearest_stuck(const System& system) {
+  const std::vector<StuckNode> nodes = make_graph(system);
+  std::optional<std::size_t> nearest;
+  for (std::uint32_t stuck = 0; stuck < system.programs.size(); ++stuck) {
+    if (!system.programs[stuck].flags.is_fair) continue;
+    std::vector<bool> allowed = restless(system, nodes, stuck);
+    std::vector<std::vector<std::uint32_t>> edges(nodes.size());
+    for (std::size_t at = 0; at < nodes.size(); ++at) {
+      if (std::ranges::find(nodes[at].able, std::pair{stuck, 0U}) != nodes[at].able.end()) {
+        allowed[at] = false;
+      }
+      for (const StuckEdge& edge : nodes[at].edges) edges[at].push_back(edge.target);
+    }
+    std::vector<bool> is_stuck(nodes.size());
+    for (const auto& component : components(edges, allowed)) {
+      std::vector<bool> inside(nodes.size());
+      for (const std::uint32_t node : component) inside[node] = true;
+      if (!has_fair_run(nodes, stuck, inside)) continue;
+      for (const std::uint32_t node : component) is_stuck[node] = true;
+    }
+    for (bool has_grown = true; has_grown;) {
+      has_grown = false;
+      for (std::size_t at = 0; at < nodes.size(); ++at) {
+        if (!allowed[at] || is_stuck[at]) continue;
+        is_stuck[at] = std::ranges::any_of(edges[at], [&](auto to) { return is_stuck[to]; });
+        has_grown = has_grown || is_stuck[at];
+      }
+    }
+    for (std::size_t at = 0; at < nodes.size(); ++at) {
+      if (is_stuck[at] && (!nearest || nodes[at].depth < *nearest)) nearest = nodes[at].depth;
+    }
+  }
+  return nearest;
 }
 
 ExplicitChecker::Label ExplicitChecker::label(const Formula& expression) const {

@@ -17,6 +17,8 @@ namespace maide::test {
 // Whether some program, that has not ended and may not rest, never steps again on a run that is
 // strongly fair to programs and to fair groups. At most a few hundred states.
 bool has_stuck_program(const System& system);
+// Steps to a nearest state in which some program can be so, and cannot step any more.
+std::optional<std::size_t> nearest_stuck(const System& system);
 
 // The reachable graph, but for errors. A node is a state with the step that led there (events are
 // part of it); a finished or deadlocked state goes on to itself without an event.

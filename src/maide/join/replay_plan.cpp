@@ -195,7 +195,8 @@ Plan make_plan(const System& system, const Stage& stage, const Trace& trace, std
   Plan plan;
   refuse_steps_of_nobody(system, trace);
   plan.states = replay(system, trace);
-  plan.moves = unroll(trace, loops);
+  // Where a queue fills in the loop, its models are elsewhere in each round: the first is played.
+  plan.moves = unroll(trace, models_that_fill(trace, plan.states).empty() ? loops : 1);
   plan.words.resize(system.models.size());
   const auto add = [&](std::uint32_t program, const ModelUse& event) {
     plan.words[stage.seat(event.model).host].push_back(stage.input_of(program, event));

@@ -563,8 +563,14 @@ class Sentence {
     const std::string which =
         first == last ? fmt::format("step {}", last) : fmt::format("steps {} to {}", first, last);
     const std::string who = running.empty() ? "what happens by itself" : programs(running);
-    const std::string loop =
-        fmt::format("{} {} on for ever ({})", who, running.size() > 1 ? "go" : "goes", which);
+    std::vector<std::string> filling;
+    for (const std::uint32_t index : models_that_fill(trace_, states_)) {
+      filling.push_back(system_.models[index].name);
+    }
+    const std::string fill =
+        filling.empty() ? "" : "; the first rounds fill " + list_words(filling);
+    const std::string loop = fmt::format("{} {} on for ever ({}{})", who,
+                                         running.size() > 1 ? "go" : "goes", which, fill);
     return clauses.empty() ? loop : list_words(clauses, "; and ") + "; " + loop;
   }
 

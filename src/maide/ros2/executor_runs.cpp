@@ -20,18 +20,6 @@ namespace maide {
 
 namespace {
 
-// The step at another moment, when models may be in other states.
-std::optional<Step> step_like(const System& system, const GlobalState& at, const Step& as_told) {
-  const std::vector<Step> enabled = enabled_steps(system, at, as_told.actor);
-  auto step = std::ranges::find(enabled, as_told);
-  if (step == enabled.end()) {
-    step = std::ranges::find_if(enabled, [&](const Step& other) {
-      return other.action == as_told.action && other.is_beyond == as_told.is_beyond;
-    });
-  }
-  return step == enabled.end() ? std::nullopt : std::optional(*step);
-}
-
 // A depth-first search for an order of the steps and for when threads pick. Each queue keeps its
 // order. What comes first in the trace is tried first, and threads pick as late as they can.
 class Scheduler {
@@ -215,7 +203,8 @@ constexpr std::size_t most_rounds = 8;  // of a loop, until executors repeat wha
 }  // namespace
 
 std::optional<Trace> order_for_executors(const System& system, const ExecutorRules& rules,
-                                         const Trace& trace, const RunControl& control) {
+                                         const Trace& as_told, const RunControl& control) {
+  const Trace trace = closed(system, as_told, replay(system, as_told)).value();
   const std::vector<GlobalState> states = replay(system, trace);
   const std::size_t first_of_loop = trace.loop_start.value_or(trace.steps.size());
   Scheduler scheduler(system, rules, trace, control);

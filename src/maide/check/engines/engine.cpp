@@ -24,6 +24,7 @@
 #include "maide/check/search/monitors.hpp"
 #include "maide/check/search/search_job.hpp"
 #include "maide/check/search/short_lasso.hpp"
+#include "maide/check/search/shrunk_run.hpp"
 
 namespace maide {
 
@@ -201,30 +202,117 @@ SearchResult find_fair_cycle(const PackedSystem& system, const Monitor& monitor,
   return search;
 }
 
-// Puts a shorter run into the place of the one that was found, if there is one near the start. Not
-// with wide sets: ways round past so many needs are not compared.
-template <typename Monitor>
-requires(!uses_wide_bits<Monitor>) void shorten(const PackedSystem& system, const Monitor& monitor,
-                                                const Property& property, const RunControl& control,
-                                                SearchResult& search) {
-  if (search.end != SearchResult::End::found || !search.trace) return;
-  const auto is_good = [&](const Trace& trace) {
-    return find_flaw(system.system(), property, trace).empty();
-  };
-  try {
-    auto shorter = with_own_words(system.words(), [&](auto words) {
-      return ShortLasso<words.value, Monitor>(system, monitor, control)
-          .find(search.trace->steps.size(), is_good);
-    });
-    if (shorter) search.trace = std::move(shorter);
-  } catch (const std::bad_alloc&) {  // the longer one is a violation, too
-  } catch (const Interrupted&) {
+// Nodes that a search for the nearest run may take. It is a fixed number, for that run is to depend
+// on the system alone.
+constexpr std::uint64_t nearest_nodes = std::uint64_t{1} << 18;
+
+// The first position of the run from which on some program that is stuck could not step.
+std::size_t stuck_from(const System& system, const Trace& trace) {
+  const std::vector<GlobalState> states = replay(system, trace);
+  std::size_t earliest = trace.steps.size();
+  for (std::uint32_t index = 0; index < system.programs.size(); ++index) {
+    const Program& program = system.programs[index];
+    const ControlState last = states.back().programs[index];
+    if (program.is_end(last) || program.may_rest(last) || !program.flags.is_fair) continue;
+    std::size_t from = states.size();
+    for (; from > 0; --from) {
+      if (from <= trace.steps.size() && trace.steps[from - 1].actor == index) break;
+      const auto steps = enabled_steps(system, states[from - 1], index);
+      if (std::ranges::any_of(steps, [&](const Step& step) { return is_progress(system, step); })) {
+        break;
+      }
+    }
+    // Position `from` is reached by the program's own step, or the first behind one where it could.
+    earliest = std::min(earliest, from);
   }
+  return earliest;
 }
 
+// Looks for a run that is shorter than the one that was found, near the start; and for one that
+// leaves the nodes in which the monitor waits as early as any: where a program can be stuck first.
+// Ways round are not compared with wide sets, for there are too many needs.
 template <typename Monitor>
-requires(uses_wide_bits<Monitor>) void shorten(const PackedSystem&, const Monitor&, const Property&,
-                                               const RunControl&, SearchResult&) {}
+class ShorterRun {
+ public:
+  ShorterRun(const PackedSystem& system, const Monitor& monitor, const Property& property,
+             const SearchLimits& limits)
+      : system_(system), monitor_(monitor), property_(property), limits_(limits) {
+    limits_.control.progress = nullptr;
+    limits_.ranks = nullptr;
+  }
+
+  Trace find(Trace found) const {
+    try {
+      return with_words_for<Monitor>(system_,
+                                     [&](auto words) { return find_in<words.value>(found); });
+    } catch (const std::bad_alloc&) {  // the longer one is a violation, too
+    } catch (const Interrupted&) {
+    }
+    return found;
+  }
+
+ private:
+  bool is_good(const Trace& trace) const {
+    return find_flaw(system_.system(), property_, trace).empty();
+  }
+
+  template <std::size_t words>
+  Trace find_in(const Trace& found) const {
+    Trace best = found;
+    if constexpr (!uses_wide_bits<Monitor>) {
+      auto shorter =
+          ShortLasso<words, Monitor>(system_, monitor_, limits_.control)
+              .find(best.steps.size() + 1, [this](const Trace& trace) { return is_good(trace); });
+      if (shorter) best = std::move(*shorter);
+    }
+    if (monitor_.may_wait()) {
+      if (auto nearest = find_nearest<words>(best)) best = std::move(*nearest);
+    }
+    return best;
+  }
+
+  // Nothing if it is no better.
+  template <std::size_t words>
+  std::optional<Trace> find_nearest(const Trace& best) const {
+    const bool is_stuck = property_.kind == Property::Kind::stuck;
+    const std::size_t from = is_stuck ? stuck_from(system_.system(), best) : 0;
+    if (is_stuck && from <= 1) return std::nullopt;
+    FairCycleSearch<words, Monitor> search(system_, monitor_, limits_, nullptr, nearest_nodes);
+    SearchResult result = search.run_nearest();
+    if (!result.trace || !is_good(*result.trace)) return std::nullopt;
+    const std::size_t way = search.way().steps.size();
+    Trace nearest = std::move(*result.trace);
+    if constexpr (!uses_wide_bits<Monitor>) {
+      const auto whole = [&](const Trace& rest) {
+        Trace trace = search.way();
+        if (rest.loop_start) trace.loop_start = way + *rest.loop_start;
+        trace.steps.insert(trace.steps.end(), rest.steps.begin(), rest.steps.end());
+        return trace;
+      };
+      auto shorter =
+          ShortLasso<words, Monitor>(system_, monitor_, limits_.control)
+              .find(nearest.steps.size() - way,
+                    [&](const Trace& rest) { return is_good(whole(rest)); }, {search.entry()});
+      if (shorter) nearest = whole(*shorter);
+    }
+    const bool is_nearer = is_stuck && 2 * from > 3 * way;
+    if (!is_nearer && nearest.steps.size() >= best.steps.size()) return std::nullopt;
+    return nearest;
+  }
+
+  const PackedSystem& system_;
+  const Monitor& monitor_;
+  const Property& property_;
+  SearchLimits limits_;
+};
+
+template <typename Monitor>
+void shorten(const PackedSystem& system, const Monitor& monitor, const Property& property,
+             const SearchLimits& limits, SearchResult& search) {
+  if (!limits.shortens || search.end != SearchResult::End::found || !search.trace) return;
+  search.trace =
+      ShorterRun<Monitor>(system, monitor, property, limits).find(std::move(*search.trace));
+}
 
 // Whoever is stuck starves on runs that are weakly fair, too, and those are found faster. So they
 // are looked for first, and strong fairness matters only where there are some. If strongly fair
@@ -249,7 +337,7 @@ SearchResult search_for_stuck(const System& plain, const Property& property, Red
   };
   const auto shortened = [&](SearchResult found) {
     const StuckMonitor<Bits> monitor(system, StuckRuns::strongly_fair);
-    shorten(system, monitor, property, limits.control, found);
+    shorten(system, monitor, property, limits, found);
     return found;
   };
   SearchResult weak = search(StuckRuns::weakly_fair);
@@ -282,7 +370,7 @@ SearchResult search_for_run(const System& plain, const Property& property,
   job.has_wide_bits = std::is_same_v<Bits, WideBits>;
   const LtlMonitor<Bits> monitor(system, std::move(automaton), property.fairness);
   SearchResult search = find_fair_cycle(system, monitor, property, reduction, limits, job);
-  if (limits.shortens) shorten(system, monitor, property, limits.control, search);
+  shorten(system, monitor, property, limits, search);
   return search;
 }
 
@@ -400,6 +488,9 @@ PropertyResult NativeEngine::check(const System& system, const Property& propert
       return result;
     }
     search = std::move(*cycle);
+    if (search.trace && options.shortens) {
+      search.trace = shrink(system, property, std::move(*search.trace), options.control);
+    }
   } else {
     search = search_for_shortest(
         system, rules, options,

@@ -95,6 +95,15 @@ class FairCycleSearch {
     way_ = std::move(way);
     return run([&] { search_from(node); });
   }
+  // Visits the nodes in which the monitor waits breadth-first, and whatever lies behind each before
+  // the next. So a run that is found leaves them as early as any.
+  SearchResult run_nearest() {
+    way_.emplace();
+    return run([this] { search_nearest(); });
+  }
+  // Of a run that was found from some node on: that node, and the way there.
+  const State& entry() const { return graph_.node(entry_); }
+  const Trace& way() const { return *way_; }
 
  private:
   template <typename Search>
@@ -170,6 +179,63 @@ class FairCycleSearch {
     return is_over_ || search_from_top();
   }
 
+  // A node in which the monitor waits, and how it was reached.
+  struct Reached {
+    State node;
+    std::size_t before = 0;
+    std::uint32_t code = 0;  // of the step
+  };
+
+  void search_nearest() {
+    std::vector<Reached> reached;
+    const auto waits = [this](const State& node) {
+      return graph_.monitor().is_waiting(graph_.monitor_state(node));
+    };
+    const auto see = [&](const State& node, std::size_t before, std::uint32_t code) {
+      if (!graph_.insert(node).is_new) return;
+      is_dead_.push_back(true);  // no cycle with every mark passes there
+      is_on_path_.push_back(false);
+      reached.push_back({node, before, code});
+    };
+    for (const State& node : graph_.first_nodes()) {
+      if (waits(node)) {
+        see(node, 0, 0);
+      } else if (search_from(node)) {
+        return;
+      }
+    }
+    std::vector<Edge> edges;  // searches from nodes come by others' edges
+    for (std::size_t at = 0; at < reached.size(); ++at) {
+      edges = graph_.edges_of(reached[at].node);
+      for (const Edge& edge : edges) {
+        if (waits(edge.target)) {
+          see(edge.target, at, edge.code);
+        } else if (search_from(edge.target)) {
+          if (result_.trace) put_in_front(way_to(reached, at, edge));
+          return;
+        }
+      }
+      if (!may_go_on_here()) return;
+    }
+  }
+
+  Trace way_to(const std::vector<Reached>& reached, std::size_t at, const Edge& last) const {
+    Trace way;
+    if (last.is_step) way.steps.push_back(graph_.steps().undo(last.target, last.code).step);
+    for (; at != 0; at = reached[at].before) {
+      way.steps.push_back(graph_.steps().undo(reached[at].node, reached[at].code).step);
+    }
+    std::ranges::reverse(way.steps);
+    return way;
+  }
+
+  void put_in_front(Trace way) {
+    Trace& trace = *result_.trace;
+    if (trace.loop_start) *trace.loop_start += way.steps.size();
+    trace.steps.insert(trace.steps.begin(), way.steps.begin(), way.steps.end());
+    way_ = std::move(way);
+  }
+
   bool is_mine(std::uint32_t monitor_state) const {
     return part_ == nullptr || graph_.monitor().part_of(monitor_state) == part_->number;
   }
@@ -213,7 +279,7 @@ class FairCycleSearch {
   }
 
   bool may_go_on_here() {
-    if (graph_.size() == budget_) {
+    if (graph_.size() >= budget_) {
       is_over_budget_ = true;
       return false;
     }
@@ -435,12 +501,8 @@ class FairCycleSearch {
     const std::uint64_t most = bytes() + lasso.bytes(graph_);
     if (part_ != nullptr) tell(most);
     result_.bytes = std::max(result_.bytes, most);
-    Trace trace = run(lasso);
-    if (way_) {
-      if (trace.loop_start) *trace.loop_start += way_->steps.size();
-      trace.steps.insert(trace.steps.begin(), way_->steps.begin(), way_->steps.end());
-    }
-    result_.trace = std::move(trace);
+    result_.trace = run(lasso);
+    if (way_) put_in_front(*way_);
     result_.end = SearchResult::End::found;
   }
 

@@ -38,12 +38,14 @@ class ShortLasso {
   ShortLasso(const PackedSystem& system, const Monitor& monitor, const RunControl& control)
       : graph_(system, monitor), control_(control) {}
 
-  // A run of less than `length` steps for which `is_good`; nothing if none was found. Throws
-  // Interrupted when the control says to stop, and std::bad_alloc.
-  std::optional<Trace> find(std::size_t length, const std::function<bool(const Trace&)>& is_good) {
+  // A run of less than `length` steps for which `is_good`; nothing if none was found. `first`:
+  // where runs begin; none: at the graph's first nodes. Throws Interrupted when the control says to
+  // stop, and std::bad_alloc.
+  std::optional<Trace> find(std::size_t length, const std::function<bool(const Trace&)>& is_good,
+                            std::vector<PackedState<words>> first = {}) {
     length_ = length;
     is_good_ = is_good;
-    visit();
+    visit(first.empty() ? graph_.first_nodes() : first);
     for (Part& part : find_parts()) search(part);
     return std::move(best_);
   }
@@ -94,8 +96,8 @@ class ShortLasso {
 
   // ---- what lies near ----
 
-  void visit() {
-    for (const auto& node : graph_.first_nodes()) add(node, Graph::no_node, 0, 0);
+  void visit(const std::vector<PackedState<words>>& first) {
+    for (const auto& node : first) add(node, Graph::no_node, 0, 0);
     graph_.list_nodes();
     for (Number number = 0; number < nodes_.size(); ++number) {
       look(1);

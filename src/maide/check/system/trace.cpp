@@ -36,6 +36,27 @@ std::uint32_t fair_group_of(const System& system, const Step& step) {
   return combined == nullptr ? 0 : combined->fair;
 }
 
+// Who can go on in a state: programs, and fair groups by actor, nobody last.
+struct Enabled {
+  std::vector<bool> programs;
+  std::vector<std::vector<bool>> groups;
+  bool operator==(const Enabled&) const = default;
+};
+
+Enabled find_enabled(const System& system, const GlobalState& state) {
+  Enabled enabled;
+  enabled.programs.resize(system.programs.size());
+  for (const Program& program : system.programs) {
+    enabled.groups.emplace_back(std::max<std::size_t>(program.fair_groups.size(), 1));
+  }
+  enabled.groups.emplace_back(std::max<std::size_t>(system.nobodys_groups.size(), 1));
+  for (const Step& step : enabled_steps(system, state)) {
+    if (step.actor != nobody && is_progress(system, step)) enabled.programs[step.actor] = true;
+    enabled.groups[actor_number(system, step.actor)][fair_group_of(system, step)] = true;
+  }
+  return enabled;
+}
+
 LoopShares share_loop(const System& system, const Trace& trace,
                       const std::vector<GlobalState>& states) {
   LoopShares shares;
@@ -53,14 +74,15 @@ LoopShares share_loop(const System& system, const Trace& trace,
     const Step& taken = trace.steps[at];
     if (taken.actor != nobody) shares.programs[taken.actor].steps = true;
     group_of(taken).steps = true;
-    std::vector<bool> can(shares.programs.size());
-    for (const Step& step : enabled_steps(system, states[at])) {
-      if (step.actor != nobody && is_progress(system, step)) can[step.actor] = true;
-      group_of(step).is_enabled = true;
-    }
-    for (std::size_t program = 0; program < can.size(); ++program) {
+    const Enabled enabled = find_enabled(system, states[at]);
+    for (std::size_t program = 0; program < enabled.programs.size(); ++program) {
       LoopShare& share = shares.programs[program];
-      (can[program] ? share.is_enabled : share.is_disabled) = true;
+      (enabled.programs[program] ? share.is_enabled : share.is_disabled) = true;
+    }
+    for (std::size_t actor = 0; actor < enabled.groups.size(); ++actor) {
+      for (std::size_t group = 0; group < enabled.groups[actor].size(); ++group) {
+        if (enabled.groups[actor][group]) shares.groups[actor][group].is_enabled = true;
+      }
     }
   }
   return shares;
@@ -170,19 +192,103 @@ Trace from_whole(const SystemPart& part, Trace trace) {
   return trace;
 }
 
-std::vector<GlobalState> replay(const System& system, const Trace& trace) {
+std::optional<Step> step_like(const System& system, const GlobalState& at, const Step& as_told) {
+  const std::vector<Step> enabled = enabled_steps(system, at, as_told.actor);
+  auto step = std::ranges::find(enabled, as_told);
+  if (step == enabled.end()) {
+    step = std::ranges::find_if(enabled, [&](const Step& other) {
+      return other.action == as_told.action && other.is_beyond == as_told.is_beyond;
+    });
+  }
+  return step == enabled.end() ? std::nullopt : std::optional(*step);
+}
+
+namespace {
+
+// Steps of all rounds until one begins where another did.
+constexpr std::size_t most_steps_of_rounds = 4096;
+
+// The states along the steps.
+std::vector<GlobalState> follow(const System& system, const std::vector<Step>& steps) {
   std::vector<GlobalState> states{initial_state(system)};
-  for (const Step& step : trace.steps) {
+  for (const Step& step : steps) {
     if (!is_possible(system, states.back(), step)) {
       throw std::logic_error("step " + std::to_string(states.size()) + " is not possible");
     }
     states.push_back(apply(system, states.back(), step));
   }
-  if (trace.loop_start &&
-      (*trace.loop_start >= trace.steps.size() || !(states[*trace.loop_start] == states.back()))) {
-    throw std::logic_error("the loop does not close");
+  return states;
+}
+
+// What a step of a loop looks like: who could go on before it, and which atoms are true after it.
+struct Look {
+  Enabled enabled;
+  std::vector<bool> atoms;
+  bool operator==(const Look&) const = default;
+};
+
+Look look_at(const System& system, const std::vector<Atom>& atoms, const GlobalState& before,
+             const Step& step, const GlobalState& after) {
+  Look look{find_enabled(system, before), {}};
+  for (const Atom& atom : atoms) look.atoms.push_back(is_true(atom, system, after, &step));
+  return look;
+}
+
+}  // namespace
+
+std::vector<GlobalState> replay(const System& system, const Trace& trace) {
+  std::vector<GlobalState> states = follow(system, trace.steps);
+  if (!trace.loop_start) return states;
+  if (*trace.loop_start >= trace.steps.size() || !closed(system, trace, states)) {
+    throw std::logic_error("the loop does not repeat");
   }
   return states;
+}
+
+std::optional<Trace> closed(const System& system, const Trace& trace,
+                            const std::vector<GlobalState>& states, const std::vector<Atom>& atoms,
+                            std::uint64_t* looked_at) {
+  if (!trace.loop_start || states[*trace.loop_start] == states.back()) return trace;
+  const std::size_t first = *trace.loop_start;
+  const std::size_t length = trace.steps.size() - first;
+  if (states[first].programs != states.back().programs) return std::nullopt;  // no step is the same
+  std::vector<Look> looks;
+  for (std::size_t at = first; at < trace.steps.size(); ++at) {
+    looks.push_back(look_at(system, atoms, states[at], trace.steps[at], states[at + 1]));
+  }
+  Trace all = trace;
+  std::vector<GlobalState> begins{states[first], states.back()};  // of rounds
+  while (all.steps.size() - first + length <= most_steps_of_rounds) {
+    GlobalState at = begins.back();
+    for (std::size_t i = 0; i < length; ++i) {
+      const auto step = step_like(system, at, trace.steps[first + i]);
+      if (looked_at != nullptr) ++*looked_at;
+      if (!step) return std::nullopt;
+      GlobalState after = apply(system, at, *step);
+      if (looks[i] != look_at(system, atoms, at, *step, after)) return std::nullopt;
+      all.steps.push_back(*step);
+      at = std::move(after);
+    }
+    const auto same = std::ranges::find(begins, at);
+    if (same != begins.end()) {
+      all.loop_start = first + static_cast<std::size_t>(same - begins.begin()) * length;
+      return all;
+    }
+    begins.push_back(std::move(at));
+  }
+  return std::nullopt;
+}
+
+std::vector<std::uint32_t> models_that_fill(const Trace& trace,
+                                            const std::vector<GlobalState>& states) {
+  std::vector<std::uint32_t> models;
+  if (!trace.loop_start) return models;
+  const auto& before = states[*trace.loop_start].models;
+  const auto& after = states.back().models;
+  for (std::uint32_t index = 0; index < before.size(); ++index) {
+    if (before[index] != after[index]) models.push_back(index);
+  }
+  return models;
 }
 
 std::vector<bool> evaluate_on_run(const System& system, const Formula& formula, const Trace& trace,
@@ -206,6 +312,7 @@ std::string find_flaw(const System& system, const Property& property, const Trac
   for (std::size_t i = 0; i < trace.steps.size(); ++i) {
     if (is_error(system, states[i])) return "it goes on behind an error";
   }
+  if (!closed(system, trace, states, atoms_of(property))) return "the loop does not repeat";
   if (property.kind == Property::Kind::deadlock) {
     return is_deadlock(system, states.back()) ? "" : "it ends in no deadlock";
   }
@@ -466,7 +573,7 @@ Trace with_fewest_switches(const System& system, const Property& property, const
     const std::size_t before =
         result.steps.empty() ? no_actor : actor_number(system, result.steps.back().actor);
     const std::vector<Step> loop = reorder(
-        system, views, {states[split], states[split], steps.subspan(split), before}, most_nodes);
+        system, views, {states[split], states.back(), steps.subspan(split), before}, most_nodes);
     result.steps.insert(result.steps.end(), loop.begin(), loop.end());
   }
   // A formula may see more than the order of what it sees: how long it lasts (X), or a fair turn.

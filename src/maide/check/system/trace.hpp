@@ -3,6 +3,7 @@
 // what it claims to be, and an order of its steps that is easier to read.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -15,8 +16,8 @@ namespace maide {
 // A run of a system, which may repeat a part for ever.
 struct Trace {
   std::vector<Step> steps;  // from the initial state
-  // Steps from here on repeat for ever. None: the run ends there, is cut, or need not be shown any
-  // further because whatever comes violates the property.
+  // Steps from here on repeat for ever (closed()). None: the run ends there, is cut, or need not be
+  // shown any further because whatever comes violates the property.
   std::optional<std::size_t> loop_start;
   bool operator==(const Trace&) const = default;
 };
@@ -25,9 +26,26 @@ struct Trace {
 Trace to_whole(const SystemPart& part, Trace trace);
 Trace from_whole(const SystemPart& part, Trace trace);
 
+// That step, or else the first that does the same, in a state in which models may be elsewhere.
+std::optional<Step> step_like(const System& system, const GlobalState& at, const Step& as_told);
+
 // The states along the trace, one more than steps. Throws std::logic_error if a step is not
-// possible where it is taken, or the loop does not close.
+// possible where it is taken, or the loop cannot repeat for ever.
 std::vector<GlobalState> replay(const System& system, const Trace& trace);
+
+// The same run with a loop that closes: its last state is the one in which it begins. A loop need
+// not close after one round: a queue that nobody empties fills in it, and only when it is full, the
+// states come again. Then each round has the same steps, and looks like the first: at each step the
+// same programs and fair groups can go on, and the same `atoms` are true. So what is true of one
+// round is true of all. Nothing if there is no such run, or it takes more than 4,096 further steps.
+// `looked_at`: those steps are added. O(those x programs).
+std::optional<Trace> closed(const System& system, const Trace& trace,
+                            const std::vector<GlobalState>& states,
+                            const std::vector<Atom>& atoms = {},
+                            std::uint64_t* looked_at = nullptr);
+// The models whose state is another one after the loop's first round. `states` are replay()'s.
+std::vector<std::uint32_t> models_that_fill(const Trace& trace,
+                                            const std::vector<GlobalState>& states);
 
 // Whether the formula holds at each position of the run: position 0 is the initial state, position
 // i the state after i steps; a run that ends has one more, at which it repeats its last state

@@ -167,23 +167,37 @@ class TraceReader {
     loop_start_ = start->get<std::size_t>();
   }
 
-  // The path to one of the last states; with a loop, to one at which it closes.
+  // The path to one of the last states; with a loop, to one at which it closes, or else to one from
+  // which it goes on.
   void finish(Trace& trace) const {
     const auto& last = layers_.back();
     const auto found = std::ranges::find_if(last, [&](const Node& node) {
       return !loop_start_ || layers_[*loop_start_][node.entry].state == node.state;
     });
-    if (found == last.end()) {
-      throw UsageError(fmt::format("the steps from {} on do not come back to where they began ({})",
-                                   *loop_start_ + 1, file_));
+    if (found != last.end()) {
+      trace = path_to(*found);
+      return;
     }
+    for (const Node& node : last) {
+      trace = path_to(node);
+      std::vector<GlobalState> states{steps_.initial()};
+      for (const Step& step : trace.steps) states.push_back(apply(system_, states.back(), step));
+      if (closed(system_, trace, states)) return;
+    }
+    throw UsageError(fmt::format("the steps from {} on do not come back to where they began ({})",
+                                 *loop_start_ + 1, file_));
+  }
+
+  Trace path_to(const Node& last) const {
+    Trace trace;
     trace.loop_start = loop_start_;
     trace.steps.resize(layers_.size() - 1);
-    const Node* node = &*found;
+    const Node* node = &last;
     for (std::size_t at = trace.steps.size(); at > 0; --at) {
       trace.steps[at - 1] = node->step;
       node = &layers_[at - 1][node->parent];
     }
+    return trace;
   }
 
   const std::string& file_;

@@ -1,0 +1,171 @@
+#include "maide/check/search/shrunk_run.hpp"
+
+#include <algorithm>
+#include <map>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "maide/base/invariant.hpp"
+#include "maide/check/system/atom_view.hpp"
+
+namespace maide {
+namespace {
+
+bool does_the_same(const Step& one, const Step& other) {
+  return one.actor == other.actor && one.action == other.action && one.is_beyond == other.is_beyond;
+}
+
+class Shrinking {
+ public:
+  Shrinking(const System& system, const Property& property, Trace trace, const RunControl& control,
+            std::uint64_t most_steps)
+      : system_(system),
+        property_(property),
+        atoms_(atoms_of(property)),
+        best_(std::move(trace)),
+        control_(control),
+        most_steps_(most_steps) {}
+
+  Trace run() {
+    for (std::size_t before = best_.steps.size() + 1; best_.steps.size() < before && may_go_on();) {
+      before = best_.steps.size();
+      leave_out_ways_round();
+      turn_loop_back();
+      leave_out_actors();
+      leave_out_pieces();
+    }
+    return std::move(best_);
+  }
+
+ private:
+  static std::size_t first_of_loop(const Trace& trace) {
+    return trace.loop_start.value_or(trace.steps.size());
+  }
+  std::size_t stem() const { return first_of_loop(best_); }
+
+  bool may_go_on() const { return tried_ < most_steps_ && !control_.should_stop(); }
+
+  // Takes what is shorter, and a counterexample.
+  bool consider(Trace trace) {
+    if (trace.steps.size() >= best_.steps.size()) return false;
+    if (trace.loop_start && *trace.loop_start >= trace.steps.size()) return false;
+    std::vector<GlobalState> states{initial_state(system_)};
+    for (const Step& step : trace.steps) states.push_back(apply(system_, states.back(), step));
+    tried_ += trace.steps.size();
+    std::uint64_t further = 0;  // in rounds until the loop closes, which find_flaw() goes again
+    const bool is_closed = closed(system_, trace, states, atoms_, &further).has_value();
+    tried_ += 3 * further * system_.programs.size();
+    if (is_closed) tried_ += (trace.steps.size() - first_of_loop(trace)) * system_.programs.size();
+    if (!is_closed || !find_flaw(system_, property_, trace).empty()) return false;
+    best_ = std::move(trace);
+    return true;
+  }
+
+  // Before the loop each state once.
+  void leave_out_ways_round() {
+    std::map<std::pair<std::vector<StateId>, std::vector<ControlState>>, std::size_t> places;
+    Trace shorter;
+    GlobalState at = initial_state(system_);
+    places.emplace(std::pair(at.models, at.programs), 0);
+    for (std::size_t i = 0; i < stem(); ++i) {
+      at = apply(system_, at, best_.steps[i]);
+      shorter.steps.push_back(best_.steps[i]);
+      const auto [place, is_new] =
+          places.try_emplace({at.models, at.programs}, shorter.steps.size());
+      if (is_new) continue;
+      shorter.steps.resize(place->second);
+      std::erase_if(places, [&](const auto& one) { return one.second > shorter.steps.size(); });
+    }
+    append_loop_to(shorter);
+    consider(std::move(shorter));
+  }
+
+  void append_loop_to(Trace& trace) const {
+    if (!best_.loop_start) return;
+    trace.loop_start = trace.steps.size();
+    trace.steps.insert(trace.steps.end(),
+                       best_.steps.begin() + static_cast<std::ptrdiff_t>(*best_.loop_start),
+                       best_.steps.end());
+  }
+
+  // What comes before the loop and is its end belongs to it; and of a loop that is the same several
+  // times, one is enough.
+  void turn_loop_back() {
+    if (!best_.loop_start) return;
+    std::vector<Step> loop(best_.steps.begin() + static_cast<std::ptrdiff_t>(stem()),
+                           best_.steps.end());
+    std::size_t length = 1;
+    for (; length < loop.size(); ++length) {
+      if (loop.size() % length != 0) continue;
+      const auto repeats = [&](std::size_t i) { return does_the_same(loop[i], loop[i - length]); };
+      std::size_t at = length;
+      while (at < loop.size() && repeats(at)) ++at;
+      if (at == loop.size()) break;
+    }
+    for (const std::size_t size : {length, loop.size()}) {
+      std::vector<Step> round(loop.begin(), loop.begin() + static_cast<std::ptrdiff_t>(size));
+      std::size_t first = stem();
+      for (; first > 0 && does_the_same(best_.steps[first - 1], round.back()); --first) {
+        std::rotate(round.begin(), round.end() - 1, round.end());
+      }
+      std::vector<bool> keeps(best_.steps.size(), false);
+      std::fill_n(keeps.begin(), first + size, true);
+      if (try_kept(keeps, first)) return;
+    }
+  }
+
+  void leave_out_actors() {
+    for (std::uint32_t actor = 0; actor < system_.programs.size() && may_go_on(); ++actor) {
+      std::vector<bool> keeps;
+      for (const Step& step : best_.steps) keeps.push_back(step.actor != actor);
+      try_kept(keeps, stem());
+    }
+  }
+
+  void leave_out_pieces() {
+    for (std::size_t size = best_.steps.size(); size > 0; size /= 2) {
+      for (std::size_t first = 0; first < best_.steps.size() && may_go_on();) {
+        std::vector<bool> keeps(best_.steps.size(), true);
+        for (std::size_t i = first; i < std::min(first + size, keeps.size()); ++i) keeps[i] = false;
+        if (!try_kept(keeps, stem())) first += size;
+      }
+    }
+  }
+
+  // Takes those steps of the best run that are kept, and possible; the loop begins with the first
+  // from `loop` on.
+  bool try_kept(const std::vector<bool>& keeps, std::size_t loop) {
+    MAIDE_CHECK(keeps.size() == best_.steps.size());
+    Trace trace;
+    GlobalState at = initial_state(system_);
+    for (std::size_t i = 0; i < keeps.size(); ++i) {
+      if (best_.loop_start && i == loop) trace.loop_start = trace.steps.size();
+      if (!keeps[i]) continue;
+      ++tried_;
+      if (is_error(system_, at)) break;
+      const auto step = step_like(system_, at, best_.steps[i]);
+      if (!step) continue;
+      at = apply(system_, at, *step);
+      trace.steps.push_back(*step);
+    }
+    return consider(std::move(trace));
+  }
+
+  const System& system_;
+  const Property& property_;
+  std::vector<Atom> atoms_;
+  Trace best_;
+  const RunControl& control_;
+  std::uint64_t most_steps_;
+  std::uint64_t tried_ = 0;
+};
+
+}  // namespace
+
+Trace shrink(const System& system, const Property& property, Trace trace, const RunControl& control,
+             std::uint64_t most_steps) {
+  return Shrinking(system, property, std::move(trace), control, most_steps).run();
+}
+
+}  // namespace maide
