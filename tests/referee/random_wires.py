@@ -169,8 +169,9 @@ class WireMaker(NodeMaker):
         if len(writers) > 1 and self.chance(0.6) or self.chance(0.15):
             self.valued.add(topic)
         count = 0
+        once = len(writers) > 1 and self.chance(0.5)
         for number, name in enumerate(sorted(writers), 1):
-            for again in range(rng.choice([1, 1, 2, 2, 3])):
+            for again in range(1 if once else rng.choice([1, 1, 2, 2, 3])):
                 value = 1 + (number + again + 1) % 2 if len(writers) == 1 else number
                 given = f"({value})" if topic in self.valued else ""
                 data[name].append([f"{topic}.write{given};"])
@@ -194,7 +195,8 @@ class WireMaker(NodeMaker):
         rest = f" loop {{ idle {topic}.read -> message; }}" if self.chance(0.3) else ""
         roll = rng.random()
         if topic in self.valued and roll < 0.6:
-            lines = [f"{topic}.read -> message(x); if (x == {rng.randint(1, 2)}) {{ {miss} }}"]
+            late = 2 if self.chance(0.7) else 1
+            lines = [f"{topic}.read -> message(x); if (x == {late}) {{ {miss} }}"]
             return [f"{topic}.read -> {message};"] * rng.choice([0, 0, 1]) + lines
         if roll < 0.3:
             count = max(1, count + rng.choice([-2, -1, -1, 0, 0]))
