@@ -193,6 +193,10 @@ std::string describe(const Suggestions& suggestions, bool is_cut_short) {
     for (const auto& [property, change] : suggestions.in_part) {
       text += fmt::format("  - {}: {}\n", property, change);
     }
+    if (!suggestions.of_one_cause.empty()) text += "what removes this cause, and not all:\n";
+    for (const auto& [property, change] : suggestions.of_one_cause) {
+      text += fmt::format("  - {}: {}\n", property, change);
+    }
     return text;
   }
   std::string text = "what removes it, everything else as it is:\n";
@@ -355,6 +359,10 @@ ExitStatus run_check(const CheckArguments& arguments, Context& context) {
     SuggestOptions options;
     options.models = make_learning_source(learning_options(arguments, request.options.control));
     options.note = [](const std::string& line) { log_note(line); };
+    options.explain = [](const System& changed, const PropertyResult& result) {
+      const Shown shown = shown_part(changed, result);
+      return explain(shown.part.system(), shown.property, shown.trace);
+    };
     options.control = request.options.control;
     const Suggestions suggestions = suggest_changes(system, report, options);
     speaker.say(describe(suggestions, options.control.should_stop()));

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdlib>
+#include <functional>
 #include <map>
 #include <optional>
 #include <set>
@@ -17,6 +18,7 @@
 #include "maide/base/text.hpp"
 #include "maide/check/build/system_file.hpp"
 #include "maide/check/engines/engine.hpp"
+#include "maide/check/verdict/cause.hpp"
 #include "maide/experiment/open_system.hpp"
 #include "maide/join/system_variant.hpp"
 #include "maide/join/valued_queue.hpp"
@@ -58,6 +60,7 @@ class ChangeSearch {
     for (const PropertyResult& result : before.properties) {
       properties_.push_back(result.name);
       before_.emplace(result.name, result.verdict);
+      if (result.trace) causes_.emplace(result.name, cause_of(system, result));
     }
     for (const Repeat& repeat : repeats_) burst_ = std::max(burst_, repeat.count);
     for (const ModelInstance& model : system.models) {
@@ -70,15 +73,25 @@ class ChangeSearch {
   }
 
   Suggestions run() {
+    const auto is_node_of_cause = [this](const NodeChange& change) {
+      return is_in_cause(&Cause::nodes, change.node);
+    };
+    const auto is_losing = [this](const DepthPlace& place) {
+      return is_in_cause(&Cause::losing, place.name);
+    };
+    try_nodes(is_node_of_cause);
+    try_depths(is_losing);
     try_other_models();
     for (const ModelInstance& model : system_.models) try_settings(model);
-    try_nodes();
-    try_depths();
+    try_nodes(std::not_fn(is_node_of_cause));
+    try_depths(std::not_fn(is_losing));
     try_constants();
     try_fewer_repetitions();
     try_other_repetitions();
     if (result_.changes.empty()) try_one_depth();
     if (!result_.changes.empty()) result_.in_part.clear();
+    for (const auto& [property, change] : result_.in_part) result_.of_one_cause.erase(property);
+    if (!result_.changes.empty()) result_.of_one_cause.clear();
     return std::move(result_);
   }
 
@@ -89,11 +102,24 @@ class ChangeSearch {
     burst_ = std::max(burst_, static_cast<std::uint32_t>(type.high));
   }
 
+  static Cause cause_of(const System& system, const PropertyResult& result) {
+    const Shown shown = shown_part(system, result);
+    return find_cause(shown.part.system(), shown.trace);
+  }
+
+  bool is_in_cause(std::set<std::string> Cause::*names, const std::string& name) const {
+    return std::ranges::any_of(
+        causes_, [&](const auto& entry) { return (entry.second.*names).contains(name); });
+  }
+
   struct Outcome {
     bool holds = false;       // everything that was asked for
     bool is_unknown = false;  // what was learned ends too soon, or the time
     std::uint64_t states = 0;
     std::vector<std::string> mended;  // properties, if none was broken
+    // Properties, if none was broken, that are violated from another cause, with what is said of
+    // that.
+    std::map<std::string, std::string> otherwise;
   };
 
   Outcome check(const SystemVariant& variant) {
@@ -128,9 +154,24 @@ class ChangeSearch {
       const bool holds = property.verdict == Verdict::holds;
       if (!held && holds) outcome.mended.push_back(property.name);
       breaks = breaks || (held && !holds);
+      if (!held && property.trace && has_another_cause(*changed, property)) {
+        outcome.otherwise.emplace(
+            property.name, options_.explain ? options_.explain(*changed, property) : std::string());
+      }
     }
     if (breaks) outcome.mended.clear();
+    if (breaks) outcome.otherwise.clear();
     return outcome;
+  }
+
+  // Nothing hinders on this run what hindered before. A run is shown that is as near as any, or
+  // almost, so this cause lies farther away than the other one did, or that one is gone.
+  bool has_another_cause(const System& changed, const PropertyResult& result) const {
+    const auto before = causes_.find(result.name);
+    if (before == causes_.end() || before->second.hindrances.empty()) return false;
+    const std::set<Hindrance> now = cause_of(changed, result).hindrances;
+    return std::ranges::none_of(before->second.hindrances,
+                                [&](const Hindrance& one) { return now.contains(one); });
   }
 
   void found(const std::string& change, const Outcome& outcome, const std::string& how) {
@@ -347,13 +388,19 @@ class ChangeSearch {
   }
 
   // Of each node the first cure, which is the smallest.
-  void try_nodes() {
+  template <typename IsWanted>
+  void try_nodes(const IsWanted& is_wanted) {
     std::set<std::string> cured;
     for (const NodeChange& change : list_node_changes(system_)) {
-      if (cured.contains(change.node)) continue;
+      if (!is_wanted(change) || cured.contains(change.node)) continue;
       const Outcome outcome = check({{}, {}, {}, change.text});
       for (const std::string& property : outcome.mended) {
         result_.in_part.emplace(property, change.description + "; " + change.lines);
+      }
+      for (const auto& [property, reason] : outcome.otherwise) {
+        result_.of_one_cause.emplace(property,
+                                     fmt::format("{}; {}{}{}", change.description, change.lines,
+                                                 reason.empty() ? "" : "; what is left: ", reason));
       }
       if (!outcome.holds) continue;
       cured.insert(change.node);
@@ -362,8 +409,10 @@ class ChangeSearch {
     }
   }
 
-  void try_depths() {
+  template <typename IsWanted>
+  void try_depths(const IsWanted& is_wanted) {
     for (const DepthPlace& place : find_depths(system_)) {
+      if (!is_wanted(place)) continue;
       const auto longer = nearest(place.value, most_longer * place.value, [&](std::int64_t value) {
         return check({{}, {}, {}, with_depth(text(), place, value)});
       });
@@ -595,6 +644,7 @@ class ChangeSearch {
   std::map<std::pair<std::string, With>, InterfaceAutomaton> made_;  // by system and settings
   std::vector<std::string> properties_;
   std::map<std::string, Verdict> before_;  // by property
+  std::map<std::string, Cause> causes_;    // of those that are violated
   std::chrono::steady_clock::time_point last_note_ = std::chrono::steady_clock::now();
   Suggestions result_;
 };

@@ -23,6 +23,8 @@ namespace maide {
 struct SuggestOptions {
   ModelSource models;                                 // learns the models of other settings
   std::function<void(const std::string& line)> note;  // told what could not be tried, and why
+  // Why a property of a changed system is violated, in a sentence; none: that is not told.
+  std::function<std::string(const System& system, const PropertyResult& result)> explain;
   RunControl control;
   double seconds_each = 10;  // most time to check one change
 };
@@ -31,10 +33,15 @@ struct Suggestions {
   std::vector<std::string> changes;  // one line each, the ones that leave the programs alone first
   // If none removes all: those that make one violated property hold, and break none.
   std::map<std::string, std::string> in_part;  // by property
-  std::size_t tried = 0;                       // systems that were checked
+  // If there is none for the property either: one with which it is violated from another cause
+  // alone, which is told. By property.
+  std::map<std::string, std::string> of_one_cause;
+  std::size_t tried = 0;  // systems that were checked
 };
 
-// Tries these changes, one at a time:
+// Tries these changes, one at a time. Those come first that touch the cause of a violation
+// (check/verdict/cause.hpp): groups and threads of the nodes that keep somebody from waking who
+// waits, and the depth of what lost a message that is waited for. Then at large:
 //
 //   Other models: those beside the ones in use, and those in use elsewhere in the system.
 //   Settings that keep more (depth, history, reliability, ...): the smallest number that is enough.

@@ -13,6 +13,7 @@ using testing::AllOf;
 using testing::Contains;
 using testing::ElementsAre;
 using testing::HasSubstr;
+using testing::IsEmpty;
 using testing::StartsWith;
 
 const std::string folder = MAIDE_SOURCE_DIR "/examples/";
@@ -292,6 +293,54 @@ TEST(SuggestChange, NamesTheDepthOfAService) {
       "  monitor: \"repeat 12 { lookup.send; lookup.receive -> answer; }\"\n",
       "s.yaml", [](const ModelRequest&) { return InterfaceAutomaton(); });
   EXPECT_THAT(suggest(system).changes, Contains(StartsWith("lookup: depth 13 in place of 10")));
+}
+
+// A guest's order is answered into the group that his own callback holds. `regular`: another guest,
+// whose answers push out those that nobody takes for long.
+std::string kitchen(bool has_regular) {
+  return std::string("services:\n  order: {server: cook, clients: [guest") +
+         (has_regular ? ", regular" : "") +
+         R"(]}
+executors:
+  hall: {kind: multi, threads: 4}
+  bar: {kind: multi, threads: 2}
+nodes:
+  guest:
+    executor: hall
+    groups: {table: exclusive}
+    clients: {order: table}
+    callbacks:
+      hungry: {timer: 100, group: table, do: "order.send; wait order -> answer;"}
+)" +
+         (has_regular ? R"(  regular:
+    executor: bar
+    groups: {seat: exclusive, glass: exclusive}
+    clients: {order: seat}
+    callbacks:
+      thirsty: {timer: 10, group: glass, do: "order.send; wait order -> answer;"}
+)"
+                      : R"(  regular:
+    executor: bar
+    callbacks:
+      thirsty: {timer: 10, do: "skip;"}
+)") + R"(  cook:
+    callbacks:
+      serve: {serves: order, do: "order.answer;"}
+)";
+}
+
+// What keeps the answer from the guest is the same, whoever else goes round.
+TEST(SuggestChange, BeginsWithTheCause) {
+  const std::string cure = "guest: the client of order in a callback group of its own";
+  const System alone = parse_system(kitchen(false), "kitchen.yaml", read_requested_model);
+  EXPECT_THAT(suggest_for_all(alone).changes, ElementsAre(StartsWith(cure)));
+  const System crowd = parse_system(kitchen(true), "kitchen.yaml", read_requested_model);
+  const Suggestions found = suggest_for_all(crowd);
+  EXPECT_THAT(found.changes, IsEmpty());
+  EXPECT_THAT(found.in_part, IsEmpty());
+  ASSERT_TRUE(found.of_one_cause.contains("stuck"));
+  EXPECT_THAT(found.of_one_cause.at("stuck"), StartsWith(cure));
+  EXPECT_THAT(found.of_one_cause.at("stuck"), HasSubstr("clients: {order: own_order}"));
 }
 
 }  // namespace
