@@ -247,6 +247,7 @@ class Positions:
         self.component = component
         self.atoms = atoms
         self.known: dict[tuple, int] = {}
+        self.reached: dict[tuple, int] = {}  # the same by what led there
         self.states: list[int] = []
         self.letters: list[tuple[bool, ...]] = []
         self.successors: dict[int, list] = {}
@@ -254,12 +255,16 @@ class Positions:
 
     def number(self, state: int, events: tuple) -> int:
         """The position of a state that was reached with these events."""
+        found = self.reached.get((state, events))
+        if found is not None:
+            return found
         letter = Letter(self.system, self.component, self.component.states[state], events)
         values = tuple(letter.holds(atom) for atom in self.atoms)
         if (state, values) not in self.known:
             self.known[(state, values)] = len(self.states)
             self.states.append(state)
             self.letters.append(values)
+        self.reached[(state, events)] = self.known[(state, values)]
         return self.known[(state, values)]
 
     def after(self, position: int) -> list:
