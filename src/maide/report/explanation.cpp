@@ -8,12 +8,14 @@
 #include <map>
 #include <optional>
 #include <set>
+#include <span>
 #include <utility>
 #include <vector>
 
 #include "maide/base/invariant.hpp"
 #include "maide/base/text.hpp"
 #include "maide/check/rules/model_words.hpp"
+#include "maide/check/system/atom_view.hpp"
 #include "maide/check/verdict/message_account.hpp"
 #include "maide/check/verdict/waiting.hpp"
 #include "maide/report/ways_out_text.hpp"
@@ -193,7 +195,61 @@ class Sentence {
     return violation + ": " + end + describe_losses(end);
   }
 
+  // Of a run that another property was told of: its own violation, and what keeps the programs from
+  // stepping that could change what the formula sees, if the other sentence does not begin with it.
+  std::string write_again(const Property& property, const std::string& same) const {
+    if (property.kind != Property::Kind::ltl) return same;
+    std::string text = describe_violation(system_, property.formula, trace_, states_) + ": ";
+    if (is_syntactically_safe(property.formula)) return text + same;
+    const std::string end = trace_.loop_start ? describe_loop() : describe_end();
+    std::vector<std::string> causes;
+    const std::vector<std::uint32_t> watched = watched_programs(property);
+    for (const std::uint32_t index : watched) {
+      for (const Clause& clause : describe_those_that_stand({index})) {
+        if (end.starts_with(clause.text("; "))) return text + same;
+      }
+    }
+    for (const Clause& clause : describe_those_that_stand(watched)) {
+      std::string cause = clause.text("; ");
+      if (end.starts_with(cause)) return text + same;
+      if (causes.size() < most_own_causes) causes.push_back(std::move(cause));
+    }
+    return text + (causes.empty() ? same : list_words(causes, "; and ") + "; " + same);
+  }
+
  private:
+  static constexpr std::size_t most_own_causes = 2;
+
+  // Programs with a step that may change an atom of the formula.
+  std::vector<std::uint32_t> watched_programs(const Property& property) const {
+    const std::vector<Atom> atoms = atoms_of(property);
+    const std::vector<AtomView> views = views_of(atoms, system_);
+    std::vector<std::uint32_t> programs;
+    for (std::uint32_t index = 0; index < system_.programs.size(); ++index) {
+      const auto edges = static_cast<std::uint32_t>(system_.programs[index].edges.size());
+      for (std::uint32_t edge = 0; edge < edges; ++edge) {
+        if (!is_visible(views, index, edge)) continue;
+        programs.push_back(index);
+        break;
+      }
+    }
+    return programs;
+  }
+
+  // In the end, or all the time in the loop.
+  bool stands_still(std::uint32_t index) const {
+    if (!trace_.loop_start) {
+      const auto blocked = blocked_programs(system_, states_.back());
+      return is_deadlock(system_, states_.back()) &&
+             std::ranges::find(blocked, index) != blocked.end();
+    }
+    const Program& program = system_.programs[index];
+    const ControlState at = states_.back().programs[index];
+    if (program.is_end(at) || program.may_rest(at)) return false;
+    const auto loop = std::span(trace_.steps).subspan(*trace_.loop_start);
+    return std::ranges::none_of(loop, [&](const Step& step) { return step.actor == index; });
+  }
+
   // The property is about weakly fair runs, and this one is not strongly fair.
   bool is_weakly_fair_only(const Property& property) const {
     const bool has_fairness =
@@ -457,10 +513,11 @@ class Sentence {
 
   // Programs that wait for the same, and why.
   struct Clause {
-    std::vector<std::string> programs;
-    std::string awaited, cause;  // the cause may be said with what is awaited
+    std::vector<std::string> programs;  // none: what is awaited is a whole sentence
+    std::string awaited, cause;         // the cause may be said with what is awaited
 
     std::string text(const std::string& between) const {
+      if (programs.empty()) return awaited;
       std::string what = awaited;
       if (programs.size() > 1 && what.starts_with("waits ")) what.replace(0, 6, "wait ");
       return list_words(programs) + " " + what + (cause.empty() ? "" : between + cause);
@@ -484,6 +541,21 @@ class Sentence {
     } else {
       same->programs.push_back(program(waiting.program));
     }
+  }
+
+  // What keeps them from stepping, of those that do not step any more.
+  std::vector<Clause> describe_those_that_stand(const std::vector<std::uint32_t>& programs) const {
+    std::vector<Clause> clauses;
+    for (const std::uint32_t index : programs) {
+      if (!stands_still(index)) continue;
+      if (trace_.loop_start) {
+        clauses.push_back({{}, describe_standstill(index), ""});
+      } else {
+        add_clause(find_waiting(system_, trace_, states_, states_.size() - 1, index),
+                   states_.back(), clauses);
+      }
+    }
+    return clauses;
   }
 
   // The program by which to begin: one whose message was lost, or whom nobody can help any more.
@@ -606,9 +678,7 @@ std::string explain(const System& system, const Property& property, const Trace&
 
 std::string explain_again(const System& system, const Property& property, const Trace& trace,
                           const PropertyResult& before) {
-  std::string same = "the same run as " + before.name;
-  if (property.kind != Property::Kind::ltl) return same;
-  return describe_violation(system, property.formula, trace, replay(system, trace)) + ": " + same;
+  return Sentence(system, trace).write_again(property, "the same run as " + before.name);
 }
 
 }  // namespace maide

@@ -27,7 +27,8 @@ std::string describe_violation(const System& system, const Formula& formula, con
 std::string explain(const System& system, const Property& property, const Trace& trace);
 
 // What is left to say of a property whose run was shown as that of `before`: "planner@sent holds
-// after step 7, but controller@done never holds from step 7 on: the same run as deadlock".
+// after step 7, but controller@done never holds from step 7 on: the same run as deadlock"; and why
+// that is, where the sentence on `before` begins with something else.
 std::string explain_again(const System& system, const Property& property, const Trace& trace,
                           const PropertyResult& before);
 

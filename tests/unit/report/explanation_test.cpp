@@ -127,6 +127,25 @@ TEST(Explanation, SaysWhatOneRunShowsOnce) {
   EXPECT_EQ(json["components"][0]["verdicts"]["deadlock"], "violated");
 }
 
+// The sentence on the deadlock begins with p. What keeps q from its end is told of q's property.
+TEST(Explanation, SaysWhatKeepsAPropertyFromHolding) {
+  const System system =
+      system_of("a: {file: strict-2.dot}, b: {file: strict-2.dot}",
+                "  p: a.read -> message;\n  q: b.write; b.read -> message; b.read -> message;\n",
+                "  both: F (p@end && q@end)\n  p_ends: F p@end\n  q_ends: F q@end\n");
+  const Trace trace = test::run_in_turns(system, "01111");
+  PropertyResult deadlock;
+  deadlock.name = "deadlock";
+  const auto again = [&](std::size_t property) {
+    return explain_again(system, system.properties.at(property), trace, deadlock);
+  };
+  const std::string of_q =
+      "q waits at line 4 for a message from b; b holds none: q wrote 1, and it was read";
+  EXPECT_THAT(again(1), testing::EndsWith("p@end never holds: the same run as deadlock"));
+  EXPECT_THAT(again(2), testing::StartsWith("q@end never holds: " + of_q));
+  EXPECT_THAT(again(2), testing::EndsWith("; the same run as deadlock"));
+}
+
 // A fork that one takes, and the others wait for.
 InterfaceAutomaton fork_model() {
   InterfaceAutomaton fork({"take", "release"}, {"granted"}, 3);
