@@ -3,11 +3,19 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdint>
+#include <filesystem>
+#include <iostream>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "explicit_checker.hpp"
 #include "joint_systems.hpp"
+#include "maide/check/build/system_file.hpp"
 #include "maide/check/engines/engine.hpp"
+#include "maide/check/search/fair_cycle.hpp"
+#include "maide/check/search/monitors.hpp"
 
 namespace maide {
 namespace {
@@ -78,6 +86,101 @@ TEST_P(ShortRuns, ComeSoonToWhereAProgramIsStuck) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Seeds, ShortRuns, testing::Range(0, 3));
+
+// Steps of a run that comes to where some program is stuck as early as any; `nodes` are enough.
+std::optional<std::size_t> nearest_by_search(const System& system, std::uint64_t nodes) {
+  const PackedSystem packed(system, node_number_bits, system.programs.size() + 1);
+  const StuckMonitor<> monitor(packed, StuckRuns::strongly_fair);
+  const SearchLimits limits;
+  return with_own_words(packed.words(), [&](auto words) -> std::optional<std::size_t> {
+    FairCycleSearch<words.value, StuckMonitor<>> search(packed, monitor, limits, nullptr, nodes);
+    if (!search.run_nearest().trace) return std::nullopt;
+    return search.way().steps.size();
+  });
+}
+
+// Writes a line: states that the search took, steps to where a program is stuck and in all, both
+// without and with a look for a shorter run, the steps to the nearest such state, and the seconds
+// of both.
+void measure(const std::string& name, const System& system, std::uint64_t nodes) {
+  EngineOptions plain, short_one;
+  plain.threads = short_one.threads = 1;
+  plain.shortens = false;
+  const PropertyResult first = NativeEngine().check(system, stuck(), plain);
+  if (first.verdict != Verdict::violated) return;
+  const PropertyResult result = NativeEngine().check(system, stuck(), short_one);
+  ASSERT_EQ(result.verdict, Verdict::violated) << name;
+  EXPECT_EQ(result.states, first.states) << name;
+  EXPECT_LE(result.trace->steps.size(), first.trace->steps.size()) << name;
+  const std::size_t steps = steps_before(system, *result.trace);
+  const std::optional<std::size_t> nearest = nearest_by_search(system, nodes);
+  std::cout << name << ": " << first.states << " states, " << steps_before(system, *first.trace)
+            << " of " << first.trace->steps.size() << " steps, then " << steps << " of "
+            << result.trace->steps.size() << ", nearest "
+            << (nearest ? std::to_string(*nearest) : "?") << ", " << first.seconds << " s, then "
+            << result.seconds << " s" << std::endl;
+  EXPECT_LE(2 * steps, 3 * nearest.value_or(steps)) << name;
+}
+
+TEST(ShortRunsOf, Architectures) {
+  for (const char* name : {"cancel", "heartbeats", "map-server", "multiplexer", "ticks",
+                           "ticks-mended", "token", "two-by-two"}) {
+    const std::filesystem::path file = std::string(name) + ".yaml";
+    measure(name, read_system(MAIDE_SOURCE_DIR "/examples/architectures" / file), 1'000'000);
+  }
+}
+
+// Workers that count, and now and then hold the mutex that all need; and in their midst some who
+// may wait for ever: two who lock two mutexes each in another order, one whose message is
+// overwritten, or one whom another may forget to wake.
+std::string crowd(Random& random) {
+  std::string text =
+      "models: {m: {use: mutex}, f: {use: mutex}, g: {use: mutex}, q: {use: queue, with: {depth: " +
+      std::to_string(1 + random.below(3)) + "}}}\nprograms:\n";
+  const auto count = [&](std::uint64_t least, std::uint64_t most) {
+    return "repeat " + std::to_string(least + random.below(most - least + 1)) + " { if * { } } ";
+  };
+  const auto turn = [&] { return random.below(2) == 0 ? std::string("m.lock; m.unlock; ") : ""; };
+  const auto add = [&](const std::string& name, const std::string& code) {
+    text += "  " + name + ": \"" + code + "\"\n";
+  };
+  for (std::uint64_t i = 0, workers = 2 + random.below(2); i < workers; ++i) {
+    add("w" + std::to_string(i),
+        "loop { " + count(4, 24) + "m.lock; " + count(1, 4) + "m.unlock; }");
+  }
+  switch (random.below(3)) {
+    case 0:
+      add("a",
+          "loop { " + count(1, 9) + turn() + "f.lock; " + turn() + "g.lock; g.unlock; f.unlock; }");
+      add("b",
+          "loop { " + count(1, 9) + turn() + "g.lock; " + turn() + "f.lock; f.unlock; g.unlock; }");
+      break;
+    case 1:
+      add("a", count(1, 9) + turn() + "repeat 5 { q.write; " + turn() + "}");
+      add("b", turn() + count(1, 9) + "repeat 5 { q.read -> message; " + turn() + "}");
+      break;
+    default:
+      add("a", "loop { " + count(1, 9) + turn() + "if * { q.write; } f.lock; f.unlock; }");
+      add("b", "loop { f.lock; " + count(1, 3) + "f.unlock; q.read -> message; " + turn() + "}");
+      break;
+  }
+  return text;
+}
+
+class LargeShortRuns : public testing::TestWithParam<int> {};
+
+TEST_P(LargeShortRuns, ComeSoonToWhereAProgramIsStuck) {
+  Random random(static_cast<std::uint64_t>(7300 + GetParam()));
+  const std::string text = crowd(random);
+  const System system = parse_system(text, "crowd.yaml", read_requested_model);
+  Property error;
+  error.kind = Property::Kind::error;
+  const PropertyResult all = NativeEngine().check(system, error, {});
+  measure(std::to_string(GetParam()) + " (" + std::to_string(all.states) + ")", system,
+          100'000'000);
+}
+
+INSTANTIATE_TEST_SUITE_P(Many, LargeShortRuns, testing::Range(0, 120));
 
 }  // namespace
 }  // namespace maide
