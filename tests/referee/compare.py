@@ -27,7 +27,7 @@ from generate import KINDS, generate
 from language import Refused
 from referee import judge
 from system import System
-from wires import Boxes, Stream
+from wires import Boxes
 
 WORDS = ["acknowledged", "arrived", "disconnect", "returns", "stream"]
 REDUCTIONS = ["none", "calls", "order", "full"]
@@ -209,10 +209,12 @@ def words_of(path: Path) -> set[str]:
         system = System(str(path))
     except Refused:
         return set()
-    found = {"arrived"} if "-> arrived" in path.read_text(encoding="utf-8") else set()
+    text = path.read_text(encoding="utf-8")
+    found = {word for word in WORDS if f"{word}: " in text or f"-> {word};" in text}
+    for entry in (system.document.get("services") or {}).values():
+        if entry.get("delivery") == ACKNOWLEDGED:
+            found.add("acknowledged")
     for use in system.uses:
-        if isinstance(use, Stream):
-            found.add("stream")
         if any(wire.delivery == ACKNOWLEDGED for wire in getattr(use, "wires", [])):
             found.add("acknowledged")
         if isinstance(use, Boxes):

@@ -248,9 +248,9 @@ programs:
   sink: "var x: 0..1; loop { idle data.read -> message(x); if (x == 1) { stop; } }"
 properties: {first: "F sink@end", lost: "G !data!lost -> F sink@end"}
 """, {"first": (H, V, V), "lost": (H, V, V)}),
-    Case("best effort loses, but not for ever", """
+    Case("what loses does so again and again, but not for ever", """
 topics:
-  data: {writers: source, readers: sink, use: queue, with: {depth: 1, reliability: best_effort}}
+  data: {writers: source, readers: sink, use: queue, with: {depth: 1}, loses: true}
 programs:
   source: "loop { data.write; }"
   sink: "loop { data.read -> message; @got skip; }"
@@ -259,7 +259,7 @@ properties:
   unfair: {ltl: "G F sink@got", fairness: none}
   none: "G !data!lost"
 """, {"again": H, "unfair": V, "none": (H, V, V), "stuck": H}),
-    Case("best effort may lose the only message", """
+    Case("what loses may lose the only message", """
 topics: {data: {writers: source, readers: sink, use: queue, with: {depth: 1}, loses: true}}
 programs: {source: "data.write;", sink: "data.read -> message;"}
 properties: {got: "F sink@end"}

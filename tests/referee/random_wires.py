@@ -49,8 +49,6 @@ class WireMaker(NodeMaker):
             text += f", pub-depth: {rng.randint(1, 3)}"
         elif roll < 0.62:
             text += ", pub-history: keep_all"
-        if self.chance(0.06):
-            text += ", reliability: best_effort"
         return text
 
     def delivery(self, name: str) -> str:
@@ -62,7 +60,7 @@ class WireMaker(NodeMaker):
             said = self.rng.choice(WORDS)
             words += f", delivery: {said}"
             self.is_late[name] = said == "late"
-        if self.chance(0.07):
+        if self.chance(0.1):
             words += ", loses: true"
         if self.chance(0.06):
             words += f", stream: {self.rng.choice(['one', 'two'])}"
@@ -100,7 +98,7 @@ class WireMaker(NodeMaker):
         lines.append("programs:")
         for name in names:
             lines += self.race_program(name, ends[name])
-        return "\n".join(lines + self.race_properties()) + "\n"
+        return "\n".join(lines + self.race_properties(lines)) + "\n"
 
     # --- a system in which one tells the next, and some look whether all is there
 
@@ -149,7 +147,7 @@ class WireMaker(NodeMaker):
             lines.append('  o: "idle v.read -> message; idle v.read -> message; @both skip;"')
             self.places += ["o@end", "o@both"]
             self.misses.append("o@both")
-        return "\n".join(lines + self.race_properties()) + "\n"
+        return "\n".join(lines + self.race_properties(lines)) + "\n"
 
     def chain_data(self, names: list[str], data: dict, looks: dict) -> str:
         """A topic of which somebody writes first and somebody looks later; its line."""
@@ -224,7 +222,7 @@ class WireMaker(NodeMaker):
         if self.chance(0.1):
             body = "loop {\n" + body + "\n}" if "var x" not in body else body
         head = [f"  {name}: |"]
-        keys = ["may_die: true"] * self.chance(0.06) + self.process()
+        keys = ["may_die: true"] * self.may_die(body, 0.06) + self.process()
         if keys:
             head = [f"  {name}:", *(f"    {key}" for key in keys), "    do: |"]
         indent = " " * (len(head[-1]) - len(head[-1].lstrip()) + 2)
@@ -329,11 +327,16 @@ class WireMaker(NodeMaker):
         self.atoms += [*places, f"{name}@end"]
         self.places += [*places, f"{name}@end"]
         head = [f"  {name}: |"]
-        keys = ["may_die: true"] * self.chance(0.08) + self.process()
+        keys = ["may_die: true"] * self.may_die(body, 0.08) + self.process()
         if keys:
             head = [f"  {name}:", *(f"    {key}" for key in keys), "    do: |"]
         indent = " " * (len(head[-1]) - len(head[-1].lstrip()) + 2)
         return head + [indent + line for line in body.split("\n")]
+
+    def may_die(self, body: str, probability: float) -> bool:
+        """Whether a program of this text may die: not at the end of a service."""
+        is_at_service = re.search(r"\.(send|receive|serve|answer)\b", body)
+        return self.chance(probability) and not is_at_service
 
     def label(self) -> str:
         """A label for a statement."""
@@ -389,9 +392,12 @@ class WireMaker(NodeMaker):
             return [f"{service}.send;"]
         return [f"{service}.send;", f"{self.label()} {service}.receive -> answer;"]
 
-    def race_properties(self) -> list[str]:
+    def race_properties(self, system: list[str]) -> list[str]:
         """Properties over one side and both, as lines."""
         rng = self.rng
+        text = "\n".join(system)  # a queue that nobody tries has no null
+        untried = [a for a in self.atoms if a.endswith("!null") and f"{a[:-5]}.tryread" not in text]
+        self.atoms = [atom for atom in self.atoms if atom not in untried]
         lines = ["properties:"]
         of_each: dict[str, str] = {}  # a place of each program at which it found nothing
         for place in rng.sample(self.misses, len(self.misses)):
