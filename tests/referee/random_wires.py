@@ -129,6 +129,7 @@ class WireMaker(NodeMaker):
                 services.append(f"  {go}: {{server: {one}, clients: [{other}]{self.delivery(go)}}}")
                 body[one] = [[f"{go}.serve -> request;"], *body[one], [f"{go}.answer;"]]
                 body[other].insert(0, [f"{go}.send;", f"{go}.receive -> answer;"])
+                self.atoms += [f"{go}!answer_arrives"] * self.is_late[go]
                 continue
             depth = rng.choice([1, 1, 2])
             options = f"use: queue, with: {{depth: {depth}}}{self.delivery(go)}"
@@ -281,7 +282,8 @@ class WireMaker(NodeMaker):
             ends[client].asks.append(name)
         self.atoms += [f"{name}.send", f"{name}!request", f"{name}.answer", f"{name}!answer"]
         if self.is_late[name]:
-            self.atoms += [f"{name}!request_arrives", f"{name}[{clients[0]}]!answer_arrives"]
+            self.atoms += [f"{name}!request_arrives", f"{name}!answer_arrives"]
+            self.atoms.append(f"{name}[{clients[0]}]!answer_arrives")
         return ["services:", f"  {name}: {{server: {server}, clients: [{', '.join(clients)}]"
                 f"{depth}{words}}}"]  # fmt: skip
 
