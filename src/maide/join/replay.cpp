@@ -79,7 +79,7 @@ class Walk {
     for (std::size_t place = 0; place < plan_.moves.size(); ++place) {
       move_ = plan_.moves[place];
       place_ = place;
-      take(trace_.steps[move_.step]);
+      take(plan_.steps[place]);
       if (run_.deviation) return std::move(run_);
       ++run_.steps;
     }
@@ -208,7 +208,7 @@ class Walk {
     const std::uint32_t host = *stage_.host_of_nodes();
     for (const std::uint32_t model : stage_.models_of(host)) {
       const InterfaceAutomaton& automaton = system_.models[model].automaton;
-      const StateId at = plan_.states[move_.step + 1].models[model];
+      const StateId at = plan_.states[place_ + 1].models[model];
       if (emits(automaton, at, due_[model])) continue;
       deviate(Deviation::Kind::output, model, describe_due(automaton, at), *text);
       return std::nullopt;
@@ -244,7 +244,7 @@ class Walk {
   StateId after_input(const Step& step, std::uint32_t model) const {
     const auto uses = uses_of(system_, step);
     const auto use = std::ranges::find(uses, model, &ModelUse::model);
-    const StateId before = plan_.states[move_.step].models[model];
+    const StateId before = plan_.states[place_].models[model];
     if (use == uses.end()) return before;
     const StateId target = step.targets[static_cast<std::size_t>(use - uses.begin())];
     if (use->kind == Kind::give) return target;
@@ -285,7 +285,7 @@ class Walk {
       remember_call(step.actor, event);
       return text;
     }
-    const StateId before = plan_.states[move_.step].models[event.model];
+    const StateId before = plan_.states[place_].models[event.model];
     const InterfaceAutomaton& automaton = system_.models[event.model].automaton;
     const auto transitions = automaton.transitions(before);
     const bool is_another =

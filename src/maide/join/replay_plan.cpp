@@ -194,9 +194,13 @@ void refuse_steps_of_nobody(const System& system, const Trace& trace) {
 Plan make_plan(const System& system, const Stage& stage, const Trace& trace, std::size_t loops) {
   Plan plan;
   refuse_steps_of_nobody(system, trace);
-  plan.states = replay(system, trace);
-  // Where a queue fills in the loop, its models are elsewhere in each round: the first is played.
-  plan.moves = unroll(trace, models_that_fill(trace, plan.states).empty() ? loops : 1);
+  plan.moves = unroll(trace, loops);
+  plan.states.push_back(replay(system, trace).front());
+  for (const Move& move : plan.moves) {
+    // Where a queue fills in the loop, models are elsewhere in each round.
+    plan.steps.push_back(step_like(system, plan.states.back(), trace.steps[move.step]).value());
+    plan.states.push_back(apply(system, plan.states.back(), plan.steps.back()));
+  }
   plan.words.resize(system.models.size());
   const auto add = [&](std::uint32_t program, const ModelUse& event) {
     plan.words[stage.seat(event.model).host].push_back(stage.input_of(program, event));
@@ -204,8 +208,7 @@ Plan make_plan(const System& system, const Stage& stage, const Trace& trace, std
   const auto add_call = [&](std::uint32_t host, const ReplayedNodes::Call& call) {
     plan.words[host].push_back(input_named(*stage.real(host), call.input));
   };
-  for (const Move& move : plan.moves) {
-    const Step& step = trace.steps[move.step];
+  for (const Step& step : plan.steps) {
     for (const ModelUse& event : stage.real_events(step)) {
       if (event.kind == Kind::give) add(step.actor, event);
     }

@@ -71,8 +71,9 @@ std::string describe_due(const InterfaceAutomaton& automaton, StateId state);
 
 // What is played of one trace.
 struct Plan {
-  std::vector<GlobalState> states;  // along the trace
   std::vector<Move> moves;
+  std::vector<Step> steps;          // by move
+  std::vector<GlobalState> states;  // before each move, and behind the last
   std::vector<Probe> probes;
   std::vector<Word> words;     // by host, in its system's inputs; the probes last
   ReplayedNodes::Calls nodes;  // by move; what is at their host, which has no probes

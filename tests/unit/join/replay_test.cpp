@@ -106,6 +106,22 @@ TEST(Replay, TriesTheCallsThatADeadlockIsMadeOf) {
   EXPECT_THAT(run.deviation->word, ElementsAre("write", "write"));
 }
 
+// The first write fills the port, and the next ones leave it full: one step is told, and each round
+// is held against where the model is then.
+TEST(Replay, PlaysALoopThatFillsAQueue) {
+  const System system =
+      system_of(model("buffered"), "  p: loop { via.write; }\n", "stop", "  ends: \"F p@end\"\n");
+  const Trace trace = find_trace(system, "ends");
+  ASSERT_EQ(trace.loop_start, 0U);
+  ASSERT_EQ(trace.steps.size(), 1U);
+  const ReplayedRun run = play(system, trace, model("buffered"), 4);
+  EXPECT_FALSE(run.deviation);
+  EXPECT_EQ(run.steps, 4U);
+  const ReplayedRun blocked = play(system, trace, model("port"), 4);
+  ASSERT_TRUE(blocked.deviation);
+  EXPECT_GT(blocked.deviation->round, 0U);
+}
+
 // A queue that loses the third message: the loop goes on otherwise when it comes round again.
 TEST(Replay, PlaysALoopSeveralTimes) {
   const System system =
