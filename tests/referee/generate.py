@@ -259,6 +259,12 @@ class Generator(WireMaker):
         return [f"  {head}: |", *(f"    {line}" for line in body)]
 
 
+def awaits_null_in_vain(text: str) -> bool:
+    """Whether a system has an arm for `null` beside a queue that nobody tries: it is refused."""
+    queues = re.findall(r"^  (\w+): \{writers.* use: queue", text, re.MULTILINE)
+    return "null {" in text and any(f"{queue}.tryread" not in text for queue in queues)
+
+
 def generate(kind: str, seed: int, number: int, folder: Path) -> Path:
     """Writes one system; gives its file."""
     own = folder / f"{kind}-{seed}-{number}"
@@ -267,9 +273,11 @@ def generate(kind: str, seed: int, number: int, folder: Path) -> Path:
     is_wired = kind == "wires"
     if is_wired and rng.random() < 0.35:
         kind = rng.choice(WIRED)
-    generator = Generator(rng, kind, own)
-    generator.is_wired = is_wired
-    text = generator.race_system() if kind == "wires" else generator.system()
+    text = ""
+    while not text or is_wired and awaits_null_in_vain(text):
+        generator = Generator(rng, kind, own)
+        generator.is_wired = is_wired
+        text = generator.race_system() if kind == "wires" else generator.system()
     path = own / "system.yaml"
     path.write_text(text, encoding="utf-8")
     return path
