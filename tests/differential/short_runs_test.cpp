@@ -8,6 +8,7 @@
 #include <iostream>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "explicit_checker.hpp"
@@ -52,6 +53,40 @@ std::size_t steps_before(const System& system, const Trace& trace) {
   return least;
 }
 
+// Whether the loop closes after several rounds. The whole run is a counterexample, too.
+bool is_told_in_part(const System& system, const Property& property, const Trace& trace) {
+  const std::vector<GlobalState> states = replay(system, trace);
+  if (models_that_change(trace, states).empty()) return false;
+  const Trace whole = closed(system, trace, states).value();
+  EXPECT_EQ(find_flaw(system, property, whole), "") << test::show(system);
+  EXPECT_TRUE(models_that_change(whole, replay(system, whole)).empty());
+  return true;
+}
+
+// "The shared variable is not 0 again and again", or from some point on.
+std::vector<Property> formulas_of(System& system) {
+  Expression variable;
+  variable.op = Expression::Operator::shared;
+  variable.kind = ValueKind::boolean;
+  variable.index = static_cast<std::uint32_t>(system.models.size() - 1);
+  variable.name = "v";
+  system.expressions.push_back(variable);
+  using Operator = FormulaNode::Operator;
+  const Formula set = make_formula(Atom{Atom::Kind::expression, 0, 0, Atom::any_program});
+  std::vector<Property> properties;
+  for (const auto& [outer, inner] : {std::pair(Operator::globally, Operator::finally),
+                                     std::pair(Operator::finally, Operator::globally)}) {
+    for (const Fairness fairness : {Fairness::none, Fairness::weak, Fairness::strong}) {
+      Property property;
+      property.name = "formula";
+      property.formula = make_formula(outer, make_formula(inner, set));
+      property.fairness = fairness;
+      properties.push_back(property);
+    }
+  }
+  return properties;
+}
+
 class ShortRuns : public testing::TestWithParam<int> {};
 
 TEST_P(ShortRuns, ComeSoonToWhereAProgramIsStuck) {
@@ -73,16 +108,34 @@ TEST_P(ShortRuns, ComeSoonToWhereAProgramIsStuck) {
     const std::size_t steps = steps_before(system, *result.trace);
     EXPECT_GE(steps, *nearest) << test::show(system);
     EXPECT_LE(2 * steps, 3 * *nearest) << test::show(system);
-    const std::vector<GlobalState> states = replay(system, *result.trace);
-    open += models_that_fill(*result.trace, states).empty() ? 0 : 1;
+    open += is_told_in_part(system, stuck(), *result.trace) ? 1 : 0;
     options.threads = 3;
     options.states_a_thread = 1;
     EXPECT_EQ(engine.check(system, stuck(), options).trace, result.trace) << test::show(system);
   }
   EXPECT_GT(violated, 20);
-  RecordProperty("violated", violated);
-  RecordProperty("open", open);
   EXPECT_GT(far, 1);
+  std::cout << violated << " are violated, " << open << " of them told in part\n";
+}
+
+TEST_P(ShortRuns, OfFormulasAreCounterexamplesWhole) {
+  Random random(static_cast<std::uint64_t>(7200 + GetParam()));
+  int violated = 0, open = 0;
+  for (int compared = 0; compared < 200 && !HasFailure(); ++compared) {
+    System system =
+        test::random_joint_system(random, {2, 3, 3, 0.9, 1, 0.5}, {.groups = compared % 2 == 0});
+    const std::vector<Property> properties = formulas_of(system);
+    if (!test::ExplicitChecker(system, 300).is_complete()) continue;
+    for (const Property& property : properties) {
+      const PropertyResult result = NativeEngine().check(system, property, {});
+      if (!result.trace) continue;
+      ++violated;
+      EXPECT_EQ(find_flaw(system, property, *result.trace), "") << test::show(system);
+      open += is_told_in_part(system, property, *result.trace) ? 1 : 0;
+    }
+  }
+  EXPECT_GT(violated, 100);
+  std::cout << violated << " are violated, " << open << " of them told in part\n";
 }
 
 INSTANTIATE_TEST_SUITE_P(Seeds, ShortRuns, testing::Range(0, 3));

@@ -635,12 +635,16 @@ class Sentence {
     const std::string which =
         first == last ? fmt::format("step {}", last) : fmt::format("steps {} to {}", first, last);
     const std::string who = running.empty() ? "what happens by itself" : programs(running);
-    std::vector<std::string> filling;
-    for (const std::uint32_t index : models_that_fill(trace_, states_)) {
-      filling.push_back(system_.models[index].name);
+    std::vector<std::string> filling, changing;
+    for (const std::uint32_t index : models_that_change(trace_, states_)) {
+      const ModelInstance& model = system_.models[index];
+      const bool is_variable = model.source == ModelInstance::Source::variable;
+      (is_variable ? changing : filling).push_back(model.name);
     }
-    const std::string fill =
-        filling.empty() ? "" : "; the first rounds fill " + list_words(filling);
+    std::vector<std::string> effects;
+    if (!filling.empty()) effects.push_back("fill " + list_words(filling));
+    if (!changing.empty()) effects.push_back("change " + list_words(changing));
+    const std::string fill = effects.empty() ? "" : "; the first rounds " + list_words(effects);
     const std::string loop = fmt::format("{} {} on for ever ({}{})", who,
                                          running.size() > 1 ? "go" : "goes", which, fill);
     return clauses.empty() ? loop : list_words(clauses, "; and ") + "; " + loop;

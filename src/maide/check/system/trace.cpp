@@ -279,8 +279,8 @@ std::optional<Trace> closed(const System& system, const Trace& trace,
   return std::nullopt;
 }
 
-std::vector<std::uint32_t> models_that_fill(const Trace& trace,
-                                            const std::vector<GlobalState>& states) {
+std::vector<std::uint32_t> models_that_change(const Trace& trace,
+                                              const std::vector<GlobalState>& states) {
   std::vector<std::uint32_t> models;
   if (!trace.loop_start) return models;
   const auto& before = states[*trace.loop_start].models;

@@ -44,8 +44,8 @@ std::optional<Trace> closed(const System& system, const Trace& trace,
                             const std::vector<Atom>& atoms = {},
                             std::uint64_t* looked_at = nullptr);
 // The models whose state is another one after the loop's first round. `states` are replay()'s.
-std::vector<std::uint32_t> models_that_fill(const Trace& trace,
-                                            const std::vector<GlobalState>& states);
+std::vector<std::uint32_t> models_that_change(const Trace& trace,
+                                              const std::vector<GlobalState>& states);
 
 // Whether the formula holds at each position of the run: position 0 is the initial state, position
 // i the state after i steps; a run that ends has one more, at which it repeats its last state
