@@ -262,7 +262,8 @@ class Generator(WireMaker):
 def awaits_null_in_vain(text: str) -> bool:
     """Whether a system has an arm for `null` beside a queue that nobody tries: it is refused."""
     queues = re.findall(r"^  (\w+): \{writers.* use: queue", text, re.MULTILINE)
-    return "null {" in text and any(f"{queue}.tryread" not in text for queue in queues)
+    is_awaited = re.search(r"-> null;|null \{", text) is not None
+    return is_awaited and any(f"{queue}.tryread" not in text for queue in queues)
 
 
 def generate(kind: str, seed: int, number: int, folder: Path) -> Path:
