@@ -29,7 +29,7 @@ from referee import judge
 from system import System
 from wires import Boxes
 
-WORDS = ["acknowledged", "arrived", "disconnect", "returns", "stream"]
+WORDS = ["acknowledged", "arrived", "defaults", "disconnect", "returns", "stream"]
 REDUCTIONS = ["none", "calls", "order", "full"]
 
 
@@ -237,6 +237,13 @@ def words_of(path: Path) -> set[str]:
     except Refused:
         return {word for word in WORDS if word in text}
     found = {word for word in WORDS if f"{word}: " in text or f"-> {word};" in text}
+    connections = [
+        entry
+        for section in ("topics", "services")
+        for entry in (system.document.get(section) or {}).values()
+    ]
+    if system.nodes and not all("delivery" in entry for entry in connections):
+        found.add("defaults")  # what is not said where there are nodes
     for entry in (system.document.get("services") or {}).values():
         if entry.get("delivery") == ACKNOWLEDGED:
             found.add("acknowledged")

@@ -306,9 +306,9 @@ properties:
 """, {"both": (H, V, V), "arrives": (V, H, H), "deadlock": H}),
     Case("a look finds the answer and not the map", """
 topics:
-  go: {writers: user, readers: robot.on_go, use: queue, with: {depth: 1}}
-  map: {writers: server, readers: robot.on_map, use: queue, with: {depth: 1}}
-services: {lookup: {server: server, clients: [robot]}}
+  go: {writers: user, readers: robot.on_go, use: queue, with: {depth: 1}, delivery: late}
+  map: {writers: server, readers: robot.on_map, use: queue, with: {depth: 1}, delivery: late}
+services: {lookup: {server: server, clients: [robot], delivery: late}}
 executors: {main: {kind: single, order: rounds}}
 programs:
   user: "go.write;"

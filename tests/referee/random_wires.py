@@ -56,8 +56,8 @@ class WireMaker(NodeMaker):
         if not self.is_wired:
             return ""
         words = ""
-        if self.chance(0.25):
-            said = self.rng.choice(WORDS)
+        if self.chance(0.25) or self.kind == "nodes":
+            said = "late" if self.kind == "nodes" and self.chance(0.7) else self.rng.choice(WORDS)
             words += f", delivery: {said}"
             self.is_late[name] = said == "late"
         if self.chance(0.1):

@@ -121,7 +121,8 @@ class Instance:
 
     def check_output(self, program: int, name: str) -> None:
         """Refuses an output that the model does not have."""
-        if name != "arrived" and self.renamed(program, (name, ()))[0] not in self.model.output_names:
+        given = self.renamed(program, (name, ()))[0]
+        if name != "arrived" and given not in self.model.output_names:
             raise Refused(f"{self.name} has no output {name}")
 
     def renamed(self, program: int, action: Action) -> Action:

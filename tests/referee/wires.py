@@ -573,7 +573,8 @@ class ModelOnWires(Boxes, Instance):
                 event = self.event(program, "!", called)
                 after = state._replace(collected=(None,))
                 found += [(called, now, event) for now in self.settled(after)]
-        for called, (inner, marks), event in Instance.outputs_due(self, self.at_rest(state), program):
+        at_rest = Instance.outputs_due(self, self.at_rest(state), program)
+        for called, (inner, marks), event in at_rest:
             for now in self.moved(state._replace(marks=marks), 0, inner):
                 found.append((called, now, event))
         return list(dict.fromkeys(found))
