@@ -94,7 +94,7 @@ models:
   via: {file: strict-1.dot}
   lock: {use: mutex}
 topics:
-  image: {writers: camera, readers: [robot, logger], use: queue, with: {size: 1}}
+  image: {writers: camera, readers: [robot, logger], use: queue, with: {size: 1}, delivery: at_once}
 variables: "var n: 0..2; var paused: bool;"
 programs:
   camera: "loop { image.write(go); }"
@@ -169,7 +169,7 @@ INSTANTIATE_TEST_SUITE_P(
 INSTANTIATE_TEST_SUITE_P(
     All, ExampleGolden,
     testing::Combine(testing::Values("ros2/late-server/late-server-mended.yaml",
-                                     "architectures/two-by-two-mended.yaml",
+                                     "architectures/notice.yaml",
                                      "architectures/lifecycle-mended.yaml",
                                      "architectures/multiplexer.yaml",
                                      "architectures/cancel-mended.yaml"),

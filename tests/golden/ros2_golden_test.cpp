@@ -63,7 +63,7 @@ class ReplayedGolden : public testing::TestWithParam<const char*> {};
 
 TEST_P(ReplayedGolden, IsAsApproved) {
   const std::filesystem::path file = MAIDE_SOURCE_DIR "/examples/ros2/" + std::string(GetParam());
-  const System system = read_system(file);
+  const System system = read_system(file, read_requested_model, {}, {}, Deliveries::at_rest);
   const std::vector<std::string> options{"kind=topic", "depth=10", "pub-reliability=reliable"};
   const std::vector<SystemSpec> topics(system.topics.size(), parse_system_spec("ros2", options));
   const ReplayedNodes nodes(system, topics);

@@ -101,7 +101,7 @@ class Comparison:
     def differences(self, path: Path) -> list[tuple[str, str]]:
         """(kind, sentence) of each difference; none also where the referee gives up."""
         at_once = is_at_once(path)
-        mine = judge(str(path), self.max_states, at_once)
+        mine = judge(str(path), self.max_states)
         if "too_large" in mine:
             return []
         found = []
@@ -225,8 +225,11 @@ class Comparison:
 
 
 def is_at_once(path: Path) -> bool:
-    """Whether a system is decided with nothing on its way, and its states are compared."""
-    return not path.parent.name.startswith("wires")
+    """Whether nothing is ever on its way, and a system's states are compared, too."""
+    try:
+        return not any(hasattr(use, "arrivals") for use in System(str(path)).uses)
+    except Refused:
+        return True
 
 
 def words_of(path: Path) -> set[str]:

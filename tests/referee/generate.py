@@ -181,7 +181,7 @@ class Generator(WireMaker):
         if self.kind == "death":
             self.give_ends(names)
         for known in self.models:
-            if "write" in known.inputs:
+            if "write" in known.inputs and self.is_wired:
                 known.entry = f"{known.entry[:-1]}{self.delivery(known.name)}}}"
         for known in self.models:
             suffix = f"[{rng.randrange(known.size)}]" if known.size else ""

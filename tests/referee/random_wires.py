@@ -54,7 +54,7 @@ class WireMaker(NodeMaker):
     def delivery(self, name: str) -> str:
         """Words of an entry: its delivery, whether it loses, its stream."""
         if not self.is_wired:
-            return ""
+            return ", delivery: at_once"
         words = ""
         if self.chance(0.25) or self.kind == "nodes":
             said = "late" if self.kind == "nodes" and self.chance(0.7) else self.rng.choice(WORDS)

@@ -21,6 +21,7 @@
 #include "maide/check/verdict/check_system.hpp"
 #include "maide/cli/command.hpp"
 #include "maide/cli/command_line.hpp"
+#include "maide/join/at_rest.hpp"
 #include "maide/join/learned_models.hpp"
 #include "maide/join/real_system.hpp"
 #include "maide/join/replay.hpp"
@@ -234,13 +235,13 @@ Json as_json(const Replay& replay, const Tally& tally, const std::string& verdic
 }
 
 // A run of this system need not show in this system what it showed in its own.
-void check_claim(const Replay& replay, const Trace& trace, const std::string& file) {
-  if (replay.property.empty()) return;
-  const Property property = find_property(replay.system, replay.property);
-  const std::string flaw = find_flaw_in_parts(replay.system, property, trace);
+void check_claim(const System& system, const std::string& property, const Trace& trace,
+                 const std::string& file) {
+  if (property.empty()) return;
+  const std::string flaw = find_flaw_in_parts(system, find_property(system, property), trace);
   if (flaw.empty()) return;
   throw UsageError(fmt::format("the trace does not show that '{}' is violated in {}: {} ({})",
-                               replay.property, replay.system.file, flaw, file));
+                               property, system.file, flaw, file));
 }
 
 // What no real system is asked for is an assumption, and if that is all, there is nothing to
@@ -277,9 +278,11 @@ Trace in_order_of_executors(Replay& replay, const Trace& trace, const RunControl
   return *ordered;
 }
 
-// `trace_text` is that of the trace, if there is one.
-void read_traces(Replay& replay, const ReplayArguments& arguments, const std::string& trace_text,
-                 const ModelRequests& requests, const RunControl& control) {
+// `trace_text` is that of the trace, if there is one. `late`: the system with messages on their
+// way; the replayed one is at rest. Returns why the trace cannot be played; "": it can.
+std::string read_traces(Replay& replay, const System& late, const ReplayArguments& arguments,
+                        const std::string& trace_text, const ModelRequests& requests,
+                        const RunControl& control) {
   const auto find_played = [&] {
     if (meet_nodes(replay.system, replay.traces))
       replay.nodes = find_nodes(replay.system, requests);
@@ -292,16 +295,22 @@ void read_traces(Replay& replay, const ReplayArguments& arguments, const std::st
           draw_run(replay.system, arguments.steps, random, !replay.system.callbacks.empty()));
     }
     find_played();
-    return;
+    return "";
   }
-  TraceFile file = parse_trace(trace_text, arguments.trace, replay.system);
+  TraceFile file = parse_trace(trace_text, arguments.trace, late);
   replay.property = std::move(file.property);
-  check_claim(replay, file.trace, arguments.trace);
+  check_claim(late, replay.property, file.trace, arguments.trace);
+  if (!late.nobodys_actions.empty()) {
+    const auto at_rest = trace_at_rest(late, replay.property, file.trace, replay.system);
+    if (!at_rest) return describe_late_message(late, file.trace);
+    file.trace = *at_rest;
+  }
   replay.assumptions = find_assumptions(replay.system, file.trace);
   replay.traces = {file.trace};
   find_played();
   if (replay.nodes) file.trace = in_order_of_executors(replay, file.trace, control);
   replay.traces.assign(arguments.rounds, file.trace);
+  return "";
 }
 
 ExitStatus run_replay(const ReplayArguments& arguments, Context& context) {
@@ -326,8 +335,18 @@ ExitStatus run_replay(const ReplayArguments& arguments, Context& context) {
     }
   }
   Replay replay;
-  replay.system = read_system(arguments.system, models, context.control(), constants);
-  read_traces(replay, arguments, trace_text, requests, context.control());
+  const System late = read_system(arguments.system, models, context.control(), constants);
+  replay.system = late.nobodys_actions.empty()
+                      ? late
+                      : read_system(arguments.system, models, context.control(), constants,
+                                    Deliveries::at_rest);
+  const std::string untried =
+      read_traces(replay, late, arguments, trace_text, requests, context.control());
+  if (!untried.empty()) {
+    context.print(untried + "\n");
+    context.set_result({{"verdict", "not tried"}, {"reason", untried}});
+    return ExitStatus::inconclusive;
+  }
   // One run keeps one system busy.
   const std::size_t jobs = replay.traces.size() == 1 ? 1 : arguments.jobs;
   const auto settings = parse_system_spec("sim", arguments.settings).options;

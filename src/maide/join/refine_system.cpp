@@ -11,6 +11,8 @@
 
 #include "maide/base/file.hpp"
 #include "maide/base/text.hpp"
+#include "maide/check/build/system_file.hpp"
+#include "maide/join/at_rest.hpp"
 #include "maide/join/replay.hpp"
 #include "maide/join/replay_plan.hpp"
 
@@ -41,6 +43,7 @@ class Refiner {
   void read_and_check() {
     requests_.clear();
     real_.clear();
+    at_rest_ = System();
     static_cast<CheckedSystem&>(result_) = check_system_text(
         text_, path_.string(), engine_, request_,
         record_requests(make_learning_source(options_.models), requests_), options_.settings);
@@ -64,22 +67,37 @@ class Refiner {
 
   // How the real system left the counterexample; nothing if it followed.
   std::optional<Deviation> try_on_real_system(const PropertyResult& property) {
-    if (real_.empty()) {
-      real_ = open_real_systems(result_.system, requests_, {1, "", control()});
+    // What is late on its way cannot be made so on a real system.
+    const bool is_late = !result_.system.nobodys_actions.empty();
+    if (is_late && at_rest_.programs.empty()) {
+      at_rest_ = parse_system(text_, path_.string(), make_learning_source(options_.models),
+                              control(), options_.settings, Deliveries::at_rest);
     }
+    const System& system = is_late ? at_rest_ : result_.system;
+    Trace trace = *property.trace;
+    if (is_late) {
+      const auto at_rest = trace_at_rest(result_.system, property.name, trace, system);
+      if (!at_rest) {
+        result_.report.assumptions.push_back(property.name + ": " +
+                                             describe_late_message(result_.system, trace));
+        return std::nullopt;
+      }
+      trace = *at_rest;
+    }
+    if (real_.empty()) real_ = open_real_systems(system, requests_, {1, "", control()});
     std::optional<Deviation> deviation;
     for (std::size_t attempt = 0; attempt < options_.most_attempts; ++attempt) {
       play_on_real_system(
-          result_.system, real_, {&*property.trace, 1}, {3, control()},
+          system, real_, {&trace, 1}, {3, control()},
           [&](std::size_t, ReplayedRun run) { deviation = std::move(run.deviation); });
       if (!deviation || deviation->kind != Deviation::Kind::other_answer) break;
     }
     if (!deviation) {
       confirmed_.push_back(property.name);
-      for (const std::string& line : find_unplayed(result_.system, {&*property.trace, 1}).models) {
+      for (const std::string& line : find_unplayed(system, {&trace, 1}).models) {
         result_.report.assumptions.push_back(property.name + ": " + line);
       }
-      for (std::string& assumption : find_assumptions(result_.system, *property.trace)) {
+      for (std::string& assumption : find_assumptions(system, trace)) {
         result_.report.assumptions.push_back(property.name + ": " + assumption);
       }
     }
@@ -195,6 +213,7 @@ class Refiner {
   const CheckRequest& request_;
   RefinementOptions options_;
   ModelRequests requests_;
+  System at_rest_;  // the system last checked, as it is played; empty: not read
   std::vector<std::unique_ptr<RealSystem>> real_;  // of the models that were checked last
   std::vector<std::string> confirmed_;             // properties whose violation is real
   std::map<std::string, std::string> tests_;       // of the models, after the verdict

@@ -17,6 +17,7 @@
 #include "maide/check/rules/model_words.hpp"
 #include "maide/check/system/atom_view.hpp"
 #include "maide/check/verdict/message_account.hpp"
+#include "maide/check/verdict/on_its_way.hpp"
 #include "maide/check/verdict/waiting.hpp"
 #include "maide/report/ways_out_text.hpp"
 
@@ -340,7 +341,8 @@ class Sentence {
 
   // The input that the step gives to the model.
   Symbol given_input(std::uint32_t model, const Step& step) const {
-    const auto events = events_of(system_, step);
+    // What arrives is no event of the connection, which the sending was.
+    const auto events = step.actor == nobody ? uses_of(system_, step) : events_of(system_, step);
     const auto event = std::ranges::find_if(
         events, [&](const ModelUse& use) { return use.kind == Kind::give && use.model == model; });
     MAIDE_CHECK(event != events.end());
@@ -676,8 +678,19 @@ class Sentence {
 
 }  // namespace
 
+namespace {
+
+// "; still on its way: a message from mapper to map, sent at step 1"; "": nothing, or it goes on.
+std::string describe_on_its_way(const System& system, const Trace& trace) {
+  if (trace.loop_start || system.nobodys_actions.empty()) return "";
+  const std::vector<std::string> found = find_on_its_way(system, trace, replay(system, trace));
+  return found.empty() ? "" : "; still on its way: " + join(found, "; ");
+}
+
+}  // namespace
+
 std::string explain(const System& system, const Property& property, const Trace& trace) {
-  return Sentence(system, trace).write(property);
+  return Sentence(system, trace).write(property) + describe_on_its_way(system, trace);
 }
 
 std::string explain_again(const System& system, const Property& property, const Trace& trace,

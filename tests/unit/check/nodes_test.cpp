@@ -168,7 +168,7 @@ TEST(Services, KeepTheLastRequests) {
 // for nothing, so there are some thousand states.
 TEST(Services, ThreeClientsOfTheDefaultDepthAreCheckedWhole) {
   const System system = nodes_from(
-      "services: {s: {server: d, clients: [a, b, c]}}\n"
+      "services: {s: {server: d, clients: [a, b, c], delivery: at_once}}\n"
       "programs:\n"
       "  d: \"loop { idle s.serve -> request; s.answer; }\"\n"
       "  a: \"loop { s.send; s.receive -> answer; }\"\n"
@@ -183,7 +183,7 @@ TEST(Services, ThreeClientsOfTheDefaultDepthAreCheckedWhole) {
 // behind each of `serve` and `receive` that wait.
 TEST(Services, OneClientIsCounted) {
   const System system = nodes_from(
-      "services: {s: {server: a, clients: b, with: {depth: 1}}}\n"
+      "services: {s: {server: a, clients: b, with: {depth: 1}, delivery: at_once}}\n"
       "programs:\n"
       "  a: \"loop { select { on s.serve -> request { } on s.answer { } } }\"\n"
       "  b: \"loop { select { on s.send { } on s.receive -> answer { } } }\"\n");
@@ -214,8 +214,8 @@ TEST(Executors, TwoRunsOfAReentrantCallbackLoseAnUpdate) {
 
 const std::string two_subscriptions =
     "topics:\n"
-    "  a: {writers: w, readers: n, use: queue, with: {size: 1}}\n"
-    "  b: {writers: w, readers: n, use: queue, with: {size: 1}}\n"
+    "  a: {writers: w, readers: n, use: queue, with: {size: 1}, delivery: at_once}\n"
+    "  b: {writers: w, readers: n, use: queue, with: {size: 1}, delivery: at_once}\n"
     "programs: {w: \"a.write; b.write; @both a.write; a.write;\"}\n"
     "executors: {main: {kind: single, order: rounds}}\n"
     "nodes:\n"
@@ -399,8 +399,9 @@ TEST(Executors, WhatIsLearnedFromRos2IsSaidToBeWithoutThem) {
 const std::string answered_before =
     "topics:\n"
     "  go: {writers: other, readers: n.on_go, use: queue, with: {size: 1}}\n"
-    "  a: {writers: server, readers: n.on_a, use: queue, with: {size: 1}}\n"
-    "services: {s: {server: server, clients: [n, other], with: {depth: 2, rmw: cyclonedds}}}\n"
+    "  a: {writers: server, readers: n.on_a, use: queue, with: {size: 1}, delivery: at_once}\n"
+    "services: {s: {server: server, clients: [n, other], with: {depth: 2, rmw: cyclonedds}, "
+    "delivery: at_once}}\n"
     "programs:\n"
     "  other: \"s.send; s.receive -> answer; go.write;\"\n"
     "  server: \"s.serve -> request; s.answer; s.serve -> request; a.write; s.answer;\"\n"

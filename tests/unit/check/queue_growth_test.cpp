@@ -207,7 +207,8 @@ TEST(QueueGrowth, EachModelThatIsMadeWholeHasTheStatesThatAreMet) {
   QueueLimits limits;
   limits.searched_first = 0;
   const System system = read(
-      "services: {first: {server: p, clients: q}, second: {server: r, clients: s}}\n"
+      "services: {first: {server: p, clients: q, delivery: at_once}, second: {server: r, clients: "
+      "s, delivery: at_once}}\n"
       "programs:\n"
       "  p: \"loop { idle first.serve -> request; first.answer; }\"\n"
       "  q: \"first.send; first.receive -> answer;\"\n"

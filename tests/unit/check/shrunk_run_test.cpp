@@ -18,7 +18,7 @@ namespace {
 
 using testing::HasSubstr;
 
-Property stuck() {
+Property stuck_property() {
   Property property;
   property.name = "stuck";
   property.kind = Property::Kind::stuck;
@@ -56,12 +56,12 @@ nodes:
 
 TEST(ShrunkRun, ItsLoopNeedNotCloseAtOnce) {
   const System system = kitchen();
-  const PropertyResult result = NativeEngine().check(system, stuck(), {});
+  const PropertyResult result = NativeEngine().check(system, stuck_property(), {});
   ASSERT_EQ(result.verdict, Verdict::violated);
   const Trace& trace = *result.trace;
-  EXPECT_EQ(find_flaw(system, stuck(), trace), "");
+  EXPECT_EQ(find_flaw(system, stuck_property(), trace), "");
   EXPECT_LE(trace.steps.size(), 24U);
-  const std::string sentence = explain(system, stuck(), trace);
+  const std::string sentence = explain(system, stuck_property(), trace);
   EXPECT_THAT(sentence, HasSubstr("the group table"));
   EXPECT_THAT(sentence, HasSubstr("; the first rounds fill order)"));
   const std::vector<GlobalState> states = replay(system, trace);
@@ -69,9 +69,9 @@ TEST(ShrunkRun, ItsLoopNeedNotCloseAtOnce) {
   // The same run, told until its states come again, is a counterexample, too.
   const Trace whole = closed(system, trace, states).value();
   EXPECT_GT(whole.steps.size(), 4 * trace.steps.size());
-  EXPECT_EQ(find_flaw(system, stuck(), whole), "");
+  EXPECT_EQ(find_flaw(system, stuck_property(), whole), "");
   EXPECT_TRUE(models_that_change(whole, replay(system, whole)).empty());
-  EXPECT_EQ(shrink(system, stuck(), whole, {}).steps.size(), trace.steps.size());
+  EXPECT_EQ(shrink(system, stuck_property(), whole, {}).steps.size(), trace.steps.size());
   // It is written and read back.
   const std::string text = to_json_line(trace_file_to_json(system, "stuck", trace));
   EXPECT_EQ(parse_trace(text, "t.json", system).trace, trace);
@@ -89,7 +89,7 @@ TEST(ShrunkRun, ALoopThatCannotGoOnForEverIsNone) {
     at = apply(system, at, steps.front());
   }
   trace.loop_start = 1;
-  EXPECT_EQ(find_flaw(system, stuck(), trace), "the loop does not repeat");
+  EXPECT_EQ(find_flaw(system, stuck_property(), trace), "the loop does not repeat");
 }
 
 // Other steps before and in the loop than the violation needs.
@@ -118,7 +118,7 @@ class LongRun : public testing::Test {
 };
 
 TEST_F(LongRun, LosesWhatTheViolationDoesNotNeed) {
-  std::vector<Property> properties{stuck(), system_.properties.at(0)};
+  std::vector<Property> properties{stuck_property(), system_.properties.at(0)};
   for (const Property& property : properties) {
     ASSERT_EQ(find_flaw(system_, property, trace_), "") << property.name;
     const Trace shrunk = shrink(system_, property, trace_, {});
@@ -130,18 +130,18 @@ TEST_F(LongRun, LosesWhatTheViolationDoesNotNeed) {
 }
 
 TEST_F(LongRun, IsKeptWhereItMustStop) {
-  EXPECT_EQ(shrink(system_, stuck(), trace_, {}, 0), trace_);
+  EXPECT_EQ(shrink(system_, stuck_property(), trace_, {}, 0), trace_);
   std::stop_source source;
   source.request_stop();
   RunControl control;
   control.stop = source.get_token();
-  EXPECT_EQ(shrink(system_, stuck(), trace_, control), trace_);
+  EXPECT_EQ(shrink(system_, stuck_property(), trace_, control), trace_);
 }
 
 TEST_F(LongRun, IsACounterexampleHoweverLittleIsTried) {
   for (const std::uint64_t most : {1, 100, 200, 400, 800, 1600, 6400}) {
-    const Trace shrunk = shrink(system_, stuck(), trace_, {}, most);
-    EXPECT_EQ(find_flaw(system_, stuck(), shrunk), "") << most;
+    const Trace shrunk = shrink(system_, stuck_property(), trace_, {}, most);
+    EXPECT_EQ(find_flaw(system_, stuck_property(), shrunk), "") << most;
     EXPECT_LE(shrunk.steps.size(), trace_.steps.size()) << most;
   }
 }

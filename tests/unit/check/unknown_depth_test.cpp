@@ -23,7 +23,7 @@ System system_with(std::string text, const std::string& depth) {
   for (std::size_t at = 0; (at = text.find(hole, at)) != std::string::npos;) {
     text.replace(at, hole.size(), depth);
   }
-  return parse_system(text, "s.yaml", test::test_model);
+  return parse_system(text, "s.yaml", test::test_model, {}, {}, Deliveries::at_rest);
 }
 
 CheckReport check(const System& system) {

@@ -483,12 +483,13 @@ TEST(Explanation, CountsMessagesAndListsNone) {
 }
 
 TEST(Explanation, HasTheWordsOfTheFileAtASecondEnd) {
-  const std::string text = shown(
-      parse_system(
-          "topics: {t: {writers: [a, b], readers: c, use: queue, with: {size: 1}}}\nprograms:\n"
-          "  a: skip;\n  b: \"t.write; t.write;\"\n  c: skip;\n",
-          "s.yaml"),
-      "deadlock");
+  const std::string text =
+      shown(parse_system(
+                "topics: {t: {writers: [a, b], readers: c, use: queue, with: {size: 1}, delivery: "
+                "at_once}}\nprograms:\n"
+                "  a: skip;\n  b: \"t.write; t.write;\"\n  c: skip;\n",
+                "s.yaml"),
+            "deadlock");
   EXPECT_THAT(text, testing::Not(testing::HasSubstr("write2")));
   EXPECT_THAT(text, testing::StartsWith("b waits at line 4 for t.write; t[c] is full; no program "
                                         "would ever make that possible\n"));

@@ -234,8 +234,9 @@ TEST(Ros2System, OfBestEffortSaysSo) {
       "programs: {camera: \"image.write;\", detector: \"image.read -> message;\"}\n",
       "s.yaml", without_ros2);
   NativeEngine engine;
-  EXPECT_THAT(check_system(system, engine, {}).assumptions,
-              Contains(HasSubstr("image[detector]: best_effort, as where nothing is lost")));
+  EXPECT_THAT(
+      check_system(system, engine, {}).assumptions,
+      Contains(HasSubstr("image: what is sent arrives some time later, in order, or is lost")));
 }
 
 // A name that a node, a topic and a service have; nodes of two namespaces; two subscriptions.

@@ -12,6 +12,7 @@
 
 #include "maide/base/file.hpp"
 #include "maide/check/build/make_program.hpp"
+#include "maide/check/build/wires.hpp"
 #include "maide/check/ltl/ltl_automaton.hpp"
 #include "maide/check/system/model_actions.hpp"
 
@@ -27,6 +28,7 @@ class SystemBuilder {
       : file_(file), models_(std::move(models)), limits_(limits), control_(control) {}
 
   System build() {
+    system_.connections = add_wires(file_, models_);
     system_.file = file_.tree().file();
     system_.sources.emplace(system_.file, file_.tree().document->text);
     system_.models = std::move(models_.instances);
@@ -91,6 +93,7 @@ class SystemBuilder {
       if (declared.thread) name_callbacks(program, *declared.thread);
       if (declared.may_die) name_ends(program, number);
     }
+    add_arrivals(file_, models_.names, system_, actions);
   }
 
   program_syntax::Tree resolve(std::uint32_t number) {

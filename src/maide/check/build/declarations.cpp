@@ -1,5 +1,8 @@
 #include "maide/check/build/declarations.hpp"
 
+#include <functional>
+#include <string_view>
+
 #include "maide/check/build/code_resolver.hpp"
 #include "maide/check/ltl/formula.hpp"
 
@@ -176,6 +179,7 @@ void declare_programs(Declarations& file) {
         static_cast<std::uint32_t>(file.programs.size()), array.dimensions, false, {}};
     for (std::uint64_t member = 0; member < array.count(); ++member) {
       program.name = array.member(member);
+      program.process = process_of(entry, program.name);
       program.indices = array.indices_of(member);
       file.programs.push_back(program);
     }
@@ -221,9 +225,33 @@ void check_names(const Declarations& declared) {
 
 }  // namespace
 
-Declarations declare(SystemTree tree) {
+namespace {
+
+// A text of the file gives the input, or a callback takes what it brings.
+bool is_given(const TreeNode& node, std::string_view input) {
+  bool found = false;
+  const auto visit = [&](const syntax::Event& event) { found = found || event.name.text == input; };
+  for_each_code(node, [&](const syntax::Code& code) {
+    syntax::for_each_statement(code.block, [&](const syntax::Statement& statement) {
+      visit(statement.event);
+      for (const syntax::SelectArm& arm : statement.select_arms) visit(arm.event);
+    });
+  });
+  const std::function<void(const TreeNode&)> visit_taken = [&](const TreeNode& at) {
+    if (at.taken) visit(at.taken->event);
+    for (const TreeNode& child : at.children) visit_taken(child);
+  };
+  visit_taken(node);
+  return found;
+}
+
+}  // namespace
+
+Declarations declare(SystemTree tree, Deliveries deliveries) {
   Declarations file;
+  file.is_at_rest = deliveries == Deliveries::at_rest;
   file.source = std::make_shared<const SystemTree>(std::move(tree));
+  file.asks_at_once = is_given(file.tree().root, "tryread");
   const TreeNode& root = file.tree().root;
   if (root.find("programs") == nullptr && root.find("nodes") == nullptr) {
     file.tree().fail("there is no 'programs:' and no 'nodes:'", root);

@@ -35,6 +35,7 @@ struct ProgramDeclaration {
   std::shared_ptr<program_syntax::Thread> thread;
   std::vector<std::string> nodes;  // whose callbacks it runs
   std::string execution;           // "on one thread, in any order"
+  std::string process;             // programs of one process have the same name here
   SourcePosition position;         // where its text begins, or what runs it is named
 };
 
@@ -80,6 +81,16 @@ struct ModelOrigin {
   const YamlNode* ends = nullptr;  // what the file says under `ends:`
 };
 
+// What the file says about how messages get to a model.
+struct DeliveryWish {
+  std::optional<Delivery> delivery;
+  std::optional<bool> loses;
+  std::optional<std::uint32_t> pub_depth, depth;  // its own, not those of one reader
+  bool has_depth = false;                         // it says one, be it no plain number
+  bool keeps_all = false;                         // `pub-history`, or `history`
+  bool is_best_effort = false;
+};
+
 struct Declarations {
   std::shared_ptr<const SystemTree> source;  // entries point into it
   WordTable words;
@@ -94,7 +105,10 @@ struct Declarations {
   std::vector<CallbackInstance> callbacks;
   // Of a reader's model its topic, and its place among the readers.
   std::map<std::uint32_t, std::pair<std::size_t, std::size_t>> topic_of;
-  std::map<std::uint32_t, std::string> ends_of;  // of models with ends: their name, in `names`
+  bool is_at_rest = false;    // all messages arrive at once, whatever the file says
+  bool asks_at_once = false;  // some text has `tryread`, which queues then have as an input
+  std::map<std::uint32_t, DeliveryWish> deliveries;  // by model, of topics' readers, too
+  std::map<std::uint32_t, std::string> ends_of;      // of models with ends: their name, in `names`
 
   // Names of the file. `first` of an array is the number of its first member.
   std::map<std::string, SourcePosition> taken;
@@ -110,7 +124,7 @@ struct Declarations {
 };
 
 // Resolves all names of the file's own. Throws ParseError.
-Declarations declare(SystemTree tree);
+Declarations declare(SystemTree tree, Deliveries deliveries = Deliveries::as_said);
 
 // ---- The parts of declare() ----
 
@@ -148,6 +162,13 @@ Expression constant_of(Declarations& file, const syntax::Term& term, const Indic
 std::uint32_t count_of(const Expression& value, std::uint32_t most);
 // A name without signs that have a meaning elsewhere. `what`: "an executor".
 void check_plain_name(const Declarations& file, const TreeNode& entry, const std::string& what);
+// `options`: those of the connection itself, by name.
+DeliveryWish read_delivery(const Declarations& file, const TreeNode& entry,
+                           const std::map<std::string, std::string>& options);
+// The process that the entry of a program or executor names, or one of its own.
+std::string process_of(const TreeNode& entry, const std::string& name);
+// That of the program or node.
+std::string process_of_end(const Declarations& file, const End& end);
 // Runs of a callback at one time.
 std::uint32_t runs_of(const Declarations& file, const NodeDeclaration& node, std::size_t callback);
 

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <set>
 #include <string>
 #include <string_view>
@@ -108,18 +109,27 @@ class ModelDeclarer {
         file_.tree().fail("a " + kind + " has no options", *find(fields_, "with"));
       return;
     }
-    check_options(kind, known);
-    if (options_.size() != 1) {
+    std::vector<std::string> allowed = known;
+    if (kind == "queue") allowed.insert(allowed.end(), {"pub-depth", "pub-history"});
+    check_options(kind, allowed);
+    Fields sizes;
+    for (const TreeNode* option : options_) {
+      if (std::find(known.begin(), known.end(), option->name_text()) != known.end()) {
+        sizes.push_back(option);
+      }
+    }
+    if (sizes.size() != 1) {
       std::string forms;
       for (const std::string& name : known) {
         forms += (forms.empty() ? "'with: {" : " or 'with: {") + name + ": N}'";
       }
       file_.tree().fail("a " + kind + " needs " + forms, *use);
     }
-    const TreeNode& option = *options_.front();
+    const TreeNode& option = *sizes.front();
     const bool is_depth = option.name_text() == "depth";
+    origin.size.has_tryread = file_.asks_at_once;
     if (is_depth && option.text() == unknown_depth) {
-      origin.size = {1, true, {}, true};
+      origin.size = {1, true, {}, true, file_.asks_at_once};
       return;
     }
     constexpr std::uint32_t most = 1'000'000;
@@ -193,6 +203,13 @@ Fields options_of(const TreeNode& entry) {
   const TreeNode* const with = entry.find("with");
   return with == nullptr ? Fields() : fields_of(*with);
 }
+std::map<std::string, std::string> values_of(const Declarations& file, const Fields& options) {
+  std::map<std::string, std::string> values;
+  for (const TreeNode* option : options) {
+    values.emplace(option->name_text(), option_value(file, *option));
+  }
+  return values;
+}
 
 }  // namespace
 
@@ -220,6 +237,8 @@ void declare_models(Declarations& file) {
       model.name = array.member(member);
       declarer.declare_built_in(origin, array.indices_of(member));
       const auto number = static_cast<std::uint32_t>(file.models.size());
+      file.deliveries.emplace(number,
+                              read_delivery(file, entry, values_of(file, options_of(entry))));
       file.models.push_back(model);
       file.origins.push_back(origin);
       if (origin.kind == ModelOrigin::Kind::asked) {
@@ -284,6 +303,7 @@ Topic::Reader declare_reader(Declarations& file, const References& references,
   ModelInstance model = declarer.declare(topic + "[" + reader.name + "]", origin);
   declarer.declare_built_in(origin, indices);
   const auto number = static_cast<std::uint32_t>(file.models.size());
+  file.deliveries.emplace(number, read_delivery(file, entry, values_of(file, options_of(entry))));
   file.models.push_back(std::move(model));
   file.origins.push_back(std::move(origin));
   return {reader.program, number, reader.callback, {}, {}, {}, {}};

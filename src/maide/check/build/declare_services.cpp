@@ -65,6 +65,8 @@ void declare_service(Declarations& file, const TreeNode& entry, const std::strin
           "a program that may die is at no end of a service: that is not built", entry);
     }
   }
+  file.deliveries.emplace(static_cast<std::uint32_t>(file.models.size()),
+                          read_delivery(file, entry, {}));
   file.names.services.emplace(static_cast<std::uint32_t>(file.models.size()), std::move(service));
   file.models.push_back(std::move(model));
   file.origins.emplace_back();

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "maide/check/build/declarations.hpp"
+#include "maide/check/build/deliveries.hpp"
 
 namespace maide {
 namespace {
@@ -71,6 +72,7 @@ void add_thread(Declarations& file, const std::string& name, const ExecutorDecla
                    [](const Callback& a, const Callback& b) { return a.kind < b.kind; });
   ProgramDeclaration program;
   program.name = name;
+  program.process = process_of(*executor.entry, "executor " + executor.name);
   program.position = file.tree().at_name(*executor.entry);
   program.execution = executor.threads > 1 ? "on " + std::to_string(executor.threads) + " threads"
                                            : std::string("on one thread, ") +
@@ -166,6 +168,16 @@ ServiceShape shape_of(const Declarations& file, std::uint32_t model, const Servi
     }
   }
   shape.is_served_by_node = !service.server.node.empty();
+  const DeliveryWish& wish = file.deliveries.at(model);
+  for (const End& client : service.clients) {
+    DeliveryPlace place;
+    place.has_nodes = !file.nodes.empty();
+    place.is_in_one_process = process_of_end(file, client) == process_of_end(file, service.server);
+    place.is_of_ros2 = !file.models[model].origin.empty() || !service.server.node.empty();
+    const DeliveryRule rule = delivery_of(service, wish, place);
+    shape.is_late.push_back(rule.delivery == Delivery::late && !file.is_at_rest);
+    shape.loses = rule.wire.loses;
+  }
   return shape;
 }
 

@@ -2,6 +2,7 @@
 // ModelSource, so that checking knows nothing of learning.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <memory>
@@ -13,6 +14,13 @@
 #include "maide/base/error.hpp"
 
 namespace maide {
+
+// When messages arrive in the system that is read.
+enum class Deliveries : std::uint8_t {
+  as_said,  // late, but where the file or its models say otherwise
+  at_rest,  // at once: what can be played step by step on a real system, which comes to rest
+            // between
+};
 
 // What the system file says about where a model comes from: a file, or a system to be learned.
 struct ModelRequest {

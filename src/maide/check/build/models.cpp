@@ -70,7 +70,7 @@ void make_queue_of(Models& models, std::uint32_t number, const QueueSize& size,
     // What is behind its bound was left out by us, and is no place where nothing can happen.
     model.when_unexplored = WhenUnexplored::stop;
     model.automaton =
-        models.growing.emplace(number, std::make_unique<GrowingQueue>(size)).first->second->start();
+        models.growing.emplace(number, std::make_shared<GrowingQueue>(size)).first->second->start();
   } else {
     model.automaton = make_queue(size);
   }
@@ -146,7 +146,7 @@ class ModelFinder {
   }
 
   void make_service(std::uint32_t number) {
-    auto rules = std::make_unique<ServiceModel>(file_.shapes.at(number));
+    auto rules = std::make_shared<ServiceModel>(file_.shapes.at(number));
     models_.names.services.at(number).rules = rules.get();
     models_.instances[number].automaton = rules->start();
     models_.growing.emplace(number, std::move(rules));

@@ -28,12 +28,21 @@ class Growth {
       : system_(system), actions_(actions), models_(models), limits_(limits), control_(control) {}
 
   void run() {
+    // Other components are asked for what nobody does in them, and stay where they begin.
+    for (const auto& [model, growing] : models_) {
+      reach(model, system_.models[model].automaton.initial());
+    }
+    for (const auto& [model, growing] : models_) {
+      if (system_.models[model].source != ModelInstance::Source::wire) continue;
+      if (follow_writer(model)) whole_.insert(model);
+    }
     for (const auto& component : find_components(system_)) {
       std::set<std::uint32_t> small;  // perhaps
       for (const std::uint32_t program : component) {
         for (const std::uint32_t model : models_of(system_.programs[program])) {
           const auto growing = models_.find(model);
-          if (growing != models_.end() && !growing->second->is_large()) small.insert(model);
+          if (growing == models_.end() || whole_.contains(model)) continue;
+          if (!growing->second->is_large()) small.insert(model);
         }
       }
       const bool is_done = !small.empty() && search(component, limits_.searched_first);
@@ -75,6 +84,65 @@ class Growth {
     }
   }
 
+  // All states that a wire can come to by what its one writer does in the order of its text, the
+  // models being left out, and by what others do with it at any time. False if they are too many,
+  // or there are several writers: threads of one node.
+  bool follow_writer(std::uint32_t wire) {
+    // By program: the uses of the wire by its edges.
+    std::map<std::uint32_t, std::map<std::uint32_t, std::uint32_t>> users;  // action by edge
+    for (std::uint32_t number = 0; number < system_.programs.size(); ++number) {
+      const Program& program = system_.programs[number];
+      for (std::uint32_t edge = 0; edge < program.edges.size(); ++edge) {
+        for (const ModelUse& use : program.uses_of(program.edges[edge])) {
+          if (use.model == wire) users[number].emplace(edge, use.index);
+        }
+      }
+    }
+    if (users.size() != 1) return false;
+    std::set<std::uint32_t> of_nobody;  // actions
+    for (const NobodysAction& action : system_.nobodys_actions) {
+      for (const ModelUse& use : action.what.uses) {
+        if (use.model == wire) of_nobody.insert(use.index);
+      }
+    }
+    const auto& [number, by_edge] = *users.begin();
+    const Program& program = system_.programs[number];
+    using Pair = std::pair<ControlState, StateId>;
+    std::set<Pair> seen{{0, system_.models[wire].automaton.initial()}};
+    std::vector<Pair> open(seen.begin(), seen.end());
+    const auto meet = [&](ControlState control, StateId state) {
+      if (seen.emplace(control, state).second) open.emplace_back(control, state);
+    };
+    while (!open.empty()) {
+      const auto [control, state] = open.back();
+      open.pop_back();
+      if (seen.size() > limits_.met_states || !may_go_on() || !reach(wire, state) ||
+          system_.models[wire].automaton.size() > limits_.small_states) {
+        reached_.erase(wire);
+        return false;
+      }
+      const auto steps_of = [this, wire,
+                             held = state](std::uint32_t action) -> const std::vector<ModelStep>& {
+        return system_.models[wire].actions[action].steps[held];
+      };
+      const Program::State& at = program.states[control];
+      for (std::uint32_t edge = at.first_edge; edge < at.first_edge + at.edge_count; ++edge) {
+        const auto use = by_edge.find(edge);
+        if (use == by_edge.end()) {
+          meet(program.edges[edge].target, state);
+          continue;
+        }
+        for (const ModelStep& step : steps_of(use->second)) {
+          meet(program.edges[edge].target, step.target);
+        }
+      }
+      for (const std::uint32_t action : of_nobody) {
+        for (const ModelStep& step : steps_of(action)) meet(control, step.target);
+      }
+    }
+    return true;
+  }
+
   // All states that the model can come to by inputs and by what programs do with it. False if they
   // are too many.
   bool make_whole(std::uint32_t model) {
@@ -111,13 +179,16 @@ class Growth {
         return system_.programs[program].is_error(state.programs[program]);
       });
       if (is_error) continue;
-      for (const std::uint32_t program : programs) {
-        for (const Step& step : enabled_steps(system_, state, program)) {
+      const auto take_steps_of = [&](std::uint32_t actor) {
+        for (const Step& step : enabled_steps(system_, state, actor)) {
           if (step.is_cut) continue;
           GlobalState next = apply(system_, state, step);
           if (seen.insert(hash_of(next)).second) open.push_back(std::move(next));
         }
-      }
+      };
+      // What is nobody's in other components is not possible: their programs do not move.
+      for (const std::uint32_t program : programs) take_steps_of(program);
+      take_steps_of(nobody);
     }
     return open.empty();
   }

@@ -32,7 +32,7 @@ struct QueueLimits {
   std::uint64_t searched_first = 20'000;    // before models are made whole
 };
 
-using GrowingModels = std::map<std::uint32_t, std::unique_ptr<GrowingModel>>;  // by model
+using GrowingModels = std::map<std::uint32_t, std::shared_ptr<GrowingModel>>;  // by model
 
 // Grows the models, which are as GrowingModel::start() made them, and cuts them down to what was
 // met. The system's programs were made with `actions`, and have to be made anew, with the actions

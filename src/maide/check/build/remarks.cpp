@@ -43,7 +43,10 @@ class RemarkWriter {
     }
     for (std::uint32_t index = 0; index < system_.models.size(); ++index) {
       const ModelInstance& model = system_.models[index];
-      if (used.contains(index) || model.source == ModelInstance::Source::variable) continue;
+      if (used.contains(index) || model.source == ModelInstance::Source::variable ||
+          model.source == ModelInstance::Source::wire) {
+        continue;
+      }
       system_.remarks.push_back("no program uses model '" + model.name + "' (" +
                                 to_string(model.position) + ")");
     }

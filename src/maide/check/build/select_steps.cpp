@@ -11,8 +11,30 @@
 #include <vector>
 
 #include "maide/check/build/unroller.hpp"
+#include "maide/check/build/wires.hpp"
 
 namespace maide::program_syntax {
+
+namespace {
+std::string node_of(const Callback* callback) {
+  return callback == nullptr ? std::string() : callback->node;
+}
+}  // namespace
+
+const Wire* Unroller::wire_for(std::uint32_t model, Symbol input, const Callback* callback) const {
+  const Wire* const wire = names_.wire_of(model, node_of(callback), number_);
+  if (wire == nullptr || std::ranges::find(wire->letters, input) == wire->letters.end())
+    return nullptr;
+  return wire;
+}
+
+std::optional<ModelUse> Unroller::when_own_arrived(std::uint32_t model, Symbol input,
+                                                   const Callback* callback) {
+  const Wire* const wire = names_.wire_of(model, node_of(callback), number_);
+  if (wire == nullptr || wire->others.empty()) return std::nullopt;
+  if (std::ranges::find(wire->others, input) == wire->others.end()) return std::nullopt;
+  return when_empty(*wire, actions_);
+}
 
 void Unroller::expand_rendezvous(const Place& place, const Statement& statement,
                                  const Values& values) {
@@ -24,13 +46,30 @@ void Unroller::expand_rendezvous(const Place& place, const Statement& statement,
     const ControlState target = behind_input(place, statement, values);
     if (const Topic* topic = written_topic(statement.model, statement.input.name, values)) {
       const std::string name = name_of(statement.input, values);
-      for (const Writing& way : writings(*topic, name, WriteKind::statement)) {
+      for (const Writing& way :
+           writings(*topic, name, WriteKind::statement, node_of(statement.callback))) {
         add_combined({CombinedStep::Role::step, way.uses, way.events, topic->name + "." + name, 0},
                      target, statement.line, statement.column);
       }
       return;
     }
-    return add_edge({Kind::give, model, input}, target, statement.line, statement.column);
+    const ModelUse given{Kind::give, model, input};
+    const Wire* const wire = wire_for(model, input, statement.callback);
+    const auto behind_own = when_own_arrived(model, input, statement.callback);
+    if (wire == nullptr && !behind_own) {
+      return add_edge(given, target, statement.line, statement.column);
+    }
+    const ModelInstance& instance = actions_.model(model);
+    for (Uses& uses : wire == nullptr ? std::vector<Uses>{{given, *behind_own}}
+                                      : ways_to_send(*wire, input, actions_)) {
+      add_combined({CombinedStep::Role::step,
+                    std::move(uses),
+                    {given},
+                    instance.name + "." + instance.automaton.inputs().name(input),
+                    0},
+                   target, statement.line, statement.column);
+    }
+    return;
   }
   const std::vector<const Arm*> taken = arms_of(model, statement.arms, values);
   const Alphabet& outputs = actions_.model(model).automaton.outputs();
@@ -38,7 +77,7 @@ void Unroller::expand_rendezvous(const Place& place, const Statement& statement,
     if (arm.is_quiet) {
       const ControlState target = settle(enter(*arm.body, behind(place.frame)), values);
       if (const Topic* topic = written_topic(statement.model, statement.input.name, values)) {
-        for (Uses& uses : quiet_of(*topic)) {
+        for (Uses& uses : quiet_of(*topic, node_of(statement.callback))) {
           add_combined({CombinedStep::Role::step, std::move(uses), {}, "quiet", 0}, target,
                        arm.line, arm.column);
         }
@@ -165,9 +204,9 @@ void Unroller::expand_arm(const Place& place, const SelectArm& arm, const Values
   bool has_arm = arm.arms.empty();
   for (const InputWay& way : ways_of(arm, model, input)) {
     if (way.is_beyond) {
-      add({way.use}, {given}, text, control_state(place));
+      add(way.uses, {given}, text, control_state(place));
     } else if (!way.output) {
-      add({way.use}, {given}, text, settle(enter(*arm.body, next), values));
+      add(way.uses, {given}, text, settle(enter(*arm.body, next), values));
     } else {
       const std::string& name = outputs.name(*way.output);
       const Arm* of = taken[*way.output];
@@ -176,7 +215,7 @@ void Unroller::expand_arm(const Place& place, const SelectArm& arm, const Values
           of != nullptr ? take(of->output, *of->body, next, name, values)
                         : error_state(text + " -> " + name + ": this 'select' has no arm for it",
                                       arm.line, arm.column);
-      add({way.use}, {given, {Kind::take, model, *way.output}}, text + " -> " + name, target);
+      add(way.uses, {given, {Kind::take, model, *way.output}}, text + " -> " + name, target);
     }
   }
   if (!has_arm) fail_without_output(arm, text, outputs, values);
@@ -213,7 +252,20 @@ std::vector<Unroller::InputWay> Unroller::ways_of(const SelectArm& arm, std::uin
   std::vector<InputWay> ways;
   const auto add = [&](const std::optional<ModelUse>& use, std::optional<Symbol> output,
                        bool is_beyond) {
-    if (use) ways.push_back({*use, output, is_beyond});
+    if (use) ways.push_back({{*use}, output, is_beyond});
+  };
+  if (const Wire* const wire = wire_for(model, input, arm.callback)) {
+    for (Uses& uses : ways_to_send(*wire, input, actions_)) {
+      ways.push_back({std::move(uses), std::nullopt, false});
+    }
+    return ways;
+  }
+  const auto behind_own = when_own_arrived(model, input, arm.callback);
+  const auto with_own = [&] {
+    for (InputWay& way : ways) {
+      if (behind_own) way.uses.push_back(*behind_own);
+    }
+    return ways;
   };
   const std::size_t outputs = actions_.model(model).automaton.outputs().size();
   for (Symbol output = 0; output < outputs; ++output) {
@@ -221,13 +273,13 @@ std::vector<Unroller::InputWay> Unroller::ways_of(const SelectArm& arm, std::uin
   }
   if (arm.body && ways.empty()) {
     add(ModelUse{ModelUse::Kind::give, model, input}, std::nullopt, false);
-    return ways;
+    return with_own();
   }
   if (arm.body) add(actions_.input_and_output(model, input, std::nullopt), std::nullopt, false);
   if (actions_.model(model).when_unexplored == WhenUnexplored::stop) {
     add(actions_.beyond(model, input), std::nullopt, true);
   }
-  return ways;
+  return with_own();
 }
 
 void Unroller::expand_otherwise(const Place& place, const Statement& statement,
@@ -265,7 +317,8 @@ std::vector<Uses> Unroller::idle_uses(const Statement& statement,
                                       const std::vector<std::int8_t>& guards,
                                       const Values& values) {
   std::map<std::uint32_t, std::vector<ModelUse>> by_model;
-  std::map<const Topic*, std::vector<WriteArm>> by_topic;
+  std::map<std::pair<const Topic*, std::string>, std::vector<WriteArm>> by_topic;
+  std::vector<Uses> unsent{{}};
   std::map<std::uint32_t, Uses> by_service;
   for (std::size_t i = 0; i < guards.size(); ++i) {
     const SelectArm& arm = statement.select_arms[i];
@@ -278,7 +331,7 @@ std::vector<Uses> Unroller::idle_uses(const Statement& statement,
       const bool is_input = arm.kind == SelectArm::Kind::input;
       if (const Topic* topic = written_topic(arm.model, arm.event.name, values)) {
         check_arm(arm, values);
-        std::vector<WriteArm>& arms = by_topic[topic];
+        std::vector<WriteArm>& arms = by_topic[{topic, node_of(arm.callback)}];
         if (is_input) arms.push_back({name_of(arm.event, values), kind_of(arm)});
         continue;
       }
@@ -291,10 +344,17 @@ std::vector<Uses> Unroller::idle_uses(const Statement& statement,
         if (way.due) uses.push_back(rules.use(actions_, model, *way.due));
         continue;
       }
+      if (is_input) {
+        const Symbol input = input_of(model, arm.event, values);
+        if (const Wire* const wire = wire_for(model, input, arm.callback)) {
+          unsent = combine(unsent, ways_to_wait(*wire, actions_));
+          continue;
+        }
+      }
       std::vector<ModelUse>& uses = by_model[model];
       if (!is_input) continue;  // quiescence says it
       for (const InputWay& way : ways_of(arm, model, input_of(model, arm.event, values))) {
-        uses.push_back(way.use);
+        uses.push_back(way.uses.front());
       }
     } catch (const EvaluationError&) {
       return {};  // the arm is an error
@@ -309,8 +369,10 @@ std::vector<Uses> Unroller::idle_uses(const Statement& statement,
   for (const auto& [model, taking] : by_service) {
     ways.front().push_back(actions_.impossible(model, taking));
   }
-  for (const auto& [topic, arms] : by_topic) ways = combine(ways, idle_of(*topic, arms));
-  return ways;
+  for (const auto& [writer, arms] : by_topic) {
+    ways = combine(ways, idle_of(*writer.first, arms, writer.second));
+  }
+  return combine(ways, unsent);
 }
 
 std::vector<Uses> Unroller::combine(const std::vector<Uses>& some,
@@ -358,7 +420,7 @@ void Unroller::expand_topic_arm(const Place& place, const SelectArm& arm, const 
   const std::string input = name_of(arm.event, values);
   const std::string text = topic.name + "." + input;
   bool has_way = arm.body != nullptr;
-  for (const Writing& way : writings(topic, input, kind_of(arm))) {
+  for (const Writing& way : writings(topic, input, kind_of(arm), node_of(arm.callback))) {
     ControlState target = 0;
     std::string whole = text;
     if (way.is_beyond) {

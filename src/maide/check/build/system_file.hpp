@@ -37,12 +37,14 @@ namespace maide {
 System parse_system(std::string_view text, const std::string& file,
                     const ModelSource& source = read_requested_model,
                     const RunControl& control = {},
-                    const std::vector<ConstantSetting>& settings = {});
+                    const std::vector<ConstantSetting>& settings = {},
+                    Deliveries deliveries = Deliveries::as_said);
 
 // Reads and parses. Throws UsageError if the file cannot be read. A pipe is waited for until
 // `control` says stop (throws Interrupted).
 System read_system(const std::filesystem::path& path,
                    const ModelSource& source = read_requested_model, const RunControl& control = {},
-                   const std::vector<ConstantSetting>& settings = {});
+                   const std::vector<ConstantSetting>& settings = {},
+                   Deliveries deliveries = Deliveries::as_said);
 
 }  // namespace maide

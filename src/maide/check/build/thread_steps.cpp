@@ -165,7 +165,7 @@ std::vector<Uses> Unroller::nothing_for(const SelectArm& arm, const Values& valu
   Uses taking;
   if (arm.kind == SelectArm::Kind::input) {
     for (const InputWay& way : ways_of(arm, model, input_of(model, arm.event, values))) {
-      taking.push_back(way.use);
+      taking.push_back(way.uses.front());
     }
   } else {
     const Alphabet& outputs = actions_.model(model).automaton.outputs();

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "maide/check/build/unroller.hpp"
+#include "maide/check/build/wires.hpp"
 
 namespace maide::program_syntax {
 namespace {
@@ -236,21 +237,33 @@ void Unroller::set_caller(const Topic& topic, bool is_this, Uses& uses) {
 }
 
 const std::vector<Unroller::Writing>& Unroller::writings(const Topic& topic,
-                                                         const std::string& input, WriteKind kind) {
-  const auto [place, is_new] = writings_.try_emplace({&topic, input, kind});
+                                                         const std::string& input, WriteKind kind,
+                                                         const std::string& node) {
+  const auto [place, is_new] = writings_.try_emplace({&topic, input, kind, node});
   if (!is_new) return place->second;
   for (const Living& living : living_sets(topic)) {
-    add_writings(topic, input, kind, living, place->second);
+    add_writings(topic, input, kind, node, living, place->second);
   }
   return place->second;
 }
 
+// The wires from this program to the topic's readers; null: of one that gets all at once.
+std::vector<const Wire*> Unroller::wires_to(const Topic& topic, const std::string& node) const {
+  std::vector<const Wire*> wires;
+  for (const Topic::Reader& reader : topic.readers) {
+    wires.push_back(names_.wire_of(reader.model, node, number_));
+  }
+  return wires;
+}
+
 void Unroller::add_writings(const Topic& topic, const std::string& input, WriteKind kind,
-                            const std::vector<bool>& living, std::vector<Writing>& writings) {
+                            const std::string& node, const std::vector<bool>& living,
+                            std::vector<Writing>& writings) {
   using What = Collected::What;
   using Giving = TopicSteps::Giving;
   TopicSteps steps(topic, actions_);
   const std::size_t count = topic.readers.size();
+  const std::vector<const Wire*> wires = wires_to(topic, node);
   std::vector<std::optional<Symbol>> inputs;
   for (std::size_t i = 0; i < count; ++i) {
     inputs.push_back(steps.automaton(i).inputs().find(input));
@@ -260,13 +273,19 @@ void Unroller::add_writings(const Topic& topic, const std::string& input, WriteK
   const auto add = [&](const std::vector<std::optional<Giving>>& givings, const Case& before,
                        const std::string& output, bool is_beyond) {
     Writing way;
+    std::vector<Uses> sent{{}};
     for (std::size_t i = 0; i < count; ++i) {
-      if (!givings[i]) {
-        steps.ask(i, living[i], before.collected[i], way.uses);
-        continue;
+      if (givings[i]) {
+        way.events.push_back({ModelUse::Kind::give, topic.readers[i].model, *inputs[i]});
       }
-      steps.give(i, *inputs[i], *givings[i], way.uses);
-      way.events.push_back({ModelUse::Kind::give, topic.readers[i].model, *inputs[i]});
+      if (wires[i] != nullptr) {
+        steps.ask(i, living[i], Collected(), way.uses);
+        if (givings[i]) sent = combine(sent, ways_to_send(*wires[i], *inputs[i], actions_));
+      } else if (givings[i]) {
+        steps.give(i, *inputs[i], *givings[i], way.uses);
+      } else {
+        steps.ask(i, living[i], before.collected[i], way.uses);
+      }
     }
     if (!actions_.are_possible(way.uses)) return;
     set_caller(topic, output.empty(), way.uses);
@@ -275,7 +294,10 @@ void Unroller::add_writings(const Topic& topic, const std::string& input, WriteK
       for (const ModelUse& event : taken_events(topic, output)) way.events.push_back(event);
     }
     way.is_beyond = is_beyond;
-    writings.push_back(std::move(way));
+    for (Uses& uses : combine(sent, {way.uses})) {
+      way.uses = std::move(uses);
+      writings.push_back(way);
+    }
   };
   if (!any_lives(living)) {
     if (kind == WriteKind::arm_with_outputs) return;
@@ -315,7 +337,7 @@ void Unroller::add_writings(const Topic& topic, const std::string& input, WriteK
       }
       if (kind == WriteKind::statement || policy != WhenUnexplored::stop) continue;
       for (std::size_t first = 0; first < count; ++first) {
-        if (!is_given(first)) continue;
+        if (!is_given(first) || wires[first] != nullptr) continue;
         std::vector<std::optional<Giving>> givings(count);
         for (std::size_t i = 0; i < count; ++i) {
           if (is_given(i))
@@ -353,10 +375,14 @@ std::vector<Unroller::Taking> Unroller::takings(const Topic& topic) {
   return takings;
 }
 
-std::vector<Uses> Unroller::quiet_of(const Topic& topic) { return idle_of(topic, {}); }
+std::vector<Uses> Unroller::quiet_of(const Topic& topic, const std::string& node) {
+  return idle_of(topic, {}, node);
+}
 
-std::vector<Uses> Unroller::idle_of(const Topic& topic, const std::vector<WriteArm>& arms) {
+std::vector<Uses> Unroller::idle_of(const Topic& topic, const std::vector<WriteArm>& arms,
+                                    const std::string& node) {
   TopicSteps steps(topic, actions_);
+  const std::vector<const Wire*> wires = wires_to(topic, node);
   const std::size_t count = topic.readers.size();
   const bool may_cut =
       actions_.model(topic.readers.front().model).when_unexplored == WhenUnexplored::stop;
@@ -364,6 +390,7 @@ std::vector<Uses> Unroller::idle_of(const Topic& topic, const std::vector<WriteA
   struct Condition {
     std::string name;
     std::vector<Test> tests;
+    std::vector<Uses> waits;  // of a wire: nothing can be sent, in one of these ways
   };
   using Way = std::vector<Condition>;
   const auto with = [](Way way, std::size_t i, const std::string& name, Test test) {
@@ -378,6 +405,18 @@ std::vector<Uses> Unroller::idle_of(const Topic& topic, const std::vector<WriteA
     Way before = way;
     for (std::size_t i = 0; i < count; ++i) {
       if (!living[i]) continue;
+      if (wires[i] != nullptr) {
+        Way one = before;
+        one[i].waits = ways_to_wait(*wires[i], actions_);
+        if (one[i].waits.empty()) {
+          if (all) return std::vector<Way>();
+        } else if (all) {
+          before = std::move(one);
+        } else {
+          ways.push_back(std::move(one));
+        }
+        continue;
+      }
       Way one = with(before, i, "not " + name, [=](StateId state) { return !test(i, state); });
       if (all) {
         before = std::move(one);
@@ -433,7 +472,7 @@ std::vector<Uses> Unroller::idle_of(const Topic& topic, const std::vector<WriteA
     for (const Case& before : cases_not_due(topic, living)) {
       Way way(count);
       for (std::size_t i = 0; i < count; ++i) {
-        if (!living[i]) continue;
+        if (!living[i] || wires[i] != nullptr) continue;
         const std::string text = before.collected[i].text(steps.outputs(i));
         way = with(way, i, text.empty() ? "nothing due" : text + ", nothing due",
                    [&, i](StateId state) {
@@ -452,7 +491,9 @@ std::vector<Uses> Unroller::idle_of(const Topic& topic, const std::vector<WriteA
       }
       for (const Way& one : ways) {
         Uses uses;
+        std::vector<Uses> waits{{}};
         for (std::size_t i = 0; i < count; ++i) {
+          if (!one[i].waits.empty()) waits = combine(waits, one[i].waits);
           steps.ask(
               i, living[i], one[i].name,
               [&](StateId state) {
@@ -461,7 +502,8 @@ std::vector<Uses> Unroller::idle_of(const Topic& topic, const std::vector<WriteA
               },
               uses);
         }
-        if (actions_.are_possible(uses)) result.push_back(std::move(uses));
+        if (!actions_.are_possible(uses)) continue;
+        for (Uses& together : combine(waits, {uses})) result.push_back(std::move(together));
       }
     }
   }

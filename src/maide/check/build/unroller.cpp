@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "maide/check/build/wires.hpp"
+
 namespace maide::program_syntax {
 
 Program Unroller::run() {
@@ -138,6 +140,13 @@ const std::vector<Uses>& Unroller::deaths() {
       }
     }
     deaths_ = std::move(all);
+  }
+  for (const auto& [to, wires] : names_.wires) {
+    for (const Wire& wire : wires) {
+      if (!wire.from.is_of("", number_)) continue;
+      const ModelUse use = when_writer_dies(wire, actions_);
+      for (Uses& way : deaths_) way.push_back(use);
+    }
   }
   return deaths_;
 }

@@ -58,6 +58,11 @@ class Unroller : public Walker {
   // ---- inputs and outputs -----------------------------------------------------------------------
 
   void expand_rendezvous(const Place& place, const Statement& statement, const Values& values);
+  // What the code of that callback gives as this input lies on it; null: it is there at once.
+  const Wire* wire_for(std::uint32_t model, Symbol input, const Callback* callback) const;
+  // The condition that what it gave as other inputs has arrived, where this one comes behind those.
+  std::optional<ModelUse> when_own_arrived(std::uint32_t model, Symbol input,
+                                           const Callback* callback);
 
   // ---- services and callbacks -------------------------------------------------------------------
 
@@ -100,10 +105,12 @@ class Unroller : public Walker {
     bare_arm,          // `on t.write { }`
     arm_with_outputs,  // `on t.write -> written { }`: only where the output is due at once
   };
-  const std::vector<Writing>& writings(const Topic& topic, const std::string& input,
-                                       WriteKind kind);
+  // `node`: of the callback in whose code it stands.
+  const std::vector<Writing>& writings(const Topic& topic, const std::string& input, WriteKind kind,
+                                       const std::string& node);
   void add_writings(const Topic& topic, const std::string& input, WriteKind kind,
-                    const std::vector<bool>& living, std::vector<Writing>& writings);
+                    const std::string& node, const std::vector<bool>& living,
+                    std::vector<Writing>& writings);
   // The writer takes what was collected.
   struct Taking {
     Uses uses, events;
@@ -112,13 +119,15 @@ class Unroller : public Walker {
   std::vector<Taking> takings(const Topic& topic);
   Uses taken_events(const Topic& topic, const std::string& output) const;
   // For a writer: no model has an output due, and what it wrote is not collected.
-  std::vector<Uses> quiet_of(const Topic& topic);
+  std::vector<Uses> quiet_of(const Topic& topic, const std::string& node);
   // That, and none of these arms can be taken: inputs, and whether they name outputs.
   struct WriteArm {
     std::string input;
     WriteKind kind = WriteKind::bare_arm;
   };
-  std::vector<Uses> idle_of(const Topic& topic, const std::vector<WriteArm>& arms);
+  std::vector<Uses> idle_of(const Topic& topic, const std::vector<WriteArm>& arms,
+                            const std::string& node);
+  std::vector<const Wire*> wires_to(const Topic& topic, const std::string& node) const;
   // The variable that says whose call has not returned, set to this program or to nobody.
   void set_caller(const Topic& topic, bool is_this, Uses& uses);
   // The steps of this program's death with a topic at which it stands: one, or one for each thing
@@ -151,14 +160,15 @@ class Unroller : public Walker {
                         const Values& values, const Add& add);
   // What an arm for an input does with its model in one of its steps.
   struct InputWay {
-    ModelUse use;
+    Uses uses;                     // the first is of the model
     std::optional<Symbol> output;  // that is taken, too
     bool is_beyond = false;        // the input was never tried there
   };
   std::vector<InputWay> ways_of(const SelectArm& arm, std::uint32_t model, Symbol input);
 
   bool may_die_ = false;
-  std::map<std::tuple<const Topic*, std::string, WriteKind>, std::vector<Writing>> writings_;
+  std::map<std::tuple<const Topic*, std::string, WriteKind, std::string>, std::vector<Writing>>
+      writings_;
   std::vector<Uses> deaths_;  // empty: not known yet
   std::map<std::tuple<const Callback*, int, int, Value>, std::uint32_t> fair_ids_;
   std::map<std::tuple<std::string, int, int>, std::uint32_t> origin_ids_;

@@ -46,6 +46,23 @@ bool Service::is_server(const std::string& node, std::uint32_t program) const {
   return server.is_of(node, program);
 }
 
+std::string wire_name(const std::string& model, const std::string& writer) {
+  return model + "<-" + writer;
+}
+
+bool is_wire_to(const std::string& wire, const std::string& model) {
+  return wire.starts_with(model) && wire.substr(model.size()).starts_with("<-");
+}
+
+const Wire* Names::wire_of(std::uint32_t to, const std::string& node, std::uint32_t program) const {
+  const auto place = wires.find(to);
+  if (place == wires.end()) return nullptr;
+  for (const Wire& wire : place->second) {
+    if (wire.from.is_of(node, program)) return &wire;
+  }
+  return nullptr;
+}
+
 std::string name_at_client(const std::string& name, std::uint32_t client) {
   return client == 0 ? name : name + std::to_string(client + 1);
 }

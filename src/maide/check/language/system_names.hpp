@@ -19,6 +19,7 @@
 namespace maide {
 
 class ServiceModel;
+class WireModel;
 
 using Dimensions = std::vector<Expression::Dimension>;  // none: no array
 
@@ -130,6 +131,26 @@ inline bool is_reader_of(const std::string& model, const std::string& name) {
   return name.ends_with(']') && model.starts_with(name.substr(0, name.size() - 1) + ".");
 }
 
+// What the instance of a wire is called: "map<-server", "image[logger]<-camera"; without a writer
+// the one that counts for all of them.
+std::string wire_name(const std::string& model, const std::string& writer);
+bool is_wire_to(const std::string& wire, const std::string& model);
+
+// From a writer to a model: what was sent and has not arrived.
+struct Wire {
+  std::uint32_t model = 0;  // the instance
+  std::uint32_t to = 0;     // the model that it leads to
+  End from;
+  std::string writer;           // its name in the file
+  std::vector<Symbol> letters;  // the inputs that lie on it, in the order of its own
+  std::vector<Symbol> others;   // inputs of the same actor: they come behind what lies on it
+  std::shared_ptr<WireModel> rules;
+  // Where that model may refuse an input: the model that counts what is on all wires to it, and by
+  // the model's state how many it takes at least, none: any number.
+  std::optional<std::uint32_t> counter;
+  std::shared_ptr<const std::vector<std::optional<std::uint32_t>>> room;
+};
+
 struct VariableName {
   Expression leaf;  // without indices
   ValueType type;
@@ -146,7 +167,8 @@ struct Procedure {
 struct Names {
   std::map<std::string, ModelName> models;  // and topics
   std::vector<Topic> topics;
-  std::map<std::uint32_t, Service> services;  // by model
+  std::map<std::uint32_t, Service> services;         // by model
+  std::map<std::uint32_t, std::vector<Wire>> wires;  // by the model that they lead to
   // The types of what programs write into queues, by model and place in `write(3, go)`. The queue's
   // automaton has the values of these that occur. A queue of which nothing is written with values
   // is not there.
@@ -158,6 +180,9 @@ struct Names {
   std::map<std::string, Expression> constants;
   std::map<std::string, Procedure> procedures;
   std::set<std::string> nodes;
+
+  // What the code of that program and node sends to the model lies on it; null: it arrives at once.
+  const Wire* wire_of(std::uint32_t to, const std::string& node, std::uint32_t program) const;
 };
 
 }  // namespace maide

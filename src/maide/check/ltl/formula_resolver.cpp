@@ -224,6 +224,19 @@ class FormulaResolver {
     return model != nullptr && !model->is_topic && scope_.names->services.contains(model->first);
   }
 
+  // A name in brackets behind a service is one of its clients: "lookup[planner]".
+  std::optional<std::uint32_t> client_of(const std::string& owner,
+                                         const std::vector<Term>& brackets) const {
+    if (!is_service(owner) || brackets.size() != 1 || !brackets.front().is_name()) return {};
+    const std::vector<End>& clients = scope_.names->services.at(find_model(owner)->first).clients;
+    const std::string& name = brackets.front().name.text;
+    for (std::uint32_t client = 0; client < clients.size(); ++client) {
+      const End& end = clients[client];
+      if ((end.node.empty() ? scope_.programs[end.program].name : end.node) == name) return client;
+    }
+    return std::nullopt;
+  }
+
   // A name in brackets is one of a topic's readers unless it is a constant.
   bool is_reader(const std::string& owner, const std::vector<Term>& brackets) const {
     return is_topic(owner) && brackets.size() == 1 && brackets.front().is_name() &&
@@ -241,6 +254,7 @@ class FormulaResolver {
                          const std::vector<Term>& reader) const {
     std::string whole = name.text;
     if (is_reader(name.text, indices)) return whole + reader_of(indices);
+    if (client_of(name.text, indices)) return whole + "[" + indices.front().name.text + "]";
     whole += suffix_of(indices);
     if (reader.empty()) return whole;
     if (is_reader(name.text, reader)) return whole + reader_of(reader);
@@ -480,6 +494,13 @@ class FormulaResolver {
       return is_of_type(value, type);
     });
   }
+  // A step of what arrives late, where it arrives at once.
+  bool may_be_on_its_way(const std::string& owner, std::string_view text) const {
+    const bool is_plain = text == "arrives" || text == "lost";
+    const bool is_of_service = text == "request_arrives" || text == "request_lost" ||
+                               text == "answer_arrives" || text == "answer_lost";
+    return is_service(owner) ? is_of_service : is_plain;
+  }
   bool is_of_type(std::string_view value, const ValueType& type) const {
     if (type.kind == ValueKind::boolean) return value == "true" || value == "false";
     if (type.kind == ValueKind::integer) {
@@ -491,24 +512,44 @@ class FormulaResolver {
         type.words, [&](Value word) { return to_string(word, type.kind, *scope_.words) == value; });
   }
 
+  // Of "lookup[planner]" the service, and the event gets its name at that client:
+  // "answer_arrives2".
+  std::string service_of_client(const std::string& owner, std::string& event) const {
+    const std::size_t bracket = owner.find('[');
+    if (bracket == std::string::npos || !is_service(owner.substr(0, bracket))) return "";
+    const std::string name = owner.substr(bracket + 1, owner.size() - bracket - 2);
+    Term client;
+    client.kind = Term::Kind::name;
+    client.name.text = name;
+    const auto number = client_of(owner.substr(0, bracket), {client});
+    if (!number) return "";
+    event = name_at_client(event, *number);
+    return owner.substr(0, bracket);
+  }
+
   // A name without values is any of them, and a topic's any of its readers' models.
   Formula find_event(const syntax::Name& owner, const syntax::NamePart& part,
                      std::uint32_t program) {
     const bool is_input = part.sign == '.';
     const Atom::Kind kind = is_input ? Atom::Kind::input : Atom::Kind::output;
     const bool is_any_reader = is_topic(owner.text);
-    const std::string text = part.name.text + values_of(part);
+    std::string text = part.name.text + values_of(part);
+    const std::string service = service_of_client(owner.text, text);
     Formula any;
     const ProgramInterface* found = nullptr;
     for (std::uint32_t index = 0; index < scope_.models.size(); ++index) {
       const ProgramInterface& model = scope_.models[index];
       const bool is_reader = is_any_reader && model.name.starts_with(owner.text + "[");
-      if (model.name != owner.text && !is_reader && !is_reader_of(model.name, owner.text)) continue;
-      found = &model;
+      const bool is_wire = is_wire_to(model.name, owner.text);
+      const bool is_other = model.name != owner.text && model.name != service && !is_reader &&
+                            !is_wire && !is_reader_of(model.name, owner.text);
+      if (is_other) continue;
+      if (model.name.find("<-") == std::string::npos) found = &model;
       const Alphabet& alphabet = is_input ? *model.inputs : *model.outputs;
       for (Symbol symbol = 0; symbol < alphabet.size(); ++symbol) {
         const std::string& known = alphabet.name(symbol);
-        const bool is_at_client = is_service(owner.text) && is_numbered(known, text);
+        const bool is_at_client =
+            service.empty() && is_service(owner.text) && is_numbered(known, text);
         if (known != text && !known.starts_with(text + "(") && !is_at_client) continue;
         const Formula atom = make_atom({kind, index, symbol, program}, owner.place);
         any = any ? make(Operator::disjunction, any, atom, owner.place) : atom;
@@ -517,7 +558,9 @@ class FormulaResolver {
     if (any) return any;
     if (found != nullptr) {
       if (!scope_.knows_models) return make_atom({kind, 0, 0, program}, owner.place);
-      if (may_be_carried(*found, text)) return make(Operator::falsity, {}, {}, owner.place);
+      if (may_be_carried(*found, text) || may_be_on_its_way(owner.text, text)) {
+        return make(Operator::falsity, {}, {}, owner.place);
+      }
       const Alphabet& alphabet = is_input ? *found->inputs : *found->outputs;
       fail("model " + owner.text + " has no " + (is_input ? "input '" : "output '") + text +
                "'; it has: " + known_instead(text, alphabet.names()),

@@ -61,16 +61,28 @@ namespace {
 InterfaceAutomaton make_queue_of_unknown_size(const QueueSize& queue) {
   InterfaceAutomaton automaton = GrowingQueue(queue).start();
   automaton.origin = {{"depth", unknown_depth}};
-  const auto letters = static_cast<Symbol>(automaton.outputs().size());
-  const Action read = input(letters);
+  const auto letters = static_cast<Symbol>(std::max<std::size_t>(queue.values.size(), 1));
+  std::vector<Symbol> asking{letters};
+  if (queue.has_tryread) asking.push_back(letters + 1);
+  const auto ask = [&](StateId from, StateId to) {
+    for (const Symbol symbol : asking) automaton.add_transition(from, input(symbol), to);
+  };
+  const auto mark_unexplored = [&](StateId state) {
+    for (const Symbol symbol : asking) automaton.mark_unexplored(state, symbol);
+  };
   const StateId empty = automaton.initial();
   const StateId waiting = automaton.add_state(), many = automaton.add_state();
-  automaton.add_transition(empty, read, waiting);
+  automaton.add_transition(empty, input(letters), waiting);
+  if (queue.has_tryread) {
+    const StateId null = automaton.add_state();
+    automaton.add_transition(empty, input(letters + 1), null);
+    automaton.add_transition(null, output(letters), empty);
+  }
   for (Symbol letter = 0; letter < letters; ++letter) {
     const StateId one = automaton.add_state(), due = automaton.add_state();
     automaton.add_transition(empty, input(letter), one);
     automaton.add_transition(waiting, input(letter), due);
-    automaton.add_transition(one, read, due);
+    ask(one, due);
     automaton.add_transition(due, output(letter), empty);
     automaton.add_transition(many, input(letter), many);
     for (Symbol second = 0; second < letters; ++second) {
@@ -78,14 +90,14 @@ InterfaceAutomaton make_queue_of_unknown_size(const QueueSize& queue) {
     }
   }
   if (letters > 1) {
-    automaton.mark_unexplored(many, letters);
+    mark_unexplored(many);
     return automaton;
   }
   const StateId due = automaton.add_state(), rest = automaton.add_state();
-  automaton.add_transition(many, read, due);
+  ask(many, due);
   automaton.add_transition(due, output(0), rest);
   automaton.add_transition(rest, input(0), many);
-  automaton.mark_unexplored(rest, letters);
+  mark_unexplored(rest);
   return automaton;
 }
 
@@ -221,11 +233,16 @@ InterfaceAutomaton GrowingQueue::start() const {
     inputs = {"write"};
     outputs = {"message"};
   }
+  const auto written = static_cast<std::ptrdiff_t>(inputs.size());
   inputs.emplace_back("read");
+  if (queue_.has_tryread) {
+    inputs.emplace_back("tryread");
+    outputs.emplace_back("null");
+  }
   InterfaceAutomaton automaton(Alphabet(std::span<const std::string>(inputs)),
                                Alphabet(std::span<const std::string>(outputs)), 1);
-  automaton.actors = {{"writer", {inputs.begin(), inputs.end() - 1}, {}},
-                      {"reader", {"read"}, outputs}};
+  automaton.actors = {{"writer", {inputs.begin(), inputs.begin() + written}, {}},
+                      {"reader", {inputs.begin() + written, inputs.end()}, outputs}};
   automaton.origin[queue_.drops_oldest ? "depth" : "size"] = std::to_string(queue_.size);
   return automaton;
 }
@@ -268,13 +285,13 @@ std::vector<GrowingModel::Follower> GrowingQueue::followers(const Contents& cont
     result.push_back({input(letter), std::move(next)});
   }
   if (contents[0] == waiting) return result;
-  Contents next = contents;
-  if (kept(contents) == 0) {
-    next[0] = waiting;
-  } else {
-    next[0] = first_message + take_oldest(next);
-  }
-  result.push_back({input(letters_), std::move(next)});
+  const auto take = [&](Symbol asking, std::uint32_t otherwise) {
+    Contents next = contents;
+    next[0] = kept(contents) == 0 ? otherwise : first_message + take_oldest(next);
+    result.push_back({input(asking), std::move(next)});
+  };
+  take(letters_, waiting);
+  if (queue_.has_tryread) take(letters_ + 1, null());
   return result;
 }
 

@@ -38,12 +38,15 @@ struct QueueSize {
   // What is written, each "(3)" or "(3,go)"; empty: messages without a value.
   std::vector<std::string> values{};
   bool is_unknown = false;  // nobody knows how many it keeps
+  // It has an input that brings `null` where a read would wait.
+  bool has_tryread = false;
 };
 inline constexpr std::uint64_t max_queue_states = 200'000;
 // States that make_queue() makes: 2 size + 2 without values, else the words over them up to that
 // length, twice and one more.
 double queue_states(const QueueSize& queue);
-// A strict port: `write`; a `read` of an empty queue is taken and waits; `message` comes.
+// A strict port: `write`; a `read` of an empty queue is taken and waits; `message` comes. A
+// `tryread` of an empty queue brings `null`.
 // O(states).
 //
 // A queue of unknown size has what holds for every size. A second message may push out the
@@ -109,7 +112,7 @@ class GrowingModel {
   bool is_cut_down_ = false;
 };
 
-// Contents: what the reader has (nothing, a read that waits, or a message), and what is kept,
+// Contents: what the reader has (nothing, a read that waits, a message, or null), and what is kept,
 // oldest first. Messages without values are counted instead: a list of each length would be as long
 // as all of them squared.
 class GrowingQueue : public GrowingModel {
@@ -124,6 +127,7 @@ class GrowingQueue : public GrowingModel {
 
   std::vector<Follower> followers(const Contents& contents) const override;
   bool is_due(const Contents& contents) const override { return contents[0] >= first_message; }
+  std::uint32_t null() const { return first_message + letters_; }
 
   bool is_counted() const { return queue_.values.empty(); }
   // How many are kept.

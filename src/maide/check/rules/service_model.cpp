@@ -25,6 +25,8 @@ struct ServiceModel::State {
     std::vector<std::uint32_t> answers;  // owners, or `others`; oldest first, which is its own
     std::uint32_t waits = 0;             // in `receive`: 1, and 2 when the answer is due
     std::vector<std::uint32_t> handed;   // by run: whether its answer was handed over
+    std::vector<std::uint32_t> sent;     // requests on their way, oldest first
+    std::vector<std::uint32_t> coming;   // answers on their way: owners, or `others`
   };
   std::uint32_t server_waits = 0;       // in `serve`
   std::uint32_t due = none;             // a request that is due to the server
@@ -36,11 +38,24 @@ struct ServiceModel::State {
   bool owes_answer() const {
     return std::ranges::any_of(clients, [](const Client& c) { return c.waits == 2; });
   }
+  // To somebody who gets answers at once.
+  bool owes_answer_at_once(const std::vector<bool>& is_late) const {
+    for (std::size_t i = 0; i < clients.size(); ++i) {
+      if (clients[i].waits == 2 && !is_late[i]) return true;
+    }
+    return false;
+  }
 };
 
 // Answers to others that are older than all own ones push nothing out: an own one is pushed out by
 // `depth` answers behind it. So they count only for who finds them, by their number or at all.
 void ServiceModel::tidy(State& state, std::uint32_t client) const {
+  // Nothing is there that it could push out when it arrives, nor will be.
+  auto& coming = state.clients[client].coming;
+  if (!shape_.is_looked_at[client] && state.clients[client].answers.empty()) {
+    coming.erase(coming.begin(),
+                 std::ranges::find_if(coming, [](auto owner) { return owner != others; }));
+  }
   if (shape_.is_looked_at[client] && shape_.takes_one_by_one) return;
   auto& answers = state.clients[client].answers;
   const bool is_something_there = !answers.empty();
@@ -56,7 +71,7 @@ ServiceModel::ServiceModel(ServiceShape shape)
         State state;
         state.served.assign(shape.servers, none);
         for (const std::uint32_t askers : shape.askers) {
-          state.clients.push_back({{}, 0, std::vector<std::uint32_t>(askers, 0)});
+          state.clients.push_back({{}, 0, std::vector<std::uint32_t>(askers, 0), {}, {}});
         }
         return pack(state);
       }()),
@@ -69,16 +84,34 @@ InterfaceAutomaton ServiceModel::start() const {
     inputs.push_back(name_at_client("receive", client));
     outputs.push_back(name_at_client("answer", client));
   }
+  const std::vector<std::string> taken = outputs;
+  for (const char* const name :
+       {"request_arrives", "request_lost", "answer_arrives", "answer_lost"}) {
+    for (std::uint32_t client = 0; client < shape_.askers.size() && is_any_late(); ++client) {
+      outputs.push_back(name_at_client(name, client));
+    }
+  }
   InterfaceAutomaton automaton(Alphabet(std::span<const std::string>(inputs)),
                                Alphabet(std::span<const std::string>(outputs)), 1);
   automaton.actors = {
-      {"server", {inputs.begin(), inputs.begin() + 2}, {outputs.begin(), outputs.begin() + 1}},
-      {"client", {inputs.begin() + 2, inputs.end()}, {outputs.begin() + 1, outputs.end()}}};
+      {"server", {inputs.begin(), inputs.begin() + 2}, {taken.begin(), taken.begin() + 1}},
+      {"client", {inputs.begin() + 2, inputs.end()}, {taken.begin() + 1, taken.end()}}};
   automaton.origin["depth"] =
       shape_.is_depth_unknown ? unknown_depth : std::to_string(shape_.depth);
   if (!shape_.rmw.empty()) automaton.origin["rmw"] = shape_.rmw;
   if (!shape_.sul.empty()) automaton.origin["sul"] = shape_.sul;
   return automaton;
+}
+
+bool ServiceModel::is_any_late() const {
+  return std::ranges::find(shape_.is_late, true) != shape_.is_late.end();
+}
+
+Symbol ServiceModel::symbol_of(const Operation& operation) const {
+  const auto clients = static_cast<Symbol>(shape_.askers.size());
+  const auto row =
+      static_cast<Symbol>(operation.kind) - static_cast<Symbol>(Operation::Kind::request_arrives);
+  return 1 + clients + row * clients + operation.client;
 }
 
 GrowingModel::Contents ServiceModel::pack(const State& state) {
@@ -91,6 +124,10 @@ GrowingModel::Contents ServiceModel::pack(const State& state) {
     contents.push_back(static_cast<std::uint32_t>(client.answers.size()));
     contents.insert(contents.end(), client.answers.begin(), client.answers.end());
     contents.insert(contents.end(), client.handed.begin(), client.handed.end());
+    for (const auto* const wire : {&client.sent, &client.coming}) {
+      contents.push_back(static_cast<std::uint32_t>(wire->size()));
+      contents.insert(contents.end(), wire->begin(), wire->end());
+    }
   }
   return contents;
 }
@@ -114,6 +151,10 @@ ServiceModel::State ServiceModel::unpack(const Contents& contents) const {
     const std::size_t answers = *at++;
     client.answers = read(answers);
     client.handed = read(askers);
+    const std::size_t sent = *at++;
+    client.sent = read(sent);
+    const std::size_t coming = *at++;
+    client.coming = read(coming);
     state.clients.push_back(std::move(client));
   }
   return state;
@@ -134,23 +175,32 @@ void ServiceModel::send(State& state, std::uint32_t item) const {
 
 void ServiceModel::answer(State& state, std::uint32_t item) const {
   for (std::uint32_t number = 0; number < state.clients.size(); ++number) {
-    State::Client& client = state.clients[number];
-    const bool is_own = client_of(item) == number;
-    if (client.waits == 1) {  // then its queue is empty, and stays so
-      if (is_own) client.waits = 2;
+    const std::uint32_t owner = client_of(item) == number ? owner_of(item) : others;
+    if (!shape_.is_late[number]) {
+      arrive(state, number, owner);
       continue;
     }
-    if (client.answers.size() == shape_.depth) {
-      // One to others would be thrown away unread, unless each is taken by itself.
-      if (client.answers.front() != others ||
-          (shape_.is_looked_at[number] && shape_.takes_one_by_one)) {
-        state.is_beyond = shape_.is_depth_unknown;
-      }
-      client.answers.erase(client.answers.begin());
-    }
-    client.answers.push_back(is_own ? owner_of(item) : others);
+    wire().put(state.clients[number].coming, owner);
     tidy(state, number);
   }
+}
+
+void ServiceModel::arrive(State& state, std::uint32_t number, std::uint32_t owner) const {
+  State::Client& client = state.clients[number];
+  if (client.waits == 1) {  // then its queue is empty, and stays so
+    if (owner != others) client.waits = 2;
+    return;
+  }
+  if (client.answers.size() == shape_.depth) {
+    // One to others would be thrown away unread, unless each is taken by itself.
+    if (client.answers.front() != others ||
+        (shape_.is_looked_at[number] && shape_.takes_one_by_one)) {
+      state.is_beyond = shape_.is_depth_unknown;
+    }
+    client.answers.erase(client.answers.begin());
+  }
+  client.answers.push_back(owner);
+  tidy(state, number);
 }
 
 std::optional<std::uint32_t> ServiceModel::take_own(State& state, std::uint32_t client) const {
@@ -174,8 +224,11 @@ void ServiceModel::forget(State& state, std::uint32_t client, std::uint32_t run)
   std::replace(state.requests.begin(), state.requests.end(), own, lost);
   std::replace(state.served.begin(), state.served.end(), own, lost);
   if (state.due == own) state.due = lost;
-  auto& answers = state.clients[client].answers;
-  std::replace(answers.begin(), answers.end(), 1 + run, nobody(client));
+  State::Client& asker = state.clients[client];
+  std::replace(asker.sent.begin(), asker.sent.end(), own, lost);
+  for (auto* const answers : {&asker.answers, &asker.coming}) {
+    std::replace(answers->begin(), answers->end(), 1 + run, nobody(client));
+  }
   state.clients[client].handed[run] = 0;
 }
 
@@ -210,19 +263,24 @@ std::optional<ServiceModel::State> ServiceModel::after(State state,
       state.requests.erase(state.requests.begin());
       return state;
     case Kind::answer:
-      if (state.served[run] == none || state.owes_answer()) return std::nullopt;
+      if (state.served[run] == none || state.owes_answer_at_once(shape_.is_late)) {
+        return std::nullopt;
+      }
       answer(state, std::exchange(state.served[run], none));
       return state;
     case Kind::answer_due: return when(state.owes_answer());
-    case Kind::send:
-      if (!takes_requests) return std::nullopt;
-      if (run < shape_.askers[number]) {
-        forget(state, number, run);
-        send(state, item_of(number, 1 + run));
+    case Kind::send: {
+      const bool is_of_run = run < shape_.askers[number];
+      const std::uint32_t item = item_of(number, is_of_run ? 1 + run : nobody(number));
+      if (!takes_requests && !shape_.is_late[number]) return std::nullopt;
+      if (is_of_run) forget(state, number, run);
+      if (shape_.is_late[number]) {
+        wire().put(client.sent, item);
       } else {
-        send(state, item_of(number, nobody(number)));
+        send(state, item);
       }
       return state;
+    }
     case Kind::receive:
       if (client.waits != 0) return std::nullopt;
       client.waits = take_own(state, number) ? 2 : 1;
@@ -245,6 +303,27 @@ std::optional<ServiceModel::State> ServiceModel::after(State state,
       client.handed[run] = 0;
       return state;
     case Kind::end_run: forget(state, number, run); return state;
+    case Kind::request_arrives:
+    case Kind::request_lost: {
+      const bool arrives = kind == Kind::request_arrives;
+      if (client.sent.empty() || !takes_requests) return std::nullopt;
+      if (!arrives && !wire().may_lose(client.sent.size())) return std::nullopt;
+      const std::uint32_t item = client.sent.front();
+      client.sent.erase(client.sent.begin());
+      if (arrives) send(state, item);
+      return state;
+    }
+    case Kind::answer_arrives:
+    case Kind::answer_lost: {
+      const bool arrives = kind == Kind::answer_arrives;
+      if (client.coming.empty() || client.waits == 2) return std::nullopt;
+      if (!arrives && !wire().may_lose(client.coming.size())) return std::nullopt;
+      const std::uint32_t owner = client.coming.front();
+      client.coming.erase(client.coming.begin());
+      if (arrives) arrive(state, number, owner);
+      tidy(state, number);
+      return state;
+    }
   }
   return std::nullopt;
 }
@@ -294,6 +373,10 @@ std::string ServiceModel::describe(StateId at) const {
       return static_cast<std::size_t>(std::ranges::count_if(items, is_own));
     };
     const std::string& name = shape_.names[number];
+    add(client.sent.size(), "request", " of " + name + " on its way");
+    add(static_cast<std::size_t>(
+            std::ranges::count_if(client.coming, [](auto owner) { return owner != others; })),
+        "answer", " to " + name + " on its way");
     add(count(state.requests) + (is_own(state.due) ? 1 : 0), "request",
         " of " + name + " not served");
     add(count(state.served), "request", " of " + name + " served and not answered");
@@ -358,6 +441,10 @@ std::string ServiceModel::text_of(const Operation& operation) const {
     case Kind::take_others: return "answers to others are thrown away" + of;
     case Kind::wait: return "wait -> answer" + of;
     case Kind::end_run: return "end" + of;
+    case Kind::request_arrives: return "a request arrives" + of;
+    case Kind::request_lost: return "a request is lost" + of;
+    case Kind::answer_arrives: return "an answer arrives" + of;
+    case Kind::answer_lost: return "an answer is lost" + of;
   }
   return "";
 }

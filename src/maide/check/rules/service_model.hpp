@@ -10,6 +10,9 @@
 // nothing runs: all that are older than the first own answer, which then is taken in the same step
 // (Cyclone DDS), or one (Fast DDS). Other clients lose such answers unseen.
 //
+// Between processes requests and answers are on their way for a while: each client has a wire to
+// the server and one back.
+//
 // What programs do with a service are actions on its state. Its automaton has as transitions what
 // programs, not nodes, do, for a run to be played on a real service.
 // Invariant: an item is one request. Of the own answers in a client's queue at most one is that of
@@ -24,6 +27,7 @@
 #include <vector>
 
 #include "maide/check/rules/built_in_models.hpp"
+#include "maide/check/rules/wire.hpp"
 #include "maide/check/system/model_actions.hpp"
 
 namespace maide {
@@ -37,8 +41,11 @@ struct ServiceShape {
   std::vector<bool> is_looked_at;  // by client: its executor goes by rounds
   bool takes_one_by_one = false;   // a look's client takes one answer, whosever it is: Fast DDS
   std::vector<std::string> names;  // of the clients
-  std::string rmw;                 // on which it is to run; may be empty
-  std::string sul;  // the real system of programs' runs: "ros2 kind=service ..."; may be empty
+  // By client: what it and the server send each other is on its way for a while (wire.hpp).
+  std::vector<bool> is_late;
+  bool loses = false;  // so may be lost there
+  std::string rmw;     // on which it is to run; may be empty
+  std::string sul;     // the real system of programs' runs: "ros2 kind=service ..."; may be empty
 };
 
 class ServiceModel : public GrowingModel {
@@ -62,6 +69,11 @@ class ServiceModel : public GrowingModel {
       take_others,  // its place in a round comes, and what it takes is for nobody here
       wait,         // the run takes the answer that was handed over for it
       end_run,
+      // What nobody does.
+      request_arrives,
+      request_lost,
+      answer_arrives,
+      answer_lost,
     };
     Kind kind = Kind::send;
     std::uint32_t client = 0, run = 0;
@@ -76,6 +88,9 @@ class ServiceModel : public GrowingModel {
   std::string describe(StateId state) const override;
   std::optional<ServiceContents> service_contents(StateId state) const override;
 
+  // The output that names what nobody does; start() has it where something is late.
+  Symbol symbol_of(const Operation& operation) const;
+  const ServiceShape& shape() const { return shape_; }
   // The use of the model that this is.
   ModelUse use(ModelActions& actions, std::uint32_t model, const Operation& operation);
 
@@ -90,6 +105,10 @@ class ServiceModel : public GrowingModel {
 
   void send(State& state, std::uint32_t item) const;
   void answer(State& state, std::uint32_t item) const;
+  // The client's queue gets an answer to that owner, or to another.
+  void arrive(State& state, std::uint32_t client, std::uint32_t owner) const;
+  bool is_any_late() const;
+  WireRules wire() const { return {shape_.depth, shape_.loses}; }
   // The first own answer of the client.
   std::optional<std::uint32_t> take_own(State& state, std::uint32_t client) const;
   bool take_others(State& state, std::uint32_t client) const;

@@ -228,7 +228,9 @@ void SystemPart::add_ends() {
   own_->executors = whole_->executors;
   own_->callbacks = whole_->callbacks;
   for (CallbackInstance& callback : own_->callbacks) {
-    callback.model = model_numbers_[callback.model];
+    const bool has_model =
+        callback.kind == CallbackKind::service || callback.kind == CallbackKind::client;
+    if (has_model) callback.model = model_numbers_[callback.model];
   }
   for (ServiceInstance service : whole_->services) {
     service.model = model_numbers_[service.model];

@@ -67,6 +67,13 @@ struct ServiceContents {
   bool operator==(const ServiceContents&) const = default;
 };
 
+// When what is sent comes to a model.
+enum class Delivery : std::uint8_t {
+  late,          // some time after the sending
+  at_once,       // in the step of the sending
+  acknowledged,  // before the sender goes on
+};
+
 struct ModelInstance {
   // What stands behind it.
   enum class Source : std::uint8_t {
@@ -139,6 +146,14 @@ struct ServiceInstance {
   std::uint32_t model = 0;
 };
 
+// A connection of the file, and when its messages arrive.
+struct ConnectionInstance {
+  std::string name;
+  bool is_late = false;
+  bool loses = false;  // any message may be lost on its way
+  std::string why;     // it is late or not, in words; may be empty
+};
+
 // What runs callbacks, and the callbacks of the nodes, in the order of the file. A step that starts
 // one names it (CombinedStep::starts).
 struct ExecutorInstance {
@@ -183,6 +198,7 @@ struct System {
   std::vector<ModelInstance> models;
   std::vector<TopicInstance> topics;
   std::vector<ServiceInstance> services;
+  std::vector<ConnectionInstance> connections;
   std::vector<ExecutorInstance> executors;
   std::vector<CallbackInstance> callbacks;
   std::vector<Program> programs;

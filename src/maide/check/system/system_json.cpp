@@ -228,13 +228,14 @@ MAIDE_JSON_MEMBERS(NobodysAction, what, counts_for_deadlock, is_shown, lost, pos
 MAIDE_JSON_MEMBERS(TopicInstance::Reader, program, model, callback, collected)
 MAIDE_JSON_MEMBERS(TopicInstance, name, writer_names, writers, readers, delivers_one)
 MAIDE_JSON_MEMBERS(ServiceInstance, name, server, clients, model)
+MAIDE_JSON_MEMBERS(ConnectionInstance, name, is_late, loses, why)
 MAIDE_JSON_MEMBERS(ExecutorInstance, name, threads, goes_by_rounds)
 MAIDE_JSON_MEMBERS(CallbackInstance, kind, node, name, executor, group, is_reentrant, model)
 
 MAIDE_JSON_MEMBERS(ConstantSetting, name, value)
-MAIDE_JSON_MEMBERS(System, file, settings, models, topics, services, executors, callbacks, programs,
-                   nobodys_actions, nobodys_groups, properties, remarks, expressions, words,
-                   sources)
+MAIDE_JSON_MEMBERS(System, file, settings, models, topics, services, connections, executors,
+                   callbacks, programs, nobodys_actions, nobodys_groups, properties, remarks,
+                   expressions, words, sources)
 
 json json_of(const System& system, const RunControl& control) {
   const Hearing hearing(control);

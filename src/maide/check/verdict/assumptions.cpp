@@ -144,6 +144,7 @@ class AssumptionList {
     state_unreal();
     state_middlewares();
     state_discovery();
+    state_deliveries();
     state_best_effort();
     state_executors();
     state_callbacks_that_are_not_run(results);
@@ -282,12 +283,14 @@ class AssumptionList {
       nodes[program.execution].insert(program.nodes.begin(), program.nodes.end());
       for (const ProgramEdge& edge : program.edges) {
         has_timer = has_timer || program.role_of(edge) == CombinedStep::Role::timer;
-        for (const ModelUse& use : program.uses_of(edge)) {
+        const auto note = [&](const ModelUse& use) {
           const ModelInstance& model = system_.models[use.model];
-          if (!program.nodes.empty() || !is_of_nodes(model)) continue;
+          if (!program.nodes.empty() || !is_of_nodes(model)) return;
           programs.insert(program.name);
           models.insert(model.name);
-        }
+        };
+        std::ranges::for_each(program.uses_of(edge), note);
+        std::ranges::for_each(program.events_of(edge), note);  // it sends, and that arrives later
       }
     }
     nodes.erase("");
@@ -382,10 +385,48 @@ class AssumptionList {
         "looked at");
   }
 
+  // "a, b", or of many "a, b, ..., and 90 more".
+  static std::string some_of(const std::vector<std::string>& names) {
+    constexpr std::size_t most = 8;
+    if (names.size() <= most) return join(names, ", ");
+    return fmt::format("{}, and {} more", fmt::join(names.begin(), names.begin() + most, ", "),
+                       names.size() - most);
+  }
+
+  // When messages arrive, by what the file and its models say.
+  void state_deliveries() {
+    std::vector<std::string> late, losing;
+    std::map<std::string, std::vector<std::string>> at_once;  // by the reason
+    for (const ConnectionInstance& connection : system_.connections) {
+      if (!connection.is_late) {
+        if (!connection.why.empty()) at_once[connection.why].push_back(connection.name);
+      } else {
+        (connection.loses ? losing : late).push_back(connection.name);
+      }
+    }
+    if (!late.empty()) {
+      lines_.push_back(
+          fmt::format("{}: what is sent arrives some time later, in order; that a network loses "
+                      "nothing is taken for granted",
+                      some_of(late)));
+    }
+    if (!losing.empty()) {
+      lines_.push_back(fmt::format("{}: what is sent arrives some time later, in order, or is lost",
+                                   some_of(losing)));
+    }
+    for (const auto& [why, names] : at_once) {
+      lines_.push_back(fmt::format("{}: what is sent arrives at once ({})", some_of(names), why));
+    }
+  }
+
   void state_best_effort() {
     std::set<std::string> names;
     for (const std::uint32_t number : find_used(system_)) {
       const ModelInstance& model = system_.models[number];
+      const bool is_late = std::ranges::any_of(system_.models, [&](const ModelInstance& wire) {
+        return wire.source == ModelInstance::Source::wire && is_wire_to(wire.name, model.name);
+      });
+      if (is_late) continue;  // what may be lost is said
       for (const char* key : {"sul", "reliability"}) {
         const auto said = model.automaton.origin.find(key);
         if (said == model.automaton.origin.end()) continue;

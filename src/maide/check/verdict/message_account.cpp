@@ -222,6 +222,26 @@ std::vector<std::optional<std::size_t>> count_obtainable(const InterfaceAutomato
   return result;
 }
 
+namespace {
+
+// Whose message it is that arrives at the model in that step; none: it is no arrival, or that of a
+// node, which may be several programs.
+std::optional<std::uint32_t> sender_of(const System& system, std::uint32_t model,
+                                       const Step& step) {
+  if (step.actor != nobody) return std::nullopt;
+  for (const ModelUse& use : uses_of(system, step)) {
+    const std::string& wire = system.models[use.model].name;
+    if (!is_wire_to(wire, system.models[model].name)) continue;
+    const std::string writer = wire.substr(system.models[model].name.size() + 2);
+    const auto program = std::ranges::find(system.programs, writer, &Program::name);
+    if (program == system.programs.end()) continue;
+    return static_cast<std::uint32_t>(program - system.programs.begin());
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
 std::optional<MessageAccount> take_account(const System& system, const Trace& trace,
                                            const std::vector<GlobalState>& states,
                                            const Awaited& awaited) {
@@ -231,6 +251,9 @@ std::optional<MessageAccount> take_account(const System& system, const Trace& tr
   MessageAccount account;
   account.messages = find_messages(automaton, awaited, levels);
   if (account.messages.empty()) return std::nullopt;
+  const bool has_wire = std::ranges::any_of(system.models, [&](const ModelInstance& model) {
+    return is_wire_to(model.name, system.models[awaited.model].name);
+  });
   for (std::size_t at = 0; at < trace.steps.size(); ++at) {
     const Step& step = trace.steps[at];
     const auto uses = uses_of(system, step);
@@ -239,8 +262,11 @@ std::optional<MessageAccount> take_account(const System& system, const Trace& tr
       continue;
     }
     bool gives = false, takes = false, is_message = false;
-    for (const ModelUse& event : events_of(system, step)) {
+    const std::optional<std::uint32_t> sender = sender_of(system, awaited.model, step);
+    for (const ModelUse& event : sender ? uses : events_of(system, step)) {
       if (event.model != awaited.model) continue;
+      // What lies on a wire is given when it arrives.
+      if (event.kind == Kind::give && has_wire && !sender) continue;
       gives = gives || event.kind == Kind::give;
       takes = takes || event.kind == Kind::take;
       is_message = is_message ||
@@ -252,7 +278,7 @@ std::optional<MessageAccount> take_account(const System& system, const Trace& tr
     const std::size_t held = *levels[before], now = *levels[after];
     if (is_message) {
       ++account.given;
-      if (step.actor != nobody) account.givers.insert(step.actor);
+      if (sender || step.actor != nobody) account.givers.insert(sender.value_or(step.actor));
       if (now > held + 1) return std::nullopt;  // one input, several messages: not countable
       if (now == held + 1) continue;
       account.losses.push_back({at, account.given, account.taken, held, held + 1 - now,

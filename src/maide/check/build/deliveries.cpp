@@ -1,0 +1,186 @@
+#include "maide/check/build/deliveries.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string_view>
+#include <utility>
+
+#include "maide/base/text.hpp"
+
+namespace maide {
+namespace {
+
+using Options = std::map<std::string, std::string>;
+
+std::optional<std::uint32_t> number_of(const Options& options, const std::string& name) {
+  const auto place = options.find(name);
+  if (place == options.end()) return std::nullopt;
+  const std::string& text = place->second;
+  std::uint32_t number = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (error != std::errc() || end != text.data() + text.size() || number == 0) return std::nullopt;
+  return number;
+}
+
+bool is(const Options& options, const std::string& name, std::string_view value) {
+  const auto place = options.find(name);
+  return place != options.end() && place->second == value;
+}
+
+// "ros2 depth=10 rmw=cyclonedds": the system that the model was learned from under "", and its
+// options.
+Options system_of(const ModelInstance& model) {
+  Options options;
+  const auto& origin = model.read_automaton().origin;
+  const auto sul = origin.find("sul");
+  std::string_view text = model.is_learned ? std::string_view(model.origin) : std::string_view();
+  if (sul != origin.end()) text = sul->second;
+  for (const std::string_view word : split(text, ' ')) {
+    const std::size_t at = word.find('=');
+    if (at == std::string_view::npos) {
+      if (!word.empty()) options.emplace("", word);
+    } else {
+      options.emplace(word.substr(0, at), word.substr(at + 1));
+    }
+  }
+  return options;
+}
+
+bool is_dds(const Options& system) {
+  return is(system, "", "ros2") || is(system, "", "cyclonedds") || is(system, "", "fastdds");
+}
+bool is_cyclone(const Options& system) {
+  return is(system, "", "cyclonedds") || (is(system, "", "ros2") && !is(system, "rmw", "fastrtps"));
+}
+bool is_of_middleware(const Options& system) {
+  return is_dds(system) || is(system, "", "ros1") || is(system, "", "zeromq") ||
+         is(system, "", "mqtt") || is(system, "", "yarp");
+}
+
+constexpr const char* said = "the file says so";
+constexpr const char* handed_over =
+    "its ends are in one process, where Cyclone DDS hands over in the writer's own thread";
+
+// What executors do with late messages in a counterexample is not looked at yet.
+constexpr const char* of_nodes =
+    "as in all files with nodes that do not say `delivery: late`, though between processes it may "
+    "come later";
+
+// What becomes of requests and answers on their way is not told in sentences yet.
+constexpr const char* of_services =
+    "as all services that do not say `delivery: late`, though between processes it may come later";
+
+constexpr std::uint32_t usual_depth = 10;
+
+WireRules wire_of(const Options& system, const ModelOrigin& origin, const DeliveryWish& wish) {
+  WireRules wire;
+  const bool is_best_effort =
+      std::ranges::any_of(std::array{"reliability", "pub-reliability", "sub-reliability"},
+                          [&](const char* const end) { return is(system, end, "best_effort"); });
+  wire.loses = wish.loses.value_or(wish.is_best_effort || is_best_effort);
+  const bool keeps_all =
+      wish.keeps_all || is(system, "pub-history", "keep_all") ||
+      (is(system, "history", "keep_all") && !is(system, "pub-history", "keep_last"));
+  if (keeps_all) return wire;
+  if (wish.pub_depth) {
+    wire.keep_last = *wish.pub_depth;
+  } else if (origin.kind == ModelOrigin::Kind::queue) {
+    if (origin.size.drops_oldest) {
+      wire.keep_last = wish.has_depth ? wish.depth.value_or(origin.size.size) : usual_depth;
+    }
+  } else if (is_dds(system)) {
+    const auto own = number_of(system, "pub-depth");
+    wire.keep_last = own          ? *own
+                     : wish.depth ? *wish.depth
+                                  : number_of(system, "depth").value_or(usual_depth);
+  }
+  return wire;
+}
+
+}  // namespace
+
+DeliveryRule delivery_of(const ModelInstance& model, const ModelOrigin& origin,
+                         const DeliveryWish& wish, const DeliveryPlace& place) {
+  const Options system = system_of(model);
+  DeliveryRule rule{Delivery::late, wire_of(system, origin, wish), ""};
+  const auto with = [&rule](Delivery delivery, std::string why) {
+    rule.delivery = delivery;
+    rule.why = std::move(why);
+    return rule;
+  };
+  if (wish.delivery) return with(*wish.delivery, said);
+  if (place.has_nodes) return with(Delivery::at_once, of_nodes);
+  // A strict port that is written by hand has one: it says itself what it holds.
+  const bool is_strict =
+      origin.kind == ModelOrigin::Kind::queue && !origin.size.drops_oldest && !wish.pub_depth;
+  if (is_strict) return with(Delivery::at_once, "");
+  if (place.is_in_one_process && is_cyclone(system)) return with(Delivery::at_once, handed_over);
+  if (is(system, "", "yarp")) {
+    const bool is_late = is(system, "kind", "buffered") || is(system, "kind", "strict") ||
+                         is(system, "carrier", "udp") || is(system, "carrier", "mcast") ||
+                         is(system, "carrier", "fast_tcp");
+    return is_late ? with(Delivery::late, "")
+                   : with(Delivery::acknowledged, "YARP's writer waits for its readers");
+  }
+  if (place.is_topic || is_of_middleware(system)) return rule;
+  return with(Delivery::at_once, "");
+}
+
+DeliveryRule delivery_of(const Service& service, const DeliveryWish& wish,
+                         const DeliveryPlace& place) {
+  DeliveryRule rule{Delivery::late, {service.depth, wish.loses.value_or(false)}, ""};
+  const auto with = [&rule](Delivery delivery, const char* why) {
+    rule.delivery = delivery;
+    rule.why = why;
+    return rule;
+  };
+  if (wish.delivery) return with(*wish.delivery, said);
+  const bool is_cyclone = place.is_of_ros2 && !service.takes_one_by_one;
+  if (place.is_in_one_process && is_cyclone) return with(Delivery::at_once, handed_over);
+  return with(Delivery::at_once, of_services);
+}
+
+// ---- What the file says -------------------------------------------------------------------------
+
+DeliveryWish read_delivery(const Declarations& file, const TreeNode& entry,
+                           const std::map<std::string, std::string>& options) {
+  DeliveryWish wish;
+  if (const TreeNode* const delivery = entry.find("delivery")) {
+    wish.delivery = delivery->is("late")      ? Delivery::late
+                    : delivery->is("at_once") ? Delivery::at_once
+                                              : Delivery::acknowledged;
+  }
+  const TreeNode* const loses = entry.find("loses");
+  if (loses != nullptr) wish.loses = loses->is("true");
+  wish.pub_depth = number_of(options, "pub-depth");
+  if (options.contains("pub-depth") && !wish.pub_depth && options.at("pub-depth") != "both" &&
+      entry.find("use") != nullptr) {
+    file.tree().fail("'pub-depth' is a number of at least 1", *entry.find("with"));
+  }
+  wish.depth = number_of(options, "depth");
+  wish.has_depth = options.contains("depth");
+  wish.keeps_all = is(options, "pub-history", "keep_all");
+  wish.is_best_effort =
+      std::ranges::any_of(std::array{"reliability", "pub-reliability", "sub-reliability"},
+                          [&](const char* const end) { return is(options, end, "best_effort"); });
+  return wish;
+}
+
+std::string process_of(const TreeNode& entry, const std::string& name) {
+  const TreeNode* const process = entry.is_map() ? entry.find("process") : nullptr;
+  return process == nullptr ? "one of " + name : "process " + process->text();
+}
+
+std::string process_of_end(const Declarations& file, const End& end) {
+  if (end.node.empty()) return file.programs[end.program].process;
+  for (const ProgramDeclaration& program : file.programs) {
+    if (std::ranges::find(program.nodes, end.node) != program.nodes.end()) return program.process;
+  }
+  return "";
+}
+
+}  // namespace maide

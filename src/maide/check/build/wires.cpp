@@ -1,0 +1,626 @@
+#include "maide/check/build/wires.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <map>
+#include <memory>
+#include <set>
+#include <string_view>
+#include <utility>
+
+#include "maide/check/build/deliveries.hpp"
+#include "maide/check/rules/service_model.hpp"
+#include "maide/check/rules/wire.hpp"
+
+namespace maide {
+namespace {
+
+using Kind = WireModel::Operation::Kind;
+using Room = std::vector<std::optional<std::uint32_t>>;
+
+constexpr std::size_t most_states = 20'000;  // of a wire whose states are made at once
+
+std::string base_of(const std::string& name) { return name.substr(0, name.find('(')); }
+
+// "write", "send2", "publish(3)": what is sent, and not what is asked for.
+bool is_sending(const std::string& input) {
+  constexpr std::array<std::string_view, 4> words{"write", "send", "answer", "publish"};
+  const std::string base = base_of(input);
+  return std::ranges::any_of(words, [&](std::string_view word) {
+    return base.starts_with(word) &&
+           base.find_first_not_of("0123456789", word.size()) == std::string::npos;
+  });
+}
+
+std::vector<Symbol> letters_of(const InterfaceAutomaton& automaton) {
+  std::vector<Symbol> letters;
+  for (Symbol input = 0; input < automaton.inputs().size(); ++input) {
+    if (is_sending(automaton.inputs().name(input))) letters.push_back(input);
+  }
+  return letters;
+}
+
+// The other inputs of the actors that have these, and those that end the connection.
+std::vector<Symbol> others_of(const InterfaceAutomaton& automaton,
+                              const std::vector<Symbol>& letters) {
+  const Alphabet& inputs = automaton.inputs();
+  std::vector<Symbol> others;
+  for (Symbol input = 0; input < inputs.size(); ++input) {
+    const std::string name = base_of(inputs.name(input));
+    if (name == "disconnect" || name == "close") others.push_back(input);
+  }
+  for (const Actor& actor : automaton.actors) {
+    const auto has = [&](Symbol input) {
+      return std::ranges::find(actor.inputs, inputs.name(input)) != actor.inputs.end();
+    };
+    if (std::ranges::none_of(letters, has)) continue;
+    for (Symbol input = 0; input < inputs.size(); ++input) {
+      const bool is_known = std::ranges::find(others, input) != others.end();
+      if (has(input) && !is_sending(inputs.name(input)) && !is_known) others.push_back(input);
+    }
+  }
+  return others;
+}
+
+// Whoever gives one of these inputs may wait for an output.
+bool has_returns(const InterfaceAutomaton& automaton, const std::vector<Symbol>& letters) {
+  if (automaton.actors.empty()) return false;
+  for (StateId state = 0; state < automaton.size(); ++state) {
+    if (!automaton.is_quiescent(state)) continue;
+    for (const auto& given : automaton.transitions(state)) {
+      if (!given.action.is_input() ||
+          std::ranges::find(letters, given.action.symbol) == letters.end()) {
+        continue;
+      }
+      for (const auto& next : automaton.transitions(given.target)) {
+        if (!next.action.is_input() &&
+            is_of_same_actor(automaton, given.action.symbol, next.action.symbol)) {
+          return true;
+        }
+      }
+    }
+  }
+  return false;
+}
+
+// By state: after how many of these inputs the model refuses one, at least; none: never. What is
+// due is taken first. O(transitions).
+Room room_of(const ModelInstance& model, const std::vector<Symbol>& letters) {
+  const InterfaceAutomaton& automaton = model.automaton;
+  struct Before {
+    StateId state = 0;
+    std::uint32_t cost = 0;
+  };
+  std::vector<std::vector<Before>> before(automaton.size());
+  Room room(automaton.size());
+  std::deque<StateId> open;
+  for (StateId state = 0; state < automaton.size(); ++state) {
+    if (!automaton.is_quiescent(state)) {
+      for (const auto& due : automaton.transitions(state)) {
+        if (!due.action.is_input()) before[due.target].push_back({state, 0});
+      }
+      continue;
+    }
+    for (const Symbol letter : letters) {
+      const auto steps = model_steps(model, state, {ModelUse::Kind::give, 0, letter});
+      for (const ModelStep& step : steps) before[step.target].push_back({state, 1});
+      if (!steps.empty() || room[state]) continue;
+      room[state] = 0;
+      open.push_back(state);
+    }
+  }
+  while (!open.empty()) {
+    const StateId state = open.front();
+    open.pop_front();
+    for (const auto& [earlier, cost] : before[state]) {
+      const std::uint32_t less = *room[state] + cost;
+      if (room[earlier] && *room[earlier] <= less) continue;
+      room[earlier] = less;
+      if (cost == 0) {
+        open.push_front(earlier);
+      } else {
+        open.push_back(earlier);
+      }
+    }
+  }
+  return room;
+}
+
+class WireMaker {
+ public:
+  WireMaker(const Declarations& file, Models& models) : file_(file), models_(models) {}
+
+  std::vector<ConnectionInstance> make() {
+    if (file_.is_at_rest) return {};
+    for (const Topic& topic : models_.names.topics) add_topic(topic);
+    const auto writers = writers_of_models();
+    for (const auto& [model, ends] : writers) add_model(model, ends);
+    for (auto& [to, wires] : models_.names.wires) add_counter(to, wires);
+    for (const auto& [model, service] : models_.names.services) {
+      connections_.push_back(connection_of_service(model, service));
+    }
+    return std::move(connections_);
+  }
+
+ private:
+  const std::string& process_of_program(std::uint32_t program) const {
+    return file_.programs[program].process;
+  }
+  std::string name_of(const End& end) const {
+    return end.node.empty() ? file_.programs[end.program].name : end.node;
+  }
+
+  void add_topic(const Topic& topic) {
+    std::vector<End> ends;
+    for (const std::uint32_t writer : topic.writers) {
+      if (file_.programs[writer].nodes.empty()) ends.push_back({writer, ""});
+    }
+    for (const std::string& node : topic.writer_nodes) ends.push_back({0, node});
+    ConnectionInstance connection{topic.name, false, false, ""};
+    const bool has_returns = std::ranges::any_of(topic.readers, &Topic::Reader::has_returns);
+    const bool has_farewell = std::ranges::any_of(
+        topic.readers, [](const Topic::Reader& reader) { return !reader.writer_death.empty(); });
+    for (const Topic::Reader& reader : topic.readers) {
+      for (const End& end : ends) {
+        DeliveryPlace place;
+        place.has_nodes = !file_.nodes.empty();
+        place.is_topic = true;
+        place.is_in_one_process = process_of_end(file_, end) == process_of_program(reader.program);
+        const DeliveryRule rule =
+            delivery_of(models_.instances[reader.model], file_.origins[reader.model],
+                        file_.deliveries.at(reader.model), place);
+        if (connection.why.empty()) connection.why = rule.why;
+        if (rule.delivery == Delivery::at_once) continue;
+        if (rule.delivery == Delivery::acknowledged && topic.readers.size() == 1) continue;
+        if (rule.delivery == Delivery::acknowledged) {
+          connection.why = "with several readers, that its writer waits for all is not built";
+          continue;
+        }
+        if (has_returns || has_farewell) {
+          connection.why = has_returns ? "its writer waits for what its calls return"
+                                       : "its readers notice the death of a writer";
+          continue;
+        }
+        if (!is_wished(reader.model) && has_too_many_states(reader.model, rule.wire)) {
+          connection.why = too_many_states;
+          continue;
+        }
+        connection.is_late = true;
+        connection.loses = connection.loses || rule.wire.loses;
+        add_wire(reader.model, {end, {}}, rule.wire);
+      }
+    }
+    connections_.push_back(std::move(connection));
+  }
+
+  // Who gives inputs to a model, and which: names without values.
+  struct Writer {
+    End end;
+    std::set<std::string> inputs;
+  };
+
+  void add_model(std::uint32_t number, const std::vector<Writer>& writers) {
+    const ModelInstance& model = models_.instances[number];  // until there is a wire
+    DeliveryPlace place;
+    place.has_nodes = !file_.nodes.empty();
+    place.is_in_one_process = std::ranges::all_of(users_[number], [&](std::uint32_t program) {
+      return process_of_program(program) == process_of_program(*users_[number].begin());
+    });
+    const DeliveryRule rule =
+        delivery_of(model, file_.origins[number], file_.deliveries.at(number), place);
+    ConnectionInstance connection{model.name, rule.delivery == Delivery::late, rule.wire.loses,
+                                  rule.why};
+    const bool is_large = model.is_grown && !file_.origins[number].size.drops_oldest;
+    if (connection.is_late &&
+        (is_large || has_returns(model.automaton, letters_of(model.automaton)))) {
+      connection.is_late = false;
+      connection.why = is_large ? "it is a queue of too many states"
+                                : "its writer waits for what its calls return";
+    }
+    if (connection.is_late && !is_wished(number) && has_too_many_states(number, rule.wire)) {
+      connection.is_late = false;
+      connection.why = too_many_states;
+    }
+    // Of what is written by hand that is said, and that is enough.
+    const bool is_by_hand = model.source == ModelInstance::Source::built_in;
+    if (connection.is_late) {
+      for (const Writer& writer : writers) add_wire(number, writer, rule.wire);
+    }
+    if (connection.is_late || !is_by_hand || !connection.why.empty()) {
+      connections_.push_back(std::move(connection));
+    }
+  }
+
+  ConnectionInstance connection_of_service(std::uint32_t model, const Service& service) const {
+    const std::vector<bool>& late = file_.shapes.at(model).is_late;
+    const bool is_late = std::ranges::find(late, true) != late.end();
+    DeliveryPlace place;
+    place.has_nodes = !file_.nodes.empty();
+    place.is_in_one_process = !is_late;
+    place.is_of_ros2 = true;
+    const DeliveryRule rule = delivery_of(service, file_.deliveries.at(model), place);
+    return {service.name, is_late, rule.wire.loses, rule.why};
+  }
+
+  bool is_wished(std::uint32_t model) const {
+    return file_.deliveries.at(model).delivery.has_value();
+  }
+  // What lies on a wire is a word over all that may be sent.
+  bool has_too_many_states(std::uint32_t to, const WireRules& rules) const {
+    const auto letters = static_cast<double>(letters_of(models_.instances[to].automaton).size());
+    double words = 1, longest = 1;
+    for (std::size_t length = 0; length < rules.room() && words <= most_states; ++length) {
+      words += longest *= letters;
+    }
+    return words > most_states;
+  }
+  static constexpr const char* too_many_states =
+      "with so many values on its way it would have too many states; `delivery: late` tries";
+
+  // Without names of inputs all those lie on it that are sent.
+  void add_wire(std::uint32_t to, const Writer& writer, const WireRules& rules) {
+    Wire wire;
+    wire.model = number_of_next();
+    wire.to = to;
+    wire.from = writer.end;
+    wire.writer = name_of(writer.end);
+    const Alphabet& inputs = models_.instances[to].automaton.inputs();
+    std::vector<std::string> names;
+    for (const Symbol letter : letters_of(models_.instances[to].automaton)) {
+      const std::string& name = inputs.name(letter);
+      if (!writer.inputs.empty() && !writer.inputs.contains(base_of(name))) continue;
+      wire.letters.push_back(letter);
+      names.push_back(name);
+    }
+    if (names.empty()) return;
+    wire.others = others_of(models_.instances[to].automaton, wire.letters);
+    const bool may_die = writer.end.node.empty() && file_.programs[writer.end.program].may_die;
+    wire.rules = std::make_shared<WireModel>(rules, names);
+    ModelInstance instance = make_instance(wire_name(models_.instances[to].name, wire.writer), to);
+    instance.automaton = wire.rules->start();
+    if (wire.rules->make_all(instance.automaton, may_die, most_states)) {
+      for (StateId state = 0; state < instance.automaton.size(); ++state) {
+        instance.state_texts.push_back(wire.rules->describe(state));
+      }
+    } else {
+      wire.rules = std::make_shared<WireModel>(rules, std::move(names));
+      instance.automaton = wire.rules->start();
+      instance.is_grown = true;
+      models_.growing.emplace(wire.model, wire.rules);
+    }
+    rooms_[to] += rules.room();
+    models_.instances.push_back(std::move(instance));
+    models_.names.wires[to].push_back(std::move(wire));
+  }
+
+  // Where the model may refuse what is written. What is on its wires is at most what it has room
+  // for, where that is bounded, and what the wires hold.
+  void add_counter(std::uint32_t to, std::vector<Wire>& wires) {
+    const ModelInstance& model = models_.instances[to];
+    if (model.is_grown) return;  // it drops the oldest
+    Room room = room_of(model, letters_of(model.automaton));
+    if (std::ranges::none_of(room, [](const auto& at) { return at.has_value(); })) return;
+    std::size_t most = 0;
+    for (const auto& at : room) most = std::max<std::size_t>(most, at.value_or(rooms_[to]));
+    most = std::min(most, rooms_[to]);
+    const auto shared = std::make_shared<const Room>(std::move(room));
+    for (Wire& wire : wires) {
+      wire.room = shared;
+      wire.counter = number_of_next();
+    }
+    ModelInstance counter = make_instance(wire_name(model.name, ""), to);
+    counter.automaton = InterfaceAutomaton({}, {}, most + 1);
+    counter.state_texts.resize(most + 1);
+    models_.instances.push_back(std::move(counter));
+  }
+
+  ModelInstance make_instance(std::string name, std::uint32_t to) const {
+    ModelInstance instance;
+    instance.name = std::move(name);
+    instance.source = ModelInstance::Source::wire;
+    instance.position = models_.instances[to].position;
+    return instance;
+  }
+
+  std::uint32_t number_of_next() const {
+    if (models_.instances.size() >= max_components) {
+      throw ParseError(
+          "there are more than " + std::to_string(max_components) + " models and ways to them",
+          {file_.tree().file(), 0, 0});
+    }
+    return static_cast<std::uint32_t>(models_.instances.size());
+  }
+
+  // ---- Models that are no topic's
+  // -----------------------------------------------------------------
+
+  // Who gives them inputs, by model.
+  std::map<std::uint32_t, std::vector<Writer>> writers_of_models() {
+    std::map<std::uint32_t, std::vector<Writer>> writers;
+    for (std::uint32_t number = 0; number < file_.programs.size(); ++number) {
+      const program_syntax::Tree tree =
+          resolve(file_.programs[number], models_.context(file_, number));
+      for (const std::uint32_t model : tree.names) users_[model].insert(number);
+      visit(tree.statements, [&](const program_syntax::ModelReference& reference,
+                                 const program_syntax::Event& event,
+                                 const program_syntax::Callback* callback) {
+        if (reference.is_topic || !is_sending(event.name) || reference.known == nullptr) return;
+        const End end{callback == nullptr ? number : 0, callback == nullptr ? "" : callback->node};
+        const auto count = static_cast<std::uint32_t>(member_count(reference.known->dimensions));
+        for (std::uint32_t member = 0; member < count; ++member) {
+          const std::uint32_t model = reference.known->first + member;
+          if (models_.names.services.contains(model) || !file_.deliveries.contains(model)) continue;
+          auto& ends = writers[model];
+          auto known = std::ranges::find_if(
+              ends, [&](const Writer& other) { return other.end.is_of(end.node, end.program); });
+          if (known == ends.end()) known = ends.insert(known, {end, {}});
+          known->inputs.insert(event.name);
+        }
+      });
+    }
+    return writers;
+  }
+
+  using Visit = std::function<void(const program_syntax::ModelReference&,
+                                   const program_syntax::Event&, const program_syntax::Callback*)>;
+  static void visit(const program_syntax::Block& block, const Visit& each) {
+    for (const program_syntax::Statement& statement : block.statements) {
+      if (statement.kind == program_syntax::Statement::Kind::give) {
+        each(statement.model, statement.input, statement.callback);
+      }
+      for (const program_syntax::Arm& arm : statement.arms) visit(*arm.body, each);
+      for (const program_syntax::SelectArm& arm : statement.select_arms) {
+        if (arm.kind == program_syntax::SelectArm::Kind::input) {
+          each(arm.model, arm.event, arm.starts != nullptr ? arm.starts : arm.callback);
+        }
+        for (const program_syntax::Arm& inner : arm.arms) visit(*inner.body, each);
+        if (arm.body) visit(*arm.body, each);
+        if (arm.end) visit(*arm.end, each);
+      }
+      if (statement.body) visit(*statement.body, each);
+      if (statement.otherwise) visit(*statement.otherwise, each);
+    }
+  }
+
+  const Declarations& file_;
+  Models& models_;
+  std::map<std::uint32_t, std::set<std::uint32_t>> users_;  // by model: programs that name it
+  std::map<std::uint32_t, std::size_t> rooms_;              // by model: of all wires to it
+  std::vector<ConnectionInstance> connections_;
+};
+
+// ---- Uses of wires ------------------------------------------------------------------------------
+
+std::uint32_t letter_of(const Wire& wire, Symbol input) {
+  return static_cast<std::uint32_t>(std::ranges::find(wire.letters, input) - wire.letters.begin());
+}
+
+ModelUse use(const Wire& wire, ModelActions& actions, Kind kind, std::uint32_t letter = 0) {
+  return wire.rules->use(actions, wire.model, {kind, letter});
+}
+
+std::uint32_t most_counted(const Wire& wire, const ModelActions& actions) {
+  return static_cast<std::uint32_t>(actions.model(*wire.counter).automaton.size() - 1);
+}
+
+// The counter is at `from`, and afterwards at `to`.
+ModelUse count(const Wire& wire, ModelActions& actions, std::uint32_t from, std::uint32_t to) {
+  const std::string name = from == to ? "is " + std::to_string(from)
+                                      : std::to_string(from) + " becomes " + std::to_string(to);
+  return actions.action(*wire.counter, name, [&] {
+    ModelActions::Steps steps(actions.model(*wire.counter).automaton.size());
+    steps[from] = {{to, false}};
+    return steps;
+  });
+}
+ModelUse count_one_less(const Wire& wire, ModelActions& actions) {
+  return actions.action(*wire.counter, "one less", [&] {
+    ModelActions::Steps steps(actions.model(*wire.counter).automaton.size());
+    for (StateId at = 1; at < steps.size(); ++at) steps[at] = {{at - 1, false}};
+    return steps;
+  });
+}
+// The model takes that many more, or it does not.
+ModelUse has_room(const Wire& wire, ModelActions& actions, std::uint32_t needed, bool has) {
+  const std::string name =
+      (has ? "has room for " : "has no room for ") + std::to_string(needed) + " more";
+  return actions.action(wire.to, name, [&] {
+    ModelActions::Steps steps(wire.room->size());
+    for (StateId at = 0; at < steps.size(); ++at) {
+      const auto& room = (*wire.room)[at];
+      if ((!room || *room >= needed) == has) steps[at] = {{at, false}};
+    }
+    return steps;
+  });
+}
+
+}  // namespace
+
+std::vector<ConnectionInstance> add_wires(const Declarations& file, Models& models) {
+  return WireMaker(file, models).make();
+}
+
+std::vector<WireUses> ways_to_send(const Wire& wire, Symbol input, ModelActions& actions) {
+  const std::uint32_t letter = letter_of(wire, input);
+  if (!wire.counter) return {{use(wire, actions, Kind::put, letter)}};
+  std::vector<WireUses> ways;
+  const auto add = [&](WireUses uses) {
+    if (actions.are_possible(uses)) ways.push_back(std::move(uses));
+  };
+  for (std::uint32_t held = 0; held <= most_counted(wire, actions); ++held) {
+    if (held < most_counted(wire, actions)) {
+      add({use(wire, actions, Kind::add, letter), count(wire, actions, held, held + 1),
+           has_room(wire, actions, held + 1, true)});
+    }
+    add({use(wire, actions, Kind::push_out, letter), count(wire, actions, held, held),
+         has_room(wire, actions, held, true)});
+  }
+  return ways;
+}
+
+std::vector<WireUses> ways_to_wait(const Wire& wire, ModelActions& actions) {
+  std::vector<WireUses> ways;
+  const auto add = [&](WireUses uses) {
+    if (actions.are_possible(uses)) ways.push_back(std::move(uses));
+  };
+  add({use(wire, actions, Kind::is_full)});
+  if (!wire.counter) return ways;
+  for (std::uint32_t held = 0; held <= most_counted(wire, actions); ++held) {
+    add({count(wire, actions, held, held), has_room(wire, actions, held + 1, false)});
+  }
+  return ways;
+}
+
+ModelUse when_writer_dies(const Wire& wire, ModelActions& actions) {
+  return use(wire, actions, Kind::abandon);
+}
+
+ModelUse when_empty(const Wire& wire, ModelActions& actions) {
+  return use(wire, actions, Kind::is_empty);
+}
+
+// ---- Arrivals -----------------------------------------------------------------------------------
+
+namespace {
+
+class ArrivalMaker {
+ public:
+  ArrivalMaker(const Declarations& file, const Names& names, System& system, ModelActions& actions)
+      : file_(file), names_(names), system_(system), actions_(actions) {}
+
+  void make() {
+    system_.nobodys_actions.clear();
+    system_.nobodys_groups.assign(1, "");
+    for (const auto& [to, wires] : names_.wires) {
+      for (const Wire& wire : wires) add(wire, wires.size() > 1);
+    }
+    for (const auto& [model, service] : names_.services) add(model, service);
+  }
+
+ private:
+  // "map", "image[logger]": what leads to that model.
+  std::string connection_of(std::uint32_t to) const {
+    const auto reader = file_.topic_of.find(to);
+    if (reader == file_.topic_of.end()) return system_.models[to].name;
+    const Topic& topic = names_.topics[reader->second.first];
+    return topic.readers.size() == 1 ? topic.name : system_.models[to].name;
+  }
+
+  void add(const Wire& wire, bool has_others) {
+    const std::string connection = connection_of(wire.to);
+    const std::string from = has_others ? " from " + wire.writer : "";
+    const auto group = static_cast<std::uint32_t>(system_.nobodys_groups.size());
+    system_.nobodys_groups.push_back("what is on its way from " + wire.writer + " to " +
+                                     system_.models[wire.to].name);
+    const Alphabet& inputs = system_.models[wire.to].automaton.inputs();
+    for (std::uint32_t letter = 0; letter < wire.letters.size(); ++letter) {
+      const std::string& name = inputs.name(wire.letters[letter]);
+      NobodysAction arrival;
+      arrival.what.uses = {{ModelUse::Kind::give, wire.to, wire.letters[letter]},
+                           use(wire, actions_, Kind::arrive, letter)};
+      if (wire.counter) arrival.what.uses.push_back(count_one_less(wire, actions_));
+      arrival.what.events = {{ModelUse::Kind::take, wire.model, wire.rules->arrives(letter)}};
+      arrival.what.text = connection + "!arrives" + name.substr(base_of(name).size()) + from;
+      arrival.what.fair = group;
+      add(std::move(arrival), wire.to);
+    }
+    add_drop(wire);
+    const ModelUse losing = use(wire, actions_, Kind::lose);
+    if (!actions_.are_possible({losing})) return;
+    NobodysAction loss;
+    loss.what.uses = {losing, takes(wire)};
+    if (wire.counter) loss.what.uses.push_back(count_one_less(wire, actions_));
+    loss.what.events = {{ModelUse::Kind::take, wire.model, WireModel::lost}};
+    loss.what.text = connection + "!lost" + from;
+    loss.counts_for_deadlock = false;
+    loss.lost = "a message of " + connection;
+    add(std::move(loss), wire.to);
+  }
+
+  // What is on its way to a reader that has died is gone, piece by piece and unseen.
+  void add_drop(const Wire& wire) {
+    const auto reader = file_.topic_of.find(wire.to);
+    if (reader == file_.topic_of.end()) return;
+    const auto& gone = names_.topics[reader->second.first].readers[reader->second.second].gone;
+    if (!gone) return;
+    NobodysAction drop;
+    drop.what.uses = {use(wire, actions_, Kind::drop),
+                      actions_.action(wire.to, "its reader has died", [&] {
+                        ModelActions::Steps steps(actions_.model(wire.to).automaton.size());
+                        steps[*gone] = {{*gone, false}};
+                        return steps;
+                      })};
+    drop.what.text = connection_of(wire.to) + ": what is on its way to the dead is gone";
+    drop.counts_for_deadlock = false;
+    drop.is_shown = false;
+    add(std::move(drop), wire.to);
+  }
+
+  // A condition: something on the wire may arrive. What is lost is so in its turn.
+  ModelUse takes(const Wire& wire) {
+    return actions_.action(
+        wire.to, "takes what " + wire.writer + " sends",
+        ModelActions::StepsOfState([&actions = actions_, to = wire.to,
+                                    letters = wire.letters](StateId at) {
+          const bool takes = std::ranges::any_of(letters, [&](Symbol letter) {
+            return !model_steps(actions.model(to), at, {ModelUse::Kind::give, 0, letter}).empty();
+          });
+          return takes ? std::vector<ModelStep>{{at, false}} : std::vector<ModelStep>{};
+        }));
+  }
+
+  void add(std::uint32_t model, const Service& service) {
+    using enum ServiceModel::Operation::Kind;
+    ServiceModel& rules = *service.rules;
+    const std::vector<bool>& is_late = rules.shape().is_late;
+    for (std::uint32_t client = 0; client < is_late.size(); ++client) {
+      if (!is_late[client]) continue;
+      const std::string& name = rules.shape().names[client];
+      for (const bool is_request : {true, false}) {
+        const auto group = static_cast<std::uint32_t>(system_.nobodys_groups.size());
+        system_.nobodys_groups.push_back(
+            (is_request ? "requests on their way from " : "answers on their way to ") + name);
+        const std::string connection = service.name + (is_late.size() > 1 ? "[" + name + "]" : "");
+        const std::string what = is_request ? "request" : "answer";
+        const auto action = [&](ServiceModel::Operation::Kind kind, const std::string& event) {
+          const ServiceModel::Operation operation{kind, client, 0};
+          NobodysAction made;
+          made.what.uses = {rules.use(actions_, model, operation)};
+          made.what.events = {{ModelUse::Kind::take, model, rules.symbol_of(operation)}};
+          made.what.text = connection + "!" + what + event;
+          return made;
+        };
+        NobodysAction arrival = action(is_request ? request_arrives : answer_arrives, "_arrives");
+        arrival.what.fair = group;
+        add(std::move(arrival), model);
+        NobodysAction loss = action(is_request ? request_lost : answer_lost, "_lost");
+        loss.counts_for_deadlock = false;
+        loss.lost = "a" + std::string(is_request ? " request of " : "n answer to ") + name;
+        add(std::move(loss), model);
+      }
+    }
+  }
+
+  void add(NobodysAction action, std::uint32_t to) {
+    std::ranges::sort(action.what.uses, {}, &ModelUse::model);
+    action.position = system_.models[to].position;
+    system_.nobodys_actions.push_back(std::move(action));
+  }
+
+  const Declarations& file_;
+  const Names& names_;
+  System& system_;
+  ModelActions& actions_;
+};
+
+}  // namespace
+
+void add_arrivals(const Declarations& file, const Names& names, System& system,
+                  ModelActions& actions) {
+  ArrivalMaker(file, names, system, actions).make();
+}
+
+}  // namespace maide

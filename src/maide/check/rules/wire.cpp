@@ -1,0 +1,149 @@
+#include "maide/check/rules/wire.hpp"
+
+#include <algorithm>
+#include <optional>
+#include <span>
+#include <utility>
+
+namespace maide {
+
+void WireRules::put(std::vector<std::uint32_t>& items, std::uint32_t item) const {
+  if (keep_last != 0 && items.size() >= room()) items.erase(items.begin());
+  items.push_back(item);
+}
+
+namespace {
+
+// "arrives(3)" of "write(3)".
+std::string arrival_of(const std::string& letter) {
+  const std::size_t values = letter.find('(');
+  return "arrives" + (values == std::string::npos ? "" : letter.substr(values));
+}
+
+}  // namespace
+
+WireModel::WireModel(WireRules rules, std::vector<std::string> letters)
+    : GrowingModel({0}), rules_(rules), letters_(std::move(letters)) {}
+
+InterfaceAutomaton WireModel::start() const {
+  std::vector<std::string> outputs{"lost"};
+  for (const std::string& letter : letters_) {
+    const std::string name = arrival_of(letter);
+    if (std::ranges::find(outputs, name) == outputs.end()) outputs.push_back(name);
+  }
+  return {Alphabet(std::span<const std::string>(letters_)),
+          Alphabet(std::span<const std::string>(outputs)), 1};
+}
+
+Symbol WireModel::arrives(std::uint32_t letter) const {
+  return start().outputs().find(arrival_of(letters_[letter])).value();
+}
+
+std::optional<GrowingModel::Contents> WireModel::after(Contents contents,
+                                                       const Operation& operation) const {
+  using Kind = Operation::Kind;
+  const bool is_abandoned = contents.front() != 0;
+  std::vector<std::uint32_t> items(contents.begin() + 1, contents.end());
+  const auto with = [&](bool abandoned) {
+    Contents next{abandoned && !items.empty() ? 1U : 0U};
+    next.insert(next.end(), items.begin(), items.end());
+    return next;
+  };
+  switch (operation.kind) {
+    case Kind::put:
+      if (!rules_.may_put(items.size())) return std::nullopt;
+      rules_.put(items, operation.letter);
+      return with(is_abandoned);
+    case Kind::add:
+    case Kind::push_out:
+      if ((items.size() < rules_.room()) != (operation.kind == Kind::add)) return std::nullopt;
+      if (!rules_.may_put(items.size())) return std::nullopt;
+      rules_.put(items, operation.letter);
+      return with(is_abandoned);
+    case Kind::arrive:
+      if (items.empty() || items.front() != operation.letter) return std::nullopt;
+      items.erase(items.begin());
+      return with(is_abandoned);
+    case Kind::lose:
+      if (items.empty() || (!is_abandoned && !rules_.may_lose(items.size()))) return std::nullopt;
+      items.erase(items.begin());
+      return with(is_abandoned);
+    case Kind::drop:
+      if (items.empty()) return std::nullopt;
+      items.erase(items.begin());
+      return with(is_abandoned);
+    case Kind::abandon: return is_abandoned ? std::nullopt : std::optional(with(true));
+    case Kind::is_full:
+      if (rules_.may_put(items.size())) return std::nullopt;
+      return contents;
+    case Kind::is_empty:
+      if (!items.empty()) return std::nullopt;
+      return contents;
+  }
+  return std::nullopt;
+}
+
+bool WireModel::make_all(InterfaceAutomaton& automaton, bool writer_may_die, std::size_t most) {
+  using Kind = Operation::Kind;
+  for (StateId state = 0; state < automaton.size(); ++state) {
+    if (automaton.size() > most) return false;
+    const Contents at = contents(state);
+    const auto add = [&](const Operation& operation) {
+      if (auto next = after(at, operation)) state_of(automaton, std::move(*next));
+    };
+    for (std::uint32_t letter = 0; letter < letters_.size(); ++letter) add({Kind::put, letter});
+    add({Kind::lose, 0});
+    if (writer_may_die) add({Kind::abandon, 0});
+    if (at.size() > 1) add({Kind::arrive, at[1]});
+  }
+  return true;
+}
+
+std::string WireModel::describe(StateId state) const {
+  if (is_elsewhere(state)) return "";
+  const Contents& at = contents(state);
+  const std::size_t count = at.size() - 1;
+  if (count == 0) return "";
+  std::string values;
+  for (auto item = at.begin() + 1; item != at.end(); ++item) {
+    const std::string& letter = letters_[*item];
+    const std::size_t begin = letter.find('(');
+    if (begin == std::string::npos) continue;
+    values += (values.empty() ? ": " : ", ") + letter.substr(begin + 1, letter.size() - begin - 2);
+  }
+  return (count == 1 ? "a message" : std::to_string(count) + " messages") + values;
+}
+
+std::size_t WireModel::count_in(const std::string& description) {
+  if (description.empty()) return 0;
+  return description.front() == 'a' ? 1 : std::stoul(description);
+}
+
+std::string WireModel::text_of(const Operation& operation) const {
+  using Kind = Operation::Kind;
+  switch (operation.kind) {
+    case Kind::put: return letters_[operation.letter] + " is sent";
+    case Kind::add: return letters_[operation.letter] + " is sent, and there is room";
+    case Kind::push_out: return letters_[operation.letter] + " pushes out the oldest";
+    case Kind::arrive: return letters_[operation.letter] + " arrives";
+    case Kind::lose: return "the oldest is lost";
+    case Kind::drop: return "its reader has died";
+    case Kind::abandon: return "its writer dies";
+    case Kind::is_full: return "is full";
+    case Kind::is_empty: return "nothing is on its way";
+  }
+  return "";
+}
+
+ModelUse WireModel::use(ModelActions& actions, std::uint32_t model, const Operation& operation) {
+  return actions.action(model, text_of(operation),
+                        ModelActions::StepsOfState([this, &actions, model, operation](StateId at) {
+                          if (is_elsewhere(at)) return std::vector<ModelStep>{{at, true}};
+                          auto next = after(contents(at), operation);
+                          if (!next) return std::vector<ModelStep>{};
+                          return std::vector<ModelStep>{
+                              {state_of(actions.automaton(model), std::move(*next)), false}};
+                        }));
+}
+
+}  // namespace maide

@@ -1,0 +1,304 @@
+// Messages on their way: what a late message can change, and what it cannot. The systems are small,
+// and each shows one thing. Random systems are held against an interpreter with wires of its own in
+// tests/referee.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "maide/check/build/system_file.hpp"
+#include "maide/check/engines/engine.hpp"
+#include "maide/check/rules/wire.hpp"
+#include "maide/check/verdict/check_system.hpp"
+#include "systems.hpp"
+
+namespace maide {
+namespace {
+
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::Not;
+
+System wired(const std::string& text, Deliveries deliveries = Deliveries::as_said) {
+  return parse_system(text, "s.yaml", test::test_model, {}, {}, deliveries);
+}
+
+CheckReport check_wired(const System& system, Reduction reduction = Reduction::none) {
+  NativeEngine engine;
+  CheckRequest request;
+  request.options.reduction = reduction;
+  return check_system(system, engine, request);
+}
+
+// The verdict on the property, which all reductions agree on.
+std::string verdict_of(const std::string& text, const std::string& property) {
+  const System system = wired(text);
+  std::string common;
+  for (const Reduction reduction : {Reduction::none, Reduction::order, Reduction::full}) {
+    const CheckReport report = check_wired(system, reduction);
+    for (const PropertyResult& result : report.properties) {
+      if (result.name != property) continue;
+      const std::string found = to_string(result.verdict);
+      if (!common.empty() && common != found) return common + ", and " + found;
+      common = found;
+    }
+  }
+  return common;
+}
+
+std::string changed(const std::string& text, const std::string& what, const std::string& by) {
+  std::string other = text;
+  for (std::size_t at = other.find(what); at != std::string::npos;
+       at = other.find(what, at + by.size())) {
+    other.replace(at, what.size(), by);
+  }
+  EXPECT_NE(other, text) << what;
+  return other;
+}
+
+// A chart is written, then a bell rings on another topic.
+const std::string chart_and_bell =
+    "topics:\n"
+    "  chart: {writers: [desk], readers: [pilot], use: queue, with: {depth: 3}}\n"
+    "  bell: {writers: [desk], readers: [pilot], use: queue, with: {depth: 3}}\n"
+    "programs:\n"
+    "  desk: \"chart.write; bell.write;\"\n"
+    "  pilot: \"bell.read -> message; switch chart.tryread { message { skip; } null { @blind skip; "
+    "} }\"\n"
+    "properties: {seen: \"G !pilot@blind\"}\n";
+
+TEST(Wires, AMessageOfAnotherTopicMayComeFirst) {
+  EXPECT_EQ(verdict_of(chart_and_bell, "seen"), "violated");
+  EXPECT_EQ(
+      verdict_of(changed(chart_and_bell, "use: queue", "delivery: at_once, use: queue"), "seen"),
+      "holds");
+}
+
+// Each topic decides for itself: one that is late is enough.
+TEST(Wires, TheBellAloneIsLate) {
+  const std::string text = changed(chart_and_bell, "chart: {", "chart: {delivery: at_once, ");
+  EXPECT_EQ(verdict_of(text, "seen"), "holds");
+}
+
+TEST(Wires, AtRestEverythingArrivesAtOnce) {
+  const System late = wired(chart_and_bell), at_rest = wired(chart_and_bell, Deliveries::at_rest);
+  EXPECT_FALSE(late.nobodys_actions.empty());
+  EXPECT_TRUE(at_rest.nobodys_actions.empty());
+  EXPECT_LT(at_rest.models.size(), late.models.size());
+  EXPECT_EQ(at_rest.programs.size(), late.programs.size());
+}
+
+TEST(Wires, OneTopicKeepsItsOrder) {
+  const std::string text =
+      "topics: {t: {writers: a, readers: b, use: queue, with: {depth: 5}, delivery: late}}\n"
+      "programs:\n"
+      "  a: \"t.write(1); t.write(2); t.write(3);\"\n"
+      "  b: \"var x: 0..3; var y: 0..3; t.read -> message(x); t.read -> message(y); @two skip;\"\n"
+      "properties: {order: {always: \"b@two -> b.x == 1 && b.y == 2\"}}\n";
+  EXPECT_EQ(verdict_of(text, "order"), "holds");
+  // A writer that keeps one may lose the first two, but not their order.
+  const std::string one = changed(text, "{depth: 5}", "{depth: 5, pub-depth: 1}");
+  EXPECT_EQ(verdict_of(one, "order"), "violated");
+  const std::string sorted = changed(one, "b.x == 1 && b.y == 2", "b.x < b.y");
+  EXPECT_EQ(verdict_of(sorted, "order"), "holds");
+}
+
+// What was sent last is never lost on the way.
+TEST(Wires, TheNewestIsKept) {
+  const std::string text =
+      "topics: {t: {writers: a, readers: b, use: queue, with: {depth: 2, pub-depth: 1}}}\n"
+      "programs: {a: \"t.write(1); t.write(2);\", b: \"var x: 0..2; loop { idle t.read -> "
+      "message(x); }\"}\n"
+      "properties: {newest: \"F b.x == 2\", first: \"F b.x == 1\"}\n";
+  EXPECT_EQ(verdict_of(text, "newest"), "holds");
+  EXPECT_EQ(verdict_of(text, "first"), "violated");
+  EXPECT_EQ(verdict_of(changed(text, ", pub-depth: 1", ""), "first"), "holds");
+}
+
+// A queue that refuses takes no more because some of it is on the way.
+TEST(Wires, AWireAddsNoRoom) {
+  const std::string text =
+      "topics: {t: {writers: [a, b], readers: r, use: queue, with: {size: 1}, delivery: late}}\n"
+      "programs: {a: \"t.write;\", b: \"t.write;\", r: \"skip; if (1 == 2) { t.read -> message; "
+      "}\"}\n"
+      "properties: {both: {always: \"!(a@end && b@end)\"}}\n";
+  EXPECT_EQ(verdict_of(text, "both"), "holds");
+  EXPECT_EQ(verdict_of(text, "deadlock"), "violated");
+}
+
+TEST(Wires, WhatArrivesMayAlwaysComeOnFairRuns) {
+  const std::string text =
+      "topics: {t: {writers: a, readers: b, use: queue, with: {depth: 1}}}\n"
+      "programs: {a: \"t.write;\", b: \"@waits t.read -> message;\", c: \"loop { if * { skip; } "
+      "else { skip; } }\"}\n"
+      "properties: {comes: \"F b@end\"}\n";
+  EXPECT_EQ(verdict_of(text, "comes"), "holds");
+  EXPECT_EQ(verdict_of(text, "deadlock"), "holds");
+}
+
+// Something of what is sent again and again comes, though each message may be lost.
+TEST(Wires, NotAllIsLostForEver) {
+  const std::string text =
+      "topics: {t: {writers: a, readers: b, use: queue, with: {depth: 1}, loses: true}}\n"
+      "programs: {a: \"loop { t.write; }\", b: \"loop { t.read -> message; @has skip; }\"}\n"
+      "properties: {again: \"G F b@has\"}\n";
+  EXPECT_EQ(verdict_of(text, "again"), "holds");
+  const std::string once = changed(text, "loop { t.write; }", "t.write;");
+  EXPECT_EQ(verdict_of(changed(once, "G F b@has", "F b@has"), "again"), "violated");
+  EXPECT_EQ(
+      verdict_of(changed(changed(once, "G F b@has", "F b@has"), "loses: true", "loses: false"),
+                 "again"),
+      "holds");
+}
+
+TEST(Wires, ADeadWritersMessageArrivesOrIsLost) {
+  const std::string text =
+      "topics: {t: {writers: a, readers: b, use: queue, with: {depth: 1}}}\n"
+      "programs: {a: {do: \"t.write;\", may_die: true}, b: \"idle t.read -> message; @has "
+      "skip;\"}\n"
+      "properties: {comes: \"G (a@end -> F b@has)\", never: \"G !b@has\"}\n";
+  EXPECT_EQ(verdict_of(text, "never"), "violated");
+  EXPECT_EQ(verdict_of(text, "comes"), "violated");
+}
+
+// ---- services -----------------------------------------------------------------------------------
+
+const std::string answer_and_note =
+    "topics: {note: {writers: server, readers: client, use: queue, with: {depth: 2}}}\n"
+    "services: {s: {server: server, clients: client, delivery: late}}\n"
+    "programs:\n"
+    "  server: \"s.serve -> request; note.write; s.answer;\"\n"
+    "  client: \"s.send; s.receive -> answer; switch note.tryread { message { skip; } null { "
+    "@missed skip; } }\"\n"
+    "properties: {noted: \"G !client@missed\"}\n";
+
+TEST(Wires, AnAnswerMayOvertakeAMessage) {
+  EXPECT_EQ(verdict_of(answer_and_note, "noted"), "violated");
+  // The note cannot be late behind an answer that is.
+  EXPECT_EQ(
+      verdict_of(changed(answer_and_note, "use: queue", "delivery: at_once, use: queue"), "noted"),
+      "holds");
+}
+
+TEST(Wires, RequestsAndAnswersThatAreLateAllArrive) {
+  const std::string text =
+      "services: {s: {server: server, clients: [one, two], delivery: late}}\n"
+      "programs:\n"
+      "  server: \"repeat 2 { s.serve -> request; s.answer; }\"\n"
+      "  one: \"s.send; s.receive -> answer;\"\n"
+      "  two: \"s.send; s.receive -> answer;\"\n"
+      "properties: {all: \"F (one@end && two@end)\"}\n";
+  EXPECT_EQ(verdict_of(text, "all"), "holds");
+  EXPECT_EQ(verdict_of(changed(text, "delivery: late", "delivery: late, loses: true"), "all"),
+            "violated");
+}
+
+// ---- where there are no wires -------------------------------------------------------------------
+
+bool is_late(const std::string& text) { return !wired(text).nobodys_actions.empty(); }
+
+TEST(Wires, LieBetweenProcessesAlone) {
+  const std::string text =
+      "topics: {t: {writers: a, readers: b, file: cyclonedds.dot}}\n"
+      "programs:\n"
+      "  a: {do: \"t.write;\", process: p}\n"
+      "  b: {do: \"t.read -> message;\", process: q}\n";
+  const auto of = [&](const std::string& sul, const std::string& processes) {
+    const System system = parse_system(processes, "s.yaml", [&](const ModelRequest& request) {
+      ModelRequest local = request;
+      local.file = "strict-2.dot";
+      InterfaceAutomaton automaton = test::test_model(local);
+      automaton.origin["sul"] = sul;
+      return automaton;
+    });
+    return !system.nobodys_actions.empty();
+  };
+  const std::string joined = changed(text, "process: q", "process: p");
+  EXPECT_TRUE(of("cyclonedds depth=2", text));
+  EXPECT_FALSE(of("cyclonedds depth=2", joined));
+  EXPECT_FALSE(of("ros2 depth=2 rmw=cyclonedds", joined));
+  EXPECT_TRUE(of("ros2 depth=2 rmw=fastrtps", joined));  // nobody measured it
+  EXPECT_TRUE(of("zeromq size=2", joined));
+  EXPECT_FALSE(of("yarp carrier=tcp", text));  // its writer waits
+  EXPECT_TRUE(of("yarp carrier=tcp kind=buffered", text));
+}
+
+// Nodes say when messages come late.
+TEST(Wires, NodesHaveThemWhereTheFileSaysSo) {
+  const std::string text =
+      "topics: {t: {writers: p, readers: n.on_t, use: queue, with: {size: 1}}}\n"
+      "programs: {p: \"t.write;\"}\n"
+      "nodes: {n: {callbacks: {on_t: {takes: t.read, do: \"skip;\"}}}}\n";
+  EXPECT_FALSE(is_late(text));
+  EXPECT_THAT(check_wired(wired(text)).assumptions,
+              testing::Contains(HasSubstr("t: what is sent arrives at once (as in all files with "
+                                          "nodes that do not say `delivery: late`")));
+  const std::string late = changed(text, "{writers: p", "{delivery: late, writers: p");
+  EXPECT_TRUE(is_late(late));
+  EXPECT_EQ(verdict_of(late, "stuck"), "holds");
+}
+
+TEST(Wires, WhatIsBuiltInIsThereAtOnce) {
+  EXPECT_FALSE(
+      is_late("models: {q: {use: queue, with: {size: 2}}, m: {use: mutex}}\n"
+              "programs: {a: \"m.lock; q.write; m.unlock;\", b: \"q.read -> message;\"}\n"));
+  EXPECT_TRUE(
+      is_late("models: {q: {use: queue, with: {size: 2}, delivery: late}}\n"
+              "programs: {a: \"q.write;\", b: \"q.read -> message;\"}\n"));
+}
+
+// ---- what is said of them -----------------------------------------------------------------------
+
+TEST(Wires, AssumptionsSayWhatIsLate) {
+  const CheckReport report = check_wired(wired(chart_and_bell));
+  EXPECT_THAT(report.assumptions,
+              testing::Contains(HasSubstr("chart, bell: what is sent arrives some time later")));
+}
+
+TEST(Wires, StepsOfNobodyHaveNames) {
+  const System system = wired(changed(chart_and_bell, "depth: 3", "depth: 3, pub-depth: 1"));
+  std::vector<std::string> texts;
+  for (const NobodysAction& action : system.nobodys_actions) texts.push_back(action.what.text);
+  EXPECT_THAT(texts, testing::UnorderedElementsAre("chart!arrives", "chart!lost", "bell!arrives",
+                                                   "bell!lost"));
+}
+
+TEST(Wires, FormulasNameArrivals) {
+  const std::string text =
+      changed(chart_and_bell, "seen: \"G !pilot@blind\"",
+              "first: \"!bell!arrives U chart!arrives\", none: \"G !bell!lost\"");
+  EXPECT_EQ(verdict_of(text, "first"), "violated");
+  EXPECT_EQ(verdict_of(text, "none"), "holds");
+  const std::string at_once = changed(text, "use: queue", "delivery: at_once, use: queue");
+  EXPECT_EQ(verdict_of(at_once, "none"), "holds");
+}
+
+TEST(Wires, APublisherKeepsAtLeastOne) {
+  EXPECT_THAT(
+      test::error_of([] { wired(changed(chart_and_bell, "depth: 3", "depth: 3, pub-depth: 0")); }),
+      HasSubstr("'pub-depth' is a number of at least 1"));
+}
+
+// ---- the model of a wire ------------------------------------------------------------------------
+
+TEST(WireModel, HoldsTenMessagesOrWhatItsWriterKeeps) {
+  for (const std::uint32_t kept : {1U, 4U, 10U, 12U}) {
+    WireModel wire({kept, false}, {"write"});
+    InterfaceAutomaton automaton = wire.start();
+    ASSERT_TRUE(wire.make_all(automaton, false, 1000));
+    EXPECT_EQ(automaton.size(), std::max(kept, 10U) + 1) << kept;
+  }
+}
+
+TEST(WireModel, SaysWhatItHolds) {
+  WireModel wire({0, false}, {"write(3)", "write(5)"});
+  InterfaceAutomaton automaton = wire.start();
+  EXPECT_FALSE(wire.make_all(automaton, false, 100));
+  EXPECT_EQ(wire.describe(0), "");
+  EXPECT_EQ(wire.describe(1), "a message: 3");
+}
+
+}  // namespace
+}  // namespace maide
