@@ -223,10 +223,6 @@ void check_names(const Declarations& declared) {
   }
 }
 
-}  // namespace
-
-namespace {
-
 // A text of the file gives the input, or a callback takes what it brings.
 bool is_given(const TreeNode& node, std::string_view input) {
   bool found = false;

@@ -203,12 +203,13 @@ Fields options_of(const TreeNode& entry) {
   const TreeNode* const with = entry.find("with");
   return with == nullptr ? Fields() : fields_of(*with);
 }
-std::map<std::string, std::string> values_of(const Declarations& file, const Fields& options) {
-  std::map<std::string, std::string> values;
-  for (const TreeNode* option : options) {
-    values.emplace(option->name_text(), option_value(file, *option));
+// What the entry says of how messages get to the model with that number.
+void note_delivery(Declarations& file, std::uint32_t number, const TreeNode& entry) {
+  std::map<std::string, std::string> options;
+  for (const TreeNode* option : options_of(entry)) {
+    options.emplace(option->name_text(), option_value(file, *option));
   }
-  return values;
+  file.deliveries.emplace(number, read_delivery(file, entry, options));
 }
 
 }  // namespace
@@ -237,8 +238,7 @@ void declare_models(Declarations& file) {
       model.name = array.member(member);
       declarer.declare_built_in(origin, array.indices_of(member));
       const auto number = static_cast<std::uint32_t>(file.models.size());
-      file.deliveries.emplace(number,
-                              read_delivery(file, entry, values_of(file, options_of(entry))));
+      note_delivery(file, number, entry);
       file.models.push_back(model);
       file.origins.push_back(origin);
       if (origin.kind == ModelOrigin::Kind::asked) {
@@ -303,7 +303,7 @@ Topic::Reader declare_reader(Declarations& file, const References& references,
   ModelInstance model = declarer.declare(topic + "[" + reader.name + "]", origin);
   declarer.declare_built_in(origin, indices);
   const auto number = static_cast<std::uint32_t>(file.models.size());
-  file.deliveries.emplace(number, read_delivery(file, entry, values_of(file, options_of(entry))));
+  note_delivery(file, number, entry);
   file.models.push_back(std::move(model));
   file.origins.push_back(std::move(origin));
   return {reader.program, number, reader.callback, {}, {}, {}, {}};
