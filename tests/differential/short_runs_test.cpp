@@ -28,8 +28,12 @@ Property stuck() {
   return property;
 }
 
-// Steps of the run before a program that never steps again cannot step any more.
-std::size_t steps_before(const System& system, const Trace& trace) {
+// Steps of the run before a program that never steps again cannot step any more. A loop that is
+// told in part comes to other states the next time round, so the whole run counts.
+std::size_t steps_before(const System& system, const Trace& told) {
+  const std::vector<GlobalState> states_told = replay(system, told);
+  const bool is_whole = models_that_change(told, states_told).empty();
+  const Trace trace = is_whole ? told : closed(system, told, states_told).value();
   const std::vector<GlobalState> states = replay(system, trace);
   std::size_t least = states.size();
   for (std::uint32_t index = 0; index < system.programs.size(); ++index) {
@@ -107,7 +111,8 @@ TEST_P(ShortRuns, ComeSoonToWhereAProgramIsStuck) {
     far += *nearest > 3 ? 1 : 0;
     const std::size_t steps = steps_before(system, *result.trace);
     EXPECT_GE(steps, *nearest) << test::show(system);
-    EXPECT_LE(2 * steps, 3 * *nearest) << test::show(system);
+    // A run that is shorter as a whole may come there a step later.
+    EXPECT_LE(2 * steps, 3 * *nearest + 2) << test::show(system);
     open += is_told_in_part(system, stuck(), *result.trace) ? 1 : 0;
     options.threads = 3;
     options.states_a_thread = 1;

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "at_rest.hpp"
 #include "maide/base/file.hpp"
 #include "maide/base/text.hpp"
 #include "maide/check/engines/engine.hpp"
@@ -37,9 +38,9 @@ class ArchitectureReplay : public testing::TestWithParam<std::string> {
     const std::string text =
         read_file(MAIDE_SOURCE_DIR "/examples/architectures/on-middleware/" + name);
     write_file_atomically(folder_.path() / name, text);
-    system_ =
-        read_system(folder_.path() / name,
-                    record_requests(make_learning_source({folder_.path(), {}, {}, 0}), requests_));
+    const ModelSource models =
+        record_requests(make_learning_source({folder_.path(), {}, {}, 0}), requests_);
+    system_ = read_system(folder_.path() / name, models);
     for (const std::string_view line : split_lines(text)) {
       if (!line.starts_with("# ") || !line.ends_with(": violated")) continue;
       CheckRequest request;
@@ -49,6 +50,7 @@ class ArchitectureReplay : public testing::TestWithParam<std::string> {
       ASSERT_EQ(to_string(result_.verdict), to_string(Verdict::violated)) << result_.reason;
     }
     ASSERT_TRUE(result_.trace) << "the file names no property that is violated";
+    system_ = test::at_rest(system_, folder_.path() / name, models, result_);
   }
 
   void expect_followed(std::size_t rounds) {

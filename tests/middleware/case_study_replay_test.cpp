@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "at_rest.hpp"
 #include "maide/base/file.hpp"
 #include "maide/check/engines/engine.hpp"
 #include "maide/check/verdict/check_system.hpp"
@@ -43,14 +44,15 @@ class CaseStudyReplay : public testing::TestWithParam<CaseStudy> {
     const std::string name = GetParam().file + ".yaml";
     write_file_atomically(folder_.path() / name,
                           read_file(MAIDE_SOURCE_DIR "/examples/case-study-1/" + name));
-    system_ =
-        read_system(folder_.path() / name,
-                    record_requests(make_learning_source({folder_.path(), {}, {}, 0}), requests_));
+    const ModelSource models =
+        record_requests(make_learning_source({folder_.path(), {}, {}, 0}), requests_);
+    system_ = read_system(folder_.path() / name, models);
     NativeEngine engine;
     CheckRequest request;
     request.properties = {"deadlock"};
     result_ = check_system(system_, engine, request).properties.front();
     ASSERT_EQ(to_string(result_.verdict), to_string(GetParam().verdict)) << result_.reason;
+    system_ = test::at_rest(system_, folder_.path() / name, models, result_);
   }
 
   // The counterexample, or random runs.

@@ -301,9 +301,13 @@ std::string read_traces(Replay& replay, const System& late, const ReplayArgument
   replay.property = std::move(file.property);
   check_claim(late, replay.property, file.trace, arguments.trace);
   if (!late.nobodys_actions.empty()) {
-    const auto at_rest = trace_at_rest(late, replay.property, file.trace, replay.system);
-    if (!at_rest) return describe_late_message(late, file.trace);
-    file.trace = *at_rest;
+    auto at_rest = find_run_at_rest(late, replay.property, file.trace, replay.system, control);
+    if (!at_rest) return "not tried: needs " + describe_late_message(late, file.trace);
+    if (at_rest->is_another) {
+      log_note("the trace needs " + describe_late_message(late, file.trace) +
+               "; what is played is another run, which violates the property without one");
+    }
+    file.trace = std::move(at_rest->trace);
   }
   replay.assumptions = find_assumptions(replay.system, file.trace);
   replay.traces = {file.trace};

@@ -8,12 +8,14 @@
 #include <vector>
 
 #include "maide/base/json.hpp"
+#include "maide/check/engines/engine.hpp"
 #include "maide/check/system/trace_file.hpp"
 #include "maide/check/verdict/check_system.hpp"
 
 namespace maide {
+namespace {
 
-std::optional<Trace> trace_at_rest(const System& system, const std::string& property,
+std::optional<Trace> without_arrivals(const System& system, const std::string& property,
                                    const Trace& trace, const System& at_rest) {
   Json file = trace_file_to_json(system, property, trace);
   Json steps = Json::array();
@@ -39,8 +41,29 @@ std::optional<Trace> trace_at_rest(const System& system, const std::string& prop
   }
 }
 
+}  // namespace
+
+std::optional<RestingRun> find_run_at_rest(const System& system, const std::string& property,
+                                           const Trace& trace, const System& at_rest,
+                                           const RunControl& control) {
+  if (auto same = without_arrivals(system, property, trace, at_rest)) {
+    return RestingRun{std::move(*same), false};
+  }
+  if (property.empty()) return std::nullopt;
+  NativeEngine engine;
+  CheckRequest request;
+  request.properties = {property};
+  request.options.control = control;
+  CheckReport report = check_system(at_rest, engine, request);
+  control.check("looking for a run without late messages");
+  for (PropertyResult& result : report.properties) {
+    if (result.name == property && result.trace) return RestingRun{std::move(*result.trace), true};
+  }
+  return std::nullopt;
+}
+
 std::string describe_late_message(const System& system, const Trace& trace) {
-  constexpr const char* reason = "not tried: needs a late message";
+  constexpr const char* reason = "a late message";
   const std::vector<GlobalState> states = replay(system, trace);
   for (std::size_t at = 0; at < trace.steps.size(); ++at) {
     if (trace.steps[at].actor == nobody) continue;

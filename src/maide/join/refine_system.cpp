@@ -76,13 +76,13 @@ class Refiner {
     const System& system = is_late ? at_rest_ : result_.system;
     Trace trace = *property.trace;
     if (is_late) {
-      const auto at_rest = trace_at_rest(result_.system, property.name, trace, system);
+      auto at_rest = find_run_at_rest(result_.system, property.name, trace, system, control());
       if (!at_rest) {
-        result_.report.assumptions.push_back(property.name + ": " +
+        result_.report.assumptions.push_back(property.name + ": not tried: needs " +
                                              describe_late_message(result_.system, trace));
         return std::nullopt;
       }
-      trace = *at_rest;
+      trace = std::move(at_rest->trace);
     }
     if (real_.empty()) real_ = open_real_systems(system, requests_, {1, "", control()});
     std::optional<Deviation> deviation;

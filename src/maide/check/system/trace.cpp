@@ -113,11 +113,10 @@ std::string find_flaw_of_stuck(const System& system, const Trace& trace,
   for (std::size_t index = 0; index < shares.programs.size(); ++index) {
     const Program& program = system.programs[index];
     const ControlState at = states.back().programs[index];
-    if (!shares.programs[index].steps && !program.is_end(at) && !program.may_rest(at)) {
-      return "";
-    }
+    if (!program.flags.is_fair || program.is_end(at) || program.may_rest(at)) continue;
+    if (!shares.programs[index].steps) return "";
   }
-  return "every program that has not ended steps again";
+  return "every fair program that has not ended steps again";
 }
 
 // No progress can come, and the run may end there.
