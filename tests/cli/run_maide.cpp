@@ -28,6 +28,14 @@ SubprocessResult run_with_maide(const std::string& script) {
   return run_program({"/bin/sh", "-c", "maide=$1; " + script, "sh", MAIDE_PROGRAM}, limits());
 }
 
+SubprocessResult run_on_terminal(const std::vector<std::string>& arguments,
+                                 const std::string& typed) {
+  std::vector<std::string> command{MAIDE_PYTHON3, MAIDE_SOURCE_DIR "/tests/cli/on_terminal.py",
+                                   typed, MAIDE_PROGRAM};
+  command.insert(command.end(), arguments.begin(), arguments.end());
+  return run_program(command, limits());
+}
+
 Json json_of(const SubprocessResult& result) {
   EXPECT_TRUE(result.out.ends_with('\n')) << result.out;
   EXPECT_EQ(std::count(result.out.begin(), result.out.end(), '\n'), 1) << result.out;

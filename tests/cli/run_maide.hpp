@@ -16,6 +16,11 @@ SubprocessResult run_maide(const std::vector<std::string>& arguments);
 // A shell script in which "$maide" is the program; for redirections and pipes.
 SubprocessResult run_with_maide(const std::string& script);
 
+// What maide with these arguments shows on a terminal on which that is typed, whose end is Ctrl-D;
+// its exit status. `typed` may have control characters, such as Ctrl-C ("\x03").
+SubprocessResult run_on_terminal(const std::vector<std::string>& arguments,
+                                 const std::string& typed);
+
 // The one JSON object on standard output; fails the test if that is not what is there.
 Json json_of(const SubprocessResult& result);
 

@@ -169,6 +169,9 @@ CASES = r"""
 1 check counted.yaml --set n=3 --junit counted.xml --trace counted.json
 2 check counted.yaml --set k=3
 2 check nowhere.yaml
+0 simulate violated.yaml --seed 3
+0 simulate counted.yaml --set n=3 --steps 1
+2 simulate nowhere.yaml
 0 replay violated.yaml trace.json --rounds 2
 0 replay violated.yaml --random 2 --steps 20
 3 replay lossy.yaml lossy.json --rounds 40
@@ -212,6 +215,7 @@ CASES = r"""
 1 check system.json
 ! {bin}/maide view wired.yaml --stage system | {python} {tests}/cli/add_nobody.py >nobody.json
 1 check nobody.json --trace nobody-trace.json
+0 simulate nobody.json
 0 view nobody.json -o nobody.html
 2 view port.aut.gz
 0 reproduce table1 --system port
@@ -258,6 +262,7 @@ CTRL_C = "printed after Ctrl-C alone"
 NOT_PRINTED = {
     "check#1.error": CTRL_C, "check#1.status": CTRL_C,
     "replay#1.error": CTRL_C, "replay#1.status": CTRL_C,
+    "simulate#1.error": CTRL_C, "simulate#1.status": CTRL_C,
     "bench#1.error": CTRL_C, "bench#1.status": CTRL_C,
     "check#1.properties[].internal_error": "printed after an error of Maide's own",
     "bench#1.peer_means[]": "needs 41 models that are not in the tree",

@@ -20,6 +20,7 @@
 #include "maide/check/build/constant_settings.hpp"
 #include "maide/check/system/trace_file.hpp"
 #include "maide/check/verdict/check_system.hpp"
+#include "maide/cli/chart_style.hpp"
 #include "maide/cli/command.hpp"
 #include "maide/cli/command_line.hpp"
 #include "maide/cli/mpi.hpp"
@@ -79,10 +80,7 @@ struct TraceStyle {
 };
 
 TraceStyle trace_style(const std::string& format) {
-  TraceStyle style{format == "steps" ? TraceFormat::steps : TraceFormat::chart, {}};
-  style.chart.unicode = is_utf8_locale();
-  if (const auto width = terminal_width(STDOUT_FILENO)) style.chart.width = *width;
-  return style;
+  return {format == "steps" ? TraceFormat::steps : TraceFormat::chart, chart_style()};
 }
 
 std::string describe(const System& system, const CheckReport& report, const PropertyResult& result,

@@ -124,6 +124,10 @@ std::span<const Command> command_table() {
               "maide check system.yaml --property deadlock --trace deadlock.json --json\n"
               "maide check system.yaml --refine",
               set_up_check},
+      Command{"simulate", "Step through a system: what can come next, forward and back",
+              "maide simulate system.yaml\n"
+              "maide simulate system.yaml --seed 7 --steps 50 --trace run.json",
+              set_up_simulate},
       Command{"replay", "Tell whether the real middleware does what a counterexample says",
               "maide replay system.yaml deadlock.json --rounds 20\n"
               "maide replay system.yaml --random 100 --seed 7",

@@ -12,6 +12,7 @@
 
 #include "maide/base/error.hpp"
 #include "maide/base/log.hpp"
+#include "maide/check/system/simulation.hpp"
 #include "maide/experiment/open_system.hpp"
 #include "maide/experiment/pacing.hpp"
 #include "maide/join/valued_queue.hpp"
@@ -283,13 +284,7 @@ Trace draw_run(const System& system, std::size_t most_steps, Random& random, boo
     std::erase_if(steps, [](const Step& step) { return step.is_beyond || step.actor == nobody; });
     if (nodes) nodes->restrict(state, steps);
     if (steps.empty()) break;
-    std::vector<std::uint32_t> programs;
-    for (const Step& step : steps) {
-      if (programs.empty() || programs.back() != step.actor) programs.push_back(step.actor);
-    }
-    const std::uint32_t program = programs[random.below(programs.size())];
-    std::erase_if(steps, [&](const Step& step) { return step.actor != program; });
-    const Step& step = steps[random.below(steps.size())];
+    const Step& step = steps[draw_step(steps, random)];
     trace.steps.push_back(step);
     if (nodes) nodes->take(state, step);
     state = apply(system, state, step);

@@ -196,6 +196,13 @@ class Sentence {
     return violation + ": " + end + describe_losses(end);
   }
 
+  std::string write_waiting(std::uint32_t index) const {
+    std::vector<Clause> clauses;
+    add_clause(find_waiting(system_, trace_, states_, states_.size() - 1, index), states_.back(),
+               clauses);
+    return clauses.front().text("; ");
+  }
+
   // Of a run that another property was told of: its own violation, and what keeps the programs from
   // stepping that could change what the formula sees, if the other sentence does not begin with it.
   std::string write_again(const Property& property, const std::string& same) const {
@@ -310,7 +317,10 @@ class Sentence {
       for (const WayOut& way : waiting.ways) {
         if (way.guard) guards.push_back(*way.guard);
       }
-      if (guards.empty() && waiting.awaited.empty()) return "can do nothing but die";
+      if (guards.empty() && waiting.awaited.empty()) {
+        return system_.programs[waiting.program].may_die() ? "can do nothing but die"
+                                                           : "waits for what never comes";
+      }
       return describe_waiting(system_, system_.programs[waiting.program], waiting.awaited, guards);
     }
     const ProgramEdge& first = waiting.awaited.front();
@@ -691,6 +701,10 @@ std::string describe_on_its_way(const System& system, const Trace& trace) {
 
 std::string explain(const System& system, const Property& property, const Trace& trace) {
   return Sentence(system, trace).write(property) + describe_on_its_way(system, trace);
+}
+
+std::string explain_waiting(const System& system, const Trace& trace, std::uint32_t program) {
+  return Sentence(system, trace).write_waiting(program);
 }
 
 std::string explain_again(const System& system, const Property& property, const Trace& trace,

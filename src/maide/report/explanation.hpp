@@ -3,6 +3,7 @@
 // alone (check/verdict/waiting.hpp). It knows nothing of particular middlewares.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -25,6 +26,10 @@ std::string describe_violation(const System& system, const Formula& formula, con
 // was read and 5 were lost, ...". Without a full stop. `trace` is a counterexample for `property`.
 // O(steps x programs).
 std::string explain(const System& system, const Property& property, const Trace& trace);
+
+// "controller waits at line 13 for a message from via; via holds none; only planner would write to
+// via": what keeps one of blocked_programs() from stepping where a run ends that repeats nothing.
+std::string explain_waiting(const System& system, const Trace& trace, std::uint32_t program);
 
 // What is left to say of a property whose run was shown as that of `before`: "planner@sent holds
 // after step 7, but controller@done never holds from step 7 on: the same run as deadlock"; and why

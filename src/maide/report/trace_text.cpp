@@ -70,7 +70,8 @@ void write_waiting(std::ostream& out, const System& system, const GlobalState& s
   }
   const std::vector<Program::Guard> guards = closed_guards(program, control);
   if (awaited.empty() && guards.empty()) {
-    out << fmt::format("  {} can only die\n", program.name);
+    out << fmt::format("  {} {}\n", program.name,
+                       program.may_die() ? "can only die" : "waits for what never comes");
     return;
   }
   const bool is_plain =
@@ -124,29 +125,8 @@ void write_loop(std::ostream& out, const System& system, const Trace& trace,
   }
 }
 
-void write_end(std::ostream& out, const System& system, const Trace& trace,
-               const std::vector<GlobalState>& states) {
-  if (trace.loop_start) {
-    write_loop(out, system, trace, states);
-    return;
-  }
-  const GlobalState& state = states.back();
-  if (state.is_cut) {
-    out << "  here the run leaves what was learned\n";
-    return;
-  }
-  if (is_error(system, state)) {
-    out << "  here the run comes to an error: " << describe_error(system, state) << "\n";
-    return;
-  }
-  if (has_ended(system, state)) {
-    out << "  all programs have ended\n";
-    return;
-  }
-  if (!is_deadlock(system, state)) {
-    out << "  whatever comes now, the property is violated\n";
-    return;
-  }
+// Who does what where nothing can happen any more.
+void write_deadlock(std::ostream& out, const System& system, const GlobalState& state) {
   out << "nothing can happen any more:\n";
   for (std::size_t index = 0; index < system.programs.size(); ++index) {
     const Program& program = system.programs[index];
@@ -215,15 +195,40 @@ void write_steps(std::ostream& out, const System& system, const Trace& trace,
 
 }  // namespace
 
-void write_trace_text(std::ostream& out, const System& system, const Trace& trace,
-                      TraceFormat format, const ChartTextStyle& style) {
+void write_run_text(std::ostream& out, const System& system, const Trace& trace, TraceFormat format,
+                    const ChartTextStyle& style) {
   const SequenceChart chart = make_trace_chart(system, trace, "");
   if (format == TraceFormat::chart && fits_as_text(chart, style)) {
     write_sequence_chart_text(out, chart, style);
   } else {
     write_steps(out, system, trace, chart, style);
   }
-  write_end(out, system, trace, replay(system, trace));
+}
+
+bool write_standstill(std::ostream& out, const System& system, const GlobalState& state) {
+  if (state.is_cut) {
+    out << "  here the run leaves what was learned\n";
+  } else if (is_error(system, state)) {
+    out << "  here the run comes to an error: " << describe_error(system, state) << "\n";
+  } else if (has_ended(system, state)) {
+    out << "  all programs have ended\n";
+  } else if (is_deadlock(system, state)) {
+    write_deadlock(out, system, state);
+  } else {
+    return false;
+  }
+  return true;
+}
+
+void write_trace_text(std::ostream& out, const System& system, const Trace& trace,
+                      TraceFormat format, const ChartTextStyle& style) {
+  write_run_text(out, system, trace, format, style);
+  const std::vector<GlobalState> states = replay(system, trace);
+  if (trace.loop_start) {
+    write_loop(out, system, trace, states);
+  } else if (!write_standstill(out, system, states.back())) {
+    out << "  whatever comes now, the property is violated\n";
+  }
 }
 
 namespace {

@@ -20,7 +20,16 @@ namespace maide {
 // there. Both fold repetitions (fold_chart()).
 enum class TraceFormat : std::uint8_t { chart, steps };
 
-// Writes the trace - as steps, too, if the chart does not fit - and who waits for what at its end.
+// Writes the run, as steps, too, if the chart does not fit.
+void write_run_text(std::ostream& out, const System& system, const Trace& trace, TraceFormat format,
+                    const ChartTextStyle& style);
+
+// Writes why the run goes on nowhere, and who waits for what: it is cut there, comes to an error,
+// to the end of all programs, or to a deadlock. False, and nothing is written, where it is none of
+// these.
+bool write_standstill(std::ostream& out, const System& system, const GlobalState& state);
+
+// Writes a counterexample, and who waits for what at its end.
 void write_trace_text(std::ostream& out, const System& system, const Trace& trace,
                       TraceFormat format = TraceFormat::chart, const ChartTextStyle& style = {});
 

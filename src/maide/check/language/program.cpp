@@ -40,6 +40,10 @@ bool Program::may_end() const {
   return false;
 }
 
+bool Program::may_die() const {
+  return std::ranges::any_of(edges, [&](const ProgramEdge& edge) { return is_death(edge); });
+}
+
 bool Program::may_reach(std::uint32_t label) const {
   return std::ranges::any_of(
       label_sets, [&](const auto& set) { return std::ranges::binary_search(set, label); });

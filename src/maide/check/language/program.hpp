@@ -221,6 +221,7 @@ struct Program {
   bool has_label(ControlState state, std::uint32_t label) const;
   // What control can come to, whatever the models do. O(control states).
   bool may_end() const;
+  bool may_die() const;
   bool may_reach(std::uint32_t label) const;
 };
 

@@ -39,9 +39,8 @@ std::string describe(const std::vector<ConstantSetting>& settings) {
 // Walks along the text through all states that the steps named so far may have led to.
 class TraceReader {
  public:
-  TraceReader(const std::string& file, const System& system)
-      : file_(file), system_(system), steps_(system) {
-    layers_.push_back({{steps_.initial(), {}, 0, 0}});
+  TraceReader(const std::string& file, const System& system) : file_(file), system_(system) {
+    layers_.push_back({{initial_state(system), {}, 0, 0}});
   }
 
   TraceFile read(const Json& root) {
@@ -133,21 +132,20 @@ class TraceReader {
     std::vector<std::string> possible;
     for (std::size_t parent = 0; parent < layers_.back().size(); ++parent) {
       const GlobalState& state = layers_.back()[parent].state;
-      steps_.for_each(state, [&](const GlobalState& after, std::size_t, std::uint32_t, bool,
-                                 std::uint64_t code) {
-        Step step = steps_.undo(after, code).step;
-        const StepText candidate = steps_.text(step);
+      for (const Step& step : enabled_steps(system_, state)) {
+        const StepText candidate = describe_step(system_, step);
         if (candidate != text) {
           possible.push_back(to_string(candidate));
-          return;
+          continue;
         }
         const bool is_entry = loop_start_ == layers_.size() - 1;
-        Node node{after, std::move(step), parent, is_entry ? parent : layers_.back()[parent].entry};
+        Node node{apply(system_, state, step), step, parent,
+                  is_entry ? parent : layers_.back()[parent].entry};
         const bool is_known = std::ranges::any_of(next, [&](const Node& other) {
           return other.entry == node.entry && other.state == node.state;
         });
         if (!is_known) next.push_back(std::move(node));
-      });
+      }
     }
     if (next.empty()) {
       std::ranges::sort(possible);
@@ -180,7 +178,7 @@ class TraceReader {
     }
     for (const Node& node : last) {
       trace = path_to(node);
-      std::vector<GlobalState> states{steps_.initial()};
+      std::vector<GlobalState> states{initial_state(system_)};
       for (const Step& step : trace.steps) states.push_back(apply(system_, states.back(), step));
       if (closed(system_, trace, states)) return;
     }
@@ -202,7 +200,6 @@ class TraceReader {
 
   const std::string& file_;
   const System& system_;
-  StepsByTheBook steps_;
   std::uint64_t version_ = 1;
   std::optional<std::size_t> loop_start_;
   std::vector<std::vector<Node>> layers_;  // what may be after each step

@@ -222,6 +222,21 @@ std::vector<std::optional<std::size_t>> count_obtainable(const InterfaceAutomato
   return result;
 }
 
+std::optional<std::vector<Symbol>> find_held(const System& system, std::uint32_t model,
+                                             StateId state) {
+  const InterfaceAutomaton& automaton = system.models[model].automaton;
+  Awaited awaited;
+  awaited.model = model;
+  for (Symbol output = 0; output < automaton.outputs().size(); ++output) {
+    if (is_message_name(automaton.outputs().name(output))) awaited.outputs.push_back(output);
+  }
+  if (awaited.outputs.empty()) return std::nullopt;
+  complete(system, awaited);
+  const Levels levels = count_obtainable(automaton, awaited);
+  if (!levels[state]) return std::nullopt;
+  return outputs_from(automaton, awaited, levels, state, *levels[state]);
+}
+
 namespace {
 
 // Whose message it is that arrives at the model in that step; none: it is no arrival, or that of a

@@ -62,6 +62,12 @@ std::optional<Awaited> find_awaited(const System& system, const Program& program
 std::vector<std::optional<std::size_t>> count_obtainable(const InterfaceAutomaton& automaton,
                                                          const Awaited& awaited);
 
+// The messages that the model holds in that state, as outputs, in the order in which they come if
+// one asks; none where it is not known, or no output brings a message.
+// O(edges + states x transitions).
+std::optional<std::vector<Symbol>> find_held(const System& system, std::uint32_t model,
+                                             StateId state);
+
 // The account of the run so far; nothing where the model holds no countable messages. `states` are
 // replay()'s. O(steps + states x transitions).
 std::optional<MessageAccount> take_account(const System& system, const Trace& trace,
