@@ -16,7 +16,7 @@ namespace maide {
 namespace {
 
 std::optional<Trace> without_arrivals(const System& system, const std::string& property,
-                                   const Trace& trace, const System& at_rest) {
+                                      const Trace& trace, const System& at_rest) {
   Json file = trace_file_to_json(system, property, trace);
   Json steps = Json::array();
   std::optional<std::size_t> loop_start;

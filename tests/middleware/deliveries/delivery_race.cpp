@@ -1,12 +1,14 @@
 #include "delivery_race.hpp"
 
 #include <fmt/core.h>
+#include <poll.h>
 #include <sched.h>
 #include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <array>
 #include <atomic>
 #include <csignal>
 #include <cstdio>
@@ -33,6 +35,7 @@ struct Page {
   std::atomic<std::uint32_t> returned = 0;  // the round whose map is written: the call returned
   std::atomic<bool> is_over = false;
   std::atomic<pid_t> writer = 0, reader = 0;  // threads
+  std::array<int, 2> pipe{};                  // a byte for each call that returned
 };
 
 // Connections that are matched may still lose what is written first, so round 0 is repeated until
@@ -40,6 +43,17 @@ struct Page {
 constexpr std::chrono::milliseconds again{100}, start_limit{20'000};
 // How long something that was sent may take: a reliable writer sends again what was lost.
 constexpr std::chrono::milliseconds reliable_limit{10'000}, unreliable_limit{100};
+
+void share_one_processor(pid_t thread) {
+  cpu_set_t allowed, first;
+  CPU_ZERO(&allowed);
+  CPU_ZERO(&first);
+  ::sched_getaffinity(thread, sizeof(allowed), &allowed);
+  std::size_t number = 0;
+  while (number + 1 < CPU_SETSIZE && !CPU_ISSET(number, &allowed)) ++number;
+  CPU_SET(number, &first);
+  ::sched_setaffinity(thread, sizeof(first), &first);
+}
 
 class Race {
  public:
@@ -58,16 +72,16 @@ class Race {
       for (const Topic topic : both_topics) writer.write(topic, 0, size_of(topic));
       wait_until([this] { return page_.asked > 0; }, again);
     }
-    slow_down();
+    slow_library_down();
     for (std::uint32_t round = 1; round <= rounds_; ++round) {
       while (page_.asked < round) {
-        if (page_.is_over) return;
-        std::this_thread::yield();
+        rest();
       }
       if (notice_ == "look") pause();
       writer.write(Topic::map, round, size_);
       if (notice_ != "call") writer.write(Topic::notice, round, size_of(Topic::notice));
       page_.returned = round;
+      if (notice_ == "call") static_cast<void>(::write(page_.pipe[1], &round, 1) == 1);
     }
     // What is on its way is not to die with the writer.
     while (!page_.is_over) std::this_thread::sleep_for(1ms);
@@ -77,12 +91,12 @@ class Race {
   std::string play_reader(Reader& reader) {
     page_.reader = ::gettid();
     for (const Topic topic : both_topics) {
-      if (!wait_for(reader, topic, 0, start_limit)) throw std::runtime_error("nothing comes");
+      if (!comes(reader, topic, 0, start_limit)) throw std::runtime_error("nothing comes");
     }
     // What was repeated, and is still on its way.
     std::this_thread::sleep_for(2 * again);
     for (const Topic topic : both_topics) static_cast<void>(reader.take(topic));
-    slow_down();
+    slow_library_down();
     for (std::uint32_t round = 1; round <= rounds_; ++round) {
       page_.asked = round;
       notice_ == "look" ? look(reader, round) : miss(reader, round);
@@ -94,14 +108,25 @@ class Race {
  private:
   std::size_t size_of(Topic topic) const { return topic == Topic::map ? size_ : 4; }
 
-  // All threads of this process but those of the race.
-  void slow_down() const {
+  void slow_library_down() const {
     if (!library_is_slow_) return;
     for (const auto& task : std::filesystem::directory_iterator("/proc/self/task")) {
       const auto thread = static_cast<pid_t>(std::stol(task.path().filename()));
-      if (thread == page_.writer || thread == page_.reader) continue;
-      const sched_param priority{};
-      ::sched_setscheduler(thread, SCHED_IDLE, &priority);
+      if (thread == page_.writer || thread == page_.reader) {
+        share_one_processor(thread);
+      } else {
+        slow_down(thread);
+      }
+    }
+  }
+
+  // While nothing but the library can go on.
+  void rest() const {
+    if (page_.is_over) throw std::runtime_error("the other end has ended");
+    if (library_is_slow_) {
+      std::this_thread::sleep_for(20us);
+    } else {
+      std::this_thread::yield();
     }
   }
 
@@ -122,49 +147,60 @@ class Race {
     return true;
   }
 
-  static bool wait_for(Reader& reader, Topic topic, std::uint32_t round,
-                       std::chrono::milliseconds limit) {
-    return wait_until([&] { return reader.take(topic) == round; }, limit);
+  // Tries until `finds()` is true, or was still false so long after the writer's calls of this
+  // round had returned.
+  template <typename Finds>
+  bool try_until(const Finds& finds, std::uint32_t round, std::chrono::milliseconds limit) const {
+    std::optional<Clock::time_point> end;
+    while (true) {
+      if (!end && page_.returned >= round) end = Clock::now() + limit;
+      if (finds()) return true;
+      if (end && Clock::now() > *end) return false;
+      rest();
+    }
   }
 
-  void count_miss(Reader& reader, std::uint32_t round) {
-    ++(wait_for(reader, Topic::map, round, limit_) ? late_ : lost_);
+  bool comes(Reader& reader, Topic topic, std::uint32_t round,
+             std::chrono::milliseconds limit) const {
+    return try_until([&] { return reader.take(topic) == round; }, round, limit);
+  }
+
+  // What the reader has of a round when it has the notice.
+  void count(Reader& reader, std::uint32_t round, bool has_notice, bool has_map) {
+    if (!has_notice) {
+      ++unnoticed_;
+      static_cast<void>(reader.take(Topic::map));
+    } else if (!has_map) {
+      ++(comes(reader, Topic::map, round, limit_) ? late_ : lost_);
+    }
+  }
+
+  // Who sleeps meanwhile is woken at once, and before a slow library's threads.
+  bool call_returns(std::uint32_t round) const {
+    if (!library_is_slow_) wait_until([&] { return page_.returned == round; }, reliable_limit);
+    pollfd byte{page_.pipe[0], POLLIN, 0};
+    char read = 0;
+    return ::poll(&byte, 1, static_cast<int>(reliable_limit.count())) == 1 &&
+           ::read(page_.pipe[0], &read, 1) == 1;
   }
 
   // The notice, then the map.
   void miss(Reader& reader, std::uint32_t round) {
     const bool has_notice =
-        notice_ == "call" ? wait_until([&] { return page_.returned == round; }, reliable_limit)
-                          : wait_for(reader, Topic::notice, round, limit_);
-    if (!has_notice) {
-      ++unnoticed_;
-      finish(reader, round);
-    } else if (reader.take(Topic::map) != round) {
-      count_miss(reader, round);
-    }
+        notice_ == "call" ? call_returns(round) : comes(reader, Topic::notice, round, limit_);
+    count(reader, round, has_notice, has_notice && reader.take(Topic::map) == round);
   }
 
   // Looks until one finds the notice. Only what a look found is taken.
   void look(Reader& reader, std::uint32_t round) {
-    const auto end = Clock::now() + limit_;
-    bool has_map = false, has_notice = false;
-    while (!has_notice && Clock::now() < end) {
+    bool has_map = false;
+    const auto finds_notice = [&] {
       const Found found = reader.look(0ms);
       if (found.map && reader.take(Topic::map) == round) has_map = true;
-      has_notice = found.notice && reader.take(Topic::notice) == round;
-    }
-    if (!has_notice) {
-      ++unnoticed_;
-      finish(reader, round);
-    } else if (!has_map) {
-      count_miss(reader, round);
-    }
-  }
-
-  // Where the notice did not come: the writer is to end its round before the next.
-  void finish(Reader& reader, std::uint32_t round) {
-    wait_until([&] { return page_.returned == round; }, reliable_limit);
-    static_cast<void>(reader.take(Topic::map));
+      return found.notice && reader.take(Topic::notice) == round;
+    };
+    const bool has_notice = try_until(finds_notice, round, limit_);
+    count(reader, round, has_notice, has_map);
   }
 
   static constexpr std::uint32_t longest_pause_us = 200;
@@ -183,7 +219,9 @@ Page& make_page() {
   void* const memory =
       ::mmap(nullptr, sizeof(Page), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
   if (memory == MAP_FAILED) throw std::bad_alloc();
-  return *new (memory) Page;
+  auto& page = *new (memory) Page;
+  if (::pipe(page.pipe.data()) != 0) throw std::runtime_error("no pipe");
+  return page;
 }
 
 // What goes wrong at one end is not to keep the other one waiting.
@@ -271,6 +309,12 @@ std::uint32_t Settings::number(const std::string& key, std::uint32_t otherwise) 
   const auto number = parse_number<std::uint32_t>(place->second);
   if (!number) throw std::runtime_error(key + " is a number");
   return *number;
+}
+
+void slow_down(pid_t thread) {
+  share_one_processor(thread);
+  const sched_param priority{};
+  ::sched_setscheduler(thread, SCHED_IDLE, &priority);
 }
 
 int run(int count, char** words, const Program& program) {

@@ -4,6 +4,8 @@
 // JSON.
 #pragma once
 
+#include <sys/types.h>
+
 #include <array>
 #include <chrono>
 #include <cstddef>
@@ -81,6 +83,9 @@ class Middleware {
   virtual std::unique_ptr<Reader> make_reader() = 0;
 };
 
+// What library=slow does to a thread, or to another process that has one.
+void slow_down(pid_t thread);
+
 struct Program {
   // Called before there is a second process; may be empty.
   std::function<void(Settings&)> prepare;
@@ -101,8 +106,8 @@ struct Program {
 //   size=100            bytes of a map
 //   rounds=200
 //   reliability=reliable, or best_effort
-//   library=slow        the middleware's own threads get a processor only where nobody else wants
-//                       it (SCHED_IDLE): a message that one of them hands over comes late then
+//   library=slow        all share one processor, which the middleware's own threads get only where
+//                       the two ends rest: a message that such a thread hands over comes late then
 // Prints {"rounds", "misses", "late", "lost", "unnoticed"}: of the misses, late ones came within
 // some time, lost ones did not; where the notice itself was lost nothing is said of the map.
 int run(int count, char** words, const Program& program);
