@@ -59,7 +59,12 @@ class Origin:
         """Whether it was measured that a write in the same process hands the message over."""
         if self.name == "ros2":
             return self.value("rmw") in (None, "cyclonedds", "rmw_cyclonedds_cpp")
-        return self.name == "cyclonedds"
+        transport = self.value("transport")
+        if self.name == "ros1":
+            return transport == "intraprocess"
+        if self.name == "zeromq":
+            return transport in (None, "inproc") and self.value("pattern") != "req-rep"
+        return self.name == "cyclonedds" or self.name == "fastdds" and transport != "udp"
 
 
 def options_of(description: dict) -> dict:

@@ -220,7 +220,16 @@ TEST(Wires, LieBetweenProcessesAlone) {
   EXPECT_FALSE(of("cyclonedds depth=2", joined));
   EXPECT_FALSE(of("ros2 depth=2 rmw=cyclonedds", joined));
   EXPECT_TRUE(of("ros2 depth=2 rmw=fastrtps", joined));  // nobody measured it
-  EXPECT_TRUE(of("zeromq size=2", joined));
+  EXPECT_TRUE(of("fastdds depth=2", text));
+  EXPECT_FALSE(of("fastdds depth=2", joined));
+  EXPECT_TRUE(of("fastdds depth=2 transport=udp", joined));
+  EXPECT_TRUE(of("zeromq size=2", text));
+  EXPECT_FALSE(of("zeromq size=2", joined));
+  EXPECT_TRUE(of("zeromq size=2 transport=tcp", joined));
+  EXPECT_TRUE(of("zeromq pattern=req-rep", joined));
+  EXPECT_TRUE(of("ros1 queue_size=2", joined));
+  EXPECT_FALSE(of("ros1 queue_size=2 transport=intraprocess", joined));
+  EXPECT_TRUE(of("mqtt size=2", joined));
   EXPECT_FALSE(of("yarp carrier=tcp", text));  // its writer waits
   EXPECT_TRUE(of("yarp carrier=tcp kind=buffered", text));
 }

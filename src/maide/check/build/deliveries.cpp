@@ -53,8 +53,17 @@ Options system_of(const ModelInstance& model) {
 bool is_dds(const Options& system) {
   return is(system, "", "ros2") || is(system, "", "cyclonedds") || is(system, "", "fastdds");
 }
-bool is_cyclone(const Options& system) {
-  return is(system, "", "cyclonedds") || (is(system, "", "ros2") && !is(system, "rmw", "fastrtps"));
+// The middleware, if it was measured to hand over within a process in the writer's own thread
+// (docs/middleware/deliveries.md); "" otherwise. rclcpp over Fast DDS was not measured.
+std::string hands_over_within_a_process(const Options& system) {
+  if (is(system, "", "ros2")) return is(system, "rmw", "fastrtps") ? "" : "Cyclone DDS";
+  if (is(system, "", "cyclonedds")) return "Cyclone DDS";
+  if (is(system, "", "fastdds")) return is(system, "transport", "udp") ? "" : "Fast DDS";
+  if (is(system, "", "zeromq")) {
+    const bool is_inproc = !is(system, "transport", "tcp") && !is(system, "pattern", "req-rep");
+    return is_inproc ? "ZeroMQ" : "";
+  }
+  return is(system, "", "ros1") && is(system, "transport", "intraprocess") ? "roscpp" : "";
 }
 bool is_of_middleware(const Options& system) {
   return is_dds(system) || is(system, "", "ros1") || is(system, "", "zeromq") ||
@@ -62,8 +71,10 @@ bool is_of_middleware(const Options& system) {
 }
 
 constexpr const char* said = "the file says so";
-constexpr const char* handed_over =
-    "its ends are in one process, where Cyclone DDS hands over in the writer's own thread";
+std::string handed_over_by(const std::string& middleware) {
+  return "its ends are in one process, where " + middleware +
+         " hands over in the writer's own thread";
+}
 
 // What executors do with late messages in a counterexample is not looked at yet.
 constexpr const char* of_nodes =
@@ -118,7 +129,10 @@ DeliveryRule delivery_of(const ModelInstance& model, const ModelOrigin& origin,
   const bool is_strict =
       origin.kind == ModelOrigin::Kind::queue && !origin.size.drops_oldest && !wish.pub_depth;
   if (is_strict) return with(Delivery::at_once, "");
-  if (place.is_in_one_process && is_cyclone(system)) return with(Delivery::at_once, handed_over);
+  const std::string middleware = hands_over_within_a_process(system);
+  if (place.is_in_one_process && !middleware.empty()) {
+    return with(Delivery::at_once, handed_over_by(middleware));
+  }
   if (is(system, "", "yarp")) {
     const bool is_late = is(system, "kind", "buffered") || is(system, "kind", "strict") ||
                          is(system, "carrier", "udp") || is(system, "carrier", "mcast") ||
@@ -133,14 +147,16 @@ DeliveryRule delivery_of(const ModelInstance& model, const ModelOrigin& origin,
 DeliveryRule delivery_of(const Service& service, const DeliveryWish& wish,
                          const DeliveryPlace& place) {
   DeliveryRule rule{Delivery::late, {service.depth, wish.loses.value_or(false)}, ""};
-  const auto with = [&rule](Delivery delivery, const char* why) {
+  const auto with = [&rule](Delivery delivery, std::string why) {
     rule.delivery = delivery;
-    rule.why = why;
+    rule.why = std::move(why);
     return rule;
   };
   if (wish.delivery) return with(*wish.delivery, said);
   const bool is_cyclone = place.is_of_ros2 && !service.takes_one_by_one;
-  if (place.is_in_one_process && is_cyclone) return with(Delivery::at_once, handed_over);
+  if (place.is_in_one_process && is_cyclone) {
+    return with(Delivery::at_once, handed_over_by("Cyclone DDS"));
+  }
   return with(Delivery::at_once, of_services);
 }
 
