@@ -54,7 +54,9 @@ struct CheckOptions {
 struct CheckedProperty {
   std::string name;
   Verdict verdict = Verdict::inconclusive;
-  std::string reason;       // of an inconclusive verdict, one line; else mostly empty
+  std::string reason;  // of an inconclusive verdict, one line; else mostly empty
+  // Of a property `possible`: it holds if some run comes there, and has that run.
+  bool is_possibility = false;
   std::string explanation;  // of a violation, one sentence: who waits for what, and why
   std::string run;          // of a violation: its steps, a line each, with places in the file
   std::string same_run_as;  // of a violation: an earlier property that has the same run; or empty

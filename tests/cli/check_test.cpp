@@ -9,6 +9,7 @@ namespace maide::test {
 namespace {
 
 using testing::HasSubstr;
+using testing::Not;
 
 // A system file in a folder of its own, over the models of tests/models.
 class CheckCommand : public testing::Test {
@@ -133,6 +134,40 @@ constexpr const char* counted =
     "models: {m: {use: mutex}}\n"
     "programs: {a: 'repeat half { m.lock; m.unlock; } @d skip;'}\n"
     "properties: {never: 'G !a@d', \"<&'\\\"\": 'G !a@end'}\n";
+
+// A run that shows that something is possible is no violation, and what is not possible is one.
+TEST_F(CheckCommand, WhatIsPossibleIsShown) {
+  const std::string path =
+      system("  p: |\n    via.write;\n    sync.write;\n  q: |\n    via.read -> message;\n",
+             "  comes: {possible: \"q@end && !p@end\"}\n  both: {possible: \"sync.write && "
+             "via!message\"}\n");
+  const std::string trace = (folder_.path() / "t.json").string();
+  const SubprocessResult good = run_maide({"check", path, "--property", "comes", "--trace", trace});
+  EXPECT_EQ(good.exit_status, 0) << good.err;
+  EXPECT_THAT(good.out, testing::StartsWith("verdict: holds\n"));
+  EXPECT_THAT(good.out, HasSubstr("\ncomes  possible  ("));
+  EXPECT_THAT(good.out, HasSubstr("  q@end holds after step 3, and p@end does not hold after"));
+  EXPECT_THAT(good.out, Not(HasSubstr("violated")));
+  EXPECT_EQ(parse_json(read_file(trace), trace)["steps"].size(), 3U);
+  const std::string junit = (folder_.path() / "j.xml").string();
+  const SubprocessResult bad = run_maide({"check", path, "--property", "both", "--junit", junit});
+  EXPECT_EQ(bad.exit_status, 1) << bad.err;
+  EXPECT_THAT(bad.out, testing::StartsWith("verdict: violated (both: not possible)\n"));
+  EXPECT_THAT(bad.out, HasSubstr("\nboth  not possible  ("));
+  EXPECT_THAT(bad.out, HasSubstr("  no run comes to it\n"));
+  EXPECT_THAT(read_file(junit), HasSubstr("no run comes to it"));
+  const Json json = json_of(run_maide({"check", path, "--json"}));
+  EXPECT_EQ(json["properties"][2]["verdict"], "holds");
+  EXPECT_EQ(json["properties"][2]["possible"], true);
+  EXPECT_EQ(json["properties"][2]["trace"].size(), 3U);
+  EXPECT_EQ(json["properties"][3]["possible"], false);
+  EXPECT_FALSE(json["properties"][0].contains("possible"));
+  const std::string page = (folder_.path() / "r.html").string();
+  run_maide({"check", path, "--report", page});
+  EXPECT_THAT(read_file(page), HasSubstr("comes: how it is possible"));
+  EXPECT_THAT(run_maide({"format", path}).err + read_file(path),
+              HasSubstr("comes: {possible: \"q@end && !p@end\"}"));
+}
 
 TEST_F(CheckCommand, JUnitHasACaseForEachProperty) {
   const std::string path = file("s.yaml", counted), junit = (folder_.path() / "r.xml").string();

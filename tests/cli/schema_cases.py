@@ -12,7 +12,7 @@ models: {via: {file: "{models}/strict-3.dot"}, sync: {file: "{models}/buffered.d
 programs:
   p: via.write;
   q: via.read -> message;
-properties: {done: F q@end}
+properties: {done: F q@end, end: {possible: q@end}}
 """,
     "violated.yaml": """
 models:

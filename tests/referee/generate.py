@@ -55,6 +55,8 @@ class Generator(WireMaker):
             if roll < 0.2:
                 expression = f"{self.atom()} -> !({self.atom()})"
                 lines.append(f'  q{number}: {{always: "{expression}"}}')
+            elif roll < 0.35:
+                lines.append(f'  q{number}: {{possible: "{self.atom()} && !({self.atom()})"}}')
             else:
                 lines.append(f'  q{number}: {{ltl: "{formula}", fairness: {fairness}}}')
         return lines

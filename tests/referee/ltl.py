@@ -35,6 +35,17 @@ def negated(formula: Formula) -> Formula:
     return (dual, negated(formula[1]), negated(formula[2]))
 
 
+def is_true(formula: Formula, letter: tuple[bool, ...]) -> bool:
+    """Whether a formula without temporal operators is true where the atoms have these values."""
+    kind = formula[0]
+    if kind in ("true", "false"):
+        return kind == "true"
+    if kind in ("atom", "not"):
+        return letter[formula[1]] == (kind == "atom")
+    parts = [is_true(part, letter) for part in formula[1:]]
+    return all(parts) if kind == "and" else any(parts)
+
+
 @dataclass(frozen=True)
 class Cover:
     """One way in which formulas can hold: true and false atoms, what follows, what is put off."""

@@ -17,7 +17,7 @@ from typing import Any
 from formulas import Formulas, Letter, instances, parse_formula
 from graph import MAX_STATES, Component, Edge, FairRuns, State, TooLarge
 from language import Refused
-from ltl import Formula, covers, negated, satisfiable_states, untils
+from ltl import Formula, covers, is_true, negated, satisfiable_states, untils
 from system import System
 
 sys.setrecursionlimit(100_000)
@@ -126,12 +126,13 @@ class Referee:
     def own(self, name: str, description: Any) -> dict:
         """A property of the file; each instance of a `forall` is one formula."""
         fairness = "weak"
-        always = False
+        always = possible = False
         text = description
         if isinstance(description, dict):
             fairness = description.get("fairness", "weak")
             always = "always" in description
-            text = description["always"] if always else description["ltl"]
+            possible = "possible" in description
+            text = description["always" if always else "possible" if possible else "ltl"]
         ranges, body = parse_formula(text, name)
         verdicts = []
         for scope in instances(self.system, ranges):
@@ -146,9 +147,31 @@ class Referee:
                 for number in members
             }
             component = self.explore(sorted(numbers or self.system.components[0]))
+            if possible:
+                verdicts.append(self.possible(component, formulas.atoms, formula))
+                continue
             violated = self.is_violated(component, formulas.atoms, formula, fairness)
             verdicts.append(self.verdict(component, violated))
         return {"verdict": max(verdicts, key=WORST.index, default="holds")}
+
+    def possible(self, component: Component, atoms: list, formula: Formula) -> str:
+        """Whether some run comes to a position at which the formula, of one position, is true.
+
+        A position behind a cut, or at an error, is none.
+        """
+        positions = Positions(self.system, component, atoms)
+        known, waiting = {0}, [0]
+        while waiting:
+            at = waiting.pop()
+            if component.states[positions.states[at]].failed:
+                continue
+            if is_true(formula, positions.letters[at]):
+                return "holds"
+            for _, target in positions.after(at):
+                if target not in known:
+                    known.add(target)
+                    waiting.append(target)
+        return "violated" if self.verdict(component, False) == "holds" else "inconclusive"
 
     def is_violated(
         self, component: Component, atoms: list, formula: Formula, fairness: str

@@ -88,7 +88,7 @@ std::string describe(const System& system, const CheckReport& report, const Prop
   std::ostringstream text;
   const bool has_counts = result.states > 0 || result.reason.empty();
   text << fmt::format(
-      "{:<{}}  {}  ({}{:.2f} s{})\n", result.name, width, to_string(result.verdict),
+      "{:<{}}  {}  ({}{:.2f} s{})\n", result.name, width, describe_verdict(result),
       has_counts ? fmt::format("{} states, {} transitions, ", result.states, result.transitions)
                  : "",
       result.seconds, describe_memory(result));
@@ -102,7 +102,7 @@ std::string describe(const System& system, const CheckReport& report, const Prop
       return text.str();
     }
     text << wrap(explain(part, shown.property, shown.trace) + ".", style.chart.width, 2);
-    write_trace_text(text, part, shown.trace, style.format, style.chart);
+    write_shown_text(text, shown, style.format, style.chart);
   }
   return text.str();
 }
@@ -120,10 +120,14 @@ Tone tone_of(Verdict verdict) {
 // on all.
 std::string first_line(const CheckReport& report) {
   std::vector<std::string> names;
+  bool has_impossible = false;
   for (const PropertyResult& result : report.properties) {
-    if (result.verdict == report.verdict) names.push_back(result.name);
+    if (result.verdict != report.verdict) continue;
+    const bool is_impossible = result.is_possibility && result.verdict == Verdict::violated;
+    has_impossible = has_impossible || is_impossible;
+    names.push_back(result.name + (is_impossible ? ": not possible" : ""));
   }
-  const bool is_of_all = names.size() == report.properties.size();
+  const bool is_of_all = names.size() == report.properties.size() && !has_impossible;
   return "verdict: " + std::string(to_string(report.verdict)) +
          (is_of_all || names.empty() ? "" : " (" + join(names) + ")") + "\n";
 }
@@ -202,15 +206,26 @@ std::string describe(const Suggestions& suggestions, bool is_cut_short) {
   return text;
 }
 
-// The trace of the first violated property.
-void write_trace_file(const std::string& path, const System& system, const CheckReport& report) {
+// The first property that is violated by a run; if none is, the first of which a run shows that it
+// is possible. Null if there is no run.
+const PropertyResult* find_first_run(const CheckReport& report) {
+  const PropertyResult* possible = nullptr;
   for (const PropertyResult& result : report.properties) {
     if (!result.trace) continue;
-    const Json trace = trace_file_to_json(system, result.name, *result.trace);
-    write_file_atomically(path, to_json_line(trace) + "\n");
+    if (!result.is_possibility) return &result;
+    if (possible == nullptr) possible = &result;
+  }
+  return possible;
+}
+
+void write_trace_file(const std::string& path, const System& system, const CheckReport& report) {
+  const PropertyResult* const result = find_first_run(report);
+  if (result == nullptr) {
+    log_note("no run shows anything, so there is no trace to write to " + path);
     return;
   }
-  log_note("no property is violated, so there is no trace to write to " + path);
+  const Json trace = trace_file_to_json(system, result->name, *result->trace);
+  write_file_atomically(path, to_json_line(trace) + "\n");
 }
 
 // The picture of a model as an <svg> element, drawn by Graphviz; "" where that is not installed.
@@ -231,15 +246,15 @@ void write_report_file(const std::string& path, const System& system, const Chec
     write_file_atomically(path, text.str());
     return;
   }
-  for (const PropertyResult& result : report.properties) {
-    if (!result.trace) continue;
-    const Shown shown = shown_part(system, result);
-    write_sequence_chart_svg(text, make_trace_chart(shown.part.system(), shown.trace,
-                                                    result.name + " of " + system.title()));
-    write_file_atomically(path, text.str());
+  const PropertyResult* const result = find_first_run(report);
+  if (result == nullptr) {
+    log_note("no run shows anything, so there is no chart to write to " + path);
     return;
   }
-  log_note("no property is violated, so there is no chart to write to " + path);
+  const Shown shown = shown_part(system, *result);
+  write_sequence_chart_svg(text, make_trace_chart(shown.part.system(), shown.trace,
+                                                  result->name + " of " + system.title()));
+  write_file_atomically(path, text.str());
 }
 
 // A file beside the verdict: if it cannot be written, that is one line, and the verdict stands.
@@ -404,7 +419,9 @@ RunFunction set_up_check(CommandLine& line) {
       .no_default()
       .one_each()
       .value_name("NAME");
-  line.add("--trace", arguments->trace, "Write the first counterexample to this file (JSON)")
+  line.add("--trace", arguments->trace,
+           "Write the first counterexample to this file (JSON), or the run that shows what is "
+           "possible")
       .value_name("FILE");
   line.add("--trace-format", arguments->trace_format,
            "How a counterexample is shown: chart or steps. A chart is a message sequence chart, if "

@@ -151,7 +151,8 @@ Sections; `programs` or `nodes` must be there:
                       clients: {S: G}, variables: "...", callbacks: {C: {do:
                       "...", group: G, takes: M.read | timer: MS | serves: S}}}
   properties:  NAME: "FORMULA"  {ltl: "FORMULA", fairness: none|weak|strong}
-               {always: "EXPRESSION"}  {never: FILE.hoa}
+               {always: "EXPRESSION"}  {possible: "EXPRESSION"}
+               {never: FILE.hoa}
   NAME[i in LOW..HIGH] is an array, of all but constants, executors, properties.
 
 Statements (M: model, x: variable, e: expression; @name before one labels it):

@@ -238,10 +238,12 @@ Json as_json(const Replay& replay, const Tally& tally, const std::string& verdic
 void check_claim(const System& system, const std::string& property, const Trace& trace,
                  const std::string& file) {
   if (property.empty()) return;
-  const std::string flaw = find_flaw_in_parts(system, find_property(system, property), trace);
+  const Property claimed = find_property(system, property);
+  const std::string flaw = find_flaw_in_parts(system, claimed, trace);
   if (flaw.empty()) return;
-  throw UsageError(fmt::format("the trace does not show that '{}' is violated in {}: {} ({})",
-                               property, system.file, flaw, file));
+  throw UsageError(fmt::format("the trace does not show that '{}' is {} in {}: {} ({})", property,
+                               claimed.is_possibility ? "possible" : "violated", system.file, flaw,
+                               file));
 }
 
 // What no real system is asked for is an assumption, and if that is all, there is nothing to

@@ -20,6 +20,7 @@ CheckedProperty make_checked(const System& system, const CheckReport& report,
   property.name = result.name;
   property.verdict = result.verdict;
   property.reason = result.reason;
+  property.is_possibility = result.is_possibility;
   property.states = result.states;
   property.transitions = result.transitions;
   property.seconds = result.seconds;
@@ -27,7 +28,7 @@ CheckedProperty make_checked(const System& system, const CheckReport& report,
   const Shown shown = shown_part(system, result);
   property.explanation = explain(shown.part.system(), shown.property, shown.trace) + ".";
   std::ostringstream run;
-  write_trace_text(run, shown.part.system(), shown.trace, TraceFormat::steps);
+  write_shown_text(run, shown, TraceFormat::steps);
   property.run = run.str();
   if (const PropertyResult* same = find_same_run(report, result)) property.same_run_as = same->name;
   return property;

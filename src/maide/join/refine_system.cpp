@@ -54,14 +54,15 @@ class Refiner {
   // True if a model is another now.
   bool refine() {
     for (PropertyResult& property : result_.report.properties) {
-      if (property.verdict != Verdict::violated || !property.trace) continue;
+      if (property.verdict == Verdict::inconclusive || !property.trace) continue;
       const std::optional<Deviation> deviation = try_on_real_system(property);
       if (!deviation) continue;
       if (learn_from(*deviation, property)) return true;
     }
-    const bool is_violated = std::ranges::any_of(
-        result_.report.properties,
-        [](const auto& property) { return property.verdict == Verdict::violated; });
+    const bool is_violated =
+        std::ranges::any_of(result_.report.properties, [](const auto& property) {
+          return property.verdict == Verdict::violated && property.trace;
+        });
     return !is_violated && test_models();
   }
 

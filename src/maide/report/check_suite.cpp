@@ -16,7 +16,7 @@ namespace {
 
 void add_violation(JUnitCase& one, const System& system, const CheckReport& report,
                    const PropertyResult& result) {
-  one.failure = "violated";
+  one.failure = result.is_possibility ? result.reason : "violated";
   if (!result.trace) return;
   const Shown shown = shown_part(system, result);
   const System& part = shown.part.system();
@@ -26,7 +26,7 @@ void add_violation(JUnitCase& one, const System& system, const CheckReport& repo
   }
   one.failure = explain(part, shown.property, shown.trace) + ".";
   std::ostringstream run;
-  write_trace_text(run, part, shown.trace, TraceFormat::steps);
+  write_shown_text(run, shown, TraceFormat::steps);
   one.details = run.str();
 }
 

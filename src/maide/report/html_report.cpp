@@ -140,9 +140,8 @@ constexpr const char* style =
     "mark.waits{background:#fbd5d5}mark.loops{background:#fbe6d0}h3 small{font-weight:normal}"
     "pre{background:#f6f6f6;padding:.8em;overflow-x:auto}svg{max-width:100%;height:auto}";
 
-std::string verdict_cell(Verdict verdict) {
-  const std::string text = to_string(verdict);
-  return fmt::format("<span class=\"{0}\">{0}</span>", text);
+std::string verdict_cell(Verdict verdict, const std::string& text) {
+  return fmt::format("<span class=\"{}\">{}</span>", to_string(verdict), text);
 }
 
 void write_table(std::ostream& out, const CheckReport& report) {
@@ -150,7 +149,8 @@ void write_table(std::ostream& out, const CheckReport& report) {
          "<th>seconds</th></tr>\n";
   for (const PropertyResult& result : report.properties) {
     out << fmt::format("<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{:.2f}</td></tr>\n",
-                       escape_markup(result.name), verdict_cell(result.verdict), result.states,
+                       escape_markup(result.name),
+                       verdict_cell(result.verdict, describe_verdict(result)), result.states,
                        result.transitions, result.seconds);
     if (!result.reason.empty()) {
       out << fmt::format("<tr><td></td><td colspan=\"4\">{}</td></tr>\n",
@@ -162,7 +162,8 @@ void write_table(std::ostream& out, const CheckReport& report) {
 
 void write_counterexample(std::ostream& out, const System& system, const CheckReport& report,
                           const PropertyResult& result) {
-  out << fmt::format("<h2>{}: how it is violated</h2>\n", escape_markup(result.name));
+  out << fmt::format("<h2>{}: how it is {}</h2>\n", escape_markup(result.name),
+                     result.is_possibility ? "possible" : "violated");
   const Shown shown = shown_part(system, result);
   const System& part = shown.part.system();
   const PropertyResult* same = find_same_run(report, result);
@@ -173,7 +174,7 @@ void write_counterexample(std::ostream& out, const System& system, const CheckRe
   if (same != nullptr) return;
   write_sequence_chart_svg(out, make_trace_chart(part, shown.trace, ""));
   std::ostringstream text;
-  write_trace_text(text, part, shown.trace, TraceFormat::steps);
+  write_shown_text(text, shown, TraceFormat::steps);
   out << "<details><summary>step by step</summary><pre>" << escape_markup(text.str())
       << "</pre></details>\n";
   write_program_listing(out, part, shown.trace);
@@ -186,7 +187,8 @@ void write_html_report(std::ostream& out, const System& system, const CheckRepor
   out << fmt::format(
       "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>{0}</title>"
       "<style>{1}</style></head>\n<body><h1>{0}: {2}</h1>\n",
-      escape_markup(system.title()), style, verdict_cell(report.verdict));
+      escape_markup(system.title()), style,
+      verdict_cell(report.verdict, to_string(report.verdict)));
   write_table(out, report);
   if (!report.assumptions.empty()) {
     out << "<p>This rests on:</p><ul>\n";

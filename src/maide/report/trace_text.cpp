@@ -231,6 +231,12 @@ void write_trace_text(std::ostream& out, const System& system, const Trace& trac
   }
 }
 
+void write_shown_text(std::ostream& out, const Shown& shown, TraceFormat format,
+                      const ChartTextStyle& style) {
+  const auto write = shown.property.is_possibility ? write_run_text : write_trace_text;
+  write(out, shown.part.system(), shown.trace, format, style);
+}
+
 namespace {
 
 // The names of programs, and of the nodes whose callbacks they run.
@@ -272,6 +278,9 @@ Json report_to_json(const System& system, const CheckReport& report) {
                {"bytes_per_state", result.bytes_per_state()},
                {"reduction", to_string(result.reduction)}};
     if (!result.reason.empty()) entry["reason"] = result.reason;
+    if (result.is_possibility && result.verdict != Verdict::inconclusive) {
+      entry["possible"] = result.verdict == Verdict::holds;
+    }
     if (result.is_internal_error) entry["internal_error"] = true;
     if (result.trace) {
       const Shown shown = shown_part(system, result);

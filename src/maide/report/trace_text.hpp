@@ -32,6 +32,9 @@ bool write_standstill(std::ostream& out, const System& system, const GlobalState
 // Writes a counterexample, and who waits for what at its end.
 void write_trace_text(std::ostream& out, const System& system, const Trace& trace,
                       TraceFormat format = TraceFormat::chart, const ChartTextStyle& style = {});
+// Writes a counterexample so, or the run that shows that something is possible.
+void write_shown_text(std::ostream& out, const Shown& shown,
+                      TraceFormat format = TraceFormat::chart, const ChartTextStyle& style = {});
 
 // The report of `maide check --json`. A result's `component` names the programs whose runs it is
 // about; it is null if these are all. A result with a trace has `explanation` and `loop_start`,

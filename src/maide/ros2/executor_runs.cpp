@@ -418,7 +418,7 @@ void prefer_runs_of_executors(const System& system, CheckReport& report,
   if (system.callbacks.empty()) return;
   const ExecutorRules rules(system);
   for (PropertyResult& result : report.properties) {
-    if (result.verdict != Verdict::violated || !result.trace) continue;
+    if (!result.trace) continue;
     if (find_same_run(report, result) != nullptr) continue;
     if (order_for_executors(system, rules, *result.trace, control)) continue;
     constexpr std::uint64_t seed = 1;

@@ -174,17 +174,22 @@ class SystemBuilder {
     for (const TreeNode& field : entry.children) {
       if (field.name_text() == "fairness") continue;
       if (what != nullptr) {
-        file_.tree().fail_at_name("a property has one of 'ltl', 'always' and 'never'", field);
+        file_.tree().fail_at_name("a property has one of 'ltl', 'always', 'possible' and 'never'",
+                                  field);
       }
       what = &field;
     }
     if (what == nullptr) {
-      file_.tree().fail_at_name("a property needs 'ltl:', 'always:' or 'never:'", entry);
+      file_.tree().fail_at_name("a property needs 'ltl:', 'always:', 'possible:' or 'never:'",
+                                entry);
     }
-    const bool is_invariant = what->name_text() == "always";
+    property.is_possibility = what->name_text() == "possible";
+    const bool is_of_states = property.is_possibility || what->name_text() == "always";
     if (const TreeNode* const fairness = entry.find("fairness")) {
-      if (is_invariant) {
-        file_.tree().fail_at_name("an invariant does not depend on fairness", entry);
+      if (is_of_states) {
+        file_.tree().fail_at_name((property.is_possibility ? "what is possible" : "an invariant") +
+                                      std::string(" does not depend on fairness"),
+                                  entry);
       }
       property.fairness = fairness->is("none")   ? Fairness::none
                           : fairness->is("weak") ? Fairness::weak
@@ -196,7 +201,7 @@ class SystemBuilder {
       add(entry, property);
       return;
     }
-    add_formulas(entry, property, is_invariant ? invariants(*what) : formulas(*what));
+    add_formulas(entry, property, is_of_states ? of_states(*what) : formulas(*what));
   }
 
   void add_formulas(const TreeNode& entry, Property property,
@@ -223,15 +228,20 @@ class SystemBuilder {
   std::vector<FormulaInstance> formulas(const TreeNode& field) {
     return resolve_formulas(*field.formula, scope(), &system_.expressions);
   }
-  std::vector<FormulaInstance> invariants(const TreeNode& field) {
+  // `G e` of what always holds, `G !e` of what is possible.
+  std::vector<FormulaInstance> of_states(const TreeNode& field) {
+    using Operator = FormulaNode::Operator;
     std::vector<FormulaInstance> instances = formulas(field);
     for (FormulaInstance& instance : instances) {
       if (!is_boolean(instance.formula)) {
-        file_.tree().fail(
-            "'always' takes an expression without X, F, G, U, R, W; use 'ltl' for those", field);
+        file_.tree().fail("'" + field.name_text() +
+                              "' takes an expression without X, F, G, U, R, W; use 'ltl' for those",
+                          field);
       }
-      instance.formula = std::make_shared<FormulaNode>(
-          FormulaNode{FormulaNode::Operator::globally, {}, std::move(instance.formula), nullptr});
+      if (field.name_text() == "possible") {
+        instance.formula = make_formula(Operator::negation, instance.formula);
+      }
+      instance.formula = make_formula(Operator::globally, instance.formula);
     }
     return instances;
   }

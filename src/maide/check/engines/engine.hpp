@@ -27,9 +27,10 @@ struct PropertyResult {
   std::uint64_t peak_bytes = 0;           // memory of the search
   std::uint64_t sent_bytes = 0;           // between ranks
   Reduction reduction = Reduction::none;  // what was used
-  std::optional<Trace> trace;             // of a violation
+  std::optional<Trace> trace;             // of a violation, or of what is possible
   std::optional<Trace> remarkable;        // of `stuck`, if it holds: a run that is not fair enough
   bool stays_within_learned = false;      // all runs were seen, and none goes beyond
+  bool is_possibility = false;            // it holds if there is a run, which is the trace
   // Programs on whose runs it was decided, or of whose runs the trace is one; none: all.
   std::vector<std::uint32_t> programs;
   bool is_internal_error = false;  // an error of Maide's own, which `reason` names

@@ -178,7 +178,10 @@ struct Property {
   enum class Kind : std::uint8_t { deadlock, stuck, error, ltl, never };
   std::string name;
   Kind kind = Kind::ltl;
-  Formula formula;                            // of Kind::ltl; an invariant is `G expression`
+  // Of Kind::ltl. An invariant is `G expression`; `possible` is `G !expression`, for it asks for a
+  // run that violates this.
+  Formula formula;
+  bool is_possibility = false;
   std::shared_ptr<const LtlAutomaton> never;  // of Kind::never: accepts the runs that are bad
   Fairness fairness = Fairness::weak;
   SourcePosition position;

@@ -215,7 +215,7 @@ MAIDE_JSON_MEMBERS(FormulaNode, op, atom, left, right)
 MAIDE_JSON_MEMBERS(Letter, positive, negative)
 MAIDE_JSON_MEMBERS(LtlAutomaton::Transition, letter, target, marks)
 MAIDE_JSON_MEMBERS(LtlAutomaton, atoms, mark_count, states, initial, universal)
-MAIDE_JSON_MEMBERS(Property, name, kind, formula, never, fairness, position)
+MAIDE_JSON_MEMBERS(Property, name, kind, formula, is_possibility, never, fairness, position)
 
 // ---- The system ---------------------------------------------------------------------------------
 

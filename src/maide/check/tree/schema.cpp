@@ -123,9 +123,11 @@ constexpr Key keys[] = {
 
     {"properties", "'properties'", "", "", "what must hold", entries},
     {"properties/*", "property", "", "", "a formula of linear-time temporal logic", formula},
-    {"properties/*", "property", "", "", "one of `ltl`, `always` and `never`", map},
+    {"properties/*", "property", "", "", "one of `ltl`, `always`, `possible` and `never`", map},
     {"properties/*/ltl", "", "", "", "a formula of linear-time temporal logic", formula},
     {"properties/*/always", "", "", "", "an expression that holds in each state", formula},
+    {"properties/*/possible", "", "", "", "an expression that holds in some state of some run",
+     formula},
     {"properties/*/never", "", "", "", "a file with an automaton of bad runs (HOA)", text},
     {"properties/*/fairness", "", "none|weak|strong", "weak", "which runs count", word},
 };

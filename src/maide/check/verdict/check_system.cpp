@@ -239,12 +239,13 @@ class Checker {
     for (std::size_t at = 0; at < properties_.size(); ++at) {
       state_vacuity(properties_[at], report_.properties[at]);
     }
+    StatedAssumptions stated = state_assumptions(system_, uses_, properties_, report_.properties);
+    for (PropertyResult& result : report_.properties) turn_round(result);
     for (const Verdict verdict : {Verdict::inconclusive, Verdict::violated}) {
       for (const PropertyResult& result : report_.properties) {
         if (result.verdict == verdict) report_.verdict = verdict;
       }
     }
-    StatedAssumptions stated = state_assumptions(system_, uses_, properties_, report_.properties);
     report_.assumptions = std::move(stated.lines);
     report_.doubts = std::move(stated.doubts);
     report_.brief = std::move(stated.brief);
@@ -289,8 +290,20 @@ class Checker {
   PropertyResult check_next(std::size_t at) {
     options_.control.report({"checking", 0, 0, 0, at, properties_.size()});
     PropertyResult result = check(properties_[at]);
+    result.is_possibility = properties_[at].is_possibility;
     share_run(properties_[at], result);
     return result;
+  }
+
+  // What no run does was searched for like a violation.
+  static void turn_round(PropertyResult& result) {
+    if (!result.is_possibility) return;
+    if (result.verdict == Verdict::violated) {
+      result.verdict = Verdict::holds;
+    } else if (result.verdict == Verdict::holds) {
+      result.verdict = Verdict::violated;
+      result.reason = "no run comes to it";
+    }
   }
 
   // One cause is shown by one run.
@@ -466,6 +479,7 @@ class Checker {
   // that it cannot takes a search of about as many states as the formula's own.
   void state_vacuity(const Property& property, PropertyResult& result) {
     if (result.verdict != Verdict::holds || property.kind != Property::Kind::ltl) return;
+    if (property.is_possibility) return;
     if (engine_.name() != "native") return;
     RunControl control = options_.control;
     control.deadline = deadline_;
@@ -596,6 +610,13 @@ std::vector<std::string> all_remarks(const System& system, const CheckReport& re
   }
   remarks.insert(remarks.end(), report.remarks.begin(), report.remarks.end());
   return remarks;
+}
+
+std::string describe_verdict(const PropertyResult& result) {
+  if (!result.is_possibility || result.verdict == Verdict::inconclusive) {
+    return to_string(result.verdict);
+  }
+  return result.verdict == Verdict::holds ? "possible" : "not possible";
 }
 
 ExitStatus exit_status_of(const CheckReport& report) {

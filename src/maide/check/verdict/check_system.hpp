@@ -51,6 +51,9 @@ CheckReport check_system(const System& system, Engine& engine, const CheckReques
 // The remarks on the system file, then those of its check.
 std::vector<std::string> all_remarks(const System& system, const CheckReport& report);
 
+// "holds", or of whether something is possible "possible" and "not possible".
+std::string describe_verdict(const PropertyResult& result);
+
 // The exit status of the command that made the report: a violation comes before an error of Maide's
 // own.
 ExitStatus exit_status_of(const CheckReport& report);
