@@ -31,6 +31,11 @@ constants: {n: 1}
 programs: {a: "repeat n { skip; }"}
 properties: {never: "G !a@end"}
 """,
+    "filled.yaml": """
+models: {q: {use: queue, with: {depth: 1}}}
+programs: {a: "q.write; q.write;", b: "q.read -> message; q.read -> message;"}
+properties: {sometimes: {possible: a@end}, never: {possible: "a@end && !a@end"}}
+""",
     "never.yaml": """
 models: {via: {file: "{models}/buffered.dot"}}
 programs:
@@ -168,6 +173,9 @@ CASES = r"""
 1 check queued.yaml --property deadlock --trace queued.json
 1 check counted.yaml --set n=3 --junit counted.xml --trace counted.json
 2 check counted.yaml --set k=3
+1 check counted.yaml --every n=1..3
+1 check filled.yaml --every q.depth
+2 check counted.yaml --every k
 2 check nowhere.yaml
 0 simulate violated.yaml --seed 3
 0 simulate counted.yaml --set n=3 --steps 1
@@ -261,6 +269,7 @@ CASES = r"""
 CTRL_C = "printed after Ctrl-C alone"
 NOT_PRINTED = {
     "check#1.error": CTRL_C, "check#1.status": CTRL_C,
+    "check#2.error": CTRL_C, "check#2.status": CTRL_C,
     "replay#1.error": CTRL_C, "replay#1.status": CTRL_C,
     "simulate#1.error": CTRL_C, "simulate#1.status": CTRL_C,
     "bench#1.error": CTRL_C, "bench#1.status": CTRL_C,

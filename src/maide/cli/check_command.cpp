@@ -10,6 +10,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <set>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -25,11 +26,13 @@
 #include "maide/cli/command_line.hpp"
 #include "maide/cli/mpi.hpp"
 #include "maide/formats/model_file.hpp"
+#include "maide/join/check_every.hpp"
 #include "maide/join/check_system_file.hpp"
 #include "maide/join/learned_models.hpp"
 #include "maide/join/refine_system.hpp"
 #include "maide/join/suggest_change.hpp"
 #include "maide/report/check_suite.hpp"
+#include "maide/report/every_table.hpp"
 #include "maide/report/explanation.hpp"
 #include "maide/report/html_report.hpp"
 #include "maide/report/junit.hpp"
@@ -50,6 +53,7 @@ struct CheckArguments {
   std::string report;
   std::string junit;
   std::vector<std::string> settings;
+  std::string every;
   std::string trace_format = "chart";
   bool suggest = false;
   std::size_t jobs = 0;  // for models that are learned
@@ -323,6 +327,37 @@ Json refinements_to_json(const std::vector<RefinementRound>& rounds) {
   return json;
 }
 
+// What shows one check, or makes another system.
+void refuse_beside_every(const CheckArguments& arguments) {
+  const char* const other = !arguments.trace.empty()    ? "--trace"
+                            : !arguments.report.empty() ? "--report"
+                            : !arguments.junit.empty()  ? "--junit"
+                            : arguments.suggest         ? "--suggest"
+                            : arguments.refine          ? "--refine"
+                                                        : nullptr;
+  if (other == nullptr) return;
+  throw UsageError(std::string("--every and ") + other + " exclude each other");
+}
+
+ExitStatus run_every(const CheckArguments& arguments, Engine& engine, const CheckRequest& request,
+                     Context& context) {
+  const CheckedValues checked = check_every(
+      arguments.system, parse_every(arguments.every), engine, request,
+      learning_options(arguments, request.options.control), parse_settings(arguments.settings));
+  const Verdict verdict = verdict_of(checked);
+  context.print(fmt::format("verdict: {}\n", to_string(verdict)), tone_of(verdict));
+  std::set<std::string> doubts;
+  for (const CheckedValue& value : checked.values) {
+    doubts.insert(value.report.doubts.begin(), value.report.doubts.end());
+  }
+  for (const std::string& doubt : doubts) {
+    context.print("beware: " + doubt + "\n", Tone::doubtful);
+  }
+  context.print_data(describe_every(checked));
+  context.set_result(every_to_json(checked));
+  return exit_status_of(checked);
+}
+
 ExitStatus run_check(const CheckArguments& arguments, Context& context) {
   const std::unique_ptr<Ranks> ranks = open_ranks();
   if (ranks != nullptr && ranks->rank() > 0) {
@@ -331,6 +366,7 @@ ExitStatus run_check(const CheckArguments& arguments, Context& context) {
     return ExitStatus::ok;
   }
   const FirstRank first(ranks.get());
+  if (!arguments.every.empty()) refuse_beside_every(arguments);
   if (!arguments.report.empty() && !arguments.report.ends_with(".html") &&
       !arguments.report.ends_with(".svg")) {
     throw UsageError("a report's name ends in .html or .svg (" + arguments.report + ")");
@@ -360,6 +396,7 @@ ExitStatus run_check(const CheckArguments& arguments, Context& context) {
   request.options.checkpoint_seconds = arguments.checkpoint_seconds;
   if (arguments.memory_mib > 0) request.options.memory_mib = arguments.memory_mib;
   if (arguments.seconds > 0) request.options.control.deadline = deadline_in(arguments.seconds);
+  if (!arguments.every.empty()) return run_every(arguments, *engine, request, context);
   RefinedCheck checked = check(arguments, *engine, request);
   const System& system = checked.system;
   CheckReport& report = checked.report;
@@ -437,6 +474,10 @@ RunFunction set_up_check(CommandLine& line) {
            "Write a JUnit XML file, a case a property. - is standard output")
       .value_name("FILE");
   add_set_option(line, arguments->settings);
+  line.add("--every", arguments->every,
+           "Check with every value: n=1..8 of a constant, via.depth=1..8 of a queue. via.depth "
+           "alone takes 1, 2, 3, ... up to one that is never filled: a larger one changes nothing")
+      .value_name("WHAT");
   line.add_flag("--suggest", arguments->suggest,
                 "Look for the smallest change that removes a violation. It may be other models, "
                 "other settings (learned where possible), other values of constants, other numbers "

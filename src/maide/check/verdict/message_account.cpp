@@ -222,8 +222,10 @@ std::vector<std::optional<std::size_t>> count_obtainable(const InterfaceAutomato
   return result;
 }
 
-std::optional<std::vector<Symbol>> find_held(const System& system, std::uint32_t model,
-                                             StateId state) {
+namespace {
+
+// All messages that the model has; none if it has none.
+std::optional<Awaited> all_messages(const System& system, std::uint32_t model) {
   const InterfaceAutomaton& automaton = system.models[model].automaton;
   Awaited awaited;
   awaited.model = model;
@@ -232,9 +234,31 @@ std::optional<std::vector<Symbol>> find_held(const System& system, std::uint32_t
   }
   if (awaited.outputs.empty()) return std::nullopt;
   complete(system, awaited);
-  const Levels levels = count_obtainable(automaton, awaited);
+  return awaited;
+}
+
+}  // namespace
+
+std::optional<std::vector<Symbol>> find_held(const System& system, std::uint32_t model,
+                                             StateId state) {
+  const InterfaceAutomaton& automaton = system.models[model].automaton;
+  const auto awaited = all_messages(system, model);
+  if (!awaited) return std::nullopt;
+  const Levels levels = count_obtainable(automaton, *awaited);
   if (!levels[state]) return std::nullopt;
-  return outputs_from(automaton, awaited, levels, state, *levels[state]);
+  return outputs_from(automaton, *awaited, levels, state, *levels[state]);
+}
+
+std::vector<std::uint32_t> count_held(const System& system, std::uint32_t model) {
+  const InterfaceAutomaton& automaton = system.models[model].automaton;
+  std::vector<std::uint32_t> counts(automaton.size());
+  const auto awaited = all_messages(system, model);
+  if (!awaited) return counts;
+  const Levels levels = count_obtainable(automaton, *awaited);
+  for (StateId state = 0; state < automaton.size(); ++state) {
+    counts[state] = static_cast<std::uint32_t>(levels[state].value_or(automaton.size() + 1));
+  }
+  return counts;
 }
 
 namespace {

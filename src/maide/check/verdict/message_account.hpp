@@ -68,6 +68,10 @@ std::vector<std::optional<std::size_t>> count_obtainable(const InterfaceAutomato
 std::optional<std::vector<Symbol>> find_held(const System& system, std::uint32_t model,
                                              StateId state);
 
+// How many messages each state of the model holds; where that is not known more than there are
+// states. O(edges + states x transitions).
+std::vector<std::uint32_t> count_held(const System& system, std::uint32_t model);
+
 // The account of the run so far; nothing where the model holds no countable messages. `states` are
 // replay()'s. O(steps + states x transitions).
 std::optional<MessageAccount> take_account(const System& system, const Trace& trace,
