@@ -73,10 +73,13 @@ std::string describe_end(const CheckedValues& checked) {
     case CheckedValues::End::never_filled:
       return fmt::format("{} = {} is never filled, so a larger one changes nothing", name, last);
     case CheckedValues::End::limit:
-      return fmt::format(
-          "each {} up to {} can be filled, or it is not known: larger ones may "
-          "differ",
-          name, last);
+      return std::ranges::all_of(checked.values,
+                                 [](const auto& value) { return value.is_filled == true; })
+                 ? fmt::format("each {} up to {} can be filled: larger ones may differ", name, last)
+                 : fmt::format(
+                       "of some {} up to {} it is not known whether they can be filled: "
+                       "larger ones may differ",
+                       name, last);
     case CheckedValues::End::stopped:
       return fmt::format("it ended early: values behind {} were not checked", last);
   }
