@@ -19,8 +19,8 @@ using testing::HasSubstr;
 // What is violated needs an order of callbacks that rclcpp's executors do not take.
 constexpr const char* doubtful =
     "topics:\n"
-    "  a: {writers: w, readers: n, use: queue, with: {depth: 1}}\n"
-    "  b: {writers: w, readers: n, use: queue, with: {depth: 1}}\n"
+    "  a: {writers: w, readers: n, delivery: at_once, use: queue, with: {depth: 1}}\n"
+    "  b: {writers: w, readers: n, delivery: at_once, use: queue, with: {depth: 1}}\n"
     "programs:\n"
     "  w: \"a.write; b.write;\"\n"
     "nodes:\n"

@@ -34,13 +34,13 @@ struct Case {
   }
 };
 
-// A system file of examples/ros2, and what real nodes do.
+// A system file of examples/ros2 at rest, as it is played, and what real nodes do.
 class Nodes {
  public:
   explicit Nodes(const std::filesystem::path& file)
       : system_(read_system(
-            file,
-            record_requests(make_learning_source({file.parent_path(), {}, {}, 0}), requests_))) {}
+            file, record_requests(make_learning_source({file.parent_path(), {}, {}, 0}), requests_),
+            {}, {}, Deliveries::at_rest)) {}
 
   // A run that shows that the property is violated, in an order of executors.
   Trace find_trace(const std::string& property) const {

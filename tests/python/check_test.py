@@ -14,8 +14,8 @@ EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 # What is violated needs an order of callbacks that rclcpp's executors do not take.
 DOUBTFUL = """
 topics:
-  a: {writers: w, readers: n, use: queue, with: {depth: 1}}
-  b: {writers: w, readers: n, use: queue, with: {depth: 1}}
+  a: {writers: w, readers: n, delivery: at_once, use: queue, with: {depth: 1}}
+  b: {writers: w, readers: n, delivery: at_once, use: queue, with: {depth: 1}}
 programs:
   w: "a.write; b.write;"
 nodes:

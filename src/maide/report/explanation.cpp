@@ -367,10 +367,18 @@ class Sentence {
     const auto& messages = account.messages;
     const ModelInstance& model = system_.models[index];
     const Symbol given = given_input(index, step);
-    std::string giving = "when " + describe_actor(system_, step);
-    if (step.actor != nobody) giving += " " + past_of(input_name(index, given));
+    // "when planner wrote message 2", "when message 2 arrived".
+    const auto when = [&](const std::string& message) {
+      if (step.actor == nobody) return fmt::format("when {} arrived", message);
+      return fmt::format("when {} {} {}", describe_actor(system_, step),
+                         past_of(input_name(index, given)), message);
+    };
     const std::string place = fmt::format("(step {})", loss.step + 1);
     if (std::ranges::find(messages, given) == messages.end()) {
+      const std::string giving = step.actor == nobody
+                                     ? "when one arrived"
+                                     : fmt::format("when {} {}", describe_actor(system_, step),
+                                                   past_of(input_name(index, given)));
       return fmt::format("{}, {} {}", counted(loss.count, "message"), giving, place);
     }
     const std::string last = fmt::format("message {}", loss.given);
@@ -379,14 +387,14 @@ class Sentence {
                          place);
     }
     if (loss.held == 0 || loss.held >= loss.given) {
-      return fmt::format("one {} {}, which made no difference to {} {}", giving, last, model.name,
+      return fmt::format("one {}, which made no difference to {} {}", when(last), model.name,
                          place);
     }
     const std::size_t oldest = loss.given - loss.held;
     const std::string unread =
         loss.held == 1 ? fmt::format("message {} was read", oldest)
                        : fmt::format("any of messages {} to {} was read", oldest, loss.given - 1);
-    const std::string how = fmt::format("{} {} before {} {}", giving, last, unread, place);
+    const std::string how = fmt::format("{} before {} {}", when(last), unread, place);
     switch (loss.which) {
       case Loss::Which::oldest: return fmt::format("message {}, overwritten {}", oldest, how);
       case Loss::Which::newest: return fmt::format("{}, dropped {}", last, how);
@@ -697,10 +705,27 @@ std::string describe_on_its_way(const System& system, const Trace& trace) {
   return found.empty() ? "" : "; still on its way: " + join(found, "; ");
 }
 
+// "; lost on its way: a message of map at step 4, a request of robot at step 7 (and 2 more)".
+std::string describe_lost_on_its_way(const System& system, const Trace& trace) {
+  std::map<std::string, std::vector<std::size_t>> steps;  // by what was lost, from 1
+  for (std::size_t at = 0; at < trace.steps.size(); ++at) {
+    if (trace.steps[at].actor != nobody) continue;
+    const std::string& lost = system.nobodys_actions[trace.steps[at].action].lost;
+    if (!lost.empty()) steps[lost].push_back(at + 1);
+  }
+  std::vector<std::string> parts;
+  for (const auto& [lost, at] : steps) {
+    parts.push_back(fmt::format("{} at step {}", lost, at.front()));
+    if (at.size() > 1) parts.back() += fmt::format(" (and {} more)", at.size() - 1);
+  }
+  return parts.empty() ? "" : "; lost on its way: " + join(parts, ", ");
+}
+
 }  // namespace
 
 std::string explain(const System& system, const Property& property, const Trace& trace) {
-  return Sentence(system, trace).write(property) + describe_on_its_way(system, trace);
+  return Sentence(system, trace).write(property) + describe_lost_on_its_way(system, trace) +
+         describe_on_its_way(system, trace);
 }
 
 std::string explain_waiting(const System& system, const Trace& trace, std::uint32_t program) {

@@ -188,6 +188,7 @@ class WaysOutText {
         text += fmt::format(", but {}, which takes it, {}", name_of(*wait.taker), taking);
       return text;
     }
+    if (wait.is_coming) return "its answer is on its way";
     if (wait.is_requested || wait.is_served) {
       text = wait.is_requested ? "its request is not served"
                                : "its request is served, but not answered";
@@ -210,7 +211,7 @@ class WaysOutText {
   std::string describe(const ServiceWait& wait, const ServiceLoss& loss) const {
     const ModelInstance& model = system_.models[wait.model];
     const ServiceInstance* const service = find_service(system_, wait.model);
-    const std::string& by = service->clients[loss.by];
+    const std::string by = loss.by ? service->clients[*loss.by] : "another client";
     const std::string& own = service->clients[loss.client];
     const std::string keeps =
         fmt::format("({} keeps the last {})", model.name, model.automaton.origin.at("depth"));

@@ -20,6 +20,15 @@ namespace maide {
 
 namespace {
 
+// Who takes turns: programs, and each wire. What arrives over one keeps its order.
+std::size_t turns(const System& system) {
+  return system.programs.size() + std::max<std::size_t>(system.nobodys_groups.size(), 1);
+}
+std::size_t turn_of(const System& system, const Step& step) {
+  if (step.actor != nobody) return step.actor;
+  return system.programs.size() + system.nobodys_actions[step.action].what.fair;
+}
+
 // A depth-first search for an order of the steps and for when threads pick. Each queue keeps its
 // order. What comes first in the trace is tried first, and threads pick as late as they can.
 class Scheduler {
@@ -209,9 +218,9 @@ std::optional<Trace> order_for_executors(const System& system, const ExecutorRul
   const std::size_t first_of_loop = trace.loop_start.value_or(trace.steps.size());
   Scheduler scheduler(system, rules, trace, control);
   const auto run = [&](std::size_t from, std::size_t to) {
-    std::vector<Scheduler::Queue> queues(actor_count(system));
+    std::vector<Scheduler::Queue> queues(turns(system));
     for (std::size_t step = from; step < to; ++step) {
-      queues[actor_number(system, trace.steps[step].actor)].push_back(step);
+      queues[turn_of(system, trace.steps[step])].push_back(step);
     }
     return scheduler.run(std::move(queues), &states[to]);
   };
@@ -285,7 +294,7 @@ class PriorityRuns {
 
   // Nothing if the run does not violate the property, leaves what was learned, or costs too much.
   std::optional<Trace> draw(const RunControl& control) {
-    std::vector<std::int64_t> priority(system_.programs.size());
+    std::vector<std::int64_t> priority(turns(system_));
     std::iota(priority.begin(), priority.end(), 0);
     random_.shuffle(priority);
     std::int64_t lowest = 0;
@@ -303,7 +312,7 @@ class PriorityRuns {
         if (violates(trace)) return trace;
         // Round and round: whoever went there comes last from now on.
         for (std::size_t step = place->second; step < trace.steps.size(); ++step) {
-          priority[trace.steps[step].actor] = --lowest;
+          priority[turn_of(system_, trace.steps[step])] = --lowest;
         }
         trace.steps.resize(place->second);
         trace.loop_start.reset();
@@ -314,7 +323,7 @@ class PriorityRuns {
       nodes.restrict(at, steps);
       if (steps.empty()) return violates(trace) ? std::optional(trace) : std::nullopt;
       const Step step = choose(steps, priority);
-      if (random_.below(changes) == 0) priority[step.actor] = --lowest;
+      if (random_.below(changes) == 0) priority[turn_of(system_, step)] = --lowest;
       nodes.take(at, step);
       at = apply(system_, at, step);
       trace.steps.push_back(step);
@@ -328,8 +337,7 @@ class PriorityRuns {
   }
 
  private:
-  // Of programs alone, for nobody can be told when to step. None behind an error: its component
-  // stops there. None beyond what was learned.
+  // None behind an error: its component stops there. None beyond what was learned.
   std::vector<Step> steps_of_part(const GlobalState& at) const {
     std::vector<Step> steps;
     for (const std::uint32_t program : part_.programs()) {
@@ -337,6 +345,10 @@ class PriorityRuns {
       for (const Step& step : enabled_steps(system_, at, program)) {
         if (!step.is_beyond) steps.push_back(step);
       }
+    }
+    if (system_.nobodys_actions.empty()) return steps;
+    for (const Step& step : enabled_steps(system_, at, nobody)) {
+      if (!step.is_beyond && part_.has(step)) steps.push_back(step);
     }
     return steps;
   }
@@ -347,11 +359,13 @@ class PriorityRuns {
   static constexpr std::size_t judged_for_a_move = 16;  // steps: each costs less
 
   Step choose(const std::vector<Step>& steps, const std::vector<std::int64_t>& priority) {
-    std::int64_t highest = priority[steps.front().actor];
-    for (const Step& step : steps) highest = std::max(highest, priority[step.actor]);
+    std::int64_t highest = priority[turn_of(system_, steps.front())];
+    for (const Step& step : steps) {
+      highest = std::max(highest, priority[turn_of(system_, step)]);
+    }
     std::vector<Step> best;
     for (const Step& step : steps) {
-      if (priority[step.actor] == highest) best.push_back(step);
+      if (priority[turn_of(system_, step)] == highest) best.push_back(step);
     }
     return best[random_.below(best.size())];
   }

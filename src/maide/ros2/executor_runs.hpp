@@ -58,11 +58,11 @@ class NodeRuns {
 
 // A run that rclcpp's executors may do and that violates the property: of the first ten that are
 // found among 2,000 runs or 500,000 steps (16 that are judged once more count as one), the one in
-// which programs take turns most seldom. The program with the highest of random priorities steps,
-// and loses it now and then, and where all goes round (Burckhardt, Kothari, Musuvathi &
-// Nagarakatte, A randomized scheduler with probabilistic guarantees of finding bugs, ASPLOS 2010).
-// So each sort of burst and of delay comes up. The same seed gives the same run. Only these
-// programs step; none: all do.
+// which programs take turns most seldom. Of programs and wires the one with the highest of random
+// priorities steps, and loses it now and then, and where all goes round (Burckhardt, Kothari,
+// Musuvathi & Nagarakatte, A randomized scheduler with probabilistic guarantees of finding bugs,
+// ASPLOS 2010). So each sort of burst and of delay comes up. The same seed gives the same run. Only
+// these programs step; none: all do.
 std::optional<Trace> find_run_of_executors(const System& system, const Property& property,
                                            const std::vector<std::uint32_t>& programs,
                                            std::uint64_t seed, const RunControl& control);

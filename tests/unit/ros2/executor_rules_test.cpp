@@ -29,10 +29,10 @@ using testing::IsEmpty;
 // Two subscriptions and a timer of a node, and a service of another one, on one executor.
 System system_with(const std::string& executor, const std::string& robot = "") {
   return parse_system(R"(topics:
-  go: {writers: driver, readers: robot.on_go, use: queue, with: {depth: 3}}
-  halt: {writers: guard, readers: robot.on_halt, use: queue, with: {depth: 3}}
+  go: {writers: driver, readers: robot.on_go, delivery: at_once, use: queue, with: {depth: 3}}
+  halt: {writers: guard, readers: robot.on_halt, delivery: at_once, use: queue, with: {depth: 3}}
 services:
-  ask: {server: map, clients: [robot]}
+  ask: {server: map, delivery: at_once, clients: [robot]}
 programs:
   driver: "loop { go.write; }"
   guard: "loop { halt.write; }"
@@ -164,7 +164,7 @@ TEST(ExecutorRules, ThreadsPickWhatGroupsAllow) {
 // Two answers to another client are in its queue.
 Executor executor_of_client(const std::string& order, const std::string& rmw) {
   Executor executor(parse_system(R"(services:
-  s: {server: map, clients: [robot, other], with: {depth: 2, rmw: )" +
+  s: {server: map, delivery: at_once, clients: [robot, other], with: {depth: 2, rmw: )" +
                                      rmw + R"(}}
 programs:
   other: "s.send; s.send;"
@@ -276,8 +276,10 @@ TEST(NodeRuns, StartWhatExecutorsPick) {
 // more than two poses wait, so by its rules it is the first queue alone.
 const std::string pipeline =
     "topics:\n"
-    "  scan: {writers: laser, readers: matcher, use: queue, with: {depth: FIRST}}\n"
-    "  pose: {writers: matcher, readers: mission, use: queue, with: {depth: 2}}\n"
+    "  scan: {writers: laser, readers: matcher, delivery: at_once, use: queue, with: {depth: "
+    "FIRST}}\n"
+    "  pose: {writers: matcher, readers: mission, delivery: at_once, use: queue, with: {depth: "
+    "2}}\n"
     "programs: {laser: \"repeat 4 { scan.write; }\"}\n"
     "executors: {main: {kind: single}}\n"
     "nodes:\n"
@@ -345,8 +347,8 @@ const PropertyResult& result_of(const CheckReport& report, const std::string& na
 // An error by an order that executors do not take, beside an error of another program.
 TEST(RunOfExecutors, IsOneOfTheComponentThatIsShown) {
   const System system = parse_system(R"(topics:
-  a: {writers: w, readers: n, use: queue, with: {depth: 1}}
-  b: {writers: w, readers: n, use: queue, with: {depth: 1}}
+  a: {writers: w, readers: n, delivery: at_once, use: queue, with: {depth: 1}}
+  b: {writers: w, readers: n, delivery: at_once, use: queue, with: {depth: 1}}
 models: {m: {use: mutex}}
 programs:
   w: "a.write; b.write;"
@@ -370,7 +372,7 @@ nodes:
 // Both components go on; the run is of the first alone, and the reason is that of its end.
 TEST(RunOfExecutors, LeavesOtherComponentsOut) {
   const System system = parse_system(R"(topics:
-  a: {writers: w, readers: n, use: queue, with: {depth: 2}}
+  a: {writers: w, readers: n, delivery: at_once, use: queue, with: {depth: 2}}
 models: {m: {use: mutex}}
 programs:
   w: "loop { a.write; }"
@@ -399,10 +401,36 @@ TEST(RunOfExecutors, IsNotLookedForWhenTheTimeIsUp) {
               testing::Contains(testing::HasSubstr("for the search ended early")));
 }
 
+// What arrives late arrives late in runs of executors, too.
+TEST(RunOfExecutors, HasMessagesOnTheirWay) {
+  const System system = parse_system(R"(topics:
+  chart: {writers: map, readers: robot.on_chart, use: queue, with: {depth: 1}}
+services: {ask: {server: map, clients: [robot]}}
+programs: {map: "ask.serve -> request; chart.write; ask.answer;"}
+nodes:
+  robot:
+    variables: "var has_chart: bool; var answered: bool;"
+    clients: {ask: {do: "answered = true;"}}
+    callbacks:
+      start: {timer: 100, do: "ask.send;"}
+      on_chart: {takes: chart.read, do: "has_chart = true;"}
+properties: {p: {always: "robot.answered -> robot.has_chart"}}
+)",
+                                     "s.yaml");
+  const Property property = find_property(system, "p");
+  const auto run = find_run_of_executors(system, property, {}, 1, {});
+  ASSERT_TRUE(run);
+  EXPECT_EQ(find_flaw(system, property, *run), "");
+  EXPECT_TRUE(
+      std::ranges::any_of(run->steps, [](const Step& step) { return step.actor == nobody; }));
+  const ExecutorRules rules(system);
+  EXPECT_TRUE(order_for_executors(system, rules, *run, {}));
+}
+
 // Two subscriptions of one node: a run that leaves one of them out for ever is none of executors.
 TEST(RunOfExecutors, HasLoopsThatExecutorsRepeat) {
   const System system = parse_system(R"(topics:
-  t: {writers: w, readers: [n.on_t, n.also], use: queue, with: {depth: 1}}
+  t: {writers: w, readers: [n.on_t, n.also], delivery: at_once, use: queue, with: {depth: 1}}
 programs: {w: "loop { t.write; }"}
 nodes:
   n:
@@ -427,7 +455,7 @@ properties: {two: "F n.also@z"}
 // What the look found for the second callback, the first one took.
 TEST(RunOfExecutors, PassesOverWhatIsGone) {
   const System system = parse_system(
-      R"(models: {go: {use: semaphore, with: {count: 1}}, q: {use: queue, with: {size: 1}}}
+      R"(models: {go: {use: semaphore, with: {count: 1}}, q: {delivery: at_once, use: queue, with: {size: 1}}}
 executors: {main: {kind: single, order: rounds}}
 nodes:
   n:
@@ -465,8 +493,8 @@ class TwoSubscriptions {
  public:
   explicit TwoSubscriptions(const std::string& order)
       : system_(parse_system(R"(topics:
-  first: {writers: one, readers: robot.sub1, use: queue, with: {depth: 1}}
-  second: {writers: two, readers: robot.sub2, use: queue, with: {depth: 1}}
+  first: {writers: one, readers: robot.sub1, delivery: at_once, use: queue, with: {depth: 1}}
+  second: {writers: two, readers: robot.sub2, delivery: at_once, use: queue, with: {depth: 1}}
 programs:
   one: "loop { first.write; }"
   two: "loop { second.write; }"

@@ -171,9 +171,9 @@ ServiceShape shape_of(const Declarations& file, std::uint32_t model, const Servi
   const DeliveryWish& wish = file.deliveries.at(model);
   for (const End& client : service.clients) {
     DeliveryPlace place;
-    place.has_nodes = !file.nodes.empty();
     place.is_in_one_process = process_of_end(file, client) == process_of_end(file, service.server);
-    place.is_of_ros2 = !file.models[model].origin.empty() || !service.server.node.empty();
+    place.is_of_ros2 =
+        !file.models[model].origin.empty() || !service.server.node.empty() || !client.node.empty();
     const DeliveryRule rule = delivery_of(service, wish, place);
     shape.is_late.push_back(rule.delivery == Delivery::late && !file.is_at_rest);
     shape.loses = rule.wire.loses;

@@ -76,15 +76,6 @@ std::string handed_over_by(const std::string& middleware) {
          " hands over in the writer's own thread";
 }
 
-// What executors do with late messages in a counterexample is not looked at yet.
-constexpr const char* of_nodes =
-    "as in all files with nodes that do not say `delivery: late`, though between processes it may "
-    "come later";
-
-// What becomes of requests and answers on their way is not told in sentences yet.
-constexpr const char* of_services =
-    "as all services that do not say `delivery: late`, though between processes it may come later";
-
 constexpr std::uint32_t usual_depth = 10;
 
 WireRules wire_of(const Options& system, const ModelOrigin& origin, const DeliveryWish& wish) {
@@ -124,7 +115,6 @@ DeliveryRule delivery_of(const ModelInstance& model, const ModelOrigin& origin,
     return rule;
   };
   if (wish.delivery) return with(*wish.delivery, said);
-  if (place.has_nodes) return with(Delivery::at_once, of_nodes);
   // A strict port that is written by hand has one: it says itself what it holds.
   const bool is_strict =
       origin.kind == ModelOrigin::Kind::queue && !origin.size.drops_oldest && !wish.pub_depth;
@@ -157,7 +147,7 @@ DeliveryRule delivery_of(const Service& service, const DeliveryWish& wish,
   if (place.is_in_one_process && is_cyclone) {
     return with(Delivery::at_once, handed_over_by("Cyclone DDS"));
   }
-  return with(Delivery::at_once, of_services);
+  return rule;
 }
 
 // ---- What the file says -------------------------------------------------------------------------

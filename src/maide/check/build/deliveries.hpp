@@ -18,7 +18,6 @@ struct DeliveryRule {
 
 // Where it is asked.
 struct DeliveryPlace {
-  bool has_nodes = false;  // the file
   bool is_topic = false;
   bool is_in_one_process = false;  // both ends, or all of them
   bool is_of_ros2 = false;         // of a service: the file says so, or it is one between nodes

@@ -166,7 +166,6 @@ class WireMaker {
     for (const Topic::Reader& reader : topic.readers) {
       for (const End& end : ends) {
         DeliveryPlace place;
-        place.has_nodes = !file_.nodes.empty();
         place.is_topic = true;
         place.is_in_one_process = process_of_end(file_, end) == process_of_program(reader.program);
         const DeliveryRule rule =
@@ -205,7 +204,6 @@ class WireMaker {
   void add_model(std::uint32_t number, const std::vector<Writer>& writers) {
     const ModelInstance& model = models_.instances[number];  // until there is a wire
     DeliveryPlace place;
-    place.has_nodes = !file_.nodes.empty();
     place.is_in_one_process = std::ranges::all_of(users_[number], [&](std::uint32_t program) {
       return process_of_program(program) == process_of_program(*users_[number].begin());
     });
@@ -238,7 +236,6 @@ class WireMaker {
     const std::vector<bool>& late = file_.shapes.at(model).is_late;
     const bool is_late = std::ranges::find(late, true) != late.end();
     DeliveryPlace place;
-    place.has_nodes = !file_.nodes.empty();
     place.is_in_one_process = !is_late;
     place.is_of_ros2 = true;
     const DeliveryRule rule = delivery_of(service, file_.deliveries.at(model), place);

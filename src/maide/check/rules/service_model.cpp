@@ -401,6 +401,8 @@ std::string ServiceModel::describe(StateId at) const {
 std::optional<ServiceContents> ServiceModel::service_contents(StateId at) const {
   ServiceContents result;
   result.answers.resize(shape_.askers.size());
+  result.sent.resize(shape_.askers.size());
+  result.coming.resize(shape_.askers.size());
   if (is_elsewhere(at)) return result;
   const State state = unpack(contents(at));
   if (state.due != none) result.requests.push_back(client_of(state.due));
@@ -410,10 +412,14 @@ std::optional<ServiceContents> ServiceModel::service_contents(StateId at) const 
   }
   for (std::uint32_t number = 0; number < state.clients.size(); ++number) {
     const State::Client& client = state.clients[number];
-    const auto own =
-        std::ranges::count_if(client.answers, [](auto owner) { return owner != others; });
-    const auto handed = std::ranges::count(client.handed, 1U);
-    result.answers[number] = static_cast<std::uint32_t>(own + handed) + (client.waits == 2 ? 1 : 0);
+    const auto own_of = [](const std::vector<std::uint32_t>& answers) {
+      return static_cast<std::uint32_t>(
+          std::ranges::count_if(answers, [](auto owner) { return owner != others; }));
+    };
+    const auto handed = static_cast<std::uint32_t>(std::ranges::count(client.handed, 1U));
+    result.answers[number] = own_of(client.answers) + handed + (client.waits == 2 ? 1 : 0);
+    result.sent[number] = static_cast<std::uint32_t>(client.sent.size());
+    result.coming[number] = own_of(client.coming);
   }
   return result;
 }

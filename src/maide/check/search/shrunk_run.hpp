@@ -9,6 +9,9 @@
 // models may be elsewhere than they were. A loop may come to be one that does not close at once
 // (closed()).
 //
+// Where messages are on their way, the run in which each arrives as soon as it can is shrunk, too:
+// it is taken if it is no longer, so what is late in it is so for a reason.
+//
 // Invariant: what is returned is a counterexample (find_flaw), with at most as many steps. It
 // depends on the run and on nothing else: how much is tried is counted in steps.
 #pragma once

@@ -63,7 +63,9 @@ struct ModelAction {
 struct ServiceContents {
   std::vector<std::uint32_t> requests;  // their clients, oldest first: not served
   std::vector<std::uint32_t> served;    // their clients: served and not answered
-  std::vector<std::uint32_t> answers;   // by client: answers to it that it has not taken
+  std::vector<std::uint32_t> answers;   // by client: answers to it that have come to it
+  std::vector<std::uint32_t> sent;      // by client: its requests that are on their way
+  std::vector<std::uint32_t> coming;    // by client: answers to it that are on their way
   bool operator==(const ServiceContents&) const = default;
 };
 

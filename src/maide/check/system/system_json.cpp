@@ -220,7 +220,7 @@ MAIDE_JSON_MEMBERS(Property, name, kind, formula, is_possibility, never, fairnes
 // ---- The system ---------------------------------------------------------------------------------
 
 MAIDE_JSON_MEMBERS(ModelAction, name, steps, is_call)
-MAIDE_JSON_MEMBERS(ServiceContents, requests, served, answers)
+MAIDE_JSON_MEMBERS(ServiceContents, requests, served, answers, sent, coming)
 MAIDE_JSON_MEMBERS(ModelInstance, name, automaton, actions, source, type, is_grown, state_texts,
                    service_contents, when_unexplored, when_weak, origin, as_read, is_learned,
                    position)

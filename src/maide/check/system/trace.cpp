@@ -88,6 +88,13 @@ LoopShares share_loop(const System& system, const Trace& trace,
   return shares;
 }
 
+// Whatever of nobody's can come again and again comes again and again.
+bool is_fair_to_nobody(const LoopShares& shares) {
+  const std::vector<LoopShare>& groups = shares.groups.back();
+  return std::all_of(groups.begin() + 1, groups.end(),
+                     [](const LoopShare& share) { return share.is_strongly_fair(); });
+}
+
 bool is_fair_loop(const System& system, const LoopShares& shares, Fairness fairness) {
   if (fairness == Fairness::none) return true;
   const bool is_strong = fairness == Fairness::strong;
@@ -100,9 +107,7 @@ bool is_fair_loop(const System& system, const LoopShares& shares, Fairness fairn
       if (!shares.groups[index][group].is_strongly_fair()) return false;
     }
   }
-  const std::vector<LoopShare>& nobodys = shares.groups.back();
-  return std::all_of(nobodys.begin() + 1, nobodys.end(),
-                     [](const LoopShare& share) { return share.is_strongly_fair(); });
+  return is_fair_to_nobody(shares);
 }
 
 std::string find_flaw_of_stuck(const System& system, const Trace& trace,
@@ -219,7 +224,8 @@ std::vector<GlobalState> follow(const System& system, const std::vector<Step>& s
   return states;
 }
 
-// What a step of a loop looks like: who could go on before it, and which atoms are true after it.
+// What a step of a loop looks like: which programs could go on before it, and which atoms are true
+// after it.
 struct Look {
   Enabled enabled;
   std::vector<bool> atoms;
@@ -229,6 +235,7 @@ struct Look {
 Look look_at(const System& system, const std::vector<Atom>& atoms, const GlobalState& before,
              const Step& step, const GlobalState& after) {
   Look look{find_enabled(system, before), {}};
+  look.enabled.groups.pop_back();  // nobody's: see closed()
   for (const Atom& atom : atoms) look.atoms.push_back(is_true(atom, system, after, &step));
   return look;
 }
@@ -244,6 +251,14 @@ std::vector<GlobalState> replay(const System& system, const Trace& trace) {
   return states;
 }
 
+namespace {
+
+bool is_fair_to_nobody(const System& system, const Trace& trace) {
+  return is_fair_to_nobody(share_loop(system, trace, follow(system, trace.steps)));
+}
+
+}  // namespace
+
 std::optional<Trace> closed(const System& system, const Trace& trace,
                             const std::vector<GlobalState>& states, const std::vector<Atom>& atoms,
                             std::uint64_t* looked_at) {
@@ -257,11 +272,13 @@ std::optional<Trace> closed(const System& system, const Trace& trace,
   }
   Trace all = trace;
   std::vector<GlobalState> begins{states[first], states.back()};  // of rounds
+  std::vector<std::size_t> begins_at{first, trace.steps.size()};
   while (all.steps.size() - first + length <= most_steps_of_rounds) {
     GlobalState at = begins.back();
     for (std::size_t i = 0; i < length; ++i) {
       const auto step = step_like(system, at, trace.steps[first + i]);
       if (looked_at != nullptr) ++*looked_at;
+      if (!step && trace.steps[first + i].actor == nobody && atoms.empty()) continue;
       if (!step) return std::nullopt;
       GlobalState after = apply(system, at, *step);
       if (looks[i] != look_at(system, atoms, at, *step, after)) return std::nullopt;
@@ -270,10 +287,15 @@ std::optional<Trace> closed(const System& system, const Trace& trace,
     }
     const auto same = std::ranges::find(begins, at);
     if (same != begins.end()) {
-      all.loop_start = first + static_cast<std::size_t>(same - begins.begin()) * length;
-      return all;
+      all.loop_start = begins_at[static_cast<std::size_t>(same - begins.begin())];
+      if (system.nobodys_actions.empty() || is_fair_to_nobody(system, all) ||
+          !is_fair_to_nobody(system, trace)) {
+        return all;
+      }
+      return std::nullopt;
     }
     begins.push_back(std::move(at));
+    begins_at.push_back(all.steps.size());
   }
   return std::nullopt;
 }

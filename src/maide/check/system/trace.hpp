@@ -36,9 +36,11 @@ std::vector<GlobalState> replay(const System& system, const Trace& trace);
 // The same run with a loop that closes: its last state is the one in which it begins. A loop need
 // not close after one round: a queue that nobody empties fills in it, and only when it is full, the
 // states come again. Then each round has the same steps, and looks like the first: at each step the
-// same programs and fair groups can go on, and the same `atoms` are true. So what is true of one
-// round is true of all. Nothing if there is no such run, or it takes more than 4,096 further steps.
-// `looked_at`: those steps are added. O(those x programs).
+// same programs and their fair groups can go on, and the same `atoms` are true. So what is true of
+// one round is true of all. Without atoms a later round may lack a step of nobody that is not
+// possible any more, where the last rounds are as fair to nobody as the first. Nothing if there is
+// no such run, or it takes more than 4,096 further steps. `looked_at`: those steps are added.
+// O(those x programs).
 std::optional<Trace> closed(const System& system, const Trace& trace,
                             const std::vector<GlobalState>& states,
                             const std::vector<Atom>& atoms = {},

@@ -4,70 +4,108 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <string_view>
+#include <utility>
 
-#include "maide/base/text.hpp"
 #include "maide/check/rules/wire.hpp"
+#include "maide/check/verdict/service_account.hpp"
 
 namespace maide {
 namespace {
 
-// The step that put the oldest of so many messages on the wire, from 1: messages keep their order.
-std::size_t find_sending(const System& system, const Trace& trace, std::uint32_t wire,
-                         std::size_t held) {
-  for (std::size_t at = trace.steps.size(); at-- > 0;) {
-    const Step& step = trace.steps[at];
-    if (step.actor == nobody) continue;
-    const auto uses = uses_of(system, step);
-    const bool sends =
-        std::ranges::any_of(uses, [&](const ModelUse& use) { return use.model == wire; });
-    const CombinedStep* const combined = combined_step_of(system, step);
-    const bool dies = combined != nullptr && combined->role == CombinedStep::Role::death;
-    if (sends && !dies && --held == 0) return at + 1;
-  }
-  return 0;
-}
+// Tells what is on its way in one state of a run, connection by connection.
+class OnItsWay {
+ public:
+  OnItsWay(const System& system, const Trace& trace, const std::vector<GlobalState>& states)
+      : system_(system), trace_(trace), states_(states) {}
 
-// "map" of a topic with one reader, "map[robot]" of one of several.
-std::string target_of(const System& system, const std::string& model) {
-  for (const TopicInstance& topic : system.topics) {
-    if (topic.readers.size() == 1 && system.models[topic.readers.front().model].name == model) {
-      return topic.name;
+  std::vector<std::string> find() {
+    for (std::uint32_t index = 0; index < system_.models.size(); ++index) {
+      const ServiceInstance* const service = find_service(system_, index);
+      if (service != nullptr && !system_.models[index].service_contents.empty()) {
+        add_service(*service);
+      } else if (system_.models[index].source == ModelInstance::Source::wire) {
+        add_wire(index);
+      }
+    }
+    return std::move(found_);
+  }
+
+ private:
+  // `is_sending`: whether the step at that place sends one of them. Messages keep their order.
+  template <typename IsSending>
+  void add(const std::string& what, std::size_t held, const IsSending& is_sending) {
+    found_.push_back(what);
+    std::size_t newer = held - 1;
+    for (std::size_t at = trace_.steps.size(); at-- > 0;) {
+      if (!is_sending(at) || newer-- != 0) continue;
+      found_.back() += fmt::format(", {}sent at step {}", held > 1 ? "the first " : "", at + 1);
+      return;
     }
   }
-  return model;
-}
+
+  void add_wire(std::uint32_t index) {
+    const ModelInstance& wire = system_.models[index];
+    const StateId state = states_.back().models[index];
+    if (state >= wire.state_texts.size()) return;
+    const std::size_t held = WireModel::count_in(wire.state_texts[state]);
+    if (held == 0) return;
+    const std::size_t sign = wire.name.find("<-");
+    add(fmt::format("{} from {} to {}", wire.state_texts[state], wire.name.substr(sign + 2),
+                    target_of(wire.name.substr(0, sign))),
+        held, [&](std::size_t at) {
+          const Step& step = trace_.steps[at];
+          const CombinedStep* const combined = combined_step_of(system_, step);
+          const bool dies = combined != nullptr && combined->role == CombinedStep::Role::death;
+          return step.actor != nobody && !dies &&
+                 std::ranges::any_of(uses_of(system_, step),
+                                     [&](const ModelUse& use) { return use.model == index; });
+        });
+  }
+
+  void add_service(const ServiceInstance& service) {
+    for (std::uint32_t client = 0; client < service.clients.size(); ++client) {
+      const std::string& name = service.clients[client];
+      add_of_client(service, client, &ServiceContents::sent, "a request", "requests",
+                    " of " + name + " to " + service.name);
+      add_of_client(service, client, &ServiceContents::coming, "an answer", "answers",
+                    " of " + service.name + " to " + name);
+    }
+  }
+
+  void add_of_client(const ServiceInstance& service, std::uint32_t client,
+                     std::vector<std::uint32_t> ServiceContents::*wires, const std::string& one,
+                     const std::string& several, const std::string& ends) {
+    const auto held_at = [&](std::size_t at) {
+      const auto& contents = system_.models[service.model].service_contents;
+      return (contents[states_[at].models[service.model]].*wires)[client];
+    };
+    const std::size_t held = held_at(trace_.steps.size());
+    if (held == 0) return;
+    add((held == 1 ? one : fmt::format("{} {}", held, several)) + ends, held,
+        [&](std::size_t at) { return held_at(at) < held_at(at + 1); });
+  }
+
+  // "map" of a topic with one reader, "map[robot]" of one of several.
+  std::string target_of(const std::string& model) const {
+    for (const TopicInstance& topic : system_.topics) {
+      if (topic.readers.size() == 1 && system_.models[topic.readers.front().model].name == model) {
+        return topic.name;
+      }
+    }
+    return model;
+  }
+
+  const System& system_;
+  const Trace& trace_;
+  const std::vector<GlobalState>& states_;
+  std::vector<std::string> found_;
+};
 
 }  // namespace
 
 std::vector<std::string> find_on_its_way(const System& system, const Trace& trace,
                                          const std::vector<GlobalState>& states) {
-  std::vector<std::string> found;
-  for (std::uint32_t index = 0; index < system.models.size(); ++index) {
-    const ModelInstance& model = system.models[index];
-    const StateId state = states.back().models[index];
-    if (state >= model.state_texts.size()) continue;
-    const std::string& text = model.state_texts[state];
-    if (model.source == ModelInstance::Source::service) {
-      constexpr std::string_view on_its_way = " on its way";
-      for (const std::string_view part : split(text, ',')) {
-        if (!part.ends_with(on_its_way)) continue;
-        const std::string_view what = part.substr(0, part.size() - on_its_way.size());
-        found.emplace_back(what.starts_with(' ') ? what.substr(1) : what);
-      }
-    }
-    if (model.source != ModelInstance::Source::wire) continue;
-    const std::size_t held = WireModel::count_in(text);
-    const std::size_t sign = model.name.find("<-");
-    if (held == 0) continue;
-    const std::size_t sending = find_sending(system, trace, index, held);
-    found.push_back(fmt::format("{} from {} to {}", text, model.name.substr(sign + 2),
-                                target_of(system, model.name.substr(0, sign))));
-    if (sending != 0) {
-      found.back() += fmt::format(", {}sent at step {}", held > 1 ? "the first " : "", sending);
-    }
-  }
-  return found;
+  return OnItsWay(system, trace, states).find();
 }
 
 }  // namespace maide

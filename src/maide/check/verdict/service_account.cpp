@@ -19,6 +19,37 @@ std::optional<std::uint32_t> answered_client(const ServiceContents& before,
   return std::nullopt;
 }
 
+// The client at whose end the step does that with the model: "send" stands for "send2", too.
+std::optional<std::uint32_t> client_at(const System& system, const Step& step, const ModelUse& how,
+                                       const std::string& what) {
+  const InterfaceAutomaton& automaton = system.models[how.model].automaton;
+  const Alphabet& symbols =
+      how.kind == ModelUse::Kind::give ? automaton.inputs() : automaton.outputs();
+  for (const ModelUse& event : events_of(system, step)) {
+    if (event.kind != how.kind || event.model != how.model) continue;
+    const std::string& name = symbols.name(event.index);
+    if (!is_numbered(name, what)) continue;
+    for (std::uint32_t client = 0;; ++client) {
+      if (name_at_client(what, client) == name) return client;
+    }
+  }
+  return std::nullopt;
+}
+
+// By client: its requests and answers are on their way for a while.
+std::vector<bool> late_clients(const System& system, std::uint32_t model) {
+  std::vector<bool> is_late(system.models[model].service_contents.front().answers.size());
+  for (std::uint32_t number = 0; number < system.nobodys_actions.size(); ++number) {
+    Step step;
+    step.actor = nobody;
+    step.action = number;
+    const auto client =
+        client_at(system, step, {ModelUse::Kind::take, model, 0}, "request_arrives");
+    if (client) is_late[*client] = true;
+  }
+  return is_late;
+}
+
 }  // namespace
 
 const ServiceInstance* find_service(const System& system, std::uint32_t model) {
@@ -48,22 +79,40 @@ std::vector<ServiceLoss> find_service_losses(const System& system, const Trace& 
   std::vector<ServiceLoss> losses;
   const auto& contents = system.models[model].service_contents;
   if (contents.empty()) return losses;
+  const std::vector<bool> is_late = late_clients(system, model);
   for (std::size_t at = 0; at < trace.steps.size(); ++at) {
     const Step& step = trace.steps[at];
     if (step.is_beyond) continue;
     const ServiceContents& before = contents[states[at].models[model]];
     const ServiceContents& after = contents[states[at + 1].models[model]];
+    const auto add_lost_answers = [&](std::uint32_t client, std::uint32_t more,
+                                      std::optional<std::uint32_t> by) {
+      const std::uint32_t expected = before.answers[client] + more;
+      if (expected <= after.answers[client]) return;
+      losses.push_back({at, true, client, by, expected - after.answers[client]});
+    };
+    const auto sender = client_at(system, step, {ModelUse::Kind::give, model, 0}, "send");
+    const bool request_comes =
+        (sender && !is_late[*sender]) ||
+        client_at(system, step, {ModelUse::Kind::take, model, 0}, "request_arrives");
     const bool is_full = before.requests.size() == after.requests.size();
-    if (is_full && !before.requests.empty() && gives_at_service(system, step, model, "send")) {
+    if (request_comes && is_full && !before.requests.empty()) {
       losses.push_back({at, false, before.requests.front(), after.requests.back(), 1});
+    }
+    if (const auto client =
+            client_at(system, step, {ModelUse::Kind::take, model, 0}, "answer_arrives")) {
+      const bool is_own = before.coming[*client] > after.coming[*client];
+      const bool is_of_two = before.answers.size() == 2;
+      add_lost_answers(*client, is_own ? 1 : 0,
+                       is_own      ? client
+                       : is_of_two ? std::optional(1 - *client)
+                                   : std::nullopt);
     }
     if (!gives_at_service(system, step, model, "answer")) continue;
     const auto answered = answered_client(before, after);
     if (!answered) continue;
     for (std::uint32_t client = 0; client < before.answers.size(); ++client) {
-      const std::uint32_t expected = before.answers[client] + (client == *answered ? 1 : 0);
-      if (expected <= after.answers[client]) continue;
-      losses.push_back({at, true, client, *answered, expected - after.answers[client]});
+      if (!is_late[client]) add_lost_answers(client, client == *answered ? 1 : 0, answered);
     }
   }
   return losses;

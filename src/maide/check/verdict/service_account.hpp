@@ -18,7 +18,9 @@ struct ServiceLoss {
   std::size_t step = 0;      // index into the trace
   bool is_answer = false;    // an answer; else a request
   std::uint32_t client = 0;  // whose it was, by its number at the service
-  std::uint32_t by = 0;      // the client whose request, or the answer to whom, pushed it out
+  // The client whose request, or the answer to whom, pushed it out; none: an answer to some other
+  // client, which came after a while.
+  std::optional<std::uint32_t> by;
   std::size_t count = 1;
 };
 

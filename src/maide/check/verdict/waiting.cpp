@@ -239,12 +239,14 @@ class WaitingFinder {
     ServiceWait wait;
     wait.model = model;
     wait.client = client;
-    wait.is_requested = contains(held.requests, client);
+    wait.is_requested = contains(held.requests, client) || held.sent[client] > 0;
     wait.is_served = contains(held.served, client);
+    wait.is_coming = held.coming[client] > 0;
     wait.is_answered = held.answers[client] > 0;
     const auto asked = last_request(model, client);
     wait.has_asked = asked.has_value();
-    const bool is_on_its_way = wait.is_requested || wait.is_served || wait.is_answered;
+    const bool is_on_its_way =
+        wait.is_requested || wait.is_served || wait.is_coming || wait.is_answered;
     if (!is_on_its_way && asked) wait.loss = last_loss(model, client, *asked);
     const std::string& node = service.clients[client];
     for (std::uint32_t number = 0; number < system_.callbacks.size(); ++number) {

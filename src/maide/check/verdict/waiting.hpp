@@ -22,6 +22,7 @@ struct ServiceWait {
   bool has_asked = false;           // along the run
   bool is_requested = false;        // a request of the client is not served
   bool is_served = false;           // one is served, and not answered
+  bool is_coming = false;           // an answer to it is on its way
   bool is_answered = false;         // an answer to it is not taken
   std::optional<ServiceLoss> loss;  // its last, where nothing of it is on its way
   std::optional<Helper> taker;      // the client's callback that takes the answer, if it has one
