@@ -214,7 +214,9 @@ class Shrinking {
       ++tried_;
       if (is_error(system_, at)) break;
       if (const auto step = step_like(system_, at, wanted.steps[i])) take(*step);
-      while (arrivals_ == Arrivals::early && !is_error(system_, at)) {
+      // A clock of nobody's would tick for ever.
+      const std::size_t most = most_arrivals_a_step * (i + 1);
+      while (arrivals_ == Arrivals::early && trace.steps.size() < most && !is_error(system_, at)) {
         const auto arrival = next_arrival(at);
         if (!arrival) break;
         take(*arrival);
@@ -222,6 +224,8 @@ class Shrinking {
     }
     return trace;
   }
+
+  static constexpr std::size_t most_arrivals_a_step = 4;  // on average
 
   bool comes_by_itself(const Step& step) const {
     return arrivals_ == Arrivals::early && is_arrival(step);
