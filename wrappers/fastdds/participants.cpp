@@ -1,13 +1,9 @@
 #include "participants.hpp"
 
-#include <arpa/inet.h>
 #include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
 #include <fastrtps/attributes/LibrarySettingsAttributes.h>
 #include <fastrtps/xmlparser/XMLProfileManager.h>
-#include <sys/socket.h>
-#include <unistd.h>
 
-#include <array>
 #include <cstdlib>
 #include <fastdds/dds/domain/DomainParticipant.hpp>
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
@@ -17,8 +13,8 @@
 #include <fastdds/dds/subscriber/Subscriber.hpp>
 #include <fastdds/dds/topic/TypeSupport.hpp>
 #include <stdexcept>
-#include <system_error>
 
+#include "loopback.hpp"
 #include "sample_type.hpp"
 
 #if defined(__SANITIZE_ADDRESS__)
@@ -31,8 +27,6 @@ namespace {
 
 namespace fast = eprosima::fastdds::dds;
 namespace rtps = eprosima::fastrtps::rtps;
-
-constexpr const char* loopback = "127.0.0.1";
 
 // Neither the user's profiles nor a discovery server may change what is learned.
 void ignore_environment() {
@@ -48,28 +42,6 @@ void set_intraprocess_delivery(bool on) {
   settings.intraprocess_delivery =
       on ? eprosima::fastrtps::INTRAPROCESS_FULL : eprosima::fastrtps::INTRAPROCESS_OFF;
   eprosima::fastrtps::xmlparser::XMLProfileManager::library_settings(settings);
-}
-
-// A UDP port of the loopback interface that nobody has; free again as it returns.
-std::uint16_t free_udp_port() {
-  const int socket = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_addr.s_addr = ::htonl(INADDR_LOOPBACK);
-  socklen_t length = sizeof(address);
-  auto* const generic = reinterpret_cast<sockaddr*>(&address);
-  const bool bound = socket >= 0 && ::bind(socket, generic, length) == 0 &&
-                     ::getsockname(socket, generic, &length) == 0;
-  const int error = errno;
-  if (socket >= 0) ::close(socket);
-  if (!bound) throw std::system_error(error, std::generic_category(), "a UDP port of 127.0.0.1");
-  return ::ntohs(address.sin_port);
-}
-
-rtps::Locator_t loopback_locator(std::uint16_t port) {
-  rtps::Locator_t locator;
-  rtps::IPLocator::createLocator(LOCATOR_KIND_UDPv4, loopback, port, locator);
-  return locator;
 }
 
 // What both ways have in common: nothing is sent to other hosts or to a multicast group, no timer

@@ -93,21 +93,21 @@ struct Program {
   std::function<std::unique_ptr<Middleware>(const Settings&)> start;
 };
 
-// The main() of such a program. Settings of all of them:
-//   ends=threads        of one process; with participants the reader has a participant of its own,
-//                       with processes a process of its own
-//   notice=topic        the notice is a message of another topic; the reader waits for it, then
-//                       tries the map
-//   notice=call         the notice is a word of shared memory that the writer sets when its call
-//                       has returned: does the call return before the reader can have the map?
-//   notice=look         as topic, but the reader has both only by looks at both topics at once,
-//                       one after the other without a pause. A miss is a look that finds the
-//                       notice and not the map
-//   size=100            bytes of a map
-//   rounds=200
-//   reliability=reliable, or best_effort
-//   library=slow        all share one processor, which the middleware's own threads get only where
-//                       the two ends rest: a message that such a thread hands over comes late then
+// The main() of such a program. All have these settings:
+// - ends=threads: of one process. With participants the reader has a participant of its own, with
+//   processes a process of its own.
+// - notice=topic: the notice is a message of another topic. The reader waits for it, then tries the
+//   map.
+// - notice=call: the notice is a word of shared memory, which the writer sets when its call has
+//   returned. Does the call return before the reader can have the map?
+// - notice=look: as topic, but the reader has both only by looks at both topics at once, one after
+//   the other without a pause. A miss is a look that finds the notice and not the map.
+// - size=100: bytes of a map.
+// - rounds=200.
+// - reliability=reliable, or best_effort.
+// - library=slow: all share one processor, which the middleware's own threads get only where the
+// two
+//   ends rest. A message that such a thread hands over comes late then.
 // Prints {"rounds", "misses", "late", "lost", "unnoticed"}: of the misses, late ones came within
 // some time, lost ones did not; where the notice itself was lost nothing is said of the map.
 int run(int count, char** words, const Program& program);

@@ -1,18 +1,19 @@
-// Races of messages over Fast DDS. transport=udp (on the loopback device), shm (shared memory), or
-// lossy (udp, and lost=5 of 100 data messages and fragments are lost: the library's own transport
-// for tests; heartbeats come every 50 ms then, and not every 3 s). intraprocess=off: not even ends
-// of one process take the shortcut. publish=async: a thread of the library sends. shared=on:
-// messages of a fixed size, which the reader finds in the writer's own memory (data sharing).
-// between=200: so many idle readers are in the wait set between the map's and the notice's.
-// look=turn: the two readers are asked one after the other, as rmw_fastrtps asks its entities;
-// otherwise the list counts that the wait set hands out.
+// Races of messages over Fast DDS. Settings beside those of all programs:
+// - transport=udp: on the loopback device.
+// - transport=shm: shared memory.
+// - transport=lossy: udp, where lost=5 of 100 data messages and fragments are lost. It is the
+//   library's own transport for tests. Heartbeats then come every 50 ms, and not every 3 s.
+// - intraprocess=off: ends of one process do not take the shortcut either.
+// - publish=async: a thread of the library sends.
+// - shared=on: messages of a fixed size, which the reader finds in the writer's own memory.
+// - between=200: so many idle readers are in the wait set between the map's and the notice's.
+// - look=turn: the two readers are asked one after the other, as rmw_fastrtps asks its entities.
+//   Otherwise the list counts that the wait set hands out.
 #include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
 #include <fastdds/rtps/transport/shared_mem/SharedMemTransportDescriptor.h>
 #include <fastdds/rtps/transport/test_UDPv4TransportDescriptor.h>
 #include <fastrtps/attributes/LibrarySettingsAttributes.h>
 #include <fastrtps/xmlparser/XMLProfileManager.h>
-#include <netinet/in.h>
-#include <sys/socket.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -40,6 +41,7 @@
 #include <vector>
 
 #include "delivery_race.hpp"
+#include "loopback.hpp"
 
 namespace maide::deliveries {
 namespace {
@@ -117,34 +119,13 @@ class MessageType : public fast::TopicDataType {
   const bool is_shared_;
 };
 
-// A UDP port of the loopback interface that nobody has; free again as it returns.
-std::uint16_t free_udp_port() {
-  const int socket = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_addr.s_addr = ::htonl(INADDR_LOOPBACK);
-  socklen_t length = sizeof(address);
-  auto* const generic = reinterpret_cast<sockaddr*>(&address);
-  const bool bound = socket >= 0 && ::bind(socket, generic, length) == 0 &&
-                     ::getsockname(socket, generic, &length) == 0;
-  if (socket >= 0) ::close(socket);
-  if (!bound) throw std::runtime_error("no UDP port of 127.0.0.1");
-  return ::ntohs(address.sin_port);
-}
-
-rtps::Locator_t loopback_locator(std::uint32_t port) {
-  rtps::Locator_t locator;
-  rtps::IPLocator::createLocator(LOCATOR_KIND_UDPv4, "127.0.0.1", port, locator);
-  return locator;
-}
-
 // Ports of the writer's and the reader's participant that both processes know.
 constexpr const char* writer_port = "writer-port";
 constexpr const char* reader_port = "reader-port";
 
 void choose_ports(Settings& settings) {
-  settings.add(writer_port, std::to_string(free_udp_port()));
-  settings.add(reader_port, std::to_string(free_udp_port()));
+  settings.add(writer_port, std::to_string(fastdds::free_udp_port()));
+  settings.add(reader_port, std::to_string(fastdds::free_udp_port()));
 }
 
 std::shared_ptr<transports::TransportDescriptorInterface> make_transport(const Settings& settings) {
@@ -155,7 +136,7 @@ std::shared_ptr<transports::TransportDescriptorInterface> make_transport(const S
   }
   if (settings.is("transport", "lossy", "udp")) {
     auto lossy = std::make_shared<transports::test_UDPv4TransportDescriptor>();
-    lossy->interfaceWhiteList = {"127.0.0.1"};
+    lossy->interfaceWhiteList = {fastdds::loopback};
     // Its percentages drop each n-th message, which would always be the notice.
     const auto loses = [random = std::mt19937(settings.number("id", 0)),
                         lost = settings.number("lost", 5)](rtps::CDRMessage_t&) mutable {
@@ -165,7 +146,7 @@ std::shared_ptr<transports::TransportDescriptorInterface> make_transport(const S
     return lossy;
   }
   auto udp = std::make_shared<transports::UDPv4TransportDescriptor>();
-  udp->interfaceWhiteList = {"127.0.0.1"};
+  udp->interfaceWhiteList = {fastdds::loopback};
   return udp;
 }
 
@@ -177,9 +158,12 @@ fast::DomainParticipantQos make_qos(const Settings& settings, const char* own, c
   wire.builtin.discovery_config.leaseDuration_announcementperiod = {1, 0};
   // Shared memory has ports of its own, and finds its peers by the domain.
   if (!settings.is("transport", "shm", "udp")) {
-    wire.builtin.metatrafficUnicastLocatorList.push_back(loopback_locator(settings.number(own, 0)));
-    wire.builtin.initialPeersList.push_back(loopback_locator(settings.number(peer, 0)));
-    wire.default_unicast_locator_list.push_back(loopback_locator(free_udp_port()));
+    const auto at = [](std::uint32_t port) {
+      return fastdds::loopback_locator(static_cast<std::uint16_t>(port));
+    };
+    wire.builtin.metatrafficUnicastLocatorList.push_back(at(settings.number(own, 0)));
+    wire.builtin.initialPeersList.push_back(at(settings.number(peer, 0)));
+    wire.default_unicast_locator_list.push_back(at(fastdds::free_udp_port()));
   }
   return qos;
 }
