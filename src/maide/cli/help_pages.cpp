@@ -151,8 +151,7 @@ Sections; `programs` or `nodes` must be there:
                       clients: {S: G}, variables: "...", callbacks: {C: {do:
                       "...", group: G, takes: M.read | timer: MS | serves: S}}}
   properties:  NAME: "FORMULA"  {ltl: "FORMULA", fairness: none|weak|strong}
-               {always: "EXPRESSION"}  {possible: "EXPRESSION"}
-               {never: FILE.hoa}
+               {always | possible: "EXPRESSION"}  {never: FILE.hoa}
   NAME[i in LOW..HIGH] is an array, of all but constants, executors, properties.
 
 Statements (M: model, x: variable, e: expression; @name before one labels it):

@@ -367,19 +367,19 @@ class Sentence {
     const auto& messages = account.messages;
     const ModelInstance& model = system_.models[index];
     const Symbol given = given_input(index, step);
+    const std::string who = step.actor == nobody
+                                ? ""
+                                : fmt::format("{} {}", describe_actor(system_, step),
+                                              past_of(input_name(index, given)));
     // "when planner wrote message 2", "when message 2 arrived".
     const auto when = [&](const std::string& message) {
-      if (step.actor == nobody) return fmt::format("when {} arrived", message);
-      return fmt::format("when {} {} {}", describe_actor(system_, step),
-                         past_of(input_name(index, given)), message);
+      return who.empty() ? fmt::format("when {} arrived", message)
+                         : fmt::format("when {} {}", who, message);
     };
     const std::string place = fmt::format("(step {})", loss.step + 1);
     if (std::ranges::find(messages, given) == messages.end()) {
-      const std::string giving = step.actor == nobody
-                                     ? "when one arrived"
-                                     : fmt::format("when {} {}", describe_actor(system_, step),
-                                                   past_of(input_name(index, given)));
-      return fmt::format("{}, {} {}", counted(loss.count, "message"), giving, place);
+      return fmt::format("{}, when {} {}", counted(loss.count, "message"),
+                         who.empty() ? "one arrived" : who, place);
     }
     const std::string last = fmt::format("message {}", loss.given);
     if (step.is_beyond) {

@@ -255,11 +255,7 @@ class Shrinking {
 
 Trace shrink(const System& system, const Property& property, Trace trace, const RunControl& control,
              std::uint64_t most_steps) {
-  const bool has_arrivals = std::ranges::any_of(system.models, [](const ModelInstance& model) {
-    return model.source == ModelInstance::Source::wire ||
-           model.source == ModelInstance::Source::service;
-  });
-  if (!has_arrivals || system.nobodys_actions.empty()) {
+  if (system.nobodys_actions.empty()) {
     return Shrinking(system, property, std::move(trace), Arrivals::as_they_were, control,
                      most_steps)
         .run();

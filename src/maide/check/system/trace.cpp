@@ -285,6 +285,7 @@ std::optional<Trace> closed(const System& system, const Trace& trace,
       all.steps.push_back(*step);
       at = std::move(after);
     }
+    if (all.steps.size() == begins_at.back()) return std::nullopt;  // nothing is left of the round
     const auto same = std::ranges::find(begins, at);
     if (same != begins.end()) {
       all.loop_start = begins_at[static_cast<std::size_t>(same - begins.begin())];

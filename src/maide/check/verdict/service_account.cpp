@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <span>
 
 #include "maide/base/invariant.hpp"
 
@@ -19,32 +20,28 @@ std::optional<std::uint32_t> answered_client(const ServiceContents& before,
   return std::nullopt;
 }
 
-// The client at whose end the step does that with the model: "send" stands for "send2", too.
-std::optional<std::uint32_t> client_at(const System& system, const Step& step, const ModelUse& how,
+// The client at whose end one of the events is that of the model: "send" stands for "send2", too.
+std::optional<std::uint32_t> client_at(const ModelInstance& service,
+                                       std::span<const ModelUse> events, const ModelUse& how,
                                        const std::string& what) {
-  const InterfaceAutomaton& automaton = system.models[how.model].automaton;
-  const Alphabet& symbols =
-      how.kind == ModelUse::Kind::give ? automaton.inputs() : automaton.outputs();
-  for (const ModelUse& event : events_of(system, step)) {
+  const bool gives = how.kind == ModelUse::Kind::give;
+  const Alphabet& symbols = gives ? service.automaton.inputs() : service.automaton.outputs();
+  const std::size_t clients = service.service_contents.front().answers.size();
+  for (const ModelUse& event : events) {
     if (event.kind != how.kind || event.model != how.model) continue;
-    const std::string& name = symbols.name(event.index);
-    if (!is_numbered(name, what)) continue;
-    for (std::uint32_t client = 0;; ++client) {
-      if (name_at_client(what, client) == name) return client;
+    for (std::uint32_t client = 0; client < clients; ++client) {
+      if (symbols.name(event.index) == name_at_client(what, client)) return client;
     }
   }
   return std::nullopt;
 }
 
 // By client: its requests and answers are on their way for a while.
-std::vector<bool> late_clients(const System& system, std::uint32_t model) {
-  std::vector<bool> is_late(system.models[model].service_contents.front().answers.size());
-  for (std::uint32_t number = 0; number < system.nobodys_actions.size(); ++number) {
-    Step step;
-    step.actor = nobody;
-    step.action = number;
-    const auto client =
-        client_at(system, step, {ModelUse::Kind::take, model, 0}, "request_arrives");
+std::vector<bool> late_clients(const System& system, const ModelUse& take) {
+  const ModelInstance& service = system.models[take.model];
+  std::vector<bool> is_late(service.service_contents.front().answers.size());
+  for (const NobodysAction& action : system.nobodys_actions) {
+    const auto client = client_at(service, action.what.events, take, "request_arrives");
     if (client) is_late[*client] = true;
   }
   return is_late;
@@ -63,15 +60,6 @@ std::optional<std::uint32_t> client_named(const ServiceInstance& service, const 
   return static_cast<std::uint32_t>(place - service.clients.begin());
 }
 
-bool gives_at_service(const System& system, const Step& step, std::uint32_t model,
-                      const std::string& input) {
-  const auto events = events_of(system, step);
-  return std::ranges::any_of(events, [&](const ModelUse& event) {
-    return event.kind == ModelUse::Kind::give && event.model == model &&
-           is_numbered(system.models[model].automaton.inputs().name(event.index), input);
-  });
-}
-
 std::vector<ServiceLoss> find_service_losses(const System& system, const Trace& trace,
                                              const std::vector<GlobalState>& states,
                                              std::uint32_t model) {
@@ -79,7 +67,8 @@ std::vector<ServiceLoss> find_service_losses(const System& system, const Trace& 
   std::vector<ServiceLoss> losses;
   const auto& contents = system.models[model].service_contents;
   if (contents.empty()) return losses;
-  const std::vector<bool> is_late = late_clients(system, model);
+  const ModelUse give{ModelUse::Kind::give, model, 0}, take{ModelUse::Kind::take, model, 0};
+  const std::vector<bool> is_late = late_clients(system, take);
   for (std::size_t at = 0; at < trace.steps.size(); ++at) {
     const Step& step = trace.steps[at];
     if (step.is_beyond) continue;
@@ -91,16 +80,16 @@ std::vector<ServiceLoss> find_service_losses(const System& system, const Trace& 
       if (expected <= after.answers[client]) return;
       losses.push_back({at, true, client, by, expected - after.answers[client]});
     };
-    const auto sender = client_at(system, step, {ModelUse::Kind::give, model, 0}, "send");
-    const bool request_comes =
-        (sender && !is_late[*sender]) ||
-        client_at(system, step, {ModelUse::Kind::take, model, 0}, "request_arrives");
+    const auto client_of = [&](const ModelUse& how, const std::string& what) {
+      return client_at(system.models[model], events_of(system, step), how, what);
+    };
+    const auto sender = client_of(give, "send");
+    const bool request_comes = (sender && !is_late[*sender]) || client_of(take, "request_arrives");
     const bool is_full = before.requests.size() == after.requests.size();
     if (request_comes && is_full && !before.requests.empty()) {
       losses.push_back({at, false, before.requests.front(), after.requests.back(), 1});
     }
-    if (const auto client =
-            client_at(system, step, {ModelUse::Kind::take, model, 0}, "answer_arrives")) {
+    if (const auto client = client_of(take, "answer_arrives")) {
       const bool is_own = before.coming[*client] > after.coming[*client];
       const bool is_of_two = before.answers.size() == 2;
       add_lost_answers(*client, is_own ? 1 : 0,
@@ -108,7 +97,7 @@ std::vector<ServiceLoss> find_service_losses(const System& system, const Trace& 
                        : is_of_two ? std::optional(1 - *client)
                                    : std::nullopt);
     }
-    if (!gives_at_service(system, step, model, "answer")) continue;
+    if (!client_of(give, "answer")) continue;
     const auto answered = answered_client(before, after);
     if (!answered) continue;
     for (std::uint32_t client = 0; client < before.answers.size(); ++client) {

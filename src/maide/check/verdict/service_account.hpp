@@ -35,8 +35,4 @@ const ServiceInstance* find_service(const System& system, std::uint32_t model);
 // The number of its client of that name, a program or a node.
 std::optional<std::uint32_t> client_named(const ServiceInstance& service, const std::string& name);
 
-// The step gives that input of a service, at whatever end: "send" stands for "send2", too.
-bool gives_at_service(const System& system, const Step& step, std::uint32_t model,
-                      const std::string& input);
-
 }  // namespace maide
