@@ -513,9 +513,22 @@ class Compiler:
         node.idle = statement.idle
         return node
 
+    def sent_to(self, frame: Frame, reference: tuple, pattern: tuple) -> tuple[tuple, tuple]:
+        """A reference and an output: `image[logger]!arrived` is an output of image."""
+        name, indices = reference
+        meaning = frame.scope.find(name)
+        if pattern != ("arrived", None) or meaning is None or meaning[0] != "model":
+            return reference, pattern
+        if self.system.model_ranges(meaning[1]) or meaning[2] or len(indices) != 1:
+            return reference, pattern
+        if indices[0][0] != "name":
+            return reference, pattern
+        return (name, []), (f"arrived[{indices[0][1]}]", None)
+
     def compile_wait(self, statement: Statement, frame: Frame, after: Node) -> Node:
-        model = self.model(frame, statement.model)
-        arms = [(self.checked(frame, model, statement.pattern), after)]
+        reference, pattern = self.sent_to(frame, statement.model, statement.pattern)
+        model = self.model(frame, reference)
+        arms = [(self.checked(frame, model, pattern), after)]
         return self.take(model, arms, None, statement, frame)
 
     def arms(self, arms: list, model: tuple, frame: Frame, after: Node) -> list:
@@ -552,7 +565,12 @@ class Compiler:
                 first = self.block(arm.body, frame, after)
                 arms.append(Arm(number, guard, None, None, [], None, first))
                 continue
-            model = self.model(frame, arm.model)
+            reference, patterns = arm.model, arm.outputs
+            if arm.input is None:
+                ((pattern, body, place),) = patterns
+                reference, pattern = self.sent_to(frame, reference, pattern)
+                patterns = [(pattern, body, place)]
+            model = self.model(frame, reference)
             arguments: list = []
             if arm.input is not None:
                 self.system.check_input(self.program, model, arm.input)
@@ -562,10 +580,10 @@ class Compiler:
                 arguments = [self.local(frame, argument) for argument in arm.arguments]
                 if arguments:
                     self.system.gives_values.add(model[0])
-            if arm.outputs is None:
+            if patterns is None:
                 first, outputs = self.block(arm.body, frame, after), None
             else:
-                first, outputs = None, self.arms(arm.outputs, model, frame, after)
+                first, outputs = None, self.arms(patterns, model, frame, after)
             arms.append(Arm(number, guard, model, arm.input, arguments, outputs, first))
         other = None if statement.other is None else self.block(statement.other, frame, after)
         node = Node("select", frame, statement.place, arms=arms, other=other)

@@ -81,6 +81,8 @@ def delivery_of(
         if said not in (LATE, AT_ONCE, ACKNOWLEDGED):
             raise Refused(f"delivery: {said}")
         return str(said)
+    if origin.use == "queue" and "size" in origin.options and "pub-depth" not in origin.options:
+        return AT_ONCE
     if same_process and (origin.hands_over() or between_nodes and origin.bare):
         return AT_ONCE
     if origin.name == "yarp":

@@ -216,7 +216,7 @@ properties:
   then: "G ((source@end && sink@looks) -> F sink@got)"
 """, {"there": (H, V, V), "then": (H, V, V)}),
     Case("a wire adds no room", """
-topics: {data: {writers: [a, b], readers: sink, use: queue, with: {size: 1}}}
+topics: {data: {writers: [a, b], readers: sink, use: queue, with: {size: 1}, delivery: late}}
 models: {m: {use: mutex}}
 programs:
   a: "m.lock; m.unlock; data.write;"
@@ -399,7 +399,7 @@ properties: {lost: "G !data!lost"}
 """, {"lost": H}),
     Case("a reader that dies frees its writer", """
 topics:
-  data: {writers: source, readers: [left, right], use: queue, with: {size: 1}}
+  data: {writers: source, readers: [left, right], use: queue, with: {size: 1}, delivery: late}
 programs:
   source: "data.write; data.write; wait data -> arrived;"
   left: {do: "data.read -> message; data.read -> message;", may_die: true}

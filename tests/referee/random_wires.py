@@ -34,6 +34,7 @@ class Ends:
 class WireMaker(NodeMaker):
     """Makes systems of topics and services whose wires matter."""
 
+    is_strict = False  # whether the queue that is made refuses what is too much
     is_wired = False  # whether connections of all kinds of systems say how they deliver
 
     # --- what an entry says of its wires
@@ -41,7 +42,8 @@ class WireMaker(NodeMaker):
     def depths(self) -> str:
         """The options of a queue, its writer's among them."""
         rng = self.rng
-        if self.chance(0.12):
+        self.is_strict = self.chance(0.12)
+        if self.is_strict:
             return f"size: {rng.randint(1, 3)}"
         text = f"depth: {rng.randint(1, 3)}"
         roll = rng.random()
@@ -56,7 +58,10 @@ class WireMaker(NodeMaker):
         if not self.is_wired:
             return ", delivery: at_once"
         words = ""
-        if self.chance(0.25) or self.kind == "nodes":
+        if self.is_strict and self.chance(0.7):  # else it is at once
+            words += ", delivery: late"
+            self.is_strict = False
+        elif self.chance(0.25) or self.kind == "nodes":
             said = "late" if self.kind == "nodes" and self.chance(0.7) else self.rng.choice(WORDS)
             words += f", delivery: {said}"
             self.is_late[name] = said == "late"
@@ -88,6 +93,7 @@ class WireMaker(NodeMaker):
         ends = {name: Ends() for name in names}
         self.valued: set[str] = set()
         self.is_late: dict[str, bool] = {}
+        self.readers_of: dict[str, list[str]] = {}
         self.mutex = self.chance(0.12)
         self.shares = self.chance(0.1)
         lines = ["models: {m: {use: mutex}}"] if self.mutex else []
@@ -178,11 +184,12 @@ class WireMaker(NodeMaker):
         for name in readers:
             looks[name].append(self.chain_look(topic, count))
         self.atoms += [f"{topic}.write", f"{topic}!message", f"{topic}!null"]
-        words = self.delivery(topic) if self.chance(0.3) else ""
+        options = self.depths()
+        words = self.delivery(topic) if self.is_strict or self.chance(0.3) else ""
         if self.is_late[topic] and self.chance(0.3):
             self.atoms.append(f"{topic}!arrives")
         return (f"  {topic}: {{writers: [{', '.join(writers)}], readers: [{', '.join(readers)}], "
-                f"use: queue, with: {{{self.depths()}}}{words}}}")  # fmt: skip
+                f"use: queue, with: {{{options}}}{words}}}")  # fmt: skip
 
     def chain_look(self, topic: str, count: int) -> list[str]:
         """How a reader looks whether all that so many writes sent is there."""
@@ -252,6 +259,7 @@ class WireMaker(NodeMaker):
             if self.chance(0.2):
                 self.valued.add(name)
             self.is_late[name] = True
+            self.readers_of[name] = readers
             options += self.delivery(name)
             lines.append(
                 f"  {name}: {{writers: [{', '.join(writers)}], readers: [{', '.join(readers)}], "
@@ -329,7 +337,8 @@ class WireMaker(NodeMaker):
         self.atoms += [*places, f"{name}@end"]
         self.places += [*places, f"{name}@end"]
         head = [f"  {name}: |"]
-        keys = ["may_die: true"] * self.may_die(body, 0.08) + self.process()
+        may_die = self.may_die(body, 0.08) and not ends.serves + ends.asks
+        keys = ["may_die: true"] * may_die + self.process()
         if keys:
             head = [f"  {name}:", *(f"    {key}" for key in keys), "    do: |"]
         indent = " " * (len(head[-1]) - len(head[-1].lstrip()) + 2)
@@ -346,13 +355,22 @@ class WireMaker(NodeMaker):
         self.labels.append(label)
         return f"@{label}"
 
+    def awaited(self, topic: str) -> str:
+        """A topic, or one of its readers."""
+        reader = self.rng.choice(self.readers_of[topic])
+        return f"{topic}[{reader}]" if self.chance(0.3) else topic
+
     def race_write(self, topic: str) -> list[str]:
         """A write, and perhaps waiting until it has arrived."""
         value = f"({self.rng.randint(1, 2)})" if topic in self.valued else ""
         write = f"{topic}.write{value};"
         roll = self.rng.random()
+        if roll < 0.06:
+            return [write, f"{self.label()} wait {self.awaited(topic)} -> arrived;"]
         if roll < 0.08:
-            return [write, f"{self.label()} wait {topic} -> arrived;"]
+            other = self.rng.choice(["otherwise", "timeout 5"])
+            arm = f"on {self.awaited(topic)}!arrived {{ }}"
+            return [write, f"select {{ {arm} {other} {{ {self.label()} skip; }} }}"]
         if roll < 0.14 and self.is_late[topic]:
             return [f"select {{ on {topic}.write{value} {{ }} otherwise {{ }} }}"]
         return [f"{self.label()} {write}"] if roll < 0.3 else [write]

@@ -369,11 +369,19 @@ class System:
                 if len(readers) == 1:
                     wires = [acknowledged_by_one(w) for w in wires]
                 if all(w.delivery == AT_ONCE for w in wires):
-                    self.add_use(name, index, Topic(*arguments))
-                    continue
-                entry_of = {p: e for e, programs in enumerate(entries) for p in programs}
-                use = TopicOnWires(*arguments, wires=wires, entry_of=entry_of)
+                    use = Topic(*arguments)
+                else:
+                    entry_of = {p: e for e, programs in enumerate(entries) for p in programs}
+                    use = TopicOnWires(*arguments, wires=wires, entry_of=entry_of)
+                use.reader_names = [self.name_of(min(end)) for end in readers]
                 self.add_use(name, index, use)
+
+    def name_of(self, program: int) -> str:
+        """What the file calls a program; of a callback its node's name."""
+        text = self.texts[program]
+        if text.callback is not None:
+            return text.callback.node.full_name
+        return member_name(text.name, text.index)
 
     # --- wires
 
@@ -543,7 +551,7 @@ class System:
             if base != name:
                 continue
             use = self.uses[number]
-            if action == "arrived" and not is_input:
+            if action.startswith("arrived") and not is_input:
                 return False
             if isinstance(use, Topic):
                 return not use.of_writer(action)

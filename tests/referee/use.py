@@ -235,6 +235,7 @@ class Topic:
         self.models = models
         self.writers = writers
         self.readers = readers
+        self.reader_names: list[str] = []  # a node's callbacks have its name
         self.reader_of = {p: i for i, programs in enumerate(readers) for p in programs}
         self.standing = writers | set(self.reader_of)
         self.policy = policy
@@ -268,11 +269,20 @@ class Topic:
 
     def check_output(self, program: int, name: str) -> None:
         """Refuses an output that the topic does not have, or not for this program."""
-        if name == "arrived" and program in self.writers:
+        if name in self.arrivals_of(program):
             return
         if not any(name in model.output_names for model in self.models):
             raise Refused(f"topic {self.name} has no output {name}")
         self.check_role(program, name)
+
+    def arrivals_of(self, program: int) -> dict[str, set[int]]:
+        """What a writer may wait for: by its name the readers that are to have all."""
+        if program not in self.writers:
+            return {}
+        found: dict[str, set[int]] = {"arrived": set(range(len(self.readers)))}
+        for i, name in enumerate(self.reader_names):
+            found.setdefault(f"arrived[{name}]", set()).add(i)
+        return found
 
     def alive(self, state: tuple) -> list[int]:
         """The readers that live."""
@@ -383,8 +393,8 @@ class Topic:
 
     def due(self, state: tuple, program: int) -> list:
         found = self.outputs_due(state, program)
-        if program in self.writers:
-            found.append((ARRIVED, state, (program, self.name, None, "!", ARRIVED)))
+        for name in self.arrivals_of(program):
+            found.append(((name, ()), state, (program, self.name, None, "!", ARRIVED)))
         return found
 
     def outputs_due(self, state: tuple, program: int) -> list:
@@ -420,7 +430,7 @@ class Topic:
         return found, cut
 
     def quiet(self, state: tuple, program: int, name: str, is_input: bool) -> bool:
-        if not self.of_writer(name) and name != "arrived":
+        if not self.of_writer(name) and not name.startswith("arrived"):
             concerned = [self.reader_of[program]]
         elif self.written(state) is not None:
             return False

@@ -419,8 +419,10 @@ class TopicOnWires(Boxes, Topic):
     def due(self, state: Way, program: int) -> list:
         """What the program may take."""
         found = self.outputs_due(state, program)
-        if program in self.writers and self.has_arrived(state, program):
-            found.append((ARRIVED, state, (program, self.name, None, "!", ARRIVED)))
+        mine = self.boxes_of.get(self.entry_of.get(program, -1), [])
+        for name, boxes in self.arrivals_of(program).items():
+            if not any(state.lines[k] for k in mine if self.wires[k].box in boxes):
+                found.append(((name, ()), state, (program, self.name, None, "!", ARRIVED)))
         return found
 
     def outputs_due(self, state: Way, program: int) -> list:
@@ -456,7 +458,7 @@ class TopicOnWires(Boxes, Topic):
         return found, cut
 
     def quiet(self, state: Way, program: int, name: str, is_input: bool) -> bool:
-        if self.of_writer(name) or name == "arrived":
+        if self.of_writer(name) or name.startswith("arrived"):
             return self.returns(state) is None
         i = self.reader_of[program]
         return state.inners[i] is None or not self.models[i].outputs(state.inners[i])

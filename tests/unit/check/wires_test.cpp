@@ -163,8 +163,6 @@ TEST(Wires, ADeadWritersMessageArrivesOrIsLost) {
   EXPECT_EQ(verdict_of(text, "comes"), "violated");
 }
 
-// ---- services -----------------------------------------------------------------------------------
-
 const std::string answer_and_note =
     "topics: {note: {writers: server, readers: client, use: queue, with: {depth: 2}}}\n"
     "services: {s: {server: server, clients: client, delivery: late}}\n"
@@ -173,6 +171,108 @@ const std::string answer_and_note =
     "  client: \"s.send; s.receive -> answer; switch note.tryread { message { skip; } null { "
     "@missed skip; } }\"\n"
     "properties: {noted: \"G !client@missed\"}\n";
+
+// ---- waiting until it has arrived ---------------------------------------------------------------
+
+const std::string waits_for_chart =
+    changed(chart_and_bell, "chart.write; bell", "chart.write; wait chart -> arrived; bell");
+
+TEST(Wires, AWriterMayWaitUntilAllHasArrived) {
+  EXPECT_EQ(verdict_of(waits_for_chart, "seen"), "holds");
+  EXPECT_EQ(verdict_of(waits_for_chart, "deadlock"), "holds");
+  EXPECT_EQ(verdict_of(waits_for_chart, "stuck"), "holds");
+  const std::string at_once =
+      changed(waits_for_chart, "use: queue", "delivery: at_once, use: queue");
+  EXPECT_EQ(verdict_of(at_once, "seen"), "holds");
+  EXPECT_EQ(verdict_of(at_once, "deadlock"), "holds");
+  // It waits for what was sent before, and not for the bell.
+  const std::string before =
+      changed(chart_and_bell, "chart.write; bell", "wait chart -> arrived; chart.write; bell");
+  EXPECT_EQ(verdict_of(before, "seen"), "violated");
+}
+
+TEST(Wires, ItWaitsForItsOwnMessages) {
+  const std::string text =
+      "topics: {t: {writers: [a, b], readers: r, use: queue, with: {depth: 2}}}\n"
+      "programs:\n"
+      "  a: \"t.write(1); wait t -> arrived; @done skip;\"\n"
+      "  b: \"t.write(2); @sent skip;\"\n"
+      "  r: \"loop { idle t.read -> message; }\"\n"
+      "properties: {own: \"!a@done W t!arrives(1)\"}\n";
+  EXPECT_EQ(verdict_of(text, "own"), "holds");
+}
+
+TEST(Wires, OneReaderMayBeEnough) {
+  const std::string text =
+      changed(changed(waits_for_chart, "readers: [pilot]", "readers: [pilot, log]"), "properties:",
+              "  log: \"idle chart.read -> message; idle bell.read -> message;\"\nproperties:");
+  EXPECT_EQ(verdict_of(text, "seen"), "holds");
+  EXPECT_EQ(verdict_of(changed(text, "wait chart", "wait chart[pilot]"), "seen"), "holds");
+  EXPECT_EQ(verdict_of(changed(text, "wait chart", "wait chart[log]"), "seen"), "violated");
+}
+
+TEST(Wires, AnArmTakesWhatHasArrived) {
+  const std::string text =
+      changed(chart_and_bell, "bell.write;",
+              "select { on chart!arrived { bell.write; } timeout 5 { @late bell.write; } }");
+  EXPECT_EQ(verdict_of(text, "seen"), "violated");
+  const std::string only = changed(text, "@late bell.write;", "@late skip;");
+  EXPECT_EQ(verdict_of(only, "seen"), "holds");
+  EXPECT_EQ(verdict_of(only, "deadlock"), "violated");
+  // There is nothing to wait for.
+  const std::string at_once = changed(only, "use: queue", "delivery: at_once, use: queue");
+  EXPECT_EQ(verdict_of(at_once, "deadlock"), "holds");
+  EXPECT_EQ(verdict_of(changed(at_once, "G !pilot@blind", "G !desk@late"), "seen"), "holds");
+}
+
+// What is on its way to the dead keeps nobody waiting.
+TEST(Wires, ADeadReaderHasArrived) {
+  const std::string text =
+      "topics: {t: {writers: a, readers: [b, c], use: queue, with: {size: 1}, delivery: late}}\n"
+      "programs:\n"
+      "  a: \"t.write; t.write; wait t -> arrived; @done skip;\"\n"
+      "  b: {do: \"t.read -> message; t.read -> message;\", may_die: true}\n"
+      "  c: \"loop { idle t.read -> message; }\"\n"
+      "properties: {done: \"F a@done\"}\n";
+  EXPECT_EQ(verdict_of(text, "done"), "holds");
+  EXPECT_EQ(verdict_of(text, "deadlock"), "holds");
+}
+
+TEST(Wires, ACallbackWaitsForItsNodesMessages) {
+  const std::string text =
+      "topics:\n"
+      "  chart: {writers: desk, readers: pilot, use: queue, with: {depth: 1}}\n"
+      "  bell: {writers: desk, readers: pilot, use: queue, with: {depth: 1}}\n"
+      "programs: {pilot: \"bell.read -> message; switch chart.tryread { message { } null { @blind "
+      "skip; } }\"}\n"
+      "nodes: {desk: {callbacks: {tick: {timer: 5, do: \"chart.write; wait chart -> arrived; "
+      "bell.write;\"}}}}\n"
+      "properties: {seen: \"G !pilot@blind\"}\n";
+  EXPECT_EQ(verdict_of(text, "seen"), "holds");
+  EXPECT_EQ(verdict_of(changed(text, "wait chart -> arrived; ", ""), "seen"), "violated");
+}
+
+TEST(Wires, WhoSendsNothingWaitsForNothing) {
+  const auto error = [](const std::string& what, const std::string& by) {
+    return test::error_of([&] { wired(changed(waits_for_chart, what, by)); });
+  };
+  EXPECT_THAT(error("message; switch", "message; wait chart -> arrived; switch"),
+              HasSubstr("this program is no writer of chart (s.yaml:6:47)"));
+  EXPECT_THAT(error("wait chart", "wait chart[desk]"),
+              HasSubstr("'desk' is no reader of chart; there is: pilot (s.yaml:5:34)"));
+  EXPECT_THAT(error("wait chart", "wait chart[1]"), HasSubstr("'chart' is no array"));
+  EXPECT_THAT(error("-> arrived", "-> arrived(1)"), HasSubstr("'arrived' carries no values"));
+  EXPECT_THAT(test::error_of([] {
+                wired("models: {m: {use: mutex}}\nprograms: {a: \"m.lock; wait m -> arrived;\"}\n");
+              }),
+              HasSubstr("model m has no output 'arrived'"));
+  EXPECT_THAT(test::error_of([&] {
+                wired(changed(answer_and_note, "s.send; ", "s.send; wait s -> arrived; "));
+              }),
+              HasSubstr("its answer says that it has (s.yaml:5:30)"));
+}
+
+// ---- services -----------------------------------------------------------------------------------
 
 TEST(Wires, AnAnswerToANodeMayOvertakeAMessage) {
   EXPECT_EQ(verdict_of(answer_and_note, "noted"), "violated");

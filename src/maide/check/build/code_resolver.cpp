@@ -161,11 +161,7 @@ void CodeResolver::resolve_kind(const syntax::Statement& from, Statement& to) {
         }
       }
       break;
-    case From::wait:
-      to.kind = To::wait;
-      to.model = events_.model(from.model);
-      to.arms.push_back(resolve_awaited(to.model, from.arms.front()));
-      break;
+    case From::wait: resolve_wait(from, to); break;
     case From::declare: resolve_declaration(from, to); break;
     case From::assign:
       to.kind = To::assign;
@@ -190,6 +186,19 @@ void CodeResolver::resolve_kind(const syntax::Statement& from, Statement& to) {
       }
       break;
   }
+}
+
+void CodeResolver::resolve_wait(const syntax::Statement& from, Statement& to) {
+  const syntax::Arm& awaited = from.arms.front();
+  to.model = events_.sent_to(from.model);
+  if (events_.is_arrival(to.model, awaited.output)) {
+    to.kind = Statement::Kind::arrival;
+    to.input = events_.arrival(to.model, awaited.output);
+    return;
+  }
+  to.kind = Statement::Kind::wait;
+  to.model = events_.model(from.model);
+  to.arms.push_back(resolve_awaited(to.model, awaited));
 }
 
 void CodeResolver::resolve_repeat(const syntax::Statement& from, Statement& to) {
@@ -378,6 +387,13 @@ SelectArm CodeResolver::resolve_select_arm(const syntax::SelectArm& from) {
       break;
     case From::guard: arm.body = resolve_block(from.body); break;
     case From::output: {
+      arm.model = events_.sent_to(from.model);
+      if (events_.is_arrival(arm.model, from.event)) {
+        arm.kind = To::arrival;
+        arm.event = events_.arrival(arm.model, from.event);
+        arm.body = resolve_block(from.body);
+        break;
+      }
       arm.kind = To::output;
       arm.model = events_.model(from.model);
       auto block = open_block();

@@ -34,6 +34,7 @@ class CodeResolver {
   Statement resolve_statement(const syntax::Statement& from);
   std::uint32_t resolve_label(const syntax::Name& name);
   void resolve_kind(const syntax::Statement& from, Statement& to);
+  void resolve_wait(const syntax::Statement& from, Statement& to);
   void resolve_repeat(const syntax::Statement& from, Statement& to);
   // LOW..HIGH, which may depend on the program's own variables.
   void resolve_bounds(const syntax::Range& range, Statement& to, std::string_view what);

@@ -111,8 +111,12 @@ const Topic* Evaluator::written_topic(const ModelReference& model, const std::st
 
 void Evaluator::check_end(const ModelReference& model, const Event& event,
                           const Values& values) const {
+  check_end(model, written_topic(model, event.name, values) != nullptr, event, values);
+}
+
+void Evaluator::check_end(const ModelReference& model, bool writes, const Event& event,
+                          const Values& values) const {
   if (!model.is_topic) return;
-  const bool writes = written_topic(model, event.name, values) != nullptr;
   const Topic& topic = names_.topics[element(model.leaf, values)];
   if (topic.has_end(number_, writes, event.node)) return;
   throw EvaluationError{"this " + std::string(event.node.empty() ? "program" : "node") + " is no " +

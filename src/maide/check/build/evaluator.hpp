@@ -67,6 +67,8 @@ class Evaluator {
                              const Values& values) const;
   // Throws EvaluationError: the program has no such end of the topic.
   void check_end(const ModelReference& model, const Event& event, const Values& values) const;
+  void check_end(const ModelReference& model, bool writes, const Event& event,
+                 const Values& values) const;
   // The instance: of a topic the one that this program reads; or the first, whose alphabet is that
   // of all.
   std::uint32_t model_of(const ModelReference& model, const Values& values) const;

@@ -26,7 +26,7 @@ bool contains(const std::vector<std::string>& names, const std::string& name) {
 ModelReference EventResolver::model(const syntax::Term& term) const {
   const auto binding = names_.find(term.name.text);
   if (!binding || binding->kind != Binding::Kind::model) fail_unknown_model(term.name, !binding);
-  ModelReference model{binding->expression, binding->model->is_topic, binding->model};
+  ModelReference model{binding->expression, binding->model->is_topic, binding->model, ""};
   model.leaf.line = term.place.line;
   model.leaf.column = term.place.column;
   if (model.leaf.operands.empty()) {
@@ -224,9 +224,13 @@ void EventResolver::check_received(const ModelReference& model, const Event& eve
 
 void EventResolver::check_role(const ModelReference& model, const Event& event,
                                const syntax::Name& name) const {
+  check_role(model, model.is_topic && is_of_writer(instance(model).automaton, event.name), name);
+}
+
+void EventResolver::check_role(const ModelReference& model, bool is_write,
+                               const syntax::Name& name) const {
   bool may = !model.is_topic || context().starts != nullptr;
   std::string topics;
-  const bool is_write = model.is_topic && is_of_writer(instance(model).automaton, event.name);
   for_each_topic(model, [&](const Topic& topic) {
     may = may || topic.has_end(context().program, is_write, node());
     topics += (topics.empty() ? "" : ", ") + topic.name;
@@ -235,6 +239,73 @@ void EventResolver::check_role(const ModelReference& model, const Event& event,
   names_.fail("this " + std::string(node().empty() ? "program" : "node") + " is no " +
                   (is_write ? "writer" : "reader") + " of " + topics,
               name.place);
+}
+
+// ---- What was sent ------------------------------------------------------------------------------
+
+bool EventResolver::is_arrival(const ModelReference& model, const syntax::Event& output) const {
+  if (!output.name.is("arrived")) return false;
+  const InterfaceAutomaton& automaton = instance(model).automaton;
+  const auto is_output = [](const std::string& name) { return split_name(name).name == "arrived"; };
+  if (std::ranges::any_of(automaton.outputs().names(), is_output)) return false;
+  if (model.is_topic || service_of(model) != nullptr) return true;
+  return context().stage != Context::Stage::values ||
+         std::ranges::any_of(automaton.inputs().names(), is_sending);
+}
+
+bool EventResolver::names_reader(const syntax::Term& term) const {
+  const auto binding = names_.find(term.name.text);
+  return binding && binding->kind == Binding::Kind::model && binding->model->is_topic &&
+         binding->model->dimensions.empty() && term.operands.size() == 1 &&
+         term.operands.front().is_name();
+}
+
+ModelReference EventResolver::sent_to(const syntax::Term& term) const {
+  if (!names_reader(term)) return model(term);
+  const syntax::Term& reader = term.operands.front();
+  syntax::Term topic = term;
+  topic.has_indices = false;
+  topic.operands.clear();
+  ModelReference made = model(topic);
+  made.reader = reader.name.text;
+  if (reader.has_indices) {
+    std::string indices;
+    for (const syntax::Term& index : reader.operands) {
+      indices += (indices.empty() ? "" : ",") + std::to_string(names_.constant(index, "an index"));
+    }
+    made.reader += "[" + indices + "]";
+  }
+  check_reader(made, reader);
+  return made;
+}
+
+void EventResolver::check_reader(const ModelReference& model, const syntax::Term& reader) const {
+  const Topic& topic = context().names.topics[model.leaf.index];
+  const std::string name = topic.name + "[" + model.reader + "]";
+  std::string known;
+  for (const Topic::Reader& other : topic.readers) {
+    const std::string& its = context().models[other.model].name;
+    if (its == name || is_reader_of(its, name)) return;
+    known += (known.empty() ? "" : ", ") +
+             its.substr(topic.name.size() + 1, its.size() - topic.name.size() - 2);
+  }
+  names_.fail("'" + model.reader + "' is no reader of " + topic.name + "; there is: " + known,
+              reader.place);
+}
+
+Event EventResolver::arrival(const ModelReference& model, const syntax::Event& output) const {
+  if (service_of(model) != nullptr) {
+    names_.fail("what was sent to a service has no 'arrived': its answer says that it has",
+                output.name.place);
+  }
+  check_role(model, true, output.name);
+  if (output.has_arguments) names_.fail("'arrived' carries no values", output.name.place);
+  Event made;
+  made.name = output.name.text;
+  made.node = node();
+  made.line = output.name.place.line;
+  made.column = output.name.place.column;
+  return made;
 }
 
 // ---- Inputs and outputs with their values -------------------------------------------------------

@@ -23,6 +23,12 @@ class EventResolver {
   // Declares the variables that take its values.
   Event output(const ModelReference& model, const syntax::Event& event) const;
 
+  // Whether `M -> output` is about what this program sent to the model, which has no such output.
+  bool is_arrival(const ModelReference& model, const syntax::Event& output) const;
+  // A model or topic, or one reader of a topic: `image[logger]`.
+  ModelReference sent_to(const syntax::Term& term) const;
+  Event arrival(const ModelReference& model, const syntax::Event& output) const;
+
   // The instances or topics that the reference may mean: one, if its indices are known.
   template <typename Visit>
   void for_each_member(const ModelReference& model, const Visit& visit) const {
@@ -53,6 +59,11 @@ class EventResolver {
  private:
   enum class Direction : std::uint8_t { input, output };
   const Context& context() const { return names_.context(); }
+  // Whether what stands in brackets behind the name is a reader of the topic.
+  bool names_reader(const syntax::Term& term) const;
+  void check_reader(const ModelReference& model, const syntax::Term& reader) const;
+  // A topic's writer or reader is meant, and this program or node is it.
+  void check_role(const ModelReference& model, bool is_write, const syntax::Name& name) const;
   // Whose callback this is code of, or starts; empty: a program's.
   std::string node() const;
   [[noreturn]] void fail_unknown_model(const syntax::Name& name, bool is_unknown) const;

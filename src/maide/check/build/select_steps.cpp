@@ -105,6 +105,69 @@ void Unroller::expand_rendezvous(const Place& place, const Statement& statement,
   }
 }
 
+// ---- What was sent ------------------------------------------------------------------------------
+
+std::vector<Unroller::OwnWire> Unroller::own_wires(const ModelReference& model,
+                                                   const Callback* callback,
+                                                   const Values& values) const {
+  std::vector<OwnWire> wires;
+  const auto add = [&](std::uint32_t to, const std::optional<StateId>& gone) {
+    const Wire* const wire = names_.wire_of(to, node_of(callback), number_);
+    if (wire != nullptr) wires.push_back({wire, gone});
+  };
+  const std::uint32_t number = element(model.leaf, values);
+  if (!model.is_topic) {
+    add(number, std::nullopt);
+    return wires;
+  }
+  const Topic& topic = names_.topics[number];
+  const std::string name = topic.name + "[" + model.reader + "]";
+  for (const Topic::Reader& reader : topic.readers) {
+    const std::string& its = actions_.model(reader.model).name;
+    if (!model.reader.empty() && its != name && !is_reader_of(its, name)) continue;
+    add(reader.model, reader.gone);
+  }
+  return wires;
+}
+
+std::vector<Uses> Unroller::all_arrived(const std::vector<OwnWire>& wires) {
+  std::vector<Uses> ways{{}};
+  for (const auto& [wire, gone] : wires) {
+    ways = combine(ways, ways_arrived(*wire, gone, actions_));
+  }
+  return ways;
+}
+
+std::vector<Uses> Unroller::not_all_arrived(const std::vector<OwnWire>& wires) {
+  std::vector<Uses> ways, before{{}};
+  for (const auto& [wire, gone] : wires) {
+    for (Uses& way : combine(before, {when_on_its_way(*wire, gone, actions_)})) {
+      ways.push_back(std::move(way));
+    }
+    before = combine(before, ways_arrived(*wire, gone, actions_));
+  }
+  return ways;
+}
+
+std::string Unroller::text_of_arrival(const ModelReference& model, const Values& values) const {
+  const std::uint32_t number = element(model.leaf, values);
+  const std::string& name =
+      model.is_topic ? names_.topics[number].name : actions_.model(number).name;
+  return name + (model.reader.empty() ? "" : "[" + model.reader + "]") + "!arrived";
+}
+
+void Unroller::expand_arrival(const Place& place, const Statement& statement,
+                              const Values& values) {
+  const ControlState target = settle(behind(place.frame), values);
+  const std::string text = text_of_arrival(statement.model, values);
+  for (Uses& uses : all_arrived(own_wires(statement.model, statement.callback, values))) {
+    add_combined({CombinedStep::Role::step, std::move(uses), {}, text, 0}, target, statement.line,
+                 statement.column);
+  }
+}
+
+// ---- select -------------------------------------------------------------------------------------
+
 void Unroller::expand_select(const Place& place, const Statement& statement, const Values& values) {
   for (const SelectArm& arm : statement.select_arms) {
     const bool waits =
@@ -135,7 +198,8 @@ std::string Unroller::text_of(const SelectArm& arm) {
   if (arm.starts != nullptr) return arm.starts->whole_name();
   switch (arm.kind) {
     case SelectArm::Kind::input: return arm.model.name() + "." + arm.event.name;
-    case SelectArm::Kind::output: return arm.model.name() + "!" + arm.event.name;
+    case SelectArm::Kind::output:
+    case SelectArm::Kind::arrival: return arm.model.name() + "!" + arm.event.name;
     default: return "when";
   }
 }
@@ -169,6 +233,13 @@ void Unroller::expand_arm(const Place& place, const SelectArm& arm, const Values
     check_arm(arm, values);
   } catch (const EvaluationError& error) {
     return add({}, {}, "when", error_state(error.text, error.line, error.column));
+  }
+  if (arm.kind == SelectArm::Kind::arrival) {
+    const ControlState target = settle(enter(*arm.body, next), values);
+    for (Uses& uses : all_arrived(own_wires(arm.model, arm.callback, values))) {
+      add(std::move(uses), {}, text_of_arrival(arm.model, values), target);
+    }
+    return;
   }
   if (const Topic* topic = written_topic(arm.model, arm.event.name, values)) {
     return expand_topic_arm(place, arm, *topic, values, add);
@@ -328,6 +399,11 @@ std::vector<Uses> Unroller::idle_uses(const Statement& statement,
     }
     if (guards[i] < 0 || arm.kind == SelectArm::Kind::guard) return {};
     try {
+      if (arm.kind == SelectArm::Kind::arrival) {
+        check_arm(arm, values);
+        unsent = combine(unsent, not_all_arrived(own_wires(arm.model, arm.callback, values)));
+        continue;
+      }
       const bool is_input = arm.kind == SelectArm::Kind::input;
       if (const Topic* topic = written_topic(arm.model, arm.event.name, values)) {
         check_arm(arm, values);

@@ -107,6 +107,7 @@ void Unroller::expand(const Place& place, const Statement& statement) {
     case Kind::select: expand_select(place, statement, values); break;
     case Kind::rounds: expand_rounds(place, statement, values); break;
     case Kind::end_callback: expand_end(place, statement, values); break;
+    case Kind::arrival: expand_arrival(place, statement, values); break;
     default: expand_rendezvous(place, statement, values); break;
   }
 }

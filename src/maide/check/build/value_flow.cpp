@@ -157,7 +157,8 @@ class FlowWalker final : public Walker {
         expand_arms(number, place, statement, values);
         expand_looks(place, statement, values);
         break;
-      case Kind::end_callback: settle(next, values); break;
+      case Kind::end_callback:
+      case Kind::arrival: settle(next, values); break;
       default: expand_rendezvous(number, place, statement, values); break;
     }
   }
@@ -204,7 +205,7 @@ class FlowWalker final : public Walker {
     const Values after = behind_start(statement, arm, values);
     using Kind = SelectArm::Kind;
     const bool names_model = arm.kind == Kind::input || arm.kind == Kind::output;
-    if (names_model) check_arm(arm, after);
+    if (names_model || arm.kind == Kind::arrival) check_arm(arm, after);
     const bool is_service = names_model && names_.services.contains(model_of(arm.model, after));
     if (names_model && !is_service && (arm.kind == Kind::output || !arm.body)) {
       models.insert(model_of(arm.model, after));

@@ -33,6 +33,7 @@ bool steps(const Statement& statement) {
   switch (statement.kind) {
     case Kind::give:
     case Kind::wait:
+    case Kind::arrival:
     case Kind::choice:
     case Kind::choose:
     case Kind::select:
@@ -361,6 +362,7 @@ void Walker::check_arrival(const Statement& statement, const Values& values) con
       model_of(statement.model, values);
       check_end(statement.model, statement.arms.front().output, values);
       break;
+    case Kind::arrival: check_end(statement.model, true, statement.input, values); break;
     case Kind::assign:
       element(statement.target, values);
       if (!reads_shared(*statement.expression)) evaluate(*statement.expression, values);
@@ -383,6 +385,10 @@ void Walker::check_arrival(const Statement& statement, const Values& values) con
 }
 
 void Walker::check_arm(const SelectArm& arm, const Values& values) const {
+  if (arm.kind == SelectArm::Kind::arrival) {
+    element(arm.model.leaf, values);
+    return check_end(arm.model, true, arm.event, values);
+  }
   if (arm.kind != SelectArm::Kind::input && arm.kind != SelectArm::Kind::output) return;
   const std::uint32_t model = model_of(arm.model, values);
   check_end(arm.model, arm.event, values);

@@ -1,7 +1,6 @@
 #include "maide/check/build/wires.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cstdint>
 #include <deque>
 #include <functional>
@@ -24,16 +23,6 @@ using Room = std::vector<std::optional<std::uint32_t>>;
 constexpr std::size_t most_states = 20'000;  // of a wire whose states are made at once
 
 std::string base_of(const std::string& name) { return name.substr(0, name.find('(')); }
-
-// "write", "send2", "publish(3)": what is sent, and not what is asked for.
-bool is_sending(const std::string& input) {
-  constexpr std::array<std::string_view, 4> words{"write", "send", "answer", "publish"};
-  const std::string base = base_of(input);
-  return std::ranges::any_of(words, [&](std::string_view word) {
-    return base.starts_with(word) &&
-           base.find_first_not_of("0123456789", word.size()) == std::string::npos;
-  });
-}
 
 std::vector<Symbol> letters_of(const InterfaceAutomaton& automaton) {
   std::vector<Symbol> letters;
@@ -434,6 +423,17 @@ ModelUse has_room(const Wire& wire, ModelActions& actions, std::uint32_t needed,
   });
 }
 
+// The condition that the reader of the model has died, or that it lives.
+ModelUse when_reader_is(StateId gone, bool dead, std::uint32_t model, ModelActions& actions) {
+  return actions.action(model, dead ? "its reader has died" : "its reader lives", [&] {
+    ModelActions::Steps steps(actions.model(model).automaton.size());
+    for (StateId at = 0; at < steps.size(); ++at) {
+      if ((at == gone) == dead) steps[at] = {{at, false}};
+    }
+    return steps;
+  });
+}
+
 }  // namespace
 
 std::vector<ConnectionInstance> add_wires(const Declarations& file, Models& models) {
@@ -477,6 +477,22 @@ ModelUse when_writer_dies(const Wire& wire, ModelActions& actions) {
 
 ModelUse when_empty(const Wire& wire, ModelActions& actions) {
   return use(wire, actions, Kind::is_empty);
+}
+
+std::vector<WireUses> ways_arrived(const Wire& wire, std::optional<StateId> gone,
+                                   ModelActions& actions) {
+  std::vector<WireUses> ways{{use(wire, actions, Kind::is_empty)}};
+  if (gone) {
+    ways.push_back(
+        {use(wire, actions, Kind::is_used), when_reader_is(*gone, true, wire.to, actions)});
+  }
+  return ways;
+}
+
+WireUses when_on_its_way(const Wire& wire, std::optional<StateId> gone, ModelActions& actions) {
+  WireUses uses{use(wire, actions, Kind::is_used)};
+  if (gone) uses.push_back(when_reader_is(*gone, false, wire.to, actions));
+  return uses;
 }
 
 // ---- Arrivals -----------------------------------------------------------------------------------
@@ -545,11 +561,7 @@ class ArrivalMaker {
     if (!gone) return;
     NobodysAction drop;
     drop.what.uses = {use(wire, actions_, Kind::drop),
-                      actions_.action(wire.to, "its reader has died", [&] {
-                        ModelActions::Steps steps(actions_.model(wire.to).automaton.size());
-                        steps[*gone] = {{*gone, false}};
-                        return steps;
-                      })};
+                      when_reader_is(*gone, true, wire.to, actions_)};
     drop.what.text = connection_of(wire.to) + ": what is on its way to the dead is gone";
     drop.counts_for_deadlock = false;
     drop.is_shown = false;

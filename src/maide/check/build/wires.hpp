@@ -33,5 +33,11 @@ std::vector<WireUses> ways_to_wait(const Wire& wire, ModelActions& actions);
 ModelUse when_writer_dies(const Wire& wire, ModelActions& actions);
 // A condition: nothing is on its way.
 ModelUse when_empty(const Wire& wire, ModelActions& actions);
+// The ways in which all that was sent has arrived, or its reader has died, who is `gone` in that
+// state of the model; each where the other is not.
+std::vector<WireUses> ways_arrived(const Wire& wire, std::optional<StateId> gone,
+                                   ModelActions& actions);
+// A condition: something is on its way to a reader that lives.
+WireUses when_on_its_way(const Wire& wire, std::optional<StateId> gone, ModelActions& actions);
 
 }  // namespace maide

@@ -14,7 +14,9 @@
 //           | when (e) block | otherwise block | timeout N block
 //   input := name [(e, ...)]      output := name [(x | var x | value, ...)]
 //   type := e..e | bool | {word, ...}
-// M, x: a name, of an array with its indices, as in grant[r, 0].
+// M, x: a name, of an array with its indices, as in grant[r, 0]. The output `arrived` of a model
+// that has none is that all has arrived which the program sent; M may be a topic's reader then:
+// image[logger].
 #include "maide/check/language/code_parser.hpp"
 
 #include <algorithm>

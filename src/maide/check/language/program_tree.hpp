@@ -38,6 +38,7 @@ struct ModelReference {
   Expression leaf;  // as of a shared variable: `index` is the first instance or topic
   bool is_topic = false;
   const ModelName* known = nullptr;
+  std::string reader;  // of what was sent to a topic: the one that is meant; empty: all
   std::string name() const { return leaf.name; }
 };
 
@@ -95,10 +96,10 @@ struct Thread {
 };
 
 struct SelectArm {
-  enum class Kind : std::uint8_t { input, output, guard, otherwise, timeout, service };
+  enum class Kind : std::uint8_t { input, output, arrival, guard, otherwise, timeout, service };
   Kind kind = Kind::guard;
   std::optional<Expression> guard;
-  ModelReference model;         // of an input or an output
+  ModelReference model;         // of an input, an output or an arrival
   Event event;                  // so
   std::vector<Arm> arms;        // of an input: the outputs that may follow at once; else empty
   std::unique_ptr<Block> body;  // unless there are arms
@@ -110,11 +111,12 @@ struct SelectArm {
 
 struct Statement {
   enum class Kind : std::uint8_t {
-    give,    // `input` to `model`, then one of `arms` (none: nothing is awaited)
-    wait,    // one of `arms` of `model`
-    loop,    // `body`
-    repeat,  // `body`, `expression` times
-    choice,  // `body` or `otherwise`
+    give,     // `input` to `model`, then one of `arms` (none: nothing is awaited)
+    wait,     // one of `arms` of `model`
+    arrival,  // until all that was sent to `model` has arrived
+    loop,     // `body`
+    repeat,   // `body`, `expression` times
+    choice,   // `body` or `otherwise`
     skip,
     stop,
     assign,  // `expression` to `target`; a declaration, too, which sets every slot

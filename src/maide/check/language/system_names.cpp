@@ -1,7 +1,9 @@
 #include "maide/check/language/system_names.hpp"
 
 #include <algorithm>
+#include <array>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace maide {
@@ -78,6 +80,15 @@ bool is_of_writer(const InterfaceAutomaton& model, const std::string& name) {
   };
   return std::ranges::any_of(model.actors, [&](const Actor& actor) {
     return actor.name == "writer" && (names(actor.inputs) || names(actor.outputs));
+  });
+}
+
+bool is_sending(const std::string& input) {
+  constexpr std::array<std::string_view, 4> words{"write", "send", "answer", "publish"};
+  const std::string base = input.substr(0, input.find('('));
+  return std::ranges::any_of(words, [&](std::string_view word) {
+    return base.starts_with(word) &&
+           base.find_first_not_of("0123456789", word.size()) == std::string::npos;
   });
 }
 

@@ -117,6 +117,9 @@ std::string name_at_client(const std::string& name, std::uint32_t client);
 // Whether the actor "writer" has that input or output, which stands without values.
 bool is_of_writer(const InterfaceAutomaton& model, const std::string& name);
 
+// Whether the input of a model that is no topic's sends something: "write", "send2", "publish(3)".
+bool is_sending(const std::string& input);
+
 // Whether the output is one of the actor that the input belongs to.
 bool is_of_same_actor(const InterfaceAutomaton& automaton, Symbol input, Symbol output);
 

@@ -79,6 +79,9 @@ std::optional<GrowingModel::Contents> WireModel::after(Contents contents,
     case Kind::is_empty:
       if (!items.empty()) return std::nullopt;
       return contents;
+    case Kind::is_used:
+      if (items.empty()) return std::nullopt;
+      return contents;
   }
   return std::nullopt;
 }
@@ -131,6 +134,7 @@ std::string WireModel::text_of(const Operation& operation) const {
     case Kind::abandon: return "its writer dies";
     case Kind::is_full: return "is full";
     case Kind::is_empty: return "nothing is on its way";
+    case Kind::is_used: return "something is on its way";
   }
   return "";
 }

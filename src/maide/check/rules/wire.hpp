@@ -45,6 +45,7 @@ class WireModel : public GrowingModel {
       abandon,   // the writer has died: each message still arrives, or is lost
       is_full,   // a condition: nothing may be put
       is_empty,  // a condition
+      is_used,   // a condition: something is on its way
     };
     Kind kind = Kind::put;
     std::uint32_t letter = 0;
