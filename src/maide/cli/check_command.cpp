@@ -146,6 +146,11 @@ std::string describe(const System& system, const CheckReport& report, const Trac
   for (const PropertyResult& result : report.properties) {
     text += describe(system, report, result, width, style);
   }
+  if (report.races) {
+    const std::vector<std::string> races = describe_races(*report.races);
+    if (!races.empty()) text += "races (what is sent later may come first):\n";
+    for (const std::string& race : races) text += "  - " + race + "\n";
+  }
   bool is_short = false;
   std::string grounds;
   for (const std::string& assumption : report.assumptions) {
@@ -397,6 +402,7 @@ ExitStatus run_check(const CheckArguments& arguments, Context& context) {
   if (arguments.memory_mib > 0) request.options.memory_mib = arguments.memory_mib;
   if (arguments.seconds > 0) request.options.control.deadline = deadline_in(arguments.seconds);
   if (!arguments.every.empty()) return run_every(arguments, *engine, request, context);
+  request.finds_races = true;
   RefinedCheck checked = check(arguments, *engine, request);
   const System& system = checked.system;
   CheckReport& report = checked.report;

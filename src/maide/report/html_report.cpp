@@ -180,6 +180,15 @@ void write_counterexample(std::ostream& out, const System& system, const CheckRe
   write_program_listing(out, part, shown.trace);
 }
 
+// Nothing for no lines.
+void write_list(std::ostream& out, const std::string& title,
+                const std::vector<std::string>& lines) {
+  if (lines.empty()) return;
+  out << "<p>" << title << "</p><ul>\n";
+  for (const std::string& line : lines) out << "<li>" << escape_markup(line) << "</li>\n";
+  out << "</ul>\n";
+}
+
 }  // namespace
 
 void write_html_report(std::ostream& out, const System& system, const CheckReport& report,
@@ -190,13 +199,10 @@ void write_html_report(std::ostream& out, const System& system, const CheckRepor
       escape_markup(system.title()), style,
       verdict_cell(report.verdict, to_string(report.verdict)));
   write_table(out, report);
-  if (!report.assumptions.empty()) {
-    out << "<p>This rests on:</p><ul>\n";
-    for (const std::string& assumption : report.assumptions) {
-      out << "<li>" << escape_markup(assumption) << "</li>\n";
-    }
-    out << "</ul>\n";
+  if (report.races) {
+    write_list(out, "Races: what is sent later may come first.", describe_races(*report.races));
   }
+  write_list(out, "This rests on:", report.assumptions);
   for (const PropertyResult& result : report.properties) {
     if (result.trace) write_counterexample(out, system, report, result);
   }

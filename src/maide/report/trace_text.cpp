@@ -255,6 +255,22 @@ Json program_names(const System& system, const std::vector<std::uint32_t>& progr
 
 }  // namespace
 
+namespace {
+
+Json races_to_json(const Races& races) {
+  Json pairs = Json::array();
+  for (const Race& race : races.all) {
+    Json pair{{"later", race.later}, {"earlier", race.earlier}, {"reader", race.reader}};
+    if (race.missed) pair["missed"] = {{"file", race.missed->file}, {"line", race.missed->line}};
+    pairs.push_back(std::move(pair));
+  }
+  return {{"pairs", std::move(pairs)},
+          {"complete", races.is_complete && !races.has_unknown},
+          {"states", races.states}};
+}
+
+}  // namespace
+
 Json report_to_json(const System& system, const CheckReport& report) {
   Json components = Json::array();
   for (const CheckReport::Component& component : report.components) {
@@ -303,6 +319,7 @@ Json report_to_json(const System& system, const CheckReport& report) {
   json["remarks"] = all_remarks(system, report);
   json["components"] = std::move(components);
   json["properties"] = std::move(properties);
+  if (report.races) json["races"] = races_to_json(*report.races);
   return json;
 }
 

@@ -90,6 +90,7 @@ class SystemBuilder {
           models_.names, control_));
       program.nodes = declared.nodes;
       program.execution = declared.execution;
+      program.process = declared.process;
       if (declared.thread) name_callbacks(program, *declared.thread);
       if (declared.may_die) name_ends(program, number);
     }

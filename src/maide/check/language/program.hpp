@@ -140,6 +140,7 @@ struct Program {
   ActorFlags flags;
   std::vector<std::string> nodes;  // whose callbacks it runs; else empty
   std::string execution;           // of them: "on one thread, in any order"
+  std::string process;             // programs of one process have the same name here
   struct CallbackLines {
     std::string name;  // "detector.on_image"
     int first = 0, last = 0;

@@ -219,6 +219,7 @@ class Checker {
       : system_(system),
         engine_(engine),
         options_(request.options),
+        finds_races_(request.finds_races && engine.name() == "native"),
         deadline_(request.options.control.deadline),
         uses_(find_uses(system)) {
     select(request.properties);
@@ -236,6 +237,7 @@ class Checker {
     check_again(late);
     for (const PropertyResult& result : report_.properties) state_remark(result);
     state_lone_time_outs();
+    if (finds_races_) find_races();
     for (std::size_t at = 0; at < properties_.size(); ++at) {
       state_vacuity(properties_[at], report_.properties[at]);
     }
@@ -475,6 +477,16 @@ class Checker {
     }
   }
 
+  // Whose messages come before those of others, whatever that means for the properties.
+  void find_races() {
+    if (!has_late_messages(system_)) return;
+    SearchLimits limits;
+    limits.states = most_race_states;
+    limits.control = options_.control;
+    limits.control.deadline = deadline_;
+    report_.races = maide::find_races(system_, limits);
+  }
+
   // Why a formula that holds says nothing. That a premise can come true is mostly found at once;
   // that it cannot takes a search of about as many states as the formula's own.
   void state_vacuity(const Property& property, PropertyResult& result) {
@@ -517,12 +529,14 @@ class Checker {
     return found.verdict == Verdict::holds;
   }
 
+  static constexpr std::uint64_t most_race_states = 100'000;
   static constexpr std::uint64_t most_premise_states = std::uint64_t{1} << 16;
   static constexpr std::uint64_t most_lone_states = std::uint64_t{1} << 20;
 
   const System& system_;
   Engine& engine_;
   EngineOptions options_;  // until the end of the share of what is checked
+  bool finds_races_ = false;
   std::optional<Clock::time_point> deadline_;
   std::vector<InputUse> uses_;
   std::vector<Property> properties_;

@@ -6,11 +6,13 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "maide/base/error.hpp"
 #include "maide/check/engines/engine.hpp"
+#include "maide/check/verdict/races.hpp"
 
 namespace maide {
 
@@ -19,6 +21,7 @@ struct CheckRequest {
   // `fed[1]`... `error` is checked in any case, if some program can come to an error.
   std::vector<std::string> properties;
   EngineOptions options;
+  bool finds_races = false;  // which connections race, too (races.hpp); only of the native engine
 };
 
 struct CheckReport {
@@ -28,6 +31,7 @@ struct CheckReport {
   std::map<std::string, std::string> brief;  // a short form of those that are long
   std::vector<PropertyResult> properties;    // in the order asked for
   std::vector<std::string> remarks;          // one line each: what is no violation, but looks odd
+  std::optional<Races> races;                // if they were asked for, and something is late
   // What was visited of each component, in the order of its first program.
   struct Component {
     std::vector<std::uint32_t> programs;

@@ -1,0 +1,47 @@
+// Which connections race: what is sent later may come first. No property is needed for that.
+//
+// A connection B overtakes a connection A if on some run a process takes a message of B while a
+// message of A to the same process, sent before, is still on its way. "Sent before" is Lamport's
+// relation ("Time, clocks, and the ordering of events in a distributed system", CACM 1978): the
+// sender of B's message has sent A's itself, or has heard, over any number of programs, from who
+// did. Two messages whose senders know nothing of one another have no order, and do not race.
+//
+// The race is suspicious if the process, before A's message arrives, looks for it and finds
+// nothing: it takes a step that it could not take had the message arrived.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "maide/check/search/search.hpp"
+#include "maide/check/system/system.hpp"
+
+namespace maide {
+
+struct Race {
+  std::string later, earlier;            // "the answer of lookup", "map"
+  std::string reader;                    // the program or node that takes `earlier`
+  std::optional<SourcePosition> missed;  // where it finds nothing; none: it never does
+};
+
+struct Races {
+  std::vector<Race> all;     // the suspicious ones first
+  bool is_complete = true;   // false: a limit ended the search, and there may be more
+  bool has_unknown = false;  // of some models it is not known what they hold
+  std::uint64_t states = 0;  // of the system, with what is watched
+};
+
+// Whether anything is late; if not, nothing races.
+bool has_late_messages(const System& system);
+
+// Searches the reachable states breadth first. In each, any message that is put on a wire may be
+// the one that is watched; then the search knows who has heard from its sender, and which messages
+// were sent by those. Such a search has more states than the system. O(states x steps).
+Races find_races(const System& system, const SearchLimits& limits);
+
+// A line each, at most ten, and then how many more there are; and what was not looked at.
+std::vector<std::string> describe_races(const Races& races);
+
+}  // namespace maide
