@@ -19,7 +19,9 @@
 #include "maide/check/build/system_file.hpp"
 #include "maide/check/engines/engine.hpp"
 #include "maide/check/verdict/cause.hpp"
+#include "maide/check/verdict/races.hpp"
 #include "maide/experiment/open_system.hpp"
+#include "maide/join/late_changes.hpp"
 #include "maide/join/system_variant.hpp"
 #include "maide/join/valued_queue.hpp"
 
@@ -28,9 +30,10 @@ namespace {
 
 constexpr std::size_t most_repeats = 8;  // different numbers of repetitions
 constexpr std::size_t most_constants = 16;
-constexpr std::int64_t most_below = 16;  // values of a constant that are all checked
-constexpr std::int64_t most_longer = 8;  // times as long a queue
-constexpr Value most_spoken_of = 64;     // of a variable's range: messages that are tried
+constexpr std::int64_t most_below = 16;           // values of a constant that are all checked
+constexpr std::int64_t most_longer = 8;           // times as long a queue
+constexpr Value most_spoken_of = 64;              // of a variable's range: messages that are tried
+constexpr std::int64_t least_room_of_wires = 10;  // messages
 constexpr std::uint64_t memory_mib = 1024;
 constexpr std::chrono::seconds seconds_between_notes{10};
 constexpr std::string_view raised = "+";  // OptionSpec::keeps_more
@@ -81,6 +84,7 @@ class ChangeSearch {
     };
     try_nodes(is_node_of_cause);
     try_depths(is_losing);
+    if (needs_late_message()) try_late_changes();
     try_other_models();
     for (const ModelInstance& model : system_.models) try_settings(model);
     try_nodes(std::not_fn(is_node_of_cause));
@@ -117,6 +121,7 @@ class ChangeSearch {
     bool is_unknown = false;  // what was learned ends too soon, or the time
     std::uint64_t states = 0;
     std::vector<std::string> mended;  // properties, if none was broken
+    bool mends_any = false;           // a property, whatever becomes of others
     // Properties, if none was broken, that are violated from another cause, with what is said of
     // that.
     std::map<std::string, std::string> otherwise;
@@ -153,6 +158,7 @@ class ChangeSearch {
       const bool held = before == before_.end() || before->second == Verdict::holds;
       const bool holds = property.verdict == Verdict::holds;
       if (!held && holds) outcome.mended.push_back(property.name);
+      outcome.mends_any = outcome.mends_any || (!held && holds);
       breaks = breaks || (held && !holds);
       if (!held && property.trace && has_another_cause(*changed, property)) {
         outcome.otherwise.emplace(
@@ -420,6 +426,41 @@ class ChangeSearch {
       found(fmt::format("{}: {} {} in place of {}", place.name, place.option, longer->first,
                         place.value),
             longer->second, "");
+    }
+  }
+
+  // ---- Messages that come too late ----
+
+  // At rest, where what is sent arrives at once, some violated property holds.
+  bool needs_late_message() {
+    if (!has_late_messages(system_)) return false;
+    const std::size_t tried = result_.tried;
+    SystemVariant at_rest;
+    at_rest.deliveries = Deliveries::at_rest;
+    const Outcome outcome = check(at_rest);
+    result_.tried = tried;
+    return outcome.mends_any;
+  }
+
+  void try_late_changes() {
+    std::set<std::string> helped;  // connections, by one place
+    for (const LateChange& change : list_late_changes(system_)) {
+      if (change.is_of_several && helped.contains(change.connection)) continue;
+      const Outcome outcome = check({{}, {}, {}, change.text});
+      if (!outcome.holds) continue;
+      helped.insert(change.connection);
+      found(change.description, outcome, "");
+    }
+    for (const WriterDepth& place : find_writer_depths(system_)) {
+      const std::int64_t most = std::max(most_longer * place.value, least_room_of_wires);
+      const auto deeper = nearest(place.value, most, [&](std::int64_t value) {
+        return check({{}, {}, {}, with_writer_depth(system_, place, value).text});
+      });
+      if (!deeper) continue;
+      found(fmt::format("{}: its writers keep {} messages in place of {}", place.name,
+                        deeper->first, place.value),
+            deeper->second, "");
+      result_.changes.back() += "; " + with_writer_depth(system_, place, deeper->first).lines;
     }
   }
 

@@ -41,7 +41,9 @@ struct Suggestions {
 
 // Tries these changes, one at a time. Those come first that touch the cause of a violation
 // (check/verdict/cause.hpp): groups and threads of the nodes that keep somebody from waking who
-// waits, and the depth of what lost a message that is waited for. Then at large:
+// waits, and the depth of what lost a message that is waited for. Then, where the violation needs a
+// message that comes late or is lost on its way (join/late_changes.hpp): waiting for its arrival,
+// asking again, waiting in place of one look, and a writer that keeps more. Then at large:
 //
 //   Other models: those beside the ones in use, and those in use elsewhere in the system.
 //   Settings that keep more (depth, history, reliability, ...): the smallest number that is enough.

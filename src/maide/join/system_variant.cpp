@@ -195,7 +195,7 @@ std::optional<System> make_variant(const System& system, const SystemVariant& va
       if (!learn) throw UsageError("there is no model for " + request.instance);
       return learn(request);
     };
-    return parse_system(*text, system.file, asked, control);
+    return parse_system(*text, system.file, asked, control, {}, variant.deliveries);
   } catch (const Error&) {
     return std::nullopt;
   }

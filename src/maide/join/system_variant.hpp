@@ -39,6 +39,7 @@ struct SystemVariant {
   std::map<std::string, InterfaceAutomaton> models;  // by instance
   std::vector<NumberConstant> constants;             // with their new values
   std::string text{};                                // of the whole file; empty: as it was read
+  Deliveries deliveries = Deliveries::as_said;
 };
 
 // Nothing if there is no such system: its model lacks an input that programs give, its `repeat` is
