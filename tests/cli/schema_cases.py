@@ -166,6 +166,8 @@ CASES = r"""
 1 check violated.yaml --engine native --property deadlock
 1 check never.yaml --suggest
 0 check {examples}/architectures/pipeline-mended.yaml
+1 check {examples}/architectures/notice.yaml
+0 check {examples}/architectures/notice-mended.yaml
 0 check {examples}/architectures/hundred-robots.yaml
 3 check {examples}/case-study-2/nonblocking-drop.yaml --time 0.001 --engine native
 0 check refined.yaml --engine native --property deadlock --refine
