@@ -144,6 +144,7 @@ Sections; `programs` or `nodes` must be there:
                       readers_with: {R: {size: 1}}}      keys as at a model
   services:    NAME: {server: P, clients: [Q, R], with: {depth: n}}
                at models, topics, services: delivery: late|at_once   loses: true
+               stream: A at models and topics      one order between two processes
   variables:   "var n: 0..3; var ok: bool;"     what several programs use
   procedures:  NAME(m, k): "STATEMENTS"         parameters: any names
   programs:    NAME: "STATEMENTS"  {do: "STATEMENTS", may_die: true, process: A}

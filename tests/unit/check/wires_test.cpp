@@ -172,6 +172,90 @@ const std::string answer_and_note =
     "@missed skip; } }\"\n"
     "properties: {noted: \"G !client@missed\"}\n";
 
+// ---- one order for several wires ----------------------------------------------------------------
+
+TEST(Wires, AStreamKeepsOneOrder) {
+  const std::string text = changed(chart_and_bell, "use: queue", "stream: tcp, use: queue");
+  EXPECT_EQ(verdict_of(text, "seen"), "holds");
+  EXPECT_EQ(verdict_of(text, "deadlock"), "holds");
+  EXPECT_EQ(verdict_of(text, "stuck"), "holds");
+  // Two streams, or two processes, race.
+  EXPECT_EQ(verdict_of(changed(text, "bell: {writers: [desk], readers: [pilot], stream: tcp",
+                               "bell: {writers: [desk], readers: [pilot], stream: udp"),
+                       "seen"),
+            "violated");
+  const std::string loses = changed(text, "stream: tcp", "loses: true, stream: tcp");
+  EXPECT_EQ(verdict_of(loses, "seen"), "violated");
+}
+
+TEST(Wires, AStreamIsOfTwoProcesses) {
+  const std::string text =
+      "topics:\n"
+      "  chart: {writers: desk, readers: pilot, use: queue, with: {depth: 1}, stream: tcp}\n"
+      "  go: {writers: desk, readers: clerk, use: queue, with: {depth: 1}, stream: tcp}\n"
+      "  bell: {writers: clerk, readers: pilot, use: queue, with: {depth: 1}, stream: tcp}\n"
+      "programs:\n"
+      "  desk: {do: \"chart.write; go.write;\", process: a}\n"
+      "  clerk: {do: \"go.read -> message; bell.write;\", process: b}\n"
+      "  pilot: {do: \"bell.read -> message; switch chart.tryread { message { skip; } null { "
+      "@blind "
+      "skip; } }\", process: c}\n"
+      "properties: {seen: \"G !pilot@blind\"}\n";
+  EXPECT_EQ(verdict_of(text, "seen"), "violated");
+  EXPECT_EQ(verdict_of(changed(text, "process: b", "process: a"), "seen"), "holds");
+  EXPECT_EQ(verdict_of(changed(text, "process: b", "process: c"), "seen"), "holds");
+}
+
+// A dead reader's messages do not stand before those of others.
+TEST(Wires, AStreamForgetsTheDead) {
+  const std::string text =
+      "topics:\n"
+      "  a: {writers: p, readers: q, use: queue, with: {size: 1}, delivery: late, stream: s}\n"
+      "  b: {writers: p, readers: r, use: queue, with: {depth: 1}, stream: s}\n"
+      "programs:\n"
+      "  p: \"a.write; b.write;\"\n"
+      "  q: {do: \"idle a.read -> message;\", may_die: true, process: x}\n"
+      "  r: {do: \"b.read -> message;\", process: x}\n"
+      "properties: {comes: \"F r@end\"}\n";
+  EXPECT_EQ(verdict_of(text, "comes"), "holds");
+  EXPECT_EQ(verdict_of(text, "deadlock"), "holds");
+}
+
+// Each wire of a stream keeps what its writer keeps.
+TEST(Wires, AStreamLosesByWire) {
+  const std::string text =
+      "topics:\n"
+      "  a: {writers: p, readers: q, use: queue, with: {depth: 5, pub-depth: 1}, stream: s}\n"
+      "  b: {writers: p, readers: q, use: queue, with: {depth: 5, pub-depth: 5}, stream: s}\n"
+      "programs:\n"
+      "  p: \"a.write(1); b.write; a.write(2);\"\n"
+      "  q: \"var x: 0..2; b.read -> message; a.read -> message(x);\"\n"
+      "properties: {first: \"F q.x == 1\", b: \"G !b!lost\", order: \"!a!arrives(2) U "
+      "b!arrives\"}\n";
+  EXPECT_EQ(verdict_of(text, "first"), "violated");
+  EXPECT_EQ(verdict_of(text, "b"), "holds");
+  EXPECT_EQ(verdict_of(text, "order"), "holds");
+  EXPECT_EQ(verdict_of(text, "deadlock"), "holds");
+}
+
+TEST(Wires, AStreamIsOfTopicsAndModels) {
+  EXPECT_THAT(test::error_of([] {
+                wired(changed(answer_and_note, "clients: client", "clients: client, stream: s"));
+              }),
+              HasSubstr("has no key 'stream'"));
+  EXPECT_EQ(
+      verdict_of("models:\n"
+                 "  a: {use: queue, with: {depth: 1}, delivery: late, stream: s}\n"
+                 "  b: {use: queue, with: {depth: 1}, delivery: late, stream: s}\n"
+                 "programs:\n"
+                 "  p: \"a.write; b.write;\"\n"
+                 "  q: \"b.read -> message; switch a.tryread { message { skip; } null { @misses "
+                 "skip; } }\"\n"
+                 "properties: {there: \"G !q@misses\"}\n",
+                 "there"),
+      "holds");
+}
+
 // ---- waiting until it has arrived ---------------------------------------------------------------
 
 const std::string waits_for_chart =

@@ -89,6 +89,7 @@ struct DeliveryWish {
   bool has_depth = false;                         // it says one, be it no plain number
   bool keeps_all = false;                         // `pub-history`, or `history`
   bool is_best_effort = false;
+  std::string stream;  // one order with all that says the same; may be empty
 };
 
 struct Declarations {

@@ -108,7 +108,9 @@ WireRules wire_of(const Options& system, const ModelOrigin& origin, const Delive
 DeliveryRule delivery_of(const ModelInstance& model, const ModelOrigin& origin,
                          const DeliveryWish& wish, const DeliveryPlace& place) {
   const Options system = system_of(model);
-  DeliveryRule rule{Delivery::late, wire_of(system, origin, wish), ""};
+  DeliveryRule rule{Delivery::late, wire_of(system, origin, wish), "", wish.stream};
+  // A client of MQTT has one TCP connection.
+  if (rule.stream.empty() && is(system, "", "mqtt")) rule.stream = "mqtt";
   const auto with = [&rule](Delivery delivery, std::string why) {
     rule.delivery = delivery;
     rule.why = std::move(why);
@@ -136,7 +138,7 @@ DeliveryRule delivery_of(const ModelInstance& model, const ModelOrigin& origin,
 
 DeliveryRule delivery_of(const Service& service, const DeliveryWish& wish,
                          const DeliveryPlace& place) {
-  DeliveryRule rule{Delivery::late, {service.depth, wish.loses.value_or(false)}, ""};
+  DeliveryRule rule{Delivery::late, {service.depth, wish.loses.value_or(false)}, "", ""};
   const auto with = [&rule](Delivery delivery, std::string why) {
     rule.delivery = delivery;
     rule.why = std::move(why);
@@ -162,6 +164,7 @@ DeliveryWish read_delivery(const Declarations& file, const TreeNode& entry,
   }
   const TreeNode* const loses = entry.find("loses");
   if (loses != nullptr) wish.loses = loses->is("true");
+  if (const TreeNode* const stream = entry.find("stream")) wish.stream = stream->text();
   wish.pub_depth = number_of(options, "pub-depth");
   if (options.contains("pub-depth") && !wish.pub_depth && options.at("pub-depth") != "both" &&
       entry.find("use") != nullptr) {

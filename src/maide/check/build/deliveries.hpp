@@ -14,6 +14,9 @@ struct DeliveryRule {
   Delivery delivery = Delivery::late;
   WireRules wire;   // of what is late
   std::string why;  // in words: "the file says so"
+  // What is late comes in one order with all between the same processes that says the same; "":
+  // with nothing.
+  std::string stream{};
 };
 
 // Where it is asked.

@@ -61,7 +61,7 @@ void Unroller::expand_rendezvous(const Place& place, const Statement& statement,
     }
     const ModelInstance& instance = actions_.model(model);
     for (Uses& uses : wire == nullptr ? std::vector<Uses>{{given, *behind_own}}
-                                      : ways_to_send(*wire, input, actions_)) {
+                                      : ways_to_send({{wire, input}}, actions_)) {
       add_combined({CombinedStep::Role::step,
                     std::move(uses),
                     {given},
@@ -107,44 +107,40 @@ void Unroller::expand_rendezvous(const Place& place, const Statement& statement,
 
 // ---- What was sent ------------------------------------------------------------------------------
 
-std::vector<Unroller::OwnWire> Unroller::own_wires(const ModelReference& model,
-                                                   const Callback* callback,
-                                                   const Values& values) const {
-  std::vector<OwnWire> wires;
-  const auto add = [&](std::uint32_t to, const std::optional<StateId>& gone) {
+std::vector<const Wire*> Unroller::own_wires(const ModelReference& model, const Callback* callback,
+                                             const Values& values) const {
+  std::vector<const Wire*> wires;
+  const auto add = [&](std::uint32_t to) {
     const Wire* const wire = names_.wire_of(to, node_of(callback), number_);
-    if (wire != nullptr) wires.push_back({wire, gone});
+    if (wire != nullptr) wires.push_back(wire);
   };
   const std::uint32_t number = element(model.leaf, values);
   if (!model.is_topic) {
-    add(number, std::nullopt);
+    add(number);
     return wires;
   }
   const Topic& topic = names_.topics[number];
   const std::string name = topic.name + "[" + model.reader + "]";
   for (const Topic::Reader& reader : topic.readers) {
     const std::string& its = actions_.model(reader.model).name;
-    if (!model.reader.empty() && its != name && !is_reader_of(its, name)) continue;
-    add(reader.model, reader.gone);
+    if (model.reader.empty() || its == name || is_reader_of(its, name)) add(reader.model);
   }
   return wires;
 }
 
-std::vector<Uses> Unroller::all_arrived(const std::vector<OwnWire>& wires) {
-  std::vector<Uses> ways{{}};
-  for (const auto& [wire, gone] : wires) {
-    ways = combine(ways, ways_arrived(*wire, gone, actions_));
-  }
-  return ways;
+Uses Unroller::all_arrived(const std::vector<const Wire*>& wires) {
+  Uses uses;
+  for (const Wire* const wire : wires) uses.push_back(when_empty(*wire, actions_));
+  return uses;
 }
 
-std::vector<Uses> Unroller::not_all_arrived(const std::vector<OwnWire>& wires) {
-  std::vector<Uses> ways, before{{}};
-  for (const auto& [wire, gone] : wires) {
-    for (Uses& way : combine(before, {when_on_its_way(*wire, gone, actions_)})) {
-      ways.push_back(std::move(way));
-    }
-    before = combine(before, ways_arrived(*wire, gone, actions_));
+std::vector<Uses> Unroller::not_all_arrived(const std::vector<const Wire*>& wires) {
+  std::vector<Uses> ways;
+  Uses before;
+  for (const Wire* const wire : wires) {
+    ways.push_back(before);
+    ways.back().push_back(when_used(*wire, actions_));
+    before.push_back(when_empty(*wire, actions_));
   }
   return ways;
 }
@@ -160,10 +156,9 @@ void Unroller::expand_arrival(const Place& place, const Statement& statement,
                               const Values& values) {
   const ControlState target = settle(behind(place.frame), values);
   const std::string text = text_of_arrival(statement.model, values);
-  for (Uses& uses : all_arrived(own_wires(statement.model, statement.callback, values))) {
-    add_combined({CombinedStep::Role::step, std::move(uses), {}, text, 0}, target, statement.line,
-                 statement.column);
-  }
+  Uses uses = all_arrived(own_wires(statement.model, statement.callback, values));
+  add_combined({CombinedStep::Role::step, std::move(uses), {}, text, 0}, target, statement.line,
+               statement.column);
 }
 
 // ---- select -------------------------------------------------------------------------------------
@@ -235,11 +230,8 @@ void Unroller::expand_arm(const Place& place, const SelectArm& arm, const Values
     return add({}, {}, "when", error_state(error.text, error.line, error.column));
   }
   if (arm.kind == SelectArm::Kind::arrival) {
-    const ControlState target = settle(enter(*arm.body, next), values);
-    for (Uses& uses : all_arrived(own_wires(arm.model, arm.callback, values))) {
-      add(std::move(uses), {}, text_of_arrival(arm.model, values), target);
-    }
-    return;
+    return add(all_arrived(own_wires(arm.model, arm.callback, values)), {},
+               text_of_arrival(arm.model, values), settle(enter(*arm.body, next), values));
   }
   if (const Topic* topic = written_topic(arm.model, arm.event.name, values)) {
     return expand_topic_arm(place, arm, *topic, values, add);
@@ -326,7 +318,7 @@ std::vector<Unroller::InputWay> Unroller::ways_of(const SelectArm& arm, std::uin
     if (use) ways.push_back({{*use}, output, is_beyond});
   };
   if (const Wire* const wire = wire_for(model, input, arm.callback)) {
-    for (Uses& uses : ways_to_send(*wire, input, actions_)) {
+    for (Uses& uses : ways_to_send({{wire, input}}, actions_)) {
       ways.push_back({std::move(uses), std::nullopt, false});
     }
     return ways;

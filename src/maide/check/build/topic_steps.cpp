@@ -273,14 +273,14 @@ void Unroller::add_writings(const Topic& topic, const std::string& input, WriteK
   const auto add = [&](const std::vector<std::optional<Giving>>& givings, const Case& before,
                        const std::string& output, bool is_beyond) {
     Writing way;
-    std::vector<Uses> sent{{}};
+    std::vector<Sending> sent;
     for (std::size_t i = 0; i < count; ++i) {
       if (givings[i]) {
         way.events.push_back({ModelUse::Kind::give, topic.readers[i].model, *inputs[i]});
       }
       if (wires[i] != nullptr) {
         steps.ask(i, living[i], Collected(), way.uses);
-        if (givings[i]) sent = combine(sent, ways_to_send(*wires[i], *inputs[i], actions_));
+        if (givings[i]) sent.push_back({wires[i], *inputs[i]});
       } else if (givings[i]) {
         steps.give(i, *inputs[i], *givings[i], way.uses);
       } else {
@@ -294,7 +294,7 @@ void Unroller::add_writings(const Topic& topic, const std::string& input, WriteK
       for (const ModelUse& event : taken_events(topic, output)) way.events.push_back(event);
     }
     way.is_beyond = is_beyond;
-    for (Uses& uses : combine(sent, {way.uses})) {
+    for (Uses& uses : combine(ways_to_send(sent, actions_), {way.uses})) {
       way.uses = std::move(uses);
       writings.push_back(way);
     }

@@ -142,13 +142,8 @@ const std::vector<Uses>& Unroller::deaths() {
     }
     deaths_ = std::move(all);
   }
-  for (const auto& [to, wires] : names_.wires) {
-    for (const Wire& wire : wires) {
-      if (!wire.from.is_of("", number_)) continue;
-      const ModelUse use = when_writer_dies(wire, actions_);
-      for (Uses& way : deaths_) way.push_back(use);
-    }
-  }
+  const Uses on_wires = when_dies(number_, names_, actions_);
+  for (Uses& way : deaths_) way.insert(way.end(), on_wires.begin(), on_wires.end());
   return deaths_;
 }
 

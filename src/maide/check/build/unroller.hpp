@@ -59,17 +59,12 @@ class Unroller : public Walker {
 
   void expand_rendezvous(const Place& place, const Statement& statement, const Values& values);
   void expand_arrival(const Place& place, const Statement& statement, const Values& values);
-  // A wire from this program, and the state of its model in which its reader has died.
-  struct OwnWire {
-    const Wire* wire = nullptr;
-    std::optional<StateId> gone;
-  };
-  // Those to the model, or to the readers of the topic that are meant.
-  std::vector<OwnWire> own_wires(const ModelReference& model, const Callback* callback,
-                                 const Values& values) const;
-  // The ways in which all on these wires has arrived; and those in which it has not.
-  std::vector<Uses> all_arrived(const std::vector<OwnWire>& wires);
-  std::vector<Uses> not_all_arrived(const std::vector<OwnWire>& wires);
+  // The wires from this program to the model, or to the readers of the topic that are meant.
+  std::vector<const Wire*> own_wires(const ModelReference& model, const Callback* callback,
+                                     const Values& values) const;
+  // All on these wires has arrived; and the ways in which it has not.
+  Uses all_arrived(const std::vector<const Wire*>& wires);
+  std::vector<Uses> not_all_arrived(const std::vector<const Wire*>& wires);
   // "image!arrived", "image[logger]!arrived".
   std::string text_of_arrival(const ModelReference& model, const Values& values) const;
   // What the code of that callback gives as this input lies on it; null: it is there at once.

@@ -1,6 +1,7 @@
 #include "maide/check/build/wires.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <deque>
 #include <functional>
@@ -10,8 +11,10 @@
 #include <string_view>
 #include <utility>
 
+#include "maide/base/text.hpp"
 #include "maide/check/build/deliveries.hpp"
 #include "maide/check/rules/service_model.hpp"
+#include "maide/check/rules/stream.hpp"
 #include "maide/check/rules/wire.hpp"
 
 namespace maide {
@@ -128,6 +131,9 @@ class WireMaker {
     const auto writers = writers_of_models();
     for (const auto& [model, ends] : writers) add_model(model, ends);
     for (auto& [to, wires] : models_.names.wires) add_counter(to, wires);
+    for (const auto& [stream, wires] : streams_) {
+      if (wires.size() > 1) add_stream(stream, wires);
+    }
     for (const auto& [model, service] : models_.names.services) {
       connections_.push_back(connection_of_service(model, service));
     }
@@ -178,7 +184,8 @@ class WireMaker {
         }
         connection.is_late = true;
         connection.loses = connection.loses || rule.wire.loses;
-        add_wire(reader.model, {end, {}}, rule.wire);
+        add_wire(reader.model, {end, {}}, rule);
+        note_stream(reader.model, rule, end, process_of_program(reader.program));
       }
     }
     connections_.push_back(std::move(connection));
@@ -214,7 +221,9 @@ class WireMaker {
     // Of what is written by hand that is said, and that is enough.
     const bool is_by_hand = model.source == ModelInstance::Source::built_in;
     if (connection.is_late) {
-      for (const Writer& writer : writers) add_wire(number, writer, rule.wire);
+      for (const Writer& writer : writers) {
+        if (add_wire(number, writer, rule)) note_stream(number, rule, writer.end, "");
+      }
     }
     if (connection.is_late || !is_by_hand || !connection.why.empty()) {
       connections_.push_back(std::move(connection));
@@ -246,8 +255,39 @@ class WireMaker {
   static constexpr const char* too_many_states =
       "with so many values on its way it would have too many states; `delivery: late` tries";
 
-  // Without names of inputs all those lie on it that are sent.
-  void add_wire(std::uint32_t to, const Writer& writer, const WireRules& rules) {
+  // The wire that was added last.
+  void note_stream(std::uint32_t to, const DeliveryRule& rule, const End& from,
+                   const std::string& process) {
+    if (rule.stream.empty()) return;
+    streams_[{rule.stream, process_of_end(file_, from), process}].emplace_back(
+        to, models_.names.wires.at(to).size() - 1);
+  }
+
+  using Members = std::vector<std::pair<std::uint32_t, std::size_t>>;  // model, and wire to it
+  void add_stream(const std::array<std::string, 3>& stream, const Members& members) {
+    std::vector<std::string> names;
+    for (const auto& [to, place] : members) {
+      names.push_back(models_.instances[models_.names.wires.at(to)[place].model].name);
+    }
+    const std::uint32_t model = number_of_next();
+    const auto order = std::make_shared<StreamModel>(names);
+    for (std::uint32_t number = 0; number < members.size(); ++number) {
+      Wire& wire = models_.names.wires.at(members[number].first)[members[number].second];
+      wire.order = order;
+      wire.stream = model;
+      wire.number = number;
+    }
+    ModelInstance instance =
+        make_instance("stream " + stream[0] + " of " + join(names), members.front().first);
+    instance.automaton = order->start();
+    instance.is_grown = true;
+    models_.growing.emplace(model, order);
+    models_.instances.push_back(std::move(instance));
+  }
+
+  // Without names of inputs all those lie on it that are sent. False: there are none.
+  bool add_wire(std::uint32_t to, const Writer& writer, const DeliveryRule& rule) {
+    const WireRules& rules = rule.wire;
     Wire wire;
     wire.model = number_of_next();
     wire.to = to;
@@ -261,7 +301,7 @@ class WireMaker {
       wire.letters.push_back(letter);
       names.push_back(name);
     }
-    if (names.empty()) return;
+    if (names.empty()) return false;
     wire.others = others_of(models_.instances[to].automaton, wire.letters);
     const bool may_die = writer.end.node.empty() && file_.programs[writer.end.program].may_die;
     wire.rules = std::make_shared<WireModel>(rules, names);
@@ -280,6 +320,7 @@ class WireMaker {
     rooms_[to] += rules.room();
     models_.instances.push_back(std::move(instance));
     models_.names.wires[to].push_back(std::move(wire));
+    return true;
   }
 
   // Where the model may refuse what is written. What is on its wires is at most what it has room
@@ -375,6 +416,8 @@ class WireMaker {
   Models& models_;
   std::map<std::uint32_t, std::set<std::uint32_t>> users_;  // by model: programs that name it
   std::map<std::uint32_t, std::size_t> rooms_;              // by model: of all wires to it
+  // By stream and the processes of both ends; no process of a model that stands by itself.
+  std::map<std::array<std::string, 3>, Members> streams_;
   std::vector<ConnectionInstance> connections_;
 };
 
@@ -423,15 +466,35 @@ ModelUse has_room(const Wire& wire, ModelActions& actions, std::uint32_t needed,
   });
 }
 
-// The condition that the reader of the model has died, or that it lives.
-ModelUse when_reader_is(StateId gone, bool dead, std::uint32_t model, ModelActions& actions) {
-  return actions.action(model, dead ? "its reader has died" : "its reader lives", [&] {
-    ModelActions::Steps steps(actions.model(model).automaton.size());
-    for (StateId at = 0; at < steps.size(); ++at) {
-      if ((at == gone) == dead) steps[at] = {{at, false}};
+// What putting the input on the wire does to it and to what counts for it, and whether that pushes
+// out the oldest; each way where the others are not.
+struct WayToPut {
+  WireUses uses;
+  bool pushes_out = false;
+};
+std::vector<WayToPut> ways_to_put(const Wire& wire, Symbol input, ModelActions& actions) {
+  const std::uint32_t letter = letter_of(wire, input);
+  if (!wire.counter && wire.order == nullptr) return {{{use(wire, actions, Kind::put, letter)}}};
+  std::vector<WayToPut> ways;
+  const auto add = [&](WireUses uses, bool pushes_out) {
+    if (actions.are_possible(uses)) ways.push_back({std::move(uses), pushes_out});
+  };
+  if (!wire.counter) {
+    add({use(wire, actions, Kind::add, letter)}, false);
+    add({use(wire, actions, Kind::push_out, letter)}, true);
+    return ways;
+  }
+  for (std::uint32_t held = 0; held <= most_counted(wire, actions); ++held) {
+    if (held < most_counted(wire, actions)) {
+      add({use(wire, actions, Kind::add, letter), count(wire, actions, held, held + 1),
+           has_room(wire, actions, held + 1, true)},
+          false);
     }
-    return steps;
-  });
+    add({use(wire, actions, Kind::push_out, letter), count(wire, actions, held, held),
+         has_room(wire, actions, held, true)},
+        true);
+  }
+  return ways;
 }
 
 }  // namespace
@@ -440,22 +503,36 @@ std::vector<ConnectionInstance> add_wires(const Declarations& file, Models& mode
   return WireMaker(file, models).make();
 }
 
-std::vector<WireUses> ways_to_send(const Wire& wire, Symbol input, ModelActions& actions) {
-  const std::uint32_t letter = letter_of(wire, input);
-  if (!wire.counter) return {{use(wire, actions, Kind::put, letter)}};
-  std::vector<WireUses> ways;
-  const auto add = [&](WireUses uses) {
-    if (actions.are_possible(uses)) ways.push_back(std::move(uses));
+std::vector<WireUses> ways_to_send(const std::vector<Sending>& all, ModelActions& actions) {
+  struct Way {
+    WireUses uses;
+    std::map<std::uint32_t, std::vector<StreamModel::Sent>> streams;  // by model
   };
-  for (std::uint32_t held = 0; held <= most_counted(wire, actions); ++held) {
-    if (held < most_counted(wire, actions)) {
-      add({use(wire, actions, Kind::add, letter), count(wire, actions, held, held + 1),
-           has_room(wire, actions, held + 1, true)});
+  std::vector<Way> ways{{}};
+  std::map<std::uint32_t, StreamModel*> orders;
+  for (const auto& [wire, input] : all) {
+    if (wire->order != nullptr) orders[wire->stream] = wire->order.get();
+    const std::vector<WayToPut> own = ways_to_put(*wire, input, actions);
+    std::vector<Way> longer;
+    for (const Way& before : ways) {
+      for (const auto& [uses, pushes_out] : own) {
+        Way& way = longer.emplace_back(before);
+        way.uses.insert(way.uses.end(), uses.begin(), uses.end());
+        if (wire->order != nullptr) {
+          way.streams[wire->stream].push_back({wire->number, pushes_out});
+        }
+      }
     }
-    add({use(wire, actions, Kind::push_out, letter), count(wire, actions, held, held),
-         has_room(wire, actions, held, true)});
+    ways = std::move(longer);
   }
-  return ways;
+  std::vector<WireUses> result;
+  for (Way& way : ways) {
+    for (const auto& [stream, sent] : way.streams) {
+      way.uses.push_back(orders.at(stream)->send(actions, stream, sent));
+    }
+    result.push_back(std::move(way.uses));
+  }
+  return result;
 }
 
 std::vector<WireUses> ways_to_wait(const Wire& wire, ModelActions& actions) {
@@ -471,28 +548,40 @@ std::vector<WireUses> ways_to_wait(const Wire& wire, ModelActions& actions) {
   return ways;
 }
 
-ModelUse when_writer_dies(const Wire& wire, ModelActions& actions) {
-  return use(wire, actions, Kind::abandon);
+WireUses when_dies(std::uint32_t program, const Names& names, ModelActions& actions) {
+  std::set<std::uint32_t> own;  // models that it reads
+  for (const Topic& topic : names.topics) {
+    for (const Topic::Reader& reader : topic.readers) {
+      if (reader.program == program && reader.gone) own.insert(reader.model);
+    }
+  }
+  WireUses uses;
+  std::map<std::uint32_t, std::pair<StreamModel*, std::vector<std::uint32_t>>> forgotten;
+  for (const auto& [to, wires] : names.wires) {
+    for (const Wire& wire : wires) {
+      if (own.contains(to)) {
+        uses.push_back(use(wire, actions, Kind::clear));
+        if (wire.order == nullptr) continue;
+        auto& [order, numbers] = forgotten[wire.stream];
+        order = wire.order.get();
+        numbers.push_back(wire.number);
+      } else if (wire.from.is_of("", program)) {
+        uses.push_back(use(wire, actions, Kind::abandon));
+      }
+    }
+  }
+  for (const auto& [stream, gone] : forgotten) {
+    uses.push_back(gone.first->forget(actions, stream, gone.second));
+  }
+  return uses;
 }
 
 ModelUse when_empty(const Wire& wire, ModelActions& actions) {
   return use(wire, actions, Kind::is_empty);
 }
 
-std::vector<WireUses> ways_arrived(const Wire& wire, std::optional<StateId> gone,
-                                   ModelActions& actions) {
-  std::vector<WireUses> ways{{use(wire, actions, Kind::is_empty)}};
-  if (gone) {
-    ways.push_back(
-        {use(wire, actions, Kind::is_used), when_reader_is(*gone, true, wire.to, actions)});
-  }
-  return ways;
-}
-
-WireUses when_on_its_way(const Wire& wire, std::optional<StateId> gone, ModelActions& actions) {
-  WireUses uses{use(wire, actions, Kind::is_used)};
-  if (gone) uses.push_back(when_reader_is(*gone, false, wire.to, actions));
-  return uses;
+ModelUse when_used(const Wire& wire, ModelActions& actions) {
+  return use(wire, actions, Kind::is_used);
 }
 
 // ---- Arrivals -----------------------------------------------------------------------------------
@@ -535,17 +624,18 @@ class ArrivalMaker {
       arrival.what.uses = {{ModelUse::Kind::give, wire.to, wire.letters[letter]},
                            use(wire, actions_, Kind::arrive, letter)};
       if (wire.counter) arrival.what.uses.push_back(count_one_less(wire, actions_));
+      if (wire.order) arrival.what.uses.push_back(is_next(wire));
       arrival.what.events = {{ModelUse::Kind::take, wire.model, wire.rules->arrives(letter)}};
       arrival.what.text = connection + "!arrives" + name.substr(base_of(name).size()) + from;
       arrival.what.fair = group;
       add(std::move(arrival), wire.to);
     }
-    add_drop(wire);
     const ModelUse losing = use(wire, actions_, Kind::lose);
     if (!actions_.are_possible({losing})) return;
     NobodysAction loss;
     loss.what.uses = {losing, takes(wire)};
     if (wire.counter) loss.what.uses.push_back(count_one_less(wire, actions_));
+    if (wire.order) loss.what.uses.push_back(is_next(wire));
     loss.what.events = {{ModelUse::Kind::take, wire.model, WireModel::lost}};
     loss.what.text = connection + "!lost" + from;
     loss.counts_for_deadlock = false;
@@ -553,19 +643,8 @@ class ArrivalMaker {
     add(std::move(loss), wire.to);
   }
 
-  // What is on its way to a reader that has died is gone, piece by piece and unseen.
-  void add_drop(const Wire& wire) {
-    const auto reader = file_.topic_of.find(wire.to);
-    if (reader == file_.topic_of.end()) return;
-    const auto& gone = names_.topics[reader->second.first].readers[reader->second.second].gone;
-    if (!gone) return;
-    NobodysAction drop;
-    drop.what.uses = {use(wire, actions_, Kind::drop),
-                      when_reader_is(*gone, true, wire.to, actions_)};
-    drop.what.text = connection_of(wire.to) + ": what is on its way to the dead is gone";
-    drop.counts_for_deadlock = false;
-    drop.is_shown = false;
-    add(std::move(drop), wire.to);
+  ModelUse is_next(const Wire& wire) {
+    return wire.order->leave(actions_, wire.stream, wire.number);
   }
 
   // A condition: something on the wire may arrive. What is lost is so in its turn.

@@ -7,6 +7,7 @@
 // much that is. So what arrives is never refused.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -25,19 +26,20 @@ void add_arrivals(const Declarations& file, const Names& names, System& system,
                   ModelActions& actions);
 
 using WireUses = std::vector<ModelUse>;
-// The ways in which the input, one of the wire's letters, is sent; each where the others are not.
-std::vector<WireUses> ways_to_send(const Wire& wire, Symbol input, ModelActions& actions);
+struct Sending {
+  const Wire* wire = nullptr;
+  Symbol input = 0;  // one of its letters
+};
+// The ways in which all these are sent in one step, to different models; each where the others are
+// not.
+std::vector<WireUses> ways_to_send(const std::vector<Sending>& all, ModelActions& actions);
 // The ways in which nothing can be sent; none: it always can.
 std::vector<WireUses> ways_to_wait(const Wire& wire, ModelActions& actions);
-// What the death of its writer does to the wire.
-ModelUse when_writer_dies(const Wire& wire, ModelActions& actions);
+// What the death of the program does to wires from it and to it, and to their order.
+WireUses when_dies(std::uint32_t program, const Names& names, ModelActions& actions);
 // A condition: nothing is on its way.
 ModelUse when_empty(const Wire& wire, ModelActions& actions);
-// The ways in which all that was sent has arrived, or its reader has died, who is `gone` in that
-// state of the model; each where the other is not.
-std::vector<WireUses> ways_arrived(const Wire& wire, std::optional<StateId> gone,
-                                   ModelActions& actions);
-// A condition: something is on its way to a reader that lives.
-WireUses when_on_its_way(const Wire& wire, std::optional<StateId> gone, ModelActions& actions);
+// A condition: something is on its way.
+ModelUse when_used(const Wire& wire, ModelActions& actions);
 
 }  // namespace maide

@@ -19,6 +19,7 @@
 namespace maide {
 
 class ServiceModel;
+class StreamModel;
 class WireModel;
 
 using Dimensions = std::vector<Expression::Dimension>;  // none: no array
@@ -152,6 +153,10 @@ struct Wire {
   // the model's state how many it takes at least, none: any number.
   std::optional<std::uint32_t> counter;
   std::shared_ptr<const std::vector<std::optional<std::uint32_t>>> room;
+  // Where what is on it comes in one order with what is on others: the model of that order, and the
+  // number of this wire there.
+  std::shared_ptr<StreamModel> order;
+  std::uint32_t stream = 0, number = 0;
 };
 
 struct VariableName {

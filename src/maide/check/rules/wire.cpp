@@ -68,10 +68,7 @@ std::optional<GrowingModel::Contents> WireModel::after(Contents contents,
       if (items.empty() || (!is_abandoned && !rules_.may_lose(items.size()))) return std::nullopt;
       items.erase(items.begin());
       return with(is_abandoned);
-    case Kind::drop:
-      if (items.empty()) return std::nullopt;
-      items.erase(items.begin());
-      return with(is_abandoned);
+    case Kind::clear: return Contents{0};
     case Kind::abandon: return is_abandoned ? std::nullopt : std::optional(with(true));
     case Kind::is_full:
       if (rules_.may_put(items.size())) return std::nullopt;
@@ -130,7 +127,7 @@ std::string WireModel::text_of(const Operation& operation) const {
     case Kind::push_out: return letters_[operation.letter] + " pushes out the oldest";
     case Kind::arrive: return letters_[operation.letter] + " arrives";
     case Kind::lose: return "the oldest is lost";
-    case Kind::drop: return "its reader has died";
+    case Kind::clear: return "its reader dies";
     case Kind::abandon: return "its writer dies";
     case Kind::is_full: return "is full";
     case Kind::is_empty: return "nothing is on its way";

@@ -41,7 +41,7 @@ class WireModel : public GrowingModel {
       push_out,  // the letter pushes out the oldest
       arrive,    // the oldest, which is the letter
       lose,      // the oldest
-      drop,      // the oldest: its reader has died
+      clear,     // its reader has died
       abandon,   // the writer has died: each message still arrives, or is lost
       is_full,   // a condition: nothing may be put
       is_empty,  // a condition

@@ -278,6 +278,7 @@ Json find_on_its_way(const System& system, const GlobalState& state) {
   for (std::size_t index = 0; index < system.models.size(); ++index) {
     const ModelInstance& wire = system.models[index];
     if (wire.source != ModelInstance::Source::wire) continue;
+    if (state.models[index] >= wire.state_texts.size()) continue;
     const std::string& text = wire.state_texts[state.models[index]];
     if (!text.empty()) found[wire.name] = text;
   }

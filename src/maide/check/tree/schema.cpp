@@ -31,6 +31,8 @@ constexpr Key keys[] = {
      "when what is sent arrives", word},
     {"models/*/loses", "", "true|false", "false", "whether messages may be lost on their way",
      word},
+    {"models/*/stream", "", "", "`mqtt` of MQTT",
+     "what is late comes in one order with what says the same", text},
     {"models/*/ends", "'ends'", "", "", "who stands at which end: an actor, and names", entries},
     {"models/*/ends/*", "", "", "", "in order: the second writer's `write` is `write2`", names},
 
@@ -56,6 +58,8 @@ constexpr Key keys[] = {
      "when what is written arrives", word},
     {"topics/*/loses", "", "true|false", "where best effort is said",
      "whether messages may be lost on their way", word},
+    {"topics/*/stream", "", "", "`mqtt` of MQTT",
+     "what is late comes in one order with what says the same", text},
     {"topics/*/deliver", "", "one|all", "all", "whether one reader gets a message, or all do",
      word},
 
