@@ -86,8 +86,6 @@ TEST(Commutation, ACutIsAnOutcomeOfItsOwn) {
   ModelInstance model = counter();
   model.automaton.mark_unexplored(2, up);
   Commutation commutation(model, up_and_down(), Commutation::Watch::nothing);
-  EXPECT_TRUE(commutation.may_be_cut(up, 2));
-  EXPECT_FALSE(commutation.may_be_cut(up, 1));
   EXPECT_EQ(commutation.undisturbed(up, downs), (States{1, 1, 0}));
 }
 

@@ -15,6 +15,28 @@ namespace {
 // What a StateTable can do: see there.
 constexpr unsigned first_word = 44, most_payload = 32;
 constexpr unsigned most_code_bits = 31;  // what a table of steps has room for
+// Programs and parts of nobody, for which searches have sets of 64.
+constexpr std::size_t most_actors_with_parts = 64;
+
+// The first actions of nobody's parts, and their number. An action belongs to the part before it if
+// both use one wire.
+std::vector<std::uint32_t> find_parts(const System& system) {
+  const auto& actions = system.nobodys_actions;
+  const auto are_together = [&](const NobodysAction& left, const NobodysAction& right) {
+    return std::ranges::any_of(left.what.uses, [&](const ModelUse& use) {
+      return system.models[use.model].source == ModelInstance::Source::wire &&
+             std::ranges::find(right.what.uses, use.model, &ModelUse::model) !=
+                 right.what.uses.end();
+    });
+  };
+  std::vector<std::uint32_t> firsts{0};
+  for (std::uint32_t i = 1; i < actions.size(); ++i) {
+    if (!are_together(actions[i - 1], actions[i])) firsts.push_back(i);
+  }
+  if (system.programs.size() + firsts.size() > most_actors_with_parts) firsts.resize(1);
+  firsts.push_back(static_cast<std::uint32_t>(actions.size()));
+  return firsts;
+}
 
 }  // namespace
 
@@ -50,7 +72,7 @@ const PackedSystem::ActionTable& PackedSystem::table_of(const ModelUse& use) con
 }
 
 std::span<const ModelUse> PackedSystem::uses_of(std::size_t actor, std::size_t action) const {
-  if (actor == program_count_) return system_->nobodys_actions[action].what.uses;
+  if (actor >= program_count_) return system_->nobodys_actions[action].what.uses;
   const Program& program = system_->programs[actor];
   return program.uses_of(program.edges[action]);
 }
@@ -95,29 +117,35 @@ void PackedSystem::add_groups(const Program& program, PackedActor& packed) {
   }
 }
 
-// One control state, from which all actions lead back to it.
 void PackedSystem::add_nobody() {
-  PackedActor& packed = actors_.emplace_back();
-  const auto& actions = system_->nobodys_actions;
-  packed.first_edge = {0, static_cast<std::uint32_t>(actions.size())};
-  packed.may_stay = {true};
-  packed.is_error = {false};
-  packed.edges.resize(actions.size());
-  packed.sources.assign(actions.size(), 0);
-  packed.edges_into.resize(1);
-  packed.groups.assign(actions.size(), no_group);
-  for (std::uint32_t number = 0; number < actions.size(); ++number) {
-    const NobodysAction& action = actions[number];
-    packed.edges_into[0].push_back(number);
-    packed.is_idle.push_back(!action.counts_for_deadlock);
-    has_idle_steps_ = has_idle_steps_ || packed.is_idle.back();
-    for (const ModelUse& use : action.what.uses) add_action(use);
-    if (action.what.fair == 0) continue;
-    packed.groups[number] = static_cast<std::uint32_t>(weak_groups_.size()) + action.what.fair - 1;
-  }
+  const std::vector<std::uint32_t> firsts = find_parts(*system_);
+  for (std::size_t i = 0; i + 1 < firsts.size(); ++i) add_part(firsts[i], firsts[i + 1]);
   for (std::size_t group = 1; group < system_->nobodys_groups.size(); ++group) {
     weak_groups_.push_back(true);
     has_weak_groups_ = true;
+  }
+}
+
+// One control state, from which all actions lead back to it.
+void PackedSystem::add_part(std::uint32_t first, std::uint32_t end) {
+  PackedActor& packed = actors_.emplace_back();
+  const auto& actions = system_->nobodys_actions;
+  packed.first_edge = {first, end};
+  packed.may_stay = {true};
+  packed.is_error = {false};
+  packed.edges.resize(end);
+  packed.sources.assign(end, 0);
+  packed.edges_into.resize(1);
+  packed.groups.assign(end, no_group);
+  packed.is_idle.assign(end, false);
+  for (std::uint32_t number = first; number < end; ++number) {
+    const NobodysAction& action = actions[number];
+    packed.edges_into[0].push_back(number);
+    packed.is_idle[number] = !action.counts_for_deadlock;
+    has_idle_steps_ = has_idle_steps_ || packed.is_idle[number];
+    for (const ModelUse& use : action.what.uses) add_action(use);
+    if (action.what.fair == 0) continue;
+    packed.groups[number] = static_cast<std::uint32_t>(weak_groups_.size()) + action.what.fair - 1;
   }
 }
 

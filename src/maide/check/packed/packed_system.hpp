@@ -10,6 +10,7 @@
 
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "maide/base/invariant.hpp"
@@ -72,8 +73,15 @@ class PackedSystem {
   const PackedField& monitor() const { return monitor_; }
 
   std::size_t program_count() const { return program_count_; }
-  // Programs, then nobody, if he has actions: he is always in control state 0.
+  // Programs, then parts of nobody, if he has actions: each is always in control state 0. A part has
+  // actions that stand side by side, those of one wire for instance, and keeps their numbers.
   std::size_t actor_count() const { return actors_.size(); }
+  // Its edges, or actions of nobody, are those from the first up to the second.
+  std::pair<std::uint32_t, std::uint32_t> edges_of(std::size_t actor) const {
+    return {actors_[actor].first_edge.front(), actors_[actor].first_edge.back()};
+  }
+  // What the program's edge, or the action of nobody, does with models.
+  std::span<const ModelUse> uses_of(std::size_t actor, std::size_t action) const;
   template <std::size_t words>
   ControlState control(const PackedState<words>& state, std::size_t actor) const {
     return actors_[actor].field.get(state);
@@ -169,6 +177,13 @@ class PackedSystem {
     return group == no_group ? Bits{} : bit_of<Bits>(group);
   }
 
+  // The action's group is fair on weakly fair runs, too.
+  bool is_fair_on_weak_runs(std::size_t actor, std::uint32_t action) const {
+    if (!has_weak_groups_) return false;
+    const std::uint32_t group = actors_[actor].groups[action];
+    return group != no_group && weak_groups_[group];
+  }
+
   // Calls `visit(next, action, is_cut, code)` for each step that `actor` can take, in a state that
   // is no error: the state afterwards, the index of the edge or of the action of nobody, whether
   // the run is cut there, and the step's code. `is_plain`: the system has_plain_steps_only().
@@ -254,7 +269,8 @@ class PackedSystem {
     unsigned code_shift = 0;  // of its part of the step's code, behind that of the first use
   };
   using PackedCombination = std::vector<PackedUse>;
-  // A program, or nobody, whose field has no bits.
+  // A program, or a part of nobody: its field has no bits, and its edges before the first of its
+  // own are empty.
   struct PackedActor {
     PackedField field;
     std::vector<std::uint32_t> first_edge;               // by control state, one more than states
@@ -338,11 +354,10 @@ class PackedSystem {
 
   std::size_t action_index(const ModelUse& use) const;
   const ActionTable& table_of(const ModelUse& use) const;
-  // What the actor's edge, or action of nobody, does with models.
-  std::span<const ModelUse> uses_of(std::size_t actor, std::size_t action) const;
   void add_program(const Program& program);
   void add_groups(const Program& program, PackedActor& packed);
   void add_nobody();
+  void add_part(std::uint32_t first, std::uint32_t end);
   void add_calls();
   void add_action(const ModelUse& use);
   void number_codes();

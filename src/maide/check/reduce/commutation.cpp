@@ -1,6 +1,8 @@
 #include "maide/check/reduce/commutation.hpp"
 
 #include <algorithm>
+#include <bit>
+#include <numeric>
 #include <span>
 #include <stdexcept>
 #include <tuple>
@@ -34,8 +36,14 @@ std::uint32_t action_number(const std::vector<ModelUse>& actions, const ModelUse
 }
 
 Commutation::Commutation(const ModelInstance& model, const std::vector<ModelUse>& actions,
-                         Watch watch)
-    : states_(model.automaton.size()), watch_(watch), answers_(actions.size()) {
+                         Watch watch, std::uint64_t strongly_fair)
+    : states_(model.automaton.size()),
+      watch_(watch),
+      strongly_fair_(strongly_fair),
+      sources_(actions.size()),
+      disturbed_(actions.size() * actions.size()),
+      undisturbed_(actions.size()),
+      coming_(actions.size()) {
   if (actions.size() > 64) throw std::invalid_argument("too many actions for a set of bits");
   for (const ModelUse& action : actions) {
     is_call_.push_back(action.kind == ModelUse::Kind::act && model.actions[action.index].is_call);
@@ -46,12 +54,8 @@ Commutation::Commutation(const ModelInstance& model, const std::vector<ModelUse>
       }
       std::ranges::sort(outcomes[at]);
     }
+    find_sources(outcomes_.size() - 1);
   }
-}
-
-bool Commutation::may_be_cut(std::size_t action, StateId at) const {
-  const auto& outcomes = outcomes_[action][at];
-  return std::ranges::any_of(outcomes, &Outcome::is_cut);
 }
 
 // What is said of one y and one b in the header.
@@ -98,18 +102,37 @@ bool Commutation::makes_possible(std::size_t a, std::size_t b, StateId at) const
 bool Commutation::is_disturbed(std::size_t a, std::size_t b, StateId at) const {
   if (!commute(a, b, at)) return true;
   if (watch_ == Watch::strong) return makes_possible(a, b, at);
+  if ((strongly_fair_ >> b & 1) != 0 && makes_possible(a, b, at)) return true;
   return watch_ == Watch::weak && (is_call_[a] || is_call_[b]) && is_possible(b, at);
 }
 
-void Commutation::spread_backwards(std::vector<std::uint8_t>& marked, std::uint64_t others) const {
-  MAIDE_CHECK(marked.size() == states_);
-  std::vector<std::vector<StateId>> before(states_);
-  for (std::size_t b = 0; b < outcomes_.size(); ++b) {
-    if ((others >> b & 1) == 0) continue;
-    for (StateId at = 0; at < states_; ++at) {
-      for (const Outcome& outcome : outcomes_[b][at]) before[outcome.target].push_back(at);
+void Commutation::find_sources(std::size_t action) {
+  Sources& sources = sources_[action];
+  sources.first.assign(states_ + 1, 0);
+  for (const auto& outcomes : outcomes_[action]) {
+    for (const Outcome& outcome : outcomes) ++sources.first[outcome.target + 1];
+  }
+  std::partial_sum(sources.first.begin(), sources.first.end(), sources.first.begin());
+  sources.states.resize(sources.first.back());
+  std::vector<std::uint32_t> place(sources.first.begin(), sources.first.end() - 1);
+  for (StateId at = 0; at < states_; ++at) {
+    for (const Outcome& outcome : outcomes_[action][at]) {
+      sources.states[place[outcome.target]++] = at;
     }
   }
+}
+
+const Commutation::States& Commutation::disturbed(std::size_t a, std::size_t b) {
+  std::optional<States>& known = disturbed_[a * outcomes_.size() + b];
+  if (!known) {
+    known.emplace(states_, 0);
+    for (StateId at = 0; at < states_; ++at) (*known)[at] = is_disturbed(a, b, at) ? 1 : 0;
+  }
+  return *known;
+}
+
+void Commutation::spread_backwards(States& marked, std::uint64_t others) const {
+  MAIDE_CHECK(marked.size() == states_);
   std::vector<StateId> open;
   for (StateId at = 0; at < states_; ++at) {
     if (marked[at] != 0) open.push_back(at);
@@ -117,49 +140,69 @@ void Commutation::spread_backwards(std::vector<std::uint8_t>& marked, std::uint6
   while (!open.empty()) {
     const StateId at = open.back();
     open.pop_back();
-    for (const StateId source : before[at]) {
-      if (marked[source] != 0) continue;
-      marked[source] = 1;
-      open.push_back(source);
+    for (std::uint64_t left = others; left != 0; left &= left - 1) {
+      const Sources& sources = sources_[static_cast<std::size_t>(std::countr_zero(left))];
+      for (std::uint32_t i = sources.first[at]; i < sources.first[at + 1]; ++i) {
+        const StateId source = sources.states[i];
+        if (marked[source] != 0) continue;
+        marked[source] = 1;
+        open.push_back(source);
+      }
     }
   }
 }
 
-std::vector<std::uint8_t> Commutation::compute(std::size_t action, std::uint64_t others) const {
-  std::vector<std::uint8_t> disturbed(states_, 0);
-  for (std::size_t b = 0; b < outcomes_.size(); ++b) {
-    if ((others >> b & 1) == 0) continue;
-    for (StateId at = 0; at < states_; ++at) {
-      if (is_disturbed(action, b, at)) disturbed[at] = 1;
-    }
-  }
-  spread_backwards(disturbed, others);
-  for (std::size_t b = 0; b < outcomes_.size() && watch_ == Watch::weak; ++b) {
-    if ((others >> b & 1) == 0) continue;
-    std::vector<std::uint8_t> enabling(states_, 0), possible(states_, 0);
+void Commutation::add_enabled(std::size_t action, std::uint64_t others, States& disturbed) const {
+  for (std::uint64_t left = others; left != 0; left &= left - 1) {
+    const auto b = static_cast<std::size_t>(std::countr_zero(left));
+    States enabling(states_, 0), possible(states_, 0);
     for (StateId at = 0; at < states_; ++at) {
       enabling[at] = makes_possible(action, b, at) ? 1 : 0;
       possible[at] = is_possible(b, at) ? 1 : 0;
     }
+    if (std::ranges::count(enabling, 1) == 0) continue;
     spread_backwards(enabling, others);
     spread_backwards(possible, others);
     for (StateId at = 0; at < states_; ++at) {
       if (enabling[at] != 0 && possible[at] != 0) disturbed[at] = 1;
     }
   }
-  for (std::uint8_t& value : disturbed) value = value == 0 ? 1 : 0;
-  return disturbed;
+}
+
+Commutation::States Commutation::find_undisturbed(std::size_t action, std::uint64_t others) {
+  States found(states_, 0);
+  for (std::uint64_t left = others; left != 0; left &= left - 1) {
+    const States& by_one = disturbed(action, static_cast<std::size_t>(std::countr_zero(left)));
+    for (StateId at = 0; at < states_; ++at) found[at] |= by_one[at];
+  }
+  spread_backwards(found, others);
+  if (watch_ == Watch::weak) add_enabled(action, others, found);
+  for (std::uint8_t& value : found) value = value == 0 ? 1 : 0;
+  return found;
+}
+
+Commutation::States Commutation::find_coming(std::size_t action, std::uint64_t others) {
+  States coming(states_, 0);
+  for (StateId at = 0; at < states_; ++at) coming[at] = is_possible(action, at) ? 1 : 0;
+  spread_backwards(coming, others);
+  return coming;
+}
+
+const Commutation::States& Commutation::answer(Answers& known, Question question,
+                                               std::size_t action, std::uint64_t others) {
+  MAIDE_CHECK((others & ~low_bits(static_cast<unsigned>(outcomes_.size()))) == 0);
+  const auto place = known[action].find(others);
+  if (place != known[action].end()) return place->second;
+  return known[action].emplace(others, (this->*question)(action, others)).first->second;
 }
 
 const std::vector<std::uint8_t>& Commutation::undisturbed(std::size_t action,
                                                           std::uint64_t others) {
-  MAIDE_CHECK((others & ~low_bits(static_cast<unsigned>(outcomes_.size()))) == 0);
-  auto& answers = answers_[action];
-  for (const Answer& answer : answers) {
-    if (answer.others == others) return answer.undisturbed;
-  }
-  answers.push_back({others, compute(action, others)});
-  return answers.back().undisturbed;
+  return answer(undisturbed_, &Commutation::find_undisturbed, action, others);
+}
+
+const std::vector<std::uint8_t>& Commutation::may_come(std::size_t action, std::uint64_t others) {
+  return answer(coming_, &Commutation::find_coming, action, others);
 }
 
 }  // namespace maide

@@ -16,6 +16,8 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
+#include <unordered_map>
 #include <vector>
 
 #include "maide/check/system/system.hpp"
@@ -40,20 +42,21 @@ class Commutation {
     strong,
   };
 
-  // `actions`: at most 64. Reads the model, keeps nothing of it.
-  Commutation(const ModelInstance& model, const std::vector<ModelUse>& actions, Watch watch);
+  // `actions`: at most 64. `strongly_fair`: those that are watched as with strong fairness, by bit.
+  // Reads the model, keeps nothing of it.
+  Commutation(const ModelInstance& model, const std::vector<ModelUse>& actions, Watch watch,
+              std::uint64_t strongly_fair = 0);
 
-  bool is_possible(std::size_t action, StateId at) const { return !outcomes_[action][at].empty(); }
-  // Number of outcomes.
-  std::size_t count(std::size_t action, StateId at) const { return outcomes_[action][at].size(); }
-  bool may_be_cut(std::size_t action, StateId at) const;
   // Whether `b` does not disturb `a` in that one state, fairness aside: see above. True if `b` is
   // not possible.
   bool commute(std::size_t a, std::size_t b, StateId at) const;
 
   // By state: whether `action` is undisturbed there by the actions in `others`, a set of bits.
-  // O(actions x transitions) the first time that it is asked.
+  // O(transitions of `action` and `others`) for each set.
   const std::vector<std::uint8_t>& undisturbed(std::size_t action, std::uint64_t others);
+  // By state: whether `others` may lead to where `action` is possible, or it is so there. The same
+  // cost.
+  const std::vector<std::uint8_t>& may_come(std::size_t action, std::uint64_t others);
 
  private:
   struct Outcome {
@@ -61,22 +64,39 @@ class Commutation {
     bool is_cut = false;  // the run ends there; the model stays where it is
     auto operator<=>(const Outcome&) const = default;
   };
-  struct Answer {
-    std::uint64_t others = 0;
-    std::vector<std::uint8_t> undisturbed;
+  using States = std::vector<std::uint8_t>;  // by state: whether it is one of them
+  // Where an action leads from, by target: those from first[target] up to first[target + 1].
+  struct Sources {
+    std::vector<std::uint32_t> first;
+    std::vector<StateId> states;
   };
+  using Answers = std::vector<std::unordered_map<std::uint64_t, States>>;  // by action, `others`
 
+  bool is_possible(std::size_t action, StateId at) const { return !outcomes_[action][at].empty(); }
   bool makes_possible(std::size_t a, std::size_t b, StateId at) const;
   bool is_disturbed(std::size_t a, std::size_t b, StateId at) const;
+  void find_sources(std::size_t action);
+  // By state: whether `b` disturbs `a` in it. Worked out once for each two.
+  const States& disturbed(std::size_t a, std::size_t b);
   // Adds all states from which `others` can lead to one that is marked.
-  void spread_backwards(std::vector<std::uint8_t>& marked, std::uint64_t others) const;
-  std::vector<std::uint8_t> compute(std::size_t action, std::uint64_t others) const;
+  void spread_backwards(States& marked, std::uint64_t others) const;
+  // Under weak fairness: adds the states before which some b was possible, if `action` makes b
+  // possible.
+  void add_enabled(std::size_t action, std::uint64_t others, States& disturbed) const;
+  States find_undisturbed(std::size_t action, std::uint64_t others);
+  States find_coming(std::size_t action, std::uint64_t others);
+  using Question = States (Commutation::*)(std::size_t, std::uint64_t);
+  const States& answer(Answers& known, Question question, std::size_t action,
+                       std::uint64_t others);
 
   std::size_t states_;
   Watch watch_;
+  std::uint64_t strongly_fair_;
   std::vector<bool> is_call_;                                // by action
   std::vector<std::vector<std::vector<Outcome>>> outcomes_;  // by action, by state; sorted
-  std::vector<std::vector<Answer>> answers_;                 // by action; a handful each
+  std::vector<Sources> sources_;                             // by action
+  std::vector<std::optional<States>> disturbed_;             // by two actions
+  Answers undisturbed_, coming_;
 };
 
 }  // namespace maide

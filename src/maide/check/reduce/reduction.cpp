@@ -53,28 +53,34 @@ std::optional<ReductionRules> rules_for_invariant(const System& system, const Pr
   return rules;
 }
 
+namespace {
+
+void treat_fairly(Fairness fairness, StubbornOptions& sets) {
+  switch (fairness) {
+    case Fairness::none: break;
+    case Fairness::weak: sets.watch = Commutation::Watch::weak; break;
+    case Fairness::strong:
+      sets.watch = Commutation::Watch::strong;
+      sets.one_can_step = true;
+      break;
+  }
+}
+
+}  // namespace
+
 std::optional<ReductionRules> rules_for_cycle(const System& system, const Property& property) {
   ReductionRules rules;
   rules.sets.cuts_are_visible = true;
   rules.puts_nothing_off = true;
   if (property.kind == Property::Kind::stuck) {
-    const bool is_strong = property.fairness == Fairness::strong;
-    rules.sets.watch = is_strong ? Commutation::Watch::strong : Commutation::Watch::weak;
-    rules.sets.singletons = is_strong;
+    treat_fairly(property.fairness, rules.sets);
     return rules;
   }
   // What a `never` automaton can see of silent steps is not known.
   if (property.kind == Property::Kind::never) return std::nullopt;
   if (!ignores_silent_steps(property.formula)) return std::nullopt;
   rules.sets.visible = visible_edges(property.formula, system);
-  switch (property.fairness) {
-    case Fairness::none: break;
-    case Fairness::weak: rules.sets.watch = Commutation::Watch::weak; break;
-    case Fairness::strong:
-      rules.sets.watch = Commutation::Watch::strong;
-      rules.sets.singletons = true;
-      break;
-  }
+  treat_fairly(property.fairness, rules.sets);
   return rules;
 }
 

@@ -21,36 +21,40 @@ struct Taken {
   bool is_error = false;
   bool is_kept() const { return uses.size() > 1 || is_error; }
 };
-Taken taken_by(const System& system, std::size_t actor, std::size_t action) {
-  if (actor == system.programs.size()) return {system.nobodys_actions[action].what.uses, false};
-  const Program& program = system.programs[actor];
-  const ProgramEdge& edge = program.edges[action];
-  return {program.uses_of(edge), program.is_error(edge.target)};
+Taken taken_by(const PackedSystem& packed, std::size_t actor, std::size_t action) {
+  Taken taken{packed.uses_of(actor, action)};
+  if (actor < packed.program_count()) {
+    const Program& program = packed.system().programs[actor];
+    taken.is_error = program.is_error(program.edges[action].target);
+  }
+  return taken;
 }
 
 }  // namespace
 
 StepOrder::StepOrder(const PackedSystem& packed) {
   const System& system = packed.system();
-  for (const Program& program : system.programs) steps_.emplace_back(program.edges.size());
-  if (!system.nobodys_actions.empty()) steps_.emplace_back(system.nobodys_actions.size());
+  for (std::size_t p = 0; p < packed.actor_count(); ++p) {
+    steps_.emplace_back(packed.edges_of(p).second);
+  }
   if (steps_.size() > 64) return;
   for (std::uint32_t p = 0; p < steps_.size(); ++p) {
     const auto choice = static_cast<std::uint32_t>(lasts_.size());
     lasts_.push_back({0, no_model, p});
-    for (std::size_t i = 0; i < steps_[p].size(); ++i) {
-      const Taken taken = taken_by(system, p, i);
+    for (auto [i, end] = packed.edges_of(p); i < end; ++i) {
+      const Taken taken = taken_by(packed, p, i);
       steps_[p][i].is_kept = taken.is_kept();
       if (taken.uses.empty() && !taken.is_kept()) steps_[p][i].first = choice;
     }
   }
   const std::vector<std::vector<ModelUse>> actions = find_actions(system);
-  for (std::uint32_t m = 0; m < system.models.size(); ++m) add_model(system, m, actions[m]);
+  for (std::uint32_t m = 0; m < system.models.size(); ++m) add_model(packed, m, actions[m]);
 }
 
-void StepOrder::add_model(const System& system, std::uint32_t model,
+void StepOrder::add_model(const PackedSystem& packed, std::uint32_t model,
                           const std::vector<ModelUse>& actions) {
   if (actions.empty()) return;
+  const System& system = packed.system();
   const std::size_t states = system.models[model].automaton.size();
   const std::size_t widest = std::max(actions.size(), steps_.size());
   const bool is_known =
@@ -70,8 +74,8 @@ void StepOrder::add_model(const System& system, std::uint32_t model,
   }
   for (std::uint32_t p = 0; p < steps_.size(); ++p) {
     std::map<std::uint32_t, std::uint32_t> first;  // of the actor's lasts, by action
-    for (std::size_t i = 0; i < steps_[p].size(); ++i) {
-      const auto uses = taken_by(system, p, i).uses;
+    for (auto [i, end] = packed.edges_of(p); i < end; ++i) {
+      const auto uses = taken_by(packed, p, i).uses;
       if (steps_[p][i].is_kept || uses.empty() || uses.front().model != model) continue;
       const std::uint32_t action = is_known ? action_number(actions, uses.front()) : no_action;
       const auto [place, is_new] =

@@ -1,6 +1,6 @@
 // Of two steps that commute only one order needs to be taken. A breadth-first search that visits
-// every state still comes to most of them many times, by the same steps in every order. Nobody
-// counts as one more program, the last. Behind a step of program P it leaves out each step of an
+// every state still comes to most of them many times, by the same steps in every order. Parts of
+// nobody count as more programs, the last ones. Behind a step of program P it leaves out each step of an
 // earlier program that was possible before that step, too, and leads to the same state in the other
 // order. These are sleep sets (Godefroid, "Using partial orders to improve automatic verification
 // methods", CAV 1990) that remember one step.
@@ -64,7 +64,8 @@ class StepOrder {
     bool is_kept = false;               // is never left out
   };
 
-  void add_model(const System& system, std::uint32_t model, const std::vector<ModelUse>& actions);
+  void add_model(const PackedSystem& packed, std::uint32_t model,
+                 const std::vector<ModelUse>& actions);
 
   std::vector<std::vector<Step>> steps_;  // by actor, by edge or action of nobody
   std::vector<Last> lasts_{Last{}};

@@ -55,7 +55,7 @@ class GoalRounds final : public SearchRounds<words> {
         return;
       }
       if (i < postponed.size()) {
-        if (take_steps(piece, postponed[i].state, ~postponed[i].programs)) return;
+        if (take_rest(piece, postponed[i])) return;
         continue;
       }
       const std::size_t place = first + i - postponed.size();
@@ -95,15 +95,25 @@ class GoalRounds final : public SearchRounds<words> {
     return is_end && ends_at(piece, state);
   }
 
-  // The steps of those programs. True if the goal is met.
+  // Those that a smaller set left out, which had a step that is progress.
+  bool take_rest(Piece& piece, const Reduced& reduced) {
+    return take_steps_of(piece, reduced.state, ~reduced.programs) == Taken::found;
+  }
+
+  // The steps of those actors. True if the goal is met.
   bool take_steps(Piece& piece, const State& state, std::uint64_t programs) {
+    const Taken taken = take_steps_of(piece, state, programs);
+    return taken == Taken::found || (taken == Taken::no_progress && ends_at(piece, state));
+  }
+  enum class Taken : std::uint8_t { found, progress, no_progress };
+  Taken take_steps_of(Piece& piece, const State& state, std::uint64_t programs) {
     bool is_end = true;
     const auto is_left_out = [](std::uint32_t) { return false; };
     for (std::size_t program = 0; program < steps_.actors(); ++program) {
       if (program < most_reduced_programs && (programs >> program & 1) == 0) continue;
-      if (take_steps(piece, state, program, is_left_out, is_end)) return true;
+      if (take_steps(piece, state, program, is_left_out, is_end)) return Taken::found;
     }
-    return is_end && ends_at(piece, state);
+    return is_end ? Taken::no_progress : Taken::progress;
   }
 
   // The steps of an actor, but those of edges that are left out. True if the goal is met; where
@@ -141,7 +151,7 @@ class GoalRounds final : public SearchRounds<words> {
     return true;
   }
 
-  // Passes by states that have one step alone. True if the goal is met.
+  // Passes by states that have one step alone, which is progress. True if the goal is met.
   bool follow(Piece& piece, State state, Chain chain) {
     while (chain.length < options_.chain && !system_.is_error(state)) {
       const std::uint64_t programs = piece.sets->select(state);
@@ -161,7 +171,7 @@ class GoalRounds final : public SearchRounds<words> {
             step_code = code;
             cuts = is_cut;
           });
-      if (count != 1 || cuts) break;
+      if (count != 1 || cuts || !system_.is_progress(program, taken)) break;
       MAIDE_CHECK(step_code <= low_bits(system_.code_bits()));
       ++piece.transitions;
       chain = {(chain.codes << system_.code_bits()) | step_code, chain.length + 1};

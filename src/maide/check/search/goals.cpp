@@ -113,8 +113,6 @@ SearchResult explore_for(const System& plain, std::optional<ReductionRules> rule
                          MakeGoal&& make_goal) {
   PackedSystem system(plain);
   if (!leaves_out_orders(reduction) || system.actor_count() > most_reduced_programs) rules.reset();
-  // A death stays possible where nothing else is: steps that are put off might be missed.
-  if (system.has_idle_steps()) rules.reset();
   const unsigned chain = rules && reduction == Reduction::full ? chain_length(system) : 1;
   if (chain > 1) system = PackedSystem(plain, chain_bits(chain, system.code_bits()));
   std::optional<StubbornSets> sets;

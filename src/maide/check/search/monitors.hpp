@@ -33,7 +33,9 @@ class PackedAtom {
                std::uint32_t edge) const {
     if (owner_ != no_owner) [[likely]]
       return values_[system.control(state, owner_)];
-    if (is_event_) return edge != no_edge && by_edge_[program][edge];
+    if (is_event_) {
+      return edge != no_edge && by_edge_[std::min(program, by_edge_.size() - 1)][edge];
+    }
     return is_true_of_fields(system, state);
   }
 
@@ -65,7 +67,7 @@ class PackedAtom {
   std::uint32_t owner_ = no_owner;  // the program on whose control state alone it depends
   std::vector<Field> fields_;
   std::vector<bool> values_;                // by the fields' values; none: too many
-  std::vector<std::vector<bool>> by_edge_;  // of an event: by actor, edge
+  std::vector<std::vector<bool>> by_edge_;  // of an event: by program, nobody last; by edge
 };
 
 // A formula without temporal operators, evaluated on packed states. For `always` and for tests of a

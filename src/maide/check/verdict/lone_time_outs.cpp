@@ -132,8 +132,8 @@ class LoneSearch {
 
   void expand(const State& state) {
     Root& root = roots_.back();
-    if (system_.actor_count() > system_.program_count()) {
-      steps_.for_each_of(state, system_.program_count(),
+    for (std::size_t part = system_.program_count(); part < system_.actor_count(); ++part) {
+      steps_.for_each_of(state, part,
                          [&](const State& next, std::uint32_t, bool is_cut, std::uint64_t) {
                            if (is_cut) root.arms = ~std::uint64_t{0};
                            if (!is_cut) open_.push_back(next);
