@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <deque>
 #include <filesystem>
 #include <set>
@@ -37,6 +38,7 @@ Told tell(const Steps& steps, const typename Steps::State& next, GlobalState aft
           std::size_t actor, std::uint32_t action, bool is_cut, std::uint64_t code) {
   after.is_cut = false;  // the packed state does not say so
   const StepBefore undone = steps.undo(next, code);
+  actor = std::min(actor, steps.system().programs.size());  // of whatever part of nobody
   return {std::move(after),       actor, action, is_cut, undone.step, undone.before,
           steps.text(undone.step)};
 }
@@ -90,7 +92,7 @@ std::size_t compare(const System& system, std::size_t limit) {
   with_words(packed.words(), [&](auto words) {
     const PackedSteps<words.value> tables(packed);
     EXPECT_EQ(packed.unpack(tables.initial()), book.initial());
-    EXPECT_EQ(tables.actors(), book.actors());
+    EXPECT_GE(tables.actors(), book.actors());  // nobody has parts
     std::set<std::vector<std::uint32_t>> known;
     std::deque<GlobalState> open;
     const auto visit = [&](const GlobalState& state) {

@@ -367,7 +367,7 @@ nodes:
 properties: {never: "G !lookup!request_arrives", got: "F robot@got"}
 """, {"never": H, "got": H, "deadlock": H}),
     Case("each write to one reader that has room", """
-topics: {data: {writers: source, readers: [left, right], use: queue, with: {size: 1}, deliver: one}}
+topics: {data: {writers: source, readers: [left, right], use: queue, with: {size: 1}, deliver: one, delivery: late}}
 programs:
   source: "data.write; data.write; @third data.write;"
   left: "skip;"

@@ -143,13 +143,11 @@ Sections; `programs` or `nodes` must be there:
   topics:      NAME: {writers: P, readers: [Q, R], use: queue, with: {size: n},
                       readers_with: {R: {size: 1}}}      keys as at a model
   services:    NAME: {server: P, clients: [Q, R], with: {depth: n}}
-               at models, topics, services: delivery: late|at_once   loses: true
-               stream: A at models and topics      one order between two processes
+               all three: delivery: late|at_once, loses: true   stream: A
   variables:   "var n: 0..3; var ok: bool;"     what several programs use
   procedures:  NAME(m, k): "STATEMENTS"         parameters: any names
   programs:    NAME: "STATEMENTS"  {do: "STATEMENTS", may_die: true, process: A}
   executors:   NAME: {kind: single, order: any|rounds} {kind: multi, threads: n}
-               what says the same `process: A` is in one process
   nodes:       NAME: {executor: E, groups: {G: exclusive, H: reentrant},
                       clients: {S: G}, variables: "...", callbacks: {C: {do:
                       "...", group: G, takes: M.read | timer: MS | serves: S}}}
@@ -159,16 +157,14 @@ Sections; `programs` or `nodes` must be there:
 
 Statements (M: model, x: variable, e: expression; @name before one labels it):
   M.input;  M.input -> output;            gives an input; then takes an output
-  wait M -> output;                       takes an output
-  wait M -> arrived;                      all that it sent to M has arrived
+  wait M -> output;  wait M -> arrived;   takes it; all it sent to M has arrived
   switch M.input { output { } quiet { } } goes on by what comes, or nothing due
   select { ARM ARM }                      waits for several things; an arm is
     [when (e)] on M.input -> output { }     an input and its output, in one step
     [when (e)] on M.input { a { } b { } }   the same with several outputs
     [when (e)] on M.input { }               an input without outputs
     [when (e)] on M!output { }              an output that is due, or `arrived`
-    when (e) { }                            a condition
-    otherwise { }  timeout MS { }           nothing else there can be taken
+    when (e) { }  otherwise { }  timeout MS { }  a condition; if all else waits
   S.send;  S.receive -> answer;           a client; a callback says wait S
   S.serve -> request;  S.answer;          a service's server
   idle STATEMENT                          may wait there for ever

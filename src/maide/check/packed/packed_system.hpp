@@ -73,8 +73,8 @@ class PackedSystem {
   const PackedField& monitor() const { return monitor_; }
 
   std::size_t program_count() const { return program_count_; }
-  // Programs, then parts of nobody, if he has actions: each is always in control state 0. A part has
-  // actions that stand side by side, those of one wire for instance, and keeps their numbers.
+  // Programs, then parts of nobody, if he has actions: each is always in control state 0. A part
+  // has actions that stand side by side, those of one wire for instance, and keeps their numbers.
   std::size_t actor_count() const { return actors_.size(); }
   // Its edges, or actions of nobody, are those from the first up to the second.
   std::pair<std::uint32_t, std::uint32_t> edges_of(std::size_t actor) const {

@@ -86,8 +86,7 @@ class Commutation {
   States find_undisturbed(std::size_t action, std::uint64_t others);
   States find_coming(std::size_t action, std::uint64_t others);
   using Question = States (Commutation::*)(std::size_t, std::uint64_t);
-  const States& answer(Answers& known, Question question, std::size_t action,
-                       std::uint64_t others);
+  const States& answer(Answers& known, Question question, std::size_t action, std::uint64_t others);
 
   std::size_t states_;
   Watch watch_;

@@ -1,9 +1,9 @@
 // Of two steps that commute only one order needs to be taken. A breadth-first search that visits
 // every state still comes to most of them many times, by the same steps in every order. Parts of
-// nobody count as more programs, the last ones. Behind a step of program P it leaves out each step of an
-// earlier program that was possible before that step, too, and leads to the same state in the other
-// order. These are sleep sets (Godefroid, "Using partial orders to improve automatic verification
-// methods", CAV 1990) that remember one step.
+// nobody count as more programs, the last ones. Behind a step of program P it leaves out each step
+// of an earlier program that was possible before that step, too, and leads to the same state in the
+// other order. These are sleep sets (Godefroid, "Using partial orders to improve automatic
+// verification methods", CAV 1990) that remember one step.
 //
 // Invariant: transitions are left out, and never a state. Breadth-first no state is found at a
 // greater depth. The idea of the proof: of all steps that lead to a state, one of the last program

@@ -30,7 +30,8 @@ StubbornSets::StubbornSets(const PackedSystem& packed, StubbornOptions options)
       return;
     }
     ReducedModel& model = models_.emplace_back();
-    if (system.models[m].automaton.size() * actions[m].size() * actions[m].size() <= most_reduced_pairs) {
+    if (system.models[m].automaton.size() * actions[m].size() * actions[m].size() <=
+        most_reduced_pairs) {
       model.commutation.emplace(system.models[m], actions[m], options_.watch, strongly_fair[m]);
     }
   }
@@ -82,15 +83,28 @@ void StubbornSets::add_next(std::size_t index, std::span<const ModelUse> uses, b
   reduced.next.push_back(next);
 }
 
+// Runs are fair to a group, of which they may take another action: all are in that part.
+bool StubbornSets::is_due(const NobodysAction& action, std::size_t part) const {
+  if (!action.counts_for_deadlock) return false;
+  if (options_.watch == Commutation::Watch::nothing) return true;
+  if (action.what.fair == 0) return false;
+  const std::span all(packed_.system().nobodys_actions);
+  const auto [first, end] = packed_.edges_of(part);
+  const auto is_in_group = [&](const NobodysAction& other) {
+    return other.what.fair == action.what.fair;
+  };
+  return std::ranges::none_of(all.first(first), is_in_group) &&
+         std::ranges::none_of(all.subspan(end), is_in_group);
+}
+
 void StubbornSets::add_part(std::size_t index, const std::vector<std::vector<ModelUse>>& actions) {
   const auto& nobodys = packed_.system().nobodys_actions;
   const auto& visible = options_.visible;
   const auto [first, end] = packed_.edges_of(index);
-  const bool is_unfair = options_.watch == Commutation::Watch::nothing;
   ReducedActor& reduced = actors_[index];
   for (std::uint32_t i = first; i < end; ++i) {
     add_next(index, nobodys[i].what.uses, !visible.empty() && visible[packed_.program_count()][i],
-             nobodys[i].counts_for_deadlock && (is_unfair || nobodys[i].what.fair != 0), actions);
+             is_due(nobodys[i], index), actions);
   }
   reduced.first_edge = first;
   reduced.first_use = {0, static_cast<std::uint32_t>(reduced.uses.size())};
@@ -105,8 +119,7 @@ void StubbornSets::add_program(std::size_t index,
                                const std::vector<std::vector<ModelUse>>& actions) {
   const Program& program = packed_.system().programs[index];
   ReducedActor& reduced = actors_[index];
-  const bool is_asked =
-      options_.watch == Commutation::Watch::nothing || program.flags.is_fair;
+  const bool is_asked = options_.watch == Commutation::Watch::nothing || program.flags.is_fair;
   for (std::size_t i = 0; i < program.edges.size(); ++i) {
     const ProgramEdge& edge = program.edges[i];
     // Behind an error nothing comes that others would have done.
@@ -214,7 +227,8 @@ bool StubbornSets::may_come(const Use& use) {
   ReducedModel& model = models_[use.model];
   std::uint64_t actions = 0;
   for (const User& user : model.users) actions |= future_of(user);
-  return !model.commutation || model.commutation->may_come(use.action, actions)[at_[use.model]] != 0;
+  return !model.commutation ||
+         model.commutation->may_come(use.action, actions)[at_[use.model]] != 0;
 }
 
 std::uint64_t StubbornSets::closure(std::size_t actor) {

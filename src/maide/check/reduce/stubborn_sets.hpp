@@ -51,10 +51,10 @@ class StubbornSets {
   // most_reduced_programs programs.
   StubbornSets(const PackedSystem& packed, StubbornOptions options);
 
-  // The actors whose steps are to be explored; all that can step where no set is smaller. A set that
-  // is smaller has a step that is due: it is progress, and if the search is for fair runs, they
-  // take it or another one of its actor if it stays possible. Not thread-safe, since answers about models are kept:
-  // threads have copies.
+  // The actors whose steps are to be explored; all that can step where no set is smaller. A set
+  // that is smaller has a step that is due: it is progress, and if the search is for fair runs,
+  // they take it or another one of its actor if it stays possible. Not thread-safe, since answers
+  // about models are kept: threads have copies.
   template <std::size_t words>
   std::uint64_t select(const PackedState<words>& state) {
     if (actors_.size() > most_reduced_programs) return ~std::uint64_t{0};
@@ -106,10 +106,12 @@ class StubbornSets {
   std::vector<std::uint64_t> find_strongly_fair(
       const std::vector<std::vector<ModelUse>>& actions) const;
   void add_program(std::size_t index, const std::vector<std::vector<ModelUse>>& actions);
+  // Fair runs take one of its actions again and again if this one stays possible.
+  bool is_due(const NobodysAction& action, std::size_t part) const;
   // One control state, in which whatever that part of nobody may ever do comes next.
   void add_part(std::size_t index, const std::vector<std::vector<ModelUse>>& actions);
-  void add_next(std::size_t index, std::span<const ModelUse> uses, bool is_visible,
-                bool is_due, const std::vector<std::vector<ModelUse>>& actions);
+  void add_next(std::size_t index, std::span<const ModelUse> uses, bool is_visible, bool is_due,
+                const std::vector<std::vector<ModelUse>>& actions);
   static void compute_future(const Program& program, ReducedActor& reduced);
   template <std::size_t words>
   Now look_at(const PackedState<words>& state, std::size_t actor) const {
@@ -120,7 +122,8 @@ class StubbornSets {
         [&](const PackedState<words>&, std::uint32_t edge, bool is_cut, std::uint64_t) {
           const Next& one = next[edge - actors_[actor].first_edge];
           ++now.steps;
-          now.is_visible = now.is_visible || one.is_visible || (is_cut && options_.cuts_are_visible);
+          now.is_visible =
+              now.is_visible || one.is_visible || (is_cut && options_.cuts_are_visible);
           now.is_due = now.is_due || one.is_due;
         });
     return now;

@@ -43,7 +43,8 @@ struct StepBefore {
 };
 
 // What both implementations have. Actors are numbered: programs as in the system, then nobody, if
-// he has actions. `code`: with the state after a step it tells the step and the state before it.
+// he has actions, in one part or several. `code`: with the state after a step it tells the step and
+// the state before it.
 //
 //   for_each_of(state, actor, visit)   Calls visit(next, action, is_cut, code).
 //   for_each(state, visit)             Calls visit(next, actor, action, is_cut, code).
