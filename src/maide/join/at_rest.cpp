@@ -72,10 +72,9 @@ std::string describe_late_message(const System& system, const Trace& trace) {
       const bool is_held = wire.source == ModelInstance::Source::wire &&
                            states[at].models[index] < wire.state_texts.size();
       if (!is_held || wire.state_texts[states[at].models[index]].empty()) continue;
-      const std::size_t sign = wire.name.find("<-");
+      const WireEnds ends = ends_of_wire(wire.name);
       return fmt::format("{} (at step {} {} is on its way from {} to {})", reason, at + 1,
-                         wire.state_texts[states[at].models[index]], wire.name.substr(sign + 2),
-                         wire.name.substr(0, sign));
+                         wire.state_texts[states[at].models[index]], ends.writer, ends.model);
     }
   }
   return reason;

@@ -105,13 +105,13 @@ bool is_named(const std::string& model, const std::string& name) {
 FillableQueue fillable(const System& system, std::uint32_t queue, std::int64_t room) {
   FillableQueue result;
   result.room = static_cast<std::uint32_t>(room);
-  const std::string wires = system.models[queue].name + "<-";
   for (std::uint32_t index = 0; index < system.models.size(); ++index) {
     const ModelInstance& model = system.models[index];
     FillableQueue::Part part{index, {}};
     if (index == queue) {
       part.held = count_held(system, index);
-    } else if (model.source == ModelInstance::Source::wire && model.name.starts_with(wires)) {
+    } else if (model.source == ModelInstance::Source::wire &&
+               is_wire_to(model.name, system.models[queue].name)) {
       for (const std::string& text : model.state_texts) {
         part.held.push_back(static_cast<std::uint32_t>(WireModel::count_in(text)));
       }

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <map>
 #include <set>
 #include <string_view>
@@ -29,29 +28,18 @@ const std::string& text_of(const System& system) {
   return source == system.sources.end() ? none : source->second;
 }
 
-std::string base_of(const std::string& name) { return name.substr(0, name.find('[')); }
-
 // Connections, without indices, that are late, or lose what is on its way.
 std::set<std::string> find_connections(const System& system, bool ConnectionInstance::*is) {
   std::set<std::string> names;
   for (const ConnectionInstance& connection : system.connections) {
-    if (connection.is_late && connection.*is) names.insert(base_of(connection.name));
+    if (connection.is_late && connection.*is) names.insert(array_of(connection.name));
   }
   return names;
 }
 
 bool is_service(const System& system, const std::string& name) {
   return std::ranges::any_of(system.services, [&](const ServiceInstance& service) {
-    return base_of(service.name) == name;
-  });
-}
-
-// "write", "publish2": what is sent, and not what is asked for.
-bool is_sending(const std::string& input) {
-  constexpr std::array<std::string_view, 3> words{"write", "send", "publish"};
-  return std::ranges::any_of(words, [&](std::string_view word) {
-    return input.starts_with(word) &&
-           input.find_first_not_of("0123456789", word.size()) == std::string::npos;
+    return array_of(service.name) == name;
   });
 }
 
@@ -282,7 +270,7 @@ std::vector<WriterDepth> find_writer_depths(const System& system) {
     const YamlNode* const entries = document.root.find(section);
     if (entries == nullptr) continue;
     for (const YamlEntry& entry : entries->entries) {
-      if (!late.contains(base_of(entry.key.value)) || entry.value.find("learn") != nullptr) {
+      if (!late.contains(array_of(entry.key.value)) || entry.value.find("learn") != nullptr) {
         continue;
       }
       const YamlNode* const with = entry.value.find("with");

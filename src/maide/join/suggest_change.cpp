@@ -18,6 +18,7 @@
 #include "maide/base/text.hpp"
 #include "maide/check/build/system_file.hpp"
 #include "maide/check/engines/engine.hpp"
+#include "maide/check/rules/wire.hpp"
 #include "maide/check/verdict/cause.hpp"
 #include "maide/check/verdict/races.hpp"
 #include "maide/experiment/open_system.hpp"
@@ -30,10 +31,9 @@ namespace {
 
 constexpr std::size_t most_repeats = 8;  // different numbers of repetitions
 constexpr std::size_t most_constants = 16;
-constexpr std::int64_t most_below = 16;           // values of a constant that are all checked
-constexpr std::int64_t most_longer = 8;           // times as long a queue
-constexpr Value most_spoken_of = 64;              // of a variable's range: messages that are tried
-constexpr std::int64_t least_room_of_wires = 10;  // messages
+constexpr std::int64_t most_below = 16;  // values of a constant that are all checked
+constexpr std::int64_t most_longer = 8;  // times as long a queue
+constexpr Value most_spoken_of = 64;     // of a variable's range: messages that are tried
 constexpr std::uint64_t memory_mib = 1024;
 constexpr std::chrono::seconds seconds_between_notes{10};
 constexpr std::string_view raised = "+";  // OptionSpec::keeps_more
@@ -452,7 +452,8 @@ class ChangeSearch {
       found(change.description, outcome, "");
     }
     for (const WriterDepth& place : find_writer_depths(system_)) {
-      const std::int64_t most = std::max(most_longer * place.value, least_room_of_wires);
+      const std::int64_t most =
+          std::max<std::int64_t>(most_longer * place.value, WireRules::least_room);
       const auto deeper = nearest(place.value, most, [&](std::int64_t value) {
         return check({{}, {}, {}, with_writer_depth(system_, place, value).text});
       });

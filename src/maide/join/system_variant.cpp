@@ -205,14 +205,12 @@ namespace {
 
 constexpr std::uint32_t most_threads = 4;
 
-std::string base_of(const std::string& name) { return name.substr(0, name.find('[')); }
-
 // Whether the field, a name or a list of names, names the node.
 bool names(const YamlNode* field, const std::string& node) {
   if (field == nullptr) return false;
-  if (field->is_scalar()) return base_of(field->value) == node;
+  if (field->is_scalar()) return array_of(field->value) == node;
   return std::ranges::any_of(field->entries, [&](const YamlEntry& entry) {
-    return entry.value.is_scalar() && base_of(entry.value.value) == node;
+    return entry.value.is_scalar() && array_of(entry.value.value) == node;
   });
 }
 
@@ -220,7 +218,7 @@ bool names(const YamlNode* field, const std::string& node) {
 class NodeChanger {
  public:
   NodeChanger(const System& system, const YamlDocument& document, std::string key)
-      : system_(system), document_(document), key_(std::move(key)), name_(base_of(key_)) {}
+      : system_(system), document_(document), key_(std::move(key)), name_(array_of(key_)) {}
 
   void list(std::vector<NodeChange>& changes) const {
     const std::vector<std::string> clients = clients_of(), callbacks = callbacks_of();
@@ -269,7 +267,7 @@ class NodeChanger {
     if (services == nullptr) return clients;
     for (const YamlEntry& service : services->entries) {
       if (names(service.value.find("clients"), name_)) {
-        clients.push_back(base_of(service.key.value));
+        clients.push_back(array_of(service.key.value));
       }
     }
     return clients;

@@ -253,10 +253,6 @@ Json program_names(const System& system, const std::vector<std::uint32_t>& progr
   return names;
 }
 
-}  // namespace
-
-namespace {
-
 Json races_to_json(const Races& races) {
   Json pairs = Json::array();
   for (const Race& race : races.all) {

@@ -24,7 +24,6 @@ bool contains(const std::vector<std::string>& names, const std::string& name) {
 }
 
 // "camera" of "camera[i]".
-std::string array_of(const std::string& name) { return name.substr(0, name.find('[')); }
 
 // The writer is one of those that the topic names.
 bool is_writer(const TopicInstance& topic, const std::string& name) {

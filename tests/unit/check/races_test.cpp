@@ -1,6 +1,7 @@
 // Which connections race: systems that do, and systems that only look so.
 #include "maide/check/verdict/races.hpp"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -130,51 +131,36 @@ programs:
   EXPECT_THAT(told(text), IsEmpty());
 }
 
-TEST(Races, WordThatGoesRound) {
-  const std::string text = R"(topics:
-  map: {writers: mapper, readers: robot, use: queue, with: {depth: 2}}
-  told: {writers: mapper, readers: other, use: queue, with: {depth: 2}}
-  notice: {writers: other, readers: robot, use: queue, with: {depth: 2}}
+// The mapper tells another program, over a topic of that depth, and it tells the robot.
+std::string word_that_goes_round(int depth, const std::string& mapper) {
+  return fmt::format(R"(topics:
+  map: {{writers: mapper, readers: robot, use: queue, with: {{depth: 2}}}}
+  told: {{writers: mapper, readers: other, use: queue, with: {{depth: {}}}}}
+  notice: {{writers: other, readers: robot, use: queue, with: {{depth: 2}}}}
 programs:
-  mapper: "map.write; told.write;"
+  mapper: "{}"
   other: "told.read -> message; notice.write;"
   robot: |
     notice.read -> message;
-    switch map.tryread { message { skip; } null { skip; } }
-)";
-  EXPECT_THAT(told(text), ElementsAre("notice before map, missed at line 10"));
+    switch map.tryread {{ message {{ skip; }} null {{ skip; }} }}
+)",
+                     depth, mapper);
+}
+
+TEST(Races, WordThatGoesRound) {
+  EXPECT_THAT(told(word_that_goes_round(2, "map.write; told.write;")),
+              ElementsAre("notice before map, missed at line 10"));
 }
 
 // The other program has an older message in its queue, and stops behind that.
 TEST(Races, OlderMessageTellsNothing) {
-  const std::string text = R"(topics:
-  map: {writers: mapper, readers: robot, use: queue, with: {depth: 2}}
-  told: {writers: mapper, readers: other, use: queue, with: {depth: 2}}
-  notice: {writers: other, readers: robot, use: queue, with: {depth: 2}}
-programs:
-  mapper: "told.write; map.write; told.write;"
-  other: "told.read -> message; notice.write;"
-  robot: |
-    notice.read -> message;
-    switch map.tryread { message { skip; } null { skip; } }
-)";
-  EXPECT_THAT(told(text), IsEmpty());
+  EXPECT_THAT(told(word_that_goes_round(2, "told.write; map.write; told.write;")), IsEmpty());
 }
 
 // A topic of depth 1 forgets the older one.
 TEST(Races, NewestMessageOfAShortQueueTells) {
-  const std::string text = R"(topics:
-  map: {writers: mapper, readers: robot, use: queue, with: {depth: 2}}
-  told: {writers: mapper, readers: other, use: queue, with: {depth: 1}}
-  notice: {writers: other, readers: robot, use: queue, with: {depth: 2}}
-programs:
-  mapper: "told.write; map.write; told.write;"
-  other: "told.read -> message; notice.write;"
-  robot: |
-    notice.read -> message;
-    switch map.tryread { message { skip; } null { skip; } }
-)";
-  EXPECT_THAT(told(text), ElementsAre("notice before map, missed at line 10"));
+  EXPECT_THAT(told(word_that_goes_round(1, "told.write; map.write; told.write;")),
+              ElementsAre("notice before map, missed at line 10"));
 }
 
 TEST(Races, WordByASharedVariable) {

@@ -183,7 +183,7 @@ SearchResult find_fair_cycle(const PackedSystem& system, const Monitor& monitor,
                              const Property& property, Reduction reduction,
                              const SearchLimits& limits, const SearchJob::Monitor& job) {
   std::optional<ReductionRules> rules;
-  if (leaves_out_orders(reduction) && system.actor_count() <= most_reduced_programs) {
+  if (leaves_out_orders(reduction) && system.actor_count() <= most_actors_in_a_word) {
     rules = rules_for_cycle(system.system(), property);
   }
   std::optional<StubbornSets> sets;

@@ -7,6 +7,11 @@
 #include <vector>
 
 namespace maide {
+namespace {
+
+constexpr std::string_view to_model = "<-";  // between a wire's model and its writer
+
+}  // namespace
 
 std::uint64_t member_count(const Dimensions& dimensions) {
   std::uint64_t count = 1;
@@ -49,12 +54,20 @@ bool Service::is_server(const std::string& node, std::uint32_t program) const {
 }
 
 std::string wire_name(const std::string& model, const std::string& writer) {
-  return model + "<-" + writer;
+  return model + std::string(to_model) + writer;
 }
 
 bool is_wire_to(const std::string& wire, const std::string& model) {
-  return wire.starts_with(model) && wire.substr(model.size()).starts_with("<-");
+  return wire.starts_with(model) && wire.substr(model.size()).starts_with(to_model);
 }
+
+WireEnds ends_of_wire(const std::string& wire) {
+  const std::size_t sign = wire.find(to_model);
+  if (sign == std::string::npos) return {wire, ""};
+  return {wire.substr(0, sign), wire.substr(sign + to_model.size())};
+}
+
+std::string array_of(const std::string& name) { return name.substr(0, name.find('[')); }
 
 const Wire* Names::wire_of(std::uint32_t to, const std::string& node, std::uint32_t program) const {
   const auto place = wires.find(to);

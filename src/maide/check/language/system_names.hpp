@@ -139,6 +139,12 @@ inline bool is_reader_of(const std::string& model, const std::string& name) {
 // the one that counts for all of them.
 std::string wire_name(const std::string& model, const std::string& writer);
 bool is_wire_to(const std::string& wire, const std::string& model);
+struct WireEnds {
+  std::string model, writer;  // "image[logger]", "camera"
+};
+WireEnds ends_of_wire(const std::string& wire);
+// "via" of "via[2,0]": of what is no member of an array, its name.
+std::string array_of(const std::string& name);
 
 // From a writer to a model: what was sent and has not arrived.
 struct Wire {

@@ -15,8 +15,6 @@ namespace {
 // What a StateTable can do: see there.
 constexpr unsigned first_word = 44, most_payload = 32;
 constexpr unsigned most_code_bits = 31;  // what a table of steps has room for
-// Programs and parts of nobody, for which searches have sets of 64.
-constexpr std::size_t most_actors_with_parts = 64;
 
 // The first actions of nobody's parts, and their number. An action belongs to the part before it if
 // both use one wire.
@@ -33,7 +31,7 @@ std::vector<std::uint32_t> find_parts(const System& system) {
   for (std::uint32_t i = 1; i < actions.size(); ++i) {
     if (!are_together(actions[i - 1], actions[i])) firsts.push_back(i);
   }
-  if (system.programs.size() + firsts.size() > most_actors_with_parts) firsts.resize(1);
+  if (system.programs.size() + firsts.size() > most_actors_in_a_word) firsts.resize(1);
   firsts.push_back(static_cast<std::uint32_t>(actions.size()));
   return firsts;
 }

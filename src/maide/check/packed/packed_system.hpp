@@ -20,6 +20,10 @@
 
 namespace maide {
 
+// Programs and parts of nobody of which a set is one word of bits. In a system of more nobody is
+// one part, and reductions do not reduce it.
+inline constexpr std::size_t most_actors_in_a_word = 64;
+
 // Where a component's state lies.
 struct PackedField {
   std::uint8_t word = 0, shift = 0;

@@ -37,7 +37,7 @@ StepOrder::StepOrder(const PackedSystem& packed) {
   for (std::size_t p = 0; p < packed.actor_count(); ++p) {
     steps_.emplace_back(packed.edges_of(p).second);
   }
-  if (steps_.size() > 64) return;
+  if (steps_.size() > most_actors_in_a_word) return;
   for (std::uint32_t p = 0; p < steps_.size(); ++p) {
     const auto choice = static_cast<std::uint32_t>(lasts_.size());
     lasts_.push_back({0, no_model, p});

@@ -20,13 +20,13 @@ StubbornSets::StubbornSets(const PackedSystem& packed, StubbornOptions options)
     : packed_(packed), options_(std::move(options)) {
   const System& system = packed.system();
   actors_.resize(packed.actor_count());
-  if (actors_.size() > most_reduced_programs) return;
+  if (actors_.size() > most_actors_in_a_word) return;
   const std::vector<std::vector<ModelUse>> actions = find_actions(system);
   const std::vector<std::uint64_t> strongly_fair = find_strongly_fair(actions);
   for (std::size_t m = 0; m < system.models.size(); ++m) {
     // More actions than bits: the system is not reduced.
     if (actions[m].size() > 64) {
-      actors_.resize(most_reduced_programs + 1);
+      actors_.resize(most_actors_in_a_word + 1);
       return;
     }
     ReducedModel& model = models_.emplace_back();

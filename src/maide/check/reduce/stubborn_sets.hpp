@@ -33,9 +33,6 @@
 
 namespace maide {
 
-// Sets of actors, by bit: programs, then parts of nobody. A system of more is not reduced.
-inline constexpr std::size_t most_reduced_programs = 64;
-
 struct StubbornOptions {
   Commutation::Watch watch = Commutation::Watch::nothing;
   // Edges, and actions of nobody, that must not be in a set unless all is: by actor, by edge.
@@ -48,7 +45,7 @@ struct StubbornOptions {
 class StubbornSets {
  public:
   // Keeps a reference. Does nothing (select() returns what can step) for a system of more than
-  // most_reduced_programs programs.
+  // most_actors_in_a_word programs.
   StubbornSets(const PackedSystem& packed, StubbornOptions options);
 
   // The actors whose steps are to be explored; all that can step where no set is smaller. A set
@@ -57,7 +54,7 @@ class StubbornSets {
   // about models are kept: threads have copies.
   template <std::size_t words>
   std::uint64_t select(const PackedState<words>& state) {
-    if (actors_.size() > most_reduced_programs) return ~std::uint64_t{0};
+    if (actors_.size() > most_actors_in_a_word) return ~std::uint64_t{0};
     for (std::size_t a = 0; a < actors_.size(); ++a) control_[a] = packed_.control(state, a);
     for (std::size_t m = 0; m < models_.size(); ++m) at_[m] = packed_.model_state(state, m);
     for (std::size_t a = 0; a < actors_.size(); ++a) now_[a] = look_at(state, a);

@@ -391,7 +391,7 @@ class FairCycleSearch {
       if (order != nullptr) {
         return step.program >= last.program || !order->leaves_out(last, step.program, step.edge);
       }
-      return step.program >= most_reduced_programs || (programs >> step.program & 1) != 0;
+      return step.program >= most_actors_in_a_word || (programs >> step.program & 1) != 0;
     }
   };
 

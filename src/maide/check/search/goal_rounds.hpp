@@ -55,7 +55,8 @@ class GoalRounds final : public SearchRounds<words> {
         return;
       }
       if (i < postponed.size()) {
-        if (take_rest(piece, postponed[i])) return;
+        // What was taken had a step that is progress.
+        if (take_steps(piece, postponed[i].state, ~postponed[i].programs, false)) return;
         continue;
       }
       const std::size_t place = first + i - postponed.size();
@@ -95,25 +96,14 @@ class GoalRounds final : public SearchRounds<words> {
     return is_end && ends_at(piece, state);
   }
 
-  // Those that a smaller set left out, which had a step that is progress.
-  bool take_rest(Piece& piece, const Reduced& reduced) {
-    return take_steps_of(piece, reduced.state, ~reduced.programs) == Taken::found;
-  }
-
-  // The steps of those actors. True if the goal is met.
-  bool take_steps(Piece& piece, const State& state, std::uint64_t programs) {
-    const Taken taken = take_steps_of(piece, state, programs);
-    return taken == Taken::found || (taken == Taken::no_progress && ends_at(piece, state));
-  }
-  enum class Taken : std::uint8_t { found, progress, no_progress };
-  Taken take_steps_of(Piece& piece, const State& state, std::uint64_t programs) {
-    bool is_end = true;
+  // The steps of those actors. `is_end`: nothing else can happen. True if the goal is met.
+  bool take_steps(Piece& piece, const State& state, std::uint64_t programs, bool is_end = true) {
     const auto is_left_out = [](std::uint32_t) { return false; };
     for (std::size_t program = 0; program < steps_.actors(); ++program) {
-      if (program < most_reduced_programs && (programs >> program & 1) == 0) continue;
-      if (take_steps(piece, state, program, is_left_out, is_end)) return Taken::found;
+      if (program < most_actors_in_a_word && (programs >> program & 1) == 0) continue;
+      if (take_steps(piece, state, program, is_left_out, is_end)) return true;
     }
-    return is_end ? Taken::no_progress : Taken::progress;
+    return is_end && ends_at(piece, state);
   }
 
   // The steps of an actor, but those of edges that are left out. True if the goal is met; where

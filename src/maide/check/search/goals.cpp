@@ -112,7 +112,7 @@ SearchResult explore_for(const System& plain, std::optional<ReductionRules> rule
                          Reduction reduction, const SearchLimits& limits, Checkpoint* checkpoint,
                          MakeGoal&& make_goal) {
   PackedSystem system(plain);
-  if (!leaves_out_orders(reduction) || system.actor_count() > most_reduced_programs) rules.reset();
+  if (!leaves_out_orders(reduction) || system.actor_count() > most_actors_in_a_word) rules.reset();
   const unsigned chain = rules && reduction == Reduction::full ? chain_length(system) : 1;
   if (chain > 1) system = PackedSystem(plain, chain_bits(chain, system.code_bits()));
   std::optional<StubbornSets> sets;

@@ -179,8 +179,9 @@ void MessageLanes::add_service(const System& system, const ServiceInstance& serv
 void MessageLanes::add_wires(const System& system) {
   for (std::uint32_t model = 0; model < system.models.size(); ++model) {
     const ModelInstance& wire = system.models[model];
+    const std::string writer = ends_of_wire(wire.name).writer;
     // What counts what is on all wires to a model is no wire, though it stands among them.
-    if (wire.source != Source::wire || wire.name.ends_with("<-")) continue;
+    if (wire.source != Source::wire || writer.empty()) continue;
     MessageLane lane{MessageLane::Kind::wire, model};
     for (StateId state = 0; state < wire.automaton.size(); ++state) {
       const bool is_known = state < wire.state_texts.size();
@@ -188,7 +189,7 @@ void MessageLanes::add_wires(const System& system) {
           is_known ? static_cast<std::uint32_t>(WireModel::count_in(wire.state_texts[state])) : 0);
     }
     lane.on_way = lane.held;
-    lane.writers = programs_named(system, wire.name.substr(wire.name.find("<-") + 2));
+    lane.writers = programs_named(system, writer);
     add(std::move(lane));
   }
 }

@@ -49,9 +49,9 @@ class OnItsWay {
     if (state >= wire.state_texts.size()) return;
     const std::size_t held = WireModel::count_in(wire.state_texts[state]);
     if (held == 0) return;
-    const std::size_t sign = wire.name.find("<-");
-    add(fmt::format("{} from {} to {}", wire.state_texts[state], wire.name.substr(sign + 2),
-                    target_of(wire.name.substr(0, sign))),
+    const WireEnds ends = ends_of_wire(wire.name);
+    add(fmt::format("{} from {} to {}", wire.state_texts[state], ends.writer,
+                    target_of(ends.model)),
         held, [&](std::size_t at) {
           const Step& step = trace_.steps[at];
           const CombinedStep* const combined = combined_step_of(system_, step);

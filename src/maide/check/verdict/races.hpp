@@ -1,10 +1,10 @@
 // Which connections race: what is sent later may come first. No property is needed for that.
 //
-// A connection B overtakes a connection A if on some run a process takes a message of B while a
-// message of A to the same process, sent before, is still on its way. "Sent before" is Lamport's
-// relation ("Time, clocks, and the ordering of events in a distributed system", CACM 1978): the
-// sender of B's message has sent A's itself, or has heard, over any number of programs, from who
-// did. Two messages whose senders know nothing of one another have no order, and do not race.
+// Take two messages to one process, and say that A's was sent before B's. The connection B
+// overtakes the connection A if on some run the process takes B's while A's is still on its way.
+// "Sent before" is Lamport's relation ("Time, clocks, and the ordering of events in a distributed
+// system", CACM 1978). The sender of B's message has sent A's itself, or it has heard from who did,
+// over any number of programs. Messages whose senders know nothing of one another have no order.
 //
 // The race is suspicious if the process, before A's message arrives, looks for it and finds
 // nothing: it takes a step that it could not take had the message arrived.
