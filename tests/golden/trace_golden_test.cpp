@@ -8,6 +8,7 @@
 #include "approved.hpp"
 #include "maide/base/file.hpp"
 #include "maide/check/build/system_file.hpp"
+#include "maide/check/rules/model_words.hpp"
 #include "maide/report/html_report.hpp"
 #include "maide/report/trace_text.hpp"
 #include "scheduled_run.hpp"
@@ -34,6 +35,40 @@ System read_example(const std::string& file) {
   return system;
 }
 
+// An arrival, a loss, what waits for an answer, and what is on its way at the end.
+Shown late_messages(const std::string& name) {
+  System system = parse_system(
+      "topics:\n"
+      "  map: {writers: [server], readers: [robot], use: queue, with: {depth: 3},"
+      " loses: true}\n"
+      "services:\n  lookup: {server: server, clients: [robot]}\n"
+      "programs:\n"
+      "  server: |\n    map.write;\n    lookup.serve -> request;\n    map.write;\n"
+      "    map.write;\n    lookup.answer;\n"
+      "  robot: |\n    lookup.send;\n    lookup.receive -> answer;\n"
+      "    switch map.tryread { message { skip; } null { @missed skip; } }\n"
+      "properties:\n  first: \"G !robot@missed\"\n",
+      "late.yaml", read_requested_model);
+  Trace trace;
+  GlobalState state = initial_state(system);
+  const auto take = [&](std::uint32_t actor, const std::string& what) {
+    for (const Step& step : enabled_steps(system, state)) {
+      if (step.actor != actor) continue;
+      if (actor == nobody && describe_action(system, step) != what) continue;
+      trace.steps.push_back(step);
+      state = apply(system, state, step);
+      return;
+    }
+    FAIL() << "no step " << what;
+  };
+  for (const char* const what : {"0", "1", "map!lost", "lookup!request_arrives", "0", "0", "0", "0",
+                                 "0", "1", "lookup!answer_arrives", "1", "1", "1"}) {
+    const bool is_program = std::string(what).size() == 1;
+    take(is_program ? static_cast<std::uint32_t>(what[0] - '0') : nobody, what);
+  }
+  return {name, std::move(system), "first", std::move(trace)};
+}
+
 Shown shown(const std::string& name) {
   if (name == "lost-messages") {
     System system = read_example("case-study-1/buffered.yaml");
@@ -45,6 +80,7 @@ Shown shown(const std::string& name) {
     Trace trace = test::run_by_priority(system, {0, 1, 2});
     return {name, std::move(system), "deadlock", std::move(trace)};
   }
+  if (name == "late-messages") return late_messages(name);
   // The first producer never writes; the second goes round.
   System system = parse_system(
       "models: {via: {file: strict-1.dot}, sync: {file: buffered.dot}}\nprograms:\n"
@@ -108,7 +144,7 @@ TEST_P(TraceGolden, IsAsApproved) {
 
 INSTANTIATE_TEST_SUITE_P(Traces, TraceGolden,
                          testing::Combine(testing::Values("lost-messages", "thousand-steps",
-                                                          "never-again"),
+                                                          "never-again", "late-messages"),
                                           testing::Values("ascii.txt", "utf8.txt", "narrow.txt",
                                                           "steps.txt", "svg", "html")),
                          [](const auto& test) {

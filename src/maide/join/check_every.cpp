@@ -9,7 +9,6 @@
 #include "maide/base/file.hpp"
 #include "maide/base/numbers.hpp"
 #include "maide/base/text.hpp"
-#include "maide/check/rules/wire.hpp"
 #include "maide/check/search/filled.hpp"
 #include "maide/check/text/yaml_node.hpp"
 #include "maide/check/tree/edit.hpp"
@@ -112,9 +111,7 @@ FillableQueue fillable(const System& system, std::uint32_t queue, std::int64_t r
       part.held = count_held(system, index);
     } else if (model.source == ModelInstance::Source::wire &&
                is_wire_to(model.name, system.models[queue].name)) {
-      for (const std::string& text : model.state_texts) {
-        part.held.push_back(static_cast<std::uint32_t>(WireModel::count_in(text)));
-      }
+      part.held = model.held;
       part.held.resize(model.automaton.size());
     } else {
       continue;

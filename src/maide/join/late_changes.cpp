@@ -10,6 +10,7 @@
 
 #include "maide/base/numbers.hpp"
 #include "maide/base/text.hpp"
+#include "maide/check/system/components.hpp"
 #include "maide/check/tree/edit.hpp"
 #include "maide/check/tree/print.hpp"
 #include "maide/check/tree/system_tree.hpp"
@@ -259,6 +260,69 @@ class CodeChanger {
 std::vector<LateChange> list_late_changes(const System& system) {
   if (text_of(system).empty()) return {};
   return CodeChanger(system).list();
+}
+
+namespace {
+
+constexpr std::size_t most_pairs_tried = 10;
+
+// A late connection of the file that is no stream, and who has an end of it.
+struct LateConnection {
+  std::string section, name;
+  std::set<std::uint32_t> programs;
+};
+
+std::vector<LateConnection> find_late_connections(const System& system,
+                                                  const YamlDocument& document) {
+  const std::set<std::string> late = find_connections(system, &ConnectionInstance::is_late);
+  std::vector<LateConnection> found;
+  for (const std::string section : {"models", "topics", "services"}) {
+    const YamlNode* const entries = document.root.find(section);
+    if (entries == nullptr) continue;
+    for (const YamlEntry& entry : entries->entries) {
+      const std::string name = array_of(entry.key.value);
+      if (!late.contains(name) || entry.value.find("stream") != nullptr) continue;
+      found.push_back({section, entry.key.value, {}});
+      for (std::uint32_t program = 0; program < system.programs.size(); ++program) {
+        for (const std::uint32_t model : models_of(system.programs[program])) {
+          const std::string& used = ends_of_wire(system.models[model].name).model;
+          if (array_of(used) == name) found.back().programs.insert(program);
+        }
+      }
+    }
+  }
+  return found;
+}
+
+bool have_two_ends_in_common(const LateConnection& one, const LateConnection& other) {
+  return std::ranges::count_if(one.programs, [&](std::uint32_t program) {
+           return other.programs.contains(program);
+         }) >= 2;
+}
+
+}  // namespace
+
+std::vector<LateChange> list_one_message_changes(const System& system) {
+  std::vector<LateChange> changes;
+  if (text_of(system).empty()) return changes;
+  const YamlDocument before = read_yaml(text_of(system), system.file, "a system file");
+  const std::vector<LateConnection> found = find_late_connections(system, before);
+  for (auto one = found.begin(); one != found.end(); ++one) {
+    for (auto other = one + 1; other != found.end(); ++other) {
+      if (!have_two_ends_in_common(*one, *other)) continue;
+      if (changes.size() == most_pairs_tried) return changes;
+      YamlDocument changed = before;
+      for (const LateConnection& each : {*one, *other}) {
+        changed.root.at(each.section).at(each.name).set("stream", YamlNode("both"));
+      }
+      changes.push_back(
+          {one->name, print_system(changed),
+           fmt::format("{0} and {1} in one message, or on one connection that keeps the order: "
+                       "`stream: both` at {0} and {1}",
+                       one->name, other->name)});
+    }
+  }
+  return changes;
 }
 
 std::vector<WriterDepth> find_writer_depths(const System& system) {

@@ -23,6 +23,10 @@ struct LateChange {
 // before those at a reader. None of a file whose text is not known.
 std::vector<LateChange> list_late_changes(const System& system);
 
+// Two connections between the same programs as one that keeps the order (`stream: both`), as when
+// data and notice are one message. At most ten pairs, in the order of the file.
+std::vector<LateChange> list_one_message_changes(const System& system);
+
 // How many messages a writer keeps (`pub-depth`) that are on their way: of a topic or model with
 // late messages whose queue is written by hand or read from a file.
 struct WriterDepth {

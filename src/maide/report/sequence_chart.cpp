@@ -38,6 +38,7 @@ class Drawing {
     draw_lanes();
     int y = top_ + head_height + row_height;
     std::optional<int> loop_y;
+    draw_passages(y);
     for (const ChartRow& row : rows_) {
       if (chart_.loop_start && row.message >= *chart_.loop_start && !loop_y) loop_y = y;
       row.remark.empty() ? draw_message(row.message, y) : draw_remark(row.remark, y);
@@ -94,9 +95,14 @@ class Drawing {
     draw_small(margin, y, fmt::format("{}", index + 1));
     if (!message.place.empty()) draw_small(margin + number_width, y, message.place);
     const int from = x(message.from);
+    if (is_end_of_passage(index)) {  // whose line comes from above
+      const bool goes_left = message.to < message.from;
+      draw_remark_beside(x(message.to) + (goes_left ? -6 : 6), y, message.remark, goes_left);
+      return;
+    }
     if (message.from == message.to) {
       out_ << fmt::format("<circle cx=\"{}\" cy=\"{}\" r=\"3\" fill=\"#1f5fa8\"/>\n", from, y);
-      draw_label(from + 8, y + 4, message.label, "start");
+      draw_label(from + 8, begins_passage(index) ? y - 5 : y + 4, message.label, "start");
       return;
     }
     out_ << fmt::format(
@@ -106,9 +112,64 @@ class Drawing {
     // Beside the sender's lifeline, so that labels of long arrows do not hide other lifelines.
     const int direction = message.to > message.from ? 1 : -1;
     draw_label(from + direction * lane_width / 2, y - 5, message.label, "middle");
-    if (message.remark.empty()) return;
-    out_ << fmt::format("<text x=\"{}\" y=\"{}\" font-size=\"11\" fill=\"#b00000\">{}</text>\n",
-                        std::max(from, x(message.to)) + 6, y + 4, escape_markup(message.remark));
+    draw_remark_beside(std::max(from, x(message.to)) + 6, y, message.remark, false);
+  }
+
+  void draw_remark_beside(int at, int y, const std::string& remark, bool at_its_left) {
+    if (remark.empty()) return;
+    out_ << fmt::format("<text x=\"{}\" y=\"{}\" font-size=\"11\"{} fill=\"#b00000\">{}</text>\n",
+                        at, y + 4, at_its_left ? " text-anchor=\"end\"" : "",
+                        escape_markup(remark));
+  }
+
+  bool begins_passage(std::size_t index) const {
+    return std::ranges::any_of(chart_.passages, [&](const SequenceChart::Passage& passage) {
+      return passage.sent == index;
+    });
+  }
+
+  // The message is nothing but that.
+  bool is_end_of_passage(std::size_t index) const {
+    const SequenceChart::Message& message = chart_.messages[index];
+    return std::ranges::any_of(chart_.passages, [&](const SequenceChart::Passage& passage) {
+      return passage.ended == index && passage.from == message.from && passage.to == message.to;
+    });
+  }
+
+  // From the row of the sending to that of the end, those that are drawn. A sending that is not
+  // drawn is somewhere above, an arrival that is not drawn somewhere below.
+  void draw_passages(int first_y) {
+    std::map<std::size_t, int> places;  // by message
+    for (std::size_t row = 0; row < rows_.size(); ++row) {
+      if (!rows_[row].remark.empty()) continue;
+      places[rows_[row].message] = first_y + static_cast<int>(row) * row_height;
+    }
+    for (const SequenceChart::Passage& passage : chart_.passages) {
+      const auto sent = places.find(passage.sent);
+      const auto ended = passage.ended ? places.find(*passage.ended) : places.end();
+      if (sent == places.end() && ended == places.end()) continue;
+      const bool is_open = ended == places.end();
+      const int begin = sent != places.end() ? sent->second : ended->second - row_height;
+      const int end = !is_open        ? ended->second
+                      : passage.ended ? begin + row_height
+                                      : bottom_ - row_height / 2;
+      draw_passage(passage, begin, end, is_open);
+    }
+  }
+
+  void draw_passage(const SequenceChart::Passage& passage, int begin, int end, bool is_open) {
+    const bool arrives = !is_open && !passage.is_lost;
+    const int from = x(passage.from), to = x(passage.to);
+    const int stop = arrives ? to : from + (to - from) * 2 / 3;
+    out_ << fmt::format(
+        "<line x1=\"{}\" y1=\"{}\" x2=\"{}\" y2=\"{}\" stroke=\"#1f5fa8\" "
+        "stroke-width=\"1.4\"{}/>\n",
+        from, begin, stop, end,
+        arrives ? " marker-end=\"url(#arrow)\"" : " stroke-dasharray=\"5 3\"");
+    if (is_open || !passage.is_lost) return;
+    out_ << fmt::format(
+        "<path d=\"M{},{} l8,8 m0,-8 l-8,8\" stroke=\"#b00000\" stroke-width=\"1.6\"/>\n", stop - 4,
+        end - 4);
   }
 
   void draw_small(int at, int y, std::string_view text) {
@@ -300,10 +361,10 @@ namespace {
 
 // The characters of which the chart is drawn.
 struct Glyphs {
-  char32_t lifeline, line, right, left, crossing, dot, top, side, bottom;
+  char32_t lifeline, line, right, left, crossing, dot, top, side, bottom, late, lost;
 };
-constexpr Glyphs ascii{'|', '-', '>', '<', '+', '*', '+', '|', '+'};
-constexpr Glyphs line_drawing{U'│', U'─', U'→', U'←', U'┼', U'•', U'┌', U'│', U'└'};
+constexpr Glyphs ascii{'|', '-', '>', '<', '+', '*', '+', '|', '+', '.', 'x'};
+constexpr Glyphs line_drawing{U'│', U'─', U'→', U'←', U'┼', U'•', U'┌', U'│', U'└', U'╌', U'×'};
 
 constexpr std::size_t smallest_gap = 8;  // between lifelines
 constexpr std::size_t largest_label = 24;
@@ -357,7 +418,11 @@ class TextDrawing {
         chart_(chart),
         style_(style),
         glyphs_(style.unicode ? line_drawing : ascii),
-        layout_(chart) {}
+        layout_(chart) {
+    for (const SequenceChart::Passage& passage : chart.passages) {
+      if (passage.ended) passages_.emplace(*passage.ended, &passage);
+    }
+  }
 
   void draw() {
     draw_names();
@@ -411,7 +476,8 @@ class TextDrawing {
       line[from] = glyphs_.dot;
       put(line, from + 2, label);
     } else {
-      draw_arrow(line, from, to);
+      const auto passage = passages_.find(index);
+      draw_arrow(line, from, to, passage == passages_.end() ? nullptr : passage->second);
       put(line, to > from ? from + 2 : from - 3 - label.size(), U' ' + label + U' ');
     }
     std::string text = message.remark.empty() ? "" : "(" + message.remark + ")  ";
@@ -419,12 +485,17 @@ class TextDrawing {
     write(line, text);
   }
 
-  void draw_arrow(Characters& line, std::size_t from, std::size_t to) const {
+  // Dotted where it ends what was sent before.
+  void draw_arrow(Characters& line, std::size_t from, std::size_t to,
+                  const SequenceChart::Passage* passage) const {
     const std::size_t begin = std::min(from, to), end = std::max(from, to);
     for (std::size_t at = begin + 1; at < end; ++at) {
-      line[at] = line[at] == glyphs_.lifeline ? glyphs_.crossing : glyphs_.line;
+      const bool crosses = line[at] == glyphs_.lifeline;
+      line[at] = crosses ? glyphs_.crossing : passage != nullptr ? glyphs_.late : glyphs_.line;
     }
-    line[to > from ? to - 1 : to + 1] = to > from ? glyphs_.right : glyphs_.left;
+    char32_t& head = line[to > from ? to - 1 : to + 1];
+    head = to > from ? glyphs_.right : glyphs_.left;
+    if (passage != nullptr && passage->is_lost) head = glyphs_.lost;
   }
 
   void draw_remark(const std::string& remark, Characters& line) {
@@ -447,6 +518,7 @@ class TextDrawing {
   const ChartTextStyle& style_;
   const Glyphs& glyphs_;
   Layout layout_;
+  std::map<std::size_t, const SequenceChart::Passage*> passages_;  // by the message that ends it
 };
 
 }  // namespace

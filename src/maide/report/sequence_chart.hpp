@@ -29,6 +29,15 @@ struct SequenceChart {
     std::string counted{};
     std::size_t step = 0;  // of the run; further steps may lie between two messages
   };
+  // What is on its way for a while: drawn from the row of its sending down to that of its arrival.
+  // Where it is lost it ends in a cross, and where it is still on its way before it is there.
+  struct Passage {
+    std::size_t from = 0;  // lanes
+    std::size_t to = 0;
+    std::size_t sent = 0;                // index of the message that is its sending
+    std::optional<std::size_t> ended{};  // of the one that is its arrival or its loss
+    bool is_lost = false;
+  };
   struct Note {
     std::size_t lane = 0;
     std::string text;  // "waits for via!message"
@@ -37,6 +46,7 @@ struct SequenceChart {
   std::string title;  // one line above the chart; may be empty
   std::vector<Lane> lanes;
   std::vector<Message> messages;
+  std::vector<Passage> passages;
   std::optional<std::size_t> loop_start;  // messages from here on repeat for ever
   std::vector<Note> notes;                // what each lane ends in, below the last message
 };

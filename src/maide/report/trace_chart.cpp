@@ -17,6 +17,7 @@
 #include "maide/check/system/trace_file.hpp"
 #include "maide/check/verdict/check_system.hpp"
 #include "maide/check/verdict/message_account.hpp"
+#include "maide/check/verdict/on_its_way.hpp"
 #include "maide/check/verdict/service_account.hpp"
 #include "maide/report/trace_text.hpp"
 
@@ -25,16 +26,39 @@ namespace {
 
 using Kind = ProgramEdge::Kind;
 
-// From where to where what happens by itself goes: the first model that it uses, and the last.
-std::pair<std::uint32_t, std::uint32_t> ends_of(const System& system, const Step& step) {
-  const auto uses = uses_of(system, step);
-  return {uses.front().model, uses.back().model};
+// Threads give and take nothing, and what is on a wire is drawn between its ends.
+bool has_lane(const ModelInstance& model) {
+  return model.source != ModelInstance::Source::executor &&
+         model.source != ModelInstance::Source::wire;
 }
+
+// What becomes of what is sent, by step.
+struct Sendings {
+  Sendings(const System& system, const Trace& trace, const std::vector<GlobalState>& states)
+      : all(find_sent(system, trace, states)),
+        sent(trace.steps.size()),
+        ended(trace.steps.size(), nullptr) {
+    for (const SentMessage& message : all) {
+      sent[message.sent].push_back(&message);
+      if (message.ended) ended[*message.ended] = &message;
+    }
+  }
+  // The step sends something to that model that arrives later.
+  bool sends_to(std::size_t step, std::uint32_t model) const {
+    return std::ranges::any_of(sent[step],
+                               [&](const auto* message) { return message->to == model; });
+  }
+
+  std::vector<SentMessage> all;
+  std::vector<std::vector<const SentMessage*>> sent;
+  std::vector<const SentMessage*> ended;  // null: nothing; one of them, where a death ends several
+};
 
 // Where the lanes of programs and models are.
 class Lanes {
  public:
-  Lanes(const System& system, const Trace& trace) : programs_(system.programs.size()) {
+  Lanes(const System& system, const Trace& trace, const Sendings& sendings)
+      : programs_(system.programs.size()) {
     const std::size_t count = programs_ + system.models.size();
     // The first program, the models, the other programs: good where all talk to each other.
     order_.push_back(0);
@@ -43,13 +67,14 @@ class Lanes {
     }
     for (std::size_t i = 1; i < programs_; ++i) order_.push_back(i);
     talk_.assign(count, std::vector<std::size_t>(count, 0));
-    for (const Step& step : trace.steps) {
-      if (step.actor == nobody) {
-        const auto [from, to] = ends_of(system, step);
-        if (from != to) ++talk_[programs_ + from][programs_ + to];
-        continue;
-      }
+    for (const SentMessage& message : sendings.all) {
+      ++talk_[trace.steps[message.sent].actor][programs_ + message.to];
+    }
+    for (std::size_t at = 0; at < trace.steps.size(); ++at) {
+      const Step& step = trace.steps[at];
+      if (step.actor == nobody) continue;
       for (const ModelUse& event : events_of(system, step)) {
+        if (sendings.sends_to(at, event.model)) continue;
         ++talk_[step.actor][programs_ + event.model];
       }
     }
@@ -58,10 +83,6 @@ class Lanes {
     for (std::size_t lane = 0; lane < order_.size(); ++lane) lane_of_[order_[lane]] = lane;
   }
 
-  // Threads give and take nothing.
-  static bool has_lane(const ModelInstance& model) {
-    return model.source != ModelInstance::Source::executor;
-  }
   std::size_t count() const { return order_.size(); }
   std::size_t of_program(std::size_t program) const { return lane_of_[program]; }
   std::size_t of_model(std::size_t model) const { return lane_of_[programs_ + model]; }
@@ -120,19 +141,30 @@ std::string label_of(const System& system, const ModelUse& event) {
   return file_word(system, event.model, names.name(event.index));
 }
 
-// A combined step that gives to one model, or takes from one, is an arrow; other ones are notes of
-// the program. A step of nobody that uses several models is an arrow between two of them.
-SequenceChart::Message to_message(const System& system, const Lanes& lanes, const Step& step) {
-  if (step.actor == nobody) {
-    const auto [from, to] = ends_of(system, step);
-    const int line = place_of(system, step).line;
-    return {lanes.of_model(from),
-            lanes.of_model(to),
-            describe_action(system, step),
-            line == 0 ? "" : fmt::format("line {}", line),
-            "",
-            ""};
+// What happens by itself: an arrival is an arrow from who sent it, all else a note of the first
+// model that it uses and that has a lane.
+SequenceChart::Message by_itself(const System& system, const Lanes& lanes, const Trace& trace,
+                                 std::size_t at, const SentMessage* ended) {
+  const Step& step = trace.steps[at];
+  const int line = place_of(system, step).line;
+  SequenceChart::Message message;
+  message.label = describe_action(system, step);
+  if (line != 0) message.place = fmt::format("line {}", line);
+  if (ended != nullptr) {
+    message.from = lanes.of_program(trace.steps[ended->sent].actor);
+    message.to = lanes.of_model(ended->to);
+    return message;
   }
+  const auto uses = uses_of(system, step);
+  const auto shown = std::ranges::find_if(
+      uses, [&](const ModelUse& use) { return has_lane(system.models[use.model]); });
+  if (shown != uses.end()) message.from = message.to = lanes.of_model(shown->model);
+  return message;
+}
+
+// A combined step that gives to one model, or takes from one, is an arrow; other ones are notes of
+// the program, and so is what sends what arrives later.
+SequenceChart::Message to_message(const System& system, const Lanes& lanes, const Step& step) {
   const ProgramEdge& edge = edge_of(system, step);
   const std::size_t program = lanes.of_program(step.actor);
   SequenceChart::Message message{program, program, "", fmt::format("line {}", edge.line), "", ""};
@@ -189,15 +221,26 @@ std::string describe_wait(const System& system, const Program& program, const Pr
   }
 }
 
+// `counted`: the same of messages that are alike, if that is another text.
+void add_remark(SequenceChart::Message& message, const std::string& text,
+                const std::string& counted = "") {
+  if (!counted.empty() && message.counted.empty()) message.counted = message.remark;
+  const auto add = [](std::string& to, const std::string& more) {
+    to += (to.empty() ? "" : "; ") + more;
+  };
+  if (!counted.empty() || !message.counted.empty()) {
+    add(message.counted, counted.empty() ? text : counted);
+  }
+  add(message.remark, text);
+}
+
 // At each step in which a message was lost that some program would take.
 void remark_on_losses(const System& system, const Trace& trace,
                       const std::vector<GlobalState>& states, SequenceChart& chart) {
   for (const auto& [model, account] : find_losses(system, trace, states)) {
     for (const auto& loss : account.losses) {
-      std::string& remark = chart.messages[loss.step].remark;
-      const std::string text =
-          loss.count == 1 ? "one is lost" : fmt::format("{} are lost", loss.count);
-      remark += (remark.empty() ? "" : "; ") + text;
+      add_remark(chart.messages[loss.step],
+                 loss.count == 1 ? "one is lost" : fmt::format("{} are lost", loss.count));
     }
   }
 }
@@ -207,12 +250,11 @@ void remark_on_service_losses(const System& system, const Trace& trace,
                               const std::vector<GlobalState>& states, SequenceChart& chart) {
   for (const ServiceInstance& service : system.services) {
     for (const ServiceLoss& loss : find_service_losses(system, trace, states, service.model)) {
-      std::string& remark = chart.messages[loss.step].remark;
       const std::string& client = service.clients[loss.client];
-      remark += (remark.empty() ? "" : "; ") +
-                (loss.count == 1 ? std::string("one is lost: ")
-                                 : fmt::format("{} are lost: ", loss.count)) +
-                (loss.is_answer ? "the answer to " + client : client + "'s request");
+      add_remark(chart.messages[loss.step],
+                 (loss.count == 1 ? std::string("one is lost: ")
+                                  : fmt::format("{} are lost: ", loss.count)) +
+                     (loss.is_answer ? "the answer to " + client : client + "'s request"));
     }
   }
 }
@@ -232,9 +274,7 @@ void remark_on_values(const System& system, const Trace& trace,
     }
     SequenceChart::Message& message = chart.messages[at];
     if (values.empty() || join(values) == message.label) continue;
-    const std::string before = message.remark.empty() ? "" : message.remark + "; ";
-    message.remark = before + join(values);
-    message.counted = before + join(counted);
+    add_remark(message, join(values), join(counted));
   }
 }
 
@@ -253,10 +293,49 @@ void leave_out_hidden(const System& system, const Trace& trace, SequenceChart& c
   }
 }
 
+// Says at the arrival when it was sent, and at the sending if it never arrives.
+void remark_on(const Trace& trace, const SentMessage& sent, const SequenceChart::Passage& passage,
+               SequenceChart& chart) {
+  SequenceChart::Message& sending = chart.messages[passage.sent];
+  if (!passage.ended) {
+    if (!trace.loop_start) add_remark(sending, "still on its way at the end");
+  } else if (trace.steps[*sent.ended].actor == nobody) {
+    add_remark(chart.messages[*passage.ended], fmt::format("sent at step {}", passage.sent + 1),
+               fmt::format("sent {} steps before", *passage.ended - passage.sent));
+  } else {
+    add_remark(sending, fmt::format("lost at step {}", *passage.ended + 1),
+               fmt::format("lost {} steps later", *passage.ended - passage.sent));
+  }
+}
+
+// Each message that arrives later than it is sent. Its sending stays with the sender.
+void add_passages(const Trace& trace, const Lanes& lanes, const Sendings& sendings,
+                  SequenceChart& chart) {
+  std::map<std::size_t, std::size_t> rows;  // by step
+  for (std::size_t row = 0; row < chart.messages.size(); ++row) {
+    rows[chart.messages[row].step] = row;
+  }
+  for (const SentMessage& sent : sendings.all) {
+    const std::size_t from = lanes.of_program(trace.steps[sent.sent].actor);
+    const std::size_t to = lanes.of_model(sent.to);
+    const auto begin = rows.find(sent.sent);
+    if (begin == rows.end()) continue;
+    SequenceChart::Passage passage{from, to, begin->second, {}, sent.is_lost};
+    SequenceChart::Message& sending = chart.messages[passage.sent];
+    if (sending.to == to) sending.to = sending.from;
+    const auto end = sent.ended ? rows.find(*sent.ended) : rows.end();
+    if (end != rows.end()) passage.ended = end->second;
+    remark_on(trace, sent, passage, chart);
+    chart.passages.push_back(passage);
+  }
+}
+
 }  // namespace
 
 SequenceChart make_trace_chart(const System& system, const Trace& trace, std::string title) {
-  const Lanes lanes(system, trace);
+  const std::vector<GlobalState> states = replay(system, trace);
+  const Sendings sendings(system, trace, states);
+  const Lanes lanes(system, trace, sendings);
   SequenceChart chart;
   chart.title = std::move(title);
   chart.loop_start = trace.loop_start;
@@ -265,24 +344,29 @@ SequenceChart make_trace_chart(const System& system, const Trace& trace, std::st
     chart.lanes[lanes.of_program(i)] = {system.programs[i].name, false};
   }
   for (std::size_t i = 0; i < system.models.size(); ++i) {
-    if (!Lanes::has_lane(system.models[i])) continue;
+    if (!has_lane(system.models[i])) continue;
     chart.lanes[lanes.of_model(i)] = {system.models[i].name, true};
   }
   std::map<std::pair<std::uint32_t, int>, std::string> sources;  // by program and line
-  for (const Step& step : trace.steps) {
-    chart.messages.push_back(to_message(system, lanes, step));
-    chart.messages.back().step = chart.messages.size() - 1;
-    if (step.actor == nobody) continue;
-    const int line = place_of(system, step).line;
-    const auto [source, is_new] = sources.try_emplace({step.actor, line});
-    if (is_new) source->second = source_line(system, system.programs[step.actor], line);
-    chart.messages.back().source = source->second;
+  for (std::size_t at = 0; at < trace.steps.size(); ++at) {
+    const Step& step = trace.steps[at];
+    SequenceChart::Message message = step.actor == nobody
+                                         ? by_itself(system, lanes, trace, at, sendings.ended[at])
+                                         : to_message(system, lanes, step);
+    message.step = at;
+    if (step.actor != nobody) {
+      const int line = place_of(system, step).line;
+      const auto [source, is_new] = sources.try_emplace({step.actor, line});
+      if (is_new) source->second = source_line(system, system.programs[step.actor], line);
+      message.source = source->second;
+    }
+    chart.messages.push_back(std::move(message));
   }
-  const std::vector<GlobalState> states = replay(system, trace);
   remark_on_losses(system, trace, states, chart);
   remark_on_service_losses(system, trace, states, chart);
   remark_on_values(system, trace, states, chart);
   leave_out_hidden(system, trace, chart);
+  add_passages(trace, lanes, sendings, chart);
   const GlobalState& last = states.back();
   if (last.is_cut) return chart;
   // Programs that go round in the loop have no end.

@@ -44,12 +44,14 @@ properties:
   first: "G !robot@missed"
 )";
 
-TEST(LateChanges, WaitForTheArrivalOrAskAgain) {
+TEST(LateChanges, WaitForTheArrivalAskAgainOrSendOneMessage) {
   EXPECT_THAT(
       suggested(notice),
       ElementsAre(StartsWith("`wait map -> arrived;` behind `map.write;` in line 5 (checked: "),
                   StartsWith("`loop { switch map.tryread { message { @has skip; break; } null { "
-                             "skip; } } }` in line 8: ask again (checked: ")));
+                             "skip; } } }` in line 8: ask again (checked: "),
+                  StartsWith("map and notice in one message, or on one connection that keeps the "
+                             "order: `stream: both` at map and notice (checked: ")));
 }
 
 TEST(LateChanges, NoneWhereNothingIsLate) {

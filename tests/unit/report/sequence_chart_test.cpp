@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <optional>
 #include <sstream>
 
 namespace maide {
@@ -50,6 +51,44 @@ TEST(SequenceChart, LeavesOutTheMiddleOfLongRunsAndSaysSo) {
   const std::string svg = draw(chart, 10);
   EXPECT_EQ(count(svg, "marker-end"), 9U);
   EXPECT_EQ(count(svg, "steps 6 to 996 not shown"), 1U);
+}
+
+// The writer sends with the first message what arrives, is lost, or goes on.
+SequenceChart sent_at_first(std::optional<std::size_t> ended, bool is_lost) {
+  SequenceChart chart;
+  chart.lanes = {{"planner", false}, {"via", true}};
+  chart.messages = {{0, 0, "write", "", "", ""}, {0, 0, "work", "", "", ""}};
+  if (ended) chart.messages.push_back({0, 1, "via!arrives", "", "", "sent at step 1"});
+  chart.passages = {{0, 1, 0, ended, is_lost}};
+  return chart;
+}
+
+TEST(SequenceChart, DrawsWhatArrivesLaterFromItsSendingToItsArrival) {
+  const std::string svg = draw(sent_at_first(2, false));
+  EXPECT_EQ(count(svg, R"(<line x1="192" y1="70" x2="356" y2="122" )"), 1U);
+  EXPECT_EQ(count(svg, "marker-end"), 1U);
+  EXPECT_EQ(count(svg, ">sent at step 1<"), 1U);
+  EXPECT_EQ(count(svg, ">via!arrives<"), 0U);  // the line says it
+}
+
+TEST(SequenceChart, EndsWhatIsLostInACrossAndWhatIsOnItsWayNowhere) {
+  const std::string lost = draw(sent_at_first(2, true)), open = draw(sent_at_first({}, false));
+  EXPECT_EQ(count(lost, "marker-end"), 0U);
+  EXPECT_EQ(count(lost, "l8,8 m0,-8 l-8,8"), 1U);
+  EXPECT_EQ(count(open, "marker-end"), 0U);
+  EXPECT_EQ(count(open, "l8,8 m0,-8 l-8,8"), 0U);
+  EXPECT_EQ(count(open, R"(x2="301" )"), 1U);  // two thirds of the way
+}
+
+TEST(SequenceChart, DrawsTheEndOfWhatWasSentInARowThatIsNotShown) {
+  SequenceChart chart = sent_at_first(20, false);
+  chart.messages.resize(2);
+  for (int i = 2; i < 20; ++i) chart.messages.push_back({0, 0, std::to_string(i), "", "", ""});
+  chart.messages.push_back({0, 1, "via!arrives", "", "", "sent at step 3"});
+  chart.passages[0].sent = 2;
+  const std::string svg = draw(chart, 4);
+  EXPECT_EQ(count(svg, "marker-end"), 1U);
+  EXPECT_EQ(count(svg, R"(<line x1="192" y1="122" x2="356" y2="148" )"), 1U);
 }
 
 TEST(SequenceChart, MarksTheLoop) {

@@ -42,6 +42,27 @@ TEST(SequenceChartText, IsPlainAscii) {
 )");
 }
 
+TEST(SequenceChartText, DotsWhatWasSentBeforeAndCrossesWhatIsLost) {
+  SequenceChart chart;
+  chart.lanes = {{"planner", false}, {"via", true}};
+  chart.messages = {{0, 0, "write", "line 8", "", ""},
+                    {0, 1, "arrives", "", "", "sent at step 1"},
+                    {0, 1, "lost", "", "", ""}};
+  chart.passages = {{0, 1, 0, 1, false}, {0, 1, 0, 2, true}};
+  EXPECT_EQ(draw(chart), R"(
+     planner        via
+  1     * write      |    line 8
+  2     |. arrives .>|    (sent at step 1)
+  3     |. lost ....x|
+)");
+  EXPECT_EQ(draw(chart, {.width = 60, .unicode = true}), R"(
+     planner        via
+  1     • write      │    line 8
+  2     │╌ arrives ╌→│    (sent at step 1)
+  3     │╌ lost ╌╌╌╌×│
+)");
+}
+
 TEST(SequenceChartText, DrawsLinesInUtf8AndBracketsTheLoop) {
   SequenceChart chart = burst();
   chart.loop_start = 6;

@@ -75,10 +75,12 @@ class Growth {
   // Not of so many that nobody looks at them.
   void describe(ModelInstance& instance, const GrowingModel& growing) const {
     instance.state_texts.clear();
+    instance.held.clear();
     instance.service_contents.clear();
     if (growing.is_large() || instance.automaton.size() > limits_.small_states) return;
     for (StateId state = 0; state < instance.automaton.size(); ++state) {
       instance.state_texts.push_back(growing.describe(state));
+      if (const auto held = growing.held(state)) instance.held.push_back(*held);
       const auto contents = growing.service_contents(state);
       if (contents) instance.service_contents.push_back(*contents);
     }

@@ -310,6 +310,7 @@ class WireMaker {
     if (wire.rules->make_all(instance.automaton, may_die, most_states)) {
       for (StateId state = 0; state < instance.automaton.size(); ++state) {
         instance.state_texts.push_back(wire.rules->describe(state));
+        instance.held.push_back(wire.rules->held(state).value());
       }
     } else {
       wire.rules = std::make_shared<WireModel>(rules, std::move(names));

@@ -77,6 +77,8 @@ class GrowingModel {
   virtual bool is_large() const = 0;
   // What the model holds there, in words; empty where its name says it.
   virtual std::string describe(StateId) const { return ""; }
+  // How many messages it holds there, if it is a wire.
+  virtual std::optional<std::uint32_t> held(StateId) const { return std::nullopt; }
   // What it holds there, if it is a service.
   virtual std::optional<ServiceContents> service_contents(StateId) const { return std::nullopt; }
   // Adds to the automaton, which start() made, what follows `state`. Nothing the second time.

@@ -114,9 +114,8 @@ std::string WireModel::describe(StateId state) const {
   return (count == 1 ? "a message" : std::to_string(count) + " messages") + values;
 }
 
-std::size_t WireModel::count_in(const std::string& description) {
-  if (description.empty()) return 0;
-  return description.front() == 'a' ? 1 : std::stoul(description);
+std::optional<std::uint32_t> WireModel::held(StateId state) const {
+  return is_elsewhere(state) ? 0 : static_cast<std::uint32_t>(contents(state).size() - 1);
 }
 
 std::string WireModel::text_of(const Operation& operation) const {

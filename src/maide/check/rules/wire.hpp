@@ -60,8 +60,7 @@ class WireModel : public GrowingModel {
   bool is_large() const override { return false; }
   // "2 messages: 3, 4"; "" of an empty wire.
   std::string describe(StateId state) const override;
-  // How many messages such a text is of.
-  static std::size_t count_in(const std::string& description);
+  std::optional<std::uint32_t> held(StateId state) const override;
 
   // Adds all states to the automaton, which start() made. False if they are more than `most`.
   bool make_all(InterfaceAutomaton& automaton, bool writer_may_die, std::size_t most);

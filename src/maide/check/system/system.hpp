@@ -94,6 +94,7 @@ struct ModelInstance {
   // Of a queue that has too many states to make them all: it has those that programs reach.
   bool is_grown = false;
   std::vector<std::string> state_texts;  // of a service or wire, by state: what is on its way
+  std::vector<std::uint32_t> held;       // of a wire, by state: how many messages are on it
   std::vector<ServiceContents> service_contents;  // of a service, by state
   WhenUnexplored when_unexplored = WhenUnexplored::stop;
   WhenWeak when_weak = WhenWeak::inconclusive;
@@ -103,6 +104,8 @@ struct ModelInstance {
   bool is_learned = false;  // `origin` is a system: learned for this check, or an earlier one
   SourcePosition position;
 
+  // How many messages are on the wire there; 0 of what is no wire, or where it is not known.
+  std::uint32_t held_in(StateId state) const { return state < held.size() ? held[state] : 0; }
   const InterfaceAutomaton& read_automaton() const { return as_read ? *as_read : automaton; }
   // What was read is another one now.
   void read(InterfaceAutomaton other) {

@@ -222,7 +222,7 @@ MAIDE_JSON_MEMBERS(Property, name, kind, formula, is_possibility, never, fairnes
 MAIDE_JSON_MEMBERS(ModelAction, name, steps, is_call)
 MAIDE_JSON_MEMBERS(ServiceContents, requests, served, answers, sent, coming)
 MAIDE_JSON_MEMBERS(ModelInstance, name, automaton, actions, source, type, is_grown, state_texts,
-                   service_contents, when_unexplored, when_weak, origin, as_read, is_learned,
+                   held, service_contents, when_unexplored, when_weak, origin, as_read, is_learned,
                    position)
 MAIDE_JSON_MEMBERS(NobodysAction, what, counts_for_deadlock, is_shown, lost, position, origin)
 MAIDE_JSON_MEMBERS(TopicInstance::Reader, program, model, callback, collected)

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "maide/check/rules/wire.hpp"
 #include "maide/check/system/components.hpp"
 #include "maide/check/verdict/message_account.hpp"
 #include "maide/check/verdict/service_account.hpp"
@@ -184,9 +183,7 @@ void MessageLanes::add_wires(const System& system) {
     if (wire.source != Source::wire || writer.empty()) continue;
     MessageLane lane{MessageLane::Kind::wire, model};
     for (StateId state = 0; state < wire.automaton.size(); ++state) {
-      const bool is_known = state < wire.state_texts.size();
-      lane.held.push_back(
-          is_known ? static_cast<std::uint32_t>(WireModel::count_in(wire.state_texts[state])) : 0);
+      lane.held.push_back(wire.held_in(state));
     }
     lane.on_way = lane.held;
     lane.writers = programs_named(system, writer);
