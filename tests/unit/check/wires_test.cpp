@@ -5,11 +5,15 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdint>
+#include <set>
 #include <string>
 #include <vector>
 
+#include "maide/base/error.hpp"
 #include "maide/check/build/system_file.hpp"
 #include "maide/check/engines/engine.hpp"
+#include "maide/check/packed/packed_system.hpp"
 #include "maide/check/rules/wire.hpp"
 #include "maide/check/verdict/check_system.hpp"
 #include "systems.hpp"
@@ -207,6 +211,49 @@ TEST(Wires, AStreamIsOfTwoProcesses) {
 }
 
 // A dead reader's messages do not stand before those of others.
+TEST(Wires, WhatADeathForgetsMayBeMoreThanACodeOfAStepHolds) {
+  const System system = wired(R"yaml(topics:
+  t: {writers: [a, b], readers: [r], use: queue, with: {depth: 2}}
+  u: {writers: [r], readers: [c], use: queue, with: {depth: 2}}
+programs:
+  a: "t.write(1);"
+  b: "t.write(2);"
+  r: {do: "t.read -> message; u.write;", may_die: true}
+  c: "u.read -> message;"
+properties:
+  comes: "G (a@end -> F t!arrives(1))"
+)yaml");
+  EXPECT_TRUE(PackedSystem(system).has_kept_codes());
+  PackedSystem(system).check_invariants();
+  for (const unsigned threads : {1U, 3U}) {
+    NativeEngine engine;
+    CheckRequest request;
+    request.options.threads = threads;
+    const CheckReport report = check_system(system, engine, request);
+    for (const char* const name : {"deadlock", "comes"}) {
+      const auto result = std::ranges::find(report.properties, name, &PropertyResult::name);
+      ASSERT_NE(result, report.properties.end());
+      EXPECT_EQ(result->verdict, Verdict::violated);
+      EXPECT_TRUE(result->trace.has_value());
+    }
+  }
+}
+
+TEST(KeptLists, HaveANumberEach) {
+  KeptLists lists(2);
+  const std::vector<std::vector<std::uint32_t>> all{{1, 2}, {2, 1}, {3}};
+  std::set<std::uint64_t> numbers;
+  for (const auto& list : all) {
+    const std::uint64_t number = lists.number_of(list);
+    EXPECT_EQ(lists.number_of(list), number);
+    EXPECT_EQ(lists.at(number), list);
+    EXPECT_LT(number, 4U);
+    numbers.insert(number);
+  }
+  EXPECT_EQ(numbers.size(), all.size());
+  EXPECT_THROW(lists.number_of(std::vector<std::uint32_t>{4}), UsageError);
+}
+
 TEST(Wires, AStreamForgetsTheDead) {
   const std::string text =
       "topics:\n"

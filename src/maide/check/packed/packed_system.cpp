@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "maide/base/error.hpp"
+#include "maide/base/hash.hpp"
 #include "maide/base/invariant.hpp"
 #include "maide/base/numbers.hpp"
 
@@ -15,6 +16,7 @@ namespace {
 // What a StateTable can do: see there.
 constexpr unsigned first_word = 44, most_payload = 32;
 constexpr unsigned most_code_bits = 31;  // what a table of steps has room for
+constexpr unsigned most_kept_bits = 24;  // of a number of what is kept; fewer where there is no room
 
 // The first actions of nobody's parts, and their number. An action belongs to the part before it if
 // both use one wire.
@@ -219,17 +221,29 @@ void PackedSystem::number_codes() {
   for (const PackedActor& actor : actors_) {
     for (const auto& edges : actor.edges_into) most_into = std::max(most_into, edges.size());
   }
-  unsigned most_source_bits = 0;
-  for (std::size_t actor = 0; actor < actors_.size(); ++actor) {
-    for (std::size_t action = 0; action < actors_[actor].edges.size(); ++action) {
-      unsigned bits = 0;
-      for (const ModelUse& use : uses_of(actor, action)) bits += table_of(use).source_bits;
-      most_source_bits = std::max(most_source_bits, bits);
-    }
-  }
   actor_bits_ = bits_for(actors_.size());
   into_bits_ = bits_for(most_into);
-  code_bits_ = actor_bits_ + into_bits_ + most_source_bits;
+  const unsigned taken = actor_bits_ + into_bits_;
+  const unsigned room = taken < most_code_bits ? most_code_bits - taken : 0;
+  bool keeps = false;
+  for (std::size_t actor = 0; actor < actors_.size(); ++actor) {
+    for (std::size_t action = 0; action < actors_[actor].edges.size(); ++action) {
+      const auto uses = uses_of(actor, action);
+      unsigned bits = 0;
+      for (const ModelUse& use : uses) bits += table_of(use).source_bits;
+      // Each use for itself has room, or no step has.
+      const bool is_kept = bits > room && std::ranges::all_of(uses, [&](const ModelUse& use) {
+        return table_of(use).source_bits <= room;
+      });
+      keeps = keeps || is_kept;
+      if (!is_kept) most_source_bits_ = std::max(most_source_bits_, bits);
+    }
+  }
+  if (keeps) {
+    most_source_bits_ = std::max(most_source_bits_, std::min(room, most_kept_bits));
+    kept_ = std::make_unique<KeptLists>(most_source_bits_);
+  }
+  code_bits_ = taken + most_source_bits_;
   const unsigned shift = actor_bits_ + into_bits_;
   for (Target& target : targets_) {
     if (target.state < several) target.code = (target.code << shift) & 0x7fffffff;
@@ -305,14 +319,21 @@ void PackedSystem::place_uses(std::span<const ModelUse> uses, PackedEdge& compil
     return;
   }
   PackedCombination& combined = combined_.emplace_back();
+  combined.is_kept = is_kept(uses);
   compiled.table = first_combined + static_cast<std::uint32_t>(combined_.size() - 1);
   unsigned code_shift = 0;
   for (const ModelUse& use : uses) {
     const ActionTable& table = table_of(use);
     MAIDE_CHECK(table.first != no_table);
-    combined.push_back({models_[use.model], table.first, code_shift});
+    combined.uses.push_back({models_[use.model], table.first, code_shift});
     code_shift += table.source_bits;
   }
+}
+
+bool PackedSystem::is_kept(std::span<const ModelUse> uses) const {
+  unsigned bits = 0;
+  for (const ModelUse& use : uses) bits += table_of(use).source_bits;
+  return bits > most_source_bits_;
 }
 
 StepBefore PackedSystem::undo(const GlobalState& state, std::uint64_t code) const {
@@ -330,11 +351,15 @@ StepBefore PackedSystem::undo(const GlobalState& state, std::uint64_t code) cons
   origin.step.action = actor.edges_into.at(is_program ? state.programs[index] : 0).at(place);
   if (is_program) origin.before.programs[index] = actor.sources[origin.step.action];
   const auto uses = uses_of(index, origin.step.action);
-  for (const ModelUse& use : uses) {
+  std::vector<std::uint32_t> kept;
+  if (is_kept(uses)) kept = kept_->at(std::exchange(code, 0));
+  for (std::size_t at = 0; at < uses.size(); ++at) {
+    const ModelUse& use = uses[at];
     const ActionTable& table = table_of(use);
     // Behind a single use there is room for that of any other.
-    const std::size_t source = uses.size() == 1 ? static_cast<std::size_t>(std::exchange(code, 0))
-                                                : cut_off(table.source_bits);
+    const std::size_t source = !kept.empty()       ? kept[at]
+                               : uses.size() == 1 ? static_cast<std::size_t>(std::exchange(code, 0))
+                                                  : cut_off(table.source_bits);
     const Source& from = table.sources.at(state.models[use.model]).at(source);
     origin.step.targets.push_back(state.models[use.model]);
     origin.step.is_beyond = origin.step.is_beyond || from.is_beyond;
@@ -344,6 +369,29 @@ StepBefore PackedSystem::undo(const GlobalState& state, std::uint64_t code) cons
   }
   MAIDE_CHECK(code == 0);
   return origin;
+}
+
+std::uint64_t KeptLists::number_of(std::span<const std::uint32_t> list) {
+  std::uint64_t hash = hash_start;
+  for (const std::uint32_t each : list) hash = hash_mix(hash, each);
+  const std::lock_guard lock(mutex_);
+  std::uint64_t number = hash & low_bits(bits_);
+  for (;; number = (number + 1) & low_bits(bits_)) {
+    const auto place = lists_.find(number);
+    if (place == lists_.end()) break;
+    if (std::ranges::equal(place->second, list)) return number;
+  }
+  // The last place stays free, so that looking for one ends.
+  if (lists_.size() >= low_bits(bits_)) {
+    throw UsageError("the steps of the system forget too much in too many ways for the engine native");
+  }
+  lists_.emplace(number, std::vector<std::uint32_t>(list.begin(), list.end()));
+  return number;
+}
+
+std::vector<std::uint32_t> KeptLists::at(std::uint64_t number) const {
+  const std::lock_guard lock(mutex_);
+  return lists_.at(number);
 }
 
 template <std::size_t words>

@@ -5,11 +5,16 @@
 // state. The meaning is that of check/system/system.hpp; tests hold the two against one another.
 //
 // Each step also has a code of a few bits. The code and the state after the step tell the state
-// before it. Stored with each state, the codes are the search's tree.
+// before it. Stored with each state, the codes are the search's tree. Where a step forgets more
+// than a code has room for (a reader dies, and all that is on its way to it is gone), what it forgot
+// is kept beside, and the code is its number there.
 #pragma once
 
 #include <cstdint>
+#include <memory>
+#include <mutex>
 #include <span>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -38,6 +43,22 @@ struct PackedField {
   }
 };
 
+// Numbers for lists of numbers, which are kept. The number of a list is its hash, or the next one
+// that is free, so that it hardly depends on who came first. Threads may use it at once.
+class KeptLists {
+ public:
+  // Numbers have so many bits: 1..32.
+  explicit KeptLists(unsigned bits) : bits_(bits) {}
+  // Throws UsageError if all numbers are taken.
+  std::uint64_t number_of(std::span<const std::uint32_t> list);
+  std::vector<std::uint32_t> at(std::uint64_t number) const;
+
+ private:
+  unsigned bits_;
+  mutable std::mutex mutex_;
+  std::unordered_map<std::uint64_t, std::vector<std::uint32_t>> lists_;
+};
+
 class PackedSystem {
  public:
   static constexpr std::size_t most_words = 64;
@@ -52,6 +73,8 @@ class PackedSystem {
   unsigned address_bits() const { return address_bits_; }
   unsigned state_bits() const { return state_bits_; }
   unsigned code_bits() const { return code_bits_; }
+  // Some steps' codes mean nothing to another PackedSystem of the same system.
+  bool has_kept_codes() const { return kept_ != nullptr; }
 
   template <std::size_t words>
   PackedState<words> pack(const GlobalState& state) const {
@@ -272,7 +295,10 @@ class PackedSystem {
     std::uint32_t table = no_table;
     unsigned code_shift = 0;  // of its part of the step's code, behind that of the first use
   };
-  using PackedCombination = std::vector<PackedUse>;
+  struct PackedCombination {
+    std::vector<PackedUse> uses;
+    bool is_kept = false;  // where it comes from is not in the code: it is kept
+  };
   // A program, or a part of nobody: its field has no bits, and its edges before the first of its
   // own are empty.
   struct PackedActor {
@@ -316,7 +342,7 @@ class PackedSystem {
   [[gnu::noinline]] std::uint64_t count_outcomes(const PackedState<words>& state,
                                                  const PackedEdge& edge) const {
     std::uint64_t count = 1;
-    for (const PackedUse& use : combined_[edge.table - first_combined]) {
+    for (const PackedUse& use : combined_[edge.table - first_combined].uses) {
       const Target& target = targets_[use.table + use.model.get(state)];
       if (target.state == none) return 0;
       if (target.state == several) count *= several_[target.code].size();
@@ -337,7 +363,9 @@ class PackedSystem {
                                                std::uint64_t left) const {
     Taken<words> taken{state, edge.code, false};
     taken.next[actor.field.word] += edge.control_change;
-    const PackedCombination& uses = combined_[edge.table - first_combined];
+    const PackedCombination& combined = combined_[edge.table - first_combined];
+    const std::vector<PackedUse>& uses = combined.uses;
+    std::vector<std::uint32_t> sources(combined.is_kept ? uses.size() : 0);
     for (std::size_t at = uses.size(); at > 0; --at) {
       const PackedUse& use = uses[at - 1];
       const std::uint32_t from = use.model.get(state);
@@ -349,10 +377,17 @@ class PackedSystem {
         left /= steps.size();
       }
       taken.next[use.model.word] += (std::uint64_t{target.state} - from) << use.model.shift;
-      taken.code |= std::uint64_t{target.code} << use.code_shift;
+      if (combined.is_kept) {
+        sources[at - 1] = target.code >> (actor_bits_ + into_bits_);
+      } else {
+        taken.code |= std::uint64_t{target.code} << use.code_shift;
+      }
       taken.is_cut = taken.is_cut || target.is_cut != 0;
     }
     MAIDE_CHECK(left == 0);
+    if (combined.is_kept) {
+      taken.code |= kept_->number_of(sources) << (actor_bits_ + into_bits_);
+    }
     return taken;
   }
 
@@ -365,6 +400,7 @@ class PackedSystem {
   void add_calls();
   void add_action(const ModelUse& use);
   void number_codes();
+  bool is_kept(std::span<const ModelUse> uses) const;
   void lay_out(unsigned payload_bits, std::size_t monitor_states);
   void place_fields();
   void place_uses(std::span<const ModelUse> uses, PackedEdge& compiled);
@@ -383,6 +419,8 @@ class PackedSystem {
   std::size_t words_ = 1;
   unsigned address_bits_ = 0, state_bits_ = 0, code_bits_ = 0;
   unsigned actor_bits_ = 0, into_bits_ = 0;
+  unsigned most_source_bits_ = 0;  // in a code; steps that need more are kept
+  std::unique_ptr<KeptLists> kept_;
   bool has_cuts_ = false, has_idle_steps_ = false;
   std::vector<std::uint32_t> erring_;  // programs with errors
   std::vector<bool> weak_groups_;      // by fair group: whether it is fair on weakly fair runs

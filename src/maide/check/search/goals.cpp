@@ -113,6 +113,12 @@ SearchResult explore_for(const System& plain, std::optional<ReductionRules> rule
                          MakeGoal&& make_goal) {
   PackedSystem system(plain);
   if (!leaves_out_orders(reduction) || system.actor_count() > most_actors_in_a_word) rules.reset();
+  const bool is_shared = limits.ranks != nullptr && limits.ranks->size() > 1;
+  if (system.has_kept_codes() && (is_shared || checkpoint != nullptr)) {
+    throw UsageError(fmt::format(
+        "{}: its steps forget too much for {}: a reader's death, with all that is on its way to it",
+        plain.file, is_shared ? "several processes" : "a checkpoint"));
+  }
   const unsigned chain = rules && reduction == Reduction::full ? chain_length(system) : 1;
   if (chain > 1) system = PackedSystem(plain, chain_bits(chain, system.code_bits()));
   std::optional<StubbornSets> sets;
