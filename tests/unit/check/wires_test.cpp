@@ -224,7 +224,6 @@ properties:
   comes: "G (a@end -> F t!arrives(1))"
 )yaml");
   EXPECT_TRUE(PackedSystem(system).has_kept_codes());
-  PackedSystem(system).check_invariants();
   for (const unsigned threads : {1U, 3U}) {
     NativeEngine engine;
     CheckRequest request;
