@@ -529,6 +529,33 @@ TEST(Wires, FormulasNameArrivals) {
   EXPECT_EQ(verdict_of(at_once, "none"), "holds");
 }
 
+// Of values, and of one client: where all arrives at once they are false, and a remark says so.
+TEST(Wires, AtomsOfWhatArrivesAtOnceNeverHold) {
+  const std::string text =
+      "topics: {data: {writers: a, readers: b, use: queue, with: {depth: 2}, delivery: late}}\n"
+      "services: {ask: {server: a, clients: [b, c], delivery: late}}\n"
+      "programs:\n"
+      "  a: \"data.write(1); loop { idle ask.serve -> request; ask.answer; }\"\n"
+      "  b: \"data.read -> message(var x);\"\n"
+      "  c: \"ask.send; ask.receive -> answer;\"\n"
+      "properties:\n"
+      "  one: \"G !data!arrives(1)\"\n"
+      "  two: \"G !ask[c]!request_arrives\"\n";
+  EXPECT_EQ(verdict_of(text, "one"), "violated");
+  EXPECT_EQ(verdict_of(text, "two"), "violated");
+  EXPECT_THAT(wired(text).remarks, Not(testing::Contains(HasSubstr("at once"))));
+  const std::string at_once = changed(text, "delivery: late", "delivery: at_once");
+  EXPECT_EQ(verdict_of(at_once, "one"), "holds");
+  EXPECT_EQ(verdict_of(at_once, "two"), "holds");
+  EXPECT_THAT(wired(at_once).remarks,
+              testing::Contains("data!arrives(1) never holds: it arrives at once (s.yaml:8:8)"));
+  EXPECT_THAT(
+      wired(at_once).remarks,
+      testing::Contains("ask[c]!request_arrives never holds: it arrives at once (s.yaml:9:8)"));
+  EXPECT_THAT(test::error_of([&] { wired(changed(at_once, "arrives(1)", "arrives(x)")); }),
+              HasSubstr("has no output 'arrives(x)'"));
+}
+
 TEST(Wires, APublisherKeepsAtLeastOne) {
   EXPECT_THAT(
       test::error_of([] { wired(changed(chart_and_bell, "depth: 3", "depth: 3, pub-depth: 0")); }),

@@ -227,7 +227,16 @@ class SystemBuilder {
     return {system_.programs, interfaces_, system_.expressions, &system_.words, &models_.names};
   }
   std::vector<FormulaInstance> formulas(const TreeNode& field) {
-    return resolve_formulas(*field.formula, scope(), &system_.expressions);
+    std::vector<std::string> at_once;
+    FormulaScope scope = this->scope();
+    if (!file_.is_at_rest) scope.at_once = &at_once;
+    std::vector<FormulaInstance> found =
+        resolve_formulas(*field.formula, scope, &system_.expressions);
+    for (const std::string& event : std::set<std::string>(at_once.begin(), at_once.end())) {
+      system_.remarks.push_back(event + " never holds: it arrives at once (" +
+                                to_string(file_.tree().at(field)) + ")");
+    }
+    return found;
   }
   // `G e` of what always holds, `G !e` of what is possible.
   std::vector<FormulaInstance> of_states(const TreeNode& field) {

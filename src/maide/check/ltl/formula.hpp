@@ -71,6 +71,8 @@ struct FormulaScope {
   const Names* names = nullptr;                  // variables and constants of the file
   // The models' inputs and outputs are known. Before, no use of them is checked.
   bool knows_models = true;
+  // Atoms that never hold, for what they watch for arrives at once, are noted here: "map!arrives".
+  std::vector<std::string>* at_once = nullptr;
 };
 
 // Parses: atoms `program@label`, `program@end`, `model.input`, `model!output`,

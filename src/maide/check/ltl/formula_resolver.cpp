@@ -494,12 +494,23 @@ class FormulaResolver {
       return is_of_type(value, type);
     });
   }
-  // A step of what arrives late, where it arrives at once.
-  bool may_be_on_its_way(const std::string& owner, std::string_view text) const {
-    const bool is_plain = text == "arrives" || text == "lost";
-    const bool is_of_service = text == "request_arrives" || text == "request_lost" ||
-                               text == "answer_arrives" || text == "answer_lost";
-    return is_service(owner) ? is_of_service : is_plain;
+  // A step of what arrives late, where it arrives at once. `event`: of a service's client, too,
+  // without its number.
+  bool may_be_on_its_way(const ProgramInterface& model, const std::string& owner,
+                         const std::string& event) const {
+    if (is_service(owner.substr(0, owner.find('[')))) {
+      return event == "request_arrives" || event == "request_lost" || event == "answer_arrives" ||
+             event == "answer_lost";
+    }
+    if (event == "arrives" || event == "lost") return true;
+    const std::size_t values = event.find('(');
+    if (event.substr(0, values) != "arrives") return false;
+    const std::string given = event.substr(values);
+    return std::ranges::any_of(model.inputs->names(),
+                               [&](const std::string& input) {
+                                 return is_sending(input) && input.ends_with(given);
+                               }) ||
+           may_be_carried(model, "write" + given);
   }
   bool is_of_type(std::string_view value, const ValueType& type) const {
     if (type.kind == ValueKind::boolean) return value == "true" || value == "false";
@@ -534,8 +545,10 @@ class FormulaResolver {
     const Atom::Kind kind = is_input ? Atom::Kind::input : Atom::Kind::output;
     const bool is_any_reader = is_topic(owner.text);
     std::string text = part.name.text + values_of(part);
+    const std::string event = text;
     const std::string service = service_of_client(owner.text, text);
     Formula any;
+    bool is_late = false;
     const ProgramInterface* found = nullptr;
     for (std::uint32_t index = 0; index < scope_.models.size(); ++index) {
       const ProgramInterface& model = scope_.models[index];
@@ -544,6 +557,7 @@ class FormulaResolver {
       const bool is_other = model.name != owner.text && model.name != service && !is_reader &&
                             !is_wire && !is_reader_of(model.name, owner.text);
       if (is_other) continue;
+      is_late = is_late || is_wire;
       if (model.name.find("<-") == std::string::npos) found = &model;
       const Alphabet& alphabet = is_input ? *model.inputs : *model.outputs;
       for (Symbol symbol = 0; symbol < alphabet.size(); ++symbol) {
@@ -558,7 +572,11 @@ class FormulaResolver {
     if (any) return any;
     if (found != nullptr) {
       if (!scope_.knows_models) return make_atom({kind, 0, 0, program}, owner.place);
-      if (may_be_carried(*found, text) || may_be_on_its_way(owner.text, text)) {
+      const bool is_way = !is_input && may_be_on_its_way(*found, owner.text, event);
+      if (is_way && !is_late && scope_.at_once != nullptr) {
+        scope_.at_once->push_back(owner.text + "!" + event);
+      }
+      if (is_way || may_be_carried(*found, text)) {
         return make(Operator::falsity, {}, {}, owner.place);
       }
       const Alphabet& alphabet = is_input ? *found->inputs : *found->outputs;
