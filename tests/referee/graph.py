@@ -107,7 +107,7 @@ class Component:
                 controls = state.controls
                 if at is not None:
                     controls = controls[:at] + (step.control,) + controls[at + 1 :]
-                target = self.number(*self.followed(controls, step.world))
+                target = self.number(*self.followed(controls, step.world, at is None))
                 mark = (step.program, step.label, target)
                 if mark not in seen:
                     state.edges.append(Edge(target, step))
@@ -132,11 +132,12 @@ class Component:
                 world = (models[:k] + (one.after,) + models[k + 1 :], shared)
                 yield None, Step(wire, label, None, world, (one.event,), death=one.is_loss)
 
-    def followed(self, controls: tuple, world: tuple) -> tuple[tuple, tuple]:
-        """What follows in the same step: streams note what was sent, and calls end."""
+    def followed(self, controls: tuple, world: tuple, is_arrival: bool) -> tuple[tuple, tuple]:
+        """What follows in the same step: streams note what was sent, and with what arrives or is
+        lost calls end."""
         for n, stream in self.streams:
             world = (stream.noted(n, world[0]), world[1])
-        if self.calls:
+        if self.calls and is_arrival:
             ended = []
             for program, control in zip(self.programs, controls):
                 control, world = program.called(control, world)

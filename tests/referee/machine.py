@@ -171,8 +171,9 @@ class Program:
         if node.kind == "end":
             return []
         values = self.values_at(node, control, world)
-        found = []
-        if control[3] != CALLING:
+        if control[3] == CALLING:
+            found = self.returned(control, world)
+        else:
             found = getattr(self, "steps_" + node.kind)(node, control, values, world)
         if self.may_die:
             found = found + self.deaths(values, world)
@@ -238,8 +239,13 @@ class Program:
         control, world = self.settled((node.number, frozenset(), kept, CALLING), world)
         return Step(self.number, label, control, world, **more)
 
+    def returned(self, control: Control, world: World) -> list[Step]:
+        """The step with which a call ends whose last readers died."""
+        after, world_after = self.called(control, world)
+        return [] if after == control else [Step(self.number, ("returns",), after, world_after)]
+
     def called(self, control: Control, world: World) -> tuple[Control, World]:
-        """Where control comes to stand if its call ended with a step of others."""
+        """Where control comes to stand if its call ended with what arrived."""
         if control[3:] != (CALLING,):
             return control, world
         node = self.nodes[control[0]]

@@ -9,9 +9,11 @@ from __future__ import annotations
 
 import itertools
 from dataclasses import dataclass, field
-from typing import Any
+from functools import cached_property
+from typing import Any, NamedTuple
 
 from control import Node
+from deliveries import AT_ONCE
 from expressions import Scope, Variable
 from language import Parser, Refused, parse_program
 from machine import Control, Program, Step, World
@@ -275,6 +277,8 @@ class Callback(Program):
                 text = self.system.texts[other].callback
                 if text.node is self.text.node and text.group == self.text.group:
                     return None
+        if isinstance(left, Looking):
+            return None
         if executor.rounds:
             at = next_of(self.system, left, world)
             if at is None or left[at] != self.text.numbers[0]:
@@ -325,6 +329,13 @@ def next_of(system: Any, left: tuple, world: World) -> int | None:
     return None
 
 
+class Looking(NamedTuple):
+    """In place of what is left of a look: it goes on."""
+
+    asked: int  # for how many it has asked
+    found: tuple
+
+
 class Look:
     """An executor that looks, as a program."""
 
@@ -353,6 +364,8 @@ class Look:
         running, left = world[0][self.executor.use]
         if running:
             return []
+        if isinstance(left, Looking):
+            return [self.asked(control, world, left.asked, left.found, ("asks",))]
         at = next_of(self.system, left, world)
         if at is not None:
             return self.turn_for_nobody(control, world, left[at], (running, left[at + 1 :]))
@@ -364,10 +377,56 @@ class Look:
             seen = tuple(c.numbers[0] for c in there if is_due.get(c, True))
             if not seen:
                 continue
+            if self.one_by_one:
+                first = tuple(c.numbers[0] for c in timers if is_due[c])
+                label = ("look", due)
+                found.append(self.asked(control, world, 0, first, label, arm=label))
+                continue
             state = (running, seen)
             after = Program.with_model(world, self.executor.use, state)
             found.append(Step(self.number, ("look", due), control, after, arm=("look", due)))
         return found
+
+    @cached_property
+    def one_by_one(self) -> list[CallbackText]:
+        """In which order a look asks for one after the other; none where it asks for all at once."""
+        order = []
+        is_fast_dds = is_late = False
+        for kind in ("takes", "client", "serves"):
+            for callback in self.executor.callbacks:
+                if callback.kind != kind:
+                    continue
+                order.append(callback)
+                program = self.system.programs[callback.numbers[0]]
+                number = program.model(program.first.model, lambda v: None) if kind == "takes" else (
+                    program.first.model
+                )  # fmt: skip
+                use = self.system.uses[number]
+                wires = getattr(use, "wires", [])
+                if kind == "takes":
+                    box = use.reader_of[program.number] if hasattr(use, "reader_of") else 0
+                    models = getattr(use, "models", None) or [use.model]
+                    words = models[box].sul.split()
+                    is_fast_dds |= words[:1] == ["ros2"] and "rmw=fastrtps" in words
+                    wires = [wire for wire in wires if wire.box == box]
+                else:
+                    is_fast_dds |= use.one_by_one
+                is_late |= any(wire.delivery != AT_ONCE for wire in wires)
+        return order if is_fast_dds and is_late else []
+
+    def asked(
+        self, control: Control, world: World, number: int, found: tuple, label: tuple, **more: Any
+    ) -> Step:
+        """The step in which a look asks for one more."""
+        callback = self.one_by_one[number]
+        if self.is_there(callback, world):
+            found = (*found, callback.numbers[0])
+        state: Any = Looking(number + 1, found)
+        if number + 1 == len(self.one_by_one):
+            order = [c.numbers[0] for c in self.executor.callbacks]
+            state = tuple(sorted(found, key=order.index))
+        after = Program.with_model(world, self.executor.use, ((), state))
+        return Step(self.number, label, control, after, **more)
 
     def turn_for_nobody(
         self, control: Control, world: World, number: int, behind: tuple

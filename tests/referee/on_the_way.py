@@ -406,6 +406,73 @@ programs:
   right: "data.read -> message; idle data.read -> message;"
 properties: {sent: "F source@end"}
 """, {"sent": H, "deadlock": H}),
+    Case("one stream for the map and the answer", """
+topics: {map: {writers: server, readers: robot, use: queue, with: {depth: 10}, stream: tcp}}
+services: {set: {server: server, clients: [robot], stream: tcp}}
+programs:
+  server: "loop { idle set.serve -> request; map.write; set.answer; }"
+  robot: |
+    set.send; set.receive -> answer;
+    select { on map.read -> message { } otherwise { @misses skip; } }
+properties: {there: "G !robot@misses"}
+""", {"there": H, "deadlock": H}),
+    Case("an answer that all clients acknowledge", """
+topics: {note: {writers: server, readers: second, use: queue, with: {depth: 1}}}
+services: {ask: {server: server, clients: [first, second], delivery: acknowledged}}
+programs:
+  server: "ask.serve -> request; ask.answer; note.write;"
+  first: "ask.send; ask.receive -> answer;"
+  second: |
+    note.read -> message;
+    select { on ask.receive -> answer { @own skip; } otherwise { @none skip; } }
+properties: {none: "F second@none", told: "F first@end"}
+""", {"none": H, "told": H, "deadlock": H}),
+    Case("no arm on an answer that several clients acknowledge", """
+services: {ask: {server: server, clients: [first, second], delivery: acknowledged}}
+programs:
+  server: "ask.serve -> request; select { on ask.answer { } }"
+  first: "ask.send; ask.receive -> answer;"
+  second: "skip;"
+""", None),
+    Case("readers that die end the call", """
+topics: {data: {writers: source, readers: [left, right], use: queue, with: {size: 1},
+  delivery: acknowledged}}
+programs:
+  source: "data.write; data.write;"
+  left: {do: "idle data.read -> message;", may_die: true}
+  right: {do: "loop { idle data.read -> message; }", may_die: true}
+properties: {sent: "F (left@end && right@end) -> F source@end"}
+""", {"sent": H}),
+    Case("a look over Fast DDS misses what came before", """
+topics: {map: {writers: server, readers: robot.on_map, use: queue, with: {depth: 1}}}
+services: {ask: {server: server, clients: [robot], with: {depth: 2, rmw: fastrtps}}}
+programs: {server: "ask.serve -> request; map.write; wait map -> arrived; ask.answer;"}
+executors: {main: {kind: single, order: rounds}}
+nodes:
+  robot:
+    executor: main
+    variables: "var came: bool; var asked: bool;"
+    clients: {ask: {do: "if (!came) { @blind skip; }"}}
+    callbacks:
+      start: {timer: 1, do: "if (!asked) { asked = true; ask.send; }"}
+      on_map: {takes: "map.read -> message", do: "came = true;"}
+properties: {there: "G !robot@blind"}
+""", {"there": (H, V, V), "deadlock": H, "stuck": H}),
+    Case("a look over Cyclone DDS finds what came before", """
+topics: {map: {writers: server, readers: robot.on_map, use: queue, with: {depth: 1}}}
+services: {ask: {server: server, clients: [robot], with: {depth: 2, rmw: cyclonedds}}}
+programs: {server: "ask.serve -> request; map.write; wait map -> arrived; ask.answer;"}
+executors: {main: {kind: single, order: rounds}}
+nodes:
+  robot:
+    executor: main
+    variables: "var came: bool; var asked: bool;"
+    clients: {ask: {do: "if (!came) { @blind skip; }"}}
+    callbacks:
+      start: {timer: 1, do: "if (!asked) { asked = true; ask.send; }"}
+      on_map: {takes: "map.read -> message", do: "came = true;"}
+properties: {there: "G !robot@blind"}
+""", {"there": H, "deadlock": H, "stuck": H}),
     Case("requests that push each other off", """
 services: {ask: {server: server, clients: [client], with: {depth: 1}}}
 programs:

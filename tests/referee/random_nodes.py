@@ -77,7 +77,7 @@ class NodeMaker(TextMaker):
         """The entry of a service."""
         rmw = self.rng.choice(["", "", ", rmw: fastrtps", ", rmw: cyclonedds"])
         depth = f", with: {{depth: {self.rng.randint(1, 2)}{rmw}}}"
-        depth += self.delivery(name, True)
+        depth += self.delivery(name)
         return f"  {name}: {{server: {server}, clients: [{', '.join(clients)}]{depth}}}"
 
     def note_service(self, name: str, server: str, clients: list[str]) -> None:

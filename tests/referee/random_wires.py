@@ -53,7 +53,7 @@ class WireMaker(NodeMaker):
             text += ", pub-history: keep_all"
         return text
 
-    def delivery(self, name: str, is_service: bool = False) -> str:
+    def delivery(self, name: str) -> str:
         """Words of an entry: its delivery, whether it loses, its stream."""
         if not self.is_wired:
             return ", delivery: at_once"
@@ -67,7 +67,7 @@ class WireMaker(NodeMaker):
             self.is_late[name] = said == "late"
         if self.chance(0.1):
             words += ", loses: true"
-        if self.chance(0.15) and not is_service:
+        if self.chance(0.15):
             words += f", stream: {self.rng.choice(['one', 'two'])}"
         return words
 
@@ -132,7 +132,7 @@ class WireMaker(NodeMaker):
             go = self.new("g")
             self.is_late[go] = True
             if self.chance(0.3):
-                services.append(f"  {go}: {{server: {one}, clients: [{other}]{self.delivery(go, True)}}}")
+                services.append(f"  {go}: {{server: {one}, clients: [{other}]{self.delivery(go)}}}")
                 body[one] = [[f"{go}.serve -> request;"], *body[one], [f"{go}.answer;"]]
                 body[other].insert(0, [f"{go}.send;", f"{go}.receive -> answer;"])
                 self.atoms += [f"{go}!answer_arrives"] * self.is_late[go]
@@ -284,7 +284,7 @@ class WireMaker(NodeMaker):
         clients = others[: 2 if self.chance(0.3) else 1]
         depth = f", with: {{depth: {self.rng.randint(1, 2)}}}" if self.chance(0.6) else ""
         self.is_late[name] = True
-        words = self.delivery(name, True)
+        words = self.delivery(name)
         ends[server].serves.append(name)
         for client in clients:
             ends[client].asks.append(name)

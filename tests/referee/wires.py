@@ -626,8 +626,8 @@ class ModelOnWires(Boxes, Instance):
 
 def refuse_arms(use: Any, program: int, name: str) -> None:
     """Refuses an arm on an input whose call ends with an arrival."""
-    if isinstance(use, Boxes) and use.acknowledges(program):
-        if use.of_writer(name) if isinstance(use, Topic) else True:
+    if hasattr(use, "acknowledges") and use.acknowledges(program):
+        if use.of_writer(name) if isinstance(use, Topic) else name == "answer":
             raise Refused(f"{use.name}: no arm on an input that several readers acknowledge")
 
 

@@ -22,7 +22,7 @@ std::optional<Trace> without_arrivals(const System& system, const std::string& p
   std::optional<std::size_t> loop_start;
   for (std::size_t at = 0; at < trace.steps.size(); ++at) {
     if (trace.loop_start == at) loop_start = steps.size();
-    if (trace.steps[at].actor != nobody) steps.push_back(file["steps"][at]);
+    if (doer_of(system, trace.steps[at]) != nobody) steps.push_back(file["steps"][at]);
   }
   if (loop_start == steps.size()) return std::nullopt;  // nobody alone goes round
   file["steps"] = std::move(steps);
@@ -66,7 +66,7 @@ std::string describe_late_message(const System& system, const Trace& trace) {
   constexpr const char* reason = "a late message";
   const std::vector<GlobalState> states = replay(system, trace);
   for (std::size_t at = 0; at < trace.steps.size(); ++at) {
-    if (trace.steps[at].actor == nobody) continue;
+    if (doer_of(system, trace.steps[at]) == nobody) continue;
     for (std::size_t index = 0; index < system.models.size(); ++index) {
       const ModelInstance& wire = system.models[index];
       const bool is_held = wire.source == ModelInstance::Source::wire &&

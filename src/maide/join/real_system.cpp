@@ -281,7 +281,8 @@ Trace draw_run(const System& system, std::size_t most_steps, Random& random, boo
   GlobalState state = initial_state(system);
   while (trace.steps.size() < most_steps) {
     std::vector<Step> steps = enabled_steps(system, state);
-    std::erase_if(steps, [](const Step& step) { return step.is_beyond || step.actor == nobody; });
+    std::erase_if(
+        steps, [&](const Step& step) { return step.is_beyond || doer_of(system, step) == nobody; });
     if (nodes) nodes->restrict(state, steps);
     if (steps.empty()) break;
     const Step& step = steps[draw_step(steps, random)];

@@ -352,7 +352,8 @@ class Sentence {
   // The input that the step gives to the model.
   Symbol given_input(std::uint32_t model, const Step& step) const {
     // What arrives is no event of the connection, which the sending was.
-    const auto events = step.actor == nobody ? uses_of(system_, step) : events_of(system_, step);
+    const bool arrives = doer_of(system_, step) == nobody;
+    const auto events = arrives ? uses_of(system_, step) : events_of(system_, step);
     const auto event = std::ranges::find_if(
         events, [&](const ModelUse& use) { return use.kind == Kind::give && use.model == model; });
     MAIDE_CHECK(event != events.end());
@@ -367,7 +368,7 @@ class Sentence {
     const auto& messages = account.messages;
     const ModelInstance& model = system_.models[index];
     const Symbol given = given_input(index, step);
-    const std::string who = step.actor == nobody
+    const std::string who = doer_of(system_, step) == nobody
                                 ? ""
                                 : fmt::format("{} {}", describe_actor(system_, step),
                                               past_of(input_name(index, given)));
@@ -709,8 +710,7 @@ std::string describe_on_its_way(const System& system, const Trace& trace) {
 std::string describe_lost_on_its_way(const System& system, const Trace& trace) {
   std::map<std::string, std::vector<std::size_t>> steps;  // by what was lost, from 1
   for (std::size_t at = 0; at < trace.steps.size(); ++at) {
-    if (trace.steps[at].actor != nobody) continue;
-    const std::string& lost = system.nobodys_actions[trace.steps[at].action].lost;
+    const std::string lost = lost_by(system, trace.steps[at]);
     if (!lost.empty()) steps[lost].push_back(at + 1);
   }
   std::vector<std::string> parts;

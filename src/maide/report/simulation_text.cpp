@@ -26,7 +26,7 @@ std::string line_of(const System& system, const Step& step) {
 
 // The text of its line.
 std::string source_of(const System& system, const Step& step) {
-  if (step.actor == nobody) return "";
+  if (doer_of(system, step) == nobody) return "";
   return source_line(system, system.programs[step.actor], place_of(system, step).line);
 }
 
@@ -34,9 +34,7 @@ std::string source_of(const System& system, const Step& step) {
 std::string remark_on(const System& system, const Step& step) {
   if (step.is_cut) return "never tried there: the run is cut";
   if (step.is_beyond) return "never tried there: dropped";
-  if (step.actor == nobody && !system.nobodys_actions[step.action].lost.empty()) {
-    return system.nobodys_actions[step.action].lost + " is lost";
-  }
+  if (const std::string lost = lost_by(system, step); !lost.empty()) return lost + " is lost";
   return "";
 }
 

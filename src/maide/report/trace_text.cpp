@@ -153,7 +153,8 @@ void write_steps(std::ostream& out, const System& system, const Trace& trace,
                  const SequenceChart& chart, const ChartTextStyle& style) {
   std::size_t name_width = 0, place_width = 0, event_width = 0;
   const auto name_of = [&](const Step& step) {
-    return step.actor == nobody ? "-" : actor_name(system, step.actor);
+    const std::uint32_t doer = doer_of(system, step);
+    return doer == nobody ? "-" : actor_name(system, doer);
   };
   const auto line_of = [&](const Step& step) -> std::string {
     const SourcePosition place = place_of(system, step);

@@ -37,7 +37,8 @@ std::vector<std::uint32_t> found_by(const System& system, const Step& step) {
   std::vector<std::uint32_t> found;
   if (combined == nullptr || combined->role != CombinedStep::Role::look) return found;
   for (std::uint32_t callback = 0; callback < system.callbacks.size(); ++callback) {
-    // "finds camera.tick, detector.on_image"
+    // "finds camera.tick, detector.on_image", or "finds nothing for camera.on_image"
+    if (combined->text.starts_with("finds nothing for ")) continue;
     const std::string& name = system.callbacks[callback].name;
     const std::string text = combined->text.substr(combined->text.find(' ') + 1) + ",";
     for (std::size_t at = text.find(name + ","); at != std::string::npos;

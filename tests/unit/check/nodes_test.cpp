@@ -432,6 +432,50 @@ TEST(Executors, ALookFindsAClientByAnswersToOthers) {
   }
 }
 
+// The map has arrived before the server answers. A look over Fast DDS asks for the map first: it
+// may miss it, and find the answer, which came later.
+TEST(Executors, ALookOverFastDdsAsksForOneAfterTheOther) {
+  const std::string text =
+      "topics: {map: {writers: server, readers: robot.on_map, use: queue, with: {depth: 1}, "
+      "delivery: late}}\n"
+      "services: {s: {server: server, clients: robot, with: {depth: 2, rmw: fastrtps}, delivery: "
+      "late}}\n"
+      "programs: {server: \"s.serve -> request; map.write; wait map -> arrived; s.answer;\"}\n"
+      "executors: {main: {kind: single, order: rounds}}\n"
+      "nodes:\n"
+      "  robot:\n"
+      "    executor: main\n"
+      "    clients: {s: {do: \"if (!came) { @blind skip; } answered = true;\"}}\n"
+      "    variables: \"var came: bool; var answered: bool; var asked: bool;\"\n"
+      "    callbacks:\n"
+      "      ask: {timer: 1, do: \"if (!asked) { asked = true; s.send; }\"}\n"
+      "      on_map: {takes: map.read -> message, do: \"came = true;\"}\n"
+      "properties:\n"
+      "  there: \"G !robot@blind\"\n"
+      "  answered: \"F robot.answered\"\n"
+      "  came: \"F robot.came\"\n";
+  EXPECT_EQ(verdict(text, "there"), "violated");
+  EXPECT_EQ(verdict(text, "answered"), "holds");
+  EXPECT_EQ(verdict(text, "came"), "holds");
+  EXPECT_EQ(verdict(text, "deadlock"), "holds");
+  EXPECT_EQ(verdict(text, "stuck"), "holds");
+  EXPECT_EQ(verdict(replaced(text, "fastrtps", "cyclonedds"), "there"), "holds");
+  // Where nothing is late it looks in one step.
+  const auto at_once = [&](const std::string& rmw) {
+    return nodes_from(
+        replaced(replaced(replaced(text, "late", "at_once"), "late", "at_once"), "fastrtps", rmw));
+  };
+  const auto rounds_of = [](const System& system) {
+    for (const Program& program : system.programs) {
+      if (!program.nodes.empty()) return program.states.size();
+    }
+    return std::size_t{0};
+  };
+  EXPECT_EQ(rounds_of(at_once("fastrtps")), rounds_of(at_once("cyclonedds")));
+  EXPECT_GT(rounds_of(nodes_from(text)),
+            rounds_of(nodes_from(replaced(text, "fastrtps", "cyclonedds"))));
+}
+
 // The search for a shorter run does not know all edges of what lies far from the start.
 TEST(Executors, ManyRunsOfACallbackHaveAFairCycle) {
   const System system = nodes_from(

@@ -236,6 +236,32 @@ TEST(SpinEngine, DeathsErrorsAndRest) {
   EXPECT_EQ(check(failing, test::deadlock_property()).verdict, Verdict::holds);
 }
 
+// The last arrival moves the writer, too: SPIN has as many states, and the same verdicts.
+TEST(SpinEngine, ACallThatAllReadersAcknowledge) {
+  const System system = parse_system(
+      "topics: {chart: {writers: desk, readers: [pilot, clerk], use: queue, with: {depth: 2}, "
+      "delivery: acknowledged}}\n"
+      "programs:\n"
+      "  desk: \"chart.write; @told chart.write; @again skip;\"\n"
+      "  pilot: \"chart.read -> message; @has idle chart.read -> message;\"\n"
+      "  clerk: \"switch chart.tryread { message { @has skip; } null { @blind skip; } }\"\n"
+      "properties:\n"
+      "  early: {always: \"!(pilot@end && !desk@told && !desk@end)\"}\n"
+      "  blind: {always: \"!(clerk@blind && desk@end)\"}\n"
+      "  arrives: {ltl: \"chart[pilot]!arrives R !chart[clerk]!arrives\", fairness: none}\n",
+      "s.yaml", test::test_model);
+  std::vector<Property> properties = system.properties;
+  properties.push_back(test::deadlock_property());
+  for (const Property& property : properties) {
+    const PropertyResult native = NativeEngine().check(system, property, {}),
+                         spin = check(system, property);
+    EXPECT_EQ(spin.verdict, native.verdict) << property.name;
+    if (spin.trace) EXPECT_EQ(find_flaw(system, property, *spin.trace), "") << property.name;
+  }
+  EXPECT_EQ(check(system, test::deadlock_property()).states,
+            NativeEngine().check(system, test::deadlock_property(), {}).states);
+}
+
 // Each reader of a topic has a queue, some with a state more: where a program died.
 TEST(SpinEngine, TablesOfTheSamePurposeHaveNamesOfTheirOwn) {
   const System system = parse_system(R"yaml(topics:

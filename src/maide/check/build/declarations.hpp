@@ -170,6 +170,8 @@ DeliveryWish read_delivery(const Declarations& file, const TreeNode& entry,
 std::string process_of(const TreeNode& entry, const std::string& name);
 // That of the program or node.
 std::string process_of_end(const Declarations& file, const End& end);
+// The programs that run its code.
+std::vector<std::uint32_t> programs_at(const Declarations& file, const End& end);
 // Runs of a callback at one time.
 std::uint32_t runs_of(const Declarations& file, const NodeDeclaration& node, std::size_t callback);
 

@@ -178,11 +178,22 @@ ServiceShape shape_of(const Declarations& file, std::uint32_t model, const Servi
     shape.is_late.push_back(rule.delivery == Delivery::late && !file.is_at_rest);
     shape.loses = rule.wire.loses;
   }
+  shape.is_in_stream = !wish.stream.empty();
+  shape.callers = static_cast<std::uint32_t>(service.callers.size());
   return shape;
+}
+
+// The programs whose answers return when all clients have them; none: they return at once.
+std::vector<std::uint32_t> callers_of(const Declarations& file, std::uint32_t model,
+                                      const Service& service) {
+  const bool is_acknowledged = file.deliveries.at(model).delivery == Delivery::acknowledged;
+  if (!is_acknowledged || service.clients.size() == 1 || file.is_at_rest) return {};
+  return programs_at(file, service.server);
 }
 
 void shape_services(Declarations& file) {
   for (auto& [model, service] : file.names.services) {
+    service.callers = callers_of(file, model, service);
     ServiceShape shape = shape_of(file, model, service);
     const End& server = service.server;
     file.services.push_back({service.name,

@@ -136,6 +136,11 @@ DeliveryRule delivery_of(const ModelInstance& model, const ModelOrigin& origin,
   return with(Delivery::at_once, "");
 }
 
+bool is_over_fast_dds(const ModelInstance& model) {
+  const Options system = system_of(model);
+  return is(system, "", "ros2") && is(system, "rmw", "fastrtps");
+}
+
 DeliveryRule delivery_of(const Service& service, const DeliveryWish& wish,
                          const DeliveryPlace& place) {
   DeliveryRule rule{Delivery::late, {service.depth, wish.loses.value_or(false)}, "", ""};
@@ -190,6 +195,16 @@ std::string process_of_end(const Declarations& file, const End& end) {
     if (std::ranges::find(program.nodes, end.node) != program.nodes.end()) return program.process;
   }
   return "";
+}
+
+std::vector<std::uint32_t> programs_at(const Declarations& file, const End& end) {
+  if (end.node.empty()) return {end.program};
+  std::vector<std::uint32_t> programs;
+  for (std::uint32_t number = 0; number < file.programs.size(); ++number) {
+    const auto& nodes = file.programs[number].nodes;
+    if (std::ranges::find(nodes, end.node) != nodes.end()) programs.push_back(number);
+  }
+  return programs;
 }
 
 }  // namespace maide

@@ -34,6 +34,8 @@ class Growth {
     }
     for (const auto& [model, growing] : models_) {
       if (system_.models[model].source != ModelInstance::Source::wire) continue;
+      // The order of a stream has no bound without its wires, and no input.
+      if (system_.models[model].automaton.inputs().size() == 0) continue;
       if (follow_writer(model)) whole_.insert(model);
     }
     for (const auto& component : find_components(system_)) {

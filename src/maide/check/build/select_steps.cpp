@@ -15,12 +15,6 @@
 
 namespace maide::program_syntax {
 
-namespace {
-std::string node_of(const Callback* callback) {
-  return callback == nullptr ? std::string() : callback->node;
-}
-}  // namespace
-
 const Wire* Unroller::wire_for(std::uint32_t model, Symbol input, const Callback* callback) const {
   const Wire* const wire = names_.wire_of(model, node_of(callback), number_);
   if (wire == nullptr || std::ranges::find(wire->letters, input) == wire->letters.end())
@@ -41,6 +35,7 @@ void Unroller::expand_rendezvous(const Place& place, const Statement& statement,
   const std::uint32_t model = model_of(statement.model, values);
   if (names_.services.contains(model)) return expand_service(place, statement, values, model);
   using Kind = ModelUse::Kind;
+  if (place.phase == Phase::calls) return expand_call(place, statement, values);
   if (place.phase == Phase::before) {
     const Symbol input = input_of(model, statement.input, values);
     const ControlState target = behind_input(place, statement, values);
@@ -48,8 +43,11 @@ void Unroller::expand_rendezvous(const Place& place, const Statement& statement,
       const std::string name = name_of(statement.input, values);
       for (const Writing& way :
            writings(*topic, name, WriteKind::statement, node_of(statement.callback))) {
+        const ControlState behind =
+            way.calls ? control_state({place.frame, Phase::calls, 0, place.valuation, 0, 0})
+                      : target;
         add_combined({CombinedStep::Role::step, way.uses, way.events, topic->name + "." + name, 0},
-                     target, statement.line, statement.column);
+                     behind, statement.line, statement.column);
       }
       return;
     }
@@ -61,7 +59,7 @@ void Unroller::expand_rendezvous(const Place& place, const Statement& statement,
     }
     const ModelInstance& instance = actions_.model(model);
     for (Uses& uses : wire == nullptr ? std::vector<Uses>{{given, *behind_own}}
-                                      : ways_to_send({{wire, input}}, actions_)) {
+                                      : ways_to_send({{wire, input, number_}}, actions_)) {
       add_combined({CombinedStep::Role::step,
                     std::move(uses),
                     {given},
@@ -244,11 +242,15 @@ void Unroller::expand_arm(const Place& place, const SelectArm& arm, const Values
     const ServiceArm way = service_arm(arm, model);
     const bool gives = arm.kind == SelectArm::Kind::input;
     const Block& body = arm.body ? *arm.body : *arm.arms.front().body;
-    return add({names_.services.at(model).rules->use(actions_, model, way.use)},
-               events_of(model, gives ? arm.event.name : "", way.output.value_or("")),
-               names_.services.at(model).name + (gives ? "." + arm.event.name : "") +
-                   (way.output ? (gives ? " -> " : "!") + *way.output : ""),
-               settle(enter(body, next), values));
+    const Service& service = names_.services.at(model);
+    const ControlState target = settle(enter(body, next), values);
+    for (Uses& uses : ways_to_use(service, model, way.use, actions_)) {
+      add(std::move(uses), events_of(model, gives ? arm.event.name : "", way.output.value_or("")),
+          service.name + (gives ? "." + arm.event.name : "") +
+              (way.output ? (gives ? " -> " : "!") + *way.output : ""),
+          target);
+    }
+    return;
   }
   if (arm.kind == SelectArm::Kind::output) {
     for (Symbol output = 0; output < outputs.size(); ++output) {
@@ -318,7 +320,7 @@ std::vector<Unroller::InputWay> Unroller::ways_of(const SelectArm& arm, std::uin
     if (use) ways.push_back({{*use}, output, is_beyond});
   };
   if (const Wire* const wire = wire_for(model, input, arm.callback)) {
-    for (Uses& uses : ways_to_send({{wire, input}}, actions_)) {
+    for (Uses& uses : ways_to_send({{wire, input, number_}}, actions_)) {
       ways.push_back({std::move(uses), std::nullopt, false});
     }
     return ways;

@@ -4,10 +4,13 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
+#include "maide/check/build/deliveries.hpp"
 #include "maide/check/build/unroller.hpp"
+#include "maide/check/build/wires.hpp"
 
 namespace maide::program_syntax {
 namespace {
@@ -32,7 +35,7 @@ Unroller::ServiceUse Unroller::operation_of(const Service& service, const std::s
   const std::uint32_t server_run = serves ? callback->run : 0;
   if (name == "serve") return {Kind::serve, 0, 0};
   if (name == "request") return {Kind::take_request, 0, 0};
-  if (is_input && name == "answer") return {Kind::answer, 0, server_run};
+  if (is_input && name == "answer") return {Kind::answer, 0, server_run, caller_of(service)};
   const std::string node = callback != nullptr ? callback->node : "";
   const std::uint32_t client = service.client_of(node, number_).value_or(0);
   // Where the client has code of its own, no callback waits for what it asked.
@@ -41,6 +44,13 @@ Unroller::ServiceUse Unroller::operation_of(const Service& service, const std::s
   if (!is_input) return {callback != nullptr ? Kind::wait : Kind::take_answer, client, run};
   const bool sends = name == name_at_client("send", client);
   return {sends ? Kind::send : Kind::receive, client, run};
+}
+
+std::uint32_t Unroller::caller_of(const Service& service) const {
+  const auto place = std::ranges::find(service.callers, number_);
+  return place == service.callers.end()
+             ? 0
+             : static_cast<std::uint32_t>(place - service.callers.begin());
 }
 
 Uses Unroller::events_of(std::uint32_t model, const std::string& input,
@@ -61,16 +71,25 @@ void Unroller::expand_service(const Place& place, const Statement& statement, co
   const Service& service = names_.services.at(model);
   const auto add = [&](const ServiceUse& use, const std::string& input, const std::string& output,
                        const std::string& text, ControlState target, int line, int column) {
-    add_combined({CombinedStep::Role::step,
-                  {service.rules->use(actions_, model, use)},
-                  events_of(model, input, output),
-                  text,
-                  0},
-                 target, line, column);
+    for (Uses& uses : ways_to_use(service, model, use, actions_)) {
+      add_combined(
+          {CombinedStep::Role::step, std::move(uses), events_of(model, input, output), text, 0},
+          target, line, column);
+    }
   };
   const std::string& input = statement.input.name;
-  if (place.phase == Phase::before) {
+  if (place.phase == Phase::calls) {
     const ControlState target = behind_input(place, statement, values);
+    for (CombinedStep& end : ends_of_answer(service, model, caller_of(service), actions_)) {
+      add_combined(std::move(end), target, statement.line, statement.column);
+    }
+    return;
+  }
+  if (place.phase == Phase::before) {
+    const bool calls = input == "answer" && !service.callers.empty();
+    const ControlState target =
+        calls ? control_state({place.frame, Phase::calls, 0, place.valuation, 0, 0})
+              : behind_input(place, statement, values);
     return add(operation_of(service, input, true, statement.callback), input, "",
                service.name + "." + input, target, statement.line, statement.column);
   }
@@ -178,12 +197,47 @@ std::vector<Uses> Unroller::nothing_for(const SelectArm& arm, const Values& valu
   return {{actions_.impossible(model, taking)}};
 }
 
+std::pair<std::vector<Uses>, std::vector<Uses>> Unroller::asked(const SelectArm& arm,
+                                                                const Values& values) {
+  std::vector<Uses> nothing = nothing_for(arm, values);
+  const ModelUse& none = nothing.front().front();
+  return {{{actions_.impossible(none.model, {none})}}, nothing};
+}
+
+std::vector<std::size_t> Unroller::order_of_look(const Statement& statement,
+                                                 const Values& values) const {
+  bool is_one_by_one = false, is_late = false;
+  std::vector<std::size_t> order;
+  for (const CallbackKind kind :
+       {CallbackKind::subscription, CallbackKind::client, CallbackKind::service}) {
+    for (std::size_t i = 0; i < statement.select_arms.size(); ++i) {
+      const SelectArm& arm = statement.select_arms[i];
+      if (arm.starts->kind != kind) continue;
+      order.push_back(i);
+      if (kind == CallbackKind::subscription) {
+        const std::uint32_t model = model_of(arm.model, values);
+        is_one_by_one = is_one_by_one || is_over_fast_dds(actions_.model(model));
+        is_late = is_late || names_.wires.contains(model);
+      } else {
+        const Service& service = names_.services.at(arm.starts->model);
+        is_one_by_one = is_one_by_one || service.takes_one_by_one;
+        is_late = is_late || is_on_its_way(service);
+      }
+    }
+  }
+  if (!is_one_by_one || !is_late) order.clear();
+  return order;
+}
+
 void Unroller::expand_rounds(const Place& place, const Statement& statement, const Values& values) {
   const std::uint32_t slot = statement.target.index;
-  const auto left = static_cast<std::uint64_t>(*values[slot]);
+  const std::size_t count = statement.select_arms.size();
+  const auto value = static_cast<std::uint64_t>(*values[slot]);
+  const std::uint64_t left = value & ((std::uint64_t{1} << count) - 1);
+  if (left != value) return go_on_looking(place, statement, values, left, value >> count);
   // The first of those that the last look found starts; what has nothing any more is passed over.
   std::vector<Uses> passed{{}};
-  for (std::size_t i = 0; i < statement.select_arms.size(); ++i) {
+  for (std::size_t i = 0; i < count; ++i) {
     if ((left >> i & 1) == 0) continue;
     const SelectArm& arm = statement.select_arms[i];
     Values behind_it = values;
@@ -195,6 +249,8 @@ void Unroller::expand_rounds(const Place& place, const Statement& statement, con
     if (arm.starts->kind == Callback::Kind::timer) return;
     passed = combine(passed, nothing_for(arm, values));
   }
+  const std::vector<std::size_t> order = order_of_look(statement, values);
+  const std::size_t asked_first = order.empty() ? count : 1;  // in this step
   // By which callbacks there is something for: each of some ways.
   struct Look {
     std::vector<Uses> ways;
@@ -203,14 +259,13 @@ void Unroller::expand_rounds(const Place& place, const Statement& statement, con
   };
   std::vector<Look> looks{{std::move(passed), 0, ""}};
   std::uint64_t timers = 0;
-  for (std::size_t i = 0; i < statement.select_arms.size(); ++i) {
+  for (std::size_t i = 0; i < count; ++i) {
     const SelectArm& arm = statement.select_arms[i];
     const bool is_timer = arm.starts->kind == Callback::Kind::timer;
     if (is_timer) timers |= std::uint64_t{1} << i;
-    const std::vector<Uses> nothing = is_timer ? std::vector<Uses>{{}} : nothing_for(arm, values);
-    std::vector<Uses> something{{}};
-    if (!is_timer)
-      something = {{actions_.impossible(nothing.front().front().model, nothing.front())}};
+    if (!is_timer && !order.empty() && order.front() != i) continue;
+    std::vector<Uses> nothing{{}}, something{{}};
+    if (!is_timer) std::tie(something, nothing) = asked(arm, values);
     std::vector<Look> next;
     for (const Look& look : looks) {
       next.push_back({combine(look.ways, nothing), look.found, look.text});
@@ -219,10 +274,21 @@ void Unroller::expand_rounds(const Place& place, const Statement& statement, con
     }
     looks = std::move(next);
   }
-  for (const Look& look : looks) {
-    if (look.found == 0) continue;
+  for (Look& look : looks) {
+    if (look.found == 0) {
+      // Something is there that is asked for later, or nobody looks.
+      std::vector<Uses> there, before = std::move(look.ways);
+      for (std::size_t i = asked_first; i < order.size(); ++i) {
+        const auto [something, nothing] = asked(statement.select_arms[order[i]], values);
+        for (Uses& way : combine(before, something)) there.push_back(std::move(way));
+        before = combine(before, nothing);
+      }
+      look.ways = std::move(there);
+    }
     Values behind_it = values;
-    behind_it[slot] = static_cast<Value>(look.found);
+    const std::uint64_t still = order.size() > asked_first ? asked_first << count : 0;
+    behind_it[slot] = static_cast<Value>(look.found | still);
+    if (look.ways.empty()) continue;
     const ControlState target = settle(place.frame, behind_it);
     // On fair runs each timer is due again and again, alone and together with others.
     std::uint32_t fair = 0;
@@ -231,10 +297,35 @@ void Unroller::expand_rounds(const Place& place, const Statement& statement, con
                         static_cast<Value>(look.found & timers), false, "a look");
     }
     for (const Uses& way : look.ways) {
-      add_combined({CombinedStep::Role::look, way, {}, "finds " + look.text, fair}, target,
-                   statement.line, statement.column);
+      add_combined({CombinedStep::Role::look,
+                    way,
+                    {},
+                    look.found == 0 ? "looks" : "finds " + look.text,
+                    fair},
+                   target, statement.line, statement.column);
     }
   }
+}
+
+void Unroller::go_on_looking(const Place& place, const Statement& statement, const Values& values,
+                             std::uint64_t found, std::size_t asked_so_far) {
+  const std::size_t count = statement.select_arms.size();
+  const std::vector<std::size_t> order = order_of_look(statement, values);
+  const std::size_t next = order[asked_so_far];
+  const SelectArm& arm = statement.select_arms[next];
+  const std::uint64_t still = asked_so_far + 1 < order.size() ? (asked_so_far + 1) << count : 0;
+  const auto [something, nothing] = asked(arm, values);
+  const auto add = [&](const std::vector<Uses>& ways, std::uint64_t all, const std::string& text) {
+    Values behind_it = values;
+    behind_it[statement.target.index] = static_cast<Value>(all | still);
+    const ControlState target = settle(place.frame, behind_it);
+    for (const Uses& way : ways) {
+      add_combined({CombinedStep::Role::look, way, {}, text, 0}, target, statement.line,
+                   statement.column);
+    }
+  };
+  add(nothing, found, "finds nothing for " + arm.starts->whole_name());
+  add(something, found | std::uint64_t{1} << next, "finds " + arm.starts->whole_name());
 }
 
 void Unroller::expand_end(const Place& place, const Statement& statement, const Values& values) {

@@ -280,7 +280,8 @@ void Unroller::add_writings(const Topic& topic, const std::string& input, WriteK
       }
       if (wires[i] != nullptr) {
         steps.ask(i, living[i], Collected(), way.uses);
-        if (givings[i]) sent.push_back({wires[i], *inputs[i]});
+        if (givings[i]) sent.push_back({wires[i], *inputs[i], number_});
+        way.calls = way.calls || (givings[i] && !wires[i]->callers.empty());
       } else if (givings[i]) {
         steps.give(i, *inputs[i], *givings[i], way.uses);
       } else {
@@ -508,6 +509,28 @@ std::vector<Uses> Unroller::idle_of(const Topic& topic, const std::vector<WriteA
     }
   }
   return result;
+}
+
+// ---- calls --------------------------------------------------------------------------------------
+
+void Unroller::expand_call(const Place& place, const Statement& statement, const Values& values) {
+  const Topic& topic = *written_topic(statement.model, statement.input.name, values);
+  const ControlState target = behind_input(place, statement, values);
+  std::vector<const Wire*> wires = wires_to(topic, node_of(statement.callback));
+  std::erase_if(wires,
+                [](const Wire* const wire) { return wire == nullptr || wire->callers.empty(); });
+  for (CombinedStep& end : ends_of_call(wires, number_, names_, actions_)) {
+    add_combined(std::move(end), target, statement.line, statement.column);
+  }
+  const bool may_die = std::ranges::any_of(
+      topic.readers, [](const Topic::Reader& reader) { return reader.gone.has_value(); });
+  if (!may_die) return;
+  add_combined({CombinedStep::Role::step,
+                when_returned(wires, number_, actions_),
+                {},
+                topic.name + "." + name_of(statement.input, values) + " returns",
+                0},
+               target, statement.line, statement.column);
 }
 
 // ---- death --------------------------------------------------------------------------------------

@@ -19,6 +19,11 @@ namespace maide::program_syntax {
 
 using Uses = std::vector<ModelUse>;
 
+// The node whose callback it is; "" without one.
+inline std::string node_of(const Callback* callback) {
+  return callback == nullptr ? std::string() : callback->node;
+}
+
 class Unroller : public Walker {
  public:
   // Keeps references.
@@ -79,6 +84,8 @@ class Unroller : public Walker {
   // What the input or output is to the service, at this program's or callback's end.
   ServiceUse operation_of(const Service& service, const std::string& name, bool is_input,
                           const Callback* callback) const;
+  // The number of this program among those whose answers are waited for.
+  std::uint32_t caller_of(const Service& service) const;
   void expand_service(const Place& place, const Statement& statement, const Values& values,
                       std::uint32_t model);
   // The arm's use of the service, with the output that it takes, and what may be due before it is
@@ -98,6 +105,14 @@ class Unroller : public Walker {
                       const Uses& conditions);
   // Nothing is there for the arm's callback.
   std::vector<Uses> nothing_for(const SelectArm& arm, const Values& values);
+  // Something is there for the arm's callback, or nothing is; each in some ways.
+  std::pair<std::vector<Uses>, std::vector<Uses>> asked(const SelectArm& arm, const Values& values);
+  // In which order a look asks for the arms, one in a step: as rmw_fastrtps does, where something
+  // may be on its way. Empty: it asks for all in one step.
+  std::vector<std::size_t> order_of_look(const Statement& statement, const Values& values) const;
+  // The look has found these, and asked for so many.
+  void go_on_looking(const Place& place, const Statement& statement, const Values& values,
+                     std::uint64_t found, std::size_t asked_so_far);
   void expand_rounds(const Place& place, const Statement& statement, const Values& values);
   void expand_end(const Place& place, const Statement& statement, const Values& values);
 
@@ -108,6 +123,7 @@ class Unroller : public Walker {
     Uses uses, events;
     std::optional<std::string> output;  // that is taken
     bool is_beyond = false;             // the input was never tried in some model
+    bool calls = false;                 // the program waits for its arrival
   };
   enum class WriteKind : std::uint8_t {
     statement,
@@ -137,6 +153,8 @@ class Unroller : public Walker {
   std::vector<Uses> idle_of(const Topic& topic, const std::vector<WriteArm>& arms,
                             const std::string& node);
   std::vector<const Wire*> wires_to(const Topic& topic, const std::string& node) const;
+  // What ends the call of the statement, in which the program stands.
+  void expand_call(const Place& place, const Statement& statement, const Values& values);
   // The variable that says whose call has not returned, set to this program or to nobody.
   void set_caller(const Topic& topic, bool is_this, Uses& uses);
   // The steps of this program's death with a topic at which it stands: one, or one for each thing

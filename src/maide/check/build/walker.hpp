@@ -67,6 +67,7 @@ class Walker : public Evaluator {
     before,  // the statement
     awaits,  // its input was given
     writes,  // its value is known, and is written next
+    calls,   // its input was given, and the call has not returned
     error,
   };
   // A resting place.
@@ -81,7 +82,7 @@ class Walker : public Evaluator {
   };
   struct PlaceHash {
     std::size_t operator()(const Place& place) const {
-      std::size_t hash = hash_mix(0, std::size_t{place.frame} * 4 + static_cast<int>(place.phase));
+      std::size_t hash = hash_mix(0, std::size_t{place.frame} * 8 + static_cast<int>(place.phase));
       hash = hash_mix(hash_mix(hash, place.label_set), place.valuation);
       return hash_mix(hash_mix(hash, place.error), static_cast<std::uint64_t>(place.pending));
     }

@@ -11,9 +11,9 @@
 #include <string_view>
 #include <utility>
 
+#include "maide/base/invariant.hpp"
 #include "maide/base/text.hpp"
 #include "maide/check/build/deliveries.hpp"
-#include "maide/check/rules/service_model.hpp"
 #include "maide/check/rules/stream.hpp"
 #include "maide/check/rules/wire.hpp"
 
@@ -121,6 +121,21 @@ Room room_of(const ModelInstance& model, const std::vector<Symbol>& letters) {
   return room;
 }
 
+// What of the service's is on its way for a while: a client, and whether it is its requests.
+struct ServiceWay {
+  std::uint32_t client = 0;
+  bool is_request = false;
+};
+std::vector<ServiceWay> ways_of(const Service& service) {
+  const ServiceShape& shape = service.rules->shape();
+  std::vector<ServiceWay> ways;
+  for (std::uint32_t client = 0; client < shape.is_late.size(); ++client) {
+    if (shape.is_late[client]) ways.push_back({client, true});
+    if (shape.is_late[client] || shape.callers > 0) ways.push_back({client, false});
+  }
+  return ways;
+}
+
 class WireMaker {
  public:
   WireMaker(const Declarations& file, Models& models) : file_(file), models_(models) {}
@@ -130,7 +145,16 @@ class WireMaker {
     for (const Topic& topic : models_.names.topics) add_topic(topic);
     const auto writers = writers_of_models();
     for (const auto& [model, ends] : writers) add_model(model, ends);
-    for (auto& [to, wires] : models_.names.wires) add_counter(to, wires);
+    std::uint32_t group = 0;
+    for (auto& [to, wires] : models_.names.wires) {
+      add_counter(to, wires);
+      for (Wire& wire : wires) wire.group = ++group;
+    }
+    for (auto& [model, service] : models_.names.services) {
+      service.group = group + 1;
+      note_streams(model, service);
+      group += static_cast<std::uint32_t>(ways_of(service).size());
+    }
     for (const auto& [stream, wires] : streams_) {
       if (wires.size() > 1) add_stream(stream, wires);
     }
@@ -169,22 +193,22 @@ class WireMaker {
         if (connection.why.empty()) connection.why = rule.why;
         if (rule.delivery == Delivery::at_once) continue;
         if (rule.delivery == Delivery::acknowledged && topic.readers.size() == 1) continue;
-        if (rule.delivery == Delivery::acknowledged) {
-          connection.why = "with several readers, that its writer waits for all is not built";
-          continue;
-        }
         if (has_returns || has_farewell) {
           connection.why = has_returns ? "its writer waits for what its calls return"
                                        : "its readers notice the death of a writer";
           continue;
         }
-        if (!is_wished(reader.model) && has_too_many_states(reader.model, rule.wire)) {
+        const bool is_acknowledged = rule.delivery == Delivery::acknowledged;
+        const auto callers =
+            is_acknowledged ? programs_at(file_, end) : std::vector<std::uint32_t>();
+        if (!is_wished(reader.model) &&
+            has_too_many_states(reader.model, rule.wire, callers.size())) {
           connection.why = too_many_states;
           continue;
         }
         connection.is_late = true;
         connection.loses = connection.loses || rule.wire.loses;
-        add_wire(reader.model, {end, {}}, rule);
+        add_wire(reader.model, {end, {}}, rule, callers);
         note_stream(reader.model, rule, end, process_of_program(reader.program));
       }
     }
@@ -231,8 +255,7 @@ class WireMaker {
   }
 
   ConnectionInstance connection_of_service(std::uint32_t model, const Service& service) const {
-    const std::vector<bool>& late = file_.shapes.at(model).is_late;
-    const bool is_late = std::ranges::find(late, true) != late.end();
+    const bool is_late = !ways_of(service).empty();
     DeliveryPlace place;
     place.is_in_one_process = !is_late;
     place.is_of_ros2 = true;
@@ -244,11 +267,15 @@ class WireMaker {
     return file_.deliveries.at(model).delivery.has_value();
   }
   // What lies on a wire is a word over all that may be sent.
-  bool has_too_many_states(std::uint32_t to, const WireRules& rules) const {
+  bool has_too_many_states(std::uint32_t to, const WireRules& rules,
+                           std::size_t callers = 0) const {
     const auto letters = static_cast<double>(letters_of(models_.instances[to].automaton).size());
+    const std::size_t most = callers == 0 ? rules.room() : callers;
     double words = 1, longest = 1;
-    for (std::size_t length = 0; length < rules.room() && words <= most_states; ++length) {
-      words += longest *= letters;
+    for (std::size_t length = 0; length < most && words <= most_states; ++length) {
+      longest *= letters;
+      if (callers > 0) longest *= static_cast<double>(callers - length);
+      words += longest;
     }
     return words > most_states;
   }
@@ -259,26 +286,49 @@ class WireMaker {
   void note_stream(std::uint32_t to, const DeliveryRule& rule, const End& from,
                    const std::string& process) {
     if (rule.stream.empty()) return;
-    streams_[{rule.stream, process_of_end(file_, from), process}].emplace_back(
-        to, models_.names.wires.at(to).size() - 1);
+    const std::size_t wire = models_.names.wires.at(to).size() - 1;
+    const std::string name = models_.instances[models_.names.wires.at(to)[wire].model].name;
+    streams_[{rule.stream, process_of_end(file_, from), process}].push_back(
+        {name, to,
+         [this, to, wire]() -> PlaceInStream& { return models_.names.wires.at(to)[wire].place; }});
   }
 
-  using Members = std::vector<std::pair<std::uint32_t, std::size_t>>;  // model, and wire to it
+  void note_streams(std::uint32_t model, Service& service) {
+    const std::string& stream = file_.deliveries.at(model).stream;
+    const auto clients = static_cast<std::uint32_t>(service.clients.size());
+    service.requests_in.resize(clients);
+    service.answers_in.resize(clients);
+    if (stream.empty()) return;
+    for (const auto& [client, is_request] : ways_of(service)) {
+      std::string client_process = process_of_end(file_, service.clients[client]);
+      std::string server_process = process_of_end(file_, service.server);
+      if (is_request) std::swap(client_process, server_process);
+      const std::string& name = service.rules->shape().names[client];
+      streams_[{stream, server_process, client_process}].push_back(
+          {(is_request ? "requests of " + name + " to " + service.name
+                       : "answers of " + service.name + " to " + name),
+           model, [&service, client = client, is_request = is_request]() -> PlaceInStream& {
+             return is_request ? service.requests_in[client] : service.answers_in[client];
+           }});
+    }
+  }
+
+  struct Member {
+    std::string name;
+    std::uint32_t model = 0;
+    std::function<PlaceInStream&()> place;
+  };
+  using Members = std::vector<Member>;
   void add_stream(const std::array<std::string, 3>& stream, const Members& members) {
     std::vector<std::string> names;
-    for (const auto& [to, place] : members) {
-      names.push_back(models_.instances[models_.names.wires.at(to)[place].model].name);
-    }
+    for (const Member& member : members) names.push_back(member.name);
     const std::uint32_t model = number_of_next();
     const auto order = std::make_shared<StreamModel>(names);
     for (std::uint32_t number = 0; number < members.size(); ++number) {
-      Wire& wire = models_.names.wires.at(members[number].first)[members[number].second];
-      wire.order = order;
-      wire.stream = model;
-      wire.number = number;
+      members[number].place() = {order, model, number};
     }
     ModelInstance instance =
-        make_instance("stream " + stream[0] + " of " + join(names), members.front().first);
+        make_instance("stream " + stream[0] + " of " + join(names), members.front().model);
     instance.automaton = order->start();
     instance.is_grown = true;
     models_.growing.emplace(model, order);
@@ -286,7 +336,8 @@ class WireMaker {
   }
 
   // Without names of inputs all those lie on it that are sent. False: there are none.
-  bool add_wire(std::uint32_t to, const Writer& writer, const DeliveryRule& rule) {
+  bool add_wire(std::uint32_t to, const Writer& writer, const DeliveryRule& rule,
+                const std::vector<std::uint32_t>& callers = {}) {
     const WireRules& rules = rule.wire;
     Wire wire;
     wire.model = number_of_next();
@@ -304,7 +355,9 @@ class WireMaker {
     if (names.empty()) return false;
     wire.others = others_of(models_.instances[to].automaton, wire.letters);
     const bool may_die = writer.end.node.empty() && file_.programs[writer.end.program].may_die;
-    wire.rules = std::make_shared<WireModel>(rules, names);
+    wire.callers = callers;
+    const auto caller_count = static_cast<std::uint32_t>(callers.size());
+    wire.rules = std::make_shared<WireModel>(rules, names, caller_count);
     ModelInstance instance = make_instance(wire_name(models_.instances[to].name, wire.writer), to);
     instance.automaton = wire.rules->start();
     if (wire.rules->make_all(instance.automaton, may_die, most_states)) {
@@ -313,7 +366,7 @@ class WireMaker {
         instance.held.push_back(wire.rules->held(state).value());
       }
     } else {
-      wire.rules = std::make_shared<WireModel>(rules, std::move(names));
+      wire.rules = std::make_shared<WireModel>(rules, std::move(names), caller_count);
       instance.automaton = wire.rules->start();
       instance.is_grown = true;
       models_.growing.emplace(wire.model, wire.rules);
@@ -374,7 +427,9 @@ class WireMaker {
       for (const std::uint32_t model : tree.names) users_[model].insert(number);
       visit(tree.statements, [&](const program_syntax::ModelReference& reference,
                                  const program_syntax::Event& event,
-                                 const program_syntax::Callback* callback) {
+                                 const program_syntax::Callback* callback,
+                                 const program_syntax::SelectArm* arm) {
+        if (arm != nullptr) refuse_call(number, *arm, callback);
         if (reference.is_topic || !is_sending(event.name) || reference.known == nullptr) return;
         const End end{callback == nullptr ? number : 0, callback == nullptr ? "" : callback->node};
         const auto count = static_cast<std::uint32_t>(member_count(reference.known->dimensions));
@@ -392,17 +447,49 @@ class WireMaker {
     return writers;
   }
 
-  using Visit = std::function<void(const program_syntax::ModelReference&,
-                                   const program_syntax::Event&, const program_syntax::Callback*)>;
+  // An arm is taken in one step, and a call that returns later is two.
+  void refuse_call(std::uint32_t number, const program_syntax::SelectArm& arm,
+                   const program_syntax::Callback* callback) const {
+    const ModelName* const known = arm.model.known;
+    if (known == nullptr || !is_sending(arm.event.name)) return;
+    const auto count = static_cast<std::uint32_t>(member_count(known->dimensions));
+    const std::string node = callback == nullptr ? "" : callback->node;
+    for (std::uint32_t member = known->first; member < known->first + count; ++member) {
+      if (!calls(arm, member, node, number)) continue;
+      throw ParseError("no arm can be '" + arm.model.name() + "." + arm.event.name +
+                           "': it returns when all readers have the message (delivery: "
+                           "acknowledged)",
+                       {file_.programs[number].position.file, arm.line, arm.column});
+    }
+  }
+  // What that code gives there returns later.
+  bool calls(const program_syntax::SelectArm& arm, std::uint32_t number, const std::string& node,
+             std::uint32_t program) const {
+    const Names& names = models_.names;
+    if (!arm.model.is_topic) {
+      const auto service = names.services.find(number);
+      return service != names.services.end() && arm.event.name == "answer" &&
+             !service->second.callers.empty();
+    }
+    return std::ranges::any_of(names.topics[number].readers, [&](const Topic::Reader& reader) {
+      const Wire* const wire = names.wire_of(reader.model, node, program);
+      return wire != nullptr && !wire->callers.empty();
+    });
+  }
+
+  // The arm is null where it is a statement.
+  using Visit =
+      std::function<void(const program_syntax::ModelReference&, const program_syntax::Event&,
+                         const program_syntax::Callback*, const program_syntax::SelectArm*)>;
   static void visit(const program_syntax::Block& block, const Visit& each) {
     for (const program_syntax::Statement& statement : block.statements) {
       if (statement.kind == program_syntax::Statement::Kind::give) {
-        each(statement.model, statement.input, statement.callback);
+        each(statement.model, statement.input, statement.callback, nullptr);
       }
       for (const program_syntax::Arm& arm : statement.arms) visit(*arm.body, each);
       for (const program_syntax::SelectArm& arm : statement.select_arms) {
         if (arm.kind == program_syntax::SelectArm::Kind::input) {
-          each(arm.model, arm.event, arm.starts != nullptr ? arm.starts : arm.callback);
+          each(arm.model, arm.event, arm.starts != nullptr ? arm.starts : arm.callback, &arm);
         }
         for (const program_syntax::Arm& inner : arm.arms) visit(*inner.body, each);
         if (arm.body) visit(*arm.body, each);
@@ -424,8 +511,15 @@ class WireMaker {
 
 // ---- Uses of wires ------------------------------------------------------------------------------
 
-std::uint32_t letter_of(const Wire& wire, Symbol input) {
-  return static_cast<std::uint32_t>(std::ranges::find(wire.letters, input) - wire.letters.begin());
+std::uint32_t caller_of(const Wire& wire, std::uint32_t program) {
+  if (wire.callers.empty()) return 0;
+  const auto place = std::ranges::find(wire.callers, program);
+  MAIDE_CHECK(place != wire.callers.end());
+  return static_cast<std::uint32_t>(place - wire.callers.begin());
+}
+std::uint32_t letter_of(const Wire& wire, Symbol input, std::uint32_t program) {
+  const auto place = std::ranges::find(wire.letters, input) - wire.letters.begin();
+  return wire.rules->letter_of(static_cast<std::uint32_t>(place), caller_of(wire, program));
 }
 
 ModelUse use(const Wire& wire, ModelActions& actions, Kind kind, std::uint32_t letter = 0) {
@@ -473,9 +567,11 @@ struct WayToPut {
   WireUses uses;
   bool pushes_out = false;
 };
-std::vector<WayToPut> ways_to_put(const Wire& wire, Symbol input, ModelActions& actions) {
-  const std::uint32_t letter = letter_of(wire, input);
-  if (!wire.counter && wire.order == nullptr) return {{{use(wire, actions, Kind::put, letter)}}};
+std::vector<WayToPut> ways_to_put(const Sending& sending, ModelActions& actions) {
+  const Wire& wire = *sending.wire;
+  const std::uint32_t letter = letter_of(wire, sending.input, sending.caller);
+  if (!wire.counter && wire.place.order == nullptr)
+    return {{{use(wire, actions, Kind::put, letter)}}};
   std::vector<WayToPut> ways;
   const auto add = [&](WireUses uses, bool pushes_out) {
     if (actions.are_possible(uses)) ways.push_back({std::move(uses), pushes_out});
@@ -511,16 +607,17 @@ std::vector<WireUses> ways_to_send(const std::vector<Sending>& all, ModelActions
   };
   std::vector<Way> ways{{}};
   std::map<std::uint32_t, StreamModel*> orders;
-  for (const auto& [wire, input] : all) {
-    if (wire->order != nullptr) orders[wire->stream] = wire->order.get();
-    const std::vector<WayToPut> own = ways_to_put(*wire, input, actions);
+  for (const Sending& sending : all) {
+    const Wire* const wire = sending.wire;
+    if (wire->place.order != nullptr) orders[wire->place.stream] = wire->place.order.get();
+    const std::vector<WayToPut> own = ways_to_put(sending, actions);
     std::vector<Way> longer;
     for (const Way& before : ways) {
       for (const auto& [uses, pushes_out] : own) {
         Way& way = longer.emplace_back(before);
         way.uses.insert(way.uses.end(), uses.begin(), uses.end());
-        if (wire->order != nullptr) {
-          way.streams[wire->stream].push_back({wire->number, pushes_out});
+        if (wire->place.order != nullptr) {
+          way.streams[wire->place.stream].push_back({wire->place.number, pushes_out});
         }
       }
     }
@@ -562,10 +659,10 @@ WireUses when_dies(std::uint32_t program, const Names& names, ModelActions& acti
     for (const Wire& wire : wires) {
       if (own.contains(to)) {
         uses.push_back(use(wire, actions, Kind::clear));
-        if (wire.order == nullptr) continue;
-        auto& [order, numbers] = forgotten[wire.stream];
-        order = wire.order.get();
-        numbers.push_back(wire.number);
+        if (wire.place.order == nullptr) continue;
+        auto& [order, numbers] = forgotten[wire.place.stream];
+        order = wire.place.order.get();
+        numbers.push_back(wire.place.number);
       } else if (wire.from.is_of("", program)) {
         uses.push_back(use(wire, actions, Kind::abandon));
       }
@@ -589,6 +686,187 @@ ModelUse when_used(const Wire& wire, ModelActions& actions) {
 
 namespace {
 
+// What may come of the oldest message on a wire: it arrives, or is lost.
+class Coming {
+ public:
+  // `from`: " from camera", for texts; may be empty.
+  Coming(const Wire& wire, ModelActions& actions, std::string from)
+      : wire_(wire), actions_(actions), from_(std::move(from)) {}
+
+  // `connection`: what leads to that model: "map", "image[logger]".
+  CombinedStep arrival(Kind kind, std::uint32_t letter, const std::string& connection) {
+    const Symbol input = wire_.letters[letter % wire_.letters.size()];
+    const std::string& name = actions_.model(wire_.to).automaton.inputs().name(input);
+    CombinedStep step;
+    step.uses = {{ModelUse::Kind::give, wire_.to, input}};
+    add_leaving(kind, letter, step);
+    step.events = {{ModelUse::Kind::take, wire_.model, wire_.rules->arrives(letter)}};
+    step.text = connection + "!arrives" + name.substr(base_of(name).size()) + from_;
+    step.fair = wire_.group;
+    return step;
+  }
+  CombinedStep loss(Kind kind, std::uint32_t letter, const std::string& connection) {
+    CombinedStep step;
+    step.uses = {takes()};
+    add_leaving(kind, letter, step);
+    step.events = {{ModelUse::Kind::take, wire_.model, WireModel::lost}};
+    step.text = connection + "!lost" + from_;
+    return step;
+  }
+
+ private:
+  void add_leaving(Kind kind, std::uint32_t letter, CombinedStep& step) {
+    step.uses.push_back(use(wire_, actions_, kind, letter));
+    if (wire_.counter) step.uses.push_back(count_one_less(wire_, actions_));
+    if (wire_.place.order) {
+      step.uses.push_back(
+          wire_.place.order->leave(actions_, wire_.place.stream, wire_.place.number));
+    }
+  }
+
+  // A condition: something on the wire may arrive. What is lost is so in its turn.
+  ModelUse takes() {
+    return actions_.action(
+        wire_.to, "takes what " + wire_.writer + " sends",
+        ModelActions::StepsOfState([&actions = actions_, to = wire_.to,
+                                    letters = wire_.letters](StateId at) {
+          const bool takes = std::ranges::any_of(letters, [&](Symbol letter) {
+            return !model_steps(actions.model(to), at, {ModelUse::Kind::give, 0, letter}).empty();
+          });
+          return takes ? std::vector<ModelStep>{{at, false}} : std::vector<ModelStep>{};
+        }));
+  }
+
+  const Wire& wire_;
+  ModelActions& actions_;
+  std::string from_;
+};
+
+std::string from_of(const Wire& wire, const Names& names) {
+  return names.wires.at(wire.to).size() > 1 ? " from " + wire.writer : "";
+}
+
+}  // namespace
+
+namespace {
+
+// Something of the service's arrives or is lost.
+CombinedStep step_of_service(const Service& service, std::uint32_t model,
+                             const ServiceModel::Operation& operation, ModelActions& actions) {
+  using Operation = ServiceModel::Operation;
+  const ServiceShape& shape = service.rules->shape();
+  const bool is_request = operation.kind == Operation::Kind::request_arrives ||
+                          operation.kind == Operation::Kind::request_lost;
+  const bool is_lost = operation.kind == Operation::Kind::request_lost ||
+                       operation.kind == Operation::Kind::answer_lost ||
+                       operation.kind == Operation::Kind::loss_returns;
+  const std::uint32_t client = operation.client;
+  CombinedStep step;
+  step.uses = {service.rules->use(actions, model, operation)};
+  const PlaceInStream& place =
+      is_request ? service.requests_in[client] : service.answers_in[client];
+  if (place.order) step.uses.push_back(place.order->leave(actions, place.stream, place.number));
+  step.events = {{ModelUse::Kind::take, model, service.rules->symbol_of(operation)}};
+  step.text = service.name + (shape.names.size() > 1 ? "[" + shape.names[client] + "]" : "") +
+              (is_request ? "!request" : "!answer") + (is_lost ? "_lost" : "_arrives");
+  if (is_lost) return step;
+  for (const ServiceWay& way : ways_of(service)) {
+    if (way.client == client && way.is_request == is_request) break;
+    ++step.fair;
+  }
+  step.fair += service.group;
+  return step;
+}
+
+}  // namespace
+
+bool is_on_its_way(const Service& service) { return !ways_of(service).empty(); }
+
+std::vector<WireUses> ways_to_use(const Service& service, std::uint32_t model,
+                                  const ServiceModel::Operation& operation, ModelActions& actions) {
+  using Operation = ServiceModel::Operation;
+  const bool is_request = operation.kind == Operation::Kind::send;
+  std::vector<std::uint32_t> to;  // clients
+  for (const ServiceWay& way : ways_of(service)) {
+    if (operation.kind != Operation::Kind::answer && !is_request) continue;
+    if (way.is_request != is_request || (is_request && way.client != operation.client)) continue;
+    to.push_back(way.client);
+  }
+  const auto& places = is_request ? service.requests_in : service.answers_in;
+  const bool is_in_stream = std::ranges::any_of(
+      to, [&](std::uint32_t client) { return places[client].order != nullptr; });
+  if (!is_in_stream) return {{service.rules->use(actions, model, operation)}};
+  std::vector<WireUses> ways;
+  for (std::uint32_t which = 0; which < 1U << to.size(); ++which) {
+    Operation one = operation;
+    one.pushes_out = 0;
+    std::map<std::uint32_t, std::pair<StreamModel*, std::vector<StreamModel::Sent>>> streams;
+    for (std::size_t i = 0; i < to.size(); ++i) {
+      const bool pushes = (which >> i & 1) != 0;
+      if (pushes) *one.pushes_out |= 1U << to[i];
+      const PlaceInStream& place = places[to[i]];
+      if (place.order == nullptr) continue;
+      auto& [order, sent] = streams[place.stream];
+      order = place.order.get();
+      sent.push_back({place.number, pushes});
+    }
+    WireUses& uses = ways.emplace_back();
+    uses.push_back(service.rules->use(actions, model, one));
+    for (const auto& [stream, way] : streams) {
+      uses.push_back(way.first->send(actions, stream, way.second));
+    }
+  }
+  return ways;
+}
+
+std::vector<CombinedStep> ends_of_answer(const Service& service, std::uint32_t model,
+                                         std::uint32_t caller, ModelActions& actions) {
+  using Kind = ServiceModel::Operation::Kind;
+  std::vector<CombinedStep> ends;
+  for (const ServiceWay& way : ways_of(service)) {
+    for (const Kind kind : {Kind::answer_returns, Kind::loss_returns}) {
+      ends.push_back(step_of_service(service, model, {kind, way.client, 0, caller}, actions));
+      ends.back().role =
+          kind == Kind::answer_returns ? CombinedStep::Role::arrival : CombinedStep::Role::loss;
+    }
+  }
+  return ends;
+}
+
+std::vector<CombinedStep> ends_of_call(const std::vector<const Wire*>& wires, std::uint32_t caller,
+                                       const Names& names, ModelActions& actions) {
+  std::vector<CombinedStep> ends;
+  for (const Wire* const wire : wires) {
+    const auto add = [&](CombinedStep step, CombinedStep::Role role) {
+      step.role = role;
+      for (const Wire* const other : wires) {
+        if (other == wire) continue;
+        step.uses.push_back(use(*other, actions, Kind::holds_none, caller_of(*other, caller)));
+      }
+      if (actions.are_possible(step.uses)) ends.push_back(std::move(step));
+    };
+    Coming coming(*wire, actions, from_of(*wire, names));
+    const std::string& connection = actions.model(wire->to).name;
+    for (const Symbol input : wire->letters) {
+      const std::uint32_t letter = letter_of(*wire, input, caller);
+      add(coming.arrival(Kind::arrive_of_living, letter, connection), CombinedStep::Role::arrival);
+      add(coming.loss(Kind::lose_of_living, letter, connection), CombinedStep::Role::loss);
+    }
+  }
+  return ends;
+}
+
+WireUses when_returned(const std::vector<const Wire*>& wires, std::uint32_t caller,
+                       ModelActions& actions) {
+  WireUses uses;
+  for (const Wire* const wire : wires) {
+    uses.push_back(use(*wire, actions, Kind::holds_none, caller_of(*wire, caller)));
+  }
+  return uses;
+}
+
+namespace {
+
 class ArrivalMaker {
  public:
   ArrivalMaker(const Declarations& file, const Names& names, System& system, ModelActions& actions)
@@ -598,13 +876,13 @@ class ArrivalMaker {
     system_.nobodys_actions.clear();
     system_.nobodys_groups.assign(1, "");
     for (const auto& [to, wires] : names_.wires) {
-      for (const Wire& wire : wires) add(wire, wires.size() > 1);
+      for (const Wire& wire : wires) add(wire);
     }
     for (const auto& [model, service] : names_.services) add(model, service);
   }
 
  private:
-  // "map", "image[logger]": what leads to that model.
+  // What leads to that model.
   std::string connection_of(std::uint32_t to) const {
     const auto reader = file_.topic_of.find(to);
     if (reader == file_.topic_of.end()) return system_.models[to].name;
@@ -612,84 +890,81 @@ class ArrivalMaker {
     return topic.readers.size() == 1 ? topic.name : system_.models[to].name;
   }
 
-  void add(const Wire& wire, bool has_others) {
-    const std::string connection = connection_of(wire.to);
-    const std::string from = has_others ? " from " + wire.writer : "";
-    const auto group = static_cast<std::uint32_t>(system_.nobodys_groups.size());
+  void add(const Wire& wire) {
+    MAIDE_CHECK(wire.group == system_.nobodys_groups.size());
     system_.nobodys_groups.push_back("what is on its way from " + wire.writer + " to " +
                                      system_.models[wire.to].name);
-    const Alphabet& inputs = system_.models[wire.to].automaton.inputs();
-    for (std::uint32_t letter = 0; letter < wire.letters.size(); ++letter) {
-      const std::string& name = inputs.name(wire.letters[letter]);
-      NobodysAction arrival;
-      arrival.what.uses = {{ModelUse::Kind::give, wire.to, wire.letters[letter]},
-                           use(wire, actions_, Kind::arrive, letter)};
-      if (wire.counter) arrival.what.uses.push_back(count_one_less(wire, actions_));
-      if (wire.order) arrival.what.uses.push_back(is_next(wire));
-      arrival.what.events = {{ModelUse::Kind::take, wire.model, wire.rules->arrives(letter)}};
-      arrival.what.text = connection + "!arrives" + name.substr(base_of(name).size()) + from;
-      arrival.what.fair = group;
-      add(std::move(arrival), wire.to);
+    const std::string connection = connection_of(wire.to);
+    Coming coming(wire, actions_, from_of(wire, names_));
+    const auto letters = static_cast<std::uint32_t>(wire.letters.size());
+    if (wire.callers.empty()) {
+      for (std::uint32_t letter = 0; letter < letters; ++letter) {
+        add(wire, coming.arrival(Kind::arrive, letter, connection));
+      }
+      if (!actions_.are_possible({use(wire, actions_, Kind::lose)})) return;
+      return add(wire, coming.loss(Kind::lose, 0, connection));
     }
-    const ModelUse losing = use(wire, actions_, Kind::lose);
-    if (!actions_.are_possible({losing})) return;
-    NobodysAction loss;
-    loss.what.uses = {losing, takes(wire)};
-    if (wire.counter) loss.what.uses.push_back(count_one_less(wire, actions_));
-    if (wire.order) loss.what.uses.push_back(is_next(wire));
-    loss.what.events = {{ModelUse::Kind::take, wire.model, WireModel::lost}};
-    loss.what.text = connection + "!lost" + from;
-    loss.counts_for_deadlock = false;
-    loss.lost = "a message of " + connection;
-    add(std::move(loss), wire.to);
+    // What ends a call is a step of its program.
+    for (std::uint32_t caller = 0; caller < wire.callers.size(); ++caller) {
+      const std::vector<WireUses> ways = ways_not_to_return(wire, wire.callers[caller]);
+      for (std::uint32_t input = 0; input < letters; ++input) {
+        const std::uint32_t letter = wire.rules->letter_of(input, caller);
+        add(wire, coming.arrival(Kind::arrive_of_dead, letter, connection));
+        add(wire, coming.loss(Kind::lose_of_dead, letter, connection));
+        for (const WireUses& others : ways) {
+          add(wire, coming.arrival(Kind::arrive_of_living, letter, connection), others);
+          add(wire, coming.loss(Kind::lose_of_living, letter, connection), others);
+        }
+      }
+    }
   }
 
-  ModelUse is_next(const Wire& wire) {
-    return wire.order->leave(actions_, wire.stream, wire.number);
+  // The message of that program is on its way to another reader, too: conditions.
+  std::vector<WireUses> ways_not_to_return(const Wire& wire, std::uint32_t program) {
+    std::vector<WireUses> ways;
+    WireUses before;
+    const Topic& topic = names_.topics[file_.topic_of.at(wire.to).first];
+    for (const Topic::Reader& reader : topic.readers) {
+      if (reader.model == wire.to) continue;
+      const Wire* const other = names_.wire_of(reader.model, wire.from.node, program);
+      if (other == nullptr || other->callers.empty()) continue;
+      const std::uint32_t caller = caller_of(*other, program);
+      ways.push_back(before);
+      ways.back().push_back(use(*other, actions_, Kind::holds, caller));
+      before.push_back(use(*other, actions_, Kind::holds_none, caller));
+    }
+    return ways;
   }
 
-  // A condition: something on the wire may arrive. What is lost is so in its turn.
-  ModelUse takes(const Wire& wire) {
-    return actions_.action(
-        wire.to, "takes what " + wire.writer + " sends",
-        ModelActions::StepsOfState([&actions = actions_, to = wire.to,
-                                    letters = wire.letters](StateId at) {
-          const bool takes = std::ranges::any_of(letters, [&](Symbol letter) {
-            return !model_steps(actions.model(to), at, {ModelUse::Kind::give, 0, letter}).empty();
-          });
-          return takes ? std::vector<ModelStep>{{at, false}} : std::vector<ModelStep>{};
-        }));
+  void add(const Wire& wire, CombinedStep step, const WireUses& conditions = {}) {
+    step.uses.insert(step.uses.end(), conditions.begin(), conditions.end());
+    if (!wire.callers.empty() && !actions_.are_possible(step.uses)) return;
+    NobodysAction action;
+    action.counts_for_deadlock = step.fair != 0;
+    if (step.fair == 0) action.lost = "a message of " + connection_of(wire.to);
+    action.what = std::move(step);
+    add(std::move(action), wire.to);
   }
 
   void add(std::uint32_t model, const Service& service) {
     using enum ServiceModel::Operation::Kind;
-    ServiceModel& rules = *service.rules;
-    const std::vector<bool>& is_late = rules.shape().is_late;
-    for (std::uint32_t client = 0; client < is_late.size(); ++client) {
-      if (!is_late[client]) continue;
-      const std::string& name = rules.shape().names[client];
-      for (const bool is_request : {true, false}) {
-        const auto group = static_cast<std::uint32_t>(system_.nobodys_groups.size());
-        system_.nobodys_groups.push_back(
-            (is_request ? "requests on their way from " : "answers on their way to ") + name);
-        const std::string connection = service.name + (is_late.size() > 1 ? "[" + name + "]" : "");
-        const std::string what = is_request ? "request" : "answer";
-        const auto action = [&](ServiceModel::Operation::Kind kind, const std::string& event) {
-          const ServiceModel::Operation operation{kind, client, 0};
-          NobodysAction made;
-          made.what.uses = {rules.use(actions_, model, operation)};
-          made.what.events = {{ModelUse::Kind::take, model, rules.symbol_of(operation)}};
-          made.what.text = connection + "!" + what + event;
-          return made;
-        };
-        NobodysAction arrival = action(is_request ? request_arrives : answer_arrives, "_arrives");
-        arrival.what.fair = group;
-        add(std::move(arrival), model);
-        NobodysAction loss = action(is_request ? request_lost : answer_lost, "_lost");
-        loss.counts_for_deadlock = false;
-        loss.lost = "a" + std::string(is_request ? " request of " : "n answer to ") + name;
-        add(std::move(loss), model);
-      }
+    const ServiceShape& shape = service.rules->shape();
+    for (const auto& [client, is_request] : ways_of(service)) {
+      const std::string& name = shape.names[client];
+      system_.nobodys_groups.push_back(
+          (is_request ? "requests on their way from " : "answers on their way to ") + name);
+      const auto step = [&, client = client](ServiceModel::Operation::Kind kind) {
+        return step_of_service(service, model, {kind, client, 0}, actions_);
+      };
+      NobodysAction arrival;
+      arrival.what = step(is_request ? request_arrives : answer_arrives);
+      MAIDE_CHECK(arrival.what.fair + 1 == system_.nobodys_groups.size());
+      add(std::move(arrival), model);
+      NobodysAction loss;
+      loss.what = step(is_request ? request_lost : answer_lost);
+      loss.counts_for_deadlock = false;
+      loss.lost = "a" + std::string(is_request ? " request of " : "n answer to ") + name;
+      add(std::move(loss), model);
     }
   }
 

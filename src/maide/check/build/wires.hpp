@@ -14,6 +14,7 @@
 
 #include "maide/check/build/declarations.hpp"
 #include "maide/check/build/models.hpp"
+#include "maide/check/rules/service_model.hpp"
 #include "maide/check/system/model_actions.hpp"
 
 namespace maide {
@@ -28,7 +29,8 @@ void add_arrivals(const Declarations& file, const Names& names, System& system,
 using WireUses = std::vector<ModelUse>;
 struct Sending {
   const Wire* wire = nullptr;
-  Symbol input = 0;  // one of its letters
+  Symbol input = 0;          // one of its letters
+  std::uint32_t caller = 0;  // the program
 };
 // The ways in which all these are sent in one step, to different models; each where the others are
 // not.
@@ -37,6 +39,22 @@ std::vector<WireUses> ways_to_send(const std::vector<Sending>& all, ModelActions
 std::vector<WireUses> ways_to_wait(const Wire& wire, ModelActions& actions);
 // What the death of the program does to wires from it and to it, and to their order.
 WireUses when_dies(std::uint32_t program, const Names& names, ModelActions& actions);
+// Some of what is sent there is on its way for a while.
+bool is_on_its_way(const Service& service);
+// The ways in which the service, which is that model, is used so, where what is sent is in a
+// stream; else one way.
+std::vector<WireUses> ways_to_use(const Service& service, std::uint32_t model,
+                                  const ServiceModel::Operation& operation, ModelActions& actions);
+// Of a program that stands in the call of an answer: the steps that end it.
+std::vector<CombinedStep> ends_of_answer(const Service& service, std::uint32_t model,
+                                         std::uint32_t caller, ModelActions& actions);
+// Of a program that stands in a call which returns when what it sent on these wires has arrived, or
+// its readers have died: the steps that end it. `names`: of the connections that the wires are.
+std::vector<CombinedStep> ends_of_call(const std::vector<const Wire*>& wires, std::uint32_t caller,
+                                       const Names& names, ModelActions& actions);
+// The call has returned, by the death of readers: conditions.
+WireUses when_returned(const std::vector<const Wire*>& wires, std::uint32_t caller,
+                       ModelActions& actions);
 // A condition: nothing is on its way.
 ModelUse when_empty(const Wire& wire, ModelActions& actions);
 // A condition: something is on its way.

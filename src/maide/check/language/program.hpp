@@ -65,12 +65,17 @@ struct CombinedStep {
     look,       // of an executor that goes by rounds
     discard,    // so is this: a client that was found has answers to others alone, or one of them
     death,      // the program ends here: no progress, and no fairness asks for it
+    // A message arrives, by itself, and with it the call ends in which the program stands: who
+    // waits for it is the program, and who does it is nobody.
+    arrival,
+    loss,  // so is it if the message is lost: no progress
   };
   Role role = Role::step;
   std::vector<ModelUse> uses;    // all at once, each of another model; none is choice or combined
   std::vector<ModelUse> events;  // the inputs given and outputs taken, for formulas: give, take
   std::string text;              // in the file's words: "images.read -> message", "n = 3"
-  std::uint32_t fair = 0;        // its fair group in the program; 0: none
+  // Its fair group in the program; of an arrival among System::nobodys_groups. 0: none.
+  std::uint32_t fair = 0;
   // Of a start or a discard: the callback, of the system's.
   std::optional<std::uint32_t> callback{};
 };
@@ -202,13 +207,25 @@ struct Program {
   }
   // A step by it counts for deadlocks, and fairness asks for it.
   bool is_progress(const ProgramEdge& edge) const {
-    return flags.counts_for_deadlock && !is_death(edge);
+    return flags.counts_for_deadlock && !is_death(edge) &&
+           role_of(edge) != CombinedStep::Role::loss;
+  }
+  // It happens by itself: the program waits for it in a call.
+  bool is_by_itself(const ProgramEdge& edge) const {
+    const CombinedStep::Role role = role_of(edge);
+    return role == CombinedStep::Role::arrival || role == CombinedStep::Role::loss;
   }
   bool is_death(const ProgramEdge& edge) const {
     return role_of(edge) == CombinedStep::Role::death;
   }
+  // The program's group.
   std::uint32_t fair_group_of(const ProgramEdge& edge) const {
-    return edge.kind == ModelUse::Kind::combined ? combined[edge.index].fair : 0;
+    return edge.kind == ModelUse::Kind::combined && !is_by_itself(edge) ? combined[edge.index].fair
+                                                                        : 0;
+  }
+  // Nobody's group, of what happens by itself.
+  std::uint32_t nobodys_group_of(const ProgramEdge& edge) const {
+    return is_by_itself(edge) ? combined[edge.index].fair : 0;
   }
   // The value of the variable there; none where it is out of scope.
   std::optional<Value> value_of(ControlState state, std::uint32_t variable) const {

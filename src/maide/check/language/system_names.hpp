@@ -90,6 +90,13 @@ struct Topic {
   }
 };
 
+// Where what is on its way comes in one order with what else is: the model of that order, and the
+// number there.
+struct PlaceInStream {
+  std::shared_ptr<StreamModel> order;  // null: nowhere
+  std::uint32_t stream = 0, number = 0;
+};
+
 // Who stands at the ends of a service: programs and nodes.
 struct Service {
   std::string name;
@@ -100,6 +107,11 @@ struct Service {
   std::string rmw;                // of ROS 2: "cyclonedds", "fastrtps"; empty: not said
   bool takes_one_by_one = false;  // of Fast DDS: one answer, whosever it is
   ServiceModel* rules = nullptr;
+  std::uint32_t group = 0;  // the first of its arrivals among System::nobodys_groups
+  // The programs that may answer, where an answer returns when all clients have it; else empty.
+  std::vector<std::uint32_t> callers;
+  // By client, where what is on its way is in a stream.
+  std::vector<PlaceInStream> requests_in, answers_in;
   std::uint32_t server_runs = 1;   // of its callback, at once
   std::set<std::string> own_code;  // nodes whose client has code of its own
 
@@ -159,10 +171,11 @@ struct Wire {
   // the model's state how many it takes at least, none: any number.
   std::optional<std::uint32_t> counter;
   std::shared_ptr<const std::vector<std::optional<std::uint32_t>>> room;
-  // Where what is on it comes in one order with what is on others: the model of that order, and the
-  // number of this wire there.
-  std::shared_ptr<StreamModel> order;
-  std::uint32_t stream = 0, number = 0;
+  PlaceInStream place;
+  std::uint32_t group = 0;  // of its arrivals: among System::nobodys_groups
+  // Where a call returns when all readers have its message: the programs that may call. Each has
+  // one message at most on the wire. Empty: a call returns at once.
+  std::vector<std::uint32_t> callers;
 };
 
 struct VariableName {

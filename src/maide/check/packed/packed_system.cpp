@@ -120,6 +120,14 @@ void PackedSystem::add_groups(const Program& program, PackedActor& packed) {
 void PackedSystem::add_nobody() {
   const std::vector<std::uint32_t> firsts = find_parts(*system_);
   for (std::size_t i = 0; i + 1 < firsts.size(); ++i) add_part(firsts[i], firsts[i + 1]);
+  for (std::size_t index = 0; index < program_count_; ++index) {
+    const Program& program = system_->programs[index];
+    for (std::size_t i = 0; i < program.edges.size(); ++i) {
+      const std::uint32_t group = program.nobodys_group_of(program.edges[i]);
+      if (group == 0) continue;
+      actors_[index].groups[i] = static_cast<std::uint32_t>(weak_groups_.size()) + group - 1;
+    }
+  }
   for (std::size_t group = 1; group < system_->nobodys_groups.size(); ++group) {
     weak_groups_.push_back(true);
     has_weak_groups_ = true;

@@ -83,11 +83,19 @@ void StubbornSets::add_next(std::size_t index, std::span<const ModelUse> uses, b
   reduced.next.push_back(next);
 }
 
-// Runs are fair to a group, of which they may take another action: all are in that part.
+// Runs are fair to a group, of which they may take another action: all are in that part, and none
+// ends a program's call.
 bool StubbornSets::is_due(const NobodysAction& action, std::size_t part) const {
   if (!action.counts_for_deadlock) return false;
   if (options_.watch == Commutation::Watch::nothing) return true;
   if (action.what.fair == 0) return false;
+  const auto& programs = packed_.system().programs;
+  const bool is_of_calls = std::ranges::any_of(programs, [&](const Program& program) {
+    return std::ranges::any_of(program.edges, [&](const ProgramEdge& edge) {
+      return program.nobodys_group_of(edge) == action.what.fair;
+    });
+  });
+  if (is_of_calls) return false;
   const std::span all(packed_.system().nobodys_actions);
   const auto [first, end] = packed_.edges_of(part);
   const auto is_in_group = [&](const NobodysAction& other) {

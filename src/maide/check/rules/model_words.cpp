@@ -246,7 +246,8 @@ std::string describe_action(const System& system, const Step& step) {
 }
 
 std::string describe_actor(const System& system, const Step& step) {
-  return step.actor == nobody ? describe_action(system, step) : actor_name(system, step.actor);
+  const std::uint32_t doer = doer_of(system, step);
+  return doer == nobody ? describe_action(system, step) : actor_name(system, doer);
 }
 
 std::string describe_error(const System& system, const GlobalState& state) {

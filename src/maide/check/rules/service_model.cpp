@@ -18,6 +18,10 @@ std::uint32_t item_of(std::uint32_t client, std::uint32_t owner) { return (clien
 std::uint32_t client_of(std::uint32_t item) { return item >> 16; }
 std::uint32_t owner_of(std::uint32_t item) { return item & 0xFFFF; }
 
+// An answer on its way: its owner, and the number of the caller that gave it.
+std::uint32_t coming_of(std::uint32_t owner, std::uint32_t caller) { return caller << 16 | owner; }
+std::uint32_t caller_of(std::uint32_t coming) { return coming >> 16; }
+
 }  // namespace
 
 struct ServiceModel::State {
@@ -26,7 +30,7 @@ struct ServiceModel::State {
     std::uint32_t waits = 0;             // in `receive`: 1, and 2 when the answer is due
     std::vector<std::uint32_t> handed;   // by run: whether its answer was handed over
     std::vector<std::uint32_t> sent;     // requests on their way, oldest first
-    std::vector<std::uint32_t> coming;   // answers on their way: owners, or `others`
+    std::vector<std::uint32_t> coming;   // answers on their way (coming_of), oldest first
   };
   std::uint32_t server_waits = 0;       // in `serve`
   std::uint32_t due = none;             // a request that is due to the server
@@ -38,10 +42,11 @@ struct ServiceModel::State {
   bool owes_answer() const {
     return std::ranges::any_of(clients, [](const Client& c) { return c.waits == 2; });
   }
-  // To somebody who gets answers at once.
-  bool owes_answer_at_once(const std::vector<bool>& is_late) const {
+  // An answer of that caller is on its way to a client, but for that one.
+  bool is_coming(std::uint32_t caller, std::size_t but_for) const {
     for (std::size_t i = 0; i < clients.size(); ++i) {
-      if (clients[i].waits == 2 && !is_late[i]) return true;
+      const auto& coming = clients[i].coming;
+      if (i != but_for && std::ranges::find(coming, caller, caller_of) != coming.end()) return true;
     }
     return false;
   }
@@ -52,9 +57,10 @@ struct ServiceModel::State {
 void ServiceModel::tidy(State& state, std::uint32_t client) const {
   // Nothing is there that it could push out when it arrives, nor will be.
   auto& coming = state.clients[client].coming;
-  if (!shape_.is_looked_at[client] && state.clients[client].answers.empty()) {
+  const bool is_counted = shape_.callers > 0 || shape_.is_in_stream;
+  if (!is_counted && !shape_.is_looked_at[client] && state.clients[client].answers.empty()) {
     coming.erase(coming.begin(),
-                 std::ranges::find_if(coming, [](auto owner) { return owner != others; }));
+                 std::ranges::find_if(coming, [](auto at) { return owner_of(at) != others; }));
   }
   if (shape_.is_looked_at[client] && shape_.takes_one_by_one) return;
   auto& answers = state.clients[client].answers;
@@ -87,7 +93,7 @@ InterfaceAutomaton ServiceModel::start() const {
   const std::vector<std::string> taken = outputs;
   for (const char* const name :
        {"request_arrives", "request_lost", "answer_arrives", "answer_lost"}) {
-    for (std::uint32_t client = 0; client < shape_.askers.size() && is_any_late(); ++client) {
+    for (std::uint32_t client = 0; client < shape_.askers.size() && has_wires(); ++client) {
       outputs.push_back(name_at_client(name, client));
     }
   }
@@ -103,14 +109,17 @@ InterfaceAutomaton ServiceModel::start() const {
   return automaton;
 }
 
-bool ServiceModel::is_any_late() const {
-  return std::ranges::find(shape_.is_late, true) != shape_.is_late.end();
+bool ServiceModel::has_wires() const {
+  return shape_.callers > 0 || std::ranges::find(shape_.is_late, true) != shape_.is_late.end();
 }
 
 Symbol ServiceModel::symbol_of(const Operation& operation) const {
   const auto clients = static_cast<Symbol>(shape_.askers.size());
-  const auto row =
-      static_cast<Symbol>(operation.kind) - static_cast<Symbol>(Operation::Kind::request_arrives);
+  using Kind = Operation::Kind;
+  const Kind kind = operation.kind == Kind::answer_returns ? Kind::answer_arrives
+                    : operation.kind == Kind::loss_returns ? Kind::answer_lost
+                                                           : operation.kind;
+  const auto row = static_cast<Symbol>(kind) - static_cast<Symbol>(Kind::request_arrives);
   return 1 + clients + row * clients + operation.client;
 }
 
@@ -173,16 +182,28 @@ void ServiceModel::send(State& state, std::uint32_t item) const {
   state.requests.push_back(item);
 }
 
-void ServiceModel::answer(State& state, std::uint32_t item) const {
+void ServiceModel::answer(State& state, std::uint32_t item, std::uint32_t caller) const {
   for (std::uint32_t number = 0; number < state.clients.size(); ++number) {
     const std::uint32_t owner = client_of(item) == number ? owner_of(item) : others;
-    if (!shape_.is_late[number]) {
+    if (!is_answered_late(number)) {
       arrive(state, number, owner);
       continue;
     }
-    wire().put(state.clients[number].coming, owner);
+    wire().put(state.clients[number].coming, coming_of(owner, caller));
     tidy(state, number);
   }
+}
+
+std::uint32_t ServiceModel::pushed_out_by(const State& state, const Operation& operation) const {
+  std::uint32_t pushed = 0;
+  for (std::uint32_t number = 0; number < state.clients.size(); ++number) {
+    const State::Client& client = state.clients[number];
+    const bool is_request = operation.kind == Operation::Kind::send;
+    const bool is_put = is_request ? number == operation.client : is_answered_late(number);
+    const auto& on_way = is_request ? client.sent : client.coming;
+    if (is_put && on_way.size() >= wire().room()) pushed |= 1U << number;
+  }
+  return pushed;
 }
 
 void ServiceModel::arrive(State& state, std::uint32_t number, std::uint32_t owner) const {
@@ -226,8 +247,9 @@ void ServiceModel::forget(State& state, std::uint32_t client, std::uint32_t run)
   if (state.due == own) state.due = lost;
   State::Client& asker = state.clients[client];
   std::replace(asker.sent.begin(), asker.sent.end(), own, lost);
-  for (auto* const answers : {&asker.answers, &asker.coming}) {
-    std::replace(answers->begin(), answers->end(), 1 + run, nobody(client));
+  std::replace(asker.answers.begin(), asker.answers.end(), 1 + run, nobody(client));
+  for (std::uint32_t& coming : asker.coming) {
+    if (owner_of(coming) == 1 + run) coming = coming_of(nobody(client), caller_of(coming));
   }
   state.clients[client].handed[run] = 0;
 }
@@ -235,7 +257,8 @@ void ServiceModel::forget(State& state, std::uint32_t client, std::uint32_t run)
 std::optional<ServiceModel::State> ServiceModel::after(State state,
                                                        const Operation& operation) const {
   using Kind = Operation::Kind;
-  const auto [kind, number, run] = operation;
+  const auto [kind, number, run, caller, pushes_out] = operation;
+  if (pushes_out && *pushes_out != pushed_out_by(state, operation)) return std::nullopt;
   const auto when = [&](bool is_possible) {
     return is_possible ? std::optional(std::move(state)) : std::nullopt;
   };
@@ -263,10 +286,11 @@ std::optional<ServiceModel::State> ServiceModel::after(State state,
       state.requests.erase(state.requests.begin());
       return state;
     case Kind::answer:
-      if (state.served[run] == none || state.owes_answer_at_once(shape_.is_late)) {
-        return std::nullopt;
+      if (state.served[run] == none) return std::nullopt;
+      for (std::uint32_t i = 0; i < state.clients.size(); ++i) {
+        if (state.clients[i].waits == 2 && !is_answered_late(i)) return std::nullopt;
       }
-      answer(state, std::exchange(state.served[run], none));
+      answer(state, std::exchange(state.served[run], none), caller);
       return state;
     case Kind::answer_due: return when(state.owes_answer());
     case Kind::send: {
@@ -314,13 +338,20 @@ std::optional<ServiceModel::State> ServiceModel::after(State state,
       return state;
     }
     case Kind::answer_arrives:
-    case Kind::answer_lost: {
-      const bool arrives = kind == Kind::answer_arrives;
+    case Kind::answer_lost:
+    case Kind::answer_returns:
+    case Kind::loss_returns: {
+      const bool arrives = kind == Kind::answer_arrives || kind == Kind::answer_returns;
       if (client.coming.empty() || client.waits == 2) return std::nullopt;
       if (!arrives && !wire().may_lose(client.coming.size())) return std::nullopt;
-      const std::uint32_t owner = client.coming.front();
+      const std::uint32_t coming = client.coming.front();
+      const bool returns = kind == Kind::answer_returns || kind == Kind::loss_returns;
+      if (returns && caller_of(coming) != caller) return std::nullopt;
+      if (shape_.callers > 0 && state.is_coming(caller_of(coming), number) == returns) {
+        return std::nullopt;
+      }
       client.coming.erase(client.coming.begin());
-      if (arrives) arrive(state, number, owner);
+      if (arrives) arrive(state, number, owner_of(coming));
       tidy(state, number);
       return state;
     }
@@ -375,7 +406,7 @@ std::string ServiceModel::describe(StateId at) const {
     const std::string& name = shape_.names[number];
     add(client.sent.size(), "request", " of " + name + " on its way");
     add(static_cast<std::size_t>(
-            std::ranges::count_if(client.coming, [](auto owner) { return owner != others; })),
+            std::ranges::count_if(client.coming, [](auto at) { return owner_of(at) != others; })),
         "answer", " to " + name + " on its way");
     add(count(state.requests) + (is_own(state.due) ? 1 : 0), "request",
         " of " + name + " not served");
@@ -414,7 +445,7 @@ std::optional<ServiceContents> ServiceModel::service_contents(StateId at) const 
     const State::Client& client = state.clients[number];
     const auto own_of = [](const std::vector<std::uint32_t>& answers) {
       return static_cast<std::uint32_t>(
-          std::ranges::count_if(answers, [](auto owner) { return owner != others; }));
+          std::ranges::count_if(answers, [](auto owner) { return owner_of(owner) != others; }));
     };
     const auto handed = static_cast<std::uint32_t>(std::ranges::count(client.handed, 1U));
     result.answers[number] = own_of(client.answers) + handed + (client.waits == 2 ? 1 : 0);
@@ -426,19 +457,22 @@ std::optional<ServiceContents> ServiceModel::service_contents(StateId at) const 
 
 std::string ServiceModel::text_of(const Operation& operation) const {
   using Kind = Operation::Kind;
-  const auto [kind, number, run] = operation;
+  const auto [kind, number, run, caller, pushes_out] = operation;
   std::string of = shape_.askers.size() > 1 ? " of client " + std::to_string(number + 1) : "";
   if (number < shape_.askers.size() && run < shape_.askers[number] && shape_.askers[number] > 1) {
     of += ", run " + std::to_string(run + 1);
   }
-  const std::string by = shape_.servers > 1 ? ", run " + std::to_string(run + 1) : "";
+  std::string by = shape_.servers > 1 ? ", run " + std::to_string(run + 1) : "";
+  if (shape_.callers > 1) by += ", by caller " + std::to_string(caller + 1);
+  const std::string out =
+      pushes_out ? ", pushes out " + std::to_string(*pushes_out) : std::string();
   switch (kind) {
     case Kind::serve: return "serve";
     case Kind::take_request: return "!request";
     case Kind::serve_at_once: return "serve -> request" + by;
-    case Kind::answer: return "answer" + by;
+    case Kind::answer: return "answer" + by + out;
     case Kind::answer_due: return "an answer is due";
-    case Kind::send: return "send" + of;
+    case Kind::send: return "send" + of + out;
     case Kind::receive: return "receive" + of;
     case Kind::take_answer: return "!answer" + of;
     case Kind::receive_at_once: return "receive -> answer" + of;
@@ -451,6 +485,8 @@ std::string ServiceModel::text_of(const Operation& operation) const {
     case Kind::request_lost: return "a request is lost" + of;
     case Kind::answer_arrives: return "an answer arrives" + of;
     case Kind::answer_lost: return "an answer is lost" + of;
+    case Kind::answer_returns: return "an answer arrives, and the call returns" + of + by;
+    case Kind::loss_returns: return "an answer is lost, and the call returns" + of + by;
   }
   return "";
 }

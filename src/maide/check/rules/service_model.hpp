@@ -11,7 +11,8 @@
 // (Cyclone DDS), or one (Fast DDS). Other clients lose such answers unseen.
 //
 // Between processes requests and answers are on their way for a while: each client has a wire to
-// the server and one back.
+// the server and one back. Or an answer alone is, and the call that gave it returns when all
+// clients have it.
 //
 // What programs do with a service are actions on its state. Its automaton has as transitions what
 // programs, not nodes, do, for a run to be played on a real service.
@@ -44,8 +45,11 @@ struct ServiceShape {
   // By client: what it and the server send each other is on its way for a while (wire.hpp).
   std::vector<bool> is_late;
   bool loses = false;  // so may be lost there
-  std::string rmw;     // on which it is to run; may be empty
-  std::string sul;     // the real system of programs' runs: "ros2 kind=service ..."; may be empty
+  // How many programs may answer, where a call returns when all clients have its answer; else 0.
+  std::uint32_t callers = 0;
+  bool is_in_stream = false;  // what is on its way comes in one order with what else is
+  std::string rmw;            // on which it is to run; may be empty
+  std::string sul;  // the real system of programs' runs: "ros2 kind=service ..."; may be empty
 };
 
 class ServiceModel : public GrowingModel {
@@ -74,9 +78,16 @@ class ServiceModel : public GrowingModel {
       request_lost,
       answer_arrives,
       answer_lost,
+      // The same, with which the call of `caller` returns.
+      answer_returns,
+      loss_returns,
     };
     Kind kind = Kind::send;
     std::uint32_t client = 0, run = 0;
+    std::uint32_t caller = 0;  // of an answer: the number of the program that gives it
+    // Of what is sent, where that is asked: the clients on whose wires it pushes out the oldest, a
+    // bit each.
+    std::optional<std::uint32_t> pushes_out{};
     auto operator<=>(const Operation&) const = default;
   };
 
@@ -104,10 +115,15 @@ class ServiceModel : public GrowingModel {
   std::string text_of(const Operation& operation) const;
 
   void send(State& state, std::uint32_t item) const;
-  void answer(State& state, std::uint32_t item) const;
+  void answer(State& state, std::uint32_t item, std::uint32_t caller) const;
+  // What is answered to that client is on its way for a while.
+  bool is_answered_late(std::uint32_t client) const {
+    return shape_.is_late[client] || shape_.callers > 0;
+  }
+  std::uint32_t pushed_out_by(const State& state, const Operation& operation) const;
   // The client's queue gets an answer to that owner, or to another.
   void arrive(State& state, std::uint32_t client, std::uint32_t owner) const;
-  bool is_any_late() const;
+  bool has_wires() const;
   WireRules wire() const { return {shape_.depth, shape_.loses}; }
   // The first own answer of the client.
   std::optional<std::uint32_t> take_own(State& state, std::uint32_t client) const;

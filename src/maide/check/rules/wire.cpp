@@ -22,21 +22,21 @@ std::string arrival_of(const std::string& letter) {
 
 }  // namespace
 
-WireModel::WireModel(WireRules rules, std::vector<std::string> letters)
-    : GrowingModel({0}), rules_(rules), letters_(std::move(letters)) {}
+WireModel::WireModel(WireRules rules, std::vector<std::string> inputs, std::uint32_t callers)
+    : GrowingModel({0}), rules_(rules), inputs_(std::move(inputs)), callers_(callers) {}
 
 InterfaceAutomaton WireModel::start() const {
   std::vector<std::string> outputs{"lost"};
-  for (const std::string& letter : letters_) {
-    const std::string name = arrival_of(letter);
+  for (const std::string& input : inputs_) {
+    const std::string name = arrival_of(input);
     if (std::ranges::find(outputs, name) == outputs.end()) outputs.push_back(name);
   }
-  return {Alphabet(std::span<const std::string>(letters_)),
+  return {Alphabet(std::span<const std::string>(inputs_)),
           Alphabet(std::span<const std::string>(outputs)), 1};
 }
 
 Symbol WireModel::arrives(std::uint32_t letter) const {
-  return start().outputs().find(arrival_of(letters_[letter])).value();
+  return start().outputs().find(arrival_of(input_of(letter))).value();
 }
 
 std::optional<GrowingModel::Contents> WireModel::after(Contents contents,
@@ -49,6 +49,10 @@ std::optional<GrowingModel::Contents> WireModel::after(Contents contents,
     next.insert(next.end(), items.begin(), items.end());
     return next;
   };
+  const bool is_put = operation.kind == Kind::put || operation.kind == Kind::add ||
+                      operation.kind == Kind::push_out;
+  if (is_put && callers_ > 0 && holds(items, caller_of(operation.letter))) return std::nullopt;
+  const bool is_next = !items.empty() && items.front() == operation.letter;
   switch (operation.kind) {
     case Kind::put:
       if (!rules_.may_put(items.size())) return std::nullopt;
@@ -60,10 +64,18 @@ std::optional<GrowingModel::Contents> WireModel::after(Contents contents,
       if (!rules_.may_put(items.size())) return std::nullopt;
       rules_.put(items, operation.letter);
       return with(is_abandoned);
+    case Kind::arrive_of_living:
+    case Kind::arrive_of_dead:
+      if (is_abandoned != (operation.kind == Kind::arrive_of_dead)) return std::nullopt;
+      [[fallthrough]];
     case Kind::arrive:
-      if (items.empty() || items.front() != operation.letter) return std::nullopt;
+      if (!is_next) return std::nullopt;
       items.erase(items.begin());
       return with(is_abandoned);
+    case Kind::lose_of_living:
+    case Kind::lose_of_dead:
+      if (is_abandoned != (operation.kind == Kind::lose_of_dead) || !is_next) return std::nullopt;
+      [[fallthrough]];
     case Kind::lose:
       if (items.empty() || (!is_abandoned && !rules_.may_lose(items.size()))) return std::nullopt;
       items.erase(items.begin());
@@ -79,8 +91,16 @@ std::optional<GrowingModel::Contents> WireModel::after(Contents contents,
     case Kind::is_used:
       if (items.empty()) return std::nullopt;
       return contents;
+    case Kind::holds:
+    case Kind::holds_none:
+      if (holds(items, operation.letter) != (operation.kind == Kind::holds)) return std::nullopt;
+      return contents;
   }
   return std::nullopt;
+}
+
+bool WireModel::holds(const std::vector<std::uint32_t>& items, std::uint32_t caller) const {
+  return std::ranges::any_of(items, [&](std::uint32_t item) { return caller_of(item) == caller; });
 }
 
 bool WireModel::make_all(InterfaceAutomaton& automaton, bool writer_may_die, std::size_t most) {
@@ -91,7 +111,8 @@ bool WireModel::make_all(InterfaceAutomaton& automaton, bool writer_may_die, std
     const auto add = [&](const Operation& operation) {
       if (auto next = after(at, operation)) state_of(automaton, std::move(*next));
     };
-    for (std::uint32_t letter = 0; letter < letters_.size(); ++letter) add({Kind::put, letter});
+    const std::uint32_t letters = letter_of(0, std::max(callers_, 1U));
+    for (std::uint32_t letter = 0; letter < letters; ++letter) add({Kind::put, letter});
     add({Kind::lose, 0});
     if (writer_may_die) add({Kind::abandon, 0});
     if (at.size() > 1) add({Kind::arrive, at[1]});
@@ -106,10 +127,10 @@ std::string WireModel::describe(StateId state) const {
   if (count == 0) return "";
   std::string values;
   for (auto item = at.begin() + 1; item != at.end(); ++item) {
-    const std::string& letter = letters_[*item];
-    const std::size_t begin = letter.find('(');
+    const std::string& input = input_of(*item);
+    const std::size_t begin = input.find('(');
     if (begin == std::string::npos) continue;
-    values += (values.empty() ? ": " : ", ") + letter.substr(begin + 1, letter.size() - begin - 2);
+    values += (values.empty() ? ": " : ", ") + input.substr(begin + 1, input.size() - begin - 2);
   }
   return (count == 1 ? "a message" : std::to_string(count) + " messages") + values;
 }
@@ -120,11 +141,24 @@ std::optional<std::uint32_t> WireModel::held(StateId state) const {
 
 std::string WireModel::text_of(const Operation& operation) const {
   using Kind = Operation::Kind;
+  // Of several callers each has a number.
+  const auto numbered = [&](std::uint32_t caller) {
+    return callers_ > 1 ? " of caller " + std::to_string(caller + 1) : std::string();
+  };
+  const auto letter = [&] {
+    return input_of(operation.letter) + numbered(caller_of(operation.letter));
+  };
   switch (operation.kind) {
-    case Kind::put: return letters_[operation.letter] + " is sent";
-    case Kind::add: return letters_[operation.letter] + " is sent, and there is room";
-    case Kind::push_out: return letters_[operation.letter] + " pushes out the oldest";
-    case Kind::arrive: return letters_[operation.letter] + " arrives";
+    case Kind::put: return letter() + " is sent";
+    case Kind::add: return letter() + " is sent, and there is room";
+    case Kind::push_out: return letter() + " pushes out the oldest";
+    case Kind::arrive: return letter() + " arrives";
+    case Kind::arrive_of_living: return letter() + " arrives, whose writer lives";
+    case Kind::arrive_of_dead: return letter() + " arrives, whose writer has died";
+    case Kind::lose_of_living: return letter() + " is lost, whose writer lives";
+    case Kind::lose_of_dead: return letter() + " is lost, whose writer has died";
+    case Kind::holds: return "something" + numbered(operation.letter) + " is to arrive";
+    case Kind::holds_none: return "nothing" + numbered(operation.letter) + " is to arrive";
     case Kind::lose: return "the oldest is lost";
     case Kind::clear: return "its reader dies";
     case Kind::abandon: return "its writer dies";

@@ -41,20 +41,33 @@ class WireModel : public GrowingModel {
       push_out,  // the letter pushes out the oldest
       arrive,    // the oldest, which is the letter
       lose,      // the oldest
-      clear,     // its reader has died
-      abandon,   // the writer has died: each message still arrives, or is lost
-      is_full,   // a condition: nothing may be put
-      is_empty,  // a condition
-      is_used,   // a condition: something is on its way
+      // The same, of the letter, by whether its writer has died; where calls are waited for.
+      arrive_of_living,
+      arrive_of_dead,
+      lose_of_living,
+      lose_of_dead,
+      clear,       // its reader has died
+      abandon,     // the writer has died: each message still arrives, or is lost
+      is_full,     // a condition: nothing may be put
+      is_empty,    // a condition
+      is_used,     // a condition: something is on its way
+      holds,       // a condition: a message of the caller that is the letter
+      holds_none,  // a condition: none of its
     };
     Kind kind = Kind::put;
     std::uint32_t letter = 0;
   };
 
-  // `letters`: what may be sent, as texts show it: "write(3)".
-  WireModel(WireRules rules, std::vector<std::string> letters);
+  // `inputs`: what may be sent, as texts show it: "write(3)". `callers`: how many there are whose
+  // calls return with the arrival, each of which has one message at most on the wire; 0: calls
+  // return at once. The first caller's letters are the inputs; the next one's follow.
+  WireModel(WireRules rules, std::vector<std::string> inputs, std::uint32_t callers = 0);
 
-  // Its inputs are the letters. Its outputs name its steps: `lost`, and `arrives` or, of a message
+  std::uint32_t letter_of(std::uint32_t input, std::uint32_t caller) const {
+    return caller * static_cast<std::uint32_t>(inputs_.size()) + input;
+  }
+
+  // Its outputs name its steps: `lost`, and `arrives` or, of a message
   // with values, `arrives(3)`.
   InterfaceAutomaton start() const override;
   bool is_large() const override { return false; }
@@ -76,9 +89,17 @@ class WireModel : public GrowingModel {
   // the letters, oldest first.
   std::optional<Contents> after(Contents contents, const Operation& operation) const;
   std::string text_of(const Operation& operation) const;
+  const std::string& input_of(std::uint32_t letter) const {
+    return inputs_[letter % inputs_.size()];
+  }
+  std::uint32_t caller_of(std::uint32_t letter) const {
+    return letter / static_cast<std::uint32_t>(inputs_.size());
+  }
+  bool holds(const std::vector<std::uint32_t>& items, std::uint32_t caller) const;
 
   WireRules rules_;
-  std::vector<std::string> letters_;
+  std::vector<std::string> inputs_;
+  std::uint32_t callers_;
 };
 
 }  // namespace maide

@@ -35,7 +35,8 @@ AtomField& AtomView::field(bool is_model, std::uint32_t index) {
 
 bool AtomView::sees(std::uint32_t actor, std::uint32_t action) const {
   const Step step{actor, action, {}, false, false};
-  if (atom_.is_event()) return is_event_of(atom_, actor, events_of(*system_, step));
+  if (atom_.is_event())
+    return is_event_of(atom_, doer_of(*system_, step), events_of(*system_, step));
   const auto uses = uses_of(*system_, step);
   return std::ranges::any_of(fields_, [&](const AtomField& field) {
     if (field.is_model) {

@@ -33,13 +33,14 @@ class Digits {
 
 StepText describe_step(const System& system, const Step& step) {
   using Kind = ModelUse::Kind;
-  StepText text{step.actor == nobody ? "" : actor_name(system, step.actor),
-                place_of(system, step).line, "", ""};
-  if (step.actor == nobody) {
-    text.event = system.nobodys_actions[step.action].what.text;
-    return text;
-  }
+  const bool is_by_itself = doer_of(system, step) == nobody;
+  StepText text{is_by_itself ? "" : actor_name(system, step.actor), place_of(system, step).line, "",
+                ""};
   if (const CombinedStep* combined = combined_step_of(system, step)) {
+    if (is_by_itself) {
+      text.event = combined->text;
+      return text;
+    }
     const auto& events = combined->events;
     const bool is_of_one = std::ranges::all_of(
         events, [&](const ModelUse& event) { return event.model == events.front().model; });

@@ -230,6 +230,18 @@ std::optional<SourcePosition> origin_of(const System& system, const Step& step) 
   return system.programs[step.actor].origins[origin];
 }
 
+std::uint32_t doer_of(const System& system, const Step& step) {
+  if (step.actor == nobody) return nobody;
+  return system.programs[step.actor].is_by_itself(edge_of(system, step)) ? nobody : step.actor;
+}
+
+std::string lost_by(const System& system, const Step& step) {
+  if (step.actor == nobody) return system.nobodys_actions[step.action].lost;
+  const CombinedStep* const combined = combined_step_of(system, step);
+  if (combined == nullptr || combined->role != CombinedStep::Role::loss) return "";
+  return "a message of " + combined->text.substr(0, combined->text.find('!'));
+}
+
 std::string actor_name(const System& system, std::uint32_t actor) {
   return actor == nobody ? "nobody" : system.programs[actor].name;
 }
@@ -294,7 +306,7 @@ bool is_true(const Atom& atom, const System& system, const GlobalState& state, c
     return is_true(system.expressions[atom.owner], system, state);
   }
   if (last == nullptr) return false;
-  return is_event_of(atom, last->actor, events_of(system, *last));
+  return is_event_of(atom, doer_of(system, *last), events_of(system, *last));
 }
 
 bool is_event_of(const Atom& atom, std::uint32_t actor, std::span<const ModelUse> events) {

@@ -12,7 +12,8 @@
 // A step has an actor, which is a program, or nobody. What nobody does is an action of the system
 // that changes models alone: a message arrives, a clock ticks. It is possible where all its uses
 // are. Where it is possible is no deadlock. It is no program's step, so a program is stuck if from
-// some point on nobody steps alone.
+// some point on nobody steps alone. What happens by itself and ends a call of a program is an edge
+// of that program, which nobody does (doer_of): the program goes on in the same step.
 //
 // Shared variables are model instances, too: a state for each value, and actions that read and
 // write.
@@ -282,6 +283,11 @@ bool is_true(const Expression& expression, const System& system, const GlobalSta
 std::span<const ModelUse> uses_of(const System& system, const Step& step);
 // The inputs that it gives and the outputs that it takes.
 std::span<const ModelUse> events_of(const System& system, const Step& step);
+// Who takes it, for formulas and readers: nobody, where it happens by itself and ends the call of
+// the program that is its actor.
+std::uint32_t doer_of(const System& system, const Step& step);
+// What is lost by it, in words: "a message of image"; "": nothing.
+std::string lost_by(const System& system, const Step& step);
 // Null if it is one use of one model by a program, or `if *`.
 const CombinedStep* combined_step_of(const System& system, const Step& step);
 // The edge of a program's step.

@@ -31,9 +31,14 @@ struct LoopShares {
   std::vector<std::vector<LoopShare>> groups;  // by actor, nobody last; [0] is not used
 };
 
-std::uint32_t fair_group_of(const System& system, const Step& step) {
+// Whose group it is, nobody being the last, and its number there.
+struct FairGroupOf {
+  std::size_t actor = 0;
+  std::uint32_t group = 0;
+};
+FairGroupOf fair_group_of(const System& system, const Step& step) {
   const CombinedStep* combined = combined_step_of(system, step);
-  return combined == nullptr ? 0 : combined->fair;
+  return {actor_number(system, doer_of(system, step)), combined == nullptr ? 0 : combined->fair};
 }
 
 // Who can go on in a state: programs, and fair groups by actor, nobody last.
@@ -52,7 +57,8 @@ Enabled find_enabled(const System& system, const GlobalState& state) {
   enabled.groups.emplace_back(std::max<std::size_t>(system.nobodys_groups.size(), 1));
   for (const Step& step : enabled_steps(system, state)) {
     if (step.actor != nobody && is_progress(system, step)) enabled.programs[step.actor] = true;
-    enabled.groups[actor_number(system, step.actor)][fair_group_of(system, step)] = true;
+    const auto [actor, group] = fair_group_of(system, step);
+    enabled.groups[actor][group] = true;
   }
   return enabled;
 }
@@ -68,7 +74,8 @@ LoopShares share_loop(const System& system, const Trace& trace,
   }
   shares.groups.emplace_back(std::max<std::size_t>(system.nobodys_groups.size(), 1));
   const auto group_of = [&](const Step& step) -> LoopShare& {
-    return shares.groups[actor_number(system, step.actor)][fair_group_of(system, step)];
+    const auto [actor, group] = fair_group_of(system, step);
+    return shares.groups[actor][group];
   };
   for (std::size_t at = *trace.loop_start; at < trace.steps.size(); ++at) {
     const Step& taken = trace.steps[at];

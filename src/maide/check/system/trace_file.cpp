@@ -299,10 +299,7 @@ Json to_json(const System& system, const Trace& trace, const char* who) {
     if (Json found = find_on_its_way(system, states[at + 1]); !found.is_null()) {
       step["on_its_way"] = std::move(found);
     }
-    if (taken.actor == nobody) {
-      const std::string& lost = system.nobodys_actions[taken.action].lost;
-      if (!lost.empty()) step["lost"] = lost;
-    }
+    if (std::string lost = lost_by(system, taken); !lost.empty()) step["lost"] = std::move(lost);
     steps.push_back(std::move(step));
   }
   return steps;

@@ -414,9 +414,24 @@ class AssumptionList {
       lines_.push_back(fmt::format("{}: what is sent arrives some time later, in order, or is lost",
                                    some_of(losing)));
     }
+    if (const std::vector<std::string> names = find_acknowledged(); !names.empty()) {
+      lines_.push_back(
+          fmt::format("{}: a call returns when all readers have what it sent", some_of(names)));
+    }
     for (const auto& [why, names] : at_once) {
       lines_.push_back(fmt::format("{}: what is sent arrives at once ({})", some_of(names), why));
     }
+  }
+  // The connections on which a call may end with an arrival.
+  std::vector<std::string> find_acknowledged() const {
+    std::set<std::string> names;
+    for (const Program& program : system_.programs) {
+      for (const CombinedStep& step : program.combined) {
+        if (step.role != CombinedStep::Role::arrival) continue;
+        names.insert(step.text.substr(0, step.text.find_first_of("[!")));
+      }
+    }
+    return {names.begin(), names.end()};
   }
 
   void state_best_effort() {

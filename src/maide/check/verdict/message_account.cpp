@@ -267,7 +267,7 @@ namespace {
 // node, which may be several programs.
 std::optional<std::uint32_t> sender_of(const System& system, std::uint32_t model,
                                        const Step& step) {
-  if (step.actor != nobody) return std::nullopt;
+  if (doer_of(system, step) != nobody) return std::nullopt;
   for (const ModelUse& use : uses_of(system, step)) {
     const std::string& wire = system.models[use.model].name;
     if (!is_wire_to(wire, system.models[model].name)) continue;

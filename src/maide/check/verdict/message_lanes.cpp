@@ -201,7 +201,10 @@ void MessageLanes::join_wires(const System& system) {
         for (const std::uint32_t lane : of_model_[use.model]) {
           std::vector<std::uint32_t>& wires = lanes_[*queue].wires;
           const bool is_new = std::ranges::find(wires, lane) == wires.end();
-          if (lanes_[lane].is_wire() && is_new) wires.push_back(lane);
+          // What waits for several readers looks at the wires to the others, too.
+          const bool leads_here =
+              is_wire_to(system.models[use.model].name, system.models[given.model].name);
+          if (lanes_[lane].is_wire() && leads_here && is_new) wires.push_back(lane);
         }
       }
     }

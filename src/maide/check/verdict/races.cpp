@@ -248,11 +248,11 @@ class RaceSearch {
       step.action = action;
       if (!watch_.is_on()) {
         enter(next);
-        if (step.actor != nobody) watch_new(state, next, step);
+        if (doer_of(system_, step) != nobody) watch_new(state, next, step);
         return;
       }
       if (!candidates_.contains({watch_.on(), watch_.to()})) return;
-      if (step.actor != nobody) note_look(state, step);
+      if (doer_of(system_, step) != nobody) note_look(state, step);
       if (follow(state, next, step)) enter(next);
     });
   }
@@ -309,8 +309,8 @@ class RaceSearch {
 
   // False if the message that is watched is no longer on its way.
   bool follow(const State& state, const State& next, const Step& step) {
-    return step.actor == nobody ? follow_nobody(state, next, step)
-                                : follow_program(state, next, step);
+    return doer_of(system_, step) == nobody ? follow_nobody(state, next, step)
+                                            : follow_program(state, next, step);
   }
 
   bool follow_program(const State& state, const State& next, const Step& step) {
@@ -436,7 +436,7 @@ class RaceSearch {
     const MessageLane& lane = lanes_.all()[number];
     const Change change = held(number, state, next);
     const Change on_way = change_of(lane.on_way, number, state, next);
-    const bool is_lost = on_way.fewer() > 0 && !system_.nobodys_actions[step.action].lost.empty();
+    const bool is_lost = on_way.fewer() > 0 && !lost_by(system_, step).empty();
     for (std::uint32_t gone = change.after; gone < change.before; ++gone) {
       take_bit(watch_.telling(number), is_lost ? on_way_from(change, on_way) : 0);
     }
@@ -507,9 +507,9 @@ class RaceSearch {
   std::optional<GlobalState> after_arrivals(GlobalState state) const {
     const MessageLane& on = lanes_.all()[watch_.on()];
     for (std::uint32_t left = watch_.ahead() + 1; left > 0; --left) {
-      const std::vector<Step> steps = enabled_steps(system_, state, nobody);
+      const std::vector<Step> steps = enabled_steps(system_, state);
       const auto arrival = std::ranges::find_if(steps, [&](const Step& step) {
-        if (!system_.nobodys_actions[step.action].lost.empty()) return false;
+        if (doer_of(system_, step) != nobody || !lost_by(system_, step).empty()) return false;
         const GlobalState next = apply(system_, state, step);
         return on.on_way[next.models[on.model]] < on.on_way[state.models[on.model]];
       });

@@ -36,12 +36,13 @@ std::optional<std::uint32_t> client_at(const ModelInstance& service,
   return std::nullopt;
 }
 
-// By client: its requests and answers are on their way for a while.
-std::vector<bool> late_clients(const System& system, const ModelUse& take) {
+// By client: what comes as that event is on its way for a while before.
+std::vector<bool> late_clients(const System& system, const ModelUse& take,
+                               const std::string& arrival) {
   const ModelInstance& service = system.models[take.model];
   std::vector<bool> is_late(service.service_contents.front().answers.size());
   for (const NobodysAction& action : system.nobodys_actions) {
-    const auto client = client_at(service, action.what.events, take, "request_arrives");
+    const auto client = client_at(service, action.what.events, take, arrival);
     if (client) is_late[*client] = true;
   }
   return is_late;
@@ -68,7 +69,8 @@ std::vector<ServiceLoss> find_service_losses(const System& system, const Trace& 
   const auto& contents = system.models[model].service_contents;
   if (contents.empty()) return losses;
   const ModelUse give{ModelUse::Kind::give, model, 0}, take{ModelUse::Kind::take, model, 0};
-  const std::vector<bool> is_late = late_clients(system, take);
+  const std::vector<bool> is_asked_late = late_clients(system, take, "request_arrives");
+  const std::vector<bool> is_answered_late = late_clients(system, take, "answer_arrives");
   for (std::size_t at = 0; at < trace.steps.size(); ++at) {
     const Step& step = trace.steps[at];
     if (step.is_beyond) continue;
@@ -84,7 +86,8 @@ std::vector<ServiceLoss> find_service_losses(const System& system, const Trace& 
       return client_at(system.models[model], events_of(system, step), how, what);
     };
     const auto sender = client_of(give, "send");
-    const bool request_comes = (sender && !is_late[*sender]) || client_of(take, "request_arrives");
+    const bool request_comes =
+        (sender && !is_asked_late[*sender]) || client_of(take, "request_arrives");
     const bool is_full = before.requests.size() == after.requests.size();
     if (request_comes && is_full && !before.requests.empty()) {
       losses.push_back({at, false, before.requests.front(), after.requests.back(), 1});
@@ -101,7 +104,8 @@ std::vector<ServiceLoss> find_service_losses(const System& system, const Trace& 
     const auto answered = answered_client(before, after);
     if (!answered) continue;
     for (std::uint32_t client = 0; client < before.answers.size(); ++client) {
-      if (!is_late[client]) add_lost_answers(client, client == *answered ? 1 : 0, answered);
+      if (!is_answered_late[client])
+        add_lost_answers(client, client == *answered ? 1 : 0, answered);
     }
   }
   return losses;

@@ -433,7 +433,7 @@ class StepWriter {
     }
     if (has_events_) {
       effects.push_back(
-          fmt::format("event = {}", event_code(rule.actor, events_of(system_, step))));
+          fmt::format("event = {}", event_code(doer_of(system_, step), events_of(system_, step))));
     }
     const auto seen = seen_.find(rule.actor);
     if (seen == seen_.end()) return;
