@@ -72,7 +72,7 @@ class Lanes {
     }
     for (std::size_t at = 0; at < trace.steps.size(); ++at) {
       const Step& step = trace.steps[at];
-      if (step.actor == nobody) continue;
+      if (doer_of(system, step) == nobody) continue;
       for (const ModelUse& event : events_of(system, step)) {
         if (sendings.sends_to(at, event.model)) continue;
         ++talk_[step.actor][programs_ + event.model];
@@ -294,12 +294,12 @@ void leave_out_hidden(const System& system, const Trace& trace, SequenceChart& c
 }
 
 // Says at the arrival when it was sent, and at the sending if it never arrives.
-void remark_on(const Trace& trace, const SentMessage& sent, const SequenceChart::Passage& passage,
-               SequenceChart& chart) {
+void remark_on(const System& system, const Trace& trace, const SentMessage& sent,
+               const SequenceChart::Passage& passage, SequenceChart& chart) {
   SequenceChart::Message& sending = chart.messages[passage.sent];
   if (!passage.ended) {
     if (!trace.loop_start) add_remark(sending, "still on its way at the end");
-  } else if (trace.steps[*sent.ended].actor == nobody) {
+  } else if (doer_of(system, trace.steps[*sent.ended]) == nobody) {
     add_remark(chart.messages[*passage.ended], fmt::format("sent at step {}", passage.sent + 1),
                fmt::format("sent {} steps before", *passage.ended - passage.sent));
   } else {
@@ -309,8 +309,8 @@ void remark_on(const Trace& trace, const SentMessage& sent, const SequenceChart:
 }
 
 // Each message that arrives later than it is sent. Its sending stays with the sender.
-void add_passages(const Trace& trace, const Lanes& lanes, const Sendings& sendings,
-                  SequenceChart& chart) {
+void add_passages(const System& system, const Trace& trace, const Lanes& lanes,
+                  const Sendings& sendings, SequenceChart& chart) {
   std::map<std::size_t, std::size_t> rows;  // by step
   for (std::size_t row = 0; row < chart.messages.size(); ++row) {
     rows[chart.messages[row].step] = row;
@@ -325,7 +325,7 @@ void add_passages(const Trace& trace, const Lanes& lanes, const Sendings& sendin
     if (sending.to == to) sending.to = sending.from;
     const auto end = sent.ended ? rows.find(*sent.ended) : rows.end();
     if (end != rows.end()) passage.ended = end->second;
-    remark_on(trace, sent, passage, chart);
+    remark_on(system, trace, sent, passage, chart);
     chart.passages.push_back(passage);
   }
 }
@@ -350,11 +350,12 @@ SequenceChart make_trace_chart(const System& system, const Trace& trace, std::st
   std::map<std::pair<std::uint32_t, int>, std::string> sources;  // by program and line
   for (std::size_t at = 0; at < trace.steps.size(); ++at) {
     const Step& step = trace.steps[at];
-    SequenceChart::Message message = step.actor == nobody
+    const bool is_by_itself = doer_of(system, step) == nobody;
+    SequenceChart::Message message = is_by_itself
                                          ? by_itself(system, lanes, trace, at, sendings.ended[at])
                                          : to_message(system, lanes, step);
     message.step = at;
-    if (step.actor != nobody) {
+    if (!is_by_itself) {
       const int line = place_of(system, step).line;
       const auto [source, is_new] = sources.try_emplace({step.actor, line});
       if (is_new) source->second = source_line(system, system.programs[step.actor], line);
@@ -366,7 +367,7 @@ SequenceChart make_trace_chart(const System& system, const Trace& trace, std::st
   remark_on_service_losses(system, trace, states, chart);
   remark_on_values(system, trace, states, chart);
   leave_out_hidden(system, trace, chart);
-  add_passages(trace, lanes, sendings, chart);
+  add_passages(system, trace, lanes, sendings, chart);
   const GlobalState& last = states.back();
   if (last.is_cut) return chart;
   // Programs that go round in the loop have no end.

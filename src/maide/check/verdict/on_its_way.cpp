@@ -55,7 +55,8 @@ class SentMessages {
     };
     const Alphabet& letters = system_.models[wire].automaton.inputs();
     const Alphabet& inputs = system_.models[to].automaton.inputs();
-    return step.actor != nobody && std::ranges::any_of(uses_of(system_, step), is_of(wire)) &&
+    return doer_of(system_, step) != nobody &&
+           std::ranges::any_of(uses_of(system_, step), is_of(wire)) &&
            std::ranges::any_of(events_of(system_, step), [&](const ModelUse& event) {
              return event.model == to && event.kind == ModelUse::Kind::give &&
                     letters.find(inputs.name(event.index)).has_value();
@@ -82,8 +83,7 @@ class SentMessages {
       }
       const Step& step = trace_.steps[at];
       // What is sent may push out the oldest, and whoever dies takes all with it.
-      const bool arrives =
-          step.actor == nobody && system_.nobodys_actions[step.action].lost.empty();
+      const bool arrives = doer_of(system_, step) == nobody && lost_by(system_, step).empty();
       for (const std::size_t left = held(at + 1); on_way.size() > left; on_way.pop_front()) {
         found_[on_way.front()].ended = at;
         found_[on_way.front()].is_lost = !arrives;
