@@ -238,6 +238,23 @@ properties:
   }
 }
 
+TEST(Wires, AServiceInAStreamHasFewClients) {
+  const std::string text = R"(services:
+  s: {server: q, clients: [c], stream: tcp}
+programs:
+  q: "loop { idle s.serve -> request; s.answer; }"
+  c[i in 0..7]: "s.send; s.receive -> answer;"
+)";
+  EXPECT_EQ(wired(text).services.front().clients.size(), 8U);
+  try {
+    wired(changed(text, "0..7", "0..8"));
+    FAIL() << "nine clients are taken";
+  } catch (const ParseError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("a service with `stream` has at most 8 clients"));
+    EXPECT_THAT(error.what(), HasSubstr("(s.yaml:2:"));
+  }
+}
+
 TEST(KeptLists, HaveANumberEach) {
   KeptLists lists(2);
   const std::vector<std::vector<std::uint32_t>> all{{1, 2}, {2, 1}, {3}};

@@ -1,5 +1,7 @@
 #include "maide/check/build/wires.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cstdint>
@@ -279,6 +281,7 @@ class WireMaker {
     }
     return words > most_states;
   }
+  static constexpr std::uint32_t most_clients_in_a_stream = 8;  // its answers have 2^n ways
   static constexpr const char* too_many_states =
       "with so many values on its way it would have too many states; `delivery: late` tries";
 
@@ -299,6 +302,13 @@ class WireMaker {
     service.requests_in.resize(clients);
     service.answers_in.resize(clients);
     if (stream.empty()) return;
+    if (clients > most_clients_in_a_stream) {
+      throw ParseError(
+          fmt::format("a service with `stream` has at most {} clients: an answer comes to "
+                      "all, and each may lose another one by it",
+                      most_clients_in_a_stream),
+          models_.instances[model].position);
+    }
     for (const auto& [client, is_request] : ways_of(service)) {
       std::string client_process = process_of_end(file_, service.clients[client]);
       std::string server_process = process_of_end(file_, service.server);

@@ -16,7 +16,8 @@ namespace {
 // What a StateTable can do: see there.
 constexpr unsigned first_word = 44, most_payload = 32;
 constexpr unsigned most_code_bits = 31;  // what a table of steps has room for
-constexpr unsigned most_kept_bits = 24;  // of a number of what is kept; fewer where there is no room
+constexpr unsigned most_kept_bits =
+    24;  // of a number of what is kept; fewer where there is no room
 
 // The first actions of nobody's parts, and their number. An action belongs to the part before it if
 // both use one wire.
@@ -241,8 +242,8 @@ void PackedSystem::number_codes() {
       for (const ModelUse& use : uses) bits += table_of(use).source_bits;
       // Each use for itself has room, or no step has.
       const bool is_kept = bits > room && std::ranges::all_of(uses, [&](const ModelUse& use) {
-        return table_of(use).source_bits <= room;
-      });
+                             return table_of(use).source_bits <= room;
+                           });
       keeps = keeps || is_kept;
       if (!is_kept) most_source_bits_ = std::max(most_source_bits_, bits);
     }
@@ -365,7 +366,7 @@ StepBefore PackedSystem::undo(const GlobalState& state, std::uint64_t code) cons
     const ModelUse& use = uses[at];
     const ActionTable& table = table_of(use);
     // Behind a single use there is room for that of any other.
-    const std::size_t source = !kept.empty()       ? kept[at]
+    const std::size_t source = !kept.empty()      ? kept[at]
                                : uses.size() == 1 ? static_cast<std::size_t>(std::exchange(code, 0))
                                                   : cut_off(table.source_bits);
     const Source& from = table.sources.at(state.models[use.model]).at(source);
@@ -391,7 +392,8 @@ std::uint64_t KeptLists::number_of(std::span<const std::uint32_t> list) {
   }
   // The last place stays free, so that looking for one ends.
   if (lists_.size() >= low_bits(bits_)) {
-    throw UsageError("the steps of the system forget too much in too many ways for the engine native");
+    throw UsageError(
+        "the steps of the system forget too much in too many ways for the engine native");
   }
   lists_.emplace(number, std::vector<std::uint32_t>(list.begin(), list.end()));
   return number;

@@ -6,8 +6,8 @@
 //
 // Each step also has a code of a few bits. The code and the state after the step tell the state
 // before it. Stored with each state, the codes are the search's tree. Where a step forgets more
-// than a code has room for (a reader dies, and all that is on its way to it is gone), what it forgot
-// is kept beside, and the code is its number there.
+// than a code has room for (a reader dies, and all that is on its way to it is gone), what it
+// forgot is kept beside, and the code is its number there.
 #pragma once
 
 #include <cstdint>
