@@ -256,7 +256,9 @@ TEST(SpinEngine, ACallThatAllReadersAcknowledge) {
     const PropertyResult native = NativeEngine().check(system, property, {}),
                          spin = check(system, property);
     EXPECT_EQ(spin.verdict, native.verdict) << property.name;
-    if (spin.trace) EXPECT_EQ(find_flaw(system, property, *spin.trace), "") << property.name;
+    if (spin.trace) {
+      EXPECT_EQ(find_flaw(system, property, *spin.trace), "") << property.name;
+    }
   }
   EXPECT_EQ(check(system, test::deadlock_property()).states,
             NativeEngine().check(system, test::deadlock_property(), {}).states);
