@@ -132,6 +132,28 @@ TEST(Wires, AWireAddsNoRoom) {
   EXPECT_EQ(verdict_of(text, "deadlock"), "violated");
 }
 
+// So who tests whether a write is possible finds it full as soon as that is on its way.
+TEST(Wires, WhatIsOnItsWayMayFillAQueue) {
+  const std::string text =
+      "topics: {t: {writers: a, readers: r, use: queue, with: {size: 1}, delivery: late}}\n"
+      "programs:\n"
+      "  a: \"t.write; select { on t.write { @second skip; } otherwise { @full skip; } }\"\n"
+      "  r: \"skip; if (1 == 2) { t.read -> message; }\"\n"
+      "properties: {early: \"!a@full W t!arrives\", second: \"G !a@second\"}\n";
+  EXPECT_EQ(verdict_of(text, "early"), "violated");
+  EXPECT_EQ(verdict_of(text, "second"), "holds");
+}
+
+TEST(Wires, WhatIsLostMakesRoom) {
+  const std::string text =
+      "topics: {t: {writers: a, readers: r, use: queue, with: {size: 1}, delivery: late, loses: "
+      "true}}\n"
+      "programs: {a: \"t.write; t.write;\", r: \"idle t.read -> message;\"}\n"
+      "properties: {sent: \"F a@end\"}\n";
+  EXPECT_EQ(verdict_of(text, "sent"), "holds");
+  EXPECT_EQ(verdict_of(text, "deadlock"), "holds");
+}
+
 TEST(Wires, WhatArrivesMayAlwaysComeOnFairRuns) {
   const std::string text =
       "topics: {t: {writers: a, readers: b, use: queue, with: {depth: 1}}}\n"
