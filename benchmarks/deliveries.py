@@ -191,7 +191,7 @@ def main() -> int:
     """Prints the table."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--maide", default="build/release/bin/maide")
-    parser.add_argument("--time", type=float, default=120, help="seconds for each property")
+    parser.add_argument("--time", type=float, default=600, help="seconds for each property")
     parser.add_argument("sources", nargs="+", type=Path)
     options = parser.parse_args()
     checker = Checker(str(Path(options.maide).resolve()), options.time)
