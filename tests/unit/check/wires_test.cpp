@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <map>
 #include <set>
 #include <string>
 #include <vector>
@@ -543,6 +544,31 @@ TEST(Wires, RequestsAndAnswersMayAlwaysComeOnFairRuns) {
 // ---- where there are no wires -------------------------------------------------------------------
 
 bool is_late(const std::string& text) { return !wired(text).nobodys_actions.empty(); }
+
+// Nor does who hands over at once take the room of what is on its way, or say that there is some.
+TEST(Wires, WhatIsOnItsWayKeepsItsRoomFromWhoHandsOverAtOnce) {
+  const System system = parse_system(
+      "topics: {t: {writers: [a, b], readers: r, file: s.dot, when_unexplored: wait}}\n"
+      "programs:\n"
+      "  a: {do: \"select { on t.write { @wrote skip; } otherwise { @no skip; } }\", process: p}\n"
+      "  b: {do: \"t.write; t.write;\", process: q}\n"
+      "  r: {do: \"skip; if (1 == 2) { t.read -> message; }\", process: p}\n"
+      "properties: {both: \"G !(a@wrote && b@end)\", full: \"G !a@no\"}\n",
+      "s.yaml", [](const ModelRequest& request) {
+        ModelRequest local = request;
+        local.file = "strict-2.dot";
+        InterfaceAutomaton automaton = test::test_model(local);
+        automaton.origin["sul"] = "cyclonedds history=keep_all max-samples=2";
+        return automaton;
+      });
+  std::map<std::string, Verdict> verdicts;
+  for (const PropertyResult& result : check_wired(system).properties) {
+    verdicts[result.name] = result.verdict;
+  }
+  EXPECT_EQ(verdicts["deadlock"], Verdict::violated);  // a's and one of b's
+  EXPECT_EQ(verdicts["full"], Verdict::violated);      // both of b's, on their way
+  EXPECT_EQ(verdicts["both"], Verdict::holds);
+}
 
 TEST(Wires, LieBetweenProcessesAlone) {
   const std::string text =

@@ -14,6 +14,28 @@
 #include "maide/check/build/wires.hpp"
 
 namespace maide::program_syntax {
+
+// What other writers have on its way to models to which the program gives something at once. By
+// reader; null: it has a wire of its own, or the model refuses nothing.
+struct OfOthers {
+  std::vector<const Wire*> counted;
+  std::vector<std::uint32_t> held;
+
+  bool has_room(std::size_t i, StateId state) const {
+    return held[i] == 0 || has_room_for(*counted[i], state, held[i] + 1);
+  }
+  std::string text(std::size_t i) const {
+    return held[i] == 0 ? "" : "; " + std::to_string(held[i]) + " on the way";
+  }
+  Uses conditions(ModelActions& actions) const {
+    Uses uses;
+    for (std::size_t i = 0; i < held.size(); ++i) {
+      if (counted[i] != nullptr) uses.push_back(when_counted(*counted[i], actions, held[i]));
+    }
+    return uses;
+  }
+};
+
 namespace {
 
 using Living = std::vector<bool>;  // by reader
@@ -93,7 +115,8 @@ std::vector<Case> cases_not_due(const Topic& topic, const Living& living) {
 // The model of a reader, as a step on its topic sees it.
 class TopicSteps {
  public:
-  TopicSteps(const Topic& topic, ModelActions& actions) : topic_(topic), actions_(actions) {}
+  TopicSteps(const Topic& topic, ModelActions& actions, OfOthers others)
+      : topic_(topic), actions_(actions), others_(std::move(others)) {}
 
   const Alphabet& outputs(std::size_t i) const { return automaton(i).outputs(); }
   const InterfaceAutomaton& automaton(std::size_t i) const {
@@ -161,7 +184,8 @@ class TopicSteps {
   void give(std::size_t i, Symbol input, const Giving& giving, Uses& uses) {
     const Topic::Reader& reader = topic_.readers[i];
     const ModelUse give{ModelUse::Kind::give, reader.model, input};
-    if (!reader.gone && !reader.has_returns() && giving.tried && giving.beyond) {
+    const bool is_plain = !reader.gone && !reader.has_returns() && others_.held[i] == 0;
+    if (is_plain && giving.tried && giving.beyond) {
       uses.push_back(give);
       return;
     }
@@ -172,10 +196,12 @@ class TopicSteps {
     if (const std::string text = giving.after.text(outputs(i)); !text.empty())
       name += "; then " + text;
     if (giving.takes) name += ", and taken";
+    name += others_.text(i);
     uses.push_back(actions_.action(reader.model, name, [&] {
       std::vector<std::vector<ModelStep>> steps(automaton(i).size());
       for (StateId state = 0; state < steps.size(); ++state) {
         if (reader.gone == state || !giving.before.is(reader, outputs(i), state)) continue;
+        if (!others_.has_room(i, state)) continue;
         for (ModelStep step : model_steps(actions_.model(reader.model), state, give)) {
           if (!(step.is_beyond ? giving.beyond : giving.tried)) continue;
           if (!giving.after.is(reader, outputs(i), step.target)) continue;
@@ -207,6 +233,7 @@ class TopicSteps {
   // Some reader's model takes the input there: of the ways that are tried, or never were.
   bool takes(std::size_t i, StateId state, Symbol input, bool tried, bool beyond,
              const Collected& after) const {
+    if (!others_.has_room(i, state)) return false;
     const ModelInstance& model = actions_.model(topic_.readers[i].model);
     const auto steps = model_steps(model, state, {ModelUse::Kind::give, 0, input});
     return std::any_of(steps.begin(), steps.end(), [&](const ModelStep& step) {
@@ -223,7 +250,34 @@ class TopicSteps {
 
   const Topic& topic_;
   ModelActions& actions_;
+  OfOthers others_;
 };
+
+// For each number of messages that others may have on their way.
+std::vector<OfOthers> find_others(const Topic& topic, const std::vector<const Wire*>& wires,
+                                  const Names& names, const ModelActions& actions) {
+  const std::size_t count = topic.readers.size();
+  std::vector<OfOthers> all{{std::vector<const Wire*>(count), std::vector<std::uint32_t>(count)}};
+  for (std::size_t i = 0; i < count; ++i) {
+    const Wire* const counted =
+        wires[i] == nullptr ? counted_wire(names, topic.readers[i].model) : nullptr;
+    if (counted == nullptr) continue;
+    for (OfOthers& others : all) others.counted[i] = counted;
+    for (std::size_t k = all.size(); k-- > 0;) {
+      for (std::uint32_t held = 1; held <= most_counted(*counted, actions); ++held) {
+        all.push_back(all[k]);
+        all.back().held[i] = held;
+      }
+    }
+  }
+  return all;
+}
+
+// Of steps that give nothing.
+OfOthers no_others(const Topic& topic) {
+  const std::size_t count = topic.readers.size();
+  return {std::vector<const Wire*>(count), std::vector<std::uint32_t>(count)};
+}
 
 }  // namespace
 
@@ -241,8 +295,10 @@ const std::vector<Unroller::Writing>& Unroller::writings(const Topic& topic,
                                                          const std::string& node) {
   const auto [place, is_new] = writings_.try_emplace({&topic, input, kind, node});
   if (!is_new) return place->second;
-  for (const Living& living : living_sets(topic)) {
-    add_writings(topic, input, kind, node, living, place->second);
+  for (const OfOthers& others : find_others(topic, wires_to(topic, node), names_, actions_)) {
+    for (const Living& living : living_sets(topic)) {
+      add_writings(topic, input, kind, node, living, others, place->second);
+    }
   }
   return place->second;
 }
@@ -258,10 +314,10 @@ std::vector<const Wire*> Unroller::wires_to(const Topic& topic, const std::strin
 
 void Unroller::add_writings(const Topic& topic, const std::string& input, WriteKind kind,
                             const std::string& node, const std::vector<bool>& living,
-                            std::vector<Writing>& writings) {
+                            const OfOthers& others, std::vector<Writing>& writings) {
   using What = Collected::What;
   using Giving = TopicSteps::Giving;
-  TopicSteps steps(topic, actions_);
+  TopicSteps steps(topic, actions_, others);
   const std::size_t count = topic.readers.size();
   const std::vector<const Wire*> wires = wires_to(topic, node);
   std::vector<std::optional<Symbol>> inputs;
@@ -273,6 +329,7 @@ void Unroller::add_writings(const Topic& topic, const std::string& input, WriteK
   const auto add = [&](const std::vector<std::optional<Giving>>& givings, const Case& before,
                        const std::string& output, bool is_beyond) {
     Writing way;
+    way.uses = others.conditions(actions_);
     std::vector<Sending> sent;
     for (std::size_t i = 0; i < count; ++i) {
       if (givings[i]) {
@@ -360,7 +417,7 @@ Uses Unroller::taken_events(const Topic& topic, const std::string& output) const
 }
 
 std::vector<Unroller::Taking> Unroller::takings(const Topic& topic) {
-  TopicSteps steps(topic, actions_);
+  TopicSteps steps(topic, actions_, no_others(topic));
   std::vector<Taking> takings;
   for (const Living& living : living_sets(topic)) {
     for (const Case& due : steps.cases_due(living)) {
@@ -382,7 +439,19 @@ std::vector<Uses> Unroller::quiet_of(const Topic& topic, const std::string& node
 
 std::vector<Uses> Unroller::idle_of(const Topic& topic, const std::vector<WriteArm>& arms,
                                     const std::string& node) {
-  TopicSteps steps(topic, actions_);
+  std::vector<Uses> ways;
+  // A test of nothing but that nothing is due does not depend on them.
+  const std::vector<OfOthers> all =
+      arms.empty() ? std::vector<OfOthers>{no_others(topic)}
+                   : find_others(topic, wires_to(topic, node), names_, actions_);
+  for (const OfOthers& others : all) add_idle(topic, arms, node, others, ways);
+  return ways;
+}
+
+void Unroller::add_idle(const Topic& topic, const std::vector<WriteArm>& arms,
+                        const std::string& node, const OfOthers& others,
+                        std::vector<Uses>& result) {
+  TopicSteps steps(topic, actions_, others);
   const std::vector<const Wire*> wires = wires_to(topic, node);
   const std::size_t count = topic.readers.size();
   const bool may_cut =
@@ -464,7 +533,6 @@ std::vector<Uses> Unroller::idle_of(const Topic& topic, const std::vector<WriteA
     }
     return ways;
   };
-  std::vector<Uses> result;
   for (const Living& living : living_sets(topic)) {
     const bool is_taken = !any_lives(living) &&
                           std::any_of(arms.begin(), arms.end(),
@@ -491,12 +559,12 @@ std::vector<Uses> Unroller::idle_of(const Topic& topic, const std::vector<WriteA
         ways = std::move(more);
       }
       for (const Way& one : ways) {
-        Uses uses;
+        Uses uses = others.conditions(actions_);
         std::vector<Uses> waits{{}};
         for (std::size_t i = 0; i < count; ++i) {
           if (!one[i].waits.empty()) waits = combine(waits, one[i].waits);
           steps.ask(
-              i, living[i], one[i].name,
+              i, living[i], one[i].name.empty() ? "" : one[i].name + others.text(i),
               [&](StateId state) {
                 return std::all_of(one[i].tests.begin(), one[i].tests.end(),
                                    [&](const Test& test) { return test(state); });
@@ -508,7 +576,6 @@ std::vector<Uses> Unroller::idle_of(const Topic& topic, const std::vector<WriteA
       }
     }
   }
-  return result;
 }
 
 // ---- calls --------------------------------------------------------------------------------------

@@ -24,6 +24,8 @@ inline std::string node_of(const Callback* callback) {
   return callback == nullptr ? std::string() : callback->node;
 }
 
+struct OfOthers;
+
 class Unroller : public Walker {
  public:
   // Keeps references.
@@ -135,7 +137,7 @@ class Unroller : public Walker {
                                        const std::string& node);
   void add_writings(const Topic& topic, const std::string& input, WriteKind kind,
                     const std::string& node, const std::vector<bool>& living,
-                    std::vector<Writing>& writings);
+                    const OfOthers& others, std::vector<Writing>& writings);
   // The writer takes what was collected.
   struct Taking {
     Uses uses, events;
@@ -152,6 +154,8 @@ class Unroller : public Walker {
   };
   std::vector<Uses> idle_of(const Topic& topic, const std::vector<WriteArm>& arms,
                             const std::string& node);
+  void add_idle(const Topic& topic, const std::vector<WriteArm>& arms, const std::string& node,
+                const OfOthers& others, std::vector<Uses>& ways);
   std::vector<const Wire*> wires_to(const Topic& topic, const std::string& node) const;
   // What ends the call of the statement, in which the program stands.
   void expand_call(const Place& place, const Statement& statement, const Values& values);

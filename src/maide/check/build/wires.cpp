@@ -519,7 +519,20 @@ class WireMaker {
   std::vector<ConnectionInstance> connections_;
 };
 
+}  // namespace
+
 // ---- Uses of wires ------------------------------------------------------------------------------
+
+std::uint32_t most_counted(const Wire& wire, const ModelActions& actions) {
+  return static_cast<std::uint32_t>(actions.model(*wire.counter).automaton.size() - 1);
+}
+
+bool has_room_for(const Wire& wire, StateId state, std::uint32_t needed) {
+  const auto& room = (*wire.room)[state];
+  return !room || *room >= needed;
+}
+
+namespace {
 
 std::uint32_t caller_of(const Wire& wire, std::uint32_t program) {
   if (wire.callers.empty()) return 0;
@@ -534,10 +547,6 @@ std::uint32_t letter_of(const Wire& wire, Symbol input, std::uint32_t program) {
 
 ModelUse use(const Wire& wire, ModelActions& actions, Kind kind, std::uint32_t letter = 0) {
   return wire.rules->use(actions, wire.model, {kind, letter});
-}
-
-std::uint32_t most_counted(const Wire& wire, const ModelActions& actions) {
-  return static_cast<std::uint32_t>(actions.model(*wire.counter).automaton.size() - 1);
 }
 
 // The counter is at `from`, and afterwards at `to`.
@@ -564,8 +573,7 @@ ModelUse has_room(const Wire& wire, ModelActions& actions, std::uint32_t needed,
   return actions.action(wire.to, name, [&] {
     ModelActions::Steps steps(wire.room->size());
     for (StateId at = 0; at < steps.size(); ++at) {
-      const auto& room = (*wire.room)[at];
-      if ((!room || *room >= needed) == has) steps[at] = {{at, false}};
+      if (has_room_for(wire, at, needed) == has) steps[at] = {{at, false}};
     }
     return steps;
   });
@@ -654,6 +662,17 @@ std::vector<WireUses> ways_to_wait(const Wire& wire, ModelActions& actions) {
     add({count(wire, actions, held, held), has_room(wire, actions, held + 1, false)});
   }
   return ways;
+}
+
+const Wire* counted_wire(const Names& names, std::uint32_t model) {
+  const auto place = names.wires.find(model);
+  if (place == names.wires.end() || place->second.empty()) return nullptr;
+  const Wire& wire = place->second.front();
+  return wire.counter ? &wire : nullptr;
+}
+
+ModelUse when_counted(const Wire& wire, ModelActions& actions, std::uint32_t held) {
+  return count(wire, actions, held, held);
 }
 
 WireUses when_dies(std::uint32_t program, const Names& names, ModelActions& actions) {

@@ -37,6 +37,13 @@ struct Sending {
 std::vector<WireUses> ways_to_send(const std::vector<Sending>& all, ModelActions& actions);
 // The ways in which nothing can be sent; none: it always can.
 std::vector<WireUses> ways_to_wait(const Wire& wire, ModelActions& actions);
+// Of a model that may refuse what another writer gives it at once: how many messages are on all
+// wires to it, at most; a condition, that they are so many; and whether it takes so many more
+// there. Null: nobody has a wire to it, or it refuses nothing.
+const Wire* counted_wire(const Names& names, std::uint32_t model);
+std::uint32_t most_counted(const Wire& wire, const ModelActions& actions);
+ModelUse when_counted(const Wire& wire, ModelActions& actions, std::uint32_t held);
+bool has_room_for(const Wire& wire, StateId state, std::uint32_t needed);
 // What the death of the program does to wires from it and to it, and to their order.
 WireUses when_dies(std::uint32_t program, const Names& names, ModelActions& actions);
 // Some of what is sent there is on its way for a while.

@@ -69,7 +69,7 @@ constexpr Key keys[] = {
     {"services/*/server", "", "", "", "the program or node that answers", names},
     {"services/*/clients", "", "", "", "programs and nodes that ask", names},
     {"services/*/learn", "'learn' of a service", "ros2", "", "what the rules are those of", word},
-    {"services/*/delivery", "", "late|at_once|acknowledged", "at_once",
+    {"services/*/delivery", "", "late|at_once|acknowledged", "by where its ends are",
      "when requests and answers arrive", word},
     {"services/*/loses", "", "true|false", "false", "whether they may be lost on their way", word},
     {"services/*/stream", "", "", "", "what is late comes in one order with what says the same",
