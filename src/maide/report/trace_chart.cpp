@@ -141,8 +141,8 @@ std::string label_of(const System& system, const ModelUse& event) {
   return file_word(system, event.model, names.name(event.index));
 }
 
-// What happens by itself: an arrival is an arrow from who sent it, all else a note of the first
-// model that it uses and that has a lane.
+// What happens by itself: an arrival is an arrow from who sent it, all else one from the first
+// model that it uses to the last, of those that have lanes.
 SequenceChart::Message by_itself(const System& system, const Lanes& lanes, const Trace& trace,
                                  std::size_t at, const SentMessage* ended) {
   const Step& step = trace.steps[at];
@@ -155,10 +155,12 @@ SequenceChart::Message by_itself(const System& system, const Lanes& lanes, const
     message.to = lanes.of_model(ended->to);
     return message;
   }
-  const auto uses = uses_of(system, step);
-  const auto shown = std::ranges::find_if(
-      uses, [&](const ModelUse& use) { return has_lane(system.models[use.model]); });
-  if (shown != uses.end()) message.from = message.to = lanes.of_model(shown->model);
+  bool is_first = true;
+  for (const ModelUse& use : uses_of(system, step)) {
+    if (!has_lane(system.models[use.model])) continue;
+    message.to = lanes.of_model(use.model);
+    if (std::exchange(is_first, false)) message.from = message.to;
+  }
   return message;
 }
 

@@ -227,7 +227,7 @@ TEST(Nobody, IsReadBackFromATraceOfVersionTwo) {
               HasSubstr("a trace of version 3; this maide reads up to version 2 (t.json)"));
 }
 
-TEST(Nobody, HasALineInTextsAndAnArrowInCharts) {
+TEST(Nobody, HasALineInTextsAndANoteInCharts) {
   const System system = wire_system({writer, reader});
   const Trace trace = run_of(system);
   std::ostringstream text;
@@ -236,7 +236,7 @@ TEST(Nobody, HasALineInTextsAndAnArrowInCharts) {
   const SequenceChart chart = make_trace_chart(system, trace, "");
   ASSERT_EQ(chart.messages.size(), 6U);
   EXPECT_EQ(chart.messages[2].label, "via arrives");
-  EXPECT_EQ(chart.lanes[chart.messages[2].from].name, "wire");
+  EXPECT_EQ(chart.lanes[chart.messages[2].from].name, "via");  // wires have no lane
   EXPECT_EQ(chart.lanes[chart.messages[2].to].name, "via");
   System hidden = system;
   hidden.nobodys_actions[0].is_shown = false;
