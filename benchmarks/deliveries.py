@@ -228,8 +228,12 @@ def main() -> int:
     print(f"\nIn {len(calm)} more systems nothing is late: verdicts and states of every property are "
           f"those of at once, {number(sum(row.states('none') for row in calm))} states in all."
           if not any(row.mistakes() for row in calm) else "\nSystems with nothing late differ.")
-    print(f"Inconclusive at once and with wires: {', '.join(undecided) or 'none'}.")
-    print(f"Left out, for what they need is not here: {', '.join(left_out) or 'none'}.")
+    print(f"Inconclusive at once and with wires: {len(undecided)}.\n")
+    for name in undecided:
+        print(f"- {name}")
+    print(f"\nLeft out, for what they need is not here: {len(left_out)}.\n")
+    for name in left_out:
+        print(f"- {name}")
     for mistake in wrong:
         print(f"WRONG: {mistake}")
     return 1 if wrong or not rows else 0

@@ -33,9 +33,10 @@ struct SentMessage {
 std::vector<SentMessage> find_sent(const System& system, const Trace& trace,
                                    const std::vector<GlobalState>& states);
 
-// "a message from mapper to map, sent at step 1", "2 messages from left to scan[log], the first
-// sent at step 3", "a request of robot to lookup, sent at step 2": what is on its way at the end,
-// in the order of the models.
+// What is on its way at the end, in the order of the models. Three examples:
+// - "a message from mapper to map, sent at step 1".
+// - "2 messages from left to scan[log], the first sent at step 3".
+// - "a request of robot to lookup, sent at step 2".
 std::vector<std::string> find_on_its_way(const System& system, const Trace& trace,
                                          const std::vector<GlobalState>& states);
 
