@@ -105,6 +105,16 @@ unsigned chain_length(const PackedSystem& system) {
   return chain;
 }
 
+// Codes that are kept mean nothing to another process, or to a later one.
+void refuse_kept_codes(const PackedSystem& system, const SearchLimits& limits,
+                       const Checkpoint* checkpoint) {
+  const bool is_shared = limits.ranks != nullptr && limits.ranks->size() > 1;
+  if (!system.has_kept_codes() || (!is_shared && checkpoint == nullptr)) return;
+  throw UsageError(fmt::format(
+      "{}: its steps forget too much for {}: a reader's death, with all that is on its way to it",
+      system.system().file, is_shared ? "several processes" : "a checkpoint"));
+}
+
 // Searches breadth-first for what `make_goal(packed system)` looks for; `rules`: none takes every
 // step.
 template <typename MakeGoal>
@@ -113,12 +123,7 @@ SearchResult explore_for(const System& plain, std::optional<ReductionRules> rule
                          MakeGoal&& make_goal) {
   PackedSystem system(plain);
   if (!leaves_out_orders(reduction) || system.actor_count() > most_actors_in_a_word) rules.reset();
-  const bool is_shared = limits.ranks != nullptr && limits.ranks->size() > 1;
-  if (system.has_kept_codes() && (is_shared || checkpoint != nullptr)) {
-    throw UsageError(fmt::format(
-        "{}: its steps forget too much for {}: a reader's death, with all that is on its way to it",
-        plain.file, is_shared ? "several processes" : "a checkpoint"));
-  }
+  refuse_kept_codes(system, limits, checkpoint);
   const unsigned chain = rules && reduction == Reduction::full ? chain_length(system) : 1;
   if (chain > 1) system = PackedSystem(plain, chain_bits(chain, system.code_bits()));
   std::optional<StubbornSets> sets;
@@ -145,6 +150,7 @@ template <typename Monitor, typename... Arguments>
 SearchResult find_cycle(const System& plain, std::size_t monitor_states, const SearchLimits& limits,
                         Arguments&&... arguments) {
   const PackedSystem system(plain, node_number_bits, monitor_states);
+  refuse_kept_codes(system, limits, nullptr);
   const Monitor monitor(system, std::forward<Arguments>(arguments)...);
   return with_words_for<Monitor>(
       system, [&](auto words) { return search_hull<words.value>(system, monitor, limits); });
