@@ -228,7 +228,7 @@ def main() -> int:
     print(f"\nIn {len(calm)} more systems nothing is late: verdicts and states of every property are "
           f"those of at once, {number(sum(row.states('none') for row in calm))} states in all."
           if not any(row.mistakes() for row in calm) else "\nSystems with nothing late differ.")
-    print(f"Inconclusive at once and with wires: {len(undecided)}.\n")
+    print(f"\nInconclusive at once and with wires: {len(undecided)}.\n")
     for name in undecided:
         print(f"- {name}")
     print(f"\nLeft out, for what they need is not here: {len(left_out)}.\n")

@@ -255,14 +255,7 @@ class CodeChanger {
   std::map<std::string, std::vector<Write>> writes_;  // by connection
 };
 
-}  // namespace
-
-std::vector<LateChange> list_late_changes(const System& system) {
-  if (text_of(system).empty()) return {};
-  return CodeChanger(system).list();
-}
-
-namespace {
+// ---- Two connections as one ---------------------------------------------------------------------
 
 constexpr std::size_t most_pairs_tried = 10;
 
@@ -300,11 +293,8 @@ bool have_two_ends_in_common(const LateConnection& one, const LateConnection& ot
          }) >= 2;
 }
 
-}  // namespace
-
 std::vector<LateChange> list_one_message_changes(const System& system) {
   std::vector<LateChange> changes;
-  if (text_of(system).empty()) return changes;
   const YamlDocument before = read_yaml(text_of(system), system.file, "a system file");
   const std::vector<LateConnection> found = find_late_connections(system, before);
   for (auto one = found.begin(); one != found.end(); ++one) {
@@ -322,6 +312,15 @@ std::vector<LateChange> list_one_message_changes(const System& system) {
                        one->name, other->name)});
     }
   }
+  return changes;
+}
+
+}  // namespace
+
+std::vector<LateChange> list_late_changes(const System& system) {
+  if (text_of(system).empty()) return {};
+  std::vector<LateChange> changes = CodeChanger(system).list();
+  for (LateChange& change : list_one_message_changes(system)) changes.push_back(std::move(change));
   return changes;
 }
 

@@ -20,12 +20,10 @@ struct LateChange {
 };
 
 // Those at connections whose messages arrive late, in the order of the file; those at a writer come
-// before those at a reader. None of a file whose text is not known.
+// before those at a reader. Last two connections between the same programs as one that keeps the
+// order, as when data and notice are one message: at most ten pairs. None of a file whose text is
+// not known.
 std::vector<LateChange> list_late_changes(const System& system);
-
-// Two connections between the same programs as one that keeps the order (`stream: both`), as when
-// data and notice are one message. At most ten pairs, in the order of the file.
-std::vector<LateChange> list_one_message_changes(const System& system);
 
 // How many messages a writer keeps (`pub-depth`) that are on their way: of a topic or model with
 // late messages whose queue is written by hand or read from a file.

@@ -451,10 +451,6 @@ class ChangeSearch {
       helped.insert(change.connection);
       found(change.description, outcome, "");
     }
-    for (const LateChange& change : list_one_message_changes(system_)) {
-      const Outcome outcome = check({{}, {}, {}, change.text});
-      if (outcome.holds) found(change.description, outcome, "");
-    }
     for (const WriterDepth& place : find_writer_depths(system_)) {
       const std::int64_t most =
           std::max<std::int64_t>(most_longer * place.value, WireRules::least_room);

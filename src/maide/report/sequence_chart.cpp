@@ -24,6 +24,16 @@ constexpr int lane_width = 164;
 constexpr int row_height = 26;
 constexpr int head_height = 28;
 
+// What the message is the arrival or the loss of; null: it is something of its own.
+const SequenceChart::Passage* passage_ended_by(const SequenceChart& chart, std::size_t index) {
+  const SequenceChart::Message& message = chart.messages[index];
+  const auto place =
+      std::ranges::find_if(chart.passages, [&](const SequenceChart::Passage& passage) {
+        return passage.ended == index && passage.from == message.from && passage.to == message.to;
+      });
+  return place == chart.passages.end() ? nullptr : &*place;
+}
+
 class Drawing {
  public:
   Drawing(std::ostream& out, const SequenceChart& chart, std::size_t most)
@@ -95,7 +105,7 @@ class Drawing {
     draw_small(margin, y, fmt::format("{}", index + 1));
     if (!message.place.empty()) draw_small(margin + number_width, y, message.place);
     const int from = x(message.from);
-    if (is_end_of_passage(index)) {  // whose line comes from above
+    if (passage_ended_by(chart_, index) != nullptr) {  // whose line comes from above
       const bool goes_left = message.to < message.from;
       draw_remark_beside(x(message.to) + (goes_left ? -6 : 6), y, message.remark, goes_left);
       return;
@@ -125,14 +135,6 @@ class Drawing {
   bool begins_passage(std::size_t index) const {
     return std::ranges::any_of(chart_.passages, [&](const SequenceChart::Passage& passage) {
       return passage.sent == index;
-    });
-  }
-
-  // The message is nothing but that.
-  bool is_end_of_passage(std::size_t index) const {
-    const SequenceChart::Message& message = chart_.messages[index];
-    return std::ranges::any_of(chart_.passages, [&](const SequenceChart::Passage& passage) {
-      return passage.ended == index && passage.from == message.from && passage.to == message.to;
     });
   }
 
@@ -418,11 +420,7 @@ class TextDrawing {
         chart_(chart),
         style_(style),
         glyphs_(style.unicode ? line_drawing : ascii),
-        layout_(chart) {
-    for (const SequenceChart::Passage& passage : chart.passages) {
-      if (passage.ended) passages_.emplace(*passage.ended, &passage);
-    }
-  }
+        layout_(chart) {}
 
   void draw() {
     draw_names();
@@ -476,8 +474,7 @@ class TextDrawing {
       line[from] = glyphs_.dot;
       put(line, from + 2, label);
     } else {
-      const auto passage = passages_.find(index);
-      draw_arrow(line, from, to, passage == passages_.end() ? nullptr : passage->second);
+      draw_arrow(line, from, to, passage_ended_by(chart_, index));
       put(line, to > from ? from + 2 : from - 3 - label.size(), U' ' + label + U' ');
     }
     std::string text = message.remark.empty() ? "" : "(" + message.remark + ")  ";
@@ -518,7 +515,6 @@ class TextDrawing {
   const ChartTextStyle& style_;
   const Glyphs& glyphs_;
   Layout layout_;
-  std::map<std::size_t, const SequenceChart::Passage*> passages_;  // by the message that ends it
 };
 
 }  // namespace

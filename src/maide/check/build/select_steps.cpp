@@ -43,9 +43,7 @@ void Unroller::expand_rendezvous(const Place& place, const Statement& statement,
       const std::string name = name_of(statement.input, values);
       for (const Writing& way :
            writings(*topic, name, WriteKind::statement, node_of(statement.callback))) {
-        const ControlState behind =
-            way.calls ? control_state({place.frame, Phase::calls, 0, place.valuation, 0, 0})
-                      : target;
+        const ControlState behind = way.calls ? in_call(place) : target;
         add_combined({CombinedStep::Role::step, way.uses, way.events, topic->name + "." + name, 0},
                      behind, statement.line, statement.column);
       }

@@ -87,9 +87,7 @@ void Unroller::expand_service(const Place& place, const Statement& statement, co
   }
   if (place.phase == Phase::before) {
     const bool calls = input == "answer" && !service.callers.empty();
-    const ControlState target =
-        calls ? control_state({place.frame, Phase::calls, 0, place.valuation, 0, 0})
-              : behind_input(place, statement, values);
+    const ControlState target = calls ? in_call(place) : behind_input(place, statement, values);
     return add(operation_of(service, input, true, statement.callback), input, "",
                service.name + "." + input, target, statement.line, statement.column);
   }

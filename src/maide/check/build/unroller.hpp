@@ -157,6 +157,10 @@ class Unroller : public Walker {
   void add_idle(const Topic& topic, const std::vector<WriteArm>& arms, const std::string& node,
                 const OfOthers& others, std::vector<Uses>& ways);
   std::vector<const Wire*> wires_to(const Topic& topic, const std::string& node) const;
+  // Where the program waits for the return of what it gave there.
+  ControlState in_call(const Place& place) {
+    return control_state({place.frame, Phase::calls, 0, place.valuation, 0, 0});
+  }
   // What ends the call of the statement, in which the program stands.
   void expand_call(const Place& place, const Statement& statement, const Values& values);
   // The variable that says whose call has not returned, set to this program or to nobody.

@@ -16,8 +16,7 @@ namespace {
 // What a StateTable can do: see there.
 constexpr unsigned first_word = 44, most_payload = 32;
 constexpr unsigned most_code_bits = 31;  // what a table of steps has room for
-constexpr unsigned most_kept_bits =
-    24;  // of a number of what is kept; fewer where there is no room
+constexpr unsigned most_kept_bits = 24;  // of a number of what is kept, where there is room
 
 // The first actions of nobody's parts, and their number. An action belongs to the part before it if
 // both use one wire.
@@ -232,14 +231,13 @@ void PackedSystem::number_codes() {
   }
   actor_bits_ = bits_for(actors_.size());
   into_bits_ = bits_for(most_into);
-  const unsigned taken = actor_bits_ + into_bits_;
-  const unsigned room = taken < most_code_bits ? most_code_bits - taken : 0;
+  const unsigned shift = actor_bits_ + into_bits_;
+  const unsigned room = shift < most_code_bits ? most_code_bits - shift : 0;
   bool keeps = false;
   for (std::size_t actor = 0; actor < actors_.size(); ++actor) {
     for (std::size_t action = 0; action < actors_[actor].edges.size(); ++action) {
       const auto uses = uses_of(actor, action);
-      unsigned bits = 0;
-      for (const ModelUse& use : uses) bits += table_of(use).source_bits;
+      const unsigned bits = source_bits_of(uses);
       // Each use for itself has room, or no step has.
       const bool is_kept = bits > room && std::ranges::all_of(uses, [&](const ModelUse& use) {
                              return table_of(use).source_bits <= room;
@@ -252,8 +250,7 @@ void PackedSystem::number_codes() {
     most_source_bits_ = std::max(most_source_bits_, std::min(room, most_kept_bits));
     kept_ = std::make_unique<KeptLists>(most_source_bits_);
   }
-  code_bits_ = taken + most_source_bits_;
-  const unsigned shift = actor_bits_ + into_bits_;
+  code_bits_ = shift + most_source_bits_;
   for (Target& target : targets_) {
     if (target.state < several) target.code = (target.code << shift) & 0x7fffffff;
   }
@@ -339,10 +336,14 @@ void PackedSystem::place_uses(std::span<const ModelUse> uses, PackedEdge& compil
   }
 }
 
-bool PackedSystem::is_kept(std::span<const ModelUse> uses) const {
+unsigned PackedSystem::source_bits_of(std::span<const ModelUse> uses) const {
   unsigned bits = 0;
   for (const ModelUse& use : uses) bits += table_of(use).source_bits;
-  return bits > most_source_bits_;
+  return bits;
+}
+
+bool PackedSystem::is_kept(std::span<const ModelUse> uses) const {
+  return source_bits_of(uses) > most_source_bits_;
 }
 
 StepBefore PackedSystem::undo(const GlobalState& state, std::uint64_t code) const {

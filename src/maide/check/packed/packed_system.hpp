@@ -400,6 +400,8 @@ class PackedSystem {
   void add_calls();
   void add_action(const ModelUse& use);
   void number_codes();
+  // Tell together from where the uses came.
+  unsigned source_bits_of(std::span<const ModelUse> uses) const;
   bool is_kept(std::span<const ModelUse> uses) const;
   void lay_out(unsigned payload_bits, std::size_t monitor_states);
   void place_fields();
