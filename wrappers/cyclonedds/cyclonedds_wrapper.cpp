@@ -51,7 +51,7 @@ std::unique_ptr<SystemInstance> CycloneDdsWrapper::reset(EventSink& sink) {
   if (retired_.size() >= most_retired) delete_retired();
   retired_.push_back(std::make_shared<Endpoints>(*domains_, "maide_" + std::to_string(words_),
                                                  policies_, counts_));
-  return std::make_unique<dds::Connection>(retired_.back(), counts_, sink);
+  return std::make_unique<dds::DdsConnection>(retired_.back(), counts_, sink);
 }
 
 void CycloneDdsWrapper::delete_retired() {

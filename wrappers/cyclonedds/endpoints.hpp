@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "dds/connection.hpp"
+#include "dds/dds_connection.hpp"
 #include "dds/policies.hpp"
 #include "dds_entity.hpp"
 #include "domains.hpp"

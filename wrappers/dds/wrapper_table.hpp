@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "dds/connection.hpp"
+#include "dds/dds_connection.hpp"
 #include "dds/policies.hpp"
 #include "maide/wire/wrapper/system_wrapper.hpp"
 

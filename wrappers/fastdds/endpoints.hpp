@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "dds/connection.hpp"
+#include "dds/dds_connection.hpp"
 #include "dds/policies.hpp"
 #include "participants.hpp"
 #include "protocol_timers.hpp"

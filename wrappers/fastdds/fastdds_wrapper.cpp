@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "dds/connection.hpp"
+#include "dds/dds_connection.hpp"
 #include "dds/wrapper_table.hpp"
 #include "endpoints.hpp"
 
@@ -33,7 +33,7 @@ SystemSetup FastDdsWrapper::configure(const OptionValues& options) {
 }
 
 std::unique_ptr<SystemInstance> FastDdsWrapper::reset(EventSink& sink) {
-  return std::make_unique<dds::Connection>(
+  return std::make_unique<dds::DdsConnection>(
       std::make_shared<Endpoints>(*participants_, "maide_" + std::to_string(++words_), policies_,
                                   timers_, counts_),
       counts_, sink);

@@ -13,7 +13,7 @@
 #include <cstdint>
 #include <memory>
 
-#include "dds/connection.hpp"
+#include "dds/dds_connection.hpp"
 #include "dds/policies.hpp"
 #include "maide/wire/wrapper/system_wrapper.hpp"
 #include "participants.hpp"

@@ -95,7 +95,7 @@ SystemSetup Ros1Wrapper::configure(const OptionValues& options) {
 }
 
 std::unique_ptr<SystemInstance> Ros1Wrapper::reset(EventSink& sink) {
-  return std::make_unique<Connection>(*node_, queues_, sink, idle_);
+  return std::make_unique<Ros1Connection>(*node_, queues_, sink, idle_);
 }
 
 }  // namespace maide::ros1

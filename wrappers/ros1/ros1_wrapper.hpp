@@ -10,10 +10,10 @@
 
 #include <memory>
 
-#include "connection.hpp"
 #include "maide/wire/wrapper/system_wrapper.hpp"
 #include "node.hpp"
 #include "queues.hpp"
+#include "ros1_connection.hpp"
 
 namespace maide::ros1 {
 

@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
-#include "connection.hpp"
 #include "maide/base/error.hpp"
+#include "yarp_connection.hpp"
 
 namespace maide::yarp_ports {
 namespace {
@@ -208,7 +208,7 @@ SystemSetup YarpWrapper::configure(const OptionValues& options) {
 }
 
 std::unique_ptr<SystemInstance> YarpWrapper::reset(EventSink& sink) {
-  return std::make_unique<Connection>(*pairs_, server_->process().has_value(), sink);
+  return std::make_unique<YarpConnection>(*pairs_, server_->process().has_value(), sink);
 }
 
 }  // namespace maide::yarp_ports

@@ -23,11 +23,11 @@ namespace maide::ros1 {
 // its callbacks, so they are used again.
 using IdleQueues = std::vector<std::unique_ptr<ros::CallbackQueue>>;
 
-class Connection : public SystemInstance {
+class Ros1Connection : public SystemInstance {
  public:
   // When the connection ends its callback queue goes to `idle`. Throws std::runtime_error.
-  Connection(Node& node, const Queues& queues, EventSink& sink, IdleQueues& idle);
-  ~Connection() override;
+  Ros1Connection(Node& node, const Queues& queues, EventSink& sink, IdleQueues& idle);
+  ~Ros1Connection() override;
 
   void call(std::string_view input) override;
   void shutdown() override;

@@ -11,12 +11,12 @@
 
 namespace maide::yarp_ports {
 
-class Connection : public SystemInstance {
+class YarpConnection : public SystemInstance {
  public:
   // Takes a pair from the store, and gives it back in the end. `server_polls`: there is a name
   // server that is watched, and whose timed sleeps mean nothing.
-  Connection(PairStore& store, bool server_polls, EventSink& sink);
-  ~Connection() override;
+  YarpConnection(PairStore& store, bool server_polls, EventSink& sink);
+  ~YarpConnection() override;
 
   void call(std::string_view input) override;
   void shutdown() override;

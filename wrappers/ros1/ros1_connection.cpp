@@ -1,4 +1,4 @@
-#include "connection.hpp"
+#include "ros1_connection.hpp"
 
 #include <ros/poll_manager.h>
 
@@ -23,7 +23,7 @@ std::unique_ptr<ros::CallbackQueue> take_queue(IdleQueues& idle) {
 
 }  // namespace
 
-Connection::Connection(Node& node, const Queues& queues, EventSink& sink, IdleQueues& idle)
+Ros1Connection::Ros1Connection(Node& node, const Queues& queues, EventSink& sink, IdleQueues& idle)
     : node_(node),
       queues_(queues),
       sink_(sink),
@@ -41,7 +41,7 @@ Connection::Connection(Node& node, const Queues& queues, EventSink& sink, IdleQu
   }
 }
 
-Connection::~Connection() {
+Ros1Connection::~Ros1Connection() {
   // First: a subscriber that loses its publisher tries to connect again.
   for (Subscriber& subscriber : subscribers_) subscriber.end.reset();
   for (ros::Publisher& publisher : publishers_) publisher.shutdown();
@@ -50,7 +50,7 @@ Connection::~Connection() {
   }
 }
 
-void Connection::call(std::string_view input) {
+void Ros1Connection::call(std::string_view input) {
   if (stopped_) return;
   if (input == "write" || input == "burst") {
     publish(input == "write" ? 1 : queues_.burst);
@@ -83,7 +83,7 @@ void Connection::call(std::string_view input) {
 
 // Subscribes, if it is no subscriber, and waits until all ends know of each other. The publishers
 // of one node are one to its peers; so are, within a process, its subscribers.
-void Connection::connect(Subscriber& subscriber) {
+void Ros1Connection::connect(Subscriber& subscriber) {
   if (subscriber.end) return;
   connecting_ = true;
   auto options = ros::SubscribeOptions::create<std_msgs::UInt64>(
@@ -109,7 +109,7 @@ void Connection::connect(Subscriber& subscriber) {
   connecting_ = false;
 }
 
-void Connection::publish(std::size_t messages) {
+void Ros1Connection::publish(std::size_t messages) {
   const ros::Publisher& publisher = publishers_[sink_.end()];
   for (std::size_t i = 0; i < messages; ++i) {
     const auto message = boost::make_shared<std_msgs::UInt64>();
@@ -128,7 +128,7 @@ void Connection::publish(std::size_t messages) {
 }
 
 // One callback that brings a message, however long it takes.
-void Connection::read(Subscriber& subscriber) {
+void Ros1Connection::read(Subscriber& subscriber) {
   subscriber.received = false;
   while (!subscriber.received && !stopped_) {
     const auto result = subscriber.callbacks->callOne(ros::WallDuration(1));
@@ -139,7 +139,7 @@ void Connection::read(Subscriber& subscriber) {
   }
 }
 
-void Connection::try_read(Subscriber& subscriber) {
+void Ros1Connection::try_read(Subscriber& subscriber) {
   subscriber.received = false;
   while (!subscriber.received && !stopped_) {
     const auto result = subscriber.callbacks->callOne();
@@ -156,9 +156,9 @@ void Connection::try_read(Subscriber& subscriber) {
 
 // The master's main thread sleeps and looks at nothing but whether it shall end. roscpp itself
 // waits for events only, but for connect(), which looks whether it is done.
-bool Connection::polls_in_vain() const { return !connecting_; }
+bool Ros1Connection::polls_in_vain() const { return !connecting_; }
 
-void Connection::shutdown() {
+void Ros1Connection::shutdown() {
   stopped_ = true;
   for (Subscriber& subscriber : subscribers_) subscriber.callbacks->disable();
 }

@@ -1,4 +1,4 @@
-#include "connection.hpp"
+#include "yarp_connection.hpp"
 
 #include <stdexcept>
 #include <string>
@@ -21,12 +21,12 @@ class Count {
 
 }  // namespace
 
-Connection::Connection(PairStore& store, bool server_polls, EventSink& sink)
+YarpConnection::YarpConnection(PairStore& store, bool server_polls, EventSink& sink)
     : store_(store), server_polls_(server_polls), pair_(store.take()), sink_(sink) {}
 
-Connection::~Connection() { store_.give_back(std::move(pair_)); }
+YarpConnection::~YarpConnection() { store_.give_back(std::move(pair_)); }
 
-void Connection::call(std::string_view input) {
+void YarpConnection::call(std::string_view input) {
   if (shut_down_) return;
   if (input == "write" || input == "write_2") {
     write(input);
@@ -45,7 +45,7 @@ void Connection::call(std::string_view input) {
   }
 }
 
-void Connection::write(std::string_view input) {
+void YarpConnection::write(std::string_view input) {
   if (destroyed_) return;
   bool was_sent = false;
   {
@@ -60,7 +60,7 @@ void Connection::write(std::string_view input) {
   }
 }
 
-void Connection::read(bool waits) {
+void YarpConnection::read(bool waits) {
   const Count reading(reading_);
   const Received received = waits ? pair_->reader().read() : pair_->reader().try_read();
   if (!received.has_message) {
@@ -72,12 +72,12 @@ void Connection::read(bool waits) {
   }
 }
 
-void Connection::read_2() {
+void YarpConnection::read_2() {
   const Count reading(reading_);
   sink_.report(pair_->reader().read().has_message ? "message_2" : "null_2");
 }
 
-void Connection::call_writer_control(std::string_view input) {
+void YarpConnection::call_writer_control(std::string_view input) {
   if (destroyed_) return;
   yarp::os::Contactable& port = pair_->writer().port();
   if (input == "interrupt") {
@@ -106,7 +106,7 @@ void Connection::call_writer_control(std::string_view input) {
   }
 }
 
-void Connection::call_reader_control(std::string_view input) {
+void YarpConnection::call_reader_control(std::string_view input) {
   yarp::os::Contactable& port = pair_->reader().port();
   if (input == "interrupt_reader") {
     port.interrupt();
@@ -122,7 +122,7 @@ void Connection::call_reader_control(std::string_view input) {
   }
 }
 
-void Connection::call_network(std::string_view input) {
+void YarpConnection::call_network(std::string_view input) {
   const bool connects = input == "connect";
   const bool is_done = connects ? pair_->connect() : pair_->disconnect();
   sink_.report(!is_done ? "denied" : connects ? "connected" : "disconnected");
@@ -130,12 +130,12 @@ void Connection::call_network(std::string_view input) {
 
 // Closing a port that writes sleeps and looks, up to some 5 s, whether the write is over; which it
 // will not be while all else sleeps.
-bool Connection::polls_in_vain() const { return closing_ > 0 ? writing_ > 0 : server_polls_; }
+bool YarpConnection::polls_in_vain() const { return closing_ > 0 ? writing_ > 0 : server_polls_; }
 
 // A write that waits for its read is let go by one (and with it the interrupt, close or disconnect
 // that waits for the write); a read by closing its port; a strict write that waits for the one
 // before by closing its port and taking its message away.
-void Connection::shutdown() {
+void YarpConnection::shutdown() {
   shut_down_ = true;
   if (writing_ > 0 && reading_ == 0 && !pair_->writer().is_buffered()) {
     pair_->reader().port().resume();

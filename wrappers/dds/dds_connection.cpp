@@ -1,4 +1,4 @@
-#include "dds/connection.hpp"
+#include "dds/dds_connection.hpp"
 
 #include <stdexcept>
 #include <string>
@@ -6,7 +6,7 @@
 
 namespace maide::dds {
 
-void Connection::call(std::string_view input) {
+void DdsConnection::call(std::string_view input) {
   if (stopped_) return;
   if (input == "write") {
     write();
@@ -25,7 +25,7 @@ void Connection::call(std::string_view input) {
   }
 }
 
-void Connection::write() {
+void DdsConnection::write() {
   const auto number = static_cast<std::uint32_t>(sink_.content(written_ + 1));
   if (!ends_->write(sink_.end(), number)) {
     sink_.report("failed");
@@ -35,7 +35,7 @@ void Connection::write() {
   sink_.report("written");
 }
 
-void Connection::read() {
+void DdsConnection::read() {
   const std::size_t reader = sink_.end();
   if (connected_[reader] == 0) {
     sink_.report("unconnected");
@@ -44,7 +44,7 @@ void Connection::read() {
   while (!stopped_ && !take_one(reader)) ends_->wait_for_data(reader);
 }
 
-void Connection::try_read() {
+void DdsConnection::try_read() {
   const std::size_t reader = sink_.end();
   if (connected_[reader] == 0) {
     sink_.report("unconnected");
@@ -53,13 +53,13 @@ void Connection::try_read() {
   }
 }
 
-bool Connection::take_one(std::size_t reader) {
+bool DdsConnection::take_one(std::size_t reader) {
   const std::optional<std::uint32_t> number = ends_->take(reader);
   if (number) sink_.message(*number);
   return number.has_value();
 }
 
-void Connection::shutdown() {
+void DdsConnection::shutdown() {
   stopped_ = true;
   ends_->stop();
 }

@@ -46,10 +46,10 @@ class Endpoints {
   virtual bool polls_in_vain() const { return false; }
 };
 
-class Connection : public SystemInstance {
+class DdsConnection : public SystemInstance {
  public:
   // Others may keep `ends` longer than the connection lives, to delete them when that is cheap.
-  Connection(std::shared_ptr<Endpoints> ends, const EndCounts& counts, EventSink& sink)
+  DdsConnection(std::shared_ptr<Endpoints> ends, const EndCounts& counts, EventSink& sink)
       : ends_(std::move(ends)), sink_(sink), connected_(counts.readers, char{true}) {}
 
   void call(std::string_view input) override;
