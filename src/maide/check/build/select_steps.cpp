@@ -1,165 +1,16 @@
-// Steps of a program with its models: an input that is given, an output that is taken; and those of
-// `select`: each arm whose guard holds and whose model can take its part, and `otherwise` or
-// `timeout` where there is none.
+#include "maide/check/build/select_steps.hpp"
+
 #include <algorithm>
-#include <cstdint>
 #include <functional>
 #include <map>
-#include <optional>
-#include <string>
 #include <utility>
-#include <vector>
 
-#include "maide/check/build/unroller.hpp"
 #include "maide/check/build/wires.hpp"
 
 namespace maide::program_syntax {
 
-const Wire* Unroller::wire_for(std::uint32_t model, Symbol input, const Callback* callback) const {
-  const Wire* const wire = names_.wire_of(model, node_of(callback), number_);
-  if (wire == nullptr || std::ranges::find(wire->letters, input) == wire->letters.end())
-    return nullptr;
-  return wire;
-}
-
-std::optional<ModelUse> Unroller::when_own_arrived(std::uint32_t model, Symbol input,
-                                                   const Callback* callback) {
-  const Wire* const wire = names_.wire_of(model, node_of(callback), number_);
-  if (wire == nullptr || wire->others.empty()) return std::nullopt;
-  if (std::ranges::find(wire->others, input) == wire->others.end()) return std::nullopt;
-  return when_empty(*wire, actions_);
-}
-
-void Unroller::expand_rendezvous(const Place& place, const Statement& statement,
-                                 const Values& values) {
-  const std::uint32_t model = model_of(statement.model, values);
-  if (names_.services.contains(model)) return expand_service(place, statement, values, model);
-  using Kind = ModelUse::Kind;
-  if (place.phase == Phase::calls) return expand_call(place, statement, values);
-  if (place.phase == Phase::before) {
-    const Symbol input = input_of(model, statement.input, values);
-    const ControlState target = behind_input(place, statement, values);
-    if (const Topic* topic = written_topic(statement.model, statement.input.name, values)) {
-      const std::string name = name_of(statement.input, values);
-      for (const Writing& way :
-           writings(*topic, name, WriteKind::statement, node_of(statement.callback))) {
-        const ControlState behind = way.calls ? in_call(place) : target;
-        add_combined({CombinedStep::Role::step, way.uses, way.events, topic->name + "." + name, 0},
-                     behind, statement.line, statement.column);
-      }
-      return;
-    }
-    const ModelUse given{Kind::give, model, input};
-    const Wire* const wire = wire_for(model, input, statement.callback);
-    const auto behind_own = when_own_arrived(model, input, statement.callback);
-    if (wire == nullptr && !behind_own) {
-      return add_edge(given, target, statement.line, statement.column);
-    }
-    const ModelInstance& instance = actions_.model(model);
-    for (Uses& uses : wire == nullptr ? std::vector<Uses>{{given, *behind_own}}
-                                      : ways_to_send({{wire, input, number_}}, actions_)) {
-      add_combined({CombinedStep::Role::step,
-                    std::move(uses),
-                    {given},
-                    instance.name + "." + instance.automaton.inputs().name(input),
-                    0},
-                   target, statement.line, statement.column);
-    }
-    return;
-  }
-  const std::vector<const Arm*> taken = arms_of(model, statement.arms, values);
-  const Alphabet& outputs = actions_.model(model).automaton.outputs();
-  for (const Arm& arm : statement.arms) {
-    if (arm.is_quiet) {
-      const ControlState target = settle(enter(*arm.body, behind(place.frame)), values);
-      if (const Topic* topic = written_topic(statement.model, statement.input.name, values)) {
-        for (Uses& uses : quiet_of(*topic, node_of(statement.callback))) {
-          add_combined({CombinedStep::Role::step, std::move(uses), {}, "quiet", 0}, target,
-                       arm.line, arm.column);
-        }
-      } else {
-        add_edge({Kind::quiet, model, 0}, target, arm.line, arm.column);
-      }
-      continue;
-    }
-    const Topic* topic = written_topic(statement.model, arm.output.name, values);
-    for (Symbol output = 0; output < outputs.size(); ++output) {
-      if (taken[output] != &arm) continue;
-      const std::string& name = outputs.name(output);
-      const ControlState target = take(arm.output, *arm.body, behind(place.frame), name, values);
-      if (topic == nullptr) {
-        add_edge({Kind::take, model, output}, target, arm.line, arm.column);
-      } else {
-        for (Taking& way : takings(*topic)) {
-          if (way.output != name) continue;
-          add_combined({CombinedStep::Role::step, std::move(way.uses), std::move(way.events),
-                        topic->name + "!" + name, 0},
-                       target, arm.line, arm.column);
-        }
-      }
-    }
-  }
-}
-
-// ---- What was sent ------------------------------------------------------------------------------
-
-std::vector<const Wire*> Unroller::own_wires(const ModelReference& model, const Callback* callback,
-                                             const Values& values) const {
-  std::vector<const Wire*> wires;
-  const auto add = [&](std::uint32_t to) {
-    const Wire* const wire = names_.wire_of(to, node_of(callback), number_);
-    if (wire != nullptr) wires.push_back(wire);
-  };
-  const std::uint32_t number = element(model.leaf, values);
-  if (!model.is_topic) {
-    add(number);
-    return wires;
-  }
-  const Topic& topic = names_.topics[number];
-  const std::string name = topic.name + "[" + model.reader + "]";
-  for (const Topic::Reader& reader : topic.readers) {
-    const std::string& its = actions_.model(reader.model).name;
-    if (model.reader.empty() || its == name || is_reader_of(its, name)) add(reader.model);
-  }
-  return wires;
-}
-
-Uses Unroller::all_arrived(const std::vector<const Wire*>& wires) {
-  Uses uses;
-  for (const Wire* const wire : wires) uses.push_back(when_empty(*wire, actions_));
-  return uses;
-}
-
-std::vector<Uses> Unroller::not_all_arrived(const std::vector<const Wire*>& wires) {
-  std::vector<Uses> ways;
-  Uses before;
-  for (const Wire* const wire : wires) {
-    ways.push_back(before);
-    ways.back().push_back(when_used(*wire, actions_));
-    before.push_back(when_empty(*wire, actions_));
-  }
-  return ways;
-}
-
-std::string Unroller::text_of_arrival(const ModelReference& model, const Values& values) const {
-  const std::uint32_t number = element(model.leaf, values);
-  const std::string& name =
-      model.is_topic ? names_.topics[number].name : actions_.model(number).name;
-  return name + (model.reader.empty() ? "" : "[" + model.reader + "]") + "!arrived";
-}
-
-void Unroller::expand_arrival(const Place& place, const Statement& statement,
-                              const Values& values) {
-  const ControlState target = settle(behind(place.frame), values);
-  const std::string text = text_of_arrival(statement.model, values);
-  Uses uses = all_arrived(own_wires(statement.model, statement.callback, values));
-  add_combined({CombinedStep::Role::step, std::move(uses), {}, text, 0}, target, statement.line,
-               statement.column);
-}
-
-// ---- select -------------------------------------------------------------------------------------
-
-void Unroller::expand_select(const Place& place, const Statement& statement, const Values& values) {
+void SelectSteps::expand_select(const Place& place, const Statement& statement,
+                                const Values& values) {
   for (const SelectArm& arm : statement.select_arms) {
     const bool waits =
         arm.kind == SelectArm::Kind::otherwise || arm.kind == SelectArm::Kind::timeout;
@@ -168,7 +19,7 @@ void Unroller::expand_select(const Place& place, const Statement& statement, con
       continue;
     }
     const Callback* const of = arm.starts != nullptr ? arm.starts : arm.callback;
-    const std::uint32_t fair = fair_group(of, arm.line, arm.column, 0, false, text_of(arm));
+    const std::uint32_t fair = fair_group(of, arm.line, arm.column, 0, false, text_of_arm(arm));
     if (!arm.guard) {
       expand_arm(place, arm, values, arm.starts != nullptr ? arm.starts->start : Uses{}, fair);
       continue;
@@ -185,7 +36,7 @@ void Unroller::expand_select(const Place& place, const Statement& statement, con
   }
 }
 
-std::string Unroller::text_of(const SelectArm& arm) {
+std::string SelectSteps::text_of_arm(const SelectArm& arm) {
   if (arm.starts != nullptr) return arm.starts->whole_name();
   switch (arm.kind) {
     case SelectArm::Kind::input: return arm.model.name() + "." + arm.event.name;
@@ -195,12 +46,12 @@ std::string Unroller::text_of(const SelectArm& arm) {
   }
 }
 
-void Unroller::expand_arm(const Place& place, const SelectArm& arm, const Values& values,
-                          const std::vector<ModelUse>& conditions, std::uint32_t fair) {
+void SelectSteps::expand_arm(const Place& place, const SelectArm& arm, const Values& values,
+                             const Uses& conditions, std::uint32_t fair) {
   const auto add = [&](std::vector<ModelUse> uses, const std::vector<ModelUse>& events,
                        const std::string& text, ControlState target) {
     const std::string prefix = arm.starts != nullptr ? arm.starts->whole_name() + " starts" : "";
-    std::vector<Uses> ways = combine({std::move(uses)}, {conditions});
+    std::vector<Uses> ways = actions_.combine({std::move(uses)}, {conditions});
     const bool is_timer = arm.starts != nullptr && arm.starts->kind == Callback::Kind::timer;
     std::optional<std::uint32_t> callback;
     if (arm.starts != nullptr) callback = arm.starts->number;
@@ -213,7 +64,7 @@ void Unroller::expand_arm(const Place& place, const SelectArm& arm, const Values
   };
   const FrameId next = arm.end ? enter(*arm.end, behind(place.frame)) : behind(place.frame);
   if (arm.starts != nullptr && arm.starts->kind != Callback::Kind::subscription) {
-    auto [uses, events] = start_of(arm);
+    auto [uses, events] = services_.start_of(*arm.starts);
     return add(std::move(uses), events, "", settle(enter(*arm.body, next), values));
   }
   if (arm.kind == SelectArm::Kind::guard) {
@@ -226,7 +77,7 @@ void Unroller::expand_arm(const Place& place, const SelectArm& arm, const Values
     return add({}, {}, "when", error_state(error.text, error.line, error.column));
   }
   if (arm.kind == SelectArm::Kind::arrival) {
-    return add(all_arrived(own_wires(arm.model, arm.callback, values)), {},
+    return add(when_all_arrived(own_wires(arm.model, arm.callback, values), actions_), {},
                text_of_arrival(arm.model, values), settle(enter(*arm.body, next), values));
   }
   if (const Topic* topic = written_topic(arm.model, arm.event.name, values)) {
@@ -237,13 +88,14 @@ void Unroller::expand_arm(const Place& place, const SelectArm& arm, const Values
   const Alphabet& outputs = automaton.outputs();
   using Kind = ModelUse::Kind;
   if (names_.services.contains(model)) {
-    const ServiceArm way = service_arm(arm, model);
+    const ServiceSteps::Arm way = services_.arm(arm, model, at(arm.line, arm.column));
     const bool gives = arm.kind == SelectArm::Kind::input;
     const Block& body = arm.body ? *arm.body : *arm.arms.front().body;
     const Service& service = names_.services.at(model);
     const ControlState target = settle(enter(body, next), values);
     for (Uses& uses : ways_to_use(service, model, way.use, actions_)) {
-      add(std::move(uses), events_of(model, gives ? arm.event.name : "", way.output.value_or("")),
+      add(std::move(uses),
+          services_.events_of(model, gives ? arm.event.name : "", way.output.value_or("")),
           service.name + (gives ? "." + arm.event.name : "") +
               (way.output ? (gives ? " -> " : "!") + *way.output : ""),
           target);
@@ -284,8 +136,8 @@ void Unroller::expand_arm(const Place& place, const SelectArm& arm, const Values
   if (!has_arm) fail_without_output(arm, text, outputs, values);
 }
 
-void Unroller::fail_without_output(const SelectArm& arm, const std::string& input,
-                                   const Alphabet& outputs, const Values& values) const {
+void SelectSteps::fail_without_output(const SelectArm& arm, const std::string& input,
+                                      const Alphabet& outputs, const Values& values) const {
   for (const Arm& awaited : arm.arms) {
     const Event& event = awaited.output;
     const bool is_given = !event.arguments.empty() &&
@@ -310,8 +162,8 @@ void Unroller::fail_without_output(const SelectArm& arm, const std::string& inpu
                    at(arm.line, arm.column));
 }
 
-std::vector<Unroller::InputWay> Unroller::ways_of(const SelectArm& arm, std::uint32_t model,
-                                                  Symbol input) {
+std::vector<SelectSteps::InputWay> SelectSteps::ways_of(const SelectArm& arm, std::uint32_t model,
+                                                        Symbol input) {
   std::vector<InputWay> ways;
   const auto add = [&](const std::optional<ModelUse>& use, std::optional<Symbol> output,
                        bool is_beyond) {
@@ -345,8 +197,8 @@ std::vector<Unroller::InputWay> Unroller::ways_of(const SelectArm& arm, std::uin
   return with_own();
 }
 
-void Unroller::expand_otherwise(const Place& place, const Statement& statement,
-                                const SelectArm& waiting, const Values& values) {
+void SelectSteps::expand_otherwise(const Place& place, const Statement& statement,
+                                   const SelectArm& waiting, const Values& values) {
   using Guards = std::vector<std::int8_t>;  // by arm: 1 it holds, 0 it does not, -1 an error
   SharedValues known;
   const std::function<Guards(const SharedValues&)> run = [&](const SharedValues& shared) {
@@ -376,11 +228,11 @@ void Unroller::expand_otherwise(const Place& place, const Statement& statement,
   }
 }
 
-std::vector<Uses> Unroller::idle_uses(const Statement& statement,
-                                      const std::vector<std::int8_t>& guards,
-                                      const Values& values) {
+std::vector<Uses> SelectSteps::idle_uses(const Statement& statement,
+                                         const std::vector<std::int8_t>& guards,
+                                         const Values& values) {
   std::map<std::uint32_t, std::vector<ModelUse>> by_model;
-  std::map<std::pair<const Topic*, std::string>, std::vector<WriteArm>> by_topic;
+  std::map<std::pair<const Topic*, std::string>, std::vector<TopicSteps::WriteArm>> by_topic;
   std::vector<Uses> unsent{{}};
   std::map<std::uint32_t, Uses> by_service;
   for (std::size_t i = 0; i < guards.size(); ++i) {
@@ -393,19 +245,20 @@ std::vector<Uses> Unroller::idle_uses(const Statement& statement,
     try {
       if (arm.kind == SelectArm::Kind::arrival) {
         check_arm(arm, values);
-        unsent = combine(unsent, not_all_arrived(own_wires(arm.model, arm.callback, values)));
+        unsent = actions_.combine(
+            unsent, ways_not_all_arrived(own_wires(arm.model, arm.callback, values), actions_));
         continue;
       }
       const bool is_input = arm.kind == SelectArm::Kind::input;
       if (const Topic* topic = written_topic(arm.model, arm.event.name, values)) {
         check_arm(arm, values);
-        std::vector<WriteArm>& arms = by_topic[{topic, node_of(arm.callback)}];
+        std::vector<TopicSteps::WriteArm>& arms = by_topic[{topic, node_of(arm.callback)}];
         if (is_input) arms.push_back({name_of(arm.event, values), kind_of(arm)});
         continue;
       }
       const std::uint32_t model = model_of(arm.model, values);
       if (names_.services.contains(model)) {
-        const ServiceArm way = service_arm(arm, model);
+        const ServiceSteps::Arm way = services_.arm(arm, model, at(arm.line, arm.column));
         ServiceModel& rules = *names_.services.at(model).rules;
         Uses& uses = by_service[model];
         uses.push_back(rules.use(actions_, model, way.use));
@@ -415,7 +268,7 @@ std::vector<Uses> Unroller::idle_uses(const Statement& statement,
       if (is_input) {
         const Symbol input = input_of(model, arm.event, values);
         if (const Wire* const wire = wire_for(model, input, arm.callback)) {
-          unsent = combine(unsent, ways_to_wait(*wire, actions_));
+          unsent = actions_.combine(unsent, ways_to_wait(*wire, actions_));
           continue;
         }
       }
@@ -438,46 +291,21 @@ std::vector<Uses> Unroller::idle_uses(const Statement& statement,
     ways.front().push_back(actions_.impossible(model, taking));
   }
   for (const auto& [writer, arms] : by_topic) {
-    ways = combine(ways, idle_of(*writer.first, arms, writer.second));
+    ways = actions_.combine(ways, topics_.idle_of(*writer.first, arms, writer.second));
   }
-  return combine(ways, unsent);
+  return actions_.combine(ways, unsent);
 }
 
-std::vector<Uses> Unroller::combine(const std::vector<Uses>& some,
-                                    const std::vector<Uses>& others) {
-  std::vector<Uses> result;
-  for (const Uses& one : some) {
-    for (const Uses& other : others) {
-      Uses together = one;
-      bool is_possible = true;
-      for (const ModelUse& use : other) {
-        const auto same =
-            std::find_if(together.begin(), together.end(),
-                         [&](const ModelUse& known) { return known.model == use.model; });
-        if (same == together.end()) {
-          together.push_back(use);
-        } else if (const auto both = actions_.both(*same, use)) {
-          *same = *both;
-        } else {
-          is_possible = false;
-        }
-      }
-      if (is_possible) result.push_back(std::move(together));
-    }
-  }
-  return result;
-}
-
-Unroller::WriteKind Unroller::kind_of(const SelectArm& arm) {
-  return arm.body ? WriteKind::bare_arm : WriteKind::arm_with_outputs;
+TopicSteps::WriteKind SelectSteps::kind_of(const SelectArm& arm) {
+  return arm.body ? TopicSteps::WriteKind::bare_arm : TopicSteps::WriteKind::arm_with_outputs;
 }
 
 template <typename Add>
-void Unroller::expand_topic_arm(const Place& place, const SelectArm& arm, const Topic& topic,
-                                const Values& values, const Add& add) {
+void SelectSteps::expand_topic_arm(const Place& place, const SelectArm& arm, const Topic& topic,
+                                   const Values& values, const Add& add) {
   const FrameId next = behind(place.frame);
   if (arm.kind == SelectArm::Kind::output) {
-    for (Taking& way : takings(topic)) {
+    for (TopicSteps::Taking& way : topics_.takings(topic)) {
       const std::string& name = way.output;
       if (!matches(arm.event, split_name(name), name, values)) continue;
       add(std::move(way.uses), std::move(way.events), topic.name + "!" + name,
@@ -488,7 +316,8 @@ void Unroller::expand_topic_arm(const Place& place, const SelectArm& arm, const 
   const std::string input = name_of(arm.event, values);
   const std::string text = topic.name + "." + input;
   bool has_way = arm.body != nullptr;
-  for (const Writing& way : writings(topic, input, kind_of(arm), node_of(arm.callback))) {
+  for (const TopicSteps::Writing& way :
+       topics_.writings(topic, input, kind_of(arm), node_of(arm.callback))) {
     ControlState target = 0;
     std::string whole = text;
     if (way.is_beyond) {

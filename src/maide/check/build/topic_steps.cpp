@@ -1,17 +1,8 @@
-// Steps of a program with a topic: a write goes to the models of all readers that live, or to one
-// of them, and what their calls return is collected and taken once. Each is a combined step, or a
-// few that exclude each other: for each set of readers that live, and where the step depends on
-// what was collected, for the first reader of which nothing was.
-#include <algorithm>
-#include <cstdint>
-#include <functional>
-#include <optional>
-#include <string>
-#include <utility>
-#include <vector>
+#include "maide/check/build/topic_steps.hpp"
 
-#include "maide/check/build/unroller.hpp"
-#include "maide/check/build/wires.hpp"
+#include <algorithm>
+#include <functional>
+#include <utility>
 
 namespace maide::program_syntax {
 
@@ -113,9 +104,9 @@ std::vector<Case> cases_not_due(const Topic& topic, const Living& living) {
 }
 
 // The model of a reader, as a step on its topic sees it.
-class TopicSteps {
+class ReaderModels {
  public:
-  TopicSteps(const Topic& topic, ModelActions& actions, OfOthers others)
+  ReaderModels(const Topic& topic, ModelActions& actions, OfOthers others)
       : topic_(topic), actions_(actions), others_(std::move(others)) {}
 
   const Alphabet& outputs(std::size_t i) const { return automaton(i).outputs(); }
@@ -281,18 +272,17 @@ OfOthers no_others(const Topic& topic) {
 
 }  // namespace
 
-// ---- steps --------------------------------------------------------------------------------------
-
-void Unroller::set_caller(const Topic& topic, bool is_this, Uses& uses) {
+void TopicSteps::set_caller(const Topic& topic, bool is_this, Uses& uses) {
   if (!topic.caller) return;
   const auto own = topic.mortal.find(number_);
   const Value value = is_this && own != topic.mortal.end() ? own->second : topic.nobody;
   uses.push_back(actions_.variable(*topic.caller, nullptr, value));
 }
 
-const std::vector<Unroller::Writing>& Unroller::writings(const Topic& topic,
-                                                         const std::string& input, WriteKind kind,
-                                                         const std::string& node) {
+const std::vector<TopicSteps::Writing>& TopicSteps::writings(const Topic& topic,
+                                                             const std::string& input,
+                                                             WriteKind kind,
+                                                             const std::string& node) {
   const auto [place, is_new] = writings_.try_emplace({&topic, input, kind, node});
   if (!is_new) return place->second;
   for (const OfOthers& others : find_others(topic, wires_to(topic, node), names_, actions_)) {
@@ -303,8 +293,7 @@ const std::vector<Unroller::Writing>& Unroller::writings(const Topic& topic,
   return place->second;
 }
 
-// The wires from this program to the topic's readers; null: of one that gets all at once.
-std::vector<const Wire*> Unroller::wires_to(const Topic& topic, const std::string& node) const {
+std::vector<const Wire*> TopicSteps::wires_to(const Topic& topic, const std::string& node) const {
   std::vector<const Wire*> wires;
   for (const Topic::Reader& reader : topic.readers) {
     wires.push_back(names_.wire_of(reader.model, node, number_));
@@ -312,12 +301,12 @@ std::vector<const Wire*> Unroller::wires_to(const Topic& topic, const std::strin
   return wires;
 }
 
-void Unroller::add_writings(const Topic& topic, const std::string& input, WriteKind kind,
-                            const std::string& node, const std::vector<bool>& living,
-                            const OfOthers& others, std::vector<Writing>& writings) {
+void TopicSteps::add_writings(const Topic& topic, const std::string& input, WriteKind kind,
+                              const std::string& node, const std::vector<bool>& living,
+                              const OfOthers& others, std::vector<Writing>& writings) {
   using What = Collected::What;
-  using Giving = TopicSteps::Giving;
-  TopicSteps steps(topic, actions_, others);
+  using Giving = ReaderModels::Giving;
+  ReaderModels steps(topic, actions_, others);
   const std::size_t count = topic.readers.size();
   const std::vector<const Wire*> wires = wires_to(topic, node);
   std::vector<std::optional<Symbol>> inputs;
@@ -352,7 +341,7 @@ void Unroller::add_writings(const Topic& topic, const std::string& input, WriteK
       for (const ModelUse& event : taken_events(topic, output)) way.events.push_back(event);
     }
     way.is_beyond = is_beyond;
-    for (Uses& uses : combine(ways_to_send(sent, actions_), {way.uses})) {
+    for (Uses& uses : actions_.combine(ways_to_send(sent, actions_), {way.uses})) {
       way.uses = std::move(uses);
       writings.push_back(way);
     }
@@ -407,7 +396,7 @@ void Unroller::add_writings(const Topic& topic, const std::string& input, WriteK
   }
 }
 
-Uses Unroller::taken_events(const Topic& topic, const std::string& output) const {
+Uses TopicSteps::taken_events(const Topic& topic, const std::string& output) const {
   Uses events;
   for (const Topic::Reader& reader : topic.readers) {
     const auto symbol = actions_.model(reader.model).automaton.outputs().find(output);
@@ -416,8 +405,8 @@ Uses Unroller::taken_events(const Topic& topic, const std::string& output) const
   return events;
 }
 
-std::vector<Unroller::Taking> Unroller::takings(const Topic& topic) {
-  TopicSteps steps(topic, actions_, no_others(topic));
+std::vector<TopicSteps::Taking> TopicSteps::takings(const Topic& topic) {
+  ReaderModels steps(topic, actions_, no_others(topic));
   std::vector<Taking> takings;
   for (const Living& living : living_sets(topic)) {
     for (const Case& due : steps.cases_due(living)) {
@@ -433,12 +422,12 @@ std::vector<Unroller::Taking> Unroller::takings(const Topic& topic) {
   return takings;
 }
 
-std::vector<Uses> Unroller::quiet_of(const Topic& topic, const std::string& node) {
+std::vector<Uses> TopicSteps::quiet_of(const Topic& topic, const std::string& node) {
   return idle_of(topic, {}, node);
 }
 
-std::vector<Uses> Unroller::idle_of(const Topic& topic, const std::vector<WriteArm>& arms,
-                                    const std::string& node) {
+std::vector<Uses> TopicSteps::idle_of(const Topic& topic, const std::vector<WriteArm>& arms,
+                                      const std::string& node) {
   std::vector<Uses> ways;
   // A test of nothing but that nothing is due does not depend on them.
   const std::vector<OfOthers> all =
@@ -448,10 +437,10 @@ std::vector<Uses> Unroller::idle_of(const Topic& topic, const std::vector<WriteA
   return ways;
 }
 
-void Unroller::add_idle(const Topic& topic, const std::vector<WriteArm>& arms,
-                        const std::string& node, const OfOthers& others,
-                        std::vector<Uses>& result) {
-  TopicSteps steps(topic, actions_, others);
+void TopicSteps::add_idle(const Topic& topic, const std::vector<WriteArm>& arms,
+                          const std::string& node, const OfOthers& others,
+                          std::vector<Uses>& result) {
+  ReaderModels steps(topic, actions_, others);
   const std::vector<const Wire*> wires = wires_to(topic, node);
   const std::size_t count = topic.readers.size();
   const bool may_cut =
@@ -562,7 +551,7 @@ void Unroller::add_idle(const Topic& topic, const std::vector<WriteArm>& arms,
         Uses uses = others.conditions(actions_);
         std::vector<Uses> waits{{}};
         for (std::size_t i = 0; i < count; ++i) {
-          if (!one[i].waits.empty()) waits = combine(waits, one[i].waits);
+          if (!one[i].waits.empty()) waits = actions_.combine(waits, one[i].waits);
           steps.ask(
               i, living[i], one[i].name.empty() ? "" : one[i].name + others.text(i),
               [&](StateId state) {
@@ -572,37 +561,14 @@ void Unroller::add_idle(const Topic& topic, const std::vector<WriteArm>& arms,
               uses);
         }
         if (!actions_.are_possible(uses)) continue;
-        for (Uses& together : combine(waits, {uses})) result.push_back(std::move(together));
+        for (Uses& together : actions_.combine(waits, {uses}))
+          result.push_back(std::move(together));
       }
     }
   }
 }
 
-// ---- calls --------------------------------------------------------------------------------------
-
-void Unroller::expand_call(const Place& place, const Statement& statement, const Values& values) {
-  const Topic& topic = *written_topic(statement.model, statement.input.name, values);
-  const ControlState target = behind_input(place, statement, values);
-  std::vector<const Wire*> wires = wires_to(topic, node_of(statement.callback));
-  std::erase_if(wires,
-                [](const Wire* const wire) { return wire == nullptr || wire->callers.empty(); });
-  for (CombinedStep& end : ends_of_call(wires, number_, names_, actions_)) {
-    add_combined(std::move(end), target, statement.line, statement.column);
-  }
-  const bool may_die = std::ranges::any_of(
-      topic.readers, [](const Topic::Reader& reader) { return reader.gone.has_value(); });
-  if (!may_die) return;
-  add_combined({CombinedStep::Role::step,
-                when_returned(wires, number_, actions_),
-                {},
-                topic.name + "." + name_of(statement.input, values) + " returns",
-                0},
-               target, statement.line, statement.column);
-}
-
-// ---- death --------------------------------------------------------------------------------------
-
-std::vector<Uses> Unroller::deaths_at(const Topic& topic) {
+std::vector<Uses> TopicSteps::deaths_at(const Topic& topic) {
   Uses own, calls;
   for (const Topic::Reader& reader : topic.readers) {
     if (reader.program == number_) {

@@ -1,6 +1,7 @@
 #include "maide/check/build/unroller.hpp"
 
 #include <algorithm>
+#include <string>
 #include <utility>
 
 #include "maide/check/build/wires.hpp"
@@ -11,27 +12,6 @@ Program Unroller::run() {
   begin();
   for (std::size_t next = 0; next < places_.size(); ++next) expand(places_[next]);
   return std::move(program_);
-}
-
-void Unroller::add_edge(const ModelUse& use, ControlState target, int line, int column) {
-  look_sometimes();
-  program_.edges.push_back({use, target, line, column, origin_});
-}
-
-void Unroller::add_combined(CombinedStep combined, ControlState target, int line, int column) {
-  std::sort(combined.uses.begin(), combined.uses.end(),
-            [](const ModelUse& a, const ModelUse& b) { return a.model < b.model; });
-  const auto number = static_cast<Symbol>(program_.combined.size());
-  program_.combined.push_back(std::move(combined));
-  add_edge({ModelUse::Kind::combined, 0, number}, target, line, column);
-}
-
-std::uint32_t Unroller::fair_group(const Callback* callback, int line, int column, Value outcome,
-                                   bool on_weak_runs, const std::string& text) {
-  const auto [place, is_new] = fair_ids_.try_emplace(
-      {callback, line, column, outcome}, static_cast<std::uint32_t>(program_.fair_groups.size()));
-  if (is_new) program_.fair_groups.push_back({on_weak_runs, text});
-  return place->second;
 }
 
 void Unroller::expand(const Place place) {
@@ -75,16 +55,6 @@ void Unroller::note_guards(const Statement& statement) {
   }
   if (program_.guard_lists[known->second].empty()) return;
   program_.selects.push_back({static_cast<ControlState>(program_.states.size()), known->second});
-}
-
-std::uint32_t Unroller::intern_origin(const std::optional<SourcePosition>& origin) {
-  if (!origin) return 0;
-  auto& origins = program_.origins;
-  if (origins.empty()) origins.emplace_back();
-  const auto [known, is_new] = origin_ids_.try_emplace({origin->file, origin->line, origin->column},
-                                                       static_cast<std::uint32_t>(origins.size()));
-  if (is_new) origins.push_back(*origin);
-  return known->second;
 }
 
 void Unroller::expand(const Place& place, const Statement& statement) {
@@ -132,7 +102,7 @@ const std::vector<Uses>& Unroller::deaths() {
     }
   }
   for (const Topic& topic : names_.topics) {
-    const std::vector<Uses> ways = deaths_at(topic);
+    const std::vector<Uses> ways = topics_.deaths_at(topic);
     std::vector<Uses> all;
     for (const Uses& before : deaths_) {
       for (const Uses& way : ways) {
@@ -197,14 +167,6 @@ void Unroller::add_write(const Place& place, const Statement& statement, Value v
   add_combined(std::move(combined), target, statement.line, statement.column);
 }
 
-std::string Unroller::text_of(const std::vector<ModelUse>& uses, const ModelActions& actions) {
-  std::string text;
-  for (const ModelUse& use : uses) {
-    text += (text.empty() ? "" : ", ") + actions.model(use.model).actions[use.index].name;
-  }
-  return text;
-}
-
 void Unroller::expand_assign(const Place& place, const Statement& statement, const Values& values) {
   if (place.phase == Phase::writes) {
     return add_write(place, statement, place.pending, values);
@@ -238,8 +200,6 @@ void Unroller::expand_condition(const Place& place, const Statement& statement,
   }
 }
 
-// ---- atomic -------------------------------------------------------------------------------------
-
 void Unroller::expand_atomic(const Place& place, const Statement& statement, const Values& values) {
   for (auto& [conditions, result] :
        outcomes_of_atomic(statement, values, at(statement.line, statement.column))) {
@@ -252,6 +212,167 @@ void Unroller::expand_atomic(const Place& place, const Statement& statement, con
                                     : error_state(result.error, result.line, result.column);
     add_combined(std::move(combined), target, statement.line, statement.column);
   }
+}
+
+// ---- inputs and outputs -------------------------------------------------------------------------
+
+void Unroller::expand_input(const Place& place, const Statement& statement, const Values& values,
+                            std::uint32_t model) {
+  const Symbol input = input_of(model, statement.input, values);
+  const ControlState target = behind_input(place, statement, values);
+  if (const Topic* topic = written_topic(statement.model, statement.input.name, values)) {
+    const std::string name = name_of(statement.input, values);
+    for (const TopicSteps::Writing& way : topics_.writings(
+             *topic, name, TopicSteps::WriteKind::statement, node_of(statement.callback))) {
+      const ControlState behind = way.calls ? in_call(place) : target;
+      add_combined({CombinedStep::Role::step, way.uses, way.events, topic->name + "." + name, 0},
+                   behind, statement.line, statement.column);
+    }
+    return;
+  }
+  const ModelUse given{ModelUse::Kind::give, model, input};
+  const Wire* const wire = wire_for(model, input, statement.callback);
+  const auto behind_own = when_own_arrived(model, input, statement.callback);
+  if (wire == nullptr && !behind_own) {
+    return add_edge(given, target, statement.line, statement.column);
+  }
+  const ModelInstance& instance = actions_.model(model);
+  for (Uses& uses : wire == nullptr ? std::vector<Uses>{{given, *behind_own}}
+                                    : ways_to_send({{wire, input, number_}}, actions_)) {
+    add_combined({CombinedStep::Role::step,
+                  std::move(uses),
+                  {given},
+                  instance.name + "." + instance.automaton.inputs().name(input),
+                  0},
+                 target, statement.line, statement.column);
+  }
+}
+
+void Unroller::expand_rendezvous(const Place& place, const Statement& statement,
+                                 const Values& values) {
+  const std::uint32_t model = model_of(statement.model, values);
+  if (names_.services.contains(model)) return expand_service(place, statement, values, model);
+  using Kind = ModelUse::Kind;
+  if (place.phase == Phase::calls) return expand_call(place, statement, values);
+  if (place.phase == Phase::before) return expand_input(place, statement, values, model);
+  const std::vector<const Arm*> taken = arms_of(model, statement.arms, values);
+  const Alphabet& outputs = actions_.model(model).automaton.outputs();
+  for (const Arm& arm : statement.arms) {
+    if (arm.is_quiet) {
+      const ControlState target = settle(enter(*arm.body, behind(place.frame)), values);
+      if (const Topic* topic = written_topic(statement.model, statement.input.name, values)) {
+        for (Uses& uses : topics_.quiet_of(*topic, node_of(statement.callback))) {
+          add_combined({CombinedStep::Role::step, std::move(uses), {}, "quiet", 0}, target,
+                       arm.line, arm.column);
+        }
+      } else {
+        add_edge({Kind::quiet, model, 0}, target, arm.line, arm.column);
+      }
+      continue;
+    }
+    const Topic* topic = written_topic(statement.model, arm.output.name, values);
+    for (Symbol output = 0; output < outputs.size(); ++output) {
+      if (taken[output] != &arm) continue;
+      const std::string& name = outputs.name(output);
+      const ControlState target = take(arm.output, *arm.body, behind(place.frame), name, values);
+      if (topic == nullptr) {
+        add_edge({Kind::take, model, output}, target, arm.line, arm.column);
+      } else {
+        for (TopicSteps::Taking& way : topics_.takings(*topic)) {
+          if (way.output != name) continue;
+          add_combined({CombinedStep::Role::step, std::move(way.uses), std::move(way.events),
+                        topic->name + "!" + name, 0},
+                       target, arm.line, arm.column);
+        }
+      }
+    }
+  }
+}
+
+void Unroller::expand_call(const Place& place, const Statement& statement, const Values& values) {
+  const Topic& topic = *written_topic(statement.model, statement.input.name, values);
+  const ControlState target = behind_input(place, statement, values);
+  std::vector<const Wire*> wires = topics_.wires_to(topic, node_of(statement.callback));
+  std::erase_if(wires,
+                [](const Wire* const wire) { return wire == nullptr || wire->callers.empty(); });
+  for (CombinedStep& end : ends_of_call(wires, number_, names_, actions_)) {
+    add_combined(std::move(end), target, statement.line, statement.column);
+  }
+  const bool may_die = std::ranges::any_of(
+      topic.readers, [](const Topic::Reader& reader) { return reader.gone.has_value(); });
+  if (!may_die) return;
+  add_combined({CombinedStep::Role::step,
+                when_returned(wires, number_, actions_),
+                {},
+                topic.name + "." + name_of(statement.input, values) + " returns",
+                0},
+               target, statement.line, statement.column);
+}
+
+void Unroller::expand_service(const Place& place, const Statement& statement, const Values& values,
+                              std::uint32_t model) {
+  const Service& service = names_.services.at(model);
+  const auto add = [&](const ServiceModel::Operation& use, const std::string& input,
+                       const std::string& output, const std::string& text, ControlState target,
+                       int line, int column) {
+    for (Uses& uses : ways_to_use(service, model, use, actions_)) {
+      add_combined({CombinedStep::Role::step, std::move(uses),
+                    services_.events_of(model, input, output), text, 0},
+                   target, line, column);
+    }
+  };
+  const std::string& input = statement.input.name;
+  if (place.phase == Phase::calls) {
+    const ControlState target = behind_input(place, statement, values);
+    for (CombinedStep& end :
+         ends_of_answer(service, model, services_.caller_of(service), actions_)) {
+      add_combined(std::move(end), target, statement.line, statement.column);
+    }
+    return;
+  }
+  if (place.phase == Phase::before) {
+    const bool calls = input == "answer" && !service.callers.empty();
+    const ControlState target = calls ? in_call(place) : behind_input(place, statement, values);
+    return add(services_.operation_of(service, input, true, statement.callback), input, "",
+               service.name + "." + input, target, statement.line, statement.column);
+  }
+  for (const Arm& arm : statement.arms) {
+    if (!arm.is_quiet) {
+      const std::string& output = arm.output.name;
+      add(services_.operation_of(service, output, false, statement.callback), "", output,
+          service.name + "!" + output,
+          take(arm.output, *arm.body, behind(place.frame), output, values), arm.line, arm.column);
+      continue;
+    }
+    const ServiceModel::Operation given =
+        services_.operation_of(service, input, true, statement.callback);
+    const ModelUse due = service.rules->use(actions_, model, ServiceSteps::due_behind(given));
+    add_combined({CombinedStep::Role::step, {actions_.impossible(model, {due})}, {}, "quiet", 0},
+                 settle(enter(*arm.body, behind(place.frame)), values), arm.line, arm.column);
+  }
+}
+
+void Unroller::expand_arrival(const Place& place, const Statement& statement,
+                              const Values& values) {
+  const ControlState target = settle(behind(place.frame), values);
+  const std::string text = text_of_arrival(statement.model, values);
+  Uses uses = when_all_arrived(own_wires(statement.model, statement.callback, values), actions_);
+  add_combined({CombinedStep::Role::step, std::move(uses), {}, text, 0}, target, statement.line,
+               statement.column);
+}
+
+void Unroller::expand_end(const Place& place, const Statement& statement, const Values& values) {
+  const Callback& callback = *statement.callback;
+  Uses uses = callback.end;
+  for (const std::uint32_t model : statement.services) {
+    const Service& service = names_.services.at(model);
+    const auto client = service.client_of(callback.node, number_);
+    if (!client || service.own_code.contains(callback.node)) continue;
+    uses.push_back(service.rules->use(
+        actions_, model, {ServiceSteps::Operation::Kind::end_run, *client, callback.asker}));
+  }
+  add_combined({CombinedStep::Role::end, std::move(uses), {}, callback.whole_name() + " ends", 0},
+               settle(behind(place.frame), values), statement.line, statement.column);
 }
 
 }  // namespace maide::program_syntax

@@ -582,7 +582,7 @@ ModelUse has_room(const Wire& wire, ModelActions& actions, std::uint32_t needed,
 // What putting the input on the wire does to it and to what counts for it, and whether that pushes
 // out the oldest; each way where the others are not.
 struct WayToPut {
-  WireUses uses;
+  Uses uses;
   bool pushes_out = false;
 };
 std::vector<WayToPut> ways_to_put(const Sending& sending, ModelActions& actions) {
@@ -591,7 +591,7 @@ std::vector<WayToPut> ways_to_put(const Sending& sending, ModelActions& actions)
   if (!wire.counter && wire.place.order == nullptr)
     return {{{use(wire, actions, Kind::put, letter)}}};
   std::vector<WayToPut> ways;
-  const auto add = [&](WireUses uses, bool pushes_out) {
+  const auto add = [&](Uses uses, bool pushes_out) {
     if (actions.are_possible(uses)) ways.push_back({std::move(uses), pushes_out});
   };
   if (!wire.counter) {
@@ -618,9 +618,9 @@ std::vector<ConnectionInstance> add_wires(const Declarations& file, Models& mode
   return WireMaker(file, models).make();
 }
 
-std::vector<WireUses> ways_to_send(const std::vector<Sending>& all, ModelActions& actions) {
+std::vector<Uses> ways_to_send(const std::vector<Sending>& all, ModelActions& actions) {
   struct Way {
-    WireUses uses;
+    Uses uses;
     std::map<std::uint32_t, std::vector<StreamModel::Sent>> streams;  // by model
   };
   std::vector<Way> ways{{}};
@@ -641,7 +641,7 @@ std::vector<WireUses> ways_to_send(const std::vector<Sending>& all, ModelActions
     }
     ways = std::move(longer);
   }
-  std::vector<WireUses> result;
+  std::vector<Uses> result;
   for (Way& way : ways) {
     for (const auto& [stream, sent] : way.streams) {
       way.uses.push_back(orders.at(stream)->send(actions, stream, sent));
@@ -651,9 +651,9 @@ std::vector<WireUses> ways_to_send(const std::vector<Sending>& all, ModelActions
   return result;
 }
 
-std::vector<WireUses> ways_to_wait(const Wire& wire, ModelActions& actions) {
-  std::vector<WireUses> ways;
-  const auto add = [&](WireUses uses) {
+std::vector<Uses> ways_to_wait(const Wire& wire, ModelActions& actions) {
+  std::vector<Uses> ways;
+  const auto add = [&](Uses uses) {
     if (actions.are_possible(uses)) ways.push_back(std::move(uses));
   };
   add({use(wire, actions, Kind::is_full)});
@@ -675,14 +675,14 @@ ModelUse when_counted(const Wire& wire, ModelActions& actions, std::uint32_t hel
   return count(wire, actions, held, held);
 }
 
-WireUses when_dies(std::uint32_t program, const Names& names, ModelActions& actions) {
+Uses when_dies(std::uint32_t program, const Names& names, ModelActions& actions) {
   std::set<std::uint32_t> own;  // models that it reads
   for (const Topic& topic : names.topics) {
     for (const Topic::Reader& reader : topic.readers) {
       if (reader.program == program && reader.gone) own.insert(reader.model);
     }
   }
-  WireUses uses;
+  Uses uses;
   std::map<std::uint32_t, std::pair<StreamModel*, std::vector<std::uint32_t>>> forgotten;
   for (const auto& [to, wires] : names.wires) {
     for (const Wire& wire : wires) {
@@ -707,8 +707,22 @@ ModelUse when_empty(const Wire& wire, ModelActions& actions) {
   return use(wire, actions, Kind::is_empty);
 }
 
-ModelUse when_used(const Wire& wire, ModelActions& actions) {
-  return use(wire, actions, Kind::is_used);
+Uses when_all_arrived(const std::vector<const Wire*>& wires, ModelActions& actions) {
+  Uses uses;
+  for (const Wire* const wire : wires) uses.push_back(when_empty(*wire, actions));
+  return uses;
+}
+
+std::vector<Uses> ways_not_all_arrived(const std::vector<const Wire*>& wires,
+                                       ModelActions& actions) {
+  std::vector<Uses> ways;
+  Uses before;
+  for (const Wire* const wire : wires) {
+    ways.push_back(before);
+    ways.back().push_back(use(*wire, actions, Kind::is_used));
+    before.push_back(when_empty(*wire, actions));
+  }
+  return ways;
 }
 
 // ---- Arrivals -----------------------------------------------------------------------------------
@@ -811,8 +825,8 @@ CombinedStep step_of_service(const Service& service, std::uint32_t model,
 
 bool is_on_its_way(const Service& service) { return !ways_of(service).empty(); }
 
-std::vector<WireUses> ways_to_use(const Service& service, std::uint32_t model,
-                                  const ServiceModel::Operation& operation, ModelActions& actions) {
+std::vector<Uses> ways_to_use(const Service& service, std::uint32_t model,
+                              const ServiceModel::Operation& operation, ModelActions& actions) {
   using Operation = ServiceModel::Operation;
   const bool is_request = operation.kind == Operation::Kind::send;
   std::vector<std::uint32_t> to;  // clients
@@ -825,7 +839,7 @@ std::vector<WireUses> ways_to_use(const Service& service, std::uint32_t model,
   const bool is_in_stream = std::ranges::any_of(
       to, [&](std::uint32_t client) { return places[client].order != nullptr; });
   if (!is_in_stream) return {{service.rules->use(actions, model, operation)}};
-  std::vector<WireUses> ways;
+  std::vector<Uses> ways;
   for (std::uint32_t which = 0; which < 1U << to.size(); ++which) {
     Operation one = operation;
     one.pushes_out = 0;
@@ -839,7 +853,7 @@ std::vector<WireUses> ways_to_use(const Service& service, std::uint32_t model,
       order = place.order.get();
       sent.push_back({place.number, pushes});
     }
-    WireUses& uses = ways.emplace_back();
+    Uses& uses = ways.emplace_back();
     uses.push_back(service.rules->use(actions, model, one));
     for (const auto& [stream, way] : streams) {
       uses.push_back(way.first->send(actions, stream, way.second));
@@ -885,9 +899,9 @@ std::vector<CombinedStep> ends_of_call(const std::vector<const Wire*>& wires, st
   return ends;
 }
 
-WireUses when_returned(const std::vector<const Wire*>& wires, std::uint32_t caller,
-                       ModelActions& actions) {
-  WireUses uses;
+Uses when_returned(const std::vector<const Wire*>& wires, std::uint32_t caller,
+                   ModelActions& actions) {
+  Uses uses;
   for (const Wire* const wire : wires) {
     uses.push_back(use(*wire, actions, Kind::holds_none, caller_of(*wire, caller)));
   }
@@ -935,12 +949,12 @@ class ArrivalMaker {
     }
     // What ends a call is a step of its program.
     for (std::uint32_t caller = 0; caller < wire.callers.size(); ++caller) {
-      const std::vector<WireUses> ways = ways_not_to_return(wire, wire.callers[caller]);
+      const std::vector<Uses> ways = ways_not_to_return(wire, wire.callers[caller]);
       for (std::uint32_t input = 0; input < letters; ++input) {
         const std::uint32_t letter = wire.rules->letter_of(input, caller);
         add(wire, coming.arrival(Kind::arrive_of_dead, letter, connection));
         add(wire, coming.loss(Kind::lose_of_dead, letter, connection));
-        for (const WireUses& others : ways) {
+        for (const Uses& others : ways) {
           add(wire, coming.arrival(Kind::arrive_of_living, letter, connection), others);
           add(wire, coming.loss(Kind::lose_of_living, letter, connection), others);
         }
@@ -949,9 +963,9 @@ class ArrivalMaker {
   }
 
   // The message of that program is on its way to another reader, too: conditions.
-  std::vector<WireUses> ways_not_to_return(const Wire& wire, std::uint32_t program) {
-    std::vector<WireUses> ways;
-    WireUses before;
+  std::vector<Uses> ways_not_to_return(const Wire& wire, std::uint32_t program) {
+    std::vector<Uses> ways;
+    Uses before;
     const Topic& topic = names_.topics[file_.topic_of.at(wire.to).first];
     for (const Topic::Reader& reader : topic.readers) {
       if (reader.model == wire.to) continue;
@@ -965,7 +979,7 @@ class ArrivalMaker {
     return ways;
   }
 
-  void add(const Wire& wire, CombinedStep step, const WireUses& conditions = {}) {
+  void add(const Wire& wire, CombinedStep step, const Uses& conditions = {}) {
     step.uses.insert(step.uses.end(), conditions.begin(), conditions.end());
     if (!wire.callers.empty() && !actions_.are_possible(step.uses)) return;
     NobodysAction action;

@@ -257,6 +257,31 @@ bool ModelActions::is_possible_now(const ModelUse& action) {
   return place->second;
 }
 
+std::vector<Uses> ModelActions::combine(const std::vector<Uses>& some,
+                                        const std::vector<Uses>& others) {
+  std::vector<Uses> result;
+  for (const Uses& one : some) {
+    for (const Uses& other : others) {
+      Uses together = one;
+      bool is_possible = true;
+      for (const ModelUse& use : other) {
+        const auto same =
+            std::find_if(together.begin(), together.end(),
+                         [&](const ModelUse& known) { return known.model == use.model; });
+        if (same == together.end()) {
+          together.push_back(use);
+        } else if (const auto joined = both(*same, use)) {
+          *same = *joined;
+        } else {
+          is_possible = false;
+        }
+      }
+      if (is_possible) result.push_back(std::move(together));
+    }
+  }
+  return result;
+}
+
 bool ModelActions::are_possible(const std::vector<ModelUse>& uses) {
   return std::ranges::all_of(uses, [&](const ModelUse& use) {
     return use.kind != ModelUse::Kind::act || is_possible(use);

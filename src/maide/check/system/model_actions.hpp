@@ -19,6 +19,8 @@
 
 namespace maide {
 
+using Uses = std::vector<ModelUse>;  // in one step; of different models
+
 // Sets of the values of shared variables, by model and place in the type.
 using Conditions = std::map<std::uint32_t, std::vector<bool>>;
 using SharedValues = std::map<std::uint32_t, Value>;
@@ -89,6 +91,8 @@ class ModelActions {
   ModelUse impossible(std::uint32_t model, const std::vector<ModelUse>& uses);
   // The use where the condition holds, on the same model. None if that is nowhere.
   std::optional<ModelUse> both(const ModelUse& use, const ModelUse& condition);
+  // Both, each of some ways, where that is possible.
+  std::vector<Uses> combine(const std::vector<Uses>& some, const std::vector<Uses>& others);
   // Whether each model can be used so in some state; of actions, which are looked at once.
   bool are_possible(const std::vector<ModelUse>& uses);
 

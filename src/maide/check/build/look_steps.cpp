@@ -1,0 +1,184 @@
+#include "maide/check/build/look_steps.hpp"
+
+#include <string>
+#include <tuple>
+
+#include "maide/check/build/deliveries.hpp"
+#include "maide/check/build/wires.hpp"
+
+namespace maide::program_syntax {
+
+void LookSteps::expand_discard(const Place& place, const SelectArm& arm, const Values& values,
+                               const Uses& conditions) {
+  if (arm.starts->kind != Callback::Kind::client) return;
+  const bool is_one = names_.services.at(arm.starts->model).takes_one_by_one;
+  for (Uses& way : actions_.combine({{services_.discard_of(*arm.starts)}}, {conditions})) {
+    add_combined({CombinedStep::Role::discard,
+                  std::move(way),
+                  {},
+                  arm.starts->whole_name() + " throws away " +
+                      (is_one ? "an answer to another" : "answers to others"),
+                  0,
+                  arm.starts->number},
+                 settle(place.frame, values), arm.line, arm.column);
+  }
+}
+
+std::vector<Uses> LookSteps::nothing_for(const SelectArm& arm, const Values& values) {
+  if (arm.starts->kind != Callback::Kind::subscription) {
+    const std::uint32_t service = arm.starts->model;
+    Uses taking = services_.start_of(*arm.starts).first;
+    if (arm.starts->kind == Callback::Kind::client)
+      taking.push_back(services_.discard_of(*arm.starts));
+    return {{actions_.impossible(service, taking)}};
+  }
+  const std::uint32_t model = model_of(arm.model, values);
+  Uses taking;
+  if (arm.kind == SelectArm::Kind::input) {
+    for (const InputWay& way : ways_of(arm, model, input_of(model, arm.event, values))) {
+      taking.push_back(way.uses.front());
+    }
+  } else {
+    const Alphabet& outputs = actions_.model(model).automaton.outputs();
+    for (Symbol output = 0; output < outputs.size(); ++output) {
+      const std::string& name = outputs.name(output);
+      if (!matches(arm.event, split_name(name), name, values)) continue;
+      taking.push_back({ModelUse::Kind::take, model, output});
+    }
+  }
+  return {{actions_.impossible(model, taking)}};
+}
+
+std::pair<std::vector<Uses>, std::vector<Uses>> LookSteps::asked(const SelectArm& arm,
+                                                                 const Values& values) {
+  std::vector<Uses> nothing = nothing_for(arm, values);
+  const ModelUse& none = nothing.front().front();
+  return {{{actions_.impossible(none.model, {none})}}, nothing};
+}
+
+std::vector<std::size_t> LookSteps::order_of_look(const Statement& statement,
+                                                  const Values& values) const {
+  bool is_one_by_one = false, is_late = false;
+  std::vector<std::size_t> order;
+  for (const CallbackKind kind :
+       {CallbackKind::subscription, CallbackKind::client, CallbackKind::service}) {
+    for (std::size_t i = 0; i < statement.select_arms.size(); ++i) {
+      const SelectArm& arm = statement.select_arms[i];
+      if (arm.starts->kind != kind) continue;
+      order.push_back(i);
+      if (kind == CallbackKind::subscription) {
+        const std::uint32_t model = model_of(arm.model, values);
+        is_one_by_one = is_one_by_one || is_over_fast_dds(actions_.model(model));
+        is_late = is_late || names_.wires.contains(model);
+      } else {
+        const Service& service = names_.services.at(arm.starts->model);
+        is_one_by_one = is_one_by_one || service.takes_one_by_one;
+        is_late = is_late || is_on_its_way(service);
+      }
+    }
+  }
+  if (!is_one_by_one || !is_late) order.clear();
+  return order;
+}
+
+void LookSteps::expand_rounds(const Place& place, const Statement& statement,
+                              const Values& values) {
+  const std::uint32_t slot = statement.target.index;
+  const std::size_t count = statement.select_arms.size();
+  const auto value = static_cast<std::uint64_t>(*values[slot]);
+  const std::uint64_t left = value & ((std::uint64_t{1} << count) - 1);
+  if (left != value) return go_on_looking(place, statement, values, left, value >> count);
+  // The first of those that the last look found starts; what has nothing any more is passed over.
+  std::vector<Uses> passed{{}};
+  for (std::size_t i = 0; i < count; ++i) {
+    if ((left >> i & 1) == 0) continue;
+    const SelectArm& arm = statement.select_arms[i];
+    Values behind_it = values;
+    behind_it[slot] = static_cast<Value>(left & ~((std::uint64_t{2} << i) - 1));
+    for (const Uses& conditions : passed) {
+      expand_arm(place, arm, behind_it, conditions, 0);
+      expand_discard(place, arm, behind_it, conditions);
+    }
+    if (arm.starts->kind == Callback::Kind::timer) return;
+    passed = actions_.combine(passed, nothing_for(arm, values));
+  }
+  const std::vector<std::size_t> order = order_of_look(statement, values);
+  const std::size_t asked_first = order.empty() ? count : 1;  // in this step
+  // By which callbacks there is something for: each of some ways.
+  struct Look {
+    std::vector<Uses> ways;
+    std::uint64_t found = 0;
+    std::string text;
+  };
+  std::vector<Look> looks{{std::move(passed), 0, ""}};
+  std::uint64_t timers = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    const SelectArm& arm = statement.select_arms[i];
+    const bool is_timer = arm.starts->kind == Callback::Kind::timer;
+    if (is_timer) timers |= std::uint64_t{1} << i;
+    if (!is_timer && !order.empty() && order.front() != i) continue;
+    std::vector<Uses> nothing{{}}, something{{}};
+    if (!is_timer) std::tie(something, nothing) = asked(arm, values);
+    std::vector<Look> next;
+    for (const Look& look : looks) {
+      next.push_back({actions_.combine(look.ways, nothing), look.found, look.text});
+      next.push_back({actions_.combine(look.ways, something), look.found | std::uint64_t{1} << i,
+                      look.text + (look.text.empty() ? "" : ", ") + arm.starts->whole_name()});
+    }
+    looks = std::move(next);
+  }
+  for (Look& look : looks) {
+    if (look.found == 0) {
+      // Something is there that is asked for later, or nobody looks.
+      std::vector<Uses> there, before = std::move(look.ways);
+      for (std::size_t i = asked_first; i < order.size(); ++i) {
+        const auto [something, nothing] = asked(statement.select_arms[order[i]], values);
+        for (Uses& way : actions_.combine(before, something)) there.push_back(std::move(way));
+        before = actions_.combine(before, nothing);
+      }
+      look.ways = std::move(there);
+    }
+    Values behind_it = values;
+    const std::uint64_t still = order.size() > asked_first ? asked_first << count : 0;
+    behind_it[slot] = static_cast<Value>(look.found | still);
+    if (look.ways.empty()) continue;
+    const ControlState target = settle(place.frame, behind_it);
+    // On fair runs each timer is due again and again, alone and together with others.
+    std::uint32_t fair = 0;
+    if (timers != 0) {
+      fair = fair_group(nullptr, statement.line, statement.column,
+                        static_cast<Value>(look.found & timers), false, "a look");
+    }
+    for (const Uses& way : look.ways) {
+      add_combined({CombinedStep::Role::look,
+                    way,
+                    {},
+                    look.found == 0 ? "looks" : "finds " + look.text,
+                    fair},
+                   target, statement.line, statement.column);
+    }
+  }
+}
+
+void LookSteps::go_on_looking(const Place& place, const Statement& statement, const Values& values,
+                              std::uint64_t found, std::size_t asked_so_far) {
+  const std::size_t count = statement.select_arms.size();
+  const std::vector<std::size_t> order = order_of_look(statement, values);
+  const std::size_t next = order[asked_so_far];
+  const SelectArm& arm = statement.select_arms[next];
+  const std::uint64_t still = asked_so_far + 1 < order.size() ? (asked_so_far + 1) << count : 0;
+  const auto [something, nothing] = asked(arm, values);
+  const auto add = [&](const std::vector<Uses>& ways, std::uint64_t all, const std::string& text) {
+    Values behind_it = values;
+    behind_it[statement.target.index] = static_cast<Value>(all | still);
+    const ControlState target = settle(place.frame, behind_it);
+    for (const Uses& way : ways) {
+      add_combined({CombinedStep::Role::look, way, {}, text, 0}, target, statement.line,
+                   statement.column);
+    }
+  };
+  add(nothing, found, "finds nothing for " + arm.starts->whole_name());
+  add(something, found | std::uint64_t{1} << next, "finds " + arm.starts->whole_name());
+}
+
+}  // namespace maide::program_syntax
