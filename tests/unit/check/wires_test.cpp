@@ -12,11 +12,15 @@
 #include <vector>
 
 #include "maide/base/error.hpp"
+#include "maide/base/file.hpp"
 #include "maide/check/build/system_file.hpp"
 #include "maide/check/engines/engine.hpp"
 #include "maide/check/packed/packed_system.hpp"
 #include "maide/check/rules/wire.hpp"
+#include "maide/check/search/search.hpp"
+#include "maide/check/search/search_job.hpp"
 #include "maide/check/verdict/check_system.hpp"
+#include "mailbox_ranks.hpp"
 #include "systems.hpp"
 
 namespace maide {
@@ -237,8 +241,9 @@ TEST(Wires, AStreamIsOfTwoProcesses) {
 }
 
 // A dead reader's messages do not stand before those of others.
-TEST(Wires, WhatADeathForgetsMayBeMoreThanACodeOfAStepHolds) {
-  const System system = wired(R"yaml(topics:
+// The death of r forgets more than the code of a step holds.
+System with_kept_codes() {
+  return wired(R"yaml(topics:
   t: {writers: [a, b], readers: [r], use: queue, with: {depth: 2}}
   u: {writers: [r], readers: [c], use: queue, with: {depth: 2}}
 programs:
@@ -249,6 +254,10 @@ programs:
 properties:
   comes: "G (a@end -> F t!arrives(1))"
 )yaml");
+}
+
+TEST(Wires, WhatADeathForgetsMayBeMoreThanACodeOfAStepHolds) {
+  const System system = with_kept_codes();
   EXPECT_TRUE(PackedSystem(system).has_kept_codes());
   for (const unsigned threads : {1U, 3U}) {
     NativeEngine engine;
@@ -262,6 +271,32 @@ properties:
       EXPECT_TRUE(result->trace.has_value());
     }
   }
+}
+
+// What is kept beside the codes of steps is of one process, and in no file.
+TEST(Wires, KeptCodesAreRefusedBySeveralProcessesAndCheckpoints) {
+  const System system = with_kept_codes();
+  using Goal = SearchJob::Goal;
+  const auto refusal = [&](Goal goal, const std::string& property, const SearchLimits& limits) {
+    try {
+      explore(system, goal, find_property(system, property), Reduction::none, limits, {});
+    } catch (const UsageError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  const std::string said = "s.yaml: its steps forget too much for ";
+  const std::string what = ": a reader's death, with all that is on its way to it";
+  test::RanksOfThreads ranks(2);
+  SearchLimits several;
+  several.ranks = ranks.first();
+  EXPECT_EQ(refusal(Goal::deadlock, "deadlock", several), said + "several processes" + what);
+  EXPECT_EQ(refusal(Goal::cycle, "stuck", several), said + "several processes" + what);
+  const TempDir folder("maide-test-");
+  SearchLimits saved;
+  saved.checkpoints = folder.path().string();
+  EXPECT_EQ(refusal(Goal::deadlock, "deadlock", saved), said + "a checkpoint" + what);
+  EXPECT_EQ(refusal(Goal::deadlock, "deadlock", {}), "");
 }
 
 TEST(Wires, AServiceInAStreamHasFewClients) {

@@ -105,11 +105,21 @@ unsigned chain_length(const PackedSystem& system) {
   return chain;
 }
 
+// As the search for that goal packs it.
+PackedSystem pack(const System& plain, SearchJob::Goal goal, const Property& property,
+                  const SearchJob::Monitor& monitor) {
+  if (goal != SearchJob::Goal::cycle) return PackedSystem(plain);
+  const bool is_stuck = property.kind == Property::Kind::stuck;
+  return PackedSystem(plain, node_number_bits,
+                      is_stuck ? plain.programs.size() + 1 : monitor.automaton.buchi.states.size());
+}
+
 // Codes that are kept mean nothing to another process, or to a later one.
-void refuse_kept_codes(const PackedSystem& system, const SearchLimits& limits,
-                       const Checkpoint* checkpoint) {
+void refuse_kept_codes(const PackedSystem& system, SearchJob::Goal goal,
+                       const SearchLimits& limits) {
   const bool is_shared = limits.ranks != nullptr && limits.ranks->size() > 1;
-  if (!system.has_kept_codes() || (!is_shared && checkpoint == nullptr)) return;
+  const bool is_saved = !limits.checkpoints.empty() && goal != SearchJob::Goal::cycle;
+  if (!system.has_kept_codes() || (!is_shared && !is_saved)) return;
   throw UsageError(fmt::format(
       "{}: its steps forget too much for {}: a reader's death, with all that is on its way to it",
       system.system().file, is_shared ? "several processes" : "a checkpoint"));
@@ -118,14 +128,12 @@ void refuse_kept_codes(const PackedSystem& system, const SearchLimits& limits,
 // Searches breadth-first for what `make_goal(packed system)` looks for; `rules`: none takes every
 // step.
 template <typename MakeGoal>
-SearchResult explore_for(const System& plain, std::optional<ReductionRules> rules,
+SearchResult explore_for(PackedSystem system, std::optional<ReductionRules> rules,
                          Reduction reduction, const SearchLimits& limits, Checkpoint* checkpoint,
                          MakeGoal&& make_goal) {
-  PackedSystem system(plain);
   if (!leaves_out_orders(reduction) || system.actor_count() > most_actors_in_a_word) rules.reset();
-  refuse_kept_codes(system, limits, checkpoint);
   const unsigned chain = rules && reduction == Reduction::full ? chain_length(system) : 1;
-  if (chain > 1) system = PackedSystem(plain, chain_bits(chain, system.code_bits()));
+  if (chain > 1) system = PackedSystem(system.system(), chain_bits(chain, system.code_bits()));
   std::optional<StubbornSets> sets;
   BreadthFirstOptions options(limits);
   options.checkpoint = checkpoint;
@@ -147,47 +155,45 @@ SearchResult explore_for(const System& plain, std::optional<ReductionRules> rule
 
 // Searches by all ranks for a cycle that is accepted by a monitor of that type.
 template <typename Monitor, typename... Arguments>
-SearchResult find_cycle(const System& plain, std::size_t monitor_states, const SearchLimits& limits,
+SearchResult find_cycle(const PackedSystem& system, const SearchLimits& limits,
                         Arguments&&... arguments) {
-  const PackedSystem system(plain, node_number_bits, monitor_states);
-  refuse_kept_codes(system, limits, nullptr);
   const Monitor monitor(system, std::forward<Arguments>(arguments)...);
   return with_words_for<Monitor>(
       system, [&](auto words) { return search_hull<words.value>(system, monitor, limits); });
 }
 template <typename Bits>
-SearchResult find_cycle(const System& plain, const Property& property,
+SearchResult find_cycle(const PackedSystem& system, const Property& property,
                         const SearchJob::Monitor& monitor, const SearchLimits& limits) {
   if (property.kind == Property::Kind::stuck) {
-    return find_cycle<StuckMonitor<Bits>>(plain, plain.programs.size() + 1, limits, monitor.stuck);
+    return find_cycle<StuckMonitor<Bits>>(system, limits, monitor.stuck);
   }
-  return find_cycle<LtlMonitor<Bits>>(plain, monitor.automaton.buchi.states.size(), limits,
-                                      monitor.automaton, property.fairness);
+  return find_cycle<LtlMonitor<Bits>>(system, limits, monitor.automaton, property.fairness);
 }
 
 // Searches for that goal.
-SearchResult explore_for_goal(const System& plain, SearchJob::Goal goal, const Property& property,
+SearchResult explore_for_goal(PackedSystem packed, SearchJob::Goal goal, const Property& property,
                               Reduction reduction, const SearchLimits& limits,
                               const SearchJob::Monitor& monitor, Checkpoint* checkpoint) {
   using Goal = SearchJob::Goal;
+  const System& plain = packed.system();
   switch (goal) {
     case Goal::deadlock:
-      return explore_for(plain, rules_for_deadlock(), reduction, limits, checkpoint,
+      return explore_for(std::move(packed), rules_for_deadlock(), reduction, limits, checkpoint,
                          [](const PackedSystem& system) { return DeadlockGoal{system}; });
     case Goal::error:
-      return explore_for(plain, rules_for_error(), reduction, limits, checkpoint,
+      return explore_for(std::move(packed), rules_for_error(), reduction, limits, checkpoint,
                          [](const PackedSystem& system) { return ErrorGoal{system}; });
     case Goal::cut:
-      return explore_for(plain, rules_for_cut(), reduction, limits, checkpoint,
+      return explore_for(std::move(packed), rules_for_cut(), reduction, limits, checkpoint,
                          [](const PackedSystem&) { return CutGoal{}; });
     case Goal::invariant:
-      return explore_for(plain, rules_for_invariant(plain, property), reduction, limits, checkpoint,
-                         [&](const PackedSystem& system) {
+      return explore_for(std::move(packed), rules_for_invariant(plain, property), reduction, limits,
+                         checkpoint, [&](const PackedSystem& system) {
                            return InvariantGoal{system, Condition(invariant_of(property), plain)};
                          });
     case Goal::cycle:
-      return monitor.has_wide_bits ? find_cycle<WideBits>(plain, property, monitor, limits)
-                                   : find_cycle<std::uint64_t>(plain, property, monitor, limits);
+      return monitor.has_wide_bits ? find_cycle<WideBits>(packed, property, monitor, limits)
+                                   : find_cycle<std::uint64_t>(packed, property, monitor, limits);
     case Goal::none: break;
   }
   throw std::logic_error("a search without a goal");
@@ -222,19 +228,28 @@ SearchResult explore(const System& plain, SearchJob::Goal goal, const Property& 
                      Reduction reduction, const SearchLimits& limits,
                      const SearchJob::Monitor& monitor) {
   const auto job = [&] { return SearchJob{goal, plain, property, reduction, limits, monitor}; };
+  std::optional<PackedSystem> packed;
+  const auto prepare = [&] {
+    packed.emplace(pack(plain, goal, property, monitor));
+    refuse_kept_codes(*packed, goal, limits);
+  };
   std::optional<Checkpoint> saved;
   const auto search = [&] {
     if (!limits.checkpoints.empty() && goal != SearchJob::Goal::cycle) {
       saved.emplace(limits.checkpoints, key_of(job()), limits.checkpoint_seconds);
     }
-    return explore_for_goal(plain, goal, property, reduction, limits, monitor,
+    return explore_for_goal(std::move(*packed), goal, property, reduction, limits, monitor,
                             saved ? &*saved : nullptr);
   };
+  // What is refused here is refused before another rank hears of it.
+  if (limits.ranks == nullptr || limits.ranks->rank() == 0) prepare();
   if (limits.ranks == nullptr) return search();
   return end_together(*limits.ranks, [&] {
     if (limits.ranks->rank() == 0) {
       Ranks::Bytes bytes = encode(job());
       limits.ranks->broadcast(bytes, 0);
+    } else {
+      prepare();
     }
     return search();
   });
