@@ -70,6 +70,9 @@ struct Checked {
   std::vector<std::string> doubts;          // those of them that say what is weak or not known
   std::vector<std::string> remarks;         // what is no violation, but looks like an oversight
   std::vector<CheckedProperty> properties;  // in the order asked for
+  // What is sent later and may come first, a line each, whatever the properties say of it. Only of
+  // the engine "native".
+  std::vector<std::string> races;
 };
 
 // Checks the system of a file. Models that it asks to `learn:` are learned, or taken from

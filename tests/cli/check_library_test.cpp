@@ -37,6 +37,15 @@ constexpr const char* remarkable =
     "  a: \"door.lock; door.lock; stop; skip;\"\n"
     "properties: {never_stuck: \"G F a@end\"}\n";
 
+// What is read late is an answer to what was written first.
+constexpr const char* racing =
+    "topics:\n"
+    "  map: {writers: mapper, readers: robot, use: queue, with: {depth: 1}}\n"
+    "  notice: {writers: mapper, readers: robot, use: queue, with: {depth: 1}}\n"
+    "programs:\n"
+    "  mapper: \"map.write; notice.write;\"\n"
+    "  robot: \"notice.read -> message; switch map.tryread { message {} null {} }\"\n";
+
 void expect_same(const std::string& path) {
   SCOPED_TRACE(path);
   const Checked checked = check(path);
@@ -50,6 +59,10 @@ void expect_same(const std::string& path) {
   for (const std::string& doubt : checked.doubts) {
     EXPECT_THAT(printed.out, HasSubstr("beware: " + doubt + "\n"));
   }
+  for (const std::string& race : checked.races) {
+    EXPECT_THAT(printed.out, HasSubstr("  - " + race + "\n"));
+  }
+  EXPECT_EQ(checked.races.size(), said.contains("races") ? said.at("races").at("pairs").size() : 0);
   for (const std::string& remark : checked.remarks) EXPECT_THAT(printed.err, HasSubstr(remark));
   ASSERT_EQ(checked.properties.size(), said.at("properties").size());
   for (std::size_t i = 0; i < checked.properties.size(); ++i) {
@@ -72,7 +85,7 @@ void expect_same(const std::string& path) {
 
 TEST(CheckLibrary, SaysWhatTheCommandLineSays) {
   const TempDir folder("maide-test-");
-  for (const char* text : {doubtful, remarkable}) {
+  for (const char* text : {doubtful, remarkable, racing}) {
     const std::string path = (folder.path() / "s.yaml").string();
     write_file_atomically(path, text);
     expect_same(path);
@@ -106,6 +119,15 @@ TEST(CheckLibrary, SaysWhatIsDoubtful) {
   EXPECT_EQ(checked.verdict, Verdict::violated);
   ASSERT_EQ(checked.doubts.size(), 1);
   EXPECT_THAT(checked.doubts.front(), HasSubstr("no run was found in which executors pick"));
+}
+
+TEST(CheckLibrary, SaysWhichMessagesRace) {
+  const TempDir folder("maide-test-");
+  const std::string path = (folder.path() / "racing.yaml").string();
+  write_file_atomically(path, racing);
+  const Checked checked = check(path);
+  ASSERT_EQ(checked.races.size(), 1);
+  EXPECT_THAT(checked.races.front(), HasSubstr("notice may come before map"));
 }
 
 TEST(CheckLibrary, RefusesWhatTheCommandLineRefuses) {

@@ -44,12 +44,14 @@ Checked check(const std::filesystem::path& system_file, const CheckOptions& opti
   request.options.threads = options.threads;
   request.options.reduction = options.reduction;
   request.options.control = options.control;
+  request.finds_races = true;
   const auto [system, report] = check_system_file(
       system_file, *engine, request,
       {{}, [](const std::string& line) { log_note(line); }, options.control, options.jobs},
       parse_settings(options.set));
   Checked checked{
-      report.verdict, report.assumptions, report.doubts, all_remarks(system, report), {}};
+      report.verdict, report.assumptions, report.doubts, all_remarks(system, report), {}, {}};
+  if (report.races) checked.races = describe_races(*report.races);
   for (const PropertyResult& result : report.properties) {
     checked.properties.push_back(make_checked(system, report, result));
   }
