@@ -139,8 +139,8 @@ TEST(BenchmarkSystems, EnginesAgree) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Sample, RandomSystemsAgree, testing::Range(0, 2));
-INSTANTIATE_TEST_SUITE_P(TwoThousand, RandomSystemsAgree, testing::Range(2, 50));
+INSTANTIATE_TEST_SUITE_P(Sample, RandomSystemsAgree, testing::Range(0, 1));
+INSTANTIATE_TEST_SUITE_P(TwoThousand, RandomSystemsAgree, testing::Range(1, 50));
 
 }  // namespace
 }  // namespace maide
