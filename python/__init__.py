@@ -27,7 +27,9 @@ from __future__ import annotations
 import dataclasses
 import json
 import os
+import queue
 import tempfile
+import threading
 from pathlib import Path
 from typing import Any, Callable, Dict, Hashable, Iterable, List, Mapping, Optional, Sequence, Tuple, Union
 
@@ -382,25 +384,90 @@ def _alphabet(system: Any, inputs: Optional[Iterable[object]]) -> List[object]:
     return list(inputs)
 
 
-def _object_system(system: Any, inputs: Optional[Iterable[object]],
-                   reference: Optional[Model]) -> _core.ObjectSystem:
+class _Worker:
+    """A thread that makes one call at a time."""
+
+    def __init__(self) -> None:
+        self.calls: "queue.SimpleQueue[Optional[Callable[[], Any]]]" = queue.SimpleQueue()
+        self.results: "queue.SimpleQueue[Tuple[bool, Any]]" = queue.SimpleQueue()
+        threading.Thread(target=self._run, name="maide step", daemon=True).start()
+
+    def _run(self) -> None:
+        for call in iter(self.calls.get, None):
+            try:
+                self.results.put((True, call()))
+            except BaseException as error:  # it is raised again, where the call was asked for
+                self.results.put((False, error))
+
+    def make(self, call: Callable[[], Any], seconds: Optional[float]) -> Any:
+        """What the call returns. Raises what it raises, or queue.Empty after so many seconds."""
+        self.calls.put(call)
+        is_returned, value = self.results.get(timeout=seconds)
+        if is_returned:
+            return value
+        raise value
+
+
+class _TimedSystem:
+    """A system whose step() may take so many seconds. One that takes longer answers "hang", as all
+    inputs behind it do; its thread is left alone, and the next word has a new one."""
+
+    def __init__(self, system: Any, seconds: float):
+        if hasattr(system, "query_many"):
+            raise UsageError("step_time= goes with reset() and step(), not with query_many()")
+        if not seconds > 0:
+            raise UsageError(f"step_time= is a positive number of seconds, not {seconds}")
+        self._system = system
+        self._seconds = seconds
+        self._worker: Optional[_Worker] = None
+
+    def reset(self) -> None:
+        if self._worker is None:
+            self._worker = _Worker()
+        self._worker.make(self._system.reset, None)
+
+    def step(self, given: Any) -> Any:
+        if self._worker is None:
+            return "hang"
+        try:
+            return self._worker.make(lambda: self._system.step(given), self._seconds)
+        except queue.Empty:
+            self._end()
+            return "hang"
+
+    def _end(self) -> None:
+        if self._worker is not None:
+            self._worker.calls.put(None)
+            self._worker = None
+
+    __del__ = _end
+
+
+def _object_system(system: Any, inputs: Optional[Iterable[object]], reference: Optional[Model],
+                   step_time: Optional[float]) -> _core.ObjectSystem:
     kind = type(system)
     name = f"python:{kind.__module__}.{kind.__qualname__}"
     known = None if reference is None else reference.to_mealy()._core
-    return _core.ObjectSystem(system, _alphabet(system, inputs), name, known)
+    alphabet = _alphabet(system, inputs)
+    if step_time is not None:
+        system = _TimedSystem(system, step_time)
+    return _core.ObjectSystem(system, alphabet, name, known)
 
 
 def _run_on_system(call: _Call, system: Any, inputs: Optional[Iterable[object]],
                    reference: Optional[Model], progress: Optional[Progress],
+                   step_time: Optional[float],
                    keywords: Mapping[str, object]) -> Tuple[Result, Any]:
     """Runs a command whose system is a name with options, or an object."""
     if system is not None and not isinstance(system, (str, os.PathLike)):
-        made = _object_system(system, inputs, reference)
+        made = _object_system(system, inputs, reference, step_time)
         call.arguments.append(made.text)
         call.add(keywords, None)
         return call.run(progress, made)
     if reference is not None:
         raise UsageError("reference= goes with an object")
+    if step_time is not None:
+        raise UsageError("step_time= goes with an object")
     of_system: Dict[str, object] = {}
     if inputs is not None:
         of_system["inputs"] = inputs if isinstance(inputs, str) else list(inputs)
@@ -414,7 +481,7 @@ def _run_on_system(call: _Call, system: Any, inputs: Optional[Iterable[object]],
 
 def learn(system: Any, *, inputs: Optional[Iterable[object]] = None,
           reference: Optional[Model] = None, progress: Optional[Progress] = None,
-          **options: object) -> Learned:
+          step_time: Optional[float] = None, **options: object) -> Learned:
     """Learns a model of a running system.
 
     system    a name, as `maide learn` takes it ("cyclonedds", "sim:model.dot", "tcp://robot:5000"),
@@ -424,11 +491,14 @@ def learn(system: Any, *, inputs: Optional[Iterable[object]] = None,
               hashable, as outputs may. The model names both by str(); None is no output ("quiet")
     reference of an object: the machine that it is, for eq="perfect"
     progress  called at most ten times a second, with phase, states, words, symbols, done, total
+    step_time of an object: how many seconds step() may take. One that takes longer answers "hang",
+              and so do all inputs behind it in that word
     options   algorithm=, eq=, seed=, cache=, max_experiments=, time=, strength=, effort=, as_=,
               start_from= (a file or a Model), error_output=, confirm=, ...
 
     The object must answer a word in the same way whenever it is asked, after reset(). It is called
-    on this thread. What it raises is raised again, and a system that fails raises SystemFailed; the
+    on this thread; with step_time= on another one. There a step() that hangs is left behind, so
+    reset() must not wait for it. What it raises is raised again, and a system that fails raises SystemFailed; the
     exception's `learned` is what was learned. A limit (time=) and a system that stays
     nondeterministic are no exceptions: Learned.problem tells of them.
 
@@ -437,7 +507,7 @@ def learn(system: Any, *, inputs: Optional[Iterable[object]] = None,
     2 microseconds beside step() itself.
     """
     with _Call("learn") as call:
-        result, thrown = _run_on_system(call, system, inputs, reference, progress, options)
+        result, thrown = _run_on_system(call, system, inputs, reference, progress, step_time, options)
         learned = _read_learned(result)
     if isinstance(thrown, KeyboardInterrupt):
         raise Interrupted(result, learned) from thrown
@@ -472,7 +542,7 @@ def _read_learned(result: Result) -> Optional[Learned]:
 
 def test(model: Union[Model, PathLike], system: Any = None, *,
          inputs: Optional[Iterable[object]] = None, progress: Optional[Progress] = None,
-         **options: object) -> Result:
+         step_time: Optional[float] = None, **options: object) -> Result:
     """Whether a running system, a name or an object as in learn(), does what a model says.
 
     Without a system it is the one that the model names. `verdict` is "conforms", "differs" or "not
@@ -480,7 +550,7 @@ def test(model: Union[Model, PathLike], system: Any = None, *,
     """
     with _Call("test") as call:
         call.arguments.append(call.file_of(model))
-        return _give(*_run_on_system(call, system, inputs, None, progress, options))
+        return _give(*_run_on_system(call, system, inputs, None, progress, step_time, options))
 
 
 class System:

@@ -55,6 +55,50 @@ class Batches:
         return answers
 
 
+class Stalling:
+    """A lock that its holder asks for again, and then waits for ever."""
+
+    inputs = ["lock", "unlock"]
+    raises = None
+
+    def reset(self):
+        self.lock = threading.Lock()
+
+    def step(self, given):
+        if given == "lock":
+            self.lock.acquire()
+            return "ok"
+        if not self.lock.locked():
+            if self.raises is not None:
+                raise self.raises
+            return "free"
+        self.lock.release()
+        return "ok"
+
+
+class StepTime(unittest.TestCase):
+    def test_what_blocks_hangs_until_the_next_word(self):
+        learned = maide.learn(Stalling(), step_time=0.05, eq="w:extra-states=1")
+        self.assertTrue(learned.complete)
+        self.assertEqual(learned.model.run(["unlock", "lock", "unlock", "lock", "lock", "unlock"]),
+                         ["free", "ok", "ok", "ok", "hang", "hang"])
+        self.assertEqual(len(learned.model), 3)
+
+    def test_what_is_raised_is_raised_again(self):
+        system = Stalling()
+        system.raises = LookupError("nobody has it")
+        with self.assertRaisesRegex(LookupError, "nobody has it"):
+            maide.learn(system, step_time=5)
+
+    def test_it_goes_with_step_alone(self):
+        with self.assertRaisesRegex(maide.UsageError, "not with query_many"):
+            maide.learn(Batches(), step_time=1)
+        with self.assertRaisesRegex(maide.UsageError, "goes with an object"):
+            maide.learn("sim:" + str(MODELS / "port.dot"), step_time=1)
+        with self.assertRaisesRegex(maide.UsageError, "positive number of seconds"):
+            maide.learn(Queue(), step_time=0)
+
+
 class Objects(unittest.TestCase):
     def test_is_learned(self):
         queue = Queue(3)
