@@ -3,11 +3,16 @@
 // never crashes, hangs or eats the memory.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <sstream>
+#include <string>
+#include <string_view>
+#include <vector>
 
 #include "maide/automata/random_automata.hpp"
 #include "maide/base/file.hpp"
+#include "maide/base/text.hpp"
 #include "maide/formats/model_file.hpp"
 
 namespace maide {
@@ -65,6 +70,14 @@ std::vector<Model> good_models(Random& random) {
   return models;
 }
 
+// A file of .aut has no alphabets: symbols are numbered as they appear, and so transitions may come
+// in another order.
+std::vector<std::string_view> sorted_lines(std::string_view text) {
+  std::vector<std::string_view> lines = split_lines(text);
+  std::ranges::sort(lines);
+  return lines;
+}
+
 template <typename Read, typename Write>
 void fuzz(std::uint64_t seed, int rounds, Read read, Write write) {
   Random random(seed);
@@ -76,7 +89,8 @@ void fuzz(std::uint64_t seed, int rounds, Read read, Write write) {
       const Model model = read(text);
       ++accepted;
       const std::string written = write(model);
-      ASSERT_EQ(write(read(written)), written) << text;
+      const std::string again = write(read(written));
+      ASSERT_EQ(sorted_lines(again), sorted_lines(written)) << text;
     } catch (const ParseError& error) {
       ASSERT_EQ(std::string(error.what()).find('\n'), std::string::npos) << text;
     } catch (const UsageError&) {
@@ -108,7 +122,7 @@ TEST(FuzzBoth, NoiseIsRefused) {
     }
     for (const auto read : {read_dot, read_aut}) {
       try {
-        read(text, "noise");
+        read(text, "noise", {"", ModelReading::Labels::any_where_needed});
       } catch (const ParseError&) {
         continue;
       }

@@ -326,10 +326,11 @@ std::string tell_lines(const std::vector<std::string>& lines, const std::string&
   return text;
 }
 
-std::string model_of(const std::string& text, Model (*read)(std::string_view, const std::string&)) {
+std::string model_of(const std::string& text,
+                     Model (*read)(std::string_view, const std::string&, const ModelReading&)) {
   try {
     std::ostringstream out;
-    find_exporter("dot").write(out, read(text, "file"), {"file", MarkLoss::accept});
+    find_exporter("dot").write(out, read(text, "file", {}), {"file", MarkLoss::accept});
     return std::regex_replace(out.str(), std::regex("\\s+"), " ");
   } catch (const Error& error) {
     return error.what();

@@ -9,6 +9,7 @@
 #include <iterator>
 #include <map>
 #include <numeric>
+#include <set>
 #include <span>
 #include <tuple>
 #include <unordered_set>
@@ -20,6 +21,72 @@
 #include "maide/base/text.hpp"
 
 namespace maide {
+
+namespace {
+
+// Of states that the same trace leads to.
+constexpr std::size_t most_sets = 1'000'000;
+
+}  // namespace
+
+InterfaceAutomaton automaton_of_traces(const InterfaceAutomaton& automaton,
+                                       std::span<const Symbol> silent, const RunControl& control) {
+  using States = std::vector<StateId>;  // ascending
+  const auto is_silent = [&](Action action) {
+    return action.is_input() && std::ranges::find(silent, action.symbol) != silent.end();
+  };
+  const auto closed = [&](States states) {
+    std::set<StateId> all(states.begin(), states.end());
+    while (!states.empty()) {
+      const StateId from = states.back();
+      states.pop_back();
+      for (const auto& transition : automaton.transitions(from)) {
+        if (!is_silent(transition.action) || !all.insert(transition.target).second) continue;
+        states.push_back(transition.target);
+      }
+    }
+    return States(all.begin(), all.end());
+  };
+  Alphabet inputs;
+  for (Symbol input = 0; input < automaton.inputs().size(); ++input) {
+    if (!is_silent({Action::Kind::input, input})) inputs.intern(automaton.inputs().name(input));
+  }
+  const auto seen = [&](Action action) {
+    if (action.is_input()) action.symbol = *inputs.find(automaton.inputs().name(action.symbol));
+    return action;
+  };
+  InterfaceAutomaton result(inputs, automaton.outputs(), 0);
+  result.origin = automaton.origin;
+  std::map<States, StateId> numbers;
+  std::vector<const States*> sets;  // by state of the result
+  const auto number_of = [&](States states) {
+    const auto [place, is_new] =
+        numbers.try_emplace(std::move(states), static_cast<StateId>(sets.size()));
+    if (is_new) {
+      if (sets.size() == most_sets) {
+        throw UsageError("the traces need more than " + std::to_string(most_sets) +
+                         " sets of states");
+      }
+      sets.push_back(&place->first);
+      result.add_state();
+    }
+    return place->second;
+  };
+  number_of(closed({automaton.initial()}));
+  for (StateId from = 0; from < sets.size(); ++from) {
+    control.check("the traces");
+    std::map<Action, States> targets;
+    for (const StateId state : *sets[from]) {
+      for (const auto& transition : automaton.transitions(state)) {
+        if (!is_silent(transition.action)) targets[transition.action].push_back(transition.target);
+      }
+    }
+    for (auto& [action, states] : targets) {
+      result.add_transition(from, seen(action), number_of(closed(std::move(states))));
+    }
+  }
+  return result;
+}
 namespace {
 
 class UnionFind {

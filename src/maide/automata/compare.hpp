@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -18,6 +19,12 @@ namespace maide {
 
 // Whether an output says that nobody tried the input there: "unexplored" or "absorbed".
 bool is_never_tried(std::string_view output);
+
+// The deterministic automaton with the same traces, where those of these inputs that nobody sees
+// are left out (subset construction). Refusals and what was never tried are lost. Throws UsageError
+// beyond a million states, which may be exponential in the automaton's.
+InterfaceAutomaton automaton_of_traces(const InterfaceAutomaton& automaton,
+                                       std::span<const Symbol> silent, const RunControl& control);
 
 struct MealyDifference {
   std::vector<std::string> word;  // inputs by name, never empty

@@ -57,6 +57,13 @@ StateId NondeterministicMealy::successor(StateId from, Symbol input, Symbol outp
   return place != cell.end() && place->output == output ? place->target : Mealy::no_state;
 }
 
+bool NondeterministicMealy::answers_at(StateId state) const {
+  for (Symbol input = 0; input < inputs_.size(); ++input) {
+    if (!choices(state, input).empty()) return true;
+  }
+  return false;
+}
+
 bool NondeterministicMealy::is_complete() const {
   return std::ranges::none_of(cells_, [](const auto& cell) { return cell.empty(); });
 }
@@ -66,18 +73,26 @@ bool NondeterministicMealy::is_deterministic() const {
 }
 
 std::optional<Mealy> NondeterministicMealy::to_mealy() const {
-  if (!is_deterministic()) return std::nullopt;
+  if (!is_deterministic() || !is_complete()) return std::nullopt;
   Mealy machine(inputs_, outputs_, states_);
   machine.set_initial(initial_);
   machine.origin = origin;
   machine.actors = actors;
   for (StateId state = 0; state < states_; ++state) {
     for (Symbol input = 0; input < inputs_.size(); ++input) {
-      const Choice& choice = cells_[index(state, input)].at(0);
+      const Choice& choice = cells_[index(state, input)].front();
       machine.set_transition(state, input, choice.output, choice.target);
     }
   }
   return machine;
+}
+
+void NondeterministicMealy::complete_with(std::string_view output) {
+  for (StateId state = 0; state < states_; ++state) {
+    for (Symbol input = 0; input < inputs_.size(); ++input) {
+      if (choices(state, input).empty()) add_choice(state, input, intern_output(output), state);
+    }
+  }
 }
 
 namespace {

@@ -1,8 +1,8 @@
 // Observable nondeterministic Mealy machines: in each state an input may be answered in several
-// ways, and each answer leads to one next state. So a trace, inputs with outputs, leads to one
-// state; a word of inputs alone may lead to several. (ONFSM: Starke, "Abstract automata", 1972;
-// El-Fakih, Groz, Irfan, Shahbaz, "Learning finite state models of observable nondeterministic
-// systems in a testing context", ICTSS 2010.)
+// ways, or in none (the machine is partial), and each answer leads to one next state. So a trace,
+// inputs with outputs, leads to one state; a word of inputs alone may lead to several. (ONFSM:
+// Starke, "Abstract automata", 1972; El-Fakih, Groz, Irfan, Shahbaz, "Learning finite state models
+// of observable nondeterministic systems in a testing context", ICTSS 2010.)
 #pragma once
 
 #include <compare>
@@ -51,12 +51,16 @@ class NondeterministicMealy {
   // The state behind an output, or Mealy::no_state. O(log choices).
   StateId successor(StateId from, Symbol input, Symbol output) const;
 
+  // Some input has an answer there. O(inputs).
+  bool answers_at(StateId state) const;
   // Every input has at least one answer in every state. O(size x inputs).
   bool is_complete() const;
   // No input has two answers in a state. O(size x inputs).
   bool is_deterministic() const;
-  // The same machine as a deterministic one, or nothing. The machine must be complete.
+  // The same machine as a deterministic one; nothing if it is not, or not complete.
   std::optional<Mealy> to_mealy() const;
+  // Answers what has no answer with this output, and stays where it is. O(size x inputs).
+  void complete_with(std::string_view output);
 
   Origin origin;              // where the model came from
   std::vector<Actor> actors;  // empty where the system has none
@@ -81,7 +85,7 @@ NondeterministicMealy minimize(const NondeterministicMealy& machine);
 struct TraceDifference {
   std::vector<std::pair<std::string, std::string>> trace;  // inputs with outputs
   std::string input;
-  std::vector<std::string> left, right;  // all outputs possible, sorted; none: no such input
+  std::vector<std::string> left, right;  // all outputs possible, sorted; none: no answer there
 };
 
 // Nothing if both have the same traces. Inputs and outputs are matched by name; of all shortest

@@ -41,6 +41,10 @@ struct SystemAccess;
 
 namespace maide::cli {
 
+// Of the option --initial.
+inline constexpr const char* initial_help =
+    "The state in which a model begins, by its name in the file, where the file does not mark it";
+
 // In every result of --json: which members there are, and what they mean. A new member does not
 // change it.
 inline constexpr int json_schema = 1;

@@ -6,6 +6,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <exception>
 #include <filesystem>
@@ -14,6 +15,7 @@
 #include <optional>
 #include <sstream>
 #include <string>
+#include <string_view>
 #include <system_error>
 #include <utility>
 #include <variant>
@@ -50,6 +52,7 @@ struct CompareArguments {
   std::size_t jobs = 0;
   bool strict = false;
   std::string html;
+  std::string initial;
 };
 
 // What is found out, and how the models are read for the list of all differences.
@@ -119,9 +122,10 @@ Outcome compare_mealy(const Mealy& left, const Mealy& right, const Names& names)
   return outcome;
 }
 
-std::string alternatives(const std::vector<std::string>& outputs, const std::string& input) {
-  return outputs.empty() ? "has no input " + input
-                         : fmt::format("may answer {}", fmt::join(outputs, " or "));
+std::string alternatives(const NondeterministicMealy& machine,
+                         const std::vector<std::string>& outputs, const std::string& input) {
+  if (!outputs.empty()) return fmt::format("may answer {}", fmt::join(outputs, " or "));
+  return machine.inputs().find(input) ? "has no answer there" : "has no input " + input;
 }
 
 Outcome compare_nondeterministic(const NondeterministicMealy& left,
@@ -147,8 +151,8 @@ Outcome compare_nondeterministic(const NondeterministicMealy& left,
       "{}\n  {} {}\n  {} {}\n",
       counted(trace.size(), "step"), difference->input,
       trace.empty() ? "(at the start)" : fmt::format("{}", fmt::join(trace, ", ")), names.left,
-      alternatives(difference->left, difference->input), names.right,
-      alternatives(difference->right, difference->input));
+      alternatives(left, difference->left, difference->input), names.right,
+      alternatives(right, difference->right, difference->input));
   return outcome;
 }
 
@@ -421,6 +425,25 @@ void write_page(const CompareArguments& arguments, const Outcome& outcome, const
   write_file_atomically(arguments.html, text.str());
 }
 
+// What others call a step that nobody sees: mCRL2, CADP and LOTOS, process algebra.
+constexpr auto silent_labels = std::to_array<std::string_view>({"tau", "i", "\u03c4"});
+
+// The traces of a model with opaque labels, without silent steps.
+InterfaceAutomaton traces_of(const Model& model, std::vector<std::string>& notes,
+                             const RunControl& control) {
+  const auto& automaton = std::get<InterfaceAutomaton>(model);
+  std::vector<Symbol> silent;
+  for (const std::string_view label : silent_labels) {
+    if (const auto symbol = automaton.inputs().find(label)) silent.push_back(*symbol);
+  }
+  for (const Symbol label : silent) {
+    const std::string note =
+        fmt::format("{} is taken for a step that nobody sees", automaton.inputs().name(label));
+    if (std::ranges::find(notes, note) == notes.end()) notes.push_back(note);
+  }
+  return automaton_of_traces(automaton, silent, control);
+}
+
 ExitStatus run_compare(const CompareArguments& arguments, Context& context) {
   check_output("--html", arguments.html, {arguments.a, arguments.b});
   const bool is_system = !is_model_file(arguments.b);
@@ -428,14 +451,25 @@ ExitStatus run_compare(const CompareArguments& arguments, Context& context) {
     throw UsageError(fmt::format("'{}' is an option of a system, and {} is a model",
                                  arguments.key_values.front(), arguments.b));
   }
-  const Model left = read_model(arguments.a);
+  ModelReading reading{arguments.initial, ModelReading::Labels::any_where_needed};
+  if (is_system) reading.labels = ModelReading::Labels::known;
+  Model left = read_model(arguments.a, reading);
   std::optional<LearnedSecond> second;
   if (is_system) second = learn_second(arguments, left, context.control());
   Names names{std::filesystem::path(arguments.a).filename().string(),
               second ? second->text : std::filesystem::path(arguments.b).filename().string()};
   if (names.left == names.right) names = {arguments.a, arguments.b};
-  const Model right = second ? second->model : read_model(arguments.b);
+  Model right = second ? second->model : read_model(arguments.b, reading);
+  std::vector<std::string> notes;
+  if (has_opaque_labels(left) || has_opaque_labels(right)) {
+    reading.labels = ModelReading::Labels::any;
+    notes.emplace_back(
+        "labels of other kinds: the traces are compared, and each label stands as an input");
+    left = traces_of(read_model(arguments.a, reading), notes, context.control());
+    right = traces_of(read_model(arguments.b, reading), notes, context.control());
+  }
   Outcome outcome = compare_models(left, right, names, !arguments.html.empty(), context.control());
+  outcome.notes.insert(outcome.notes.begin(), notes.begin(), notes.end());
   outcome.json["models"] = {arguments.a, arguments.b};
   outcome.json["differ_in_marks_alone"] = outcome.is_bound_alone();
   Json differences = Json::array();
@@ -481,6 +515,7 @@ RunFunction set_up_compare(CommandLine& line) {
            "Another model file, or a system, which is learned ('maide help systems')")
       .required();
   line.add("KEY=VALUE", arguments->key_values, "Options of the system").no_default();
+  line.add("--initial", arguments->initial, initial_help).value_name("STATE");
   line.add("--html", arguments->html,
            "Write a page: both models in one picture, and every difference stepped through on both")
       .value_name("FILE");

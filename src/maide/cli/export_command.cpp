@@ -40,7 +40,7 @@ namespace maide::cli {
 namespace {
 
 struct ExportArguments {
-  std::string source;
+  std::string source, initial;
   std::string format;
   std::string output;
   std::string component;  // a program of it; empty: the whole system
@@ -81,7 +81,7 @@ std::string draw_model(const Model& model, const std::string& source, const RunC
 Export export_model(const ExportArguments& arguments, Context& context) {
   const bool is_picture = arguments.format == tikz;
   const Exporter* exporter = is_picture ? nullptr : &find_exporter(arguments.format, {tikz});
-  Model model = read_model(arguments.source);
+  Model model = read_model(arguments.source, {arguments.initial, ModelReading::Labels::known});
   const auto* automaton = std::get_if<InterfaceAutomaton>(&model);
   if (automaton != nullptr && exporter != nullptr && exporter->takes_machines_alone) {
     try {
@@ -272,6 +272,7 @@ RunFunction set_up_export(CommandLine& line) {
            "components and a program has more than single inputs, outputs and choices")
       .value_name("PROGRAM");
   add_set_option(line, arguments->settings);
+  line.add("--initial", arguments->initial, initial_help).value_name("STATE");
   line.add("-o,--output", arguments->output, "The file to write. Default: standard output")
       .value_name("FILE");
   line.add_flag("--lossy", arguments->lossy,

@@ -36,7 +36,7 @@ namespace {
 namespace fs = std::filesystem;
 
 struct ViewArguments {
-  std::string source;
+  std::string source, initial;
   std::string output;
   std::string stage;
   std::vector<std::string> settings;
@@ -70,7 +70,8 @@ std::string drawn(const std::string& dot, const std::string& source, const RunCo
 }
 
 std::string view_model(const ViewArguments& arguments, bool is_svg, const RunControl& control) {
-  const Model model = read_model(arguments.source);
+  const Model model =
+      read_model(arguments.source, {arguments.initial, ModelReading::Labels::any_where_needed});
   if (is_svg) {
     const PictureSize size = size_of(model);
     if (!size.is_drawable()) {
@@ -203,6 +204,7 @@ RunFunction set_up_view(CommandLine& line) {
       .one_of({"tree", "names", "models", "system"})
       .value_name("STAGE");
   add_set_option(line, arguments->settings);
+  line.add("--initial", arguments->initial, initial_help).value_name("STATE");
   line.add("-o,--output", arguments->output,
            "The page (.html), or one picture (.svg). The picture is of the model, the system's "
            "connections, or the trace. Default: a page in a temporary folder, whose path is "

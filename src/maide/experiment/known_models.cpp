@@ -34,11 +34,8 @@ namespace maide {
 
 Mealy read_machine(const std::filesystem::path& path, Translation translation) {
   Model model = read_model(path);
-  if (auto* machine = std::get_if<Mealy>(&model)) return std::move(*machine);
   const auto* automaton = std::get_if<InterfaceAutomaton>(&model);
-  if (automaton == nullptr) {
-    throw UsageError("the model is nondeterministic (" + path.string() + ")");
-  }
+  if (automaton == nullptr) return take_mealy(std::move(model), path);
   try {
     return to_mealy(*automaton, translation);
   } catch (const UsageError& error) {

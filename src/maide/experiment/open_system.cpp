@@ -269,11 +269,22 @@ OpenedSystem simulate(Model model, const SystemSpec& spec, const SystemAccess& a
 }
 
 OpenedSystem open_simulation(const SystemSpec& spec, const SystemAccess& access) {
-  if (!spec.options.empty()) {
-    throw UsageError("unknown option '" + spec.options.begin()->first +
-                     "': a simulated model has none (" + spec.text + ")");
+  ModelReading reading;
+  for (const auto& [key, value] : spec.options) {
+    if (key != "initial") {
+      throw UsageError("unknown option '" + key +
+                       "': a simulated model has 'initial' alone, the name of the state in which "
+                       "it begins (" +
+                       spec.text + ")");
+    }
+    reading.initial = value;
   }
-  Model model = read_model(spec.target);
+  Model model = read_model(spec.target, reading);
+  const auto* partial = std::get_if<NondeterministicMealy>(&model);
+  if (partial != nullptr && !partial->is_complete()) {
+    log_note(fmt::format("{} is a {}: to an input without an answer it says 'refused'", spec.target,
+                         name_of_kind(model)));
+  }
   try {
     return simulate(std::move(model), spec, access);
   } catch (const UsageError& error) {

@@ -1,4 +1,5 @@
 // Models in the format .aut: reading and writing.
+#include <algorithm>
 #include <charconv>
 #include <cstdint>
 #include <ostream>
@@ -24,8 +25,9 @@ constexpr std::uint64_t max_isolated_states = 1'000'000;
 
 class AutReader {
  public:
-  AutReader(std::string_view text, const std::string& file)
-      : cursor_(without_byte_order_mark(text), file, TextCursor::Columns::bytes) {
+  AutReader(std::string_view text, const std::string& file, const ModelReading& reading)
+      : cursor_(without_byte_order_mark(text), file, TextCursor::Columns::bytes),
+        reading_(reading) {
     graph_.file = file;
   }
 
@@ -60,6 +62,8 @@ class AutReader {
     for (std::uint64_t state = 0; state < states_; ++state) {
       graph_.states.push_back({std::to_string(state), states_place, {}});
     }
+    set_initial(reading_, graph_);
+    note_labels(reading_, graph_);
     return to_model(graph_);
   }
 
@@ -110,14 +114,44 @@ class AutReader {
     graph_.edges.push_back(std::move(edge));
   }
 
-  // In quotes (\" and \\ inside, as write_aut writes them), or else up to the line's last comma.
+  // Whether a target and the end of a transition are next.
+  static bool is_before_target(std::string_view rest) {
+    const auto skip = [&](auto&& belongs) {
+      const auto end = std::ranges::find_if_not(rest, belongs);
+      const auto count = static_cast<std::size_t>(end - rest.begin());
+      rest.remove_prefix(count);
+      return count;
+    };
+    skip(is_space);
+    if (!rest.starts_with(',')) return false;
+    rest.remove_prefix(1);
+    skip(is_space);
+    if (skip(is_digit) == 0) return false;
+    skip(is_space);
+    return rest.starts_with(')');
+  }
+
+  // Whether the label ends with the quote before this: what is next, or no later quote on the line
+  // is one with which it could end.
+  bool is_closing() const {
+    std::string_view line = cursor_.rest();
+    line = line.substr(0, line.find('\n'));
+    if (is_before_target(line)) return true;
+    for (std::size_t i = line.find('"'); i != std::string_view::npos; i = line.find('"', i + 1)) {
+      if (is_before_target(line.substr(i + 1))) return false;
+    }
+    return true;
+  }
+
+  // In quotes (\" and \\ inside, as write_aut writes them; others leave quotes inside as they
+  // are), or else up to the line's last comma.
   std::string label() {
     std::string text;
     const TextPlace begin = cursor_.place();
     if (cursor_.accept("\"")) {
-      while (!cursor_.at_end()) {
+      while (!cursor_.at_end() && cursor_.peek() != '\n') {
         char letter = cursor_.take();
-        if (letter == '"') return text;
+        if (letter == '"' && is_closing()) return text;
         if (letter == '\\' && !cursor_.at_end()) {
           letter = cursor_.take();
           if (letter == 'n') letter = '\n';
@@ -133,6 +167,7 @@ class AutReader {
   }
 
   TextCursor cursor_;
+  const ModelReading& reading_;
   LabelledGraph graph_;
   std::uint64_t states_ = 0;
 };
@@ -194,8 +229,8 @@ void write_transitions(std::ostream& out, const InterfaceAutomaton& automaton) {
 
 }  // namespace
 
-Model read_aut(std::string_view text, const std::string& file) {
-  return AutReader(text, file).read();
+Model read_aut(std::string_view text, const std::string& file, const ModelReading& reading) {
+  return AutReader(text, file, reading).read();
 }
 
 std::string marks_of(const Model& model) {

@@ -213,10 +213,7 @@ class CppWriter {
 
 void write_cpp(std::ostream& out, const Model& model, const std::string& class_name) {
   CppWriter writer(out, class_name);
-  if (std::holds_alternative<NondeterministicMealy>(model)) {
-    throw UsageError("a nondeterministic Mealy machine cannot be exported to C++");
-  }
-  if (const auto* machine = std::get_if<Mealy>(&model)) return writer.write(*machine);
+  if (const auto machine = completed_machine(model, "C++")) return writer.write(*machine);
   writer.write(std::get<InterfaceAutomaton>(model));
 }
 

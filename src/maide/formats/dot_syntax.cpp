@@ -3,11 +3,14 @@
 #include "maide/formats/dot_syntax.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cctype>
+#include <charconv>
 #include <unordered_map>
 #include <utility>
 
 #include "maide/base/error.hpp"
+#include "maide/base/text.hpp"
 #include "maide/base/text_cursor.hpp"
 #include "maide/formats/names.hpp"
 
@@ -32,7 +35,18 @@ class Tokenizer {
   Tokenizer(std::string_view text, const std::string& file)
       : cursor_(without_byte_order_mark(text), file, TextCursor::Columns::bytes) {}
 
+  [[noreturn]] void fail(const std::string& what, TextPlace place) const {
+    cursor_.fail(what, place);
+  }
+
   Token next() {
+    Token token = read();
+    last_line_ = cursor_.place().line;
+    return token;
+  }
+
+ private:
+  Token read() {
     skip_blanks();
     Token token;
     token.place = cursor_.place();
@@ -50,7 +64,7 @@ class Tokenizer {
     } else if (letter == '-' || letter == '.' || is_digit(letter)) {
       read_number(token);
     } else if (letter == '<') {
-      fail("HTML labels cannot be read: write the label in double quotes", token.place);
+      read_html(token);
     } else if (std::string_view("{}[]=;,:+").find(letter) != std::string_view::npos) {
       token.kind = Token::Kind::punctuation;
       token.text = cursor_.take();
@@ -60,11 +74,6 @@ class Tokenizer {
     return token;
   }
 
-  [[noreturn]] void fail(const std::string& what, TextPlace place) const {
-    cursor_.fail(what, place);
-  }
-
- private:
   static bool begins_name(char letter) {
     return is_letter(letter) || letter == '_' || static_cast<unsigned char>(letter) >= 0x80;
   }
@@ -73,8 +82,8 @@ class Tokenizer {
     while (true) {
       cursor_.skip_blanks();
       const TextPlace begin = cursor_.place();
-      const bool is_directive =
-          cursor_.peek() == '#' && begin.column == 1;  // a preprocessor's line
+      // A preprocessor's line; others begin comments so, some behind blanks.
+      const bool is_directive = cursor_.peek() == '#' && begin.line != last_line_;
       if (is_directive || cursor_.accept("//")) {
         cursor_.take_line();
       } else if (cursor_.accept("/*")) {
@@ -105,6 +114,74 @@ class Tokenizer {
     }
   }
 
+  // The text of an HTML label: words without tags. What stands in different cells or lines is
+  // apart, as in the tables in which some tools put "input / output".
+  void read_html(Token& token) {
+    token.kind = Token::Kind::identifier;
+    token.quoted = true;
+    cursor_.take();
+    std::string text, tag;
+    for (int depth = 1; depth > 0;) {
+      if (cursor_.at_end()) fail("unfinished HTML label", token.place);
+      const char letter = cursor_.take();
+      if (letter == '<') {
+        ++depth;
+        tag.clear();
+      } else if (letter == '>') {
+        if (--depth == 1 && !is_font(tag)) text += ' ';
+      } else if (depth > 1) {
+        tag += letter;
+      } else if (letter == '&') {
+        text += read_entity();
+      } else {
+        text += is_space(letter) ? ' ' : letter;
+      }
+    }
+    for (const std::string_view word : split(text, ' ')) {
+      if (word.empty()) continue;
+      if (!token.text.empty()) token.text += ' ';
+      for (const char letter : word) token.text += letter == '\\' ? "\\\\" : std::string(1, letter);
+    }
+  }
+
+  // Whether the tag changes how letters look, and nothing else.
+  static bool is_font(std::string_view tag) {
+    if (tag.starts_with('/')) tag.remove_prefix(1);
+    std::string name;
+    for (const char letter : tag) {
+      if (!is_letter(letter)) break;
+      name += static_cast<char>(std::tolower(static_cast<unsigned char>(letter)));
+    }
+    static constexpr std::array fonts = {"b", "i", "u", "o", "s", "sub", "sup", "font"};
+    return std::ranges::find(fonts, name) != fonts.end();
+  }
+
+  // What "&amp;" stands for; the cursor is behind "&". What is no entity that is known stays.
+  std::string read_entity() {
+    const std::string_view rest = cursor_.rest();
+    const std::size_t end = rest.substr(0, 10).find(';');
+    if (end == std::string_view::npos) return "&";
+    const std::string_view name = rest.substr(0, end);
+    static constexpr std::array<std::pair<std::string_view, std::string_view>, 6> known{
+        {{"lt", "<"}, {"gt", ">"}, {"amp", "&"}, {"quot", "\""}, {"apos", "'"}, {"nbsp", " "}}};
+    const auto entity = std::ranges::find(known, name, [](const auto& one) { return one.first; });
+    std::string text;
+    if (entity != known.end()) {
+      text = entity->second;
+    } else if (name.starts_with('#')) {
+      const bool is_hex = name.size() > 1 && (name[1] == 'x' || name[1] == 'X');
+      const std::string_view digits = name.substr(is_hex ? 2 : 1);
+      unsigned value = 0;
+      const auto [stop, error] =
+          std::from_chars(digits.data(), digits.data() + digits.size(), value, is_hex ? 16 : 10);
+      const bool is_whole = error == std::errc{} && stop == digits.data() + digits.size();
+      if (is_whole && value >= 0x20) text = to_utf8(std::u32string(1, value));
+    }
+    if (text.empty()) return "&";
+    cursor_.take(end + 1);
+    return text;
+  }
+
   void read_number(Token& token) {
     token.kind = Token::Kind::identifier;
     if (cursor_.accept("-")) token.text = "-";
@@ -119,6 +196,7 @@ class Tokenizer {
   }
 
   TextCursor cursor_;
+  int last_line_ = 0;  // of the last token's end
 };
 
 class Parser {

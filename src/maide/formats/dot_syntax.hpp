@@ -1,7 +1,7 @@
 // The DOT language (Graphviz), as far as models need it: one directed graph with its attributes.
 // Understood: comments, quoted names with escapes and +, defaults of nodes and edges, chains, and
-// subgraphs (flattened). Ignored: ports and `strict`. Not understood: HTML labels. The texts inside
-// labels and attributes, escapes and lists of actors, are here too.
+// subgraphs (flattened), HTML labels (their words alone). Ignored: ports and `strict`. The texts
+// inside labels and attributes, escapes and lists of actors, are here too.
 #pragma once
 
 #include <cstdint>

@@ -49,6 +49,20 @@ const Exporter& find_exporter(std::string_view name,
   return find_row(exporters(), "format", name, besides);
 }
 
+std::optional<Mealy> completed_machine(const Model& model, std::string_view format) {
+  if (const auto* machine = std::get_if<Mealy>(&model)) return *machine;
+  const auto* partial = std::get_if<NondeterministicMealy>(&model);
+  if (partial == nullptr) return std::nullopt;
+  NondeterministicMealy completed = *partial;
+  completed.complete_with("refused");
+  auto machine = completed.to_mealy();
+  if (!machine) {
+    throw UsageError("a nondeterministic Mealy machine cannot be exported to " +
+                     std::string(format));
+  }
+  return machine;
+}
+
 namespace {
 
 constexpr auto words = std::to_array<std::string_view>(

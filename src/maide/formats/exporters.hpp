@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <initializer_list>
 #include <iosfwd>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -32,6 +33,11 @@ std::span<const Exporter> exporters();
 // Throws UsageError "unknown format 'x'; known are: ...". `besides` are further names for it.
 const Exporter& find_exporter(std::string_view name,
                               std::initializer_list<std::string_view> besides = {});
+
+// The Mealy machine for a format that has one answer to each input. A partial one answers the
+// others with `refused`, and stays where it is. None of an interface automaton. Throws UsageError
+// for a nondeterministic machine: `format` is for its message.
+std::optional<Mealy> completed_machine(const Model& model, std::string_view format);
 
 // ---- mCRL2 ----
 //

@@ -97,11 +97,9 @@ struct Step {
   Symbol output;
 };
 
-// Throws ParseError unless there is a transition for each state and input, and one at most for each
-// output (the same one twice is one). Needs memory for the edges only: a broken file may promise a
-// huge table. True if there is only one for each state and input.
-bool is_deterministic(const LabelledGraph& graph, const Alphabet& inputs,
-                      const std::vector<Step>& steps) {
+// Whether there is one transition for each state and input; the same one twice is one. Throws
+// ParseError if two have the same output.
+bool is_plain(const LabelledGraph& graph, const Alphabet& inputs, const std::vector<Step>& steps) {
   const auto cell = [&](std::size_t edge) {
     return std::size_t{graph.edges[edge].from} * inputs.size() + steps[edge].input;
   };
@@ -111,30 +109,24 @@ bool is_deterministic(const LabelledGraph& graph, const Alphabet& inputs,
     return std::pair(cell(left), steps[left].output) < std::pair(cell(right), steps[right].output);
   });
   bool is_single = true;
-  std::size_t expected = 0;
+  std::size_t cells = 0;
   for (std::size_t place = 0; place < order.size(); ++place) {
     const std::size_t edge = order[place];
-    if (place > 0 && cell(edge) == cell(order[place - 1])) {
-      const std::size_t other = order[place - 1];
-      if (steps[edge].output != steps[other].output) {
-        is_single = false;
-        continue;
-      }
-      if (graph.edges[edge].to == graph.edges[other].to) continue;
+    if (place == 0 || cell(edge) != cell(order[place - 1])) {
+      ++cells;
+      continue;
+    }
+    const std::size_t other = order[place - 1];
+    if (steps[edge].output != steps[other].output) {
+      is_single = false;
+    } else if (graph.edges[edge].to != graph.edges[other].to) {
       throw ParseError("state " + shown(graph.states[graph.edges[edge].from].name) +
                            " has two transitions for input " +
                            shown(inputs.name(steps[edge].input)) + " with the same output",
                        graph.at(graph.edges[edge].place));
     }
-    if (cell(edge) != expected) break;
-    ++expected;
   }
-  if (expected == graph.states.size() * inputs.size()) return is_single;
-  const auto& state = graph.states[expected / inputs.size()];
-  throw ParseError("state " + shown(state.name) + " has no transition for input " +
-                       shown(inputs.name(static_cast<Symbol>(expected % inputs.size()))) +
-                       ": a Mealy machine must be complete",
-                   graph.at(state.place));
+  return is_single && cells == graph.states.size() * inputs.size();
 }
 
 template <typename Machine>
@@ -159,7 +151,8 @@ Model to_mealy_machine(const LabelledGraph& graph) {
         {find_symbol(graph, edge, inputs, input, graph.inputs.has_value(), "input"),
          find_symbol(graph, edge, outputs, output, graph.outputs.has_value(), "output")});
   }
-  if (!is_deterministic(graph, inputs, steps)) {
+  check_size(graph, inputs.size());
+  if (!is_plain(graph, inputs, steps)) {
     NondeterministicMealy machine(std::move(inputs), std::move(outputs), graph.states.size());
     for (std::size_t index = 0; index < graph.edges.size(); ++index) {
       const Edge& edge = graph.edges[index];
@@ -182,6 +175,10 @@ InterfaceAutomaton to_interface_automaton_of(const LabelledGraph& graph) {
   actions.reserve(graph.edges.size());
   for (const Edge& edge : graph.edges) {
     const std::string_view label = trim(edge.label);
+    if (graph.has_opaque_labels) {
+      actions.push_back({Action::Kind::input, inputs.intern(label)});
+      continue;
+    }
     if (!begins_like_action(label)) {
       throw ParseError("label " + shown(edge.label) + " is neither \"?input\" nor \"!output\"",
                        graph.at(edge.place));
@@ -245,6 +242,31 @@ bool looks_like_interface_automaton(const std::vector<std::string_view>& labels)
          });
 }
 
+void check_size(const LabelledGraph& graph, std::size_t inputs) {
+  constexpr std::size_t most_places = std::size_t{1} << 22;
+  constexpr std::size_t most_places_an_edge = 256;
+  const std::size_t places = graph.states.size() * inputs;
+  if (places <= most_places + most_places_an_edge * graph.edges.size()) return;
+  throw ParseError("a machine of " + std::to_string(graph.states.size()) + " states and " +
+                       std::to_string(inputs) + " inputs, and hardly any transitions",
+                   {graph.file, 0, 0});
+}
+
+std::optional<StateId> find_state(const LabelledGraph& graph, std::string_view name) {
+  const auto found = std::ranges::find(graph.states, name, &LabelledGraph::State::name);
+  if (found == graph.states.end()) return std::nullopt;
+  return static_cast<StateId>(found - graph.states.begin());
+}
+
+bool has_other_labels(const LabelledGraph& graph) {
+  if (graph.type) return false;
+  const bool is_automaton = is_interface_automaton(graph);
+  return std::ranges::any_of(graph.edges, [&](const Edge& edge) {
+    const std::string_view label = trim(edge.label);
+    return is_automaton ? !begins_like_action(label) : label.find('/') == std::string_view::npos;
+  });
+}
+
 std::string mealy_label(std::string_view input, std::string_view output) {
   return in_label(input) + " / " + in_label(output);
 }
@@ -258,6 +280,7 @@ std::string action_label(const InterfaceAutomaton& automaton, Action action) {
 
 Model to_model(const LabelledGraph& graph) {
   if (graph.states.empty()) throw ParseError("the graph has no states", {graph.file, 0, 0});
+  if (graph.has_opaque_labels) return to_interface_automaton_of(graph);
   if (is_interface_automaton(graph)) return to_interface_automaton_of(graph);
   return to_mealy_machine(graph);
 }

@@ -156,15 +156,15 @@ void write_mealy_proctype(std::ostream& out, const NondeterministicMealy& machin
   if (machine.initial() != 0) out << "  goto end_s" << machine.initial() << ";\n";
   for (StateId state = 0; state < machine.size(); ++state) {
     out << "end_s" << state << ":\n";
-    if (inputs.empty()) out << "  false;\n";
-    if (!inputs.empty()) out << "  if\n";
+    const bool answers = machine.answers_at(state);
+    out << (answers ? "  if\n" : "  false;\n");
     for (Symbol input = 0; input < inputs.size(); ++input) {
       for (const auto& choice : machine.choices(state, input)) {
         out << "  :: InChannel?" << inputs[input] << " -> OutChannel!" << outputs[choice.output]
             << " -> goto end_s" << choice.target << "\n";
       }
     }
-    if (!inputs.empty()) out << "  fi;\n";
+    if (answers) out << "  fi;\n";
   }
   out << "}\n";
 }
@@ -386,10 +386,7 @@ class SmvWriter {
 
 void write_smv(std::ostream& out, const Model& model) {
   SmvWriter writer(out);
-  if (std::holds_alternative<NondeterministicMealy>(model)) {
-    throw UsageError("a nondeterministic Mealy machine cannot be exported to SMV");
-  }
-  if (const auto* machine = std::get_if<Mealy>(&model)) return writer.write(*machine);
+  if (const auto machine = completed_machine(model, "SMV")) return writer.write(*machine);
   writer.write(std::get<InterfaceAutomaton>(model));
 }
 

@@ -1,9 +1,12 @@
 #include "maide/formats/model_file.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <optional>
 #include <ostream>
+#include <set>
 #include <span>
 #include <string>
 #include <string_view>
@@ -20,24 +23,59 @@
 
 namespace maide {
 
-Model read_model(const std::filesystem::path& path) {
+Model read_model(const std::filesystem::path& path, const ModelReading& reading) {
   const std::string extension = path.extension().string();
   if (extension == ".dot" || extension == ".gv") {
-    return read_dot(read_regular_file(path), path.string());
+    return read_dot(read_regular_file(path), path.string(), reading);
   }
-  if (extension == ".aut") return read_aut(read_regular_file(path), path.string());
+  if (extension == ".aut") return read_aut(read_regular_file(path), path.string(), reading);
   throw UsageError("a model's file ends in .dot, .gv or .aut (" + path.string() + ")");
 }
 
-Mealy read_mealy(const std::filesystem::path& path) {
-  Model model = read_model(path);
+Mealy read_mealy(const std::filesystem::path& path) { return take_mealy(read_model(path), path); }
+
+Mealy take_mealy(Model model, const std::filesystem::path& path) {
   if (auto* machine = std::get_if<Mealy>(&model)) return std::move(*machine);
-  if (std::holds_alternative<NondeterministicMealy>(model)) {
-    throw UsageError("a nondeterministic Mealy machine where a deterministic one is needed (" +
-                     path.string() + ")");
+  if (const auto* machine = std::get_if<NondeterministicMealy>(&model)) {
+    throw UsageError("a " + std::string(name_of_kind(model)) + " where a " +
+                     (machine->is_deterministic() ? "complete" : "deterministic") +
+                     " one is needed (" + path.string() + ")");
   }
   throw UsageError("an interface automaton where a Mealy machine is needed (" + path.string() +
                    ")");
+}
+
+void note_labels(const ModelReading& reading, LabelledGraph& graph) {
+  using Labels = ModelReading::Labels;
+  graph.has_opaque_labels = reading.labels == Labels::any ||
+                            (reading.labels == Labels::any_where_needed && has_other_labels(graph));
+  if (graph.has_opaque_labels) graph.origin["labels"] = "opaque";
+}
+
+bool has_opaque_labels(const Model& model) {
+  const auto* automaton = std::get_if<InterfaceAutomaton>(&model);
+  if (automaton == nullptr) return false;
+  const auto labels = automaton->origin.find("labels");
+  return labels != automaton->origin.end() && labels->second == "opaque";
+}
+
+void set_initial(const ModelReading& reading, LabelledGraph& graph) {
+  if (reading.initial.empty()) return;
+  const auto state = find_state(graph, reading.initial);
+  if (!state) {
+    throw ParseError("there is no state " + shown(reading.initial) + " to begin in",
+                     {graph.file, 0, 0});
+  }
+  graph.initial = *state;
+}
+
+std::string_view name_of_kind(const Model& model) {
+  if (std::holds_alternative<InterfaceAutomaton>(model)) return "interface automaton";
+  const auto* machine = std::get_if<NondeterministicMealy>(&model);
+  if (machine == nullptr) return "Mealy machine";
+  const bool is_partial = !machine->is_complete();
+  if (machine->is_deterministic()) return is_partial ? "partial Mealy machine" : "Mealy machine";
+  return is_partial ? "partial nondeterministic Mealy machine" : "nondeterministic Mealy machine";
 }
 
 InterfaceAutomaton read_interface_automaton(const std::filesystem::path& path) {
@@ -63,22 +101,32 @@ constexpr std::array drawing_attributes = {
 
 class DotReader {
  public:
-  DotReader(std::string_view text, const std::string& file) : dot_(parse_dot(text, file)) {
+  DotReader(std::string_view text, const std::string& file, const ModelReading& reading)
+      : dot_(parse_dot(text, file)), reading_(reading) {
     graph_.file = file;
   }
 
   Model read() {
     read_graph_attributes();
+    find_start_marks();
     read_nodes();
     read_edges();
-    if (!is_moore()) return to_model(graph_);
+    const bool has_state_outputs = is_moore();
+    find_marked_state();
+    if (!has_state_outputs) {
+      note_labels(reading_, graph_);
+      return to_model(graph_);
+    }
     put_outputs_on_edges();
     Model model = to_model(graph_);
     auto* machine = std::get_if<Mealy>(&model);
     if (machine == nullptr) {
-      throw ParseError(std::string("a ") + (is_dfa_ ? "DFA" : "Moore machine") +
-                           " has one transition for each input, and this one has several",
-                       {graph_.file, 1, 1});
+      const bool is_partial = std::get<NondeterministicMealy>(model).is_deterministic();
+      throw ParseError(
+          fmt::format("a {} has one transition for each input in each state, and "
+                      "this one has {}",
+                      is_dfa_ ? "DFA" : "Moore machine", is_partial ? "none for some" : "several"),
+          {graph_.file, 1, 1});
     }
     mark_as_moore(*machine, is_dfa_ ? "dfa" : "moore", outputs_[graph_.initial]);
     return model;
@@ -135,13 +183,35 @@ class DotReader {
     }
   }
 
-  static bool is_start(const std::string& name) {
-    return name == "__start0" || name == "__start" || name == "__init";
+  bool has_label(const DotGraph::Edge& edge) const {
+    const Attribute* label = dot_.find(edge.attributes, "label");
+    return label != nullptr && !trim(unescape_dot_label(label->value)).empty();
+  }
+
+  // Nodes that are no states, but mark one: those with a name for it, and those that no edge leads
+  // to and that one edge without a label leaves.
+  void find_start_marks() {
+    is_mark_.assign(dot_.nodes.size(), false);
+    std::vector<std::uint32_t> in(dot_.nodes.size()), out(dot_.nodes.size());
+    std::vector<bool> is_labelled(dot_.nodes.size());
+    bool has_labels = false;
+    for (const DotGraph::Edge& edge : dot_.edges) {
+      ++in[edge.to];
+      ++out[edge.from];
+      if (!has_label(edge)) continue;
+      is_labelled[edge.from] = has_labels = true;
+    }
+    for (std::size_t node = 0; node < dot_.nodes.size(); ++node) {
+      const std::string& name = dot_.nodes[node].name;
+      is_mark_[node] = name == "__start0" || name == "__start" || name == "__init" ||
+                       (has_labels && in[node] == 0 && out[node] == 1 && !is_labelled[node]);
+    }
   }
 
   void read_nodes() {
-    for (const DotGraph::Node& node : dot_.nodes) {
-      if (is_start(node.name)) {
+    for (std::size_t index = 0; index < dot_.nodes.size(); ++index) {
+      const DotGraph::Node& node = dot_.nodes[index];
+      if (is_mark_[index]) {
         numbers_.push_back(Mealy::no_state);
         continue;
       }
@@ -168,6 +238,7 @@ class DotReader {
           throw ParseError("a second initial state", position);
         }
         start = &edge;
+        is_marked_ = true;
         graph_.initial = numbers_[edge.to];
         continue;
       }
@@ -183,6 +254,41 @@ class DotReader {
     }
   }
 
+  // Where no node marks the initial state, something of its own may.
+  void find_marked_state() {
+    if (!is_marked_) {
+      const auto named = graph_.origin.find("initial");
+      if (named != graph_.origin.end() && find_state(graph_, named->second)) {
+        graph_.initial = *find_state(graph_, named->second);
+        graph_.origin.erase(named);
+      } else {
+        find_marked_state([&](const DotGraph::Node& node) {
+          return std::ranges::any_of(state_marks, [&](const char* key) {
+            const Attribute* mark = dot_.find(node.attributes, key);
+            return mark != nullptr && mark->value != "false";
+          });
+        }) ||
+            is_dfa_ || find_marked_state([&](const DotGraph::Node& node) {
+              const Attribute* rings = dot_.find(node.attributes, "peripheries");
+              return is_accepting(node) || (rings != nullptr && rings->value == "2");
+            });
+      }
+    }
+    set_initial(reading_, graph_);
+  }
+  // The only state of that kind.
+  template <typename Predicate>
+  bool find_marked_state(Predicate&& is_marked) {
+    std::optional<StateId> found;
+    for (std::size_t index = 0; index < dot_.nodes.size(); ++index) {
+      if (is_mark_[index] || !is_marked(dot_.nodes[index])) continue;
+      if (found) return false;
+      found = numbers_[index];
+    }
+    if (found) graph_.initial = *found;
+    return found.has_value();
+  }
+
   // A DFA has edges with inputs alone and a double circle for each accepting state, a Moore machine
   // an output in each state's label: "s0 / output", or "s0|output" as others write it.
   bool is_moore() {
@@ -195,8 +301,9 @@ class DotReader {
       if (edge.label.starts_with('?') || edge.label.starts_with('!')) return false;
     }
     bool has_outputs = !graph_.states.empty();
-    for (const DotGraph::Node& node : dot_.nodes) {
-      if (is_start(node.name)) continue;
+    for (std::size_t index = 0; index < dot_.nodes.size(); ++index) {
+      if (is_mark_[index]) continue;
+      const DotGraph::Node& node = dot_.nodes[index];
       is_dfa_ = is_dfa_ || is_accepting(node);
       has_outputs = has_outputs && state_output(node).has_value();
     }
@@ -211,7 +318,9 @@ class DotReader {
   std::optional<std::string> state_output(const DotGraph::Node& node) const {
     const Attribute* label = dot_.find(node.attributes, "label");
     if (label == nullptr) return std::nullopt;
-    const std::string text = unescape_dot_label(label->value);
+    std::string text = unescape_dot_label(label->value);
+    // The fields of a record may stand in braces.
+    if (text.starts_with('{') && text.ends_with('}')) text = text.substr(1, text.size() - 2);
     const std::size_t slash = text.find(" / ");
     const std::size_t place = slash == std::string::npos ? text.find('|') : slash + 2;
     if (place == std::string::npos || place + 1 >= text.size()) return std::nullopt;
@@ -222,8 +331,9 @@ class DotReader {
   }
 
   void put_outputs_on_edges() {
-    for (const DotGraph::Node& node : dot_.nodes) {
-      if (is_start(node.name)) continue;
+    for (std::size_t index = 0; index < dot_.nodes.size(); ++index) {
+      if (is_mark_[index]) continue;
+      const DotGraph::Node& node = dot_.nodes[index];
       if (is_dfa_) {
         outputs_.emplace_back(is_accepting(node) ? accepting_output : rejecting_output);
       } else if (auto output = state_output(node)) {
@@ -233,13 +343,41 @@ class DotReader {
                          graph_.at(node.place));
       }
     }
+    if (is_dfa_) reject_what_is_missing();
     for (LabelledGraph::Edge& edge : graph_.edges) {
       edge.label = mealy_label(trim(edge.label), outputs_[edge.to]);
     }
     graph_.type = "mealy";
   }
 
+  // A word for which a DFA has no transition is rejected, and so is what comes behind it.
+  void reject_what_is_missing() {
+    std::set<std::string> inputs;
+    std::set<std::pair<StateId, std::string>> known;
+    if (graph_.inputs) inputs.insert(graph_.inputs->begin(), graph_.inputs->end());
+    for (LabelledGraph::Edge& edge : graph_.edges) {
+      inputs.emplace(trim(edge.label));
+      known.emplace(edge.from, trim(edge.label));
+    }
+    check_size(graph_, inputs.size());
+    if (known.size() == graph_.states.size() * inputs.size()) return;
+    const auto sink = static_cast<StateId>(graph_.states.size());
+    const TextPlace place = graph_.states.front().place;
+    for (StateId state = 0; state <= sink; ++state) {
+      for (const std::string& input : inputs) {
+        if (!known.contains({state, input})) graph_.edges.push_back({state, sink, input, place});
+      }
+    }
+    graph_.states.push_back({"(rejected)", place, {}});
+    outputs_.emplace_back(rejecting_output);
+  }
+
+  static constexpr std::array state_marks = {"initial", "init", "start", "root"};
+
   DotGraph dot_;
+  const ModelReading& reading_;
+  std::vector<bool> is_mark_;  // by node
+  bool is_marked_ = false;     // the initial state, by a node
   bool is_dfa_ = false;
   std::vector<std::string> outputs_;  // by state, of a Moore machine
   LabelledGraph graph_;
@@ -248,8 +386,8 @@ class DotReader {
 
 }  // namespace
 
-Model read_dot(std::string_view text, const std::string& file) {
-  return DotReader(text, file).read();
+Model read_dot(std::string_view text, const std::string& file, const ModelReading& reading) {
+  return DotReader(text, file, reading).read();
 }
 
 // DOT as it is written: one line a state and an edge, in the order of the model, so that the same

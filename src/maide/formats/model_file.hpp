@@ -2,6 +2,7 @@
 // .aut). Two formats are both read and written: DOT, and Aldebaran's .aut.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <iosfwd>
 #include <string>
@@ -11,12 +12,34 @@
 
 namespace maide {
 
+struct ModelReading {
+  // The name of the initial state, where the file does not mark it or marks another. ParseError if
+  // it has no such state.
+  std::string initial;
+  // What labels may be: of the two forms alone; anything, as "send(1)" or "tau", where some label
+  // is of neither; anything, whatever they look like. What is anything is an input of an interface
+  // automaton, and its origin says `labels: opaque`.
+  enum class Labels : std::uint8_t { known, any_where_needed, any };
+  Labels labels = Labels::known;
+};
+bool has_opaque_labels(const Model& model);
+
 // Throws UsageError if it is no regular file, cannot be read or has another extension, ParseError
 // for its text.
-Model read_model(const std::filesystem::path& path);
+Model read_model(const std::filesystem::path& path, const ModelReading& reading = {});
 // As above; a model of the other kind is a UsageError that names the file.
 Mealy read_mealy(const std::filesystem::path& path);
+// The model as a Mealy machine, complete and deterministic; `path` is for the UsageError.
+Mealy take_mealy(Model model, const std::filesystem::path& path);
 InterfaceAutomaton read_interface_automaton(const std::filesystem::path& path);
+
+// "Mealy machine", "partial Mealy machine", "interface automaton", ...
+std::string_view name_of_kind(const Model& model);
+
+// For the readers below. The initial state that was asked for, if one was; throws ParseError if
+// there is no such state. Whether labels are anything.
+void set_initial(const ModelReading& reading, LabelledGraph& graph);
+void note_labels(const ModelReading& reading, LabelledGraph& graph);
 
 // ---- DOT ----
 //
@@ -28,10 +51,15 @@ InterfaceAutomaton read_interface_automaton(const std::filesystem::path& path);
 // carry an interface automaton's marks.
 
 // Reads either kind; which one it is, is seen from the labels (or the graph attribute `type`,
-// written where they would mislead). The initial state is the target of `__start0`, or else the
-// first node mentioned. `file` is for messages. Throws ParseError (file:line:column). A model that
-// write_dot wrote is read as it was, numbers of states and symbols included.
-Model read_dot(std::string_view text, const std::string& file);
+// written where they would mislead). `file` is for messages. Throws ParseError (file:line:column).
+// A model that write_dot wrote is read as it was, numbers of states and symbols included.
+//
+// The initial state is the first of these that there is: the target of a node `__start0`, or of any
+// node that no edge leads to and that one edge without a label leaves; the state that the graph
+// attribute `initial` names; that with a node attribute `initial`, `init`, `start` or `root` which
+// is not "false"; of a Mealy machine or an interface automaton the only one with a double circle;
+// the first one mentioned.
+Model read_dot(std::string_view text, const std::string& file, const ModelReading& reading = {});
 
 // The model's file; `dot` draws it. Byte for byte the same for equal models.
 void write_dot(std::ostream& out, const Mealy& machine);
@@ -53,7 +81,7 @@ void write_automata_wiki(std::ostream& out, const Model& model);
 
 // Throws ParseError (file:line:column); a file may promise at most a million states more than its
 // transitions touch. O(text).
-Model read_aut(std::string_view text, const std::string& file);
+Model read_aut(std::string_view text, const std::string& file, const ModelReading& reading = {});
 
 enum class MarkLoss : bool { refuse, accept };
 

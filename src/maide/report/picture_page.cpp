@@ -9,6 +9,7 @@
 
 #include "maide/automata/strength.hpp"
 #include "maide/base/text.hpp"
+#include "maide/formats/model_file.hpp"
 #include "maide/report/html_report.hpp"
 #include "maide/report/picture.hpp"
 
@@ -171,10 +172,7 @@ void write_model(std::ostream& out, const Model& model, const GraphPainter& pain
 
 std::string describe_size(const Model& model) {
   const PictureSize size = size_of(model);
-  const char* kind = std::holds_alternative<InterfaceAutomaton>(model) ? "interface automaton"
-                     : std::holds_alternative<Mealy>(model)            ? "Mealy machine"
-                                                            : "nondeterministic Mealy machine";
-  return fmt::format("{}: {}, {}", kind, counted(size.states, "state"),
+  return fmt::format("{}: {}, {}", name_of_kind(model), counted(size.states, "state"),
                      counted(size.transitions, "transition"));
 }
 

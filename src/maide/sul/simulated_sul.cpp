@@ -154,7 +154,7 @@ SimulatedSul::SimulatedSul(const Mealy& machine, std::string name) : is_plain_(t
 
 SimulatedSul::SimulatedSul(NondeterministicMealy machine, std::string name)
     : machine_(std::move(machine)), is_plain_(true) {
-  if (!machine_.is_complete()) throw UsageError("the Mealy machine is not complete (" + name + ")");
+  machine_.complete_with("refused");
   is_deterministic_ = machine_.is_deterministic();
   info_.name = std::move(name);
   describe_plain(machine_.inputs(), machine_.outputs());
