@@ -15,6 +15,7 @@
 #include <string>
 #include <string_view>
 #include <system_error>
+#include <utility>
 #include <vector>
 #include <wrapper_templates.hpp>  // made by the build
 
@@ -43,7 +44,8 @@ void refuse_to_replace(const std::string& path) {
 
 struct NewArguments {
   std::string what;
-  std::string tcp;
+  std::string tcp, udp, tls;
+  std::string line_end = "crlf";
   bool is_lines = false, is_python = false, is_cpp = false;
   std::vector<std::string> inputs, resets;
   std::string output;
@@ -51,6 +53,11 @@ struct NewArguments {
 
 struct LineInput {
   std::string name, line;
+};
+
+// Where the server listens, and what carries its lines.
+struct Server {
+  std::string transport, address;
 };
 
 // In both languages the same.
@@ -62,12 +69,30 @@ std::string check_line(const std::string& text) {
   return has_control ? "has a control character" : "";
 }
 
+// What is sent: in the text "\n" begins a further line, "\t" is a tab, and "\\" a backslash. Any
+// other backslash is one.
+std::string read_line(const std::string& text, const char* newline = "\n") {
+  std::string line;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char next = text[i] == '\\' && i + 1 < text.size() ? text[i + 1] : ' ';
+    if (next == 'n') line += newline;
+    if (next == 't') line += '\t';
+    if (next == '\\') line += '\\';
+    if (next == 'n' || next == 't' || next == '\\') {
+      ++i;
+    } else {
+      line += text[i];
+    }
+  }
+  return line;
+}
+
 // "login=USER anonymous", or a line that is its own name.
 LineInput read_input(const std::string& text) {
   const std::size_t place = text.find('=');
   LineInput input{text.substr(0, place),
-                  place == std::string::npos ? text : text.substr(place + 1)};
-  input.name = trim(input.name);
+                  read_line(place == std::string::npos ? text : text.substr(place + 1))};
+  input.name = trim(place == std::string::npos ? read_line(text, " ") : input.name);
   if (input.name.empty()) throw UsageError("an input without a name (--input '" + text + "')");
   return input;
 }
@@ -87,15 +112,39 @@ std::vector<LineInput> read_inputs(const std::vector<std::string>& texts) {
 }
 
 // "HOST:PORT", as both wrappers read it.
-void check_address(const std::string& address) {
+void check_address(const Server& server) {
+  const std::string& address = server.address;
   const std::size_t colon = address.rfind(':');
   const std::string port = colon == std::string::npos ? "" : address.substr(colon + 1);
   const bool is_number = !port.empty() && port.size() <= 5 &&
                          port.find_first_not_of("0123456789") == std::string::npos &&
                          std::stoi(port) >= 1 && std::stoi(port) <= 65535;
   if (colon == 0 || !is_number || !check_line(address).empty()) {
-    throw UsageError("an address is HOST:PORT (--tcp " + address + ")");
+    throw UsageError("an address is HOST:PORT (--" + server.transport + " " + address + ")");
   }
+}
+
+Server read_server(const NewArguments& arguments) {
+  std::vector<Server> given;
+  for (const auto& [transport, address] :
+       {std::pair("tcp", &arguments.tcp), {"udp", &arguments.udp}, {"tls", &arguments.tls}}) {
+    if (!address->empty()) given.push_back({transport, *address});
+  }
+  if (given.empty()) {
+    throw UsageError(
+        "--tcp HOST:PORT is required: where the server listens (or --udp, --tls HOST:PORT)");
+  }
+  if (given.size() > 1) throw UsageError("--tcp, --udp and --tls exclude each other");
+  if (arguments.is_cpp && given.front().transport != "tcp") {
+    throw UsageError("--cpp is for --tcp alone; the wrapper in Python takes --" +
+                     given.front().transport);
+  }
+  check_address(given.front());
+  return given.front();
+}
+
+std::string quoted_line_end(const NewArguments& arguments) {
+  return arguments.line_end == "lf" ? R"("\n")" : R"("\r\n")";
 }
 
 // Puts `value` in the place of what stands between `begin` and the next `end`.
@@ -112,17 +161,20 @@ void put_in(std::string& text, std::string_view begin, std::string_view end,
 
 std::string listed(const std::vector<std::string>& texts, const char* open, const char* close) {
   std::vector<std::string> words;
-  for (const std::string& text : texts) words.push_back(quoted(text));
+  for (const std::string& text : texts) words.push_back(quoted(read_line(text)));
   return open + join(words) + close;
 }
 
-std::string python_wrapper(const NewArguments& arguments, const std::vector<LineInput>& inputs) {
+std::string python_wrapper(const NewArguments& arguments, const Server& server,
+                           const std::vector<LineInput>& inputs) {
   std::string text(python_lines_wrapper);
   std::vector<std::string> pairs;
   for (const LineInput& input : inputs) {
     pairs.push_back(quoted(input.name) + ": " + quoted(input.line));
   }
-  put_in(text, "\nSERVER = ", "\n", quoted(arguments.tcp));
+  put_in(text, "\nSERVER = ", "\n", quoted(server.address));
+  put_in(text, "\nTRANSPORT = ", "  #", quoted(server.transport));
+  put_in(text, "\nLINE_END = ", "\n", quoted_line_end(arguments));
   put_in(text, "\nINPUTS = ", "\n", "{" + join(pairs, ",\n          ") + "}");
   put_in(text, "\nRESET = ", "\n", listed(arguments.resets, "[", "]"));
   return text;
@@ -135,6 +187,7 @@ std::string cpp_wrapper(const NewArguments& arguments, const std::vector<LineInp
     pairs.push_back("{" + quoted(input.name) + ", " + quoted(input.line) + "}");
   }
   put_in(text, " server = ", ";\n", quoted(arguments.tcp));
+  put_in(text, " line_end = ", ";\n", quoted_line_end(arguments));
   put_in(text, " lines_of_inputs = ", ";\n", "{\n    " + join(pairs, ",\n    ") + "}");
   put_in(text, " lines_of_reset = ", ";\n", listed(arguments.resets, "{", "}"));
   return text;
@@ -161,16 +214,14 @@ std::string next_steps(const NewArguments& arguments) {
 }
 
 ExitStatus run_new(const NewArguments& arguments, Context& context) {
-  if (arguments.tcp.empty())
-    throw UsageError("--tcp HOST:PORT is required: where the server listens");
   if (arguments.is_python && arguments.is_cpp)
     throw UsageError("--python and --cpp exclude each other");
-  check_address(arguments.tcp);
+  const Server server = read_server(arguments);
   const std::vector<LineInput> inputs = read_inputs(arguments.inputs);
   const std::string text =
-      arguments.is_cpp ? cpp_wrapper(arguments, inputs) : python_wrapper(arguments, inputs);
+      arguments.is_cpp ? cpp_wrapper(arguments, inputs) : python_wrapper(arguments, server, inputs);
   const char* language = arguments.is_cpp ? "cpp" : "python";
-  Json result{{"language", language}, {"server", arguments.tcp}, {"inputs", Json::array()}};
+  Json result{{"language", language}, {"server", server.address}, {"inputs", Json::array()}};
   for (const LineInput& input : inputs) result["inputs"].push_back(input.name);
   if (arguments.output.empty()) {
     context.print_data(text);
@@ -179,7 +230,7 @@ ExitStatus run_new(const NewArguments& arguments, Context& context) {
     refuse_to_replace(arguments.output);
     write_file_atomically(arguments.output, text);
     const std::string head = fmt::format("{}: a wrapper in {} for {}\n", arguments.output,
-                                         arguments.is_cpp ? "C++" : "Python", arguments.tcp);
+                                         arguments.is_cpp ? "C++" : "Python", server.address);
     context.print(context.quiet() ? head : head + next_steps(arguments));
     result["output"] = arguments.output;
   }
@@ -293,14 +344,20 @@ RunFunction set_up_new(CommandLine& line) {
   auto arguments = std::make_shared<NewArguments>();
   line.add("WHAT", arguments->what, "What to write: wrapper").required().one_of({"wrapper"});
   line.add("--tcp", arguments->tcp, "Where the server listens").value_name("HOST:PORT");
+  line.add("--udp", arguments->udp, "The same for a server of datagrams (not with --cpp)")
+      .value_name("HOST:PORT");
+  line.add("--tls", arguments->tls,
+           "The same for a server over TLS, whoever signed its certificate (not with --cpp)")
+      .value_name("HOST:PORT");
   line.add_flag("--lines", arguments->is_lines,
                 "The server takes lines of text and answers with lines (the only kind so far)");
   line.add_flag("--python", arguments->is_python,
                 "Write it in Python (the default): it runs as it is");
   line.add_flag("--cpp", arguments->is_cpp, "Write it in C++, with Maide's library for wrappers");
   line.add("--input", arguments->inputs,
-           "An input and the line that it sends, or a line that is its own name; may be given "
-           "several times (default: HELP, NOOP and QUIT)")
+           "An input and the line that it sends, or a line that is its own name; '\\n' in it "
+           "begins a "
+           "further line; may be given several times (default: HELP, NOOP and QUIT)")
       .one_each()
       .no_default()
       .check(check_line)
@@ -312,6 +369,8 @@ RunFunction set_up_new(CommandLine& line) {
       .no_default()
       .check(check_line)
       .value_name("LINE");
+  line.add("--line-end", arguments->line_end, "What ends a line: crlf (\\r\\n) or lf (\\n)")
+      .one_of({"crlf", "lf"});
   line.add("-o,--output", arguments->output,
            "The file to write, which must not be there; standard output if not given");
   return [arguments](Context& context) { return run_new(*arguments, context); };

@@ -72,7 +72,8 @@ TEST(Protocol, HelloGoesThere) {
 }
 
 TEST(Protocol, InfoGoesThere) {
-  const auto back = from_wrapper<Info>(encode(Info{example_info(), true}));
+  const auto back = from_wrapper<Info>(encode(Info{example_info(), true, {{"server", "A"}}}));
+  EXPECT_EQ(back.versions, (std::map<std::string, std::string>{{"server", "A"}}));
   const SulInfo info = example_info();
   EXPECT_TRUE(back.open_outputs);
   EXPECT_EQ(back.info.actors, info.actors);

@@ -172,6 +172,7 @@ void WrapperProxy::set_up(const protocol::Hello& hello, const RunControl& contro
   SulInfo info = std::move(reply->info);
   info.name = hello.name;
   info.versions = hello.versions;
+  for (const auto& [part, number] : reply->versions) info.versions[part] = number;
   info.speaks_trees = hello.speaks_trees;
   info.speaks_purposes = hello.speaks_purposes;
   info.speaks_av = hello.speaks_av;

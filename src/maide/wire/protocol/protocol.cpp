@@ -94,6 +94,7 @@ std::string encode(const Info& message) {
   for (const auto& [key, value] : info.options) json["options"][key] = value;
   if (!info.bound.empty()) json["bound"] = info.bound;
   if (message.open_outputs) json["open_outputs"] = true;
+  for (const auto& [part, number] : message.versions) json["versions"][part] = number;
   return to_json_line(json);
 }
 
@@ -407,6 +408,7 @@ Info decode_info(const Json& json) {
   info.options = map_member(json, "options");
   info.bound = text_member(json, "bound", "");
   message.open_outputs = flag_member(json, "open_outputs");
+  message.versions = map_member(json, "versions");
   return message;
 }
 

@@ -50,6 +50,8 @@ struct Hello {
 struct Info {
   SulInfo info;
   bool open_outputs = false;  // events may have names that are not listed
+  // Further versions, which the wrapper knows once it has met the system.
+  std::map<std::string, std::string> versions = {};
 };
 struct Ok {};  // the answer to Purpose
 struct Answer {
