@@ -254,31 +254,35 @@ class DotReader {
     }
   }
 
-  // Where no node marks the initial state, something of its own may.
+  // The state that was asked for; or where no node marks the initial one, what else does.
   void find_marked_state() {
-    if (!is_marked_) {
-      const auto named = graph_.origin.find("initial");
-      if (named != graph_.origin.end() && find_state(graph_, named->second)) {
-        graph_.initial = *find_state(graph_, named->second);
-        graph_.origin.erase(named);
-      } else {
-        find_marked_state([&](const DotGraph::Node& node) {
-          return std::ranges::any_of(state_marks, [&](const char* key) {
-            const Attribute* mark = dot_.find(node.attributes, key);
-            return mark != nullptr && mark->value != "false";
-          });
-        }) ||
-            is_dfa_ || find_marked_state([&](const DotGraph::Node& node) {
-              const Attribute* rings = dot_.find(node.attributes, "peripheries");
-              return is_accepting(node) || (rings != nullptr && rings->value == "2");
-            });
-      }
-    }
+    if (!is_marked_) find_own_mark();
     set_initial(reading_, graph_);
   }
-  // The only state of that kind.
+  void find_own_mark() {
+    const auto named = graph_.origin.find("initial");
+    const auto state =
+        named == graph_.origin.end() ? std::nullopt : find_state(graph_, named->second);
+    if (state) {
+      graph_.initial = *state;
+      graph_.origin.erase(named);
+      return;
+    }
+    const auto has_mark = [&](const DotGraph::Node& node) {
+      return std::ranges::any_of(state_marks, [&](const char* key) {
+        const Attribute* mark = dot_.find(node.attributes, key);
+        return mark != nullptr && mark->value != "false";
+      });
+    };
+    const auto has_rings = [&](const DotGraph::Node& node) {
+      const Attribute* rings = dot_.find(node.attributes, "peripheries");
+      return is_accepting(node) || (rings != nullptr && rings->value == "2");
+    };
+    if (!begin_in_the_only(has_mark) && !is_dfa_) begin_in_the_only(has_rings);
+  }
+  // False if there is none of that kind, or several.
   template <typename Predicate>
-  bool find_marked_state(Predicate&& is_marked) {
+  bool begin_in_the_only(Predicate&& is_marked) {
     std::optional<StateId> found;
     for (std::size_t index = 0; index < dot_.nodes.size(); ++index) {
       if (is_mark_[index] || !is_marked(dot_.nodes[index])) continue;

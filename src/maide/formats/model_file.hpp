@@ -54,11 +54,13 @@ void note_labels(const ModelReading& reading, LabelledGraph& graph);
 // written where they would mislead). `file` is for messages. Throws ParseError (file:line:column).
 // A model that write_dot wrote is read as it was, numbers of states and symbols included.
 //
-// The initial state is the first of these that there is: the target of a node `__start0`, or of any
-// node that no edge leads to and that one edge without a label leaves; the state that the graph
-// attribute `initial` names; that with a node attribute `initial`, `init`, `start` or `root` which
-// is not "false"; of a Mealy machine or an interface automaton the only one with a double circle;
-// the first one mentioned.
+// Several things may mark the initial state. The first of these counts:
+// 1. A node `__start0` leads to it. So may any node with one edge, which has no label, and with no
+//    edge to it.
+// 2. The graph attribute `initial` names it.
+// 3. It alone has a node attribute `initial`, `init`, `start` or `root` that is not "false".
+// 4. It alone has a double circle, in a graph that is no DFA.
+// 5. It is mentioned first.
 Model read_dot(std::string_view text, const std::string& file, const ModelReading& reading = {});
 
 // The model's file; `dot` draws it. Byte for byte the same for equal models.
