@@ -1,7 +1,7 @@
 #include "random_system.hpp"
 
 #include "maide/automata/random_automata.hpp"
-#include "maide/check/build/make_program.hpp"
+#include "maide/check/build/parse_program.hpp"
 
 namespace maide::test {
 namespace {

@@ -8,7 +8,7 @@
 #include <map>
 #include <set>
 
-#include "maide/check/build/make_program.hpp"
+#include "maide/check/build/parse_program.hpp"
 #include "maide/check/engines/engine.hpp"
 #include "maide/check/text/tokens.hpp"
 #include "maide/check/verdict/check_system.hpp"

@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "maide/check/build/make_program.hpp"
+#include "maide/check/build/parse_program.hpp"
 #include "maide/check/engines/engine.hpp"
 #include "maide/check/engines/spin_engine.hpp"
 #include "maide/check/system/trace_file.hpp"

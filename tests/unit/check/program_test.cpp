@@ -5,10 +5,11 @@
 #include <algorithm>
 
 #include "maide/check/build/code_resolver.hpp"
-#include "maide/check/build/make_program.hpp"
+#include "maide/check/build/parse_program.hpp"
 #include "maide/check/language/code_parser.hpp"
 #include "maide/check/system/model_actions.hpp"
 #include "maide/check/system/system.hpp"
+#include "maide/check/unroll/make_program.hpp"
 #include "systems.hpp"
 
 namespace maide {

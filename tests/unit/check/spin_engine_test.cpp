@@ -6,7 +6,7 @@
 #include <filesystem>
 
 #include "maide/base/file.hpp"
-#include "maide/check/build/make_program.hpp"
+#include "maide/check/build/parse_program.hpp"
 #include "maide/check/build/system_file.hpp"
 #include "systems.hpp"
 

@@ -11,10 +11,11 @@
 #include <vector>
 
 #include "maide/base/file.hpp"
-#include "maide/check/build/make_program.hpp"
+#include "maide/check/build/arrivals.hpp"
 #include "maide/check/build/wires.hpp"
 #include "maide/check/ltl/ltl_automaton.hpp"
 #include "maide/check/system/model_actions.hpp"
+#include "maide/check/unroll/make_program.hpp"
 
 namespace maide {
 namespace {

@@ -10,12 +10,12 @@
 #include <utility>
 #include <vector>
 
-#include "maide/base/text.hpp"
+#include "maide/check/rules/system_options.hpp"
 
 namespace maide {
 namespace {
 
-using Options = std::map<std::string, std::string>;
+using Options = SystemOptions;
 
 std::optional<std::uint32_t> number_of(const Options& options, const std::string& name) {
   const auto place = options.find(name);
@@ -25,30 +25,6 @@ std::optional<std::uint32_t> number_of(const Options& options, const std::string
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
   if (error != std::errc() || end != text.data() + text.size() || number == 0) return std::nullopt;
   return number;
-}
-
-bool is(const Options& options, const std::string& name, std::string_view value) {
-  const auto place = options.find(name);
-  return place != options.end() && place->second == value;
-}
-
-// "ros2 depth=10 rmw=cyclonedds": the system that the model was learned from under "", and its
-// options.
-Options system_of(const ModelInstance& model) {
-  Options options;
-  const auto& origin = model.read_automaton().origin;
-  const auto sul = origin.find("sul");
-  std::string_view text = model.is_learned ? std::string_view(model.origin) : std::string_view();
-  if (sul != origin.end()) text = sul->second;
-  for (const std::string_view word : split(text, ' ')) {
-    const std::size_t at = word.find('=');
-    if (at == std::string_view::npos) {
-      if (!word.empty()) options.emplace("", word);
-    } else {
-      options.emplace(word.substr(0, at), word.substr(at + 1));
-    }
-  }
-  return options;
 }
 
 bool is_dds(const Options& system) {
@@ -108,7 +84,7 @@ WireRules wire_of(const Options& system, const ModelOrigin& origin, const Delive
 
 DeliveryRule delivery_of(const ModelInstance& model, const ModelOrigin& origin,
                          const DeliveryWish& wish, const DeliveryPlace& place) {
-  const Options system = system_of(model);
+  const Options system = system_options_of(model);
   DeliveryRule rule{Delivery::late, wire_of(system, origin, wish), "", wish.stream};
   // A client of MQTT has one TCP connection.
   if (rule.stream.empty() && is(system, "", "mqtt")) rule.stream = "mqtt";
@@ -135,11 +111,6 @@ DeliveryRule delivery_of(const ModelInstance& model, const ModelOrigin& origin,
   }
   if (place.is_topic || is_of_middleware(system)) return rule;
   return with(Delivery::at_once, "");
-}
-
-bool is_over_fast_dds(const ModelInstance& model) {
-  const Options system = system_of(model);
-  return is(system, "", "ros2") && is(system, "rmw", "fastrtps");
 }
 
 DeliveryRule delivery_of(const Service& service, const DeliveryWish& wish,

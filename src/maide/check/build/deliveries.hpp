@@ -28,8 +28,6 @@ struct DeliveryPlace {
 // Of a connection with a learned or built-in model.
 DeliveryRule delivery_of(const ModelInstance& model, const ModelOrigin& origin,
                          const DeliveryWish& wish, const DeliveryPlace& place);
-// The model says that it is of ROS 2 over Fast DDS.
-bool is_over_fast_dds(const ModelInstance& model);
 // Of a service, whose rules are those of ROS 2.
 DeliveryRule delivery_of(const Service& service, const DeliveryWish& wish,
                          const DeliveryPlace& place);

@@ -5,7 +5,7 @@
 #include <string>
 #include <utility>
 
-#include "maide/check/build/walker.hpp"
+#include "maide/check/unroll/walker.hpp"
 
 namespace maide {
 

@@ -1,10 +1,10 @@
-#include "maide/check/build/look_steps.hpp"
+#include "maide/check/unroll/look_steps.hpp"
 
 #include <string>
 #include <tuple>
 
-#include "maide/check/build/deliveries.hpp"
-#include "maide/check/build/wires.hpp"
+#include "maide/check/rules/system_options.hpp"
+#include "maide/check/unroll/wire_uses.hpp"
 
 namespace maide::program_syntax {
 

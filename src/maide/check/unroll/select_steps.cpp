@@ -1,11 +1,11 @@
-#include "maide/check/build/select_steps.hpp"
+#include "maide/check/unroll/select_steps.hpp"
 
 #include <algorithm>
 #include <functional>
 #include <map>
 #include <utility>
 
-#include "maide/check/build/wires.hpp"
+#include "maide/check/unroll/wire_uses.hpp"
 
 namespace maide::program_syntax {
 

@@ -11,8 +11,8 @@
 #include <tuple>
 #include <vector>
 
-#include "maide/check/build/wires.hpp"
 #include "maide/check/system/model_actions.hpp"
+#include "maide/check/unroll/wire_uses.hpp"
 
 namespace maide::program_syntax {
 

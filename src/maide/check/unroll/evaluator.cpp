@@ -1,4 +1,4 @@
-#include "maide/check/build/evaluator.hpp"
+#include "maide/check/unroll/evaluator.hpp"
 
 #include <algorithm>
 #include <functional>

@@ -1,4 +1,4 @@
-#include "maide/check/build/topic_steps.hpp"
+#include "maide/check/unroll/topic_steps.hpp"
 
 #include <algorithm>
 #include <functional>

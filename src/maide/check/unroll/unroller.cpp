@@ -1,10 +1,10 @@
-#include "maide/check/build/unroller.hpp"
+#include "maide/check/unroll/unroller.hpp"
 
 #include <algorithm>
 #include <string>
 #include <utility>
 
-#include "maide/check/build/wires.hpp"
+#include "maide/check/unroll/wire_uses.hpp"
 
 namespace maide::program_syntax {
 

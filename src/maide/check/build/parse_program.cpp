@@ -1,12 +1,10 @@
-#include "maide/check/build/make_program.hpp"
+#include "maide/check/build/parse_program.hpp"
 
 #include <cstdint>
-#include <utility>
 
 #include "maide/check/build/code_resolver.hpp"
-#include "maide/check/build/unroller.hpp"
 #include "maide/check/language/code_parser.hpp"
-#include "maide/check/language/unreachable.hpp"
+#include "maide/check/unroll/make_program.hpp"
 
 namespace maide {
 
@@ -24,20 +22,4 @@ Program parse_program(const std::string& name, const ScalarText& text, System& s
                                       actions, names);
 }
 
-namespace program_syntax {
-
-Program unroll(const Tree& tree, const Unrolled& program, ModelActions& actions, const Names& names,
-               const RunControl& control) {
-  return Unroller(tree, program, actions, names, control).run();
-}
-
-Program make_program(const Tree& tree, const Unrolled& program, int last_line,
-                     ModelActions& actions, const Names& names, const RunControl& control) {
-  Program made = unroll(tree, program, actions, names, control);
-  made.unreachable = find_unreachable(tree, made.position.file);
-  made.last_line = last_line;
-  return made;
-}
-
-}  // namespace program_syntax
 }  // namespace maide

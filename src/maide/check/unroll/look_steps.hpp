@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "maide/check/build/select_steps.hpp"
+#include "maide/check/unroll/select_steps.hpp"
 
 namespace maide::program_syntax {
 

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "maide/check/build/make_program.hpp"
 #include "maide/check/language/program_tree.hpp"
 #include "maide/check/system/model_actions.hpp"
+#include "maide/check/unroll/make_program.hpp"
 
 namespace maide::program_syntax {
 

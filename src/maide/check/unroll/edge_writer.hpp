@@ -9,9 +9,9 @@
 #include <tuple>
 #include <vector>
 
-#include "maide/check/build/service_steps.hpp"
-#include "maide/check/build/topic_steps.hpp"
-#include "maide/check/build/walker.hpp"
+#include "maide/check/unroll/service_steps.hpp"
+#include "maide/check/unroll/topic_steps.hpp"
+#include "maide/check/unroll/walker.hpp"
 
 namespace maide::program_syntax {
 

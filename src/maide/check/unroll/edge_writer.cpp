@@ -1,9 +1,9 @@
-#include "maide/check/build/edge_writer.hpp"
+#include "maide/check/unroll/edge_writer.hpp"
 
 #include <algorithm>
 #include <utility>
 
-#include "maide/check/build/wires.hpp"
+#include "maide/check/unroll/wire_uses.hpp"
 
 namespace maide::program_syntax {
 

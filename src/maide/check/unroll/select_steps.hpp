@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "maide/check/build/edge_writer.hpp"
+#include "maide/check/unroll/edge_writer.hpp"
 
 namespace maide::program_syntax {
 

@@ -1,4 +1,4 @@
-#include "maide/check/build/walker.hpp"
+#include "maide/check/unroll/walker.hpp"
 
 #include <algorithm>
 #include <set>

@@ -1,4 +1,4 @@
-#include "maide/check/build/service_steps.hpp"
+#include "maide/check/unroll/service_steps.hpp"
 
 #include <algorithm>
 

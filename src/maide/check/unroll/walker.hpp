@@ -20,7 +20,7 @@
 
 #include "maide/base/hash.hpp"
 #include "maide/base/run_control.hpp"
-#include "maide/check/build/evaluator.hpp"
+#include "maide/check/unroll/evaluator.hpp"
 
 namespace maide::program_syntax {
 

@@ -8,7 +8,7 @@
 #include <map>
 #include <vector>
 
-#include "maide/check/build/look_steps.hpp"
+#include "maide/check/unroll/look_steps.hpp"
 
 namespace maide::program_syntax {
 
