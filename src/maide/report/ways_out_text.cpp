@@ -85,7 +85,8 @@ class WaysOutText {
   std::string obstacle_of(const Helper& helper) const {
     switch (helper.obstacle) {
       case Obstacle::none: return "";
-      case Obstacle::ended: return "has ended";
+      case Obstacle::ended:
+        return system_.programs[helper.program].may_die() ? "has died" : "has ended";
       case Obstacle::passed: return "never comes there again";
       case Obstacle::not_started: return "has nothing to start for";
       case Obstacle::own_thread:
@@ -199,6 +200,9 @@ class WaysOutText {
         text += fmt::format("; {}, which would take the answer, {}", name_of(*wait.taker), taking);
       }
       return text;
+    }
+    if (!wait.loss && wait.has_asked && wait.server && wait.server->obstacle == Obstacle::ended) {
+      return fmt::format("{}, which would answer, {}", name_of(*wait.server), serving);
     }
     if (!taking.empty()) {
       text = fmt::format("{}, which takes the answer, {}; ", name_of(*wait.taker), taking);

@@ -99,6 +99,7 @@ class ReplayedNodes::Describer {
       graph_[list] = Json::array();
     }
     for (const CallbackInstance& callback : system_.callbacks) node_named(callback.node);
+    refuse_offers();
     add_executors();
     for (std::size_t topic = 0; topic < system_.topics.size(); ++topic) {
       if (has_node(system_, system_.topics[topic]))
@@ -212,6 +213,18 @@ class ReplayedNodes::Describer {
     graph_["services"].push_back(std::move(json));
   }
 
+  void refuse_offers() const {
+    for (const ServiceInstance& service : system_.services) {
+      const auto is_presence = [&](const ModelInstance& model) {
+        return model.source == ModelInstance::Source::variable &&
+               model.name == presence_of(service.name);
+      };
+      if (std::ranges::none_of(system_.models, is_presence)) continue;
+      throw UsageError(fmt::format("{}: a service that is offered later is not replayed yet ({})",
+                                   service.name, system_.file));
+    }
+  }
+
   void add_callback(std::uint32_t number) {
     const CallbackInstance& callback = system_.callbacks[number];
     nodes_.meanings_[fmt::format("c{}", number)] = callback.name;
@@ -228,6 +241,11 @@ class ReplayedNodes::Describer {
         break;
       case CallbackInstance::Kind::service: json["service"] = services_.at(callback.model); break;
       case CallbackInstance::Kind::client: json["client"] = services_.at(callback.model); break;
+      case CallbackInstance::Kind::start:
+      case CallbackInstance::Kind::thread:
+        throw UsageError(
+            fmt::format("{}: nodes with a start or threads of their own are not replayed yet ({})",
+                        callback.name, system_.file));
     }
     graph_["callbacks"].push_back(std::move(json));
   }

@@ -26,6 +26,7 @@ class ArrivalMaker {
       for (const Wire& wire : wires) add(wire);
     }
     for (const auto& [model, service] : names_.services) add(model, service);
+    for (const auto& [model, service] : names_.services) add_gone(model, service);
   }
 
  private:
@@ -113,6 +114,24 @@ class ArrivalMaker {
       loss.lost = "a" + std::string(is_request ? " request of " : "n answer to ") + name;
       add(std::move(loss), model);
     }
+  }
+
+  // The server has died, and that gets about.
+  void add_gone(std::uint32_t model, const Service& service) {
+    const std::vector<std::uint32_t> programs = programs_at(file_, service.server);
+    const bool may_die = std::ranges::any_of(
+        programs, [&](std::uint32_t program) { return file_.programs[program].may_die; });
+    if (!may_die || !service.presence) return;
+    const std::vector<bool> is_there{false, true};
+    NobodysAction gone;
+    gone.what.text = service.name + " is gone";
+    gone.what.fair = static_cast<std::uint32_t>(system_.nobodys_groups.size());
+    gone.what.uses = {
+        service.rules->use(actions_, model, {ServiceModel::Operation::Kind::server_is_dead}),
+        actions_.variable(*service.presence, &is_there, 0)};
+    gone.counts_for_deadlock = false;
+    system_.nobodys_groups.push_back("the news that the server of " + service.name + " is dead");
+    add(std::move(gone), model);
   }
 
   void add(NobodysAction action, std::uint32_t to) {

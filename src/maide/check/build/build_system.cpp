@@ -87,8 +87,8 @@ class SystemBuilder {
       const program_syntax::Tree tree = resolve(number);
       const int last_line = declared.code ? declared.code->last.line : declared.position.line;
       Program& program = system_.programs.emplace_back(program_syntax::make_program(
-          tree, {declared.name, number, declared.position, declared.may_die}, last_line, actions,
-          models_.names, control_));
+          tree, {declared.name, number, declared.position, declared.may_die, declared.nodes},
+          last_line, actions, models_.names, control_));
       program.nodes = declared.nodes;
       program.execution = declared.execution;
       program.process = declared.process;

@@ -124,6 +124,7 @@ void CodeResolver::resolve_kind(const syntax::Statement& from, Statement& to) {
     case From::choice:
       to.kind = To::choice;
       to.is_fair = from.is_fair;
+      to.is_one_sided = from.is_one_sided;
       to.body = resolve_block(from.body);
       to.otherwise = resolve_block(from.otherwise);
       break;
@@ -185,12 +186,88 @@ void CodeResolver::resolve_kind(const syntax::Statement& from, Statement& to) {
         to.select_arms.push_back(std::move(resolved));
       }
       break;
+    case From::offer:
+    case From::withdraw: resolve_offer(from, to); break;
+    case From::run:
+    case From::join: resolve_run(from, to); break;
+    case From::unknown: {
+      const Context& known = *work_.context;
+      to.kind = To::give;
+      to.model.leaf.op = Expression::Operator::shared;
+      to.model.leaf.index = is_in_callback
+                                ? known.names.unknown_callbacks.at(known.callback->whole_name())
+                                : known.names.unknown_programs.at(known.program);
+      to.input.name = "begin";
+      work_.names.insert(to.model.leaf.index);
+      break;
+    }
   }
+}
+
+void CodeResolver::resolve_offer(const syntax::Statement& from, Statement& to) {
+  const bool offers = from.kind == syntax::Statement::Kind::offer;
+  const std::string verb = offers ? "offer" : "withdraw";
+  to.model = events_.model(from.model);
+  if (events_.service_of(to.model) == nullptr) {
+    names_.fail("'" + verb + "' takes a service, and '" + from.model.name.text + "' is none",
+                from.model.place);
+  }
+  if (!events_.is_server(to.model)) {
+    names_.fail("'" + verb + "' stands in the code of the service's server", from.place);
+  }
+  to.target = names_.presence(from.model);
+  if (to.target.is_constant()) {
+    names_.fail("nobody offers '" + from.model.name.text +
+                    "', so it is there from the begin: say `offer` where it comes to be",
+                from.place);
+  }
+  to.kind = offers ? Statement::Kind::assign : Statement::Kind::withdraw;
+  to.type.kind = ValueKind::boolean;
+  to.type.high = 1;
+  to.expression = make_constant(offers ? 1 : 0, ValueKind::boolean);
+}
+
+void CodeResolver::resolve_run(const syntax::Statement& from, Statement& to) {
+  const Callback* const callback = work_.context->callback;
+  const std::string verb = from.kind == syntax::Statement::Kind::run ? "run" : "join";
+  if (callback == nullptr) {
+    names_.fail("'" + verb + "' takes a thread of a node, and stands in the node's code",
+                from.place);
+  }
+  const auto& threads = work_.context->names.threads;
+  const auto thread = threads.find(callback->node + "." + from.name.text);
+  if (thread == threads.end()) {
+    std::vector<std::string> known;
+    for (const auto& [name, model] : threads) {
+      if (name.starts_with(callback->node + "."))
+        known.push_back(name.substr(callback->node.size() + 1));
+    }
+    names_.fail("node " + callback->node + " has no thread '" + from.name.text + "'" +
+                    (known.empty() ? "" : "; it has: " + known_instead(from.name.text, known)),
+                from.name.place);
+  }
+  to.kind = verb == "run" ? Statement::Kind::run : Statement::Kind::join;
+  to.copies = thread->second;
+  work_.names.insert(to.copies);
+}
+
+// `wait lookup -> there;` is a `select` with one arm.
+void CodeResolver::resolve_wait_for_server(const syntax::Statement& from, Statement& to) {
+  to.kind = Statement::Kind::select;
+  SelectArm& arm = to.select_arms.emplace_back();
+  arm.callback = work_.context->callback;
+  arm.line = from.place.line;
+  arm.column = from.place.column;
+  arm.guard = names_.presence(from.model);
+  arm.body = std::make_unique<Block>();
 }
 
 void CodeResolver::resolve_wait(const syntax::Statement& from, Statement& to) {
   const syntax::Arm& awaited = from.arms.front();
   to.model = events_.sent_to(from.model);
+  if (awaited.output.name.is("there") && events_.service_of(to.model) != nullptr) {
+    return resolve_wait_for_server(from, to);
+  }
   if (events_.is_arrival(to.model, awaited.output)) {
     to.kind = Statement::Kind::arrival;
     to.input = events_.arrival(to.model, awaited.output);
@@ -459,9 +536,14 @@ void CodeResolver::resolve_thread(const Thread& thread) {
     work_.tree.slots.push_back({"look", starts.type, work_.position});
     work_.tree.initial.emplace_back(0);
   }
+  for (const Callback& callback : thread.starts) resolve_node_start(callback, block);
   for (const Callback& callback : thread.callbacks) {
     starts.select_arms.push_back(resolve_start(callback));
     for (const ModelUse& use : callback.start) work_.names.insert(use.model);
+  }
+  if (thread.callbacks.empty()) {
+    work_.scopes.pop_back();
+    return;
   }
   Statement loop;
   loop.kind = Statement::Kind::loop;
@@ -477,6 +559,19 @@ std::unique_ptr<Block> CodeResolver::open_procedure() {
   auto procedure = open_block();
   procedure->is_procedure = procedure->is_callback = true;
   return procedure;
+}
+
+void CodeResolver::resolve_node_start(const Callback& callback, Block& block) {
+  SelectArm arm = resolve_start(callback);
+  Statement code;
+  code.kind = Statement::Kind::inner;
+  code.line = callback.position.line;
+  code.column = callback.position.column;
+  code.callback = &callback;
+  code.body = std::move(arm.body);
+  block.statements.push_back(std::move(code));
+  block.statements.push_back(std::move(arm.end->statements.front()));
+  for (const ModelUse& use : callback.end) work_.names.insert(use.model);
 }
 
 SelectArm CodeResolver::resolve_start(const Callback& callback) {
@@ -495,8 +590,9 @@ SelectArm CodeResolver::resolve_start(const Callback& callback) {
   work_.scopes.push_back(std::move(indices));
   work_.context = &start;
   work_.asked.clear();
+  resolve_when(callback, arm);
   if (callback.kind != Callback::Kind::subscription) {
-    if (callback.kind != Callback::Kind::timer) {
+    if (callback.kind == Callback::Kind::service || callback.kind == Callback::Kind::client) {
       arm.kind = SelectArm::Kind::service;
       work_.names.insert(callback.model);
     }
@@ -506,6 +602,7 @@ SelectArm CodeResolver::resolve_start(const Callback& callback) {
   }
   work_.context = around;
   work_.scopes.pop_back();
+  if (arm.came) note_that_it_came(*arm.came, *arm.body);
   Statement end;
   end.kind = Statement::Kind::end_callback;
   end.line = callback.position.line;
@@ -515,6 +612,37 @@ SelectArm CodeResolver::resolve_start(const Callback& callback) {
   arm.end = std::make_unique<Block>();
   arm.end->statements.push_back(std::move(end));
   return arm;
+}
+
+void CodeResolver::resolve_when(const Callback& callback, SelectArm& arm) {
+  if (callback.when) arm.guard = names_.expression(*callback.when, ValueKind::boolean, "'when'");
+  if (callback.goes_by_clock) arm.due = names_.find(due_of(callback.whole_name()))->expression;
+  if (!callback.comes_once) return;
+  Expression came;
+  came.op = Expression::Operator::local;
+  came.kind = ValueKind::boolean;
+  came.index = static_cast<std::uint32_t>(work_.tree.slots.size());
+  came.name = callback.whole_name() + " came";
+  ValueType type;
+  type.kind = ValueKind::boolean;
+  type.high = 1;
+  work_.tree.slots.push_back({came.name, type, callback.position});
+  work_.tree.initial.emplace_back(0);
+  Expression not_yet = make_unary(Expression::Operator::negation, came, callback.position);
+  arm.guard = arm.guard ? make_binary(Expression::Operator::conjunction, std::move(not_yet),
+                                      std::move(*arm.guard), callback.position)
+                        : std::move(not_yet);
+  arm.came = std::move(came);
+}
+
+// Before the callback's code; it is no step.
+void CodeResolver::note_that_it_came(const Expression& came, Block& code) const {
+  Statement note;
+  note.kind = Statement::Kind::assign;
+  note.target = came;
+  note.type = work_.tree.slots[came.index].type;
+  note.expression = make_constant(1, ValueKind::boolean);
+  code.statements.insert(code.statements.begin(), std::move(note));
 }
 
 void CodeResolver::resolve_subscription(const Callback& callback, const Context& inside,

@@ -35,6 +35,9 @@ class CodeResolver {
   std::uint32_t resolve_label(const syntax::Name& name);
   void resolve_kind(const syntax::Statement& from, Statement& to);
   void resolve_wait(const syntax::Statement& from, Statement& to);
+  void resolve_wait_for_server(const syntax::Statement& from, Statement& to);
+  void resolve_offer(const syntax::Statement& from, Statement& to);
+  void resolve_run(const syntax::Statement& from, Statement& to);
   void resolve_repeat(const syntax::Statement& from, Statement& to);
   // LOW..HIGH, which may depend on the program's own variables.
   void resolve_bounds(const syntax::Range& range, Statement& to, std::string_view what);
@@ -58,6 +61,11 @@ class CodeResolver {
   // ---- Callbacks ----
 
   SelectArm resolve_start(const Callback& callback);
+  // Where the callback may start, beyond what came for it.
+  void resolve_when(const Callback& callback, SelectArm& arm);
+  // The start of a node: its code and its end.
+  void resolve_node_start(const Callback& callback, Block& block);
+  void note_that_it_came(const Expression& came, Block& code) const;
   void resolve_taken(const syntax::Taken& taken, SelectArm& arm, Event& pattern) const;
   void resolve_subscription(const Callback& callback, const Context& inside, SelectArm& arm);
   std::unique_ptr<Block> open_procedure();

@@ -64,9 +64,18 @@ void check_plain_name(const Declarations& file, const TreeNode& entry, const std
                            entry);
 }
 
+std::vector<const syntax::Code*> codes_of(const program_syntax::Callback& callback) {
+  std::vector<const syntax::Code*> codes;
+  if (callback.code) codes.push_back(callback.code.get());
+  for (const auto& [output, code] : callback.outcomes) codes.push_back(code.get());
+  return codes;
+}
+
 std::uint32_t runs_of(const Declarations& file, const NodeDeclaration& node, std::size_t callback) {
+  const program_syntax::Callback& code = node.callbacks[callback];
+  if (code.kind == program_syntax::Callback::Kind::thread) return code.copies;
   const std::string& group = node.callback_groups[callback];
-  const bool is_reentrant = !group.empty() && node.groups.at(group);
+  const bool is_reentrant = !group.empty() && node.groups.at(group) && !code.comes_once;
   return is_reentrant ? file.executors[node.executor].threads : 1;
 }
 
@@ -187,6 +196,138 @@ void declare_programs(Declarations& file) {
   if (file.programs.empty()) file.tree().fail("there is no program", *section);
 }
 
+// ---- What texts say -----------------------------------------------------------------------------
+
+namespace {
+
+bool says_unknown(const syntax::Code& code) {
+  bool found = false;
+  syntax::for_each_statement(code.block, [&](const syntax::Statement& statement) {
+    found = found || statement.kind == syntax::Statement::Kind::unknown;
+  });
+  return found;
+}
+
+// `owner`: the program or callback.
+std::uint32_t add_unknown(Declarations& file, const std::string& owner, const syntax::Code& code) {
+  ModelInstance model;
+  model.name = "_unknown_" + std::to_string(file.models.size());
+  model.position = {code.file, code.begin.line, code.begin.column};
+  file.take_name(model.name, model.position);
+  model.automaton = make_unknown_code(owner);
+  model.source = ModelInstance::Source::executor;
+  file.models.push_back(std::move(model));
+  file.origins.emplace_back();
+  return static_cast<std::uint32_t>(file.models.size() - 1);
+}
+
+}  // namespace
+
+void declare_unknown(Declarations& file) {
+  bool is_in_procedure = false;
+  for (const TreeNode& entry : file.tree().entries("procedures")) {
+    is_in_procedure = is_in_procedure || says_unknown(*entry.code);
+  }
+  for (std::uint32_t number = 0; number < file.programs.size(); ++number) {
+    const ProgramDeclaration& program = file.programs[number];
+    if (!is_in_procedure && !says_unknown(*program.code)) continue;
+    file.names.unknown_programs[number] = add_unknown(file, program.name, *program.code);
+  }
+  for (const NodeDeclaration& node : file.nodes) {
+    for (const program_syntax::Callback& callback : node.callbacks) {
+      for (const syntax::Code* const code : codes_of(callback)) {
+        const std::string name = callback.whole_name();
+        const bool is_known = file.names.unknown_callbacks.contains(name);
+        if (is_known || (!is_in_procedure && !says_unknown(*code))) continue;
+        file.names.unknown_callbacks[name] = add_unknown(file, name, *code);
+      }
+    }
+  }
+}
+
+namespace {
+
+// Which services texts offer, and of which they ask whether they are there.
+struct NamedServices {
+  std::set<std::string> offered, asked;
+};
+
+void note_terms(const syntax::Term& term, NamedServices& services) {
+  if (!term.parts.empty()) services.asked.insert(term.name.text);
+  for (const syntax::Term& operand : term.operands) note_terms(operand, services);
+}
+
+NamedServices find_named_services(const Declarations& file) {
+  NamedServices services;
+  for_each_code(file.tree().root, [&](const syntax::Code& code) {
+    syntax::for_each_statement(code.block, [&](const syntax::Statement& statement) {
+      using Kind = syntax::Statement::Kind;
+      const std::string& name = statement.model.name.text;
+      if (statement.kind == Kind::offer) services.offered.insert(name);
+      if (statement.kind == Kind::wait && statement.arms.front().output.name.is("there")) {
+        services.asked.insert(name);
+      }
+      if (statement.expression) note_terms(*statement.expression, services);
+      for (const syntax::SelectArm& arm : statement.select_arms) {
+        if (arm.guard) note_terms(*arm.guard, services);
+      }
+    });
+  });
+  const std::function<void(const TreeNode&)> visit = [&](const TreeNode& at) {
+    if (at.number) note_terms(*at.number, services);
+    if (at.formula) note_terms(at.formula->root, services);
+    for (const TreeNode& child : at.children) visit(child);
+  };
+  visit(file.tree().root);
+  return services;
+}
+
+VariableName make_flag(const std::string& name, const SourcePosition& position) {
+  VariableName flag;
+  flag.position = position;
+  flag.leaf.name = name;
+  flag.leaf.op = Expression::Operator::shared;
+  flag.leaf.kind = flag.type.kind = ValueKind::boolean;
+  flag.type.high = 1;
+  return flag;
+}
+
+bool may_server_die(const Declarations& file, const ModelName& service) {
+  for (std::uint32_t member = 0; member < member_count(service.dimensions); ++member) {
+    const End& server = file.names.services.at(service.first + member).server;
+    for (const std::uint32_t program : programs_at(file, server)) {
+      if (file.programs[program].may_die) return true;
+    }
+  }
+  return false;
+}
+
+}  // namespace
+
+void declare_due(Declarations& file) {
+  for (const NodeDeclaration& node : file.nodes) {
+    for (const program_syntax::Callback& callback : node.callbacks) {
+      if (!callback.goes_by_clock) continue;
+      const std::string name = due_of(callback.whole_name());
+      file.names.variables.emplace(name, make_flag(name, callback.position));
+    }
+  }
+}
+
+void declare_presence(Declarations& file) {
+  const NamedServices named = find_named_services(file);
+  for (const auto& [name, service] : file.service_arrays) {
+    const bool is_offered = named.offered.contains(name);
+    if (!is_offered && !(named.asked.contains(name) && may_server_die(file, service))) continue;
+    const std::string presence = presence_of(name);
+    VariableName variable = make_flag(presence, file.models[service.first].position);
+    variable.leaf.dimensions = service.dimensions;
+    variable.initial = is_offered ? 0 : 1;
+    variable.service = service.first;
+    file.names.variables.emplace(presence, std::move(variable));
+  }
+}
+
 // ---- The whole file -----------------------------------------------------------------------------
 
 namespace {
@@ -258,11 +399,14 @@ Declarations declare(SystemTree tree, Deliveries deliveries) {
   declare_nodes(file);
   declare_services(file);
   declare_callbacks(file);
+  declare_unknown(file);
   declare_threads(file);
   declare_models(file);
   declare_topics(file);
   declare_procedures(file);
   declare_variables(file);
+  declare_due(file);
+  declare_presence(file);
   check_names(file);
   return file;
 }

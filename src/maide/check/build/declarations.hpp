@@ -60,6 +60,7 @@ struct NodeDeclaration {
   std::vector<program_syntax::Callback> callbacks;
   std::vector<std::string> callback_groups;  // "" is the node's own
   std::vector<std::uint32_t> programs;       // that run them
+  std::optional<std::uint32_t> clock;        // the program that reads its clock
 };
 
 // Where the automaton of a model comes from.
@@ -135,6 +136,12 @@ void declare_executors(Declarations& file);
 void declare_nodes(Declarations& file);
 void declare_services(Declarations& file);
 void declare_callbacks(Declarations& file);
+// Models that know nothing, for code that says `unknown`.
+void declare_unknown(Declarations& file);
+// Variables that say which timers are due that go by a clock.
+void declare_due(Declarations& file);
+// Variables that say whether services are there, for those that are offered by some text.
+void declare_presence(Declarations& file);
 // The programs that run the callbacks, the models of their threads, the shapes of the services.
 void declare_threads(Declarations& file);
 void declare_models(Declarations& file);
@@ -172,6 +179,8 @@ std::string process_of(const TreeNode& entry, const std::string& name);
 std::string process_of_end(const Declarations& file, const End& end);
 // The programs that run its code.
 std::vector<std::uint32_t> programs_at(const Declarations& file, const End& end);
+// What a callback does: of one with outcomes several texts; of a client perhaps none.
+std::vector<const syntax::Code*> codes_of(const program_syntax::Callback& callback);
 // Runs of a callback at one time.
 std::uint32_t runs_of(const Declarations& file, const NodeDeclaration& node, std::size_t callback);
 

@@ -326,17 +326,21 @@ void declare_topic(Declarations& file, const TreeNode& entry, const std::string&
   Topic topic;
   topic.name = name;
   topic.position = file.tree().at_name(entry);
-  for (const char* const word : {"writers", "readers"}) {
-    if (entry.find(word) != nullptr) continue;
+  const bool is_clock = std::ranges::any_of(file.nodes, [&](const NodeDeclaration& node) {
+    return node.clock && node.entry->find("clock")->text() == name;
+  });
+  for (const std::string word : {"writers", "readers"}) {
+    if (entry.find(word) != nullptr || (is_clock && word == "readers")) continue;
     file.tree().fail_at_name("topic '" + name + "' needs '" + word + ":'", entry);
   }
   const References references(file, indices);
   read_writers(references, *entry.find("writers"), topic);
   const TreeNode* const deliver = entry.find("deliver");
   topic.delivers_one = deliver != nullptr && deliver->is("one");
-  const TreeNode& readers_field = *entry.find("readers");
-  const std::vector<ReaderEnd> readers = references.readers(readers_field, name);
-  if (readers.empty() || topic.writers.empty()) {
+  const TreeNode* const readers_field = entry.find("readers");
+  std::vector<ReaderEnd> readers;
+  if (readers_field != nullptr) readers = references.readers(*readers_field, name);
+  if ((readers.empty() && !is_clock) || topic.writers.empty()) {
     file.tree().fail_at_name("a topic has a writer and a reader", entry);
   }
   if (const TreeNode* const own = entry.find("readers_with")) {
@@ -345,6 +349,19 @@ void declare_topic(Declarations& file, const TreeNode& entry, const std::string&
   for (const ReaderEnd& reader : readers) {
     topic.readers.push_back(declare_reader(file, references, entry, name, indices, reader));
   }
+  // Of a clock each node that goes by it keeps the last message.
+  for (const NodeDeclaration& node : file.nodes) {
+    const TreeNode* const clock = node.clock ? node.entry->find("clock") : nullptr;
+    if (clock == nullptr || clock->text() != name) continue;
+    topic.readers.push_back(declare_reader(file, references, entry, name, indices,
+                                           {*node.clock, "", node.name + ".clock"}));
+    ModelOrigin& origin = file.origins[topic.readers.back().model];
+    if (origin.kind == ModelOrigin::Kind::queue) {
+      origin.size.size = 1;
+    } else {
+      file.tree().fail("a clock is a topic with `use: queue` and `depth`", *clock);
+    }
+  }
   const auto mortal = std::count_if(readers.begin(), readers.end(), [&](const auto& end) {
     return file.programs[end.program].may_die;
   });
@@ -352,7 +369,7 @@ void declare_topic(Declarations& file, const TreeNode& entry, const std::string&
     file.tree().fail("at most " + std::to_string(max_mortal_readers) +
                          " readers of a topic may die, and of '" + name + "' " +
                          std::to_string(mortal) + " may",
-                     readers_field);
+                     *readers_field);
   }
   for (std::size_t i = 0; i < topic.readers.size(); ++i) {
     file.topic_of[topic.readers[i].model] = {file.names.topics.size(), i};

@@ -125,30 +125,16 @@ std::string group_named(const Declarations& file, const NodeDeclaration& node,
       field);
 }
 
-// The code of `do: unknown`: it asks a model that knows nothing.
-std::shared_ptr<const syntax::Code> make_unknown(Declarations& file, const Callback& callback,
-                                                 const TreeNode& field) {
-  ModelInstance model;
-  model.name = "_unknown_" + std::to_string(file.models.size());
-  model.position = file.tree().at_name(field);
-  file.take_name(model.name, model.position);
-  model.automaton = make_unknown_code(callback.whole_name());
-  model.source = ModelInstance::Source::executor;
-  const auto number = static_cast<std::uint32_t>(file.models.size());
-  file.names.models.emplace(model.name, ModelName{number, {}, false, {}});
-  const TextPlace place{model.position.line, model.position.column};
+// The code of `do: unknown`.
+std::shared_ptr<const syntax::Code> make_unknown(Declarations& file, const TreeNode& field) {
+  const SourcePosition position = file.tree().at_name(field);
+  const TextPlace place{position.line, position.column};
   syntax::Code code;
   code.file = file.tree().file();
   code.begin = code.end = code.last = place;
-  syntax::Statement& begin = code.block.statements.emplace_back();
-  begin.kind = syntax::Statement::Kind::give;
-  begin.place = place;
-  begin.model.kind = syntax::Term::Kind::name;
-  begin.model.name = {model.name, false, place};
-  begin.model.place = begin.model.begin = place;
-  begin.event.name = {"begin", false, place};
-  file.models.push_back(std::move(model));
-  file.origins.emplace_back();
+  syntax::Statement& unknown = code.block.statements.emplace_back();
+  unknown.kind = syntax::Statement::Kind::unknown;
+  unknown.place = place;
   return std::make_shared<const syntax::Code>(std::move(code));
 }
 
@@ -156,7 +142,7 @@ void read_do(Declarations& file, Callback& callback, const TreeNode& field) {
   if (field.code) {
     callback.code = field.code;
   } else if (field.yaml->is_scalar()) {
-    callback.code = make_unknown(file, callback, field);
+    callback.code = make_unknown(file, field);
   } else {
     for (const TreeNode& outcome : field.children) {
       callback.outcomes.emplace_back(outcome.output, outcome.code);
@@ -175,13 +161,30 @@ void read_service(Declarations& file, const NodeDeclaration& node, Callback& cal
   file.tree().fail("node " + node.name + " is not the server of " + field.text(), field);
 }
 
-void read_callback(Declarations& file, NodeDeclaration& node, const TreeNode& entry) {
+Callback make_callback(const Declarations& file, const NodeDeclaration& node, Callback::Kind kind,
+                       const TreeNode& entry) {
   Callback callback;
+  callback.kind = kind;
   callback.node = node.name;
   callback.name = entry.name_text();
-  check_plain_name(file, entry, "a callback");
   callback.indices = node.indices;
   callback.position = file.tree().at_name(entry);
+  return callback;
+}
+
+void read_timer(Declarations& file, const NodeDeclaration& node, Callback& callback,
+                const TreeNode& field) {
+  const Expression period = constant_of(file, field.timer->period, node.indices);
+  if (period.kind != ValueKind::integer || period.value < 0) {
+    file.tree().fail("'timer' is some milliseconds", field);
+  }
+  callback.comes_once = field.timer->comes_once;
+  callback.goes_by_clock = node.entry->find("clock") != nullptr;
+}
+
+void read_callback(Declarations& file, NodeDeclaration& node, const TreeNode& entry) {
+  Callback callback = make_callback(file, node, Callback::Kind::timer, entry);
+  check_plain_name(file, entry, "a callback");
   std::string group;
   const TreeNode* by = nullptr;
   const TreeNode* done = nullptr;
@@ -192,6 +195,8 @@ void read_callback(Declarations& file, NodeDeclaration& node, const TreeNode& en
     } else if (what == "do") {
       done = &field;
       read_do(file, callback, field);
+    } else if (what == "when") {
+      callback.when = field.number;
     } else {
       if (by != nullptr) {
         file.tree().fail_at_name("a callback has one of 'takes', 'timer' and 'serves'", field);
@@ -201,10 +206,7 @@ void read_callback(Declarations& file, NodeDeclaration& node, const TreeNode& en
         callback.kind = Callback::Kind::subscription;
         callback.takes = field.taken;
       } else if (what == "timer") {
-        const Expression period = constant_of(file, *field.number, node.indices);
-        if (period.kind != ValueKind::integer || period.value < 0) {
-          file.tree().fail("'timer' is some milliseconds", field);
-        }
+        read_timer(file, node, callback, field);
       } else {
         read_service(file, node, callback, field);
       }
@@ -220,6 +222,47 @@ void read_callback(Declarations& file, NodeDeclaration& node, const TreeNode& en
   }
   node.callbacks.push_back(std::move(callback));
   node.callback_groups.push_back(group);
+}
+
+// ---- Start and threads --------------------------------------------------------------------------
+
+constexpr std::uint32_t max_copies = 4;  // of a thread: these have 3^n states
+
+// A callback has no such name.
+void check_own_name(const Declarations& file, const NodeDeclaration& node, const TreeNode& entry) {
+  for (const Callback& other : node.callbacks) {
+    if (other.name != entry.name_text()) continue;
+    file.tree().fail_at_name(
+        "node " + node.name + " has a callback '" + other.name + "', too: call it otherwise",
+        entry);
+  }
+}
+
+void read_start(Declarations& file, NodeDeclaration& node, const TreeNode& field) {
+  check_own_name(file, node, field);
+  Callback start = make_callback(file, node, Callback::Kind::start, field);
+  start.code = field.code;
+  node.callbacks.push_back(std::move(start));
+  node.callback_groups.emplace_back();
+}
+
+void read_thread(Declarations& file, NodeDeclaration& node, const TreeNode& entry) {
+  Callback thread = make_callback(file, node, Callback::Kind::thread, entry);
+  check_plain_name(file, entry, "a thread");
+  check_own_name(file, node, entry);
+  const TreeNode* const code = entry.is_map() ? entry.find("do") : &entry;
+  if (code == nullptr) {
+    file.tree().fail_at_name("thread '" + thread.name + "' needs 'do:'", entry);
+  }
+  thread.code = code->code;
+  if (const TreeNode* const count = entry.is_map() ? entry.find("count") : nullptr) {
+    thread.copies = count_of(constant_of(file, *count->number, node.indices), max_copies);
+    if (thread.copies == 0) {
+      file.tree().fail("'count' goes from 1 to " + std::to_string(max_copies), *count);
+    }
+  }
+  node.callbacks.push_back(std::move(thread));
+  node.callback_groups.emplace_back();
 }
 
 // ---- Clients ------------------------------------------------------------------------------------
@@ -318,6 +361,10 @@ void declare_callbacks(Declarations& file) {
     if (node.callbacks.empty()) {
       file.tree().fail_at_name("node '" + node.entry->declared->name.text + "' has no callback",
                                *node.entry);
+    }
+    if (const TreeNode* const start = node.entry->find("start")) read_start(file, node, *start);
+    if (const TreeNode* const threads = node.entry->find("threads")) {
+      for (const TreeNode& entry : threads->children) read_thread(file, node, entry);
     }
   }
 }

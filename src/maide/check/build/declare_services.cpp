@@ -57,14 +57,6 @@ void declare_service(Declarations& file, const TreeNode& entry, const std::strin
   if (service.clients.empty()) {
     file.tree().fail_at_name("service '" + name + "' needs 'clients:'", entry);
   }
-  std::vector<End> ends = service.clients;
-  ends.push_back(service.server);
-  for (const End& end : ends) {
-    if (end.node.empty() && file.programs[end.program].may_die) {
-      file.tree().fail_at_name(
-          "a program that may die is at no end of a service: that is not built", entry);
-    }
-  }
   file.deliveries.emplace(static_cast<std::uint32_t>(file.models.size()),
                           read_delivery(file, entry, {}));
   file.names.services.emplace(static_cast<std::uint32_t>(file.models.size()), std::move(service));

@@ -1,10 +1,13 @@
 // The programs that run the callbacks of nodes, and the models of their threads. The callbacks of a
 // single-threaded executor are one program; so are those of an exclusive group on several threads;
-// each run of a reentrant one is a program of its own.
+// each run of a reentrant one is a program of its own, and so is each copy of a node's own thread.
+// What nodes do as they start comes first: in the one program, or in one that opens the way for the
+// others.
 #include <algorithm>
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <optional>
 #include <set>
 #include <span>
 #include <string>
@@ -13,34 +16,12 @@
 
 #include "maide/check/build/declarations.hpp"
 #include "maide/check/build/deliveries.hpp"
+#include "maide/check/rules/thread_models.hpp"
 
 namespace maide {
 namespace {
 
 using program_syntax::Callback;
-
-// Which runs of a callback there are, as a set. The first that is free starts.
-InterfaceAutomaton make_runs(std::uint32_t count) {
-  std::vector<std::string> inputs;
-  for (std::uint32_t run = 0; run < count; ++run) {
-    inputs.push_back("start" + std::to_string(run + 1));
-    inputs.push_back("end" + std::to_string(run + 1));
-  }
-  InterfaceAutomaton runs(Alphabet(std::span<const std::string>(inputs)), {},
-                          std::size_t{1} << count);
-  for (StateId set = 0; set < runs.size(); ++set) {
-    std::uint32_t first = 0;
-    while ((set >> first & 1) != 0) ++first;
-    if (first < count) {
-      runs.add_transition(set, {Action::Kind::input, 2 * first}, set | StateId{1} << first);
-    }
-    for (std::uint32_t run = 0; run < count; ++run) {
-      if ((set >> run & 1) == 0) continue;
-      runs.add_transition(set, {Action::Kind::input, 2 * run + 1}, set & ~(StateId{1} << run));
-    }
-  }
-  return runs;
-}
 
 // A model that no text names.
 std::uint32_t add_model(Declarations& file, const std::string& name, InterfaceAutomaton automaton,
@@ -57,8 +38,39 @@ std::uint32_t add_model(Declarations& file, const std::string& name, InterfaceAu
   return static_cast<std::uint32_t>(file.models.size() - 1);
 }
 
+// What runs one after the other: the starts, then callbacks as they can.
+struct Line {
+  std::vector<Callback> starts, callbacks;
+};
+
+// "on one thread, in any order".
+std::string execution_of(const ExecutorDeclaration& executor) {
+  if (executor.threads > 1) return "on " + std::to_string(executor.threads) + " threads";
+  return std::string("on one thread, ") +
+         (executor.goes_by_rounds ? "by rounds, in the order of rclcpp Humble" : "in any order");
+}
+
+// Of executors that are one program.
+bool may_die(const Declarations& file, const ExecutorDeclaration& executor) {
+  const TreeNode* const said =
+      executor.entry->key->path == "executors/*" ? executor.entry->find("may_die") : nullptr;
+  if (said == nullptr || !said->is("true")) return false;
+  const bool has_threads = std::ranges::any_of(executor.nodes, [&](std::uint32_t node) {
+    return std::ranges::any_of(file.nodes[node].callbacks, [](const Callback& callback) {
+      return callback.kind == Callback::Kind::thread;
+    });
+  });
+  if (executor.threads > 1 || has_threads) {
+    file.tree().fail(
+        "an executor with several threads, or with nodes that have threads of their own, does not "
+        "die yet: that is not built",
+        *said);
+  }
+  return true;
+}
+
 void add_thread(Declarations& file, const std::string& name, const ExecutorDeclaration& executor,
-                std::vector<Callback> callbacks, const std::vector<std::uint32_t>& nodes) {
+                Line line, const std::vector<std::uint32_t>& nodes) {
   if (file.programs.size() == max_components) {
     file.tree().fail_at_name("too many programs", *executor.entry);
   }
@@ -68,20 +80,18 @@ void add_thread(Declarations& file, const std::string& name, const ExecutorDecla
         "the program '" + name + "' has the name of what runs a node's callbacks here",
         *executor.entry);
   }
-  std::stable_sort(callbacks.begin(), callbacks.end(),
-                   [](const Callback& a, const Callback& b) { return a.kind < b.kind; });
+  std::ranges::stable_sort(line.callbacks, {}, &Callback::kind);
   ProgramDeclaration program;
   program.name = name;
   program.process = process_of(*executor.entry, "executor " + executor.name);
   program.position = file.tree().at_name(*executor.entry);
-  program.execution = executor.threads > 1 ? "on " + std::to_string(executor.threads) + " threads"
-                                           : std::string("on one thread, ") +
-                                                 (executor.goes_by_rounds
-                                                      ? "by rounds, in the order of rclcpp Humble"
-                                                      : "in any order");
+  program.may_die = may_die(file, executor);
+  const auto is_run = [](const Callback& callback) { return is_of_executor(callback.kind); };
+  if (std::ranges::any_of(line.callbacks, is_run)) program.execution = execution_of(executor);
   program.thread = std::make_shared<program_syntax::Thread>();
-  program.thread->callbacks = std::move(callbacks);
-  program.thread->goes_by_rounds = executor.goes_by_rounds;
+  program.thread->starts = std::move(line.starts);
+  program.thread->callbacks = std::move(line.callbacks);
+  program.thread->goes_by_rounds = executor.goes_by_rounds && !program.thread->callbacks.empty();
   for (const std::uint32_t node : nodes) {
     program.nodes.push_back(file.nodes[node].name);
     file.nodes[node].programs.push_back(static_cast<std::uint32_t>(file.programs.size()));
@@ -90,16 +100,18 @@ void add_thread(Declarations& file, const std::string& name, const ExecutorDecla
 }
 
 // Of a node on several threads: a program for each exclusive group and for each run of a reentrant
-// callback. A start takes one of the threads.
+// callback. A start takes one of the threads, and passes the gate, if there is one.
 void add_groups(Declarations& file, const ExecutorDeclaration& executor, std::uint32_t number,
-                std::uint32_t threads) {
+                std::uint32_t threads, std::optional<std::uint32_t> gate) {
   using Kind = ModelUse::Kind;
   const NodeDeclaration node = file.nodes[number];
   std::map<std::string, std::vector<Callback>> exclusive;
   std::vector<std::string> order;
   for (std::size_t i = 0; i < node.callbacks.size(); ++i) {
+    if (!is_of_executor(node.callbacks[i].kind)) continue;
     Callback callback = node.callbacks[i];
     callback.start.push_back({Kind::give, threads, 0});
+    if (gate) callback.start.push_back({Kind::give, *gate, gate_input_pass});
     callback.end.push_back({Kind::give, threads, 1});
     const std::uint32_t runs = runs_of(file, node, i);
     if (runs == 1) {
@@ -116,14 +128,128 @@ void add_groups(Declarations& file, const ExecutorDeclaration& executor, std::ui
       copy.asker += run;
       copy.start.push_back({Kind::give, model, 2 * run});
       copy.end.push_back({Kind::give, model, 2 * run + 1});
-      add_thread(file, callback.whole_name() + "[" + std::to_string(run) + "]", executor, {copy},
-                 {number});
+      add_thread(file, callback.whole_name() + "[" + std::to_string(run) + "]", executor,
+                 {{}, {copy}}, {number});
     }
   }
   for (const std::string& group : order) {
     add_thread(file, node.name + (group.empty() ? "" : "." + group), executor,
-               std::move(exclusive[group]), {number});
+               {{}, std::move(exclusive[group])}, {number});
   }
+}
+
+// Some text of the node begins the thread.
+bool is_run(const NodeDeclaration& node, const std::string& thread) {
+  bool found = false;
+  for (const Callback& callback : node.callbacks) {
+    for (const syntax::Code* const code : codes_of(callback)) {
+      syntax::for_each_statement(code->block, [&](const syntax::Statement& statement) {
+        found = found ||
+                (statement.kind == syntax::Statement::Kind::run && statement.name.text == thread);
+      });
+    }
+  }
+  return found;
+}
+
+// A program for each copy of the node's own threads.
+void add_own_threads(Declarations& file, std::uint32_t number) {
+  using Kind = ModelUse::Kind;
+  const NodeDeclaration node = file.nodes[number];
+  ExecutorDeclaration own = file.executors[node.executor];
+  for (const Callback& thread : node.callbacks) {
+    if (thread.kind != Callback::Kind::thread) continue;
+    const std::string name = thread.whole_name();
+    const std::uint32_t model = add_model(
+        file, name + ".copies", make_copies(thread.copies, !is_run(node, thread.name)), *own.entry);
+    file.names.threads.emplace(name, model);
+    for (std::uint32_t number_of_copy = 0; number_of_copy < thread.copies; ++number_of_copy) {
+      Callback copy = thread;
+      copy.run = number_of_copy;
+      copy.asker += number_of_copy;
+      copy.start.push_back({Kind::give, model, input_of_copy(CopyInput::begin, number_of_copy)});
+      copy.end.push_back({Kind::give, model, input_of_copy(CopyInput::end, number_of_copy)});
+      add_thread(file,
+                 thread.copies == 1 ? name : name + "[" + std::to_string(number_of_copy) + "]", own,
+                 {{}, {copy}}, {number});
+    }
+  }
+}
+
+// The program that reads the node's clock: each message makes each of its timers due, or not. That
+// it makes one due comes again and again on fair runs; that it does not need never come.
+void add_clock(Declarations& file, std::uint32_t number) {
+  const NodeDeclaration& node = file.nodes[number];
+  const TreeNode* const clock = node.entry->find("clock");
+  if (clock == nullptr) return;
+  const ExecutorDeclaration& executor = file.executors[node.executor];
+  if (executor.goes_by_rounds) {
+    file.tree().fail("a clock does not go with 'order: rounds' yet: that is not built", *clock);
+  }
+  const TextPlace place{file.tree().at(*clock).line, file.tree().at(*clock).column};
+  const auto name = [&](const std::string& text) {
+    syntax::Term term;
+    term.kind = syntax::Term::Kind::name;
+    term.name = {text, true, place};
+    term.place = term.begin = place;
+    return term;
+  };
+  const auto statement = [&](syntax::Statement::Kind kind) {
+    syntax::Statement made;
+    made.kind = kind;
+    made.place = place;
+    return made;
+  };
+  syntax::Statement select = statement(syntax::Statement::Kind::select);
+  select.is_idle = true;
+  syntax::SelectArm& tick = select.select_arms.emplace_back();
+  tick.kind = syntax::SelectArm::Kind::input;
+  tick.place = place;
+  tick.model = clock->reference->name;
+  tick.event.name = {"read", true, place};
+  tick.has_arms = true;
+  syntax::Arm& message = tick.arms.emplace_back();
+  message.place = place;
+  message.output.name = {"message", true, place};
+  for (const Callback& timer : node.callbacks) {
+    if (!timer.goes_by_clock) continue;
+    syntax::Statement choice = statement(syntax::Statement::Kind::choice);
+    choice.is_fair = choice.is_one_sided = true;
+    choice.place = {timer.position.line, timer.position.column};  // groups are told apart by it
+    syntax::Statement due = statement(syntax::Statement::Kind::assign);
+    due.target = name(due_of(timer.whole_name()));
+    due.expression.emplace();
+    due.expression->kind = syntax::Term::Kind::boolean;
+    due.expression->value = 1;
+    choice.body.statements.push_back(std::move(due));
+    message.body.statements.push_back(std::move(choice));
+  }
+  syntax::Statement loop = statement(syntax::Statement::Kind::loop);
+  loop.body.statements.push_back(std::move(select));
+  syntax::Code code;
+  code.file = file.tree().file();
+  code.begin = code.end = code.last = place;
+  code.block.statements.push_back(std::move(loop));
+  ProgramDeclaration program;
+  program.name = node.name + ".clock";
+  program.process = process_of(*executor.entry, "executor " + executor.name);
+  program.position = file.tree().at(*clock);
+  program.code = std::make_shared<const syntax::Code>(std::move(code));
+  file.nodes[number].clock = static_cast<std::uint32_t>(file.programs.size());
+  file.programs.push_back(std::move(program));
+}
+
+std::vector<Callback> callbacks_of(const Declarations& file, const ExecutorDeclaration& executor,
+                                   bool are_starts) {
+  std::vector<Callback> all;
+  for (const std::uint32_t node : executor.nodes) {
+    for (const Callback& callback : file.nodes[node].callbacks) {
+      if (are_starts ? callback.kind == Callback::Kind::start : is_of_executor(callback.kind)) {
+        all.push_back(callback);
+      }
+    }
+  }
+  return all;
 }
 
 void number_callbacks(Declarations& file) {
@@ -191,9 +317,33 @@ std::vector<std::uint32_t> callers_of(const Declarations& file, std::uint32_t mo
   return programs_at(file, service.server);
 }
 
+// What may be at the ends of a service of which some may die.
+void check_mortal(const Declarations& file, std::uint32_t model, const Service& service) {
+  std::vector<End> ends = service.clients;
+  ends.push_back(service.server);
+  const bool may_die = std::ranges::any_of(ends, [&](const End& end) {
+    return std::ranges::any_of(programs_at(file, end), [&](std::uint32_t program) {
+      return file.programs[program].may_die;
+    });
+  });
+  constexpr std::size_t most_clients = 16;
+  if (!may_die) return;
+  const auto fail = [&](const std::string& what) {
+    throw ParseError(
+        "an end of service " + service.name + " may die, and " + what + ": that is not built",
+        file.models[model].position);
+  };
+  if (!service.callers.empty()) fail("its answers return when all clients have them");
+  if (!file.deliveries.at(model).stream.empty()) fail("it says `stream`");
+  if (service.clients.size() > most_clients) {
+    fail("it has more than " + std::to_string(most_clients) + " clients");
+  }
+}
+
 void shape_services(Declarations& file) {
   for (auto& [model, service] : file.names.services) {
     service.callers = callers_of(file, model, service);
+    check_mortal(file, model, service);
     ServiceShape shape = shape_of(file, model, service);
     const End& server = service.server;
     file.services.push_back({service.name,
@@ -228,19 +378,28 @@ void declare_threads(Declarations& file) {
     const std::uint32_t number = file.nodes[first].executor;
     const ExecutorDeclaration executor = file.executors[number];
     if (!made.insert(number).second) continue;
+    std::vector<Callback> starts = callbacks_of(file, executor, true);
     if (executor.threads == 1) {
-      std::vector<Callback> all;
-      for (const std::uint32_t node : executor.nodes) {
-        const auto& callbacks = file.nodes[node].callbacks;
-        all.insert(all.end(), callbacks.begin(), callbacks.end());
-      }
       add_thread(file, executor.nodes.size() == 1 ? file.nodes[first].name : executor.name,
-                 executor, std::move(all), executor.nodes);
+                 executor, {std::move(starts), callbacks_of(file, executor, false)},
+                 executor.nodes);
       continue;
     }
     const std::uint32_t threads = add_model(file, executor.name + ".threads",
                                             make_semaphore(executor.threads), *executor.entry);
-    for (const std::uint32_t node : executor.nodes) add_groups(file, executor, node, threads);
+    std::optional<std::uint32_t> gate;
+    if (!starts.empty()) {
+      gate = add_model(file, executor.name + ".started", make_gate(), *executor.entry);
+      starts.back().end.push_back({ModelUse::Kind::give, *gate, gate_input_open});
+      add_thread(file, executor.name + ".start", executor, {std::move(starts), {}}, executor.nodes);
+    }
+    for (const std::uint32_t node : executor.nodes) {
+      add_groups(file, executor, node, threads, gate);
+    }
+  }
+  for (std::uint32_t node = 0; node < file.nodes.size(); ++node) {
+    add_own_threads(file, node);
+    add_clock(file, node);
   }
   shape_services(file);
 }

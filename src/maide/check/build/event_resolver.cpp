@@ -91,6 +91,11 @@ const Service* EventResolver::service_of(const ModelReference& model) const {
   return place == context().names.services.end() ? nullptr : &place->second;
 }
 
+bool EventResolver::is_server(const ModelReference& model) const {
+  const Service* const service = service_of(model);
+  return service != nullptr && service->is_server(node(), context().program);
+}
+
 std::string EventResolver::node() const {
   const Callback* const callback =
       context().callback != nullptr ? context().callback : context().starts;
@@ -312,8 +317,13 @@ Event EventResolver::arrival(const ModelReference& model, const syntax::Event& o
 
 Event EventResolver::input(const ModelReference& model, const syntax::Event& event) const {
   Event made = event_named(model, event, Direction::input);
-  if (context().callback != nullptr && service_of(model) != nullptr && event.name.is("send")) {
-    for_each_member(model, [&](std::uint32_t member) { work_.asked.insert(member); });
+  const Service* const service = service_of(model);
+  if (service != nullptr && event.name.is("send")) {
+    // What is sent is lost where the server is not there, which a variable says.
+    names_.find(presence_of(array_of(service->name)));
+    if (context().callback != nullptr) {
+      for_each_member(model, [&](std::uint32_t member) { work_.asked.insert(member); });
+    }
   }
   for (const syntax::Argument& value : event.arguments) {
     Event::Argument argument;

@@ -55,6 +55,8 @@ class EventResolver {
   const ModelInstance& instance(const ModelReference& model) const;
   // Of a service, by its members that the program or node stands at; null: it is none.
   const Service* service_of(const ModelReference& model) const;
+  // The program or node is the server of that service.
+  bool is_server(const ModelReference& model) const;
 
  private:
   enum class Direction : std::uint8_t { input, output };

@@ -148,7 +148,26 @@ void NameResolver::fail_unknown(const syntax::Term& term) const {
        term.place);
 }
 
+Expression NameResolver::presence(const syntax::Term& service) const {
+  const auto binding = find(service.name.text);
+  if (!binding || binding->kind != Binding::Kind::model || binding->model->is_topic ||
+      !context().names.services.contains(binding->model->first)) {
+    fail("'" + service.name.text + ".there' asks whether a service is there, and '" +
+             service.name.text + "' is none",
+         service.place);
+  }
+  const auto variable = find(presence_of(binding->expression.name));
+  if (!variable) return make_constant(1, ValueKind::boolean);
+  Expression leaf = variable->expression;
+  leaf.line = service.place.line;
+  leaf.column = service.place.column;
+  leaf.operands = binding->expression.operands.empty() ? indices(service, leaf.dimensions)
+                                                       : binding->expression.operands;
+  return leaf;
+}
+
 Expression NameResolver::named(const syntax::Term& term) const {
+  if (!term.parts.empty()) return presence(term);
   const std::string& name = term.name.text;
   const auto binding = find_value(term.name);
   if (!binding) {

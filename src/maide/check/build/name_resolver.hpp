@@ -101,6 +101,8 @@ class NameResolver {
                      bool is_counted = false);
   // Variables of the file that are this program's alone: in scope from its begin, to its end.
   void declare_own();
+  // Whether the service is there, as an expression: `true` of one that is so from the begin.
+  Expression presence(const syntax::Term& service) const;
   // A variable that can be set, with its indices.
   std::pair<Expression, ValueType> target(const syntax::Term& term) const;
   // What values the expression may have, from the types of its variables.

@@ -338,10 +338,10 @@ class ValueSearch {
       } catch (const ParseError&) {
         continue;  // which is told when the program is made
       }
-      walkers_.emplace_back(
-          trees_.back(),
-          program_syntax::Unrolled{program.name, number, program.position, program.may_die},
-          actions, models_.names, control_, flow_);
+      walkers_.emplace_back(trees_.back(),
+                            program_syntax::Unrolled{program.name, number, program.position,
+                                                     program.may_die, program.nodes},
+                            actions, models_.names, control_, flow_);
     }
   }
 

@@ -35,7 +35,8 @@ class ValueFinder {
       if (round == max_rounds) fail_growing();
     }
     for (const auto& [name, programs] : users_) {
-      if (programs.size() == 1) models_.own[*programs.begin()].insert(name);
+      const bool is_shared = programs.size() > 1 || models_.names.variables.at(name).service;
+      if (!is_shared) models_.own[*programs.begin()].insert(name);
     }
     for (const auto& [name, variable] : models_.names.variables) {
       if (!users_.contains(name)) models_.unused.push_back(variable);
@@ -107,7 +108,11 @@ void make_shared_variables(Models& models) {
                        variable.position);
     }
     variable.leaf.index = static_cast<std::uint32_t>(models.instances.size());
-    for (std::uint64_t member = 0; member < member_count(variable.leaf.dimensions); ++member) {
+    for (std::uint32_t member = 0; member < member_count(variable.leaf.dimensions); ++member) {
+      if (variable.service) {
+        models.names.services.at(*variable.service + member).presence =
+            variable.leaf.index + member;
+      }
       ModelInstance model;
       model.name = name + member_suffix(variable.leaf.dimensions, member);
       model.automaton = InterfaceAutomaton({}, {}, variable.type.count());

@@ -350,7 +350,9 @@ class WireMaker {
     }
     if (names.empty()) return false;
     wire.others = others_of(models_.instances[to].automaton, wire.letters);
-    const bool may_die = writer.end.node.empty() && file_.programs[writer.end.program].may_die;
+    const bool may_die =
+        std::ranges::any_of(programs_at(file_, writer.end),
+                            [&](std::uint32_t program) { return file_.programs[program].may_die; });
     wire.callers = callers;
     const auto caller_count = static_cast<std::uint32_t>(callers.size());
     wire.rules = std::make_shared<WireModel>(rules, names, caller_count);

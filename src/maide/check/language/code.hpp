@@ -70,7 +70,8 @@ struct Term {
   bool has_indices = false;    // brackets stand behind the name
   std::vector<Term> operands;  // of an operation; of a name what stands in its brackets
   std::vector<Term> reader;    // of a name: what stands in further brackets, as in image[0][logger]
-  // What stands behind the name in a formula: `.input`, `@label`, `!output`, `:model.input`.
+  // What stands behind the name in a formula: `.input`, `@label`, `!output`, `:model.input`. In an
+  // expression `.there`, at most.
   std::vector<NamePart> parts;
   TextPlace place;  // of an operation's sign, of a name, of a number
   TextPlace begin;  // of the first sign or word
@@ -173,13 +174,19 @@ struct Statement {
     call,        // `name`(arguments)
     atomic,      // where `expression` holds, if there is one
     select,
+    offer,     // `model`, a service, is there from here on
+    withdraw,  // and no more
+    run,       // a copy of thread `name` begins
+    join,      // until all of its copies are ended
+    unknown,   // what comes is not known: the run is cut
   };
   Kind kind = Kind::skip;
   TextPlace place;
   std::optional<SourcePosition> origin;  // what it was made from, in another file
   std::vector<Name> labels;
-  bool is_idle = false;  // `idle` stands before it
-  bool is_fair = false;  // of a choice, of `any`
+  bool is_idle = false;       // `idle` stands before it
+  bool is_fair = false;       // of a choice, of `any`
+  bool is_one_sided = false;  // of a fair choice: the other branch need never come
   Name name;
   Term model;
   Event event;
@@ -214,6 +221,12 @@ struct Taken {
   Event event;
   std::optional<Event> output;
   TextPlace name_place;  // of what stands behind the model's sign
+};
+
+// "33", "once 5000": when a timer comes.
+struct Timer {
+  bool comes_once = false;
+  Term period;
 };
 
 // "name", "name[i in 0..4, j in 1..2]": what the key of a model, topic, program or node declares.

@@ -7,7 +7,8 @@
 //              | if (e) block [ else (block | if ...) ] | loop block | repeat e block
 //              | while (e) block | for k in e..e block | break; | continue; | stop; | skip;
 //              | var x: type [= e]; | x = e; | x = any [fair] e..e; | [when (e)] atomic block
-//              | call p(arguments); | return; )
+//              | call p(arguments); | return; | offer M; | withdraw M; | run T; | join T; |
+//              unknown; )
 //   arm := (output | quiet) block      block := { statement* }      label := @name
 //   choice := [when (e)] on M.input { arm* } | [when (e)] on M.input block
 //           | [when (e)] on M.input -> output block | [when (e)] on M!output block
@@ -39,6 +40,13 @@ constexpr int max_nesting = 200;  // of blocks: the parser and all walks over th
 constexpr std::string_view openers[] = {"loop",   "repeat", "if",    "skip",   "stop",  "switch",
                                         "wait",   "select", "while", "for",    "break", "continue",
                                         "return", "call",   "var",   "atomic", "idle"};
+// Words that begin a statement if a name stands behind them, or `;` behind `unknown`.
+constexpr std::pair<std::string_view, Statement::Kind> verbs[] = {
+    {"offer", Statement::Kind::offer},
+    {"withdraw", Statement::Kind::withdraw},
+    {"run", Statement::Kind::run},
+    {"join", Statement::Kind::join},
+    {"unknown", Statement::Kind::unknown}};
 // Keywords inside of one.
 constexpr std::string_view others[] = {"else", "quiet", "on", "when", "otherwise", "timeout"};
 
@@ -108,6 +116,14 @@ class CodeParser {
     Event event = parse_event({}, "output", true);
     expect_end();
     return event;
+  }
+
+  Timer parse_timer() {
+    Timer timer;
+    timer.comes_once = tokens_.peek().is("once") && !tokens_.peek(1).is(".");
+    if (timer.comes_once) tokens_.next();
+    timer.period = parse_expression();
+    return timer;
   }
 
   Declared parse_declared() {
@@ -332,9 +348,28 @@ class CodeParser {
       parse_atomic(statement);
     } else if (accept_keyword("select")) {
       parse_select(first, statement);
-    } else {
+    } else if (!parse_verb(first, statement)) {
       parse_named(first, statement);
     }
+  }
+
+  // `offer M;`, `run T;`: whether one stands here. These words are no keywords elsewhere.
+  bool parse_verb(const Token& first, Statement& statement) {
+    using Kind = Statement::Kind;
+    const auto verb =
+        std::ranges::find_if(verbs, [&](const auto& known) { return first.is(known.first); });
+    if (verb == std::end(verbs) || first.kind != Token::Kind::identifier) return false;
+    const bool is_alone = verb->second == Kind::unknown;
+    if (!(is_alone ? tokens_.peek(1).is(";") : tokens_.peek(1).is_name())) return false;
+    tokens_.next();
+    statement.kind = verb->second;
+    if (statement.kind == Kind::run || statement.kind == Kind::join) {
+      statement.name = parse_plain_name("a thread");
+    } else if (!is_alone) {
+      statement.model = parse_model();
+    }
+    expect_semicolon();
+    return true;
   }
 
   // What begins with a name: an input, or a variable that is set.
@@ -739,6 +774,7 @@ Code parse_procedure(const ScalarText& text, const KnownNames& names) {
 }
 Code parse_variables(const ScalarText& text) { return CodeParser(text).parse_variables(); }
 Term parse_expression(const ScalarText& text) { return CodeParser(text).parse_expression(); }
+Timer parse_timer(const ScalarText& text) { return CodeParser(text).parse_timer(); }
 Taken parse_taken(const ScalarText& text) { return CodeParser(text).parse_taken(); }
 Event parse_output(const ScalarText& text) { return CodeParser(text).parse_output_alone(); }
 Declared parse_declared(const ScalarText& text) { return CodeParser(text).parse_declared(); }

@@ -25,6 +25,7 @@ Code parse_callback(const ScalarText& text, const KnownNames& names = {});   // 
 Code parse_procedure(const ScalarText& text, const KnownNames& names = {});  // may be empty
 Code parse_variables(const ScalarText& text);                                // declarations alone
 Term parse_expression(const ScalarText& text);
+Timer parse_timer(const ScalarText& text);
 Taken parse_taken(const ScalarText& text);
 Event parse_output(const ScalarText& text);
 Declared parse_declared(const ScalarText& text);

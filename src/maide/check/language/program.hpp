@@ -144,7 +144,7 @@ struct Program {
   std::string name;
   ActorFlags flags;
   std::vector<std::string> nodes;  // whose callbacks it runs; else empty
-  std::string execution;           // of them: "on one thread, in any order"
+  std::string execution;           // of callbacks: "on one thread, in any order"
   std::string process;             // programs of one process have the same name here
   struct CallbackLines {
     std::string name;  // "detector.on_image"
@@ -182,6 +182,8 @@ struct Program {
     const State& at = states[state];
     return at.edge_count == 0 && at.error == 0 && !at.waits;
   }
+  // It is an executor's, or a part of one: no thread of a node's own, and no program.
+  bool runs_callbacks() const { return !execution.empty(); }
   bool is_error(ControlState state) const { return states[state].error != 0; }
   // It may stand there for ever.
   bool may_rest(ControlState state) const { return flags.may_rest || states[state].may_rest; }

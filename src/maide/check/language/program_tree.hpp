@@ -81,6 +81,10 @@ struct Callback {
       outcomes;
   std::map<std::string, Expression> indices;  // of an array of nodes: this one's
   std::uint32_t model = 0;                    // of a service or client
+  std::shared_ptr<const syntax::Term> when;   // where it does not hold it does not start
+  bool comes_once = false;                    // of a timer
+  bool goes_by_clock = false;                 // so: it is due when a variable says so
+  std::uint32_t copies = 1;                   // of a thread
   std::uint32_t run = 0;                      // of its runs at one time: the number
   std::uint32_t asker = 0;                    // among all runs of its node's callbacks
   std::vector<ModelUse> start, end;  // what starting and ending does with threads and its group
@@ -91,6 +95,7 @@ struct Callback {
 
 // What runs callbacks one after the other: a single-threaded executor, or one group of a node's.
 struct Thread {
+  std::vector<Callback> starts;     // of its nodes: they come first, once
   std::vector<Callback> callbacks;  // in a round's order
   bool goes_by_rounds = false;      // else whichever can start
 };
@@ -106,6 +111,8 @@ struct SelectArm {
   std::unique_ptr<Block> end;   // of an arm that starts a callback: what is behind its code
   const Callback* callback = nullptr;  // in whose code it stands
   const Callback* starts = nullptr;    // the arm starts it; of Kind::service by what came for it
+  std::optional<Expression> came;      // of a timer that comes once: the variable that says it has
+  std::optional<Expression> due;  // of one that goes by a clock: the shared one that says it is
   int line = 0, column = 0;
 };
 
@@ -133,12 +140,16 @@ struct Statement {
     select,
     rounds,        // its arms, as a look finds something for them; the look's result is `target`
     end_callback,  // whose requests to `services` are nobody's from here on
+    withdraw,      // the service `model`
+    run,           // a copy of the thread whose copies are `copies`
+    join,          // until all of them are ended
   };
   Kind kind = Kind::skip;
   int line = 0, column = 0;
   std::optional<SourcePosition> origin;  // what it was made from, in another file
   bool is_idle = false;                  // may rest here
   bool is_fair = false;                  // of a choice
+  bool is_one_sided = false;             // so: fair to `body` alone
   std::vector<std::uint32_t> labels;     // indices into Tree::labels
   ModelReference model;
   Event input;
@@ -152,6 +163,7 @@ struct Statement {
   std::unique_ptr<Block> body, otherwise;
   const Callback* callback = nullptr;  // in whose code it stands
   std::vector<std::uint32_t> services;
+  std::uint32_t copies = 0;  // the model
 };
 
 struct Tree {

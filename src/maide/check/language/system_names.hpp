@@ -114,14 +114,23 @@ struct Service {
   std::vector<PlaceInStream> requests_in, answers_in;
   std::uint32_t server_runs = 1;   // of its callback, at once
   std::set<std::string> own_code;  // nodes whose client has code of its own
+  // The variable that says whether the server is there; none: it always is.
+  std::optional<std::uint32_t> presence;
 
   // The number of the client; none if it is none.
   std::optional<std::uint32_t> client_of(const std::string& node, std::uint32_t program) const;
   bool is_server(const std::string& node, std::uint32_t program) const;
 };
 
-// What a node's callback is for; in an executor's round they come in this order.
-enum class CallbackKind : std::uint8_t { timer, subscription, service, client };
+// What a node's code is for. Callbacks come first, in the order in which a round has them; the
+// node's start and its threads are no callbacks of an executor.
+enum class CallbackKind : std::uint8_t { timer, subscription, service, client, start, thread };
+inline bool is_of_executor(CallbackKind kind) { return kind < CallbackKind::start; }
+
+// The variable that says whether the service is there: "lookup.there".
+inline std::string presence_of(const std::string& service) { return service + ".there"; }
+// The variable that says whether a timer that goes by a clock is due: "robot.tick.due".
+inline std::string due_of(const std::string& callback) { return callback + ".due"; }
 
 // The input or output `name` of the client with that number, from 0, of a service: "send" of the
 // first client, "send2" of the second.
@@ -183,6 +192,9 @@ struct VariableName {
   ValueType type;
   Value initial = 0;
   SourcePosition position;
+  // Whether it says that services are there, of which this is the first. It is shared, whoever
+  // uses it.
+  std::optional<std::uint32_t> service{};
 };
 
 struct Procedure {
@@ -207,6 +219,10 @@ struct Names {
   std::map<std::string, Expression> constants;
   std::map<std::string, Procedure> procedures;
   std::set<std::string> nodes;
+  std::map<std::string, std::uint32_t> threads;  // models of their copies, by "robot.work"
+  // What code asks that says `unknown`: models that know nothing.
+  std::map<std::string, std::uint32_t> unknown_callbacks;
+  std::map<std::uint32_t, std::uint32_t> unknown_programs;
 
   // What the code of that program and node sends to the model lies on it; null: it arrives at once.
   const Wire* wire_of(std::uint32_t to, const std::string& node, std::uint32_t program) const;

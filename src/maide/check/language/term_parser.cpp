@@ -242,6 +242,10 @@ Term TermParser::parse_primary(Grammar grammar) {
   }
   if (first.is("not") && (tokens_.peek().is_name() || tokens_.peek().is("("))) fail_foreign(first);
   Term name = parse_name_behind(grammar, first);
+  if (!is_formula && tokens_.peek().is(".") && tokens_.peek(1).is("there")) {
+    tokens_.next();
+    name.parts.push_back({'.', to_name(tokens_, tokens_.next()), false, {}, {}, false, {}});
+  }
   // Where an operand begins behind it, it was meant for an operator: `always p@end`.
   const Token& behind = tokens_.peek();
   const bool is_alone = name.parts.empty() && !name.has_indices;

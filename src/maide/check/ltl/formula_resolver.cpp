@@ -325,6 +325,12 @@ class FormulaResolver {
     if (scope_.names != nullptr && scope_.names->nodes.contains(owner.text)) {
       return of_node(owner, term);
     }
+    if (part.sign == '.' && part.name.is("there") && names_service(term.name.text)) {
+      check_last(term, 1);
+      auto variable = variable_named(presence_of(term.name.text), term);
+      if (!variable) variable = make_constant(1, ValueKind::boolean);  // it is so from the begin
+      return {nullptr, std::move(variable), owner.place};
+    }
     check_last(term, 1);
     if (part.sign == '@')
       return {make_atom(find_label(owner, part.name), owner.place), {}, owner.place};
@@ -342,6 +348,13 @@ class FormulaResolver {
     const syntax::NamePart& part = term.parts[count];
     fail(fmt::format("nothing may follow here, and there is '{}{}'", part.sign, part.name.text),
          part.name.place);
+  }
+
+  bool names_service(const std::string& name) const {
+    if (scope_.names == nullptr) return false;
+    const auto model = scope_.names->models.find(name);
+    return model != scope_.names->models.end() && !model->second.is_topic &&
+           scope_.names->services.contains(model->second.first);
   }
 
   Operand of_node(const syntax::Name& node, const Term& term) {

@@ -31,12 +31,14 @@ struct ServiceModel::State {
     std::vector<std::uint32_t> handed;   // by run: whether its answer was handed over
     std::vector<std::uint32_t> sent;     // requests on their way, oldest first
     std::vector<std::uint32_t> coming;   // answers on their way (coming_of), oldest first
+    std::uint32_t is_dead = 0;
   };
   std::uint32_t server_waits = 0;       // in `serve`
   std::uint32_t due = none;             // a request that is due to the server
   std::vector<std::uint32_t> requests;  // oldest first
   std::vector<std::uint32_t> served;    // by run of the server: the request served last, or none
   std::vector<Client> clients;
+  std::uint32_t is_server_dead = 0;
   bool is_beyond = false;  // something was pushed out, or not: the depth would tell
 
   bool owes_answer() const {
@@ -77,7 +79,7 @@ ServiceModel::ServiceModel(ServiceShape shape)
         State state;
         state.served.assign(shape.servers, none);
         for (const std::uint32_t askers : shape.askers) {
-          state.clients.push_back({{}, 0, std::vector<std::uint32_t>(askers, 0), {}, {}});
+          state.clients.push_back({{}, 0, std::vector<std::uint32_t>(askers, 0), {}, {}, 0});
         }
         return pack(state);
       }()),
@@ -124,11 +126,12 @@ Symbol ServiceModel::symbol_of(const Operation& operation) const {
 }
 
 GrowingModel::Contents ServiceModel::pack(const State& state) {
-  Contents contents{state.server_waits, state.due,
+  Contents contents{state.is_server_dead, state.server_waits, state.due,
                     static_cast<std::uint32_t>(state.requests.size())};
   contents.insert(contents.end(), state.requests.begin(), state.requests.end());
   contents.insert(contents.end(), state.served.begin(), state.served.end());
   for (const State::Client& client : state.clients) {
+    contents.push_back(client.is_dead);
     contents.push_back(client.waits);
     contents.push_back(static_cast<std::uint32_t>(client.answers.size()));
     contents.insert(contents.end(), client.answers.begin(), client.answers.end());
@@ -149,6 +152,7 @@ ServiceModel::State ServiceModel::unpack(const Contents& contents) const {
     return values;
   };
   State state;
+  state.is_server_dead = *at++;
   state.server_waits = *at++;
   state.due = *at++;
   const std::size_t requests = *at++;
@@ -156,6 +160,7 @@ ServiceModel::State ServiceModel::unpack(const Contents& contents) const {
   state.served = read(shape_.servers);
   for (const std::uint32_t askers : shape_.askers) {
     State::Client client;
+    client.is_dead = *at++;
     client.waits = *at++;
     const std::size_t answers = *at++;
     client.answers = read(answers);
@@ -170,6 +175,7 @@ ServiceModel::State ServiceModel::unpack(const Contents& contents) const {
 }
 
 void ServiceModel::send(State& state, std::uint32_t item) const {
+  if (state.is_server_dead != 0) return;
   if (state.server_waits != 0) {
     state.server_waits = 0;
     state.due = item;
@@ -182,8 +188,33 @@ void ServiceModel::send(State& state, std::uint32_t item) const {
   state.requests.push_back(item);
 }
 
+void ServiceModel::lose_requests(State& state) const {
+  state.requests.clear();
+  state.due = none;
+  for (State::Client& client : state.clients) client.sent.clear();
+}
+
+void ServiceModel::die(State& state, bool is_server, std::uint32_t clients) const {
+  if (is_server) {
+    lose_requests(state);
+    state.is_server_dead = 1;
+    state.server_waits = 0;
+    state.served.assign(shape_.servers, none);
+  }
+  for (std::uint32_t number = 0; number < state.clients.size(); ++number) {
+    if ((clients >> number & 1) == 0) continue;
+    for (std::uint32_t run = 0; run < shape_.askers[number]; ++run) forget(state, number, run);
+    State::Client& client = state.clients[number];
+    client.is_dead = 1;
+    client.waits = 0;
+    client.answers.clear();
+    client.coming.clear();
+  }
+}
+
 void ServiceModel::answer(State& state, std::uint32_t item, std::uint32_t caller) const {
   for (std::uint32_t number = 0; number < state.clients.size(); ++number) {
+    if (state.clients[number].is_dead != 0) continue;
     const std::uint32_t owner = client_of(item) == number ? owner_of(item) : others;
     if (!is_answered_late(number)) {
       arrive(state, number, owner);
@@ -298,6 +329,7 @@ std::optional<ServiceModel::State> ServiceModel::after(State state,
       const std::uint32_t item = item_of(number, is_of_run ? 1 + run : nobody(number));
       if (!takes_requests && !shape_.is_late[number]) return std::nullopt;
       if (is_of_run) forget(state, number, run);
+      if (state.is_server_dead != 0) return state;
       if (shape_.is_late[number]) {
         wire().put(client.sent, item);
       } else {
@@ -327,11 +359,19 @@ std::optional<ServiceModel::State> ServiceModel::after(State state,
       client.handed[run] = 0;
       return state;
     case Kind::end_run: forget(state, number, run); return state;
+    case Kind::send_in_vain:
+      if (run < shape_.askers[number]) forget(state, number, run);
+      return state;
+    case Kind::withdraw: lose_requests(state); return state;
+    case Kind::die: die(state, caller != 0, run); return state;
+    case Kind::server_is_dead: return when(state.is_server_dead != 0);
     case Kind::request_arrives:
     case Kind::request_lost: {
       const bool arrives = kind == Kind::request_arrives;
       if (client.sent.empty() || !takes_requests) return std::nullopt;
-      if (!arrives && !wire().may_lose(client.sent.size())) return std::nullopt;
+      if (!arrives && client.is_dead == 0 && !wire().may_lose(client.sent.size())) {
+        return std::nullopt;
+      }
       const std::uint32_t item = client.sent.front();
       client.sent.erase(client.sent.begin());
       if (arrives) send(state, item);
@@ -343,7 +383,9 @@ std::optional<ServiceModel::State> ServiceModel::after(State state,
     case Kind::loss_returns: {
       const bool arrives = kind == Kind::answer_arrives || kind == Kind::answer_returns;
       if (client.coming.empty() || client.waits == 2) return std::nullopt;
-      if (!arrives && !wire().may_lose(client.coming.size())) return std::nullopt;
+      if (!arrives && state.is_server_dead == 0 && !wire().may_lose(client.coming.size())) {
+        return std::nullopt;
+      }
       const std::uint32_t coming = client.coming.front();
       const bool returns = kind == Kind::answer_returns || kind == Kind::loss_returns;
       if (returns && caller_of(coming) != caller) return std::nullopt;
@@ -481,6 +523,12 @@ std::string ServiceModel::text_of(const Operation& operation) const {
     case Kind::take_others: return "answers to others are thrown away" + of;
     case Kind::wait: return "wait -> answer" + of;
     case Kind::end_run: return "end" + of;
+    case Kind::send_in_vain: return "send" + of + ", in vain";
+    case Kind::withdraw: return "is withdrawn";
+    case Kind::die:
+      return std::string(caller != 0 ? "the server dies" : "") +
+             (run != 0 ? " clients " + std::to_string(run) + " die" : "");
+    case Kind::server_is_dead: return "its server is dead";
     case Kind::request_arrives: return "a request arrives" + of;
     case Kind::request_lost: return "a request is lost" + of;
     case Kind::answer_arrives: return "an answer arrives" + of;

@@ -73,6 +73,13 @@ class ServiceModel : public GrowingModel {
       take_others,  // its place in a round comes, and what it takes is for nobody here
       wait,         // the run takes the answer that was handed over for it
       end_run,
+      send_in_vain,  // the server is not there: the request is lost
+      // What happens to ends.
+      withdraw,  // the server is there no more: requests that it has not taken are lost
+      // The server, if `caller` is 1: requests that it has not answered are lost, and those that
+      // come later. The clients whose bits `run` has: what is for them is gone.
+      die,
+      server_is_dead,  // a condition
       // What nobody does.
       request_arrives,
       request_lost,
@@ -115,6 +122,9 @@ class ServiceModel : public GrowingModel {
   std::string text_of(const Operation& operation) const;
 
   void send(State& state, std::uint32_t item) const;
+  // All that the server has not taken.
+  void lose_requests(State& state) const;
+  void die(State& state, bool is_server, std::uint32_t clients) const;
   void answer(State& state, std::uint32_t item, std::uint32_t caller) const;
   // What is answered to that client is on its way for a while.
   bool is_answered_late(std::uint32_t client) const {

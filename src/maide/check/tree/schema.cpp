@@ -99,6 +99,8 @@ constexpr Key keys[] = {
     {"executors/*/threads", "", "", "", "of `multi`: how many", number},
     {"executors/*/order", "", "any|rounds", "any",
      "of `single`: any order, or that of rclcpp (Humble)", word},
+    {"executors/*/may_die", "", "true|false", "false", "whether its process may end at any time",
+     word},
     {"executors/*/process", "", "", "one of its own", "the process that it is in, by any name",
      text},
 
@@ -115,11 +117,22 @@ constexpr Key keys[] = {
     {"nodes/*/clients/*/group", "", "", "the node's own", "the group of the client", text},
     {"nodes/*/clients/*/do", "", "", "", "what is done with an answer", callback},
     {"nodes/*/variables", "", "", "", "variables of the node", variables},
+    {"nodes/*/clock", "", "", "", "the topic by which its timers go, in place of time", name},
+    {"nodes/*/start", "", "", "", "its constructor: what runs before any of its callbacks",
+     callback},
+    {"nodes/*/threads", "'threads'", "", "", "threads of its own, which `run` begins", entries},
+    {"nodes/*/threads/*", "thread", "", "", "its statements", callback},
+    {"nodes/*/threads/*", "thread", "", "", "its statements, and how many may run at once", map},
+    {"nodes/*/threads/*/count", "", "", "1", "copies that may run at once", number},
+    {"nodes/*/threads/*/do", "", "", "", "its statements", callback},
     {"nodes/*/callbacks", "'callbacks'", "", "", "what the node does", entries},
     {"nodes/*/callbacks/*", "callback", "", "",
      "one of `takes`, `timer` and `serves`, and what is done", map},
     {"nodes/*/callbacks/*/takes", "", "", "", "the topic's input that it waits for", taken},
-    {"nodes/*/callbacks/*/timer", "", "", "", "a period in milliseconds", number},
+    {"nodes/*/callbacks/*/timer", "", "", "", "a period in milliseconds; `once 500`: it comes once",
+     timer},
+    {"nodes/*/callbacks/*/when", "", "", "true", "where this does not hold it does not start",
+     number},
     {"nodes/*/callbacks/*/serves", "", "", "", "the service whose requests it answers", name},
     {"nodes/*/callbacks/*/group", "", "", "the node's own", "its callback group", text},
     {"nodes/*/callbacks/*/do", "", "unknown", "", "its statements", callback},
@@ -177,6 +190,7 @@ std::string_view describe(FieldKind kind) {
     case map: return "a map";
     case options: return "a map of options";
     case number: return "a number";
+    case timer: return "a number, or `once` and a number";
     case name: return "a name";
     case names: return "a name, or a list";
     case program:

@@ -21,6 +21,7 @@ enum class FieldKind : std::uint8_t {
   word,       // one of `values`
   text,       // any text
   number,     // an expression over constants, or one of `values`
+  timer,      // such an expression, perhaps behind `once`
   options,    // a map of any keys and texts
   name,       // of a program, a node, a service, an executor
   names,      // one of these, or a list of them

@@ -206,6 +206,11 @@ class TreeReader {
       case FieldKind::word: read_word(node); break;
       case FieldKind::names: read_names(node); break;
       case FieldKind::number: read_number(node); break;
+      case FieldKind::timer:
+        check_scalar(node);
+        node.timer =
+            std::make_shared<const syntax::Timer>(syntax::parse_timer(text_of(*node.yaml)));
+        break;
       default: read_text(node); break;
     }
   }

@@ -30,6 +30,7 @@ struct TreeNode {
   std::shared_ptr<const syntax::Taken> taken;
   std::shared_ptr<const syntax::Formula> formula;
   std::shared_ptr<const syntax::Term> number;  // null: one of the key's values stands there
+  std::shared_ptr<const syntax::Timer> timer;
   std::shared_ptr<const syntax::Reference> reference;
   // Of the name.
   std::shared_ptr<const syntax::Declared> declared;

@@ -49,6 +49,17 @@ std::vector<Uses> LookSteps::nothing_for(const SelectArm& arm, const Values& val
   return {{actions_.impossible(model, taking)}};
 }
 
+std::pair<std::vector<Uses>, std::vector<Uses>> LookSteps::may_start(const SelectArm& arm,
+                                                                     const Values& values) const {
+  if (!arm.guard) return {{{}}, {}};
+  std::pair<std::vector<Uses>, std::vector<Uses>> ways;
+  for (auto& [conditions, result] : outcomes(*arm.guard, values, at(arm.line, arm.column))) {
+    const bool may = !result.value || *result.value != 0;
+    (may ? ways.first : ways.second).push_back(actions_.variables(conditions, {}));
+  }
+  return ways;
+}
+
 std::pair<std::vector<Uses>, std::vector<Uses>> LookSteps::asked(const SelectArm& arm,
                                                                  const Values& values) {
   std::vector<Uses> nothing = nothing_for(arm, values);
@@ -95,12 +106,19 @@ void LookSteps::expand_rounds(const Place& place, const Statement& statement,
     const SelectArm& arm = statement.select_arms[i];
     Values behind_it = values;
     behind_it[slot] = static_cast<Value>(left & ~((std::uint64_t{2} << i) - 1));
-    for (const Uses& conditions : passed) {
+    const auto [may, may_not] = may_start(arm, values);
+    const std::vector<Uses> ways = actions_.combine(passed, may);
+    for (const Uses& conditions : ways) {
       expand_arm(place, arm, behind_it, conditions, 0);
       expand_discard(place, arm, behind_it, conditions);
     }
-    if (arm.starts->kind == Callback::Kind::timer) return;
-    passed = actions_.combine(passed, nothing_for(arm, values));
+    const bool is_timer = arm.starts->kind == Callback::Kind::timer;
+    if (is_timer && may_not.empty()) return;
+    passed = actions_.combine(passed, may_not);
+    if (is_timer) continue;
+    for (Uses& way : actions_.combine(ways, nothing_for(arm, values))) {
+      passed.push_back(std::move(way));
+    }
   }
   const std::vector<std::size_t> order = order_of_look(statement, values);
   const std::size_t asked_first = order.empty() ? count : 1;  // in this step
@@ -115,6 +133,7 @@ void LookSteps::expand_rounds(const Place& place, const Statement& statement,
   for (std::size_t i = 0; i < count; ++i) {
     const SelectArm& arm = statement.select_arms[i];
     const bool is_timer = arm.starts->kind == Callback::Kind::timer;
+    if (arm.came && *values[arm.came->index] != 0) continue;  // it is not due any more
     if (is_timer) timers |= std::uint64_t{1} << i;
     if (!is_timer && !order.empty() && order.front() != i) continue;
     std::vector<Uses> nothing{{}}, something{{}};

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "maide/base/run_control.hpp"
 #include "maide/check/language/program.hpp"
@@ -21,6 +22,7 @@ struct Unrolled {
   std::uint32_t number = 0;  // of the program
   SourcePosition position;
   bool may_die = false;
+  std::vector<std::string> nodes{};  // whose callbacks it runs
 };
 
 // Unrolls the tree into an automaton. A program that may die has a death in every state. Throws

@@ -20,8 +20,13 @@ void SelectSteps::expand_select(const Place& place, const Statement& statement,
     }
     const Callback* const of = arm.starts != nullptr ? arm.starts : arm.callback;
     const std::uint32_t fair = fair_group(of, arm.line, arm.column, 0, false, text_of_arm(arm));
+    Uses start = arm.starts != nullptr ? arm.starts->start : Uses{};
+    if (arm.due) {
+      const std::vector<bool> is_due{false, true};
+      start.push_back(actions_.variable(arm.due->index, &is_due, 0));
+    }
     if (!arm.guard) {
-      expand_arm(place, arm, values, arm.starts != nullptr ? arm.starts->start : Uses{}, fair);
+      expand_arm(place, arm, values, start, fair);
       continue;
     }
     for (auto& [conditions, result] : outcomes(*arm.guard, values, at(arm.line, arm.column))) {
@@ -30,7 +35,9 @@ void SelectSteps::expand_select(const Place& place, const Statement& statement,
             {CombinedStep::Role::arm, actions_.variables(conditions, {}), {}, "when", fair},
             error_state(result.error, result.line, result.column), arm.line, arm.column);
       } else if (*result.value != 0) {
-        expand_arm(place, arm, values, actions_.variables(conditions, {}), fair);
+        Uses uses = actions_.variables(conditions, {});
+        uses.insert(uses.end(), start.begin(), start.end());
+        expand_arm(place, arm, values, uses, fair);
       }
     }
   }
@@ -54,7 +61,7 @@ void SelectSteps::expand_arm(const Place& place, const SelectArm& arm, const Val
     std::vector<Uses> ways = actions_.combine({std::move(uses)}, {conditions});
     const bool is_timer = arm.starts != nullptr && arm.starts->kind == Callback::Kind::timer;
     std::optional<std::uint32_t> callback;
-    if (arm.starts != nullptr) callback = arm.starts->number;
+    if (arm.starts != nullptr && is_of_executor(arm.starts->kind)) callback = arm.starts->number;
     for (Uses& way : ways) {
       add_combined(
           {is_timer ? CombinedStep::Role::timer : CombinedStep::Role::arm, std::move(way), events,

@@ -81,7 +81,8 @@ ServiceSteps::Arm ServiceSteps::arm(const SelectArm& arm, std::uint32_t model,
 // ---- callbacks ----------------------------------------------------------------------------------
 
 std::pair<Uses, Uses> ServiceSteps::start_of(const Callback& callback) const {
-  if (callback.kind == Callback::Kind::timer) return {};
+  if (callback.kind != Callback::Kind::service && callback.kind != Callback::Kind::client)
+    return {};
   const Service& service = names_.services.at(callback.model);
   if (callback.kind == Callback::Kind::service) {
     return {{service.rules->use(actions_, callback.model, {Kind::serve_at_once, 0, callback.run})},

@@ -4,6 +4,7 @@
 #include <string>
 #include <utility>
 
+#include "maide/check/rules/thread_models.hpp"
 #include "maide/check/unroll/wire_uses.hpp"
 
 namespace maide::program_syntax {
@@ -78,6 +79,18 @@ void Unroller::expand(const Place& place, const Statement& statement) {
     case Kind::rounds: expand_rounds(place, statement, values); break;
     case Kind::end_callback: expand_end(place, statement, values); break;
     case Kind::arrival: expand_arrival(place, statement, values); break;
+    case Kind::withdraw: expand_withdraw(place, statement, values); break;
+    case Kind::run: expand_run(place, statement, values); break;
+    case Kind::join: {
+      const Symbol join = input_of_copy(CopyInput::join);
+      add_combined({CombinedStep::Role::step,
+                    {{ModelUse::Kind::give, statement.copies, join}},
+                    {},
+                    "join " + thread_of(statement),
+                    0},
+                   settle(behind(place.frame), values), statement.line, statement.column);
+      break;
+    }
     default: expand_rendezvous(place, statement, values); break;
   }
 }
@@ -112,7 +125,7 @@ const std::vector<Uses>& Unroller::deaths() {
     }
     deaths_ = std::move(all);
   }
-  const Uses on_wires = when_dies(number_, names_, actions_);
+  const Uses on_wires = when_dies(number_, nodes_, names_, actions_);
   for (Uses& way : deaths_) way.insert(way.end(), on_wires.begin(), on_wires.end());
   return deaths_;
 }
@@ -126,8 +139,10 @@ void Unroller::expand_choice(const Place& place, const Statement& statement, con
       continue;
     }
     const std::string text = branch == 0 ? "if fair *" : "if fair *, else";
-    const auto fair =
-        fair_group(statement.callback, statement.line, statement.column, branch, true, text);
+    const bool is_asked_for = branch == 0 || !statement.is_one_sided;
+    const std::uint32_t fair = !is_asked_for ? 0
+                                             : fair_group(statement.callback, statement.line,
+                                                          statement.column, branch, true, text);
     add_combined({CombinedStep::Role::choice, {}, {}, text, fair}, target, statement.line,
                  statement.column);
   }
@@ -212,6 +227,42 @@ void Unroller::expand_atomic(const Place& place, const Statement& statement, con
                                     : error_state(result.error, result.line, result.column);
     add_combined(std::move(combined), target, statement.line, statement.column);
   }
+}
+
+// ---- ends and threads ---------------------------------------------------------------------------
+
+void Unroller::expand_withdraw(const Place& place, const Statement& statement,
+                               const Values& values) {
+  const std::uint32_t model = model_of(statement.model, values);
+  const Service& service = names_.services.at(model);
+  const ControlState target = settle(behind(place.frame), values);
+  add_combined({CombinedStep::Role::step,
+                {service.rules->use(actions_, model, {ServiceModel::Operation::Kind::withdraw}),
+                 actions_.variable(*service.presence, nullptr, 0)},
+                {},
+                "withdraw " + service.name,
+                0},
+               target, statement.line, statement.column);
+}
+
+std::string Unroller::thread_of(const Statement& statement) const {
+  const std::string& copies = actions_.model(statement.copies).name;
+  return copies.substr(0, copies.rfind('.'));
+}
+
+void Unroller::expand_run(const Place& place, const Statement& statement, const Values& values) {
+  const std::string thread = thread_of(statement);
+  const ModelUse run{ModelUse::Kind::give, statement.copies, input_of_copy(CopyInput::run)};
+  add_combined({CombinedStep::Role::step, {run}, {}, "run " + thread, 0},
+               settle(behind(place.frame), values), statement.line, statement.column);
+  const std::string none_free = "no copy of " + thread + " is free";
+  add_combined({CombinedStep::Role::step,
+                {actions_.impossible(statement.copies, {run})},
+                {},
+                "run " + thread + ": " + none_free,
+                0},
+               error_state(none_free, statement.line, statement.column), statement.line,
+               statement.column);
 }
 
 // ---- inputs and outputs -------------------------------------------------------------------------
@@ -371,7 +422,9 @@ void Unroller::expand_end(const Place& place, const Statement& statement, const 
     uses.push_back(service.rules->use(
         actions_, model, {ServiceSteps::Operation::Kind::end_run, *client, callback.asker}));
   }
-  add_combined({CombinedStep::Role::end, std::move(uses), {}, callback.whole_name() + " ends", 0},
+  const CombinedStep::Role role =
+      is_of_executor(callback.kind) ? CombinedStep::Role::end : CombinedStep::Role::step;
+  add_combined({role, std::move(uses), {}, callback.whole_name() + " ends", 0},
                settle(behind(place.frame), values), statement.line, statement.column);
 }
 

@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <map>
+#include <string>
 #include <vector>
 
 #include "maide/check/unroll/look_steps.hpp"
@@ -17,7 +18,9 @@ class Unroller : public LookSteps {
   // Keeps references.
   Unroller(const Tree& tree, const Unrolled& program, ModelActions& actions, const Names& names,
            const RunControl& control)
-      : LookSteps(tree, program, actions, names, control), may_die_(program.may_die) {}
+      : LookSteps(tree, program, actions, names, control),
+        may_die_(program.may_die),
+        nodes_(program.nodes) {}
 
   Program run();
 
@@ -52,9 +55,14 @@ class Unroller : public LookSteps {
   void expand_call(const Place& place, const Statement& statement, const Values& values);
   void expand_arrival(const Place& place, const Statement& statement, const Values& values);
   void expand_end(const Place& place, const Statement& statement, const Values& values);
+  void expand_withdraw(const Place& place, const Statement& statement, const Values& values);
+  void expand_run(const Place& place, const Statement& statement, const Values& values);
+  // "robot.work" of a `run` or `join`.
+  std::string thread_of(const Statement& statement) const;
 
   bool may_die_ = false;
-  std::vector<Uses> deaths_;  // empty: not known yet
+  std::vector<std::string> nodes_;  // whose callbacks it runs
+  std::vector<Uses> deaths_;        // empty: not known yet
   std::map<const Statement*, std::uint32_t> guard_ids_;
 };
 

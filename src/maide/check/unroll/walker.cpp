@@ -39,6 +39,9 @@ bool steps(const Statement& statement) {
     case Kind::select:
     case Kind::rounds:
     case Kind::end_callback:
+    case Kind::withdraw:
+    case Kind::run:
+    case Kind::join:
     case Kind::atomic: return true;
     case Kind::assign: return is_shared(statement.target) || reads_shared(*statement.expression);
     case Kind::when:

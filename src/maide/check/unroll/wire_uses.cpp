@@ -164,7 +164,12 @@ ModelUse when_counted(const Wire& wire, ModelActions& actions, std::uint32_t hel
   return count(wire, actions, held, held);
 }
 
-Uses when_dies(std::uint32_t program, const Names& names, ModelActions& actions) {
+Uses when_dies(std::uint32_t program, const std::vector<std::string>& nodes, const Names& names,
+               ModelActions& actions) {
+  const auto is_own = [&](const End& end) {
+    return end.node.empty() ? end.program == program
+                            : std::ranges::find(nodes, end.node) != nodes.end();
+  };
   std::set<std::uint32_t> own;  // models that it reads
   for (const Topic& topic : names.topics) {
     for (const Topic::Reader& reader : topic.readers) {
@@ -181,13 +186,23 @@ Uses when_dies(std::uint32_t program, const Names& names, ModelActions& actions)
         auto& [order, numbers] = forgotten[wire.place.stream];
         order = wire.place.order.get();
         numbers.push_back(wire.place.number);
-      } else if (wire.from.is_of("", program)) {
+      } else if (is_own(wire.from)) {
         uses.push_back(use(wire, actions, Kind::abandon));
       }
     }
   }
   for (const auto& [stream, gone] : forgotten) {
     uses.push_back(gone.first->forget(actions, stream, gone.second));
+  }
+  for (const auto& [model, service] : names.services) {
+    ServiceModel::Operation death{ServiceModel::Operation::Kind::die};
+    death.caller = is_own(service.server) ? 1 : 0;
+    for (std::size_t client = 0; client < service.clients.size(); ++client) {
+      if (is_own(service.clients[client])) death.run |= 1U << client;
+    }
+    if (death.caller != 0 || death.run != 0) {
+      uses.push_back(service.rules->use(actions, model, death));
+    }
   }
   return uses;
 }
@@ -300,8 +315,11 @@ CombinedStep step_of_service(const Service& service, std::uint32_t model,
 
 bool is_on_its_way(const Service& service) { return !ways_of(service).empty(); }
 
-std::vector<Uses> ways_to_use(const Service& service, std::uint32_t model,
-                              const ServiceModel::Operation& operation, ModelActions& actions) {
+namespace {
+
+// Where the server is there.
+std::vector<Uses> ways_when_there(const Service& service, std::uint32_t model,
+                                  const ServiceModel::Operation& operation, ModelActions& actions) {
   using Operation = ServiceModel::Operation;
   const bool is_request = operation.kind == Operation::Kind::send;
   std::vector<std::uint32_t> to;  // clients
@@ -334,6 +352,24 @@ std::vector<Uses> ways_to_use(const Service& service, std::uint32_t model,
       uses.push_back(way.first->send(actions, stream, way.second));
     }
   }
+  return ways;
+}
+
+}  // namespace
+
+std::vector<Uses> ways_to_use(const Service& service, std::uint32_t model,
+                              const ServiceModel::Operation& operation, ModelActions& actions) {
+  using Kind = ServiceModel::Operation::Kind;
+  std::vector<Uses> ways = ways_when_there(service, model, operation, actions);
+  if (operation.kind != Kind::send || !service.presence) return ways;
+  const std::vector<bool> is_there{false, true}, is_not{true, false};
+  for (Uses& way : ways) {
+    way.push_back(actions.variable(*service.presence, &is_there, std::nullopt));
+  }
+  ServiceModel::Operation in_vain = operation;
+  in_vain.kind = Kind::send_in_vain;
+  ways.push_back({service.rules->use(actions, model, in_vain),
+                  actions.variable(*service.presence, &is_not, std::nullopt)});
   return ways;
 }
 

@@ -541,7 +541,7 @@ std::optional<std::string> find_weakness(const System& system) {
 std::optional<std::string> find_endless_callbacks(const System& system) {
   std::set<int> lines;
   for (const Program& program : system.programs) {
-    if (!program.nodes.empty()) lines.merge(find_endless_lines(system, program));
+    if (program.runs_callbacks()) lines.merge(find_endless_lines(system, program));
   }
   if (lines.empty()) return std::nullopt;
   return fmt::format(

@@ -225,10 +225,11 @@ class WaitingFinder {
     }
   }
 
-  // The program's name, or that of the node whose callback it runs.
+  // The program's name, or that of the node whose code it runs.
   std::string own_name() const {
     const auto callback = running_callback(system_, state_, waiting_.program);
-    return callback ? system_.callbacks[*callback].node : own().name;
+    if (callback) return system_.callbacks[*callback].node;
+    return own().nodes.size() == 1 ? own().nodes.front() : own().name;
   }
 
   void add_service(const ServiceInstance& service, std::uint32_t client) {

@@ -282,6 +282,7 @@ class WayFinder {
       return helper;
     }
     const Program& program = system_.programs[index];
+    if (program.is_end(state_.programs[index])) helper.obstacle = Obstacle::ended;
     bool is_there = false, lacks_thread = false;
     for (const ProgramEdge& edge : program.edges_of(state_.programs[index])) {
       if (started_by(program, edge) != callback) continue;

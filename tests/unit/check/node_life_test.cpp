@@ -1,0 +1,262 @@
+// How nodes begin and end, and what runs beside their executors: constructors, services that come
+// and go, timers that come once or go by a clock, threads, deaths. Five of the systems are programs
+// that hung on rclcpp (Humble), each beside one that does not.
+#include <gtest/gtest.h>
+
+#include <ostream>
+#include <string>
+
+#include "maide/check/build/system_file.hpp"
+#include "maide/check/engines/engine.hpp"
+#include "maide/check/verdict/check_system.hpp"
+#include "systems.hpp"
+
+namespace maide {
+namespace {
+
+constexpr const char* V = "violated";
+constexpr const char* H = "holds";
+
+struct NodeSystem {
+  const char* name;
+  const char* property;
+  const char* verdict;
+  std::string text;
+};
+void PrintTo(const NodeSystem& system, std::ostream* out) { *out << system.name; }
+
+// Two constructors, each of which waits for the other's service.
+std::string constructors(const std::string& of_a, const std::string& of_b) {
+  return R"yaml(
+services:
+  svc_a: {server: a, clients: [b], with: {depth: 1}}
+  svc_b: {server: b, clients: [a], with: {depth: 1}}
+nodes:
+  a: {start: ")yaml" +
+         of_a + R"yaml(", callbacks: {serve: {serves: svc_a, do: "svc_a.answer;"}}}
+  b: {start: ")yaml" +
+         of_b + R"yaml(", callbacks: {serve: {serves: svc_b, do: "svc_b.answer;"}}}
+properties: {up: {possible: "svc_a.there && svc_b.there"}, late: {possible: "a.start@up"}}
+)yaml";
+}
+
+// A callback waits for a server that another callback makes, on one executor or two.
+std::string server_in_callback(const std::string& executors) {
+  return R"yaml(
+topics:
+  goal: {writers: w1, readers: robot, use: queue, with: {depth: 1}}
+  map: {writers: w2, readers: maps, use: queue, with: {depth: 1}}
+services:
+  lookup: {server: maps, clients: [robot]}
+programs: {w1: "goal.write;", w2: "map.write;"}
+)yaml" + executors +
+         R"yaml(
+    clients: {lookup: {do: "@answered skip;"}}
+    callbacks: {on_goal: {takes: goal.read, do: "wait lookup -> there; lookup.send;"}}
+  maps:
+    executor: main
+    callbacks:
+      on_map: {takes: map.read, do: "offer lookup;"}
+      find: {serves: lookup, do: "lookup.answer;"}
+properties: {answered: "F robot@answered"}
+)yaml";
+}
+const std::string one_executor =
+    "executors: {main: {kind: single}}\nnodes:\n  robot:\n    executor: main";
+const std::string two_executors =
+    "executors: {main: {kind: single}, other: {kind: single}}\nnodes:\n  robot:\n    executor: "
+    "other";
+
+// A callback joins a thread whose answer its own thread would hand over, or does not.
+std::string thread(const std::string& threads, const std::string& code) {
+  return R"yaml(
+topics:
+  goal: {writers: world, readers: robot, use: queue, with: {depth: 2}}
+services:
+  lookup: {server: map, clients: [robot], with: {depth: 2}}
+programs: {world: "repeat 2 { goal.write; }"}
+nodes:
+  robot:
+    variables: "var done: 0..2;"
+    threads: {work: )yaml" +
+         threads + R"yaml(}
+    callbacks: {on_goal: {takes: goal.read, do: ")yaml" +
+         code + R"yaml("}}
+  map: {callbacks: {find: {serves: lookup, do: "lookup.answer;"}}}
+properties: {done: "F robot.done == 2"}
+)yaml";
+}
+const std::string asks = "\"lookup.send; wait lookup -> answer; atomic { done = done + 1; }\"";
+
+// The server's process dies.
+std::string dying_server(const std::string& wait, const std::string& property = "") {
+  return R"yaml(
+services:
+  lookup: {server: map, clients: [robot], with: {depth: 1}}
+executors: {em: {kind: single, may_die: true}, main: {kind: multi, threads: 2}}
+nodes:
+  map: {executor: em, callbacks: {find: {serves: lookup, do: "lookup.answer;"}}}
+  robot:
+    executor: main
+    groups: {g: exclusive}
+    clients: {lookup: g}
+    callbacks: {tick: {timer: once 100, do: "@ask lookup.send; )yaml" +
+         wait + R"yaml( @got skip;"}}
+properties:
+  got: "G (robot@ask -> F robot@got)"
+)yaml" + property;
+}
+
+// A controller goes by a clock that somebody moves.
+std::string clock(const std::string& step) {
+  return R"yaml(
+topics:
+  cmd: {writers: controller, readers: simulator, use: queue, with: {depth: 1}}
+  clock: {writers: simulator, use: queue, with: {depth: 1}}
+executors: {main: {kind: single}}
+nodes:
+  controller: {executor: main, clock: clock, callbacks: {tick: {timer: 33, do: "cmd.write;"}}}
+  simulator:
+    executor: main
+    variables: "var steps: 0..3;"
+    callbacks: {)yaml" +
+         step + R"yaml(}
+properties:
+  runs: {ltl: "F simulator.steps == 3", fairness: strong}
+  commands: {ltl: "G F cmd.write", fairness: strong}
+)yaml";
+}
+
+// A timer that comes once, and one that another callback turns on and off.
+std::string timers(const std::string& executor) {
+  return "executors: {main: " + executor + R"yaml(}
+nodes:
+  n:
+    executor: main
+    variables: "var going: bool; var count: 0..2;"
+    callbacks:
+      go: {timer: once 10, do: "going = true;"}
+      work: {timer: 10, when: "going && count < 2", do: "count = count + 1;"}
+      end: {timer: 10, when: "count == 2", do: "going = false;"}
+properties:
+  early: "!F (!n.going && n.count == 1)"
+  again: "!F (!n.going && n.count == 2 && F n.going)"
+  done: {ltl: "F (n.count == 2 && !n.going)", fairness: strong}
+)yaml";
+}
+
+const NodeSystem node_systems[] = {
+    {"constructors_wait", "deadlock", V,
+     constructors("wait svc_b -> there; offer svc_a; @up skip;",
+                  "wait svc_a -> there; offer svc_b;")},
+    {"constructors_wait", "up", V,
+     constructors("wait svc_b -> there; offer svc_a; @up skip;",
+                  "wait svc_a -> there; offer svc_b;")},
+    {"constructors_offer", "deadlock", H,
+     constructors("offer svc_a; wait svc_b -> there; @up skip;",
+                  "wait svc_a -> there; offer svc_b;")},
+    {"constructors_offer", "late", H,
+     constructors("offer svc_a; wait svc_b -> there; @up skip;",
+                  "wait svc_a -> there; offer svc_b;")},
+    {"answer_in_start", "deadlock", V,
+     constructors("offer svc_a; wait svc_b -> there; svc_b.send; wait svc_b -> answer; @up skip;",
+                  "offer svc_b;")},
+    {"withdrawn", "deadlock", V,
+     constructors("offer svc_a; withdraw svc_a; @up skip;", "wait svc_a -> there; offer svc_b;")},
+    {"server_in_callback_one", "deadlock", V, server_in_callback(one_executor)},
+    {"server_in_callback_two", "deadlock", H, server_in_callback(two_executors)},
+    {"server_in_callback_two", "answered", H, server_in_callback(two_executors)},
+    {"thread_is_joined", "deadlock", V, thread(asks, "run work; join work;")},
+    {"thread_is_left", "deadlock", H, thread("{count: 2, do: " + asks + "}", "run work;")},
+    {"thread_is_left", "done", H, thread("{count: 2, do: " + asks + "}", "run work;")},
+    {"thread_is_taken", "error", V, thread(asks, "run work;")},
+    {"thread_begins_itself", "done", H, thread("\"done = 2;\"", "skip;")},
+    {"server_dies", "deadlock", V, dying_server("wait lookup -> answer;")},
+    {"server_dies", "got", V, dying_server("wait lookup -> answer;")},
+    {"server_dies_timeout", "got", H,
+     dying_server("select { on lookup!answer { } timeout 5 { } }")},
+    {"server_dies_noticed", "got", H,
+     dying_server("select { on lookup!answer { } when (!lookup.there) { @gone skip; } }")},
+    {"server_dies_noticed", "known", H,
+     dying_server("select { on lookup!answer { } when (!lookup.there) { @gone skip; } }",
+                  "  known: \"G (robot@gone -> !lookup.there)\"\n")},
+    {"clock_stands", "runs", V,
+     clock(
+         R"yaml(on_cmd: {takes: cmd.read, do: "if (steps < 3) { steps = steps + 1; } clock.write;"})yaml")},
+    {"clock_goes", "runs", H, clock(R"yaml(on_cmd: {takes: cmd.read, do: "skip;"},
+              step: {timer: 5, do: "if (steps < 3) { steps = steps + 1; } clock.write;"})yaml")},
+    {"clock_goes", "commands", H, clock(R"yaml(on_cmd: {takes: cmd.read, do: "skip;"},
+              step: {timer: 5, do: "if (steps < 3) { steps = steps + 1; } clock.write;"})yaml")},
+    {"timers", "early", H, timers("{kind: single}")},
+    {"timers", "again", H, timers("{kind: single}")},
+    {"timers", "done", H, timers("{kind: single}")},
+    {"timers_by_rounds", "early", H, timers("{kind: single, order: rounds}")},
+    {"timers_by_rounds", "done", H, timers("{kind: single, order: rounds}")},
+    {"timers_on_two", "done", H, timers("{kind: multi, threads: 2}")},
+};
+
+class NodeSystems : public testing::TestWithParam<NodeSystem> {};
+
+// All reductions agree on the verdict.
+TEST_P(NodeSystems, HaveTheVerdictsThatTheyMustHave) {
+  const System system = parse_system(GetParam().text, "s.yaml", test::test_model);
+  NativeEngine engine;
+  for (const Reduction reduction :
+       {Reduction::none, Reduction::calls, Reduction::order, Reduction::full}) {
+    CheckRequest request;
+    request.properties = {GetParam().property};
+    request.options.reduction = reduction;
+    const CheckReport report = check_system(system, engine, request);
+    EXPECT_EQ(to_string(report.properties.at(0).verdict), std::string(GetParam().verdict))
+        << to_string(reduction);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(All, NodeSystems, testing::ValuesIn(node_systems),
+                         [](const testing::TestParamInfo<NodeSystem>& system) {
+                           return std::string(system.param.name) + "_" + system.param.property;
+                         });
+
+std::string error_in(const std::string& robot) {
+  const std::string text = R"yaml(
+services:
+  lookup: {server: map, clients: [robot]}
+nodes:
+  map: {callbacks: {find: {serves: lookup, do: "lookup.answer;"}}}
+  robot: )yaml" + robot + "\n";
+  return test::error_of([&] { parse_system(text, "s.yaml", test::test_model); });
+}
+
+TEST(NodeLife, SlipsAreNamedWithTheirPlace) {
+  EXPECT_EQ(error_in("{start: \"offer lookup;\"}"),
+            "'offer' stands in the code of the service's server (s.yaml:6:19)");
+  EXPECT_EQ(error_in("{start: \"run work;\"}"), "node robot has no thread 'work' (s.yaml:6:23)");
+  EXPECT_EQ(error_in("{threads: {work: \"skip;\"}, start: \"join wrok;\"}"),
+            "node robot has no thread 'wrok'; it has: work; did you mean 'work'? (s.yaml:6:50)");
+  EXPECT_EQ(error_in("{threads: {work: {count: 9, do: \"skip;\"}}}"),
+            "'count' goes from 1 to 4 (s.yaml:6:35)");
+  EXPECT_EQ(error_in("{callbacks: {start: {timer: 1, do: \"skip;\"}}, start: \"skip;\"}"),
+            "node robot has a callback 'start', too: call it otherwise (s.yaml:6:56)");
+  EXPECT_EQ(error_in("{callbacks: {tick: {timer: once, do: \"skip;\"}}}"),
+            "expected an expression, not the end of the text (s.yaml:6:41)");
+  EXPECT_EQ(error_in("{callbacks: {tick: {timer: 1, when: \"robot.there\", do: \"skip;\"}}}"),
+            "'robot.there' asks whether a service is there, and 'robot' is none (s.yaml:6:47)");
+}
+
+// What nobody says costs no state: a service that is there from the begin has no variable.
+TEST(NodeLife, AServiceThatIsThereCostsNothing) {
+  const std::string text = R"yaml(
+services:
+  lookup: {server: map, clients: [robot]}
+programs:
+  map: "loop { idle lookup.serve -> request; lookup.answer; }"
+  robot: "wait lookup -> there; lookup.send; lookup.receive -> answer;"
+)yaml";
+  const System system = parse_system(text, "s.yaml", test::test_model);
+  for (const ModelInstance& model : system.models) {
+    EXPECT_NE(model.source, ModelInstance::Source::variable) << model.name;
+  }
+}
+
+}  // namespace
+}  // namespace maide
