@@ -379,10 +379,33 @@ class AssumptionList {
           "an answer, a message) is not looked at",
           fmt::join(names, ", ")));
     }
+    state_presence();
     if (system_.callbacks.empty() || (system_.topics.empty() && system_.services.empty())) return;
     lines_.emplace_back(
         "nodes begin when all ends know each other: what is lost before, at the start, is not "
         "looked at");
+  }
+
+  // Servers of which no text says that they come or go.
+  void state_presence() {
+    std::vector<std::string> names;
+    for (const ServiceInstance& service : system_.services) {
+      const auto is_server = [&](const Program& program) {
+        return program.name == service.server ||
+               std::ranges::find(program.nodes, service.server) != program.nodes.end();
+      };
+      const bool may_die = std::ranges::any_of(system_.programs, [&](const Program& program) {
+        return is_server(program) && program.may_die();
+      });
+      const std::string presence = presence_of(service.name);
+      const bool may_come =
+          std::ranges::find(system_.models, presence, &ModelInstance::name) != system_.models.end();
+      if (!may_die && !may_come) names.push_back(service.name);
+    }
+    if (names.empty()) return;
+    lines_.push_back(fmt::format(
+        "{}: {} there from the beginning and never dies (`offer` and `may_die` say otherwise)",
+        some_of(names), names.size() == 1 ? "the server is" : "each server is"));
   }
 
   // "a, b", or of many "a, b, ..., and 90 more".
