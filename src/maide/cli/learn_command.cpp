@@ -333,6 +333,7 @@ ExitStatus learn(const LearnArguments& arguments, const CommandLine& line, Conte
   if (!arguments.purpose.empty()) options.fingerprint["purpose"] = read_file(arguments.purpose);
   options.confirm = is_to_be_confirmed(arguments, system);
   if (options.confirm) {
+    options.sample = words_of_a_sample;
     options.slower = make_slower_system(spec, access, *system.sul, arguments.purpose, control);
   }
   LearnedModel learned =

@@ -17,6 +17,7 @@
 #include "maide/base/hash.hpp"
 #include "maide/base/log.hpp"
 #include "maide/base/numbers.hpp"
+#include "maide/base/random.hpp"
 #include "maide/base/text.hpp"
 #include "maide/base/version.hpp"
 #include "maide/conformance/method/known_words.hpp"
@@ -349,6 +350,7 @@ class Run {
       tested_.strength = teacher.strength();
       tested_.cost_of_missing = teacher.cost_of_missing();
       confirm(learner->hypothesis());
+      ask_sample(learner->hypothesis());
     } catch (const CacheCorrected&) {
       is_over = false;
     } catch (...) {
@@ -398,6 +400,49 @@ class Run {
         fmt::format("; {} words confirmed with longer waits ({})", words, options_.slower->waits);
   }
 
+  // Throws CacheCorrected: the run has to be done again.
+  void ask_sample(const Mealy& model) {
+    if (!file_ || cache_->misses() > 0 || is_sampled_) return;
+    is_sampled_ = true;
+    counter_.set_phase(LearnPhase::confirmation);
+    Random random(options_.testing.seed);
+    const std::size_t voted_on = cache_->contradictions().size();
+    std::vector<Word> wrong;
+    for (std::size_t count = 0; count < options_.sample; ++count) {
+      const Word word = random_walk(model, random);
+      try {
+        cache_->ask_afresh(word, control_);
+        if (is_answered_so(word, model)) continue;
+      } catch (const CacheCorrected&) {  // it is one of the wrong ones
+      }
+      wrong.push_back(word);
+    }
+    if (wrong.empty()) return;
+    const std::string shown = to_string(wrong.front(), model.inputs());
+    if (cache_->contradictions().size() > voted_on + 1) {
+      throw Error(
+          ExitStatus::inconclusive,
+          fmt::format("the system answers \"{}\" and other words otherwise than it did: the "
+                      "cache is another system's, or an older version's; delete it ({})",
+                      shown, options_.cache_file.string()));
+    }
+    known_words_.insert(known_words_.end(), wrong.begin(), wrong.end());
+    throw CacheCorrected(shown);
+  }
+  // Of at most 30 inputs.
+  static Word random_walk(const Mealy& model, Random& random) {
+    Word word(1 + random.below(std::min<std::uint64_t>(2 * model.size(), 30)));
+    for (Symbol& input : word) input = static_cast<Symbol>(random.below(model.inputs().size()));
+    return word;
+  }
+  // As the cache has it.
+  bool is_answered_so(const Word& word, const Mealy& model) {
+    const Word outputs = cache_->ask(word, control_), expected = model.output_word(word);
+    return std::ranges::equal(outputs, expected, [&](Symbol given, Symbol meant) {
+      return cache_->outputs().name(given) == model.outputs().name(meant);
+    });
+  }
+
   const std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
   const ExperimentOptions& options_;
   RunControl control_;
@@ -426,6 +471,7 @@ class Run {
   TestedStrength tested_;                    // of the present run's model
   QueryCounts slower_counts_;
   std::uint64_t kept_symbols_ = 0;  // in the cache when the run began
+  bool is_sampled_ = false;
   ExperimentResult result_;
 };
 

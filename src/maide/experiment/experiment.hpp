@@ -39,6 +39,8 @@
 
 namespace maide {
 
+inline constexpr std::size_t words_of_a_sample = 5;  // ExperimentOptions::sample, for real systems
+
 struct ExperimentOptions {
   std::string algorithm;              // a name of learners(); empty: the default
   std::string test_method;            // as TestChain reads it; empty: the default
@@ -59,8 +61,11 @@ struct ExperimentOptions {
   std::vector<Word> known_words;  // each hypothesis is tested with these first
   // Names of outputs that end the session, '*' for any characters (learn/oracle/error_outputs.hpp).
   std::vector<std::string> error_outputs;
-  bool has_refusals = false;           // Cache::Refusals::change_nothing
-  bool confirm = false;                // ask each counterexample again before it is believed
+  bool has_refusals = false;  // Cache::Refusals::change_nothing
+  bool confirm = false;       // ask each counterexample again before it is believed
+  // Words that are asked again where a kept cache answers everything: it may be another system's by
+  // now. Where two of them are answered otherwise the run ends with an Error that says so.
+  std::size_t sample = 0;
   std::optional<SlowerSystem> slower;  // confirms the final model, where given
   // Told of each word in the cache file and its answer, before anything is asked.
   std::function<void(const Word& inputs, const std::vector<std::string>& outputs)> on_cached_word;

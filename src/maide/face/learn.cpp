@@ -69,6 +69,7 @@ Learned learn_system(const std::string& system, const LearnOptions& options) {
   experiment.testing.budget = test_budget(opened.reference.has_value());
   experiment.confirm = !opened.reference;
   if (experiment.confirm) {
+    experiment.sample = words_of_a_sample;
     experiment.slower = make_slower_system(spec, access, *opened.sul, {}, options.control);
   }
   LearnedModel learned = learn_model(*opened.sul, Translation::eager, experiment, options.control,

@@ -161,6 +161,7 @@ InterfaceAutomaton learn(const ModelRequest& request, const Opened& opened,
   experiment.known_words = to_symbols(counterexamples, input_alphabet(sul.info()));
   experiment.reference = opened.system.reference ? &*opened.system.reference : nullptr;
   experiment.confirm = !opened.system.reference;
+  if (experiment.confirm) experiment.sample = words_of_a_sample;
   experiment.slower = make_slower_system(opened.spec, opened.access, sul, {}, control);
   LearnedModel learned = learn_model(sul, Translation::eager, experiment, control);
   if (!learned.experiment.is_complete()) std::rethrow_exception(learned.experiment.error);

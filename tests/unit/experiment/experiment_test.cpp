@@ -82,6 +82,47 @@ TEST(Experiment, IsInterruptedWhileItUsesWhatIsKnown) {
   }
 }
 
+// A cache that answers everything may be another system's by now.
+TEST(Experiment, ASampleIsAskedAgainWhereACacheAnswersEverything) {
+  const TempDir folder;
+  const Mealy machine = example_machine(5), other = example_machine(6);
+  ExperimentOptions options;
+  options.cache_file = folder.path() / "cache";
+  options.sample = 5;
+  MealyOracle system(machine);
+  ASSERT_TRUE(run_experiment(system, options).is_complete());
+  const ExperimentResult again = run_experiment(system, options);
+  EXPECT_TRUE(again.is_complete());
+  EXPECT_EQ(again.experiments, 5U);
+  MealyOracle exchanged(other);
+  const ExperimentResult mistaken = run_experiment(exchanged, options);
+  ASSERT_FALSE(mistaken.is_complete());
+  try {
+    std::rethrow_exception(mistaken.error);
+  } catch (const Error& error) {
+    EXPECT_EQ(error.status(), ExitStatus::inconclusive);
+    EXPECT_THAT(error.what(), testing::HasSubstr("the cache is another system's"));
+  }
+}
+
+// The model may have been weak, and the words be new ones.
+TEST(Experiment, WordsOfTheSampleRefuteAWeakModel) {
+  const TempDir folder;
+  const Mealy machine = example_machine(5);
+  ExperimentOptions options;
+  options.cache_file = folder.path() / "cache";
+  options.sample = 40;
+  options.test_method = "random-w";
+  options.testing.max_tests = 1;
+  MealyOracle system(machine);
+  const ExperimentResult first = run_experiment(system, options);
+  ASSERT_TRUE(first.is_complete());
+  ASSERT_LT(first.model.size(), machine.size()) << "too well tested for what comes now";
+  const ExperimentResult again = run_experiment(system, options);
+  EXPECT_TRUE(again.is_complete());
+  EXPECT_GT(again.model.size(), first.model.size());
+}
+
 // A protocol of some states in which most inputs end the session.
 Mealy protocol(std::size_t states, std::size_t inputs) {
   Random random(7);
