@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import Any
 
 from models import Queue
-from services import FREE, OWN, STRANGER, Client, Service
+from services import FREE, OWN, STRANGER, Client, Rest, Service
 from system import System
 
 State = Any
@@ -88,11 +88,10 @@ class NumberedService(Service):
 
     number = 0
 
-    def sent(self, state: tuple, program: int) -> tuple:
-        requests, server, served, clients = state
+    def sent(self, state: Rest, program: int) -> Rest:
         i = self.client_of[program]
         who = (OWN, self.number) if i == 0 else OWN
-        return (self.kept(requests + ((i, who),)), server, served, clients)
+        return state._replace(requests=self.kept(state.requests + ((i, who),)))
 
 
 class ServiceMachine:
@@ -106,24 +105,24 @@ class ServiceMachine:
         self.one_open = one_open
         self.start = (self.service.initial, (0, 0, 0), False)
 
-    def serve(self, state: tuple) -> tuple[tuple, Any] | None:
+    def serve(self, state: Rest) -> tuple[Rest, Any] | None:
         """(the state after a request was answered, who asked)."""
         found = self.service.pick(state, self.SERVER, ("serve", ()))[0]
         if not found:
             return None
         state = found[0][1]
-        who = state[2][0]
+        who = state.served[0]
         return self.service.give(state, self.SERVER, ("answer", ()))[0][0][0], who
 
-    def receive(self, state: tuple, client: int) -> tuple[tuple, Any]:
+    def receive(self, state: Rest, client: int) -> tuple[Rest, Any]:
         """(the state after a client looked once for its answer, that answer or None)."""
-        own = self.service.own_answers(state[3][client][0])
+        own = self.service.own_answers(state.clients[client][0])
         found = self.service.pick(state, client, ("receive", ()))[0]
         if found:
             return found[0][1], own[0]
         return self.service.with_client(state, client, (), FREE), None
 
-    def call(self, state: tuple, served: int) -> tuple[tuple, int]:
+    def call(self, state: Rest, served: int) -> tuple[Rest, int]:
         """The second client asks, the server serves all, and the client gets its answer.
 
         Gives the state, and the last number that the server saw."""
@@ -164,16 +163,17 @@ class ServiceMachine:
         return output, self.small(state, sent, served, got, is_open and self.one_open)
 
     @staticmethod
-    def small(state: tuple, sent: int, served: int, got: int, is_open: bool) -> tuple:
+    def small(state: Rest, sent: int, served: int, got: int, is_open: bool) -> tuple:
         """The state with smaller numbers."""
-        requests, server, slots, clients = state
+        requests, _, _, clients, _ = state
         asked = [who[1] for _, who in requests]
         answered = [who[1] for who in clients[0][0] if who != STRANGER]
         new = renumbered([sent, served, got, *asked, *answered])
         requests = tuple((i, (OWN, new[who[1]])) for i, who in requests)
         answers = tuple(who if who == STRANGER else (OWN, new[who[1]]) for who in clients[0][0])
         clients = ((answers, clients[0][1]), *((((), FREE),) * (len(clients) - 1)))
-        return (requests, server, slots, clients), (new[sent], new[served], new[got]), is_open
+        small = state._replace(requests=requests, clients=clients)
+        return small, (new[sent], new[served], new[got]), is_open
 
 
 def service(depth: int, inputs: list[str], clients: int = 1, one_open: bool = False) -> int:

@@ -1,14 +1,13 @@
 """Services: two topics with numbers, requests to the server and answers to all clients.
 
-A Service answers what a program may do with it, as in use.py. Its state is
-
-    (requests, server, served, clients)
+A Service answers what a program may do with it, as in use.py. Its state has
 
     requests  those that wait, the oldest first; None if the server died
     server    FREE, WAITS (a `serve` that found nothing), or the request that is due to it
     served    of each slot the request that was served last and not answered, or None
     clients   of each (answers, how it stands): FREE, WAITS or DUE for a program; for a node the
               programs to which an answer was handed over; None if the client died
+    there     whether it is offered; where it is not, requests are lost
 
 A request is (number of the client, who asked). An answer in a client's queue is STRANGER or who
 asked: OWN where that is a program; in a node the copy of a callback whose run made the request, if
@@ -21,7 +20,7 @@ others in its turn: over Cyclone DDS all at once, over Fast DDS one a turn.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 from language import Refused
 from models import Action
@@ -40,6 +39,16 @@ class Client:
     is_node: bool = False
     hands_over: bool = False  # answers go to the callback that asked
     looked_at: bool = False  # by an executor with rounds
+
+
+class Rest(NamedTuple):
+    """The state of a service."""
+
+    requests: tuple | None
+    server: Any
+    served: tuple
+    clients: tuple
+    there: bool = True
 
 
 class Service:
@@ -68,7 +77,7 @@ class Service:
         self.slots = slots  # the copies that have one of their own
         self.one_by_one = one_by_one  # a client takes one answer, whosever it is: Fast DDS
         at_first = [((), frozenset() if client.is_node else FREE) for client in clients]
-        self.initial = ((), FREE, (None,) * max(1, len(slots)), tuple(at_first))
+        self.initial: Any = Rest((), FREE, (None,) * max(1, len(slots)), tuple(at_first))
 
     # --- who may do what
 
@@ -99,16 +108,37 @@ class Service:
         """The event of this program with the service."""
         return (program, self.name, None, sign, (name, ()))
 
+    # --- whether it is there
+
+    def is_there(self, state: Rest) -> bool:
+        """Whether it is offered."""
+        return state.there
+
+    def offered(self, state: Rest) -> Rest:
+        """The state after it was offered."""
+        return state._replace(there=True)
+
+    def withdrawn(self, state: Rest) -> Rest:
+        """The state after it was withdrawn: the requests that wait are lost, not the one that is
+        due, and not what was served."""
+        return state._replace(requests=(), there=False)
+
+    def takes_requests(self, state: Rest) -> bool:
+        """Whether a request that is sent is kept."""
+        return state.there and state.requests is not None
+
+    # --- queues
+
     def kept(self, entries: tuple) -> tuple:
         """The newest entries, as many as the depth."""
         return entries[-self.depth :]
 
-    def with_client(self, state: tuple, i: int, answers: tuple, stands: Any) -> tuple:
+    def with_client(self, state: Rest, i: int, answers: tuple, stands: Any) -> Rest:
         """The state with another queue of one client, without strangers' answers in its front: they
         are thrown away before anything is taken, and push nothing out."""
-        clients = state[3]
+        clients = state.clients
         client = (self.what_counts(i, answers), stands)
-        return (*state[:3], clients[:i] + (client,) + clients[i + 1 :])
+        return state._replace(clients=clients[:i] + (client,) + clients[i + 1 :])
 
     def what_counts(self, i: int, answers: tuple) -> tuple:
         """The part of a client's queue that makes a difference. An executor with rounds looks
@@ -119,23 +149,24 @@ class Service:
             return answers
         return self.own_answers(answers) or answers[-1:]
 
-    def forgotten(self, state: tuple, program: int) -> tuple:
+    def forgotten(self, state: Rest, program: int) -> Rest:
         """The state after nobody waits any more for what this copy of a callback asked for."""
         i = self.client_of.get(program)
-        if i is None or not self.clients[i].is_node or state[3][i] is None:
+        if i is None or not self.clients[i].is_node or state.clients[i] is None:
             return state
 
         def older(request: Any) -> Any:
             return (i, NOBODY) if request == (i, program) else request
 
-        requests, server, served, clients = state
-        requests = None if requests is None else tuple(map(older, requests))
-        answers, over = clients[i]
+        requests = None if state.requests is None else tuple(map(older, state.requests))
+        answers, over = state.clients[i]
         answers = tuple(NOBODY if who == program else who for who in answers)
-        state = (requests, older(server), tuple(map(older, served)), clients)
+        state = state._replace(
+            requests=requests, server=older(state.server), served=tuple(map(older, state.served))
+        )
         return self.with_client(state, i, answers, over - {program})
 
-    def sent(self, state: tuple, program: int) -> tuple:
+    def sent(self, state: Rest, program: int) -> Rest:
         """The state after a request."""
         return self.requested(self.forgotten(state, program), self.request_of(program))
 
@@ -145,37 +176,35 @@ class Service:
         client = self.clients[i]
         return (i, OWN if not client.is_node else program if client.hands_over else NOBODY)
 
-    def requested(self, state: tuple, request: tuple) -> tuple:
+    def requested(self, state: Rest, request: tuple) -> Rest:
         """The state after a request came to the server."""
-        requests, server, served, clients = state
-        if requests is None:
+        if not self.takes_requests(state):
             return state
-        if server == WAITS:
-            return (requests, request, served, clients)
-        return (self.kept(requests + (request,)), server, served, clients)
+        if state.server == WAITS:
+            return state._replace(server=request)
+        return state._replace(requests=self.kept(state.requests + (request,)))
 
     def slot(self, program: int) -> int:
         """Where it is kept what this program served."""
         return self.slots.index(program) if self.slots else 0
 
-    def with_served(self, state: tuple, program: int, request: tuple | None) -> tuple:
+    def with_served(self, state: Rest, program: int, request: tuple | None) -> Rest:
         """The state after a program served a request, or answered it."""
         at = self.slot(program)
-        served = state[2][:at] + (request,) + state[2][at + 1 :]
-        return (*state[:2], served, state[3])
+        return state._replace(served=state.served[:at] + (request,) + state.served[at + 1 :])
 
-    def answered(self, state: tuple, program: int) -> tuple:
+    def answered(self, state: Rest, program: int) -> Rest:
         """The state after the request that was served last was answered, to all clients."""
-        asking, who = state[2][self.slot(program)]
+        asking, who = state.served[self.slot(program)]
         state = self.with_served(state, program, None)
-        for i, client in enumerate(state[3]):
+        for i, client in enumerate(state.clients):
             if client is not None:
                 state = self.reached(state, i, who if i == asking else STRANGER)
         return state
 
-    def reached(self, state: tuple, i: int, entry: Any) -> tuple:
+    def reached(self, state: Rest, i: int, entry: Any) -> Rest:
         """The state after an answer came to a client."""
-        answers, stands = state[3][i]
+        answers, stands = state.clients[i]
         if stands != WAITS:
             return self.with_client(state, i, self.kept(answers + (entry,)), stands)
         return state if entry == STRANGER else self.with_client(state, i, answers, DUE)
@@ -189,9 +218,9 @@ class Service:
 
     # --- what programs do
 
-    def give(self, state: tuple, program: int, action: Action) -> tuple[list, bool]:
+    def give(self, state: Rest, program: int, action: Action) -> tuple[list, bool]:
         """The states after an input."""
-        requests, server, served, clients = state
+        requests, server, served, clients, _ = state
         name = action[0]
         after = None
         if action[1]:
@@ -200,9 +229,9 @@ class Service:
             after = self.sent(state, program)
         elif name == "serve" and server == FREE and requests is not None:
             if requests:
-                after = (requests[1:], requests[0], served, clients)
+                after = state._replace(requests=requests[1:], server=requests[0])
             else:
-                after = (requests, WAITS, served, clients)
+                after = state._replace(server=WAITS)
         elif name == "answer" and served[self.slot(program)] is not None:
             if all(client is None or client[1] != DUE for client in clients):
                 after = self.answered(state, program)
@@ -213,17 +242,16 @@ class Service:
                 after = self.with_client(state, i, answers[1:], DUE if answers else WAITS)
         return [] if after is None else [(after, self.event(program, "?", name))], False
 
-    def due(self, state: tuple, program: int) -> list:
+    def due(self, state: Rest, program: int) -> list:
         """What the program may take."""
-        requests, server, _, clients = state
         found: list = []
-        if program in self.server and server not in (FREE, WAITS):
+        if program in self.server and state.server not in (FREE, WAITS):
             event = self.event(program, "!", "request")
-            after = self.with_served((requests, FREE, *state[2:]), program, server)
+            after = self.with_served(state._replace(server=FREE), program, state.server)
             found.append((("request", ()), after, event))
         i = self.client_of.get(program)
-        if i is not None and clients[i] is not None:
-            answers, stands = clients[i]
+        if i is not None and state.clients[i] is not None:
+            answers, stands = state.clients[i]
             after = None
             if stands == DUE:
                 after = self.with_client(state, i, answers, FREE)
@@ -233,7 +261,7 @@ class Service:
                 found.append((("answer", ()), after, self.event(program, "!", "answer")))
         return found
 
-    def pick(self, state: tuple, program: int, action: Action) -> tuple[list, bool]:
+    def pick(self, state: Rest, program: int, action: Action) -> tuple[list, bool]:
         """Input and output in one step."""
         expected = {"serve": "request", "receive": "answer"}.get(action[0])
         found = []
@@ -243,58 +271,59 @@ class Service:
                     found.append((output, after, (event, other)))
         return found, False
 
-    def quiet(self, state: tuple, program: int, name: str, is_input: bool) -> bool:
+    def quiet(self, state: Rest, program: int, name: str, is_input: bool) -> bool:
         """Whether nothing is due where this belongs: at the server, or at the clients."""
         if name in ("send", "serve", "request"):
-            return state[1] in (FREE, WAITS)
+            return state.server in (FREE, WAITS)
         if name == "receive" or not is_input:
             return all(output[0] != "answer" for output, _, _ in self.due(state, program))
-        return all(client is None or client[1] != DUE for client in state[3])
+        return all(client is None or client[1] != DUE for client in state.clients)
 
-    def died(self, state: tuple, program: int) -> tuple[list, bool]:
+    def died(self, state: Rest, program: int) -> tuple[list, bool]:
         """The states after a program died."""
         if program in self.server:
-            state = (None, FREE, self.initial[2], state[3])
+            served = (None,) * len(state.served)
+            state = state._replace(requests=None, server=FREE, served=served)
         i = self.client_of.get(program)
         if i is not None:
-            clients = state[3]
-            state = (*state[:3], clients[:i] + (None,) + clients[i + 1 :])
+            clients = state.clients
+            state = state._replace(clients=clients[:i] + (None,) + clients[i + 1 :])
         return [state], False
 
     # --- what the executor of a node does
 
-    def has_request(self, state: tuple) -> bool:
+    def has_request(self, state: Rest) -> bool:
         """Whether there is something for the callback of a server."""
-        return bool(state[0])
+        return bool(state.requests)
 
-    def served_by(self, state: tuple, program: int) -> tuple[tuple, tuple]:
+    def served_by(self, state: Rest, program: int) -> tuple[Rest, tuple]:
         """The state after a callback took the oldest request, and the events."""
-        request, rest = state[0][0], state[0][1:]
+        request, rest = state.requests[0], state.requests[1:]
         events = (self.event(program, "?", "serve"), self.event(program, "!", "request"))
-        return self.with_served((rest, *state[1:]), program, request), events
+        return self.with_served(state._replace(requests=rest), program, request), events
 
-    def is_found(self, state: tuple, i: int) -> bool:
+    def is_found(self, state: Rest, i: int) -> bool:
         """Whether a look finds something for a client: over its queue, whosever the answers."""
-        return bool(state[3][i][0])
+        return bool(state.clients[i][0])
 
-    def takes_others(self, state: tuple, i: int) -> tuple | None:
+    def takes_others(self, state: Rest, i: int) -> Rest | None:
         """The state after a client's turn in a round in which it takes no answer of its own; None
         if it takes one, or there is nothing."""
-        answers, stands = state[3][i]
+        answers, stands = state.clients[i]
         if not self.clients[i].looked_at or not answers or self.has_answer(state, i):
             return None
         return self.with_client(state, i, answers[1:] if self.one_by_one else (), stands)
 
-    def has_answer(self, state: tuple, i: int) -> bool:
+    def has_answer(self, state: Rest, i: int) -> bool:
         """Whether there is something for the callback of a client."""
-        answers = state[3][i][0]
+        answers = state.clients[i][0]
         if self.clients[i].looked_at and self.one_by_one:
             return answers[:1] not in ((), (STRANGER,))
         return bool(self.own_answers(answers))
 
-    def received_by(self, state: tuple, i: int, program: int) -> tuple[tuple, tuple]:
+    def received_by(self, state: Rest, i: int, program: int) -> tuple[Rest, tuple]:
         """The state after a client's callback took its oldest own answer, and the events."""
-        answers, over = state[3][i]
+        answers, over = state.clients[i]
         answers = self.own_answers(answers)
         events = [self.event(program, "?", "receive")]
         if not self.clients[i].hands_over:

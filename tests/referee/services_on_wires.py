@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 from deliveries import ACKNOWLEDGED, AT_ONCE, Wire
 from models import Action
-from services import DUE, FREE, NOBODY, STRANGER, WAITS, Client, Service
+from services import DUE, FREE, NOBODY, STRANGER, WAITS, Client, Rest, Service
 from wires import Arrival, Line
 
 SERVER = -1  # its entry; a client's is its number
@@ -20,7 +20,7 @@ SERVER = -1  # its entry; a client's is its number
 class Calls(NamedTuple):
     """The state of a service with wires."""
 
-    rest: tuple
+    rest: Rest
     lines: tuple
     dead: frozenset = frozenset()
     journal: tuple = ()
@@ -60,6 +60,20 @@ class ServiceOnWires(Line, Service):
         """Results of the service at rest, with the wires as they are."""
         return [(*one[:-2], state._replace(rest=one[-2]), one[-1]) for one in found]
 
+    # --- whether it is there
+
+    def is_there(self, state: Calls) -> bool:
+        return self.rest.is_there(state.rest)
+
+    def offered(self, state: Calls) -> Calls:
+        return state._replace(rest=self.rest.offered(state.rest))
+
+    def withdrawn(self, state: Calls) -> Calls:
+        """The state after it was withdrawn: requests on their way are lost, too."""
+        for i in range(len(self.clients)):
+            state = self.with_line(state, self.to_server(i), ())
+        return self.without_dead(state._replace(rest=self.rest.withdrawn(state.rest)))
+
     # --- what programs do
 
     def forgotten(self, state: Calls, program: int) -> Calls:
@@ -85,13 +99,13 @@ class ServiceOnWires(Line, Service):
         k = self.to_server(request[0])
         if self.wires[k].delivery == AT_ONCE:
             return state._replace(rest=self.rest.requested(state.rest, request))
-        return state if state.rest[0] is None else self.put(state, k, (request,))
+        return self.put(state, k, (request,)) if self.rest.takes_requests(state.rest) else state
 
     def answered(self, state: Calls, program: int) -> Calls:
         """The state after the request that was served last was answered, to all clients."""
-        asking, who = state.rest[2][self.slot(program)]
+        asking, who = state.rest.served[self.slot(program)]
         state = state._replace(rest=self.rest.with_served(state.rest, program, None))
-        for i, client in enumerate(state.rest[3]):
+        for i, client in enumerate(state.rest.clients):
             entry, k = who if i == asking else STRANGER, self.to_client(i)
             if client is None:
                 continue
@@ -111,12 +125,12 @@ class ServiceOnWires(Line, Service):
         event = self.event(program, "?", name)
         if name == "send":
             at_once = self.wires[self.to_server(self.client_of[program])].delivery == AT_ONCE
-            if at_once and rest[1] not in (FREE, WAITS):
+            if at_once and rest.server not in (FREE, WAITS):
                 return [], False
             return [(self.sent(state, program), event)], False
-        if rest[2][self.slot(program)] is None:
+        if rest.served[self.slot(program)] is None:
             return [], False
-        for i, client in enumerate(rest[3]):
+        for i, client in enumerate(rest.clients):
             at_once = self.wires[self.to_client(i)].delivery == AT_ONCE
             if at_once and client is not None and client[1] == DUE:
                 return [], False
@@ -136,7 +150,7 @@ class ServiceOnWires(Line, Service):
         if name == "answer" and is_input:
             return all(
                 client is None or client[1] != DUE
-                for i, client in enumerate(state.rest[3])
+                for i, client in enumerate(state.rest.clients)
                 if self.wires[self.to_client(i)].delivery == AT_ONCE
             )
         return self.rest.quiet(state.rest, program, name, is_input)
@@ -176,11 +190,11 @@ class ServiceOnWires(Line, Service):
             is_request = k < len(self.clients)
             i = k if is_request else k - len(self.clients)
             if is_request:
-                if state.rest[1] not in (FREE, WAITS):
+                if state.rest.server not in (FREE, WAITS):
                     continue
                 rest = self.rest.requested(state.rest, line[0][0])
             else:
-                if state.rest[3][i][1] == DUE:
+                if state.rest.clients[i][1] == DUE:
                     continue
                 rest = self.rest.reached(state.rest, i, line[0][0])
             without = self.with_line(state, k, line[1:])
