@@ -23,7 +23,7 @@ from pathlib import Path
 import yaml
 
 from deliveries import ACKNOWLEDGED
-from generate import KINDS, generate
+from generate import AHEAD, KINDS, generate
 from language import Refused
 from referee import judge
 from system import System
@@ -271,9 +271,10 @@ def atom_of(document: dict, names: list[str]) -> str | None:
             return f"{name}@end"
     for name in names:
         entry = entries[name.split("[")[0]]
-        label = re.search(r"@(\w+) ", str(entry.get("callbacks") or {}))
-        if label:
-            return f"{name}@{label.group(1)}"
+        for code in ("callbacks", "start", "threads"):
+            label = re.search(r"@(\w+) ", str(entry.get(code) or {}))
+            if label:
+                return f"{name}@{label.group(1)}"
     return None
 
 
@@ -360,16 +361,31 @@ def smaller_connections(entry: dict) -> Iterable[dict]:
 
 def smaller_nodes(node: dict) -> Iterable[dict]:
     """The node with something left out."""
-    for key in ("executor", "groups", "clients", "variables"):
+    for key in ("executor", "groups", "clients", "variables", "start", "threads"):
         if key in node:
             yield {k: v for k, v in node.items() if k != key}
+    for less in smaller_texts(node.get("start", "").replace("} else", "}\nelse")):
+        if less.strip():
+            yield {**node, "start": less}
+    threads = node.get("threads") or {}
+    for name, entry in threads.items():
+        yield {**node, "threads": {k: v for k, v in threads.items() if k != name}}
+        code = entry["do"] if isinstance(entry, dict) else entry
+        shorter = [less for less in smaller_texts(code) if less.strip()]
+        shorter += ["skip;"] * (code.strip() != "skip;") + [code] * isinstance(entry, dict)
+        for less in shorter:
+            if isinstance(entry, dict) and less != code:
+                less = {**entry, "do": less}
+            yield {**node, "threads": {**threads, name: less}}
     for section in ("clients", "callbacks"):
         entries = node.get(section) or {}
         for name, entry in entries.items():
             yield {**node, section: {k: v for k, v in entries.items() if k != name}}
             if not isinstance(entry, dict):
                 continue
-            smaller_entries = [{k: v for k, v in entry.items() if k != "group"}]
+            smaller_entries = [
+                {k: v for k, v in entry.items() if k != key} for key in ("group", "when")
+            ]
             code = entry.get("do", "")
             if isinstance(code, str):
                 texts = smaller_texts(code.replace("} else", "}\nelse"))
@@ -422,7 +438,7 @@ def main() -> int:
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--count", type=int, default=50)
-    parser.add_argument("--only", choices=KINDS, nargs="*", default=[])
+    parser.add_argument("--only", choices=KINDS + AHEAD, nargs="*", default=[])
     parser.add_argument("--max-states", type=int, default=5000)
     parser.add_argument("--spin", action="store_true", help="compare SPIN's answers, too")
     parser.add_argument("--states", action="store_true", help="tell how many states wires cost")

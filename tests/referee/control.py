@@ -20,6 +20,7 @@ from expressions import (
     is_constant,
     members,
     reads_shared,
+    services_named,
     variables_of,
 )
 from language import Refused, Statement
@@ -57,7 +58,7 @@ class Node:
             for arm in self.arms:
                 found += [arm.next] if arm.outputs is None else [n for _, n in arm.outputs]
             return found
-        return [] if self.kind in ("end", "finish") else [self.next]
+        return [] if self.kind in ("end", "finish", "unknown") else [self.next]
 
 
 @dataclass
@@ -109,7 +110,8 @@ class Compiler:
         self.file = file
         self.models: set[tuple[str, tuple]] = set()
         self.nodes: list[Node] = []
-        self.in_callback = False
+        self.pools: set[int] = set()  # the threads that it asks or waits for
+        self.code: Any = None  # of a node, where it is no program
 
     def compile(self, body: list[Statement], scope: Scope, outside: tuple[Variable, ...]) -> Node:
         """The first node of a program; `outside` are variables of the file that it alone uses."""
@@ -124,10 +126,12 @@ class Compiler:
         return first
 
     def compile_callback(self, text: Any, outside: tuple[Variable, ...]) -> Node:
-        """The node at which a callback waits to be started; its code ends before `finish`."""
+        """The node at which a callback, or other code of a node, waits to be started; its code ends
+        before `finish`."""
         frame = Frame(text.scope, outside)
-        start = Node("start", frame, (text.full_name(), 0), model=None, input=None)
-        self.in_callback = True
+        when = None if text.when is None else self.expression(frame, text.when)
+        start = Node("start", frame, (text.full_name(), 0), model=None, input=None, when=when)
+        self.code = text
         end = Node("finish", frame)
         inner = replace(frame, stop=end, back=end)
         if text.kind == "takes":
@@ -141,7 +145,7 @@ class Compiler:
             if start.input is not None:
                 self.system.check_input(self.program, start.model, start.input)
                 start.has_outputs = self.system.has_outputs(name, start.input)
-        elif text.kind != "timer":
+        elif text.kind in ("serves", "client"):
             start.model = self.system.service_number(text)
         start.arms = [self.outcome(*arm, start.model, inner, end) for arm in text.arms]
         self.number(start)
@@ -166,7 +170,7 @@ class Compiler:
 
     def refuse_reading(self, model: str, name: str, is_input: bool) -> None:
         """Refuses what a callback may receive through its executor alone."""
-        if self.in_callback and self.system.is_received(model, name, is_input):
+        if self.code is not None and self.system.is_received(model, name, is_input):
             raise Refused(f"a callback gets {name} of {model} through its executor: 'takes'")
 
     def number(self, first: Node) -> None:
@@ -203,6 +207,8 @@ class Compiler:
         resolved = frame.scope.resolve(expression)
         for variable in variables_of(resolved):
             variable.users.add(self.program)
+        for reference in services_named(expression):
+            self.model(frame, reference)
         return resolved
 
     def local(self, frame: Frame, expression: Expression) -> Expression:
@@ -281,7 +287,7 @@ class Compiler:
 
     def statement(self, statement: Statement, frame: Frame, after: Node) -> Node:
         """The first node of a statement, behind which control goes on at `after`."""
-        if self.in_callback and getattr(statement, "idle", False):
+        if self.code is not None and getattr(statement, "idle", False):
             raise Refused("a callback does not rest")
         return getattr(self, "compile_" + statement.kind)(statement, frame, after)
 
@@ -528,8 +534,43 @@ class Compiler:
     def compile_wait(self, statement: Statement, frame: Frame, after: Node) -> Node:
         reference, pattern = self.sent_to(frame, statement.model, statement.pattern)
         model = self.model(frame, reference)
+        if pattern == ("there", None) and self.system.is_service(model):
+            node = Node("present", frame, statement.place, model=model, next=after)
+            node.idle = statement.idle
+            return node
         arms = [(self.checked(frame, model, pattern), after)]
         return self.take(model, arms, None, statement, frame)
+
+    def compile_offer(self, statement: Statement, frame: Frame, after: Node) -> Node:
+        model = self.model(frame, statement.target)
+        self.system.check_offer(self.program, model, is_offer=True)
+        return Node("offer", frame, statement.place, model=model, next=after)
+
+    def compile_withdraw(self, statement: Statement, frame: Frame, after: Node) -> Node:
+        model = self.model(frame, statement.target)
+        self.system.check_offer(self.program, model, is_offer=False)
+        return Node("withdraw", frame, statement.place, model=model, next=after)
+
+    def pool(self, statement: Statement) -> Any:
+        """The threads of this code's node that a statement names."""
+        name, indices = statement.target
+        pools = {} if self.code is None else {p.text.name: p for p in self.code.node.pools}
+        if name not in pools or indices:
+            raise Refused(f"{name} is no thread of a node that stands around this")
+        self.pools.add(pools[name].use)
+        return pools[name]
+
+    def compile_run(self, statement: Statement, frame: Frame, after: Node) -> Node:
+        pool = self.pool(statement)
+        pool.is_run = True
+        return Node("run", frame, statement.place, pool=pool, next=after)
+
+    def compile_join(self, statement: Statement, frame: Frame, after: Node) -> Node:
+        pool = self.pool(statement)
+        return Node("join", frame, statement.place, pool=pool, next=after)
+
+    def compile_unknown(self, statement: Statement, frame: Frame, after: Node) -> Node:
+        return Node("unknown", frame, statement.place)
 
     def arms(self, arms: list, model: tuple, frame: Frame, after: Node) -> list:
         """Patterns and first nodes of arms `output { ... }`."""

@@ -86,6 +86,30 @@ class Variable:
         return (self.least(),) * members
 
 
+@dataclass(eq=False)
+class Presence(Variable):
+    """Whether a service is there, which is read like a shared variable."""
+
+    use: int = -1  # the number of the service
+    offered: bool = False  # whether an `offer` names it: it is not there at first, else always
+    withdrawn: bool = False  # whether a `withdraw` names it
+
+
+def there_name(name: str, index: tuple) -> str:
+    """What a scope calls a service's presence; no text can."""
+    return f"{name}{list(index)}.there"
+
+
+def services_named(expression: Expression) -> Iterable[tuple[str, list]]:
+    """The services whose presence an expression of the text names, as references."""
+    if expression[0] == "there":
+        yield expression[1:]
+    for part in expression[1:]:
+        for inner in part if isinstance(part, list) else [part]:
+            if isinstance(inner, tuple):
+                yield from services_named(inner)
+
+
 def divide(a: int, b: int) -> int:
     """Division as in C++: towards zero."""
     if b == 0:
@@ -181,6 +205,8 @@ class Scope:
         if kind == "bin":
             left, right = self.resolve(expression[2]), self.resolve(expression[3])
             return fold(("bin", expression[1], left, right))
+        if kind == "there":
+            return self.presence(expression[1], expression[2])
         name = expression[1]
         indices = [self.resolve(i) for i in expression[2]] if kind == "index" else []
         meaning = self.find(name)
@@ -193,6 +219,20 @@ class Scope:
         if meaning[0] == "variable" and len(meaning[1].indices) == len(indices):
             return ("variable", meaning[1], indices)
         raise Refused(f"{name} is not used like this in an expression")
+
+    def presence(self, name: str, indices: list[Expression]) -> Expression:
+        """Whether a service is there: true where nothing changes that."""
+        meaning = self.find(name)
+        if meaning is None or meaning[0] != "model":
+            raise Refused(f"{name} is no service")
+        resolved = [self.resolve(i) for i in indices] or meaning[2]
+        if not all(is_constant(i) for i in resolved):
+            raise Refused(f"{name}.there has an index that changes")
+        index = tuple(evaluate(i, lambda variable: None) for i in resolved)
+        found = self.find(there_name(meaning[1], index))
+        if found is None:
+            raise Refused(f"{name} is no service")
+        return ("variable", found[1], []) if found[1].offered else ("value", True)
 
     def constant(self, expression: Expression) -> Value:
         """The value of an expression of constants alone."""

@@ -205,7 +205,7 @@ class Formulas:
         if node is not None:
             callback = name.partition(".")[2]
             found = frozenset(
-                n for c in node.callbacks if callback in ("", c.name) for n in c.numbers
+                n for c in node.codes() if callback in ("", c.name) for n in c.numbers
             )
         if not found:
             raise Refused(f"no program {name}{list(index)}")
@@ -258,6 +258,14 @@ class Formulas:
         meaning = self.scope.find(reference[0])
         return meaning is not None and meaning[0] == "model"
 
+    def is_presence(self, node: tuple) -> bool:
+        """Whether this is `service.there`."""
+        _, program, (name, indices), word = node
+        if program is not None or word != "there" or not self.is_model((name, indices)):
+            return False
+        resolved = [self.scope.resolve(i) for i in indices]
+        return self.system.is_service((name, resolved))
+
     def resolve(self, node: tuple) -> Formula:
         """A formula of the text, in negation normal form."""
         kind = node[0]
@@ -288,7 +296,7 @@ class Formulas:
             return self.number(Label(self.program(node[1]), node[2]))
         if kind == "event":
             return self.event(node[1], node[2], node[3], node[4], node[5])
-        if kind == "dot" and self.is_model(node[2]):
+        if kind == "dot" and self.is_model(node[2]) and not self.is_presence(node):
             return self.event(node[1], node[2], "?", node[3], None)
         return self.number(Comparison(self.leaf(node)))
 
@@ -299,6 +307,10 @@ class Formulas:
             return ("un", node[1], self.leaf(node[2]))
         if kind == "bin":
             return ("bin", node[1], self.leaf(node[2]), self.leaf(node[3]))
+        if kind == "dot" and self.is_presence(node):
+            self.use(node[2], node[3])
+            resolved = self.scope.resolve(("there", *node[2]))
+            return resolved if resolved[0] == "value" else ("global", resolved[1], ())
         if kind == "dot":
             return self.field(node[2], node[3], ())
         if kind == "field":
@@ -369,7 +381,7 @@ class Letter:
         if kind == "global":
             variable = node[1]
             if variable.shared or variable.stays:
-                whole = self.state.world[1][self.system.shared.index(variable)]
+                whole = self.system.shared_values(self.state.world)[variable]
             elif not variable.users:
                 whole = variable.initial
             else:

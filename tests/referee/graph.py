@@ -60,7 +60,11 @@ class Component:
         self.max_states = max_states
         models = tuple(use.initial for use in system.uses)
         world = (models, tuple(variable.initial for variable in system.shared))
-        self.number(tuple(program.start() for program in self.programs), world)
+        controls = []
+        for program in self.programs:
+            control, world = program.begun(world)
+            controls.append(control)
+        self.number(tuple(controls), world)
         self.on_wires = [
             (k, use)
             for k, use in enumerate(system.uses)
@@ -107,6 +111,9 @@ class Component:
                 controls = state.controls
                 if at is not None:
                     controls = controls[:at] + (step.control,) + controls[at + 1 :]
+                for other, control in step.also:
+                    place = self.numbers.index(other)
+                    controls = controls[:place] + (control,) + controls[place + 1 :]
                 target = self.number(*self.followed(controls, step.world, at is None))
                 mark = (step.program, step.label, target)
                 if mark not in seen:

@@ -3,8 +3,8 @@
 It parses text into plain nodes; names are resolved later.
 
 An expression is a tuple:  ("num", v)  ("name", n)  ("index", n, [e])  ("un", op, e)
-("bin", op, a, b). Formulas add ("event", program, model, sign, name, values), ("label", program, l)
-and ("field", program, variable).  A reference to a model or program is (name, [index expressions]).
+("bin", op, a, b)  ("there", n, [e]). Formulas add ("event", program, model, sign, name, values),
+("label", program, l) and ("field", program, variable).  A reference to a model or program is (name, [index expressions]).
 """
 
 import re
@@ -27,6 +27,10 @@ KEYWORDS = set(
     "loop repeat if else switch wait skip stop for while break continue return call var atomic "
     "select on when otherwise timeout idle any fair".split()
 )
+
+
+# Statements of one word and a name; elsewhere these words are names.
+NAMING = {"offer", "withdraw", "run", "join"}
 
 
 def tokenize(text):
@@ -137,6 +141,9 @@ class Parser:
         if kind == "name" and value not in KEYWORDS:
             self.at += 1
             indices = self.indices()
+            if self.sees(".") and self.sees("there", ahead=1):
+                self.at += 2
+                return ("there", value, indices)
             return ("index", value, indices) if indices else ("name", value)
         self.fail("an expression")
 
@@ -191,6 +198,14 @@ class Parser:
         if kind == "name" and value in KEYWORDS and not self.sees(".", ahead=1):
             self.at += 1
             return getattr(self, "parse_" + value, self.misplaced)(place)
+        if kind == "name" and value in NAMING and self.peek(1)[0] in ("name", "quoted"):
+            self.at += 1
+            target = self.reference()
+            self.expect(";")
+            return Statement(value, place, target=target)
+        if self.sees("unknown") and self.sees(";", ahead=1):
+            self.at += 2
+            return Statement("unknown", place)
         name, indices = self.reference()
         if self.sees("."):
             given = self.given((name, indices))

@@ -35,6 +35,7 @@ class Step:
     control: Control | None = None
     world: World | None = None
     events: tuple = ()
+    also: tuple = ()  # (program, control) of others that go on in this step
     arm: Any = None  # (place, number) of an arm of a select
     choice: Any = None  # (place, outcome) of a fair choice
     cut: bool = False
@@ -60,6 +61,10 @@ class Program:
         self.can_err = True
 
     # --- between steps
+
+    def begun(self, world: World) -> tuple[Control, World]:
+        """The control state at first, and the world after what was done on the way there."""
+        return self.start(), world
 
     def start(self) -> Control:
         """The control state at first."""
@@ -108,7 +113,7 @@ class Program:
     def look(self, node: Node, values: dict[Variable, Any]) -> None:
         """Evaluates what is evaluated when control arrives, for the mistakes in it."""
         read = values.__getitem__
-        if node.kind in ("give", "take"):
+        if node.kind in ("give", "take", "present", "offer", "withdraw"):
             self.model(node.model, read)
             for argument in getattr(node, "arguments", []):
                 evaluate(argument, read)
@@ -207,7 +212,7 @@ class Program:
 
     def reader(self, values: dict, world: World) -> Any:
         """What gives the values of local and shared variables."""
-        shared = dict(zip(self.system.shared, world[1]))
+        shared = self.system.shared_values(world)
         return lambda v: shared[v] if v.shared else values[v]
 
     @staticmethod
@@ -314,6 +319,43 @@ class Program:
         if node.quiet is not None and use.quiet(state, self.number, node.input, True):
             found.append(self.step((number, "quiet"), node.quiet, values, world))
         return found
+
+    def steps_present(self, node: Node, control: Control, values: dict, world: World) -> list[Step]:
+        number = self.model(node.model, values.__getitem__)
+        if not self.system.uses[number].is_there(world[0][number]):
+            return []
+        return [self.step((number, "there"), node.next, values, world)]
+
+    def steps_offer(self, node: Node, control: Control, values: dict, world: World) -> list[Step]:
+        number = self.model(node.model, values.__getitem__)
+        state = self.system.uses[number].offered(world[0][number])
+        after = self.with_model(world, number, state)
+        return [self.step((number, "offer"), node.next, values, after)]
+
+    def steps_withdraw(
+        self, node: Node, control: Control, values: dict, world: World
+    ) -> list[Step]:
+        number = self.model(node.model, values.__getitem__)
+        state = self.system.uses[number].withdrawn(world[0][number])
+        after = self.with_model(world, number, state)
+        return [self.step((number, "withdraw"), node.next, values, after)]
+
+    def steps_run(self, node: Node, control: Control, values: dict, world: World) -> list[Step]:
+        pool = node.pool
+        label = (pool.use, "run")
+        busy = pool.with_one_more(world[0][pool.use])
+        if busy is None:
+            why = f"no copy of {pool.text.full_name()} is free"
+            return [self.mistake(label, node.place, why, world)]
+        return [self.step(label, node.next, values, self.with_model(world, pool.use, busy))]
+
+    def steps_join(self, node: Node, control: Control, values: dict, world: World) -> list[Step]:
+        if any(world[0][node.pool.use]):
+            return []
+        return [self.step((node.pool.use, "join"), node.next, values, world)]
+
+    def steps_unknown(self, node: Node, control: Control, values: dict, world: World) -> list[Step]:
+        return self.cuts(("unknown",), True)
 
     def steps_choose(self, node: Node, control: Control, values: dict, world: World) -> list[Step]:
         return [

@@ -1,8 +1,10 @@
 """Nodes and executors: what they are in the file, and the programs that they stand for.
 
 Each copy of a callback is a program that stands at its start until it is started. An executor with
-rounds is a program, too, which looks, and takes a client's turn if its answers are to others. Which callbacks run, and what is left of the
-last look, is the state of the executor, among those of the models.
+rounds is a program, too, which looks, and takes a client's turn if its answers are to others. Which
+callbacks run, and what is left of the last look, is the state of the executor, among those of the
+models. Start code and the copies of threads are programs like callbacks; the first runs in place of
+all callbacks, and which of the others are asked or run is the state of a pool.
 """
 
 from __future__ import annotations
@@ -14,8 +16,8 @@ from typing import Any, NamedTuple
 
 from control import Node
 from deliveries import AT_ONCE
-from expressions import Scope, Variable
-from language import Parser, Refused, parse_program
+from expressions import Mistake, Scope, Variable, evaluate
+from language import Parser, Refused, parse_expression, parse_program
 from machine import Control, Program, Step, World
 
 KINDS = ("timer", "takes", "serves", "client")  # in this order in a round
@@ -23,17 +25,19 @@ KINDS = ("timer", "takes", "serves", "client")  # in this order in a round
 
 @dataclass(eq=False)
 class CallbackText:
-    """A callback as the file says it, in one node of an array."""
+    """A callback, start code or a thread, as the file says it, in one node of an array."""
 
     node: NodeText
     name: str
-    kind: str
+    kind: str  # one of KINDS, "start" or "thread"
     what: Any  # the input or output that it takes; the service's (name, indices)
     arms: list  # [(pattern or None, statements)]
     group: tuple[str, bool]  # its name, and whether it is exclusive
     scope: Scope
     numbers: list[int] = field(default_factory=list)  # its copies, as programs
     has_code: bool = False  # of a client: it takes the answers, and hands none over
+    when: Any = None  # the expression that must be true where it starts
+    come: Variable | None = None  # of a timer that comes once: whether it has come
 
     def full_name(self) -> str:
         """`detector.on_image`."""
@@ -51,19 +55,61 @@ class NodeText:
     scope: Scope
     callbacks: list[CallbackText] = field(default_factory=list)
     variables: list[Variable] = field(default_factory=list)
+    start: CallbackText | None = None
+    pools: list[Pool] = field(default_factory=list)
+
+    def codes(self) -> list[CallbackText]:
+        """All its code."""
+        starts = [self.start] if self.start is not None else []
+        return self.callbacks + starts + [pool.text for pool in self.pools]
 
     def numbers(self) -> frozenset[int]:
         """The programs that it stands for."""
-        return frozenset(n for callback in self.callbacks for n in callback.numbers)
+        return frozenset(n for code in self.codes() for n in code.numbers)
 
 
-class Executor:
-    """An executor; its state is (the programs that run, what is left of the last look)."""
+class Pool:
+    """The copies of a thread; the state says of each whether it is asked or runs."""
 
     models: list = []
     weak = False
     standing: set = set()
-    initial: tuple = ((), ())
+
+    def __init__(self, text: CallbackText, count: int) -> None:
+        self.text = text
+        self.count = count
+        self.is_run = False  # whether a `run` names it: else it is asked at the begin
+        self.use = -1  # its number among the models
+
+    @property
+    def initial(self) -> tuple:
+        """At first all are free, or asked."""
+        return (not self.is_run,) * self.count
+
+    def with_one_more(self, busy: tuple) -> tuple | None:
+        """The state after the first free copy was asked; None if there is none."""
+        if all(busy):
+            return None
+        return self.with_copy(busy, busy.index(False), True)
+
+    @staticmethod
+    def with_copy(busy: tuple, copy: int, is_busy: bool) -> tuple:
+        """The state with another value for one copy."""
+        return busy[:copy] + (is_busy,) + busy[copy + 1 :]
+
+    def died(self, state: tuple, program: int) -> tuple[list, bool]:
+        """No death changes it."""
+        return [state], False
+
+
+class Executor:
+    """An executor; its state is (the programs that run, what is left of the last look).
+
+    At first the start code of its first node runs."""
+
+    models: list = []
+    weak = False
+    standing: set = set()
 
     def __init__(self, name: str, threads: int, rounds: bool) -> None:
         self.name = name
@@ -71,7 +117,13 @@ class Executor:
         self.rounds = rounds
         self.process: str | None = None
         self.callbacks: list[CallbackText] = []  # in the order of a round
+        self.starts: list[int] = []  # the programs of its nodes' start code, in their order
         self.use = -1  # its number among the models
+
+    @property
+    def initial(self) -> tuple:
+        """No callback runs, and nothing was looked at."""
+        return (tuple(self.starts[:1]), ())
 
     def died(self, state: tuple, program: int) -> tuple[list, bool]:
         """No death changes it."""
@@ -121,9 +173,11 @@ def callback_of(node: NodeText, name: str, description: dict, groups: dict) -> C
     """The callback that an entry of a node describes."""
     origin = f"callback {node.name}.{name}"
     kinds = [kind for kind in KINDS if kind in description]
-    if len(kinds) != 1 or not set(description) <= {kinds[0], "group", "do"}:
+    if len(kinds) != 1 or not set(description) <= {kinds[0], "group", "do", "when"}:
         raise Refused(f"{origin}: it takes, serves or has a timer")
     kind = kinds[0]
+    if kind == "client" and "when" in description:
+        raise Refused(f"{origin}: no 'when' at a client")
     group = group_of(description.get("group"), groups, origin)
     what, pattern = description[kind], None
     if kind == "takes":
@@ -143,7 +197,36 @@ def callback_of(node: NodeText, name: str, description: dict, groups: dict) -> C
         ]
     else:
         arms = [(pattern, parse_program(code, origin))]
-    return CallbackText(node, name, kind, what, arms, group, Scope(node.scope))
+    callback = CallbackText(node, name, kind, what, arms, group, Scope(node.scope))
+    if "when" in description:
+        text = description["when"]
+        text = str(text).lower() if isinstance(text, bool) else text
+        callback.when = parse_expression(text, f"{origin}, when")
+    if kind == "timer" and str(what).split()[:1] == ["once"]:
+        callback.come = Variable(f"{origin} has come", ("bool",), stays=True, initial=False)
+    return callback
+
+
+def start_of(node: NodeText, text: str) -> CallbackText:
+    """The start code of a node."""
+    origin = f"callback {node.name}.start"
+    arms = [(None, parse_program(text, origin))]
+    return CallbackText(node, "start", "start", None, arms, ("", True), Scope(node.scope))
+
+
+def pool_of(node: NodeText, name: str, description: Any, number: Any) -> Pool:
+    """The copies of a thread that an entry of a node describes."""
+    origin = f"callback {node.name}.{name}"
+    count = 1
+    if isinstance(description, dict):
+        if not set(description) <= {"count", "do"} or "do" not in description:
+            raise Refused(f"{origin}: {description}")
+        count, description = number(description.get("count", 1)), description["do"]
+    if count < 1:
+        raise Refused(f"{origin}: {count} copies")
+    arms = [(None, parse_program(description, origin))]
+    text = CallbackText(node, name, "thread", None, arms, ("", False), Scope(node.scope))
+    return Pool(text, count)
 
 
 def group_of(name: str | None, groups: dict, origin: str) -> tuple[str, bool]:
@@ -159,19 +242,22 @@ def can_run_together(one: CallbackText | None, other: CallbackText | None) -> bo
     """Whether two programs, copies of callbacks where given, can run at the same time."""
     if one is None or other is None or one.node.executor is not other.node.executor:
         return True
+    if "thread" in (one.kind, other.kind):
+        return one is not other or len(one.numbers) > 1
+    if "start" in (one.kind, other.kind):
+        return False
     same_group = one.node is other.node and one.group == other.group and one.group[1]
     return one.node.executor.threads > 1 and not same_group
 
 
-class Callback(Program):
-    """A copy of a callback."""
+class NodeProgram(Program):
+    """Code of a node: it is started, runs and ends."""
 
     def __init__(
         self, system: Any, number: int, text: CallbackText, nodes: list[Node], first: Node
     ) -> None:
         super().__init__(system, number, text.node.full_name, nodes, first, False)
         self.text = text
-        self.first_of_callback = number == text.numbers[0]
         self.executor = text.node.executor
         self.stays = tuple(v for v in self.end.scope if v.stays)
 
@@ -213,13 +299,75 @@ class Callback(Program):
         """It stands at its start."""
         return (self.first.number, frozenset(), (None,) * len(self.first.scope), None)
 
-    def is_free(self, control: Control) -> bool:
-        """Whether it has not started."""
-        return control[0] == self.first.number
-
     def rests(self, control: Control) -> bool:
         """Whether a copy that has started may stand here for ever."""
         return super().rests(control) or control[0] == self.first.number
+
+    def released(self, world: World) -> World:
+        """The world after a run ended: nobody waits for what it asked for."""
+        for number, use in enumerate(self.system.uses):
+            if hasattr(use, "forgotten"):
+                state = use.forgotten(world[0][number], self.number)
+                world = self.with_model(world, number, state)
+        return world
+
+
+class Start(NodeProgram):
+    """The start code of a node, which begins with the system, or where that of the node before it
+    in its executor ends."""
+
+    def begun(self, world: World) -> tuple[Control, World]:
+        is_first = self.number == self.executor.starts[0]
+        return self.entered(world) if is_first else (self.start(), world)
+
+    def entered(self, world: World) -> tuple[Control, World]:
+        """Where control comes to stand at the begin of the code, and the world there."""
+        values = self.values_at(self.first, self.start(), world)
+        return self.settled(self.arrive(self.first.arms[0][1], values), world)
+
+    def steps_start(self, node: Node, control: Control, values: dict, world: World) -> list[Step]:
+        return []
+
+    def steps_finish(self, node: Node, control: Control, values: dict, world: World) -> list[Step]:
+        world = self.released(world)
+        behind = self.executor.starts[self.executor.starts.index(self.number) + 1 :]
+        world = self.with_model(world, self.executor.use, (tuple(behind[:1]), ()))
+        step = self.step(("end",), self.first, values, world)
+        if behind:
+            after, step.world = self.system.programs[behind[0]].entered(step.world)
+            step.also = ((behind[0], after),)
+        return [step]
+
+
+class Thread(NodeProgram):
+    """A copy of a thread."""
+
+    @cached_property
+    def pool(self) -> Pool:
+        """The copies."""
+        return next(pool for pool in self.text.node.pools if pool.text is self.text)
+
+    def steps_start(self, node: Node, control: Control, values: dict, world: World) -> list[Step]:
+        if not world[0][self.pool.use][self.text.numbers.index(self.number)]:
+            return []
+        return [self.step(("start",), node.arms[0][1], values, world)]
+
+    def steps_finish(self, node: Node, control: Control, values: dict, world: World) -> list[Step]:
+        world = self.released(world)
+        copy = self.text.numbers.index(self.number)
+        busy = self.pool.with_copy(world[0][self.pool.use], copy, False)
+        world = self.with_model(world, self.pool.use, busy)
+        return [self.step(("end",), self.first, values, world)]
+
+
+class Callback(NodeProgram):
+    """A copy of a callback."""
+
+    def __init__(
+        self, system: Any, number: int, text: CallbackText, nodes: list[Node], first: Node
+    ) -> None:
+        super().__init__(system, number, text, nodes, first)
+        self.first_of_callback = number == text.numbers[0]
 
     # --- the start and the end
 
@@ -227,7 +375,7 @@ class Callback(Program):
         """What there is for it: [(output or None, model's number, its state, events)], cut."""
         kind, models = self.text.kind, world[0]
         if kind == "timer":
-            return [(None, None, None, ())], False
+            return [] if self.has_come(world) else [(None, None, None, ())], False
         if kind == "takes":
             number = self.model(self.first.model, lambda v: None)
             use, state = self.system.uses[number], models[number]
@@ -252,7 +400,26 @@ class Callback(Program):
             return [], False
         return [(None, number, *service.received_by(state, i, self.number))], False
 
+    def has_come(self, world: World) -> bool:
+        """Whether it is a timer that comes once, and has come."""
+        come = self.text.come
+        return come is not None and world[1][self.system.shared.index(come)]
+
+    def may_start(self, world: World) -> bool:
+        """Whether its `when` is true; one that fails is found out by the start."""
+        if self.first.when is None:
+            return True
+        values = self.values_at(self.first, self.start(), world)
+        try:
+            return bool(evaluate(self.first.when, self.reader(values, world)))
+        except Mistake:
+            return True
+
     def has_something(self, world: World) -> bool:
+        """Whether there is something for it that it may take."""
+        return self.is_found_there(world) and self.may_start(world)
+
+    def is_found_there(self, world: World) -> bool:
         """Whether there is something for it."""
         found, cut = self.takes(world)
         return bool(found) or cut
@@ -260,7 +427,7 @@ class Callback(Program):
     def is_found(self, world: World) -> bool:
         """Whether a look finds it: a client by any answer, whosever it is."""
         if self.text.kind != "client":
-            return self.has_something(world)
+            return self.is_found_there(world)
         service = self.system.uses[self.first.model]
         return service.is_found(world[0][self.first.model], service.client_of[self.number])
 
@@ -268,7 +435,7 @@ class Callback(Program):
         """The world after it got a thread; None if it cannot start."""
         executor = self.executor
         running, left = world[0][executor.use]
-        if len(running) >= executor.threads:
+        if len(running) >= executor.threads or set(running) & set(executor.starts):
             return None
         if next(n for n in self.text.numbers if n not in running) != self.number:
             return None
@@ -285,16 +452,24 @@ class Callback(Program):
                 return None
             left = left[at + 1 :]
         state = (tuple(sorted((*running, self.number))), left)
-        return self.with_model(world, executor.use, state)
+        world = self.with_model(world, executor.use, state)
+        if self.text.come is None:
+            return world
+        return (world[0], self.stored(world[1], self.text.come, [], True))
 
     def steps_start(self, node: Node, control: Control, values: dict, world: World) -> list[Step]:
         running = world[0][self.executor.use][0]
         if all(n in running for n in self.text.numbers):
             return []
         started = self.after_start(world)
-        if started is None:
+        if started is None or not self.may_start(world):
             return []
         ways, cut = self.takes(world)
+        if node.when is not None and (ways or cut):
+            try:
+                evaluate(node.when, self.reader(values, world))
+            except Mistake as mistake:
+                return [self.mistake(("start",), node.place, mistake, started)]
         found = []
         for output, number, state, events in ways:
             after = started if number is None else self.with_model(started, number, state)
@@ -313,18 +488,15 @@ class Callback(Program):
         executor = self.executor
         running, left = world[0][executor.use]
         running = tuple(n for n in running if n != self.number)
-        world = self.with_model(world, executor.use, (running, left))
-        for number, use in enumerate(self.system.uses):
-            if hasattr(use, "forgotten"):
-                state = use.forgotten(world[0][number], self.number)
-                world = self.with_model(world, number, state)
+        world = self.released(self.with_model(world, executor.use, (running, left)))
         return [self.step(("end",), self.first, values, world)]
 
 
 def next_of(system: Any, left: tuple, world: World) -> int | None:
-    """Which of what a look found is started next: the first that has something."""
+    """Which of what a look found is started next: the first that has something and may start."""
     for at, number in enumerate(left):
-        if system.programs[number].is_found(world):
+        program = system.programs[number]
+        if program.is_found(world) and program.may_start(world):
             return at
     return None
 
@@ -350,6 +522,10 @@ class Look:
     def start(self) -> Control:
         """It is always at the same place."""
         return ("looks",)
+
+    def begun(self, world: World) -> tuple[Control, World]:
+        """The control state at first, and the world."""
+        return self.start(), world
 
     def called(self, control: Control, world: World) -> tuple[Control, World]:
         """It makes no calls."""

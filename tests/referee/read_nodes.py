@@ -7,11 +7,21 @@ from typing import Any
 from deliveries import AT_ONCE, acknowledged_by_one
 from expressions import Scope
 from language import Parser, Refused, parse_declarations
-from nodes import KINDS, CallbackText, Executor, NodeText, callback_of, executor_of, group_of
+from nodes import (
+    KINDS,
+    CallbackText,
+    Executor,
+    NodeText,
+    callback_of,
+    executor_of,
+    group_of,
+    pool_of,
+    start_of,
+)
 from services import Client, Service
 from services_on_wires import SERVER, ServiceOnWires
 
-NODE_KEYS = {"executor", "groups", "clients", "variables", "callbacks"}
+NODE_KEYS = {"executor", "groups", "clients", "variables", "callbacks", "start", "threads"}
 
 
 def parse_end(text: str) -> tuple[str, list, str | None]:
@@ -29,13 +39,13 @@ def nodes_at(system: Any, name: str, index: tuple | None) -> list[NodeText]:
 
 
 def callbacks_at(system: Any, text: str, scope: Scope) -> list[CallbackText] | None:
-    """The callbacks of what an end names; None if it is no node."""
+    """The code of what an end names, callbacks and the rest; None if it is no node."""
     name, indices, callback = parse_end(text)
     index = tuple(scope.constant(i) for i in indices)
     nodes = nodes_at(system, name, index if indices else None)
     if not nodes:
         return None
-    found = [c for n in nodes for c in n.callbacks if callback in (None, c.name)]
+    found = [c for n in nodes for c in n.codes() if callback in (None, c.name)]
     if not found:
         raise Refused(f"no callback {text}")
     return found
@@ -71,6 +81,14 @@ def read_nodes(system: Any) -> list[NodeText]:
             groups = description.get("groups") or {}
             for own, text in (description.get("callbacks") or {}).items():
                 node.callbacks.append(callback_of(node, own, text, groups))
+            if "start" in description:
+                node.start = start_of(node, description["start"])
+            for own, text in (description.get("threads") or {}).items():
+                number = lambda value, scope=scope: system.number(value, scope)  # noqa: E731
+                node.pools.append(pool_of(node, own, text, number))
+            names = [code.name for code in node.codes()]
+            if len(set(names)) < len(names):
+                raise Refused(f"node {header}: two codes of one name")
             found.append(node)
             system.node_of[(name, index)] = (node, description, groups)
     return found
@@ -160,7 +178,8 @@ def client_callback(system: Any, node: NodeText, name: str, index: tuple) -> Cal
 
 
 def number_callbacks(system: Any, first: int) -> None:
-    """Numbers the copies of all callbacks, as programs behind the others."""
+    """Numbers the copies of all callbacks, start code and threads, as programs behind the
+    others."""
     for node in system.nodes:
         for callback in node.callbacks:
             copies = 1 if callback.group[1] else node.executor.threads
@@ -169,6 +188,15 @@ def number_callbacks(system: Any, first: int) -> None:
             if callback.kind == "serves":
                 name, indices = callback.what
                 callback.what = (name, tuple(callback.scope.constant(i) for i in indices))
+            if callback.come is not None:
+                callback.come.users = set(callback.numbers)
+        if node.start is not None:
+            node.start.numbers = [first]
+            node.executor.starts.append(first)
+            first += 1
+        for pool in node.pools:
+            pool.text.numbers = list(range(first, first + pool.count))
+            first += pool.count
     for kind in KINDS:
         for node in system.nodes:
             for callback in node.callbacks:

@@ -10,7 +10,17 @@ import yaml
 
 from control import Compiler
 from deliveries import AT_ONCE, Origin, Wire, acknowledged_by_one, delivery_of, kept, loses
-from expressions import Mistake, Scope, Value, Variable, declared, members, words_in
+from expressions import (
+    Mistake,
+    Presence,
+    Scope,
+    Value,
+    Variable,
+    declared,
+    members,
+    there_name,
+    words_in,
+)
 from language import (
     Parser,
     Refused,
@@ -23,7 +33,17 @@ from language import (
 )
 from machine import Program
 from models import Automaton, Model, Queue, model_of
-from nodes import Callback, CallbackText, Executor, Look, NodeText, can_run_together
+from nodes import (
+    Callback,
+    CallbackText,
+    Executor,
+    Look,
+    NodeText,
+    Pool,
+    Start,
+    Thread,
+    can_run_together,
+)
 from read_nodes import (
     add_client_callbacks,
     add_services,
@@ -91,7 +111,8 @@ class System:
         self.procedures = self.read_procedures()
         self.variables = self.read_variables()
         read_node_variables(self)
-        self.uses: list[Instance | Topic | Service | Executor] = []
+        self.uses: list[Instance | Topic | Service | Executor | Pool] = []
+        self.presences: list[Presence] = []
         self.numbers: dict[tuple[str, tuple], int] = {}
         self.weak: list[str] = []
         self.read_models()
@@ -104,18 +125,28 @@ class System:
             if executor is not None and executor.use < 0:
                 executor.use = len(self.uses)
                 self.uses.append(executor)
+        for pool in (pool for node in self.nodes for pool in node.pools):
+            pool.use = len(self.uses)
+            self.uses.append(pool)
         self.collect_words()
         self.given: set[tuple[int, str, str]] = set()
         self.expects_values: set[str] = set()
         self.gives_values: set[str] = set()
         self.shared: list[Variable] = []
         self.knows_shared = False
-        self.compile()  # tells which variables are shared
+        self.compile()  # tells which variables are shared, and which services are offered
+        for presence in self.presences:
+            service = self.uses[presence.use]
+            if presence.offered:
+                service.initial = service.withdrawn(service.initial)
+            elif presence.withdrawn:
+                raise Refused(f"{service.name} is withdrawn, and nobody offers it")
         for variable in self.variables:
             variable.shared = self.is_shared(variable)
             of_callbacks = any(self.texts[n].callback for n in variable.users)
             variable.stays = of_callbacks and not variable.shared
         self.shared = [v for v in self.variables if v.shared or v.stays]
+        self.shared += [c.come for n in self.nodes for c in n.callbacks if c.come is not None]
         self.knows_shared = True
         self.programs = self.compile()
         self.refuse_values_that_nobody_gives()
@@ -165,12 +196,13 @@ class System:
         return found
 
     def add_copies(self) -> None:
-        """Adds the copies of callbacks to what moves, and the executors that look."""
+        """Adds the copies of callbacks, start code and threads to what moves, and the executors
+        that look."""
         number_callbacks(self, len(self.texts))
         executors: dict[Executor, None] = {}
         for node in self.nodes:
             executors[node.executor] = None
-            for callback in node.callbacks:
+            for callback in node.codes():
                 body = [statement for _, arm in callback.arms for statement in arm]
                 copy = Text(None, (), callback.scope, body, callback=callback)
                 self.texts += [copy] * len(callback.numbers)
@@ -293,8 +325,12 @@ class System:
 
     def add_use(self, name: str, index: tuple, use: Instance | Topic | Service) -> None:
         """Gives a model or topic its number."""
-        self.numbers[(name, index)] = len(self.uses)
+        number = self.numbers[(name, index)] = len(self.uses)
         self.uses.append(use)
+        if isinstance(use, Service):
+            presence = Presence(f"{use.name}.there", ("bool",), shared=True, use=number)
+            self.presences.append(presence)
+            self.file.names[there_name(name, index)] = ("variable", presence)
 
     def model_at(self, name: str, description: dict, scope: Scope) -> Model:
         """The model that an entry of the file describes."""
@@ -498,6 +534,27 @@ class System:
         for use in self.meant(model):
             use.check_output(program, output)
 
+    def is_service(self, model: tuple) -> bool:
+        """Whether a name means a service, or an array of them."""
+        return all(isinstance(use, Service) for use in self.meant(model))
+
+    def check_offer(self, program: int, model: tuple, is_offer: bool) -> None:
+        """Refuses an `offer` or `withdraw` of what is no service of this program; notes it."""
+        for use in self.meant(model):
+            if not isinstance(use, Service) or program not in use.server:
+                raise Refused(f"{use.name} is no service of this program or node")
+            for presence in self.presences:
+                if self.uses[presence.use] is use:
+                    presence.offered |= is_offer
+                    presence.withdrawn |= not is_offer
+
+    def shared_values(self, world: tuple) -> dict[Variable, Any]:
+        """The values of shared variables, and which services are there."""
+        found = dict(zip(self.shared, world[1]))
+        for presence in self.presences:
+            found[presence] = self.uses[presence.use].is_there(world[0][presence.use])
+        return found
+
     def compile(self) -> list[Program]:
         """All programs; which of the file's variables are shared must be known."""
         found = []
@@ -511,7 +568,8 @@ class System:
             if text.callback is not None:
                 outside = tuple(v for v in self.variables if v.stays and number in v.users)
                 first = compiler.compile_callback(text.callback, outside)
-                found.append(Callback(self, number, text.callback, compiler.nodes, first))
+                kind = {"start": Start, "thread": Thread}.get(text.callback.kind, Callback)
+                found.append(kind(self, number, text.callback, compiler.nodes, first))
                 self.models_of.append(self.used_by(text.callback, compiler))
                 continue
             outside = tuple(v for v in self.variables if v.users == {number})
@@ -526,7 +584,8 @@ class System:
 
     def used_by(self, callback: CallbackText, compiler: Compiler) -> set[int]:
         """The models that a callback uses, its executor and its node's services among them."""
-        used = {self.numbers[key] for key in compiler.models} | {callback.node.executor.use}
+        used = {self.numbers[key] for key in compiler.models} | compiler.pools
+        used |= {callback.node.executor.use} | {pool.use for pool in callback.node.pools}
         for k, use in enumerate(self.uses):
             if isinstance(use, Service) and callback.numbers[0] in use.standing:
                 used.add(k)

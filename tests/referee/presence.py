@@ -1,0 +1,287 @@
+"""Small systems of start code, threads, timers that come once, and services that are offered.
+
+    presence.py [--maide PROGRAM] [--write FOLDER]
+
+As cases.py. States, transitions and verdicts were derived by hand.
+"""
+
+from __future__ import annotations
+
+import sys
+
+from cases import ASKS, HANGS, ROUNDS, RUNS, SINGLE, Case, main, threads
+
+LATE = """
+services: {{s: {{server: server, clients: [client]}}}}
+programs:
+  server: "{server}"
+  client: "{client}"
+"""
+SERVES = "s.serve -> request; s.answer;"
+CALLS = "s.send; s.receive -> answer;"
+
+
+def late(name: str, server: str, client: str, sizes: list, verdicts: dict, **own: str) -> Case:
+    """A program that serves, and one that asks."""
+    return Case(name, LATE.format(server=server, client=client), verdicts, own, sizes)
+
+
+TWO_CLIENTS = """
+services: {s: {server: server, clients: [a, b]}}
+programs:
+  server: "offer s; s.serve -> request; withdraw s; s.answer;"
+  a: "wait s -> there; s.send; s.receive -> answer;"
+  b: "wait s -> there; s.send; s.receive -> answer;"
+"""
+
+LOST_ON_ITS_WAY = """
+services: {{s: {{server: server, clients: [client], delivery: {delivery}}}}}
+programs:
+  server: "offer s; withdraw s; loop {{ idle s.serve -> request; s.answer; }}"
+  client: "s.send; s.receive -> answer;"
+"""
+
+STRANGER = """
+services: {s: {server: server, clients: [client]}}
+programs:
+  server: "offer s; withdraw s;"
+  client: "skip;"
+  watcher: "wait s -> there; if (s.there) { @up stop; } @down skip;"
+"""
+
+FOR_EACH_OTHER = """
+services: {{s: {{server: second, clients: [first]}}}}
+executors: {{one: {{kind: single}}, two: {{kind: single}}}}
+nodes:
+  first: {{executor: one, start: "wait s -> there;"}}
+  second: {{executor: {executor}, start: "offer s;", callbacks: {{find: {{serves: s, do: "s.answer;"}}}}}}
+"""
+
+START = """
+models: {{k: {{use: mutex}}}}
+topics: {{a: {{writers: world, readers: n, use: queue, with: {{depth: 1}}}}}}
+executors: {{main: {executor}}}
+programs: {{world: "a.write;"}}
+nodes:
+  n:
+    executor: main
+    variables: "var ready: bool;"
+    start: "{start}"
+    callbacks: {{on_a: {{takes: a.read, do: "@works k.lock; k.unlock;"}}}}
+"""
+FIRST = "k.lock; ready = true; @starts k.unlock;"
+READY = {"ready": '{always: "n@works -> n.ready"}', "apart": '"G (n.start@starts -> !n.on_a@works)"',
+         "comes": '"F n.on_a@works"'}  # fmt: skip
+IS_READY = {**RUNS, "ready": "holds", "apart": "holds", "comes": "holds"}
+
+STARTS_IN_ORDER = """
+models: {k: {use: mutex}}
+executors: {main: {kind: single}}
+variables: "var at: 0..2;"
+nodes:
+  a: {executor: main, start: "@a k.lock; at = 1;", callbacks: {}}
+  b: {executor: main, callbacks: {never: {timer: once 1, when: "at == 0", do: "skip;"}}}
+  c: {executor: main, start: "if (at == 1) { at = 2; } @c k.unlock;", callbacks: {}}
+"""
+
+ASKS_IN_START = """
+services: {{lookup: {{server: database, clients: [caller]}}}}
+executors: {{main: {executor}}}
+programs: {{database: "loop {{ idle lookup.serve -> request; lookup.answer; }}"}}
+nodes: {{caller: {{executor: main, start: "{code}", callbacks: {{}}}}}}
+"""
+GIVES_UP = "lookup.send; select { on lookup!answer { @got skip; } timeout 9 { @gave_up skip; } }"
+
+ONCE = """
+models: {{k: {{use: mutex}}}}
+executors: {{main: {executor}}}
+nodes:
+  n:
+    executor: main
+    groups: {{free: reentrant}}
+    callbacks: {{go: {{timer: once 10, group: free, do: "k.lock; k.unlock;"}}}}
+"""
+
+WHEN = """
+executors: {{main: {executor}}}
+nodes:
+  n:
+    executor: main
+    variables: "var set: bool;"
+    callbacks:
+      a: {{timer: once 1, do: "set = true;"}}
+      b: {{timer: once 1, when: "{when}", do: "@b skip;"}}
+"""
+
+KEPT = """
+topics:
+  a: {{writers: world, readers: n.on_a, use: queue, with: {{depth: 1}}}}
+  b: {{writers: world, readers: n.on_b, use: queue, with: {{depth: 1}}}}
+executors: {{main: {executor}}}
+programs: {{world: "{writes}"}}
+nodes:
+  n:
+    executor: main
+    variables: "var open: bool;"
+    callbacks:
+      on_a: {{takes: a.read, when: "open", do: "skip;"}}
+      on_b: {{takes: b.read, do: "open = true;"}}
+"""
+TAKEN = {"taken": '"F a!message"', "closed": '{always: "a!message -> n.open"}'}
+
+WHEN_THERE = """
+services: {s: {server: server, clients: [n]}}
+programs: {server: "offer s; loop { idle s.serve -> request; s.answer; }"}
+nodes:
+  n:
+    clients: {s: {do: "@got skip;"}}
+    callbacks: {go: {timer: once 1, when: "s.there", do: "s.send;"}}
+"""
+
+THREAD = """
+models: {{k: {{use: mutex}}}}
+nodes:
+  n:
+    callbacks: {{go: {{timer: once 1, do: "{code}"}}}}
+    threads: {{work: {{count: {count}, do: "@works k.lock; k.unlock;"}}}}
+"""
+
+UNNAMED = """
+models: {k: {use: mutex}}
+nodes: {n: {callbacks: {}, threads: {work: {count: 2, do: "k.lock; @in k.unlock;"}}}}
+"""
+
+ASKING_THREAD = """
+services: {{lookup: {{server: database, clients: [n]}}}}
+executors: {{main: {executor}}}
+programs: {{database: "loop {{ idle lookup.serve -> request; lookup.answer; }}"}}
+nodes:
+  n:
+    executor: main
+    groups: {{answers: exclusive}}
+    clients: {{lookup: answers}}
+    callbacks: {{go: {{timer: once 1, do: "{code}"}}}}
+    threads: {{work: "%s"}}
+""" % ASKS
+
+THREAD_VARIABLES = """
+nodes:
+  n:
+    variables: "var count: 0..2;"
+    callbacks: {{go: {{timer: once 1, do: "run work;{second} join work;{third}"}}}}
+    threads: {{work: "count = count + 1;"}}
+"""
+
+CASES = [
+    # The server: offer, serve, wait, answer, end; the client: wait, send, receive, wait, end.
+    late("a client that waits until its service is there", f"offer s; {SERVES}",
+         f"wait s -> there; @asks {CALLS}", [(14, 18)],
+         {**RUNS, "asks": "holds", "answered": "holds"},
+         asks='"G (client@asks -> s.there)"', answered='"F client@end"'),
+    # Three states with the service away and four with the request lost; eleven as above.
+    late("a client that does not wait", f"offer s; {SERVES}", CALLS, [(18, 23)],
+         {**HANGS, "answered": "violated"}, answered='"F client@end"'),
+    late("waiting for a service that is always there", f"loop {{ idle {SERVES} }}",
+         f"wait s -> there; {CALLS}", [(16, 22)], RUNS),
+    late("a service that is always there", f"loop {{ idle {SERVES} }}",
+         f"if (s.there) {{ {CALLS} }}", [(14, 19)], {**RUNS, "there": "holds"}, there='"G s.there"'),
+    late("offered twice", "offer s; offer s; withdraw s; withdraw s;",
+         "wait s -> there; wait s -> there;", [(13, 14)], HANGS),
+    Case("what was taken can be answered, what waits is lost", TWO_CLIENTS,
+         {**HANGS, "one": "holds", "both": "holds"},
+         {"one": '"F (a@end || b@end)"', "both": '"G !(a@end && b@end)"'}),
+    Case("a request that is withdrawn", LOST_ON_ITS_WAY.format(delivery="at_once"),
+         {**HANGS, "none": "holds"}, {"none": '{always: "!s!request"}'}),
+    Case("a request that is withdrawn on its way", LOST_ON_ITS_WAY.format(delivery="late"),
+         {**HANGS, "none": "holds"}, {"none": '{always: "!s!request"}'}),
+    # Away, there, away again; the watcher waits, then reads, and ends up or down.
+    Case("who looks whether a service is there", STRANGER,
+         {**HANGS, "up": "holds", "down": "holds"},
+         {"up": '{possible: "watcher@up"}', "down": '{possible: "watcher@down"}'},
+         [(8, 7), (1, 0)]),
+    Case("withdrawn and never offered", LATE.format(server="withdraw s;", client="skip;"), None),
+    Case("no offer by others", LATE.format(server=SERVES, client="offer s;"), None),
+    Case("no offer of a topic", START.format(executor=SINGLE, start="offer a;"), None),
+    # Each start: its statement, its end, and what is behind it.
+    Case("two starts on one executor, one waits for the other",
+         FOR_EACH_OTHER.format(executor="one"), HANGS, {}, [(1, 0)]),
+    Case("two starts on two executors", FOR_EACH_OTHER.format(executor="two"), RUNS, {}, [(7, 8)]),
+    # Three places of the start beside two of the world; six states behind it.
+    Case("a start before a callback", START.format(executor=SINGLE, start=FIRST), IS_READY, READY,
+         [(12, 14)]),
+    Case("a start before a callback, two threads", START.format(executor=threads(2), start=FIRST),
+         IS_READY, READY, [(12, 14)]),
+    # The look is one step more; what is found is what was there.
+    Case("a start before a callback, rounds", START.format(executor=ROUNDS, start=FIRST),
+         IS_READY, READY, [(13, 15)]),
+    Case("a start that begins with an error", START.format(
+        executor=SINGLE, start="var x: 0..1 = 2; skip;"), {"error": "violated"}, {}, [(1, 0)]),
+    # k.lock, the end, k.unlock, the end.
+    Case("starts in the file's order, a variable between them", STARTS_IN_ORDER,
+         {**RUNS, "c": "holds", "a": "violated"},
+         {"c": '"G (c.start@c -> at == 2) && F c@c"', "a": '"G !a@a"'}, [(5, 4)]),
+    Case("no answer in start code", ASKS_IN_START.format(executor=SINGLE, code=ASKS), HANGS),
+    Case("no answer in start code, four threads",
+         ASKS_IN_START.format(executor=threads(4), code=ASKS), HANGS),
+    Case("start code that gives up", ASKS_IN_START.format(executor=SINGLE, code=GIVES_UP),
+         {**RUNS, "got": "holds", "over": "holds"},
+         {"got": '"G !caller@got"', "over": '"F caller.start@gave_up"'}),
+    # It starts, locks, unlocks, ends.
+    Case("a timer that comes once", ONCE.format(executor=SINGLE), RUNS, {}, [(5, 4)]),
+    Case("a timer that comes once, in a reentrant group", ONCE.format(executor=threads(2)), RUNS,
+         {}, [(5, 4)]),
+    Case("a timer that comes once, rounds", ONCE.format(executor=ROUNDS), RUNS, {}, [(6, 5)]),
+    Case("a timer that waits for a variable", WHEN.format(executor=SINGLE, when="set"),
+         {**RUNS, "b": "holds"}, {"b": '"F n.set && G (n@b -> n.set)"'}, [(5, 4)]),
+    # First b and then a, or a alone.
+    Case("a timer that a variable stops", WHEN.format(executor=SINGLE, when="!set"), RUNS, {},
+         [(7, 6)]),
+    # Looks at a, at b, at both; that at b alone, when a has come, is there for ever.
+    Case("a timer that a variable stops, rounds", WHEN.format(executor=ROUNDS, when="!set"), RUNS,
+         {}, [(13, 14)]),
+    Case("a message is kept until it may be taken",
+         KEPT.format(executor=SINGLE, writes="a.write; b.write;"),
+         {**RUNS, "taken": "holds", "closed": "holds"}, TAKEN),
+    Case("a message is kept until it may be taken, rounds",
+         KEPT.format(executor=ROUNDS, writes="a.write; b.write;"),
+         {**RUNS, "taken": "holds", "closed": "holds"}, TAKEN),
+    Case("a message that may never be taken", KEPT.format(executor=SINGLE, writes="a.write;"),
+         {**RUNS, "taken": "violated", "closed": "holds"}, TAKEN, [(2, 1)]),
+    # The world writes; looks find the message again and again.
+    Case("a message that may never be taken, rounds",
+         KEPT.format(executor=ROUNDS, writes="a.write;"),
+         {**RUNS, "taken": "violated", "closed": "holds"}, TAKEN, [(3, 3)]),
+    Case("a timer that waits for a service", WHEN_THERE, {**RUNS, "got": "holds"},
+         {"got": '"F n@got"'}),
+    # It starts, asks, waits; the thread starts, locks, unlocks, ends; both end.
+    Case("a thread", THREAD.format(count=1, code="run work; join work;"),
+         {**RUNS, "works": "holds"}, {"works": '"F n.work@works"'}, [(9, 8)]),
+    Case("no copy is free", THREAD.format(count=1, code="run work; run work;"),
+         {"error": "violated", "deadlock": "inconclusive"}),
+    Case("two copies", THREAD.format(count=2, code="run work; run work; join work;"), RUNS),
+    Case("one after the other", THREAD.format(count=1, code="run work; join work; run work;"), RUNS),
+    # Each copy is asked, before lock, before unlock, before its end, or free; not both lock.
+    Case("threads that nobody asks", UNNAMED, {**RUNS, "both": "holds"}, {"both": '"F n.work@in"'},
+         [(24, 36)]),
+    Case("no thread of this name", THREAD.format(count=1, code="run walk;"), None),
+    # A callback that joins a thread that waits for an answer hangs; else it is answered.
+    Case("a callback joins a thread that asks",
+         ASKING_THREAD.format(executor=SINGLE, code="run work; join work;"), HANGS),
+    Case("a callback joins a thread that asks, two threads",
+         ASKING_THREAD.format(executor=threads(2), code="run work; join work;"), RUNS),
+    Case("a thread that asks", ASKING_THREAD.format(executor=SINGLE, code="run work;"),
+         {**RUNS, "asks": "holds"}, {"asks": '"F n.work@asked && G (n@asked -> F lookup!answer)"'}),
+    # The thread alone counts: no steps, and its variable stays.
+    Case("a thread's own variable", THREAD_VARIABLES.format(second=" join work; run work;",
+         third=""), {**RUNS, "two": "holds"}, {"two": '"F n.count == 2"'}, [(11, 10)]),
+    # The callback reads and writes it, too: both cost steps.
+    Case("a variable of a thread and a callback",
+         THREAD_VARIABLES.format(second="", third=" count = count + 1;"),
+         {**RUNS, "two": "holds"}, {"two": '"F n.count == 2"'}, [(11, 10)]),
+    Case("nobody knows how it goes on", "programs: {p: '@here unknown;'}",
+         {"deadlock": "inconclusive", "here": "inconclusive"}, {"here": '"F p@end"'}, [(1, 1)]),
+]  # fmt: skip
+
+
+if __name__ == "__main__":
+    sys.exit(main(CASES))
