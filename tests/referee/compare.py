@@ -84,7 +84,7 @@ class Comparison:
         document = yaml.safe_load(path.read_text(encoding="utf-8"))
         own = document["properties"] = {}
         for number, component in enumerate(mine["components"]):
-            atom = atom_of(document, component["programs"])
+            atom = atom_of(document, component)
             if atom is not None:
                 own[f"count{number}"] = {"always": f"!{atom} || {atom}"}
         trial = path.parent / "count.yaml"
@@ -94,8 +94,8 @@ class Comparison:
         found = {}
         for entry in answer["properties"]:
             if entry["name"].startswith("count"):
-                names = tuple(mine["components"][int(entry["name"][5:])]["programs"])
-                found[names] = (entry["states"], entry["transitions"])
+                parts = tuple(mine["components"][int(entry["name"][5:])]["parts"])
+                found[parts] = (entry["states"], entry["transitions"])
         return found
 
     def differences(self, path: Path) -> list[tuple[str, str]]:
@@ -207,18 +207,19 @@ class Comparison:
 
     def count_differences(self, path: Path, mine: dict, theirs: dict) -> list[tuple[str, str]]:
         """Differences in components and their counts."""
-        own = {tuple(e["programs"]): (e["states"], e["transitions"]) for e in mine["components"]}
+        own = {tuple(e["parts"]): (e["states"], e["transitions"]) for e in mine["components"]}
         if self.old and len(own) > 1:
             return []
         if "components" in theirs:
-            names = {
+            mine_named = sorted(tuple(e["programs"]) for e in mine["components"])
+            names = sorted(
                 tuple(sorted(name.replace(" ", "") for name in entry["programs"]))
                 for entry in theirs["components"]
-            }
-            if names != set(own):
-                return [("components", f"referee {sorted(own)}, Maide {sorted(names)}")]
+            )
+            if names != mine_named:
+                return [("components", f"referee {mine_named}, Maide {names}")]
         other = self.counts(path, mine)
-        own = {names: counts for names, counts in own.items() if names in other}
+        own = {parts: counts for parts, counts in own.items() if parts in other}
         if own != other:
             return [("counts", f"referee {own}, Maide {other}")]
         return []
@@ -262,19 +263,22 @@ def words_of(path: Path) -> set[str]:
     return found
 
 
-def atom_of(document: dict, names: list[str]) -> str | None:
-    """An atom of the component of these programs and nodes, None if none is found."""
+def atom_of(document: dict, component: dict) -> str | None:
+    """An atom of a component, None if none is found."""
     nodes = (document.get("nodes") or {}).items()
     entries = {header.split("[")[0]: entry for header, entry in nodes}
-    for name in names:
+    for name in component["programs"]:
         if name.split("[")[0] not in entries:
             return f"{name}@end"
-    for name in names:
-        entry = entries[name.split("[")[0]]
-        for code in ("callbacks", "start", "threads"):
-            label = re.search(r"@(\w+) ", str(entry.get(code) or {}))
-            if label:
-                return f"{name}@{label.group(1)}"
+    for name in component["parts"]:
+        node, _, own = name.rpartition(".")
+        entry = entries[node.split("[")[0]]
+        codes = {**(entry.get("callbacks") or {}), **(entry.get("threads") or {})}
+        if isinstance(entry.get("clients"), dict):
+            codes.update(entry["clients"])
+        label = re.search(r"@(\w+) ", str(codes.get(own, entry.get(own, ""))))
+        if label:
+            return f"{name}@{label.group(1)}"
     return None
 
 

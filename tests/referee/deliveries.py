@@ -58,13 +58,18 @@ class Origin:
     def hands_over(self) -> bool:
         """Whether it was measured that a write in the same process hands the message over."""
         if self.name == "ros2":
-            return self.value("rmw") in (None, "cyclonedds", "rmw_cyclonedds_cpp")
+            return self.is_cyclone()
         transport = self.value("transport")
         if self.name == "ros1":
             return transport == "intraprocess"
         if self.name == "zeromq":
             return transport in (None, "inproc") and self.value("pattern") != "req-rep"
         return self.name == "cyclonedds" or self.name == "fastdds" and transport != "udp"
+
+
+    def is_cyclone(self) -> bool:
+        """Whether what is of ROS 2 goes over Cyclone DDS."""
+        return self.value("rmw") in (None, "cyclonedds", "rmw_cyclonedds_cpp")
 
 
 def options_of(description: dict) -> dict:
@@ -83,7 +88,8 @@ def delivery_of(
         return str(said)
     if origin.use == "queue" and "size" in origin.options and "pub-depth" not in origin.options:
         return AT_ONCE
-    if same_process and (origin.hands_over() or between_nodes and origin.bare):
+    is_bare = between_nodes and origin.bare and origin.is_cyclone()
+    if same_process and (origin.hands_over() or is_bare):
         return AT_ONCE
     if origin.name == "yarp":
         is_buffered = origin.value("kind") in ("buffered", "strict")

@@ -192,6 +192,14 @@ class Formulas:
         index = tuple(self.scope.constant(i) for i in indices)
         return self.system.node_of.get((name.split(".")[0], index), (None,))[0]
 
+    def labelled(self, reference: tuple, label: str) -> frozenset[int]:
+        """The programs that a reference names and that have a label; all, where none has it."""
+        noted = set(self.programs)
+        found = self.program(reference)
+        having = frozenset(n for n in found if label in self.system.programs[n].labels)
+        self.programs = noted | (having or found)
+        return having or found
+
     def program(self, reference: tuple) -> frozenset[int]:
         """The programs that a reference names: one, or the copies of a node or of a callback."""
         name, indices = reference
@@ -293,7 +301,7 @@ class Formulas:
         if kind == "label":
             if node[2] == "end" and self.node(node[1]) is not None:
                 raise Refused("a node has no end")
-            return self.number(Label(self.program(node[1]), node[2]))
+            return self.number(Label(self.labelled(node[1], node[2]), node[2]))
         if kind == "event":
             return self.event(node[1], node[2], node[3], node[4], node[5])
         if kind == "dot" and self.is_model(node[2]) and not self.is_presence(node):
@@ -327,12 +335,12 @@ class Formulas:
 
     def field(self, reference: tuple, name: str, indices: tuple) -> tuple:
         """A variable of a program or of a node."""
-        programs = self.program(reference)
         node = self.node(reference)
         if node is None:
-            return ("local", next(iter(programs)), name, indices)
+            return ("local", next(iter(self.program(reference))), name, indices)
         for variable in node.variables:
             if variable.name == name:
+                self.programs |= variable.users or node.numbers()
                 return ("global", variable, indices)
         raise Refused(f"node {node.full_name} has no variable {name}")
 

@@ -4,7 +4,8 @@ It parses text into plain nodes; names are resolved later.
 
 An expression is a tuple:  ("num", v)  ("name", n)  ("index", n, [e])  ("un", op, e)
 ("bin", op, a, b)  ("there", n, [e]). Formulas add ("event", program, model, sign, name, values),
-("label", program, l) and ("field", program, variable).  A reference to a model or program is (name, [index expressions]).
+("label", program, l) and ("field", program, variable).  A reference to a model or program is
+(name, [index expressions]).
 """
 
 import re

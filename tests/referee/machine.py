@@ -53,6 +53,7 @@ class Program:
         self.system = system
         self.number = number
         self.name = name
+        self.part: str | None = name  # of a node: what the file calls this code
         self.nodes = nodes
         self.first = first
         self.may_die = may_die

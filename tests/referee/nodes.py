@@ -244,8 +244,8 @@ def can_run_together(one: CallbackText | None, other: CallbackText | None) -> bo
         return True
     if "thread" in (one.kind, other.kind):
         return one is not other or len(one.numbers) > 1
-    if "start" in (one.kind, other.kind):
-        return False
+    if "start" in (one.kind, other.kind):  # on several threads it is a program of its own
+        return one.node.executor.threads > 1 and one.kind != other.kind
     same_group = one.node is other.node and one.group == other.group and one.group[1]
     return one.node.executor.threads > 1 and not same_group
 
@@ -258,6 +258,7 @@ class NodeProgram(Program):
     ) -> None:
         super().__init__(system, number, text.node.full_name, nodes, first, False)
         self.text = text
+        self.part = text.full_name()
         self.executor = text.node.executor
         self.stays = tuple(v for v in self.end.scope if v.stays)
 
@@ -512,6 +513,7 @@ class Look:
     """An executor that looks, as a program."""
 
     first_of_callback = False
+    part = None
 
     def __init__(self, system: Any, number: int, executor: Executor) -> None:
         self.system = system

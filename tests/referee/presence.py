@@ -54,7 +54,10 @@ services: {{s: {{server: second, clients: [first]}}}}
 executors: {{one: {{kind: single}}, two: {{kind: single}}}}
 nodes:
   first: {{executor: one, start: "wait s -> there;"}}
-  second: {{executor: {executor}, start: "offer s;", callbacks: {{find: {{serves: s, do: "s.answer;"}}}}}}
+  second:
+    executor: {executor}
+    start: "offer s;"
+    callbacks: {{find: {{serves: s, do: "s.answer;"}}}}
 """
 
 START = """
@@ -70,8 +73,8 @@ nodes:
     callbacks: {{on_a: {{takes: a.read, do: "@works k.lock; k.unlock;"}}}}
 """
 FIRST = "k.lock; ready = true; @starts k.unlock;"
-READY = {"ready": '{always: "n@works -> n.ready"}', "apart": '"G (n.start@starts -> !n.on_a@works)"',
-         "comes": '"F n.on_a@works"'}  # fmt: skip
+READY = {"ready": '{always: "n@works -> n.ready"}',
+         "apart": '"G (n.start@starts -> !n.on_a@works)"', "comes": '"F n.on_a@works"'}  # fmt: skip
 IS_READY = {**RUNS, "ready": "holds", "apart": "holds", "comes": "holds"}
 
 STARTS_IN_ORDER = """
@@ -184,7 +187,8 @@ CASES = [
     late("waiting for a service that is always there", f"loop {{ idle {SERVES} }}",
          f"wait s -> there; {CALLS}", [(16, 22)], RUNS),
     late("a service that is always there", f"loop {{ idle {SERVES} }}",
-         f"if (s.there) {{ {CALLS} }}", [(14, 19)], {**RUNS, "there": "holds"}, there='"G s.there"'),
+         f"if (s.there) {{ {CALLS} }}", [(14, 19)], {**RUNS, "there": "holds"},
+         there='"G s.there"'),
     late("offered twice", "offer s; offer s; withdraw s; withdraw s;",
          "wait s -> there; wait s -> there;", [(13, 14)], HANGS),
     Case("what was taken can be answered, what waits is lost", TWO_CLIENTS,
@@ -259,7 +263,8 @@ CASES = [
     Case("no copy is free", THREAD.format(count=1, code="run work; run work;"),
          {"error": "violated", "deadlock": "inconclusive"}),
     Case("two copies", THREAD.format(count=2, code="run work; run work; join work;"), RUNS),
-    Case("one after the other", THREAD.format(count=1, code="run work; join work; run work;"), RUNS),
+    Case("one after the other",
+         THREAD.format(count=1, code="run work; join work; run work;"), RUNS),
     # Each copy is asked, before lock, before unlock, before its end, or free; not both lock.
     Case("threads that nobody asks", UNNAMED, {**RUNS, "both": "holds"}, {"both": '"F n.work@in"'},
          [(24, 36)]),

@@ -217,13 +217,17 @@ class PresenceMaker(WireMaker):
         """A few statements of a node's code or of a program."""
         rng = self.rng
         waits = [s for s in part.asks if s not in part.hears]
+        where = self.code_name
         options = ["label", "there", "there"] + ["read"] * (depth > 0)
         options += ["write"] * 3 * bool(part.writes) + ["send"] * bool(part.asks)
         options += ["call"] * 3 * bool(waits) + ["select"] * bool(waits)
         options += ["change"] * (3 if self.does_offer & set(part.serves) else bool(part.serves))
         options += ["set"] * 4 * bool(part.flags) + ["number"] * bool(part.numbers)
         options += ["run"] * 4 * bool(part.threads) + ["mutex"] * self.has_mutex
-        options += ["choose", "when", "while"] * (depth > 0)
+        options += ["choose", "when"] * (depth > 0)
+        # Code of callbacks that may go round for ever: Maide does not look what it keeps from
+        # starting.
+        options += ["while"] * (depth > 0 and (not part.is_node or where in part.threads))
         kind = rng.choice(options)
         if self.chance(0.005):
             return ["unknown;"]
@@ -259,7 +263,7 @@ class PresenceMaker(WireMaker):
             return [f"atomic {{ {line} }}" if self.chance(0.2) else line]
         if kind == "run":
             thread = rng.choice(part.threads)
-            if thread == self.code_name:
+            if thread == where:
                 return [f"join {thread};"] if self.chance(0.2) else ["skip;"]
             join = [self.marked(part, f"join {thread};")] if self.chance(0.4) else []
             return ([] if join and self.chance(0.3) else [f"run {thread};"]) + join

@@ -2,9 +2,10 @@
 
     referee.py SYSTEM.yaml --json [--max-states N]
 
-Prints {"components": [{"programs", "states", "transitions"}], "properties": {NAME: {"verdict",
-"component"}}}. A file that is refused gives {"error": ...} and exit status 4, one that is too large
-{"too_large": ...} and exit status 5.
+Prints {"components": [{"programs", "parts", "states", "transitions"}], "properties": {NAME:
+{"verdict", "component"}}}; the parts of a node are `node.callback` and the like. A file that is
+refused gives {"error": ...} and exit status 4, one that is too large {"too_large": ...} and exit
+status 5.
 """
 
 from __future__ import annotations
@@ -253,6 +254,7 @@ class Referee:
             "components": [
                 {
                     "programs": sorted({p.name for p in component.programs if p.name}),
+                    "parts": sorted({p.part for p in component.programs if p.part}),
                     "states": len(component.states),
                     "transitions": component.transitions,
                 }

@@ -583,9 +583,12 @@ class System:
         return found
 
     def used_by(self, callback: CallbackText, compiler: Compiler) -> set[int]:
-        """The models that a callback uses, its executor and its node's services among them."""
+        """The models that a callback uses, its executor and its node's services among them; a
+        thread uses what it names, as a program."""
         used = {self.numbers[key] for key in compiler.models} | compiler.pools
-        used |= {callback.node.executor.use} | {pool.use for pool in callback.node.pools}
+        if callback.kind == "thread":
+            return used | {pool.use for pool in callback.node.pools if pool.text is callback}
+        used.add(callback.node.executor.use)
         for k, use in enumerate(self.uses):
             if isinstance(use, Service) and callback.numbers[0] in use.standing:
                 used.add(k)
