@@ -340,7 +340,7 @@ class Formulas:
             return ("local", next(iter(self.program(reference))), name, indices)
         for variable in node.variables:
             if variable.name == name:
-                self.programs |= variable.users or node.numbers()
+                self.programs |= variable.users
                 return ("global", variable, indices)
         raise Refused(f"node {node.full_name} has no variable {name}")
 

@@ -242,8 +242,10 @@ def can_run_together(one: CallbackText | None, other: CallbackText | None) -> bo
     """Whether two programs, copies of callbacks where given, can run at the same time."""
     if one is None or other is None or one.node.executor is not other.node.executor:
         return True
+    if one is other and len(one.numbers) == 1:
+        return False
     if "thread" in (one.kind, other.kind):
-        return one is not other or len(one.numbers) > 1
+        return True
     if "start" in (one.kind, other.kind):  # on several threads it is a program of its own
         return one.node.executor.threads > 1 and one.kind != other.kind
     same_group = one.node is other.node and one.group == other.group and one.group[1]

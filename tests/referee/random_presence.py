@@ -279,10 +279,10 @@ class PresenceMaker(WireMaker):
             other = rng.choice(["timeout 5 { }", "otherwise { }", ""])
             return [f"select {{ when ({self.presence_condition(part)}) {{ {inner} }} {other} }}"]
         if kind == "while":
-            inner = " ".join(self.presence_action(part, 0)) if self.chance(0.5) else "skip;"
             service = rng.choice(self.services)
-            if service not in self.offered or inner == "skip;" and self.chance(0.5):
+            if service not in self.offered:
                 return [self.marked(part, f"wait {service} -> there;")]
+            inner = " ".join(self.presence_action(part, 0)) if self.chance(0.5) else "skip;"
             return [f"while (!{service}.there) {{ {inner} }}"]
         return [self.marked(part, "skip;")]
 

@@ -182,7 +182,8 @@ def number_callbacks(system: Any, first: int) -> None:
     others."""
     for node in system.nodes:
         for callback in node.callbacks:
-            copies = 1 if callback.group[1] else node.executor.threads
+            is_alone = callback.group[1] or callback.come is not None
+            copies = 1 if is_alone else node.executor.threads
             callback.numbers = list(range(first, first + copies))
             first += copies
             if callback.kind == "serves":
