@@ -35,10 +35,13 @@ programs:
 """
 
 LOST_ON_ITS_WAY = """
+topics: {{sent: {{writers: client, readers: server, use: queue, with: {{depth: 1}}}}}}
 services: {{s: {{server: server, clients: [client], delivery: {delivery}}}}}
 programs:
-  server: "offer s; withdraw s; loop {{ idle s.serve -> request; s.answer; }}"
-  client: "s.send; s.receive -> answer;"
+  server: |
+    offer s; sent.read -> message; withdraw s; offer s;
+    loop {{ idle s.serve -> request; s.answer; }}
+  client: "wait s -> there; s.send; sent.write; s.receive -> answer;"
 """
 
 STRANGER = """
@@ -68,9 +71,10 @@ programs: {{world: "a.write;"}}
 nodes:
   n:
     executor: main
+    groups: {{other: exclusive}}
     variables: "var ready: bool;"
     start: "{start}"
-    callbacks: {{on_a: {{takes: a.read, do: "@works k.lock; k.unlock;"}}}}
+    callbacks: {{on_a: {{takes: a.read, group: other, do: "@works k.lock; k.unlock;"}}}}
 """
 FIRST = "k.lock; ready = true; @starts k.unlock;"
 READY = {"ready": '{always: "n@works -> n.ready"}',
@@ -166,6 +170,17 @@ nodes:
     callbacks: {{go: {{timer: once 1, do: "{code}"}}}}
     threads: {{work: "%s"}}
 """ % ASKS
+
+THREAD_ENDS = """
+services: {lookup: {server: database, clients: [n]}}
+programs: {database: "loop { idle lookup.serve -> request; lookup.answer; }"}
+nodes:
+  n:
+    variables: "var asked: bool;"
+    callbacks: {go: {timer: once 1, do: "run work; join work; run work;"}}
+    threads:
+      work: "if (!asked) { asked = true; lookup.send; } else { wait lookup -> answer; }"
+"""
 
 THREAD_VARIABLES = """
 nodes:
@@ -276,6 +291,7 @@ CASES = [
          ASKING_THREAD.format(executor=threads(2), code="run work; join work;"), RUNS),
     Case("a thread that asks", ASKING_THREAD.format(executor=SINGLE, code="run work;"),
          {**RUNS, "asks": "holds"}, {"asks": '"F n.work@asked && G (n@asked -> F lookup!answer)"'}),
+    Case("an answer to a thread's run that has ended", THREAD_ENDS, HANGS),
     # The thread alone counts: no steps, and its variable stays.
     Case("a thread's own variable", THREAD_VARIABLES.format(second=" join work; run work;",
          third=""), {**RUNS, "two": "holds"}, {"two": '"F n.count == 2"'}, [(11, 10)]),
