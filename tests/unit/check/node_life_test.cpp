@@ -145,6 +145,47 @@ properties:
 )yaml";
 }
 
+// A thread that a procedure begins, and that publishes.
+const std::string publishes = R"yaml(
+topics:
+  found: {writers: robot, readers: world, use: queue, with: {depth: 2}}
+procedures: {"begin()": "run work;"}
+programs: {world: "repeat 2 { found.read -> message; } @both skip;"}
+nodes:
+  robot:
+    threads: {work: {count: 2, do: "found.write;"}}
+    callbacks: {go: {timer: once 10, do: "call begin(); call begin();"}}
+properties: {both: {ltl: "F world@both", fairness: strong}}
+)yaml";
+
+// Two timers that come once and wait for each other, in one group.
+std::string two_timers(const std::string& group) {
+  return R"yaml(
+executors: {main: {kind: multi, threads: 2}}
+nodes:
+  n:
+    executor: main
+    groups: {g: )yaml" +
+         group + R"yaml(}
+    variables: "var a: bool; var b: bool;"
+    callbacks:
+      one: {timer: once 10, group: g, do: "a = true; select { when (b) { } }"}
+      two: {timer: once 10, group: g, do: "b = true; select { when (a) { } }"}
+)yaml";
+}
+
+// A condition that is an error where it is looked at.
+const std::string error_in_when = R"yaml(
+executors: {main: {kind: single, order: rounds}}
+nodes:
+  n:
+    executor: main
+    variables: "var x: 0..2; var list[i in 0..1]: bool;"
+    callbacks:
+      count: {timer: 10, when: "x < 2", do: "x = x + 1;"}
+      look: {timer: 10, when: "list[x]", do: "skip;"}
+)yaml";
+
 const NodeSystem node_systems[] = {
     {"constructors_wait", "deadlock", V,
      constructors("wait svc_b -> there; offer svc_a; @up skip;",
@@ -175,6 +216,8 @@ const NodeSystem node_systems[] = {
     {"server_dies", "got", V, dying_server("wait lookup -> answer;")},
     {"server_dies_timeout", "got", H,
      dying_server("select { on lookup!answer { } timeout 5 { } }")},
+    {"server_dies_noticed", "deadlock", H,
+     dying_server("select { on lookup!answer { } when (!lookup.there) { @gone skip; } }")},
     {"server_dies_noticed", "got", H,
      dying_server("select { on lookup!answer { } when (!lookup.there) { @gone skip; } }")},
     {"server_dies_noticed", "known", H,
@@ -192,6 +235,14 @@ const NodeSystem node_systems[] = {
     {"timers", "done", H, timers("{kind: single}")},
     {"timers_by_rounds", "early", H, timers("{kind: single, order: rounds}")},
     {"timers_by_rounds", "done", H, timers("{kind: single, order: rounds}")},
+    {"thread_publishes", "both", H, publishes},
+    {"thread_publishes", "deadlock", H, publishes},
+    {"once_in_exclusive_group", "deadlock", V, two_timers("exclusive")},
+    {"once_in_reentrant_group", "deadlock", H, two_timers("reentrant")},
+    {"when_is_an_error", "error", V, error_in_when},
+    {"only_a_thread", "done", H,
+     "executors: {main: {kind: single, order: rounds}}\nnodes:\n  n: {executor: main, variables: "
+     "\"var x: 0..1;\", threads: {work: \"x = 1;\"}}\nproperties: {done: \"F n.x == 1\"}\n"},
     {"timers_on_two", "done", H, timers("{kind: multi, threads: 2}")},
 };
 

@@ -12,8 +12,6 @@
 namespace maide {
 namespace {
 
-using Kind = WireModel::Operation::Kind;
-
 class ArrivalMaker {
  public:
   ArrivalMaker(const Declarations& file, const Names& names, System& system, ModelActions& actions)
@@ -30,6 +28,8 @@ class ArrivalMaker {
   }
 
  private:
+  using Kind = WireModel::Operation::Kind;
+
   // What leads to that model.
   std::string connection_of(std::uint32_t to) const {
     const auto reader = file_.topic_of.find(to);
@@ -129,7 +129,6 @@ class ArrivalMaker {
     gone.what.uses = {
         service.rules->use(actions_, model, {ServiceModel::Operation::Kind::server_is_dead}),
         actions_.variable(*service.presence, &is_there, 0)};
-    gone.counts_for_deadlock = false;
     system_.nobodys_groups.push_back("the news that the server of " + service.name + " is dead");
     add(std::move(gone), model);
   }

@@ -358,13 +358,13 @@ void declare_callbacks(Declarations& file) {
     }
     read_clients(file, node);
     check_server(file, node);
-    if (node.callbacks.empty()) {
-      file.tree().fail_at_name("node '" + node.entry->declared->name.text + "' has no callback",
-                               *node.entry);
-    }
     if (const TreeNode* const start = node.entry->find("start")) read_start(file, node, *start);
     if (const TreeNode* const threads = node.entry->find("threads")) {
       for (const TreeNode& entry : threads->children) read_thread(file, node, entry);
+    }
+    if (node.callbacks.empty()) {
+      file.tree().fail_at_name("node '" + node.entry->declared->name.text + "' has no callback",
+                               *node.entry);
     }
   }
 }

@@ -14,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "maide/check/build/clock_code.hpp"
 #include "maide/check/build/declarations.hpp"
 #include "maide/check/build/deliveries.hpp"
 #include "maide/check/rules/thread_models.hpp"
@@ -86,12 +87,13 @@ void add_thread(Declarations& file, const std::string& name, const ExecutorDecla
   program.process = process_of(*executor.entry, "executor " + executor.name);
   program.position = file.tree().at_name(*executor.entry);
   program.may_die = may_die(file, executor);
-  const auto is_run = [](const Callback& callback) { return is_of_executor(callback.kind); };
-  if (std::ranges::any_of(line.callbacks, is_run)) program.execution = execution_of(executor);
+  const bool runs_callbacks = std::ranges::any_of(
+      line.callbacks, [](const Callback& callback) { return is_of_executor(callback.kind); });
+  if (runs_callbacks) program.execution = execution_of(executor);
   program.thread = std::make_shared<program_syntax::Thread>();
   program.thread->starts = std::move(line.starts);
   program.thread->callbacks = std::move(line.callbacks);
-  program.thread->goes_by_rounds = executor.goes_by_rounds && !program.thread->callbacks.empty();
+  program.thread->goes_by_rounds = executor.goes_by_rounds && runs_callbacks;
   for (const std::uint32_t node : nodes) {
     program.nodes.push_back(file.nodes[node].name);
     file.nodes[node].programs.push_back(static_cast<std::uint32_t>(file.programs.size()));
@@ -114,8 +116,8 @@ void add_groups(Declarations& file, const ExecutorDeclaration& executor, std::ui
     if (gate) callback.start.push_back({Kind::give, *gate, gate_input_pass});
     callback.end.push_back({Kind::give, threads, 1});
     const std::uint32_t runs = runs_of(file, node, i);
-    if (runs == 1) {
-      const std::string& group = node.callback_groups[i];
+    const std::string& group = node.callback_groups[i];
+    if (group.empty() || !node.groups.at(group)) {
       if (!exclusive.contains(group)) order.push_back(group);
       exclusive[group].push_back(std::move(callback));
       continue;
@@ -138,17 +140,19 @@ void add_groups(Declarations& file, const ExecutorDeclaration& executor, std::ui
   }
 }
 
-// Some text of the node begins the thread.
-bool is_run(const NodeDeclaration& node, const std::string& thread) {
+// Some text of the node, or of a procedure, begins the thread.
+bool is_run(const Declarations& file, const NodeDeclaration& node, const std::string& thread) {
   bool found = false;
+  const auto look = [&](const syntax::Code& code) {
+    syntax::for_each_statement(code.block, [&](const syntax::Statement& statement) {
+      found = found ||
+              (statement.kind == syntax::Statement::Kind::run && statement.name.text == thread);
+    });
+  };
   for (const Callback& callback : node.callbacks) {
-    for (const syntax::Code* const code : codes_of(callback)) {
-      syntax::for_each_statement(code->block, [&](const syntax::Statement& statement) {
-        found = found ||
-                (statement.kind == syntax::Statement::Kind::run && statement.name.text == thread);
-      });
-    }
+    for (const syntax::Code* const code : codes_of(callback)) look(*code);
   }
+  for (const TreeNode& procedure : file.tree().entries("procedures")) look(*procedure.code);
   return found;
 }
 
@@ -160,8 +164,9 @@ void add_own_threads(Declarations& file, std::uint32_t number) {
   for (const Callback& thread : node.callbacks) {
     if (thread.kind != Callback::Kind::thread) continue;
     const std::string name = thread.whole_name();
-    const std::uint32_t model = add_model(
-        file, name + ".copies", make_copies(thread.copies, !is_run(node, thread.name)), *own.entry);
+    const std::uint32_t model =
+        add_model(file, name + ".copies",
+                  make_copies(thread.copies, !is_run(file, node, thread.name)), *own.entry);
     file.names.threads.emplace(name, model);
     for (std::uint32_t number_of_copy = 0; number_of_copy < thread.copies; ++number_of_copy) {
       Callback copy = thread;
@@ -176,8 +181,7 @@ void add_own_threads(Declarations& file, std::uint32_t number) {
   }
 }
 
-// The program that reads the node's clock: each message makes each of its timers due, or not. That
-// it makes one due comes again and again on fair runs; that it does not need never come.
+// The program that reads the node's clock.
 void add_clock(Declarations& file, std::uint32_t number) {
   const NodeDeclaration& node = file.nodes[number];
   const TreeNode* const clock = node.entry->find("clock");
@@ -186,55 +190,12 @@ void add_clock(Declarations& file, std::uint32_t number) {
   if (executor.goes_by_rounds) {
     file.tree().fail("a clock does not go with 'order: rounds' yet: that is not built", *clock);
   }
-  const TextPlace place{file.tree().at(*clock).line, file.tree().at(*clock).column};
-  const auto name = [&](const std::string& text) {
-    syntax::Term term;
-    term.kind = syntax::Term::Kind::name;
-    term.name = {text, true, place};
-    term.place = term.begin = place;
-    return term;
-  };
-  const auto statement = [&](syntax::Statement::Kind kind) {
-    syntax::Statement made;
-    made.kind = kind;
-    made.place = place;
-    return made;
-  };
-  syntax::Statement select = statement(syntax::Statement::Kind::select);
-  select.is_idle = true;
-  syntax::SelectArm& tick = select.select_arms.emplace_back();
-  tick.kind = syntax::SelectArm::Kind::input;
-  tick.place = place;
-  tick.model = clock->reference->name;
-  tick.event.name = {"read", true, place};
-  tick.has_arms = true;
-  syntax::Arm& message = tick.arms.emplace_back();
-  message.place = place;
-  message.output.name = {"message", true, place};
-  for (const Callback& timer : node.callbacks) {
-    if (!timer.goes_by_clock) continue;
-    syntax::Statement choice = statement(syntax::Statement::Kind::choice);
-    choice.is_fair = choice.is_one_sided = true;
-    choice.place = {timer.position.line, timer.position.column};  // groups are told apart by it
-    syntax::Statement due = statement(syntax::Statement::Kind::assign);
-    due.target = name(due_of(timer.whole_name()));
-    due.expression.emplace();
-    due.expression->kind = syntax::Term::Kind::boolean;
-    due.expression->value = 1;
-    choice.body.statements.push_back(std::move(due));
-    message.body.statements.push_back(std::move(choice));
-  }
-  syntax::Statement loop = statement(syntax::Statement::Kind::loop);
-  loop.body.statements.push_back(std::move(select));
-  syntax::Code code;
-  code.file = file.tree().file();
-  code.begin = code.end = code.last = place;
-  code.block.statements.push_back(std::move(loop));
   ProgramDeclaration program;
   program.name = node.name + ".clock";
   program.process = process_of(*executor.entry, "executor " + executor.name);
   program.position = file.tree().at(*clock);
-  program.code = std::make_shared<const syntax::Code>(std::move(code));
+  program.code = std::make_shared<const syntax::Code>(
+      make_clock_code(clock->reference->name, node.callbacks, program.position));
   file.nodes[number].clock = static_cast<std::uint32_t>(file.programs.size());
   file.programs.push_back(std::move(program));
 }
@@ -379,6 +340,8 @@ void declare_threads(Declarations& file) {
     const ExecutorDeclaration executor = file.executors[number];
     if (!made.insert(number).second) continue;
     std::vector<Callback> starts = callbacks_of(file, executor, true);
+    const bool has_callbacks = !callbacks_of(file, executor, false).empty();
+    if (!has_callbacks && starts.empty()) continue;  // its nodes have threads of their own alone
     if (executor.threads == 1) {
       add_thread(file, executor.nodes.size() == 1 ? file.nodes[first].name : executor.name,
                  executor, {std::move(starts), callbacks_of(file, executor, false)},

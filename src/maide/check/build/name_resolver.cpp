@@ -157,7 +157,10 @@ Expression NameResolver::presence(const syntax::Term& service) const {
          service.place);
   }
   const auto variable = find(presence_of(binding->expression.name));
-  if (!variable) return make_constant(1, ValueKind::boolean);
+  if (!variable) {
+    name_models(binding->model->first, binding->model->dimensions);
+    return make_constant(1, ValueKind::boolean);
+  }
   Expression leaf = variable->expression;
   leaf.line = service.place.line;
   leaf.column = service.place.column;

@@ -23,7 +23,6 @@
 namespace maide {
 namespace {
 
-using Kind = WireModel::Operation::Kind;
 using Room = std::vector<std::optional<std::uint32_t>>;
 
 constexpr std::size_t most_states = 20'000;  // of a wire whose states are made at once

@@ -49,13 +49,21 @@ std::vector<Uses> LookSteps::nothing_for(const SelectArm& arm, const Values& val
   return {{actions_.impossible(model, taking)}};
 }
 
-std::pair<std::vector<Uses>, std::vector<Uses>> LookSteps::may_start(const SelectArm& arm,
-                                                                     const Values& values) const {
+std::pair<std::vector<Uses>, std::vector<Uses>> LookSteps::may_start(
+    const SelectArm& arm, const Values& values, const std::vector<Uses>& passed) {
   if (!arm.guard) return {{{}}, {}};
   std::pair<std::vector<Uses>, std::vector<Uses>> ways;
   for (auto& [conditions, result] : outcomes(*arm.guard, values, at(arm.line, arm.column))) {
-    const bool may = !result.value || *result.value != 0;
-    (may ? ways.first : ways.second).push_back(actions_.variables(conditions, {}));
+    const Uses uses = actions_.variables(conditions, {});
+    if (result.value) {
+      (*result.value != 0 ? ways.first : ways.second).push_back(uses);
+      continue;
+    }
+    const ControlState error = error_state(result.error, result.line, result.column);
+    for (Uses& way : actions_.combine(passed, {uses})) {
+      add_combined({CombinedStep::Role::arm, std::move(way), {}, "when", 0}, error, arm.line,
+                   arm.column);
+    }
   }
   return ways;
 }
@@ -106,7 +114,7 @@ void LookSteps::expand_rounds(const Place& place, const Statement& statement,
     const SelectArm& arm = statement.select_arms[i];
     Values behind_it = values;
     behind_it[slot] = static_cast<Value>(left & ~((std::uint64_t{2} << i) - 1));
-    const auto [may, may_not] = may_start(arm, values);
+    const auto [may, may_not] = may_start(arm, values, passed);
     const std::vector<Uses> ways = actions_.combine(passed, may);
     for (const Uses& conditions : ways) {
       expand_arm(place, arm, behind_it, conditions, 0);

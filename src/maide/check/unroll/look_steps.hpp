@@ -23,9 +23,11 @@ class LookSteps : public SelectSteps {
                       const Uses& conditions);
   // Nothing is there for the arm's callback.
   std::vector<Uses> nothing_for(const SelectArm& arm, const Values& values);
-  // What stands behind `when` at the arm's callback holds, or does not; each in some ways.
+  // What stands behind `when` at the arm's callback holds, or does not; each in some ways. Where it
+  // is an error, after these were passed over, that is a step.
   std::pair<std::vector<Uses>, std::vector<Uses>> may_start(const SelectArm& arm,
-                                                            const Values& values) const;
+                                                            const Values& values,
+                                                            const std::vector<Uses>& passed);
   // Something is there for the arm's callback, or nothing is; each in some ways.
   std::pair<std::vector<Uses>, std::vector<Uses>> asked(const SelectArm& arm, const Values& values);
   // In which order a look asks for the arms, one in a step: as rmw_fastrtps does, where something

@@ -11,7 +11,7 @@
 namespace maide {
 namespace {
 
-using Kind = WireModel::Operation::Kind;
+using WireUse = WireModel::Operation::Kind;
 
 }  // namespace
 
@@ -31,7 +31,7 @@ std::uint32_t caller_of(const Wire& wire, std::uint32_t program) {
   return static_cast<std::uint32_t>(place - wire.callers.begin());
 }
 
-ModelUse use(const Wire& wire, ModelActions& actions, Kind kind, std::uint32_t letter) {
+ModelUse use(const Wire& wire, ModelActions& actions, WireUse kind, std::uint32_t letter) {
   return wire.rules->use(actions, wire.model, {kind, letter});
 }
 
@@ -82,23 +82,23 @@ std::vector<WayToPut> ways_to_put(const Sending& sending, ModelActions& actions)
   const Wire& wire = *sending.wire;
   const std::uint32_t letter = letter_of(wire, sending.input, sending.caller);
   if (!wire.counter && wire.place.order == nullptr)
-    return {{{use(wire, actions, Kind::put, letter)}}};
+    return {{{use(wire, actions, WireUse::put, letter)}}};
   std::vector<WayToPut> ways;
   const auto add = [&](Uses uses, bool pushes_out) {
     if (actions.are_possible(uses)) ways.push_back({std::move(uses), pushes_out});
   };
   if (!wire.counter) {
-    add({use(wire, actions, Kind::add, letter)}, false);
-    add({use(wire, actions, Kind::push_out, letter)}, true);
+    add({use(wire, actions, WireUse::add, letter)}, false);
+    add({use(wire, actions, WireUse::push_out, letter)}, true);
     return ways;
   }
   for (std::uint32_t held = 0; held <= most_counted(wire, actions); ++held) {
     if (held < most_counted(wire, actions)) {
-      add({use(wire, actions, Kind::add, letter), count(wire, actions, held, held + 1),
+      add({use(wire, actions, WireUse::add, letter), count(wire, actions, held, held + 1),
            has_room(wire, actions, held + 1, true)},
           false);
     }
-    add({use(wire, actions, Kind::push_out, letter), count(wire, actions, held, held),
+    add({use(wire, actions, WireUse::push_out, letter), count(wire, actions, held, held),
          has_room(wire, actions, held, true)},
         true);
   }
@@ -145,7 +145,7 @@ std::vector<Uses> ways_to_wait(const Wire& wire, ModelActions& actions) {
   const auto add = [&](Uses uses) {
     if (actions.are_possible(uses)) ways.push_back(std::move(uses));
   };
-  add({use(wire, actions, Kind::is_full)});
+  add({use(wire, actions, WireUse::is_full)});
   if (!wire.counter) return ways;
   for (std::uint32_t held = 0; held <= most_counted(wire, actions); ++held) {
     add({count(wire, actions, held, held), has_room(wire, actions, held + 1, false)});
@@ -181,13 +181,13 @@ Uses when_dies(std::uint32_t program, const std::vector<std::string>& nodes, con
   for (const auto& [to, wires] : names.wires) {
     for (const Wire& wire : wires) {
       if (own.contains(to)) {
-        uses.push_back(use(wire, actions, Kind::clear));
+        uses.push_back(use(wire, actions, WireUse::clear));
         if (wire.place.order == nullptr) continue;
         auto& [order, numbers] = forgotten[wire.place.stream];
         order = wire.place.order.get();
         numbers.push_back(wire.place.number);
       } else if (is_own(wire.from)) {
-        uses.push_back(use(wire, actions, Kind::abandon));
+        uses.push_back(use(wire, actions, WireUse::abandon));
       }
     }
   }
@@ -208,7 +208,7 @@ Uses when_dies(std::uint32_t program, const std::vector<std::string>& nodes, con
 }
 
 ModelUse when_empty(const Wire& wire, ModelActions& actions) {
-  return use(wire, actions, Kind::is_empty);
+  return use(wire, actions, WireUse::is_empty);
 }
 
 Uses when_all_arrived(const std::vector<const Wire*>& wires, ModelActions& actions) {
@@ -223,7 +223,7 @@ std::vector<Uses> ways_not_all_arrived(const std::vector<const Wire*>& wires,
   Uses before;
   for (const Wire* const wire : wires) {
     ways.push_back(before);
-    ways.back().push_back(use(*wire, actions, Kind::is_used));
+    ways.back().push_back(use(*wire, actions, WireUse::is_used));
     before.push_back(when_empty(*wire, actions));
   }
   return ways;
@@ -395,7 +395,7 @@ std::vector<CombinedStep> ends_of_call(const std::vector<const Wire*>& wires, st
       step.role = role;
       for (const Wire* const other : wires) {
         if (other == wire) continue;
-        step.uses.push_back(use(*other, actions, Kind::holds_none, caller_of(*other, caller)));
+        step.uses.push_back(use(*other, actions, WireUse::holds_none, caller_of(*other, caller)));
       }
       if (actions.are_possible(step.uses)) ends.push_back(std::move(step));
     };
@@ -403,8 +403,9 @@ std::vector<CombinedStep> ends_of_call(const std::vector<const Wire*>& wires, st
     const std::string& connection = actions.model(wire->to).name;
     for (const Symbol input : wire->letters) {
       const std::uint32_t letter = letter_of(*wire, input, caller);
-      add(coming.arrival(Kind::arrive_of_living, letter, connection), CombinedStep::Role::arrival);
-      add(coming.loss(Kind::lose_of_living, letter, connection), CombinedStep::Role::loss);
+      add(coming.arrival(WireUse::arrive_of_living, letter, connection),
+          CombinedStep::Role::arrival);
+      add(coming.loss(WireUse::lose_of_living, letter, connection), CombinedStep::Role::loss);
     }
   }
   return ends;
@@ -414,7 +415,7 @@ Uses when_returned(const std::vector<const Wire*>& wires, std::uint32_t caller,
                    ModelActions& actions) {
   Uses uses;
   for (const Wire* const wire : wires) {
-    uses.push_back(use(*wire, actions, Kind::holds_none, caller_of(*wire, caller)));
+    uses.push_back(use(*wire, actions, WireUse::holds_none, caller_of(*wire, caller)));
   }
   return uses;
 }

@@ -100,7 +100,7 @@ class PartChecker {
   void weaken(PropertyResult& result, const Property& property) {
     std::vector<std::string> reasons;
     if (property.kind == Property::Kind::error) {
-      if (!has_errors_) return;
+      if (!has_errors_ && !has_unknown_code()) return;
     } else if (has_errors_) {
       const PropertyResult error = find_error();
       if (error.verdict == Verdict::violated) {
@@ -126,6 +126,13 @@ class PartChecker {
     if (reasons.empty()) return;
     result.reason = join(reasons, "; ");
     result.verdict = Verdict::inconclusive;
+  }
+
+  // It may come to an error, too.
+  bool has_unknown_code() const {
+    return std::ranges::any_of(system_.models, [](const ModelInstance& model) {
+      return find_unknown_code(model.automaton).has_value();
+    });
   }
 
   std::string describe_cut(const Trace& trace) const {
