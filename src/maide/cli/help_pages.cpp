@@ -174,7 +174,9 @@ Statements (M: model, x: variable, e: expression; @name before one labels it):
   var x: 0..3 = 1;  var ok: bool;  var m: {idle, busy};  var a[k in 0..9]: bool;
   x = e;  a[e] = e;                       no step, unless a variable is shared
   atomic { x = e; if (e) { } }            one step; `when (e) atomic { }` waits
-  call p(ARGUMENTS);  return;  stop;  skip;
+  call p(ARGUMENTS);  return;  stop;  skip;  unknown;   the latter: the run is cut
+  offer S;  withdraw S;  wait S -> there;  whether a service is there; S.there in (e)
+  run THREAD;  join THREAD;               in the code of a node that has threads:
 Values:       M.write(e);  M.read -> message(x) sets x, message(var x) declares
               it, message(3) takes that one alone, message takes any.
 Expressions:  + - * / %   < <= > >= == !=   ! && ||   ( )   true false WORD

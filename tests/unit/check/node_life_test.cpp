@@ -158,6 +158,21 @@ nodes:
 properties: {both: {ltl: "F world@both", fairness: strong}}
 )yaml";
 
+// What is written behind these statements comes to queues, too.
+const std::string values_behind = R"yaml(
+models: {q: {use: queue, with: {size: 3}}}
+services:
+  lookup: {server: n, clients: [c]}
+programs:
+  c: "wait lookup -> there; q.read -> message(var x); q.read -> message(var y); @sum skip;"
+nodes:
+  n:
+    threads: {work: "q.write(4);"}
+    start: "offer lookup; withdraw lookup; offer lookup; run work; join work; q.write(5);"
+    callbacks: {find: {serves: lookup, do: "lookup.answer;"}}
+properties: {sum: "F (c@sum && c.x + c.y == 9)"}
+)yaml";
+
 // Two timers that come once and wait for each other, in one group.
 std::string two_timers(const std::string& group) {
   return R"yaml(
@@ -236,6 +251,7 @@ const NodeSystem node_systems[] = {
     {"timers_by_rounds", "early", H, timers("{kind: single, order: rounds}")},
     {"timers_by_rounds", "done", H, timers("{kind: single, order: rounds}")},
     {"thread_publishes", "both", H, publishes},
+    {"values_behind", "sum", H, values_behind},
     {"thread_publishes", "deadlock", H, publishes},
     {"once_in_exclusive_group", "deadlock", V, two_timers("exclusive")},
     {"once_in_reentrant_group", "deadlock", H, two_timers("reentrant")},

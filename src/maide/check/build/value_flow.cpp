@@ -158,6 +158,9 @@ class FlowWalker final : public Walker {
         expand_looks(place, statement, values);
         break;
       case Kind::end_callback:
+      case Kind::withdraw:
+      case Kind::run:
+      case Kind::join:
       case Kind::arrival: settle(next, values); break;
       default: expand_rendezvous(number, place, statement, values); break;
     }
