@@ -173,6 +173,21 @@ nodes:
 properties: {sum: "F (c@sum && c.x + c.y == 9)"}
 )yaml";
 
+// Each member of an array offers a service of its own, and has a thread.
+const std::string arrays = R"yaml(
+services:
+  lookup[i in 0..1]: {server: "map[i]", clients: ["robot[i]"], with: {depth: 1}}
+nodes:
+  map[i in 0..1]:
+    start: "offer lookup[i];"
+    callbacks: {find: {serves: "lookup[i]", do: "lookup[i].answer;"}}
+  robot[i in 0..1]:
+    threads:
+      work: "wait lookup[i] -> there; lookup[i].send; wait lookup[i] -> answer; @got skip;"
+    callbacks: {go: {timer: once 1, do: "run work;"}}
+properties: {got: {ltl: "F robot[1]@got", fairness: strong}, there: "F lookup[0].there"}
+)yaml";
+
 // Two timers that come once and wait for each other, in one group.
 std::string two_timers(const std::string& group) {
   return R"yaml(
@@ -252,6 +267,8 @@ const NodeSystem node_systems[] = {
     {"timers_by_rounds", "done", H, timers("{kind: single, order: rounds}")},
     {"thread_publishes", "both", H, publishes},
     {"values_behind", "sum", H, values_behind},
+    {"arrays", "got", H, arrays},
+    {"arrays", "there", H, arrays},
     {"thread_publishes", "deadlock", H, publishes},
     {"once_in_exclusive_group", "deadlock", V, two_timers("exclusive")},
     {"once_in_reentrant_group", "deadlock", H, two_timers("reentrant")},
@@ -308,6 +325,16 @@ TEST(NodeLife, SlipsAreNamedWithTheirPlace) {
             "expected an expression, not the end of the text (s.yaml:6:41)");
   EXPECT_EQ(error_in("{callbacks: {tick: {timer: 1, when: \"robot.there\", do: \"skip;\"}}}"),
             "'robot.there' asks whether a service is there, and 'robot' is none (s.yaml:6:47)");
+}
+
+TEST(NodeLife, AClockKeepsTheLastMessage) {
+  const std::string text = R"yaml(
+topics: {clock: {writers: w, use: queue, with: {size: 1}}}
+programs: {w: "clock.write;"}
+nodes: {n: {clock: clock, callbacks: {tick: {timer: 1, do: "skip;"}}}}
+)yaml";
+  EXPECT_EQ(test::error_of([&] { parse_system(text, "s.yaml", test::test_model); }),
+            "a clock is a topic with `use: queue` and `depth` (s.yaml:4:20)");
 }
 
 // What nobody says costs no state: a service that is there from the begin has no variable.

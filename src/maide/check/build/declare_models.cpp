@@ -356,7 +356,7 @@ void declare_topic(Declarations& file, const TreeNode& entry, const std::string&
     topic.readers.push_back(declare_reader(file, references, entry, name, indices,
                                            {*node.clock, "", node.name + ".clock"}));
     ModelOrigin& origin = file.origins[topic.readers.back().model];
-    if (origin.kind == ModelOrigin::Kind::queue) {
+    if (origin.kind == ModelOrigin::Kind::queue && origin.size.drops_oldest) {
       origin.size.size = 1;
     } else {
       file.tree().fail("a clock is a topic with `use: queue` and `depth`", *clock);

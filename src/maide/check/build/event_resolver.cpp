@@ -92,8 +92,12 @@ const Service* EventResolver::service_of(const ModelReference& model) const {
 }
 
 bool EventResolver::is_server(const ModelReference& model) const {
-  const Service* const service = service_of(model);
-  return service != nullptr && service->is_server(node(), context().program);
+  if (service_of(model) == nullptr) return false;
+  bool is = true;
+  for_each_member(model, [&](std::uint32_t member) {
+    is = is && context().names.services.at(member).is_server(node(), context().program);
+  });
+  return is;
 }
 
 std::string EventResolver::node() const {
