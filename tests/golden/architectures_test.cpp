@@ -40,8 +40,8 @@ TEST(Architectures, HaveTheVerdictsThatTheyName) {
 }
 
 TEST(Architectures, OfRos2HaveTheVerdictsThatTheyName) {
-  for (const std::string name :
-       {"strangers", "nested", "burst", "snapshot", "late-joiner", "late-server", "camera"}) {
+  for (const std::string name : {"strangers", "nested", "burst", "snapshot", "late-joiner",
+                                 "late-server", "camera", "life"}) {
     EXPECT_GE(check_files(MAIDE_SOURCE_DIR "/examples/ros2/" + name), 2u) << name;
   }
 }
