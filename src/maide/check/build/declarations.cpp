@@ -64,6 +64,20 @@ void check_plain_name(const Declarations& file, const TreeNode& entry, const std
                            entry);
 }
 
+std::uint32_t add_hidden_model(Declarations& file, const std::string& name,
+                               InterfaceAutomaton automaton, const SourcePosition& position) {
+  if (file.models.size() == max_components) throw ParseError("too many models", position);
+  ModelInstance model;
+  model.position = position;
+  file.take_name(name, position);
+  model.name = name;
+  model.automaton = std::move(automaton);
+  model.source = ModelInstance::Source::executor;
+  file.models.push_back(std::move(model));
+  file.origins.emplace_back();
+  return static_cast<std::uint32_t>(file.models.size() - 1);
+}
+
 std::vector<const syntax::Code*> codes_of(const program_syntax::Callback& callback) {
   std::vector<const syntax::Code*> codes;
   if (callback.code) codes.push_back(callback.code.get());
@@ -210,15 +224,9 @@ bool says_unknown(const syntax::Code& code) {
 
 // `owner`: the program or callback.
 std::uint32_t add_unknown(Declarations& file, const std::string& owner, const syntax::Code& code) {
-  ModelInstance model;
-  model.name = "_unknown_" + std::to_string(file.models.size());
-  model.position = {code.file, code.begin.line, code.begin.column};
-  file.take_name(model.name, model.position);
-  model.automaton = make_unknown_code(owner);
-  model.source = ModelInstance::Source::executor;
-  file.models.push_back(std::move(model));
-  file.origins.emplace_back();
-  return static_cast<std::uint32_t>(file.models.size() - 1);
+  return add_hidden_model(file, "_unknown_" + std::to_string(file.models.size()),
+                          make_unknown_code(owner),
+                          {code.file, code.begin.line, code.begin.column});
 }
 
 }  // namespace

@@ -179,6 +179,9 @@ std::string process_of(const TreeNode& entry, const std::string& name);
 std::string process_of_end(const Declarations& file, const End& end);
 // The programs that run its code.
 std::vector<std::uint32_t> programs_at(const Declarations& file, const End& end);
+// A model that no text names. Throws ParseError: there are too many.
+std::uint32_t add_hidden_model(Declarations& file, const std::string& name,
+                               InterfaceAutomaton automaton, const SourcePosition& position);
 // What a callback does: of one with outcomes several texts; of a client perhaps none.
 std::vector<const syntax::Code*> codes_of(const program_syntax::Callback& callback);
 // Runs of a callback at one time.

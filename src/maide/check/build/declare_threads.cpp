@@ -24,21 +24,6 @@ namespace {
 
 using program_syntax::Callback;
 
-// A model that no text names.
-std::uint32_t add_model(Declarations& file, const std::string& name, InterfaceAutomaton automaton,
-                        const TreeNode& entry) {
-  if (file.models.size() == max_components) file.tree().fail_at_name("too many models", entry);
-  ModelInstance model;
-  model.position = file.tree().at_name(entry);
-  file.take_name(name, model.position);
-  model.name = name;
-  model.automaton = std::move(automaton);
-  model.source = ModelInstance::Source::executor;
-  file.models.push_back(std::move(model));
-  file.origins.emplace_back();
-  return static_cast<std::uint32_t>(file.models.size() - 1);
-}
-
 // What runs one after the other: the starts, then callbacks as they can.
 struct Line {
   std::vector<Callback> starts, callbacks;
@@ -123,7 +108,8 @@ void add_groups(Declarations& file, const ExecutorDeclaration& executor, std::ui
       continue;
     }
     const std::uint32_t model =
-        add_model(file, callback.whole_name() + ".runs", make_runs(runs), *executor.entry);
+        add_hidden_model(file, callback.whole_name() + ".runs", make_runs(runs),
+                         file.tree().at_name(*executor.entry));
     for (std::uint32_t run = 0; run < runs; ++run) {
       Callback copy = callback;
       copy.run = run;
@@ -160,13 +146,13 @@ bool is_run(const Declarations& file, const NodeDeclaration& node, const std::st
 void add_own_threads(Declarations& file, std::uint32_t number) {
   using Kind = ModelUse::Kind;
   const NodeDeclaration node = file.nodes[number];
-  ExecutorDeclaration own = file.executors[node.executor];
+  const ExecutorDeclaration own = file.executors[node.executor];
   for (const Callback& thread : node.callbacks) {
     if (thread.kind != Callback::Kind::thread) continue;
     const std::string name = thread.whole_name();
-    const std::uint32_t model =
-        add_model(file, name + ".copies",
-                  make_copies(thread.copies, !is_run(file, node, thread.name)), *own.entry);
+    const std::uint32_t model = add_hidden_model(
+        file, name + ".copies", make_copies(thread.copies, !is_run(file, node, thread.name)),
+        file.tree().at_name(*own.entry));
     file.names.threads.emplace(name, model);
     for (std::uint32_t number_of_copy = 0; number_of_copy < thread.copies; ++number_of_copy) {
       Callback copy = thread;
@@ -348,11 +334,13 @@ void declare_threads(Declarations& file) {
                  executor.nodes);
       continue;
     }
-    const std::uint32_t threads = add_model(file, executor.name + ".threads",
-                                            make_semaphore(executor.threads), *executor.entry);
+    const std::uint32_t threads =
+        add_hidden_model(file, executor.name + ".threads", make_semaphore(executor.threads),
+                         file.tree().at_name(*executor.entry));
     std::optional<std::uint32_t> gate;
     if (!starts.empty()) {
-      gate = add_model(file, executor.name + ".started", make_gate(), *executor.entry);
+      gate = add_hidden_model(file, executor.name + ".started", make_gate(),
+                              file.tree().at_name(*executor.entry));
       starts.back().end.push_back({ModelUse::Kind::give, *gate, gate_input_open});
       add_thread(file, executor.name + ".start", executor, {std::move(starts), {}}, executor.nodes);
     }
