@@ -208,7 +208,7 @@ class Compiler:
         for variable in variables_of(resolved):
             variable.users.add(self.program)
         for reference in services_named(expression):
-            self.model(frame, reference)
+            self.system.name_presence(self.system.meant(self.model(frame, reference)))
         return resolved
 
     def local(self, frame: Frame, expression: Expression) -> Expression:
@@ -535,6 +535,7 @@ class Compiler:
         reference, pattern = self.sent_to(frame, statement.model, statement.pattern)
         model = self.model(frame, reference)
         if pattern == ("there", None) and self.system.is_service(model):
+            self.system.name_presence(self.system.meant(model))
             node = Node("present", frame, statement.place, model=model, next=after)
             node.idle = statement.idle
             return node

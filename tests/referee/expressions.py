@@ -91,8 +91,14 @@ class Presence(Variable):
     """Whether a service is there, which is read like a shared variable."""
 
     use: int = -1  # the number of the service
-    offered: bool = False  # whether an `offer` names it: it is not there at first, else always
+    offered: bool = False  # whether an `offer` names it: it is not there at first
     withdrawn: bool = False  # whether a `withdraw` names it
+    mortal: bool = False  # whether its server may die
+    named: bool = False  # whether the file asks for it
+
+    def is_watched(self) -> bool:
+        """Whether the file asks whether it is there, and its server may die."""
+        return self.mortal and self.named
 
 
 def there_name(name: str, index: tuple) -> str:
@@ -232,7 +238,8 @@ class Scope:
         found = self.find(there_name(meaning[1], index))
         if found is None:
             raise Refused(f"{name} is no service")
-        return ("variable", found[1], []) if found[1].offered else ("value", True)
+        changes = found[1].offered or found[1].is_watched()
+        return ("variable", found[1], []) if changes else ("value", True)
 
     def constant(self, expression: Expression) -> Value:
         """The value of an expression of constants alone."""

@@ -316,9 +316,11 @@ class Formulas:
         if kind == "bin":
             return ("bin", node[1], self.leaf(node[2]), self.leaf(node[3]))
         if kind == "dot" and self.is_presence(node):
-            self.use(node[2], node[3])
             resolved = self.scope.resolve(("there", *node[2]))
-            return resolved if resolved[0] == "value" else ("global", resolved[1], ())
+            if resolved[0] == "value":
+                return resolved
+            self.use(node[2], node[3])
+            return ("global", resolved[1], ())
         if kind == "dot":
             return self.field(node[2], node[3], ())
         if kind == "field":

@@ -38,6 +38,7 @@ class State:
     edges: list[Edge] = field(default_factory=list)
     cuts: list[Step] = field(default_factory=list)
     failed: bool = False
+    sure: bool = False  # something can happen that is no progress, but comes on fair runs
     enabled: set[int] = field(default_factory=set)
     arms: set[tuple] = field(default_factory=set)
     choices: dict[tuple, set] = field(default_factory=dict)
@@ -70,6 +71,11 @@ class Component:
             for k, use in enumerate(system.uses)
             if hasattr(use, "arrivals") and any(k in system.models_of[n] for n in numbers)
         ]
+        self.services = [
+            (k, use)
+            for k, use in enumerate(system.uses)
+            if hasattr(use, "gone") and any(k in system.models_of[n] for n in numbers)
+        ]
         self.streams = [(k, use) for k, use in enumerate(system.uses) if hasattr(use, "noted")]
         self.calls = any(use.acknowledges(n) for _, use in self.on_wires for n in numbers)
         at = 0
@@ -98,6 +104,7 @@ class Component:
         for at, step in self.steps(state):
             if not step.death:
                 state.enabled.add(step.program)
+            state.sure |= step.sure
             if step.arm is not None:
                 state.arms.add((step.program, step.arm))
             if step.choice is not None:
@@ -122,11 +129,17 @@ class Component:
             seen.add(mark)
 
     def steps(self, state: State) -> Iterator[tuple[int | None, Step]]:
-        """All steps, with the place of the program that moves; None: a message arrives."""
+        """All steps, with the place of the program that moves; None: a message arrives, or the
+        death of a server is found out."""
         for at, program in enumerate(self.programs):
             for step in program.steps(state.controls[at], state.world):
                 yield at, step
         models, shared = state.world
+        for k, use in self.services:
+            after = use.gone(models[k])
+            if after is not None:
+                world = (models[:k] + (after,) + models[k + 1 :], shared)
+                yield None, Step(("gone", k), ("gone",), None, world, death=True, sure=True)
         for k, use in self.on_wires:
             for one in use.arrivals(models[k]):
                 wire = ("wire", k, one.wire)
@@ -255,9 +268,10 @@ class FairRuns:
             held_up = {
                 node
                 for node in part
-                if any(isinstance(who, tuple) for who in self.states[node].enabled - stepping)
+                if self.states[node].sure
+                or any(isinstance(who, tuple) for who in self.states[node].enabled - stepping)
             }
-            if held_up:  # wires are strongly fair on every fair run
+            if held_up:  # wires are strongly fair on every fair run; what is sure comes once
                 return self.exists(part - held_up, banned)
             too_many = self.unfair_choices(inner)
             if too_many:

@@ -40,6 +40,14 @@ class Step:
     choice: Any = None  # (place, outcome) of a fair choice
     cut: bool = False
     death: bool = False
+    sure: bool = False  # no progress, but it comes on fair runs
+
+
+def after_death(system: Any, world: World, programs: frozenset[int]) -> tuple[list[tuple], bool]:
+    """(the states of all models after these programs died, whether the run is cut there)."""
+    ways = [use.died(state, programs) for use, state in zip(system.uses, world[0])]
+    states = itertools.product(*(states for states, _ in ways))
+    return list(states), any(cut for _, cut in ways)
 
 
 class Program:
@@ -187,14 +195,14 @@ class Program:
 
     def deaths(self, values: dict, world: World) -> list[Step]:
         """The steps in which the program dies."""
-        ways = [use.died(state, self.number) for use, state in zip(self.system.uses, world[0])]
         kept = tuple(values.get(v) for v in self.end.scope)
         after = (self.end.number, frozenset(), kept, None)
+        models_after, cut = after_death(self.system, world, frozenset([self.number]))
         found = [
             Step(self.number, ("dies",), after, (models, world[1]), death=True)
-            for models in itertools.product(*(states for states, _ in ways))
+            for models in models_after
         ]
-        if any(cut for _, cut in ways):
+        if cut:
             found.append(Step(self.number, ("dies",), cut=True, death=True))
         return found
 

@@ -97,9 +97,13 @@ class Pool:
         """The state with another value for one copy."""
         return busy[:copy] + (is_busy,) + busy[copy + 1 :]
 
-    def died(self, state: tuple, program: int) -> tuple[list, bool]:
+    def died(self, state: tuple, programs: frozenset[int]) -> tuple[list, bool]:
         """No death changes it."""
         return [state], False
+
+
+# The state of an executor that died: something runs on it for ever.
+DEAD = (("dead",), ())
 
 
 class Executor:
@@ -116,6 +120,7 @@ class Executor:
         self.threads = threads
         self.rounds = rounds
         self.process: str | None = None
+        self.may_die = False
         self.callbacks: list[CallbackText] = []  # in the order of a round
         self.starts: list[int] = []  # the programs of its nodes' start code, in their order
         self.use = -1  # its number among the models
@@ -125,7 +130,7 @@ class Executor:
         """No callback runs, and nothing was looked at."""
         return (tuple(self.starts[:1]), ())
 
-    def died(self, state: tuple, program: int) -> tuple[list, bool]:
+    def died(self, state: tuple, programs: frozenset[int]) -> tuple[list, bool]:
         """No death changes it."""
         return [state], False
 
@@ -133,7 +138,8 @@ class Executor:
 def executor_of(name: str, description: dict, number: Any) -> Executor:
     """The executor that an entry of the file describes."""
     kind = description.get("kind", "single")
-    if not set(description) <= {"kind", "threads", "order", "process"} or kind not in ("single", "multi"):
+    keys = {"kind", "threads", "order", "process", "may_die"}
+    if not set(description) <= keys or kind not in ("single", "multi"):
         raise Refused(f"executor {name}: {description}")
     order = description.get("order", "any")
     if order not in ("any", "rounds") or kind == "multi" and "order" in description:
@@ -145,6 +151,9 @@ def executor_of(name: str, description: dict, number: Any) -> Executor:
         raise Refused(f"executor {name}: {threads} threads")
     executor = Executor(name, threads, order == "rounds")
     executor.process = description.get("process")
+    executor.may_die = description.get("may_die", False)
+    if executor.may_die and kind == "multi":
+        raise Refused(f"executor {name}: only one of one thread may die")
     return executor
 
 
@@ -377,6 +386,8 @@ class Callback(NodeProgram):
     def takes(self, world: World) -> tuple[list, bool]:
         """What there is for it: [(output or None, model's number, its state, events)], cut."""
         kind, models = self.text.kind, world[0]
+        if models[self.executor.use] == DEAD:
+            return [], False
         if kind == "timer":
             return [] if self.has_come(world) else [(None, None, None, ())], False
         if kind == "takes":
@@ -431,6 +442,8 @@ class Callback(NodeProgram):
         """Whether a look finds it: a client by any answer, whosever it is."""
         if self.text.kind != "client":
             return self.is_found_there(world)
+        if world[0][self.executor.use] == DEAD:
+            return False
         service = self.system.uses[self.first.model]
         return service.is_found(world[0][self.first.model], service.client_of[self.number])
 

@@ -1,4 +1,5 @@
-"""Small systems of start code, threads, timers that come once, and services that are offered.
+"""Small systems of start code, threads, timers that come once, services that are offered, and
+servers and clients that die.
 
     presence.py [--maide PROGRAM] [--write FOLDER]
 
@@ -190,6 +191,72 @@ nodes:
     threads: {{work: "count = count + 1;"}}
 """
 
+DEATH = """
+services: {{s: {{server: server, clients: [client]{delivery}}}}}
+programs:
+  server: {server}
+  client: {client}
+"""
+MORTAL = '{{do: "{0}", may_die: true}}'.format
+SAFE = '"{0}"'.format
+TURNS = "loop { if * { skip; } }"
+
+
+def dies(name: str, server: str, client: str, sizes: list | None, verdicts: dict | None,
+         delivery: str = "", **own: str) -> Case:
+    """A program that serves, and one that asks; one of them may die."""
+    text = DEATH.format(server=server, client=client, delivery=delivery)
+    return Case(name, text, verdicts, own, sizes)
+
+
+FOUND_OUT = {"comes": '"G (server@end -> F client@end)"',
+             "never": '{ltl: "G (server@end -> F client@end)", fairness: none}',
+             "can": '{possible: "client@end"}'}  # fmt: skip
+ON_WIRES = {"lost": '{possible: "s!answer_lost"}',
+            "none": '"G (server@end -> G !s!request_arrives)"'}  # fmt: skip
+
+DYING_SERVER = """
+services: {{s: {{server: n, clients: [client]}}}}
+executors: {{e: {executor}}}
+programs: {{client: "{client}"}}
+nodes: {{n: {{executor: e{start}, callbacks: {{find: {{serves: s, do: "s.answer;"}}}}}}}}
+"""
+DIES, DIES_ROUNDS = "{kind: single, may_die: true}", "{kind: single, order: rounds, may_die: true}"
+
+DYING_CLIENT = """
+services: {s: {server: server, clients: [n]}}
+executors: {e: {kind: single, may_die: true}}
+programs: {server: "idle s.serve -> request; s.answer;"}
+nodes:
+  n:
+    executor: e
+    clients: {s: {do: "skip;"}}
+    callbacks: {go: {timer: once 1, do: "s.send;"}}
+"""
+
+DYING_READER = """
+topics: {a: {writers: world, readers: n, use: queue, with: {size: 1}}}
+executors: {e: {kind: single, may_die: true}}
+programs: {world: "a.write; a.write;"}
+nodes: {n: {executor: e, callbacks: {on_a: {takes: a.read, do: "skip;"}}}}
+"""
+
+DYING_START = """
+models: {k: {use: mutex}}
+executors: {e: {kind: single, may_die: true}}
+nodes:
+  n: {executor: e, variables: "var set: bool;", start: "set = true; @n k.lock;", callbacks: {}}
+  m:
+    executor: e
+    start: "@m k.unlock;"
+    callbacks: {never: {timer: once 1, when: "false", do: "skip;"}}
+"""
+
+DYING_THREAD = """
+executors: {e: {kind: single, may_die: true}}
+nodes: {n: {executor: e, callbacks: {}, threads: {w: "skip;"}}}
+"""
+
 CASES = [
     # The server: offer, serve, wait, answer, end; the client: wait, send, receive, wait, end.
     late("a client that waits until its service is there", f"offer s; {SERVES}",
@@ -301,6 +368,56 @@ CASES = [
          {**RUNS, "two": "holds"}, {"two": '"F n.count == 2"'}, [(11, 10)]),
     Case("nobody knows how it goes on", "programs: {p: '@here unknown;'}",
          {"deadlock": "inconclusive", "here": "inconclusive"}, {"here": '"F p@end"'}, [(1, 1)]),
+    # Serve, take; send. Two that die before it was sent, two behind it; the dead one's loses it.
+    dies("a server dies", MORTAL("idle s.serve -> request;"), SAFE("s.send;"), [(7, 10)], RUNS),
+    # Its death alone changes what the client sees: there, dead, found out; then the client ends.
+    dies("a death is found out", MORTAL("idle s.serve -> request;"),
+         SAFE("while (s.there) { skip; }"), [(5, 8)],
+         {"deadlock": "holds", "stuck": "holds", "comes": "holds", "never": "violated",
+          "can": "holds"}, **FOUND_OUT),
+    # Nothing but that can happen: no progress, but it comes.
+    dies("a death is found out where nothing else happens", MORTAL(TURNS),
+         SAFE("select { when (!s.there) { skip; } }"), [(4, 5)],
+         {"deadlock": "violated", "stuck": "violated", "comes": "holds", "never": "violated",
+          "can": "holds"}, **FOUND_OUT),
+    # The same, and nobody asks in a program: the formula does.
+    dies("a formula asks whether a server is there", MORTAL(TURNS), SAFE("skip;"), [(3, 4), (1, 0)],
+         {**RUNS, "comes": "holds", "stays": "violated"},
+         comes='"G (server@end -> F !s.there)"', stays='"G s.there"'),
+    dies("nobody asks whether a server is there", MORTAL(TURNS), SAFE("skip;"),
+         [(2, 3), (1, 0)], RUNS),
+    dies("a server dies, late", MORTAL("s.serve -> request; s.answer; " + TURNS), SAFE(CALLS),
+         None, {**HANGS, "lost": "holds", "none": "holds"}, ", delivery: late", **ON_WIRES),
+    dies("no server dies, late", SAFE("s.serve -> request; s.answer; " + TURNS), SAFE(CALLS),
+         None, {"lost": "violated"}, ", delivery: late", lost=ON_WIRES["lost"]),
+    dies("a client dies, late", SAFE("loop { idle s.serve -> request; s.answer; }"),
+         MORTAL("s.send; idle s.receive -> answer; " + TURNS), None,
+         {**RUNS, "lost": "holds", "none": "holds", "taken": "holds"}, ", delivery: late",
+         lost='{possible: "s!request_lost"}', none='"G (client@end -> G !s!answer_arrives)"',
+         taken='{possible: "client@end && s!request_arrives"}'),
+    # Eleven states and 14 steps of those who live. Of the dead six: before the request, behind it
+    # without an answer and with one, waiting and answered, and the end.
+    Case("the executor of a server dies", DYING_SERVER.format(
+        executor=DIES, client=CALLS, start=""),
+         {**HANGS, "answered": "violated"}, {"answered": '"F client@end"'}, [(17, 29)]),
+    Case("the executor of a server dies, rounds", DYING_SERVER.format(
+        executor=DIES_ROUNDS, client=CALLS, start=""),
+         {**HANGS, "answered": "violated"}, {"answered": '"F client@end"'}),
+    Case("a server dies before it is there", DYING_SERVER.format(
+        executor=DIES, client="wait s -> there; @up skip;", start=', start: "offer s;"'),
+         {**HANGS, "up": "holds"}, {"up": '{possible: "client@end"}'}),
+    # Fourteen states and 18 steps of those who live; six of the dead, four steps among them.
+    Case("the executor of a client dies", DYING_CLIENT, RUNS, {}, [(20, 36)]),
+    # Eight states and steps of those who live; the world writes all the same.
+    Case("the executor of a reader dies", DYING_READER, {**RUNS, "written": "holds"},
+         {"written": '"F world@end"'}, [(11, 18)]),
+    # Lock, end, unlock, end; in front of each, and at last, it may die, with the mutex as it is.
+    Case("an executor dies in start code", DYING_START,
+         {"deadlock": "holds", "m": "violated", "stays": "holds"},
+         {"m": '"F m@m"', "stays": '"G n.set"'}, [(7, 9)]),
+    Case("several threads do not die", DYING_SERVER.format(
+        executor="{kind: multi, threads: 2, may_die: true}", client=CALLS, start=""), None),
+    Case("no threads where an executor may die", DYING_THREAD, None),
 ]  # fmt: skip
 
 

@@ -1,5 +1,5 @@
 """Random small systems of nodes' start code, threads, timers that come once, `when`, and services
-that are offered and withdrawn."""
+that are offered and withdrawn, and whose servers and clients die."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ EXECUTORS = [
     "{kind: single}", "{kind: single}", "{kind: single, order: rounds}",
     "{kind: single, order: rounds}", "{kind: multi, threads: 2}",
 ]  # fmt: skip
+MORTAL = ["{kind: single, may_die: true}", "{kind: single, order: rounds, may_die: true}"]
 
 
 @dataclass
@@ -28,6 +29,8 @@ class Part:
     numbers: list[str] = field(default_factory=list)
     groups: list[str] = field(default_factory=list)
     threads: list[str] = field(default_factory=list)
+    executor: str | None = None
+    may_die: bool = False  # it, or its executor
 
 
 class PresenceMaker(WireMaker):
@@ -40,6 +43,7 @@ class PresenceMaker(WireMaker):
         self.services: list[str] = []
         self.offered: set[str] = set()  # services that some code may offer
         self.does_offer: set[str] = set()  # and those that some code surely does
+        self.mortal: list[str] = []  # services whose server may die
         self.has_mutex = self.chance(0.15)
         nodes = [Part(self.new("n"), True) for _ in range(rng.choice([1, 1, 2, 2, 3]))]
         programs = [Part(self.new("p"), False) for _ in range(rng.choice([0, 1, 1, 2]))]
@@ -53,21 +57,44 @@ class PresenceMaker(WireMaker):
             for part in parts:
                 part.numbers.append(name)
         executors = [self.new("e") for _ in range(rng.choice([1, 1, 2]))]
+        for node in nodes:
+            node.executor = rng.choice([*executors, *executors, None])
+        self.choose_death(parts)
         lines.append("executors:")
         for name in executors:
+            if any(node.may_die for node in nodes if node.executor == name):
+                lines.append(f"  {name}: {rng.choice(MORTAL)}")
+                continue
             keys = "".join(f", {key}" for key in self.process())
             lines.append(f"  {name}: {rng.choice(EXECUTORS)[:-1]}{keys}}}")
         lines.append("nodes:")
         for node in nodes:
-            lines += self.presence_node(node, rng.choice([*executors, *executors, None]))
+            lines += self.presence_node(node)
         if programs:
             lines.append("programs:")
         for program in programs:
-            lines += self.entry_of(f"  {program.name}", self.presence_program(program))
+            code = self.presence_program(program)
+            if program.may_die:
+                lines += [f"  {program.name}:", "    may_die: true", *self.entry_of("    do", code)]
+                continue
+            lines += self.entry_of(f"  {program.name}", code)
         for service in self.services:
             self.atoms += [f"{service}.there"] * 2
             self.atoms += [f"{service}.send", f"{service}!request", f"{service}!answer"]
         return "\n".join(lines + self.properties()) + "\n"
+
+    def choose_death(self, parts: list[Part]) -> None:
+        """Lets a program or executor at an end of a service die, in one system of three."""
+        ends = [part for part in parts if part.serves + part.asks]
+        ends = [part for part in ends if part.executor is not None or not part.is_node]
+        if not ends or not self.chance(0.35):
+            return
+        servers = [part for part in ends if part.serves]
+        chosen = self.rng.choice(servers if servers and self.chance(0.6) else ends)
+        for part in parts:
+            if part is chosen or part.is_node and part.executor == chosen.executor is not None:
+                part.may_die = True
+                self.mortal += part.serves
 
     # --- connections
 
@@ -108,12 +135,12 @@ class PresenceMaker(WireMaker):
 
     # --- nodes
 
-    def presence_node(self, node: Part, executor: str | None) -> list[str]:
+    def presence_node(self, node: Part) -> list[str]:
         """The entry of a node."""
         rng = self.rng
         lines = [f"  {node.name}:"]
-        if executor is not None:
-            lines.append(f"    executor: {executor}")
+        if node.executor is not None:
+            lines.append(f"    executor: {node.executor}")
         if self.chance(0.3):
             node.groups.append(self.new("g"))
             kind = "exclusive" if self.chance(0.7) else "reentrant"
@@ -127,7 +154,7 @@ class PresenceMaker(WireMaker):
                 text += f" var {node.numbers[-1]}: 0..1;"
             lines.append(f'    variables: "{text}"')
             self.atoms.append(f"{node.name}.{flag}")
-        if self.chance(0.4):
+        if not node.may_die and self.chance(0.4):
             node.threads.append(self.new("w"))
         lines += self.presence_clients(node)
         if self.chance(0.6) or self.offers(node) and self.chance(0.5):
@@ -280,6 +307,8 @@ class PresenceMaker(WireMaker):
             return [f"select {{ when ({self.presence_condition(part)}) {{ {inner} }} {other} }}"]
         if kind == "while":
             service = rng.choice(self.services)
+            if self.mortal and self.chance(0.6):
+                return [f"while ({rng.choice(self.mortal)}.there) {{ skip; }}"]
             if service not in self.offered:
                 return [self.marked(part, f"wait {service} -> there;")]
             inner = " ".join(self.presence_action(part, 0)) if self.chance(0.5) else "skip;"

@@ -85,6 +85,8 @@ def read_nodes(system: Any) -> list[NodeText]:
                 node.start = start_of(node, description["start"])
             for own, text in (description.get("threads") or {}).items():
                 number = lambda value, scope=scope: system.number(value, scope)  # noqa: E731
+                if executor.may_die:
+                    raise Refused(f"node {header}: threads, and an executor that may die")
                 node.pools.append(pool_of(node, own, text, number))
             names = [code.name for code in node.codes()]
             if len(set(names)) < len(names):

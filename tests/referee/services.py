@@ -7,7 +7,8 @@ A Service answers what a program may do with it, as in use.py. Its state has
     served    of each slot the request that was served last and not answered, or None
     clients   of each (answers, how it stands): FREE, WAITS or DUE for a program; for a node the
               programs to which an answer was handed over; None if the client died
-    there     whether it is offered; where it is not, requests are lost
+    there     whether it is offered; where it is not, requests are lost. It stays when the server
+              dies, until a step that comes on fair runs, where the file asks for it
 
 A request is (number of the client, who asked). An answer in a client's queue is STRANGER or who
 asked: OWN where that is a program; in a node the copy of a callback whose run made the request, if
@@ -56,6 +57,7 @@ class Service:
 
     models: list = []
     weak = False
+    is_watched = False
 
     def __init__(
         self,
@@ -109,6 +111,10 @@ class Service:
         return (program, self.name, None, sign, (name, ()))
 
     # --- whether it is there
+
+    def watch(self, is_watched: bool) -> None:
+        """Notes whether the server may die and the file asks whether the service is there."""
+        self.is_watched = is_watched
 
     def is_there(self, state: Rest) -> bool:
         """Whether it is offered."""
@@ -279,16 +285,32 @@ class Service:
             return all(output[0] != "answer" for output, _, _ in self.due(state, program))
         return all(client is None or client[1] != DUE for client in state.clients)
 
-    def died(self, state: Rest, program: int) -> tuple[list, bool]:
-        """The states after a program died."""
-        if program in self.server:
-            served = (None,) * len(state.served)
-            state = state._replace(requests=None, server=FREE, served=served)
-        i = self.client_of.get(program)
-        if i is not None:
-            clients = state.clients
-            state = state._replace(clients=clients[:i] + (None,) + clients[i + 1 :])
+    def clients_among(self, programs: frozenset[int]) -> set[int]:
+        """The clients that these programs are."""
+        return {self.client_of[p] for p in programs if p in self.client_of}
+
+    def died(self, state: Rest, programs: frozenset[int]) -> tuple[list, bool]:
+        """The states after programs died."""
+        gone = self.clients_among(programs)
+
+        def for_nobody(request: Any) -> Any:
+            is_theirs = isinstance(request, tuple) and request[0] in gone
+            return (request[0], NOBODY) if is_theirs else request
+
+        requests = None if state.requests is None else tuple(map(for_nobody, state.requests))
+        clients = tuple(None if i in gone else one for i, one in enumerate(state.clients))
+        served = tuple(map(for_nobody, state.served))
+        state = Rest(requests, for_nobody(state.server), served, clients, state.there)
+        if programs & self.server:
+            there = state.there and self.is_watched
+            state = Rest(None, FREE, (None,) * len(served), clients, there)
         return [state], False
+
+    def gone(self, state: Rest) -> Rest | None:
+        """The state after it was found out that the server died; None if there is nothing to find
+        out, or nobody asks."""
+        is_found_out = self.is_watched and state.requests is None and state.there
+        return state._replace(there=False) if is_found_out else None
 
     # --- what the executor of a node does
 

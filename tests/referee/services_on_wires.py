@@ -62,6 +62,9 @@ class ServiceOnWires(Line, Service):
 
     # --- whether it is there
 
+    def watch(self, is_watched: bool) -> None:
+        self.rest.watch(is_watched)
+
     def is_there(self, state: Calls) -> bool:
         return self.rest.is_there(state.rest)
 
@@ -165,19 +168,24 @@ class ServiceOnWires(Line, Service):
         wires = self.wires[len(self.clients) :]
         return program in self.server and any(w.delivery == ACKNOWLEDGED for w in wires)
 
-    def died(self, state: Calls, program: int) -> tuple[list, bool]:
-        """The states after a program died."""
-        ((rest,), cut) = self.rest.died(state.rest, program)
+    def died(self, state: Calls, programs: frozenset[int]) -> tuple[list, bool]:
+        """The states after programs died."""
+        ((rest,), cut) = self.rest.died(state.rest, programs)
         state = state._replace(rest=rest)
-        if program in self.server:
+        if programs & self.server:
             for i in range(len(self.clients)):
                 state = self.with_line(state, self.to_server(i), ())
             state = state._replace(dead=state.dead | {SERVER})
-        i = self.client_of.get(program)
-        if i is not None:
+        for i in self.clients_among(programs):
+            requests = (((i, NOBODY),) for _ in state.lines[self.to_server(i)])
+            state = self.with_line(state, self.to_server(i), tuple(requests))
             state = self.with_line(state, self.to_client(i), ())
             state = state._replace(dead=state.dead | {i})
         return [self.without_dead(state)], cut
+
+    def gone(self, state: Calls) -> Calls | None:
+        rest = self.rest.gone(state.rest)
+        return None if rest is None else state._replace(rest=rest)
 
     # --- what nobody does
 

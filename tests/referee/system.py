@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import yaml
 
 from control import Compiler
+from death import Death
 from deliveries import AT_ONCE, Origin, Wire, acknowledged_by_one, delivery_of, kept, loses
 from expressions import (
     Mistake,
@@ -65,7 +67,7 @@ KEYS = {
 
 
 class Text(NamedTuple):
-    """What moves: a program; a copy of a callback; an executor that looks."""
+    """What moves: a program; a copy of a callback; an executor that looks, or dies."""
 
     name: str | None
     index: tuple
@@ -75,6 +77,7 @@ class Text(NamedTuple):
     process: str | None = None
     callback: CallbackText | None = None
     executor: Executor | None = None
+    is_death: bool = False  # of the executor
 
 
 def member_name(name: str, index: tuple) -> str:
@@ -134,9 +137,11 @@ class System:
         self.gives_values: set[str] = set()
         self.shared: list[Variable] = []
         self.knows_shared = False
+        self.note_presences()
         self.compile()  # tells which variables are shared, and which services are offered
         for presence in self.presences:
             service = self.uses[presence.use]
+            service.watch(presence.is_watched())
             if presence.offered:
                 service.initial = service.withdrawn(service.initial)
             elif presence.withdrawn:
@@ -204,11 +209,15 @@ class System:
             executors[node.executor] = None
             for callback in node.codes():
                 body = [statement for _, arm in callback.arms for statement in arm]
-                copy = Text(None, (), callback.scope, body, callback=callback)
+                may_die = node.executor.may_die
+                copy = Text(None, (), callback.scope, body, may_die, callback=callback)
                 self.texts += [copy] * len(callback.numbers)
         for executor in executors:
             if executor.rounds:
                 self.texts.append(Text(None, (), self.file, [], executor=executor))
+            if executor.may_die:
+                death = Text(None, (), self.file, [], executor=executor, is_death=True)
+                self.texts.append(death)
 
     def is_shared(self, variable: Variable) -> bool:
         """Whether two programs that can run at the same time use it."""
@@ -358,10 +367,11 @@ class System:
                 given = description.get("ends") or {}
                 for actor, names in sorted(given.items()):
                     numbers = self.ends(names, scope)
-                    for k, program in ((k, p) for k, end in enumerate(numbers) for p in end):
-                        if self.texts[program].may_die:
+                    for k, end in enumerate(numbers):
+                        if self.texts[min(end)].may_die:
                             others = set(given) - {actor}
-                            mortal.append(end_of(model, program, actor, k, len(numbers), others))
+                            mortal.append(end_of(model, min(end), actor, k, len(numbers), others))
+                    for k, program in ((k, p) for k, end in enumerate(numbers) for p in end):
                         own = ends.setdefault(program, {})
                         for action in model.input_names | model.output_names:
                             if model.actor(action) == actor:
@@ -396,7 +406,7 @@ class System:
                 policy = description.get("when_unexplored", "stop")
                 one = description.get("deliver") == "one"
                 full = member_name(name, index)
-                arguments = (full, models, writers, readers, policy, one, mortal)
+                arguments = (full, models, writers, readers, policy, one, mortal, len(entries))
                 wires = [
                     self.wire(description, own.get(reader, {}), model, entries, e, reader, i)
                     for e in range(len(entries))
@@ -548,6 +558,20 @@ class System:
                     presence.offered |= is_offer
                     presence.withdrawn |= not is_offer
 
+    def note_presences(self) -> None:
+        """Notes which servers may die, and for which services a property asks."""
+        properties = str(self.document.get("properties") or {})
+        for presence in self.presences:
+            service = self.uses[presence.use]
+            presence.mortal = any(self.texts[p].may_die for p in service.server)
+            base = re.escape(service.name.partition("[")[0])
+            presence.named = bool(re.search(rf"\b{base}(\[[^\]]*\])?\.there\b", properties))
+
+    def name_presence(self, services: list) -> None:
+        """Notes that the file asks whether these services are there."""
+        for presence in self.presences:
+            presence.named |= any(self.uses[presence.use] is service for service in services)
+
     def shared_values(self, world: tuple) -> dict[Variable, Any]:
         """The values of shared variables, and which services are there."""
         found = dict(zip(self.shared, world[1]))
@@ -560,6 +584,12 @@ class System:
         found = []
         self.models_of: list[set[int]] = []
         for number, text in enumerate(self.texts):
+            if text.is_death:
+                death = Death(self, number, text.executor)
+                found.append(death)
+                standing = (k for k, use in enumerate(self.uses) if use.standing & death.dying)
+                self.models_of.append({text.executor.use, *standing})
+                continue
             if text.executor is not None:
                 found.append(Look(self, number, text.executor))
                 self.models_of.append({text.executor.use})

@@ -37,7 +37,7 @@ def taken(model: Model, state: State, action: Action, policy: str) -> tuple[list
 class End:
     """An end whose program may die: what belongs to it, and `disconnect` if the model has it."""
 
-    program: int
+    program: int  # of a node the first
     inputs: frozenset
     outputs: frozenset
     disconnect: str | None
@@ -199,13 +199,13 @@ class Instance:
     def quiet(self, state: tuple, program: int, name: str, is_input: bool) -> bool:
         return state[0] == LOST or not self.model.outputs(state[0])
 
-    def died(self, state: tuple, program: int) -> tuple[list, bool]:
-        """(the states after the program died, whether the run is cut there)."""
+    def died(self, state: tuple, programs: frozenset[int]) -> tuple[list, bool]:
+        """(the states after the programs died, whether the run is cut there)."""
         inner, marks = state
-        if inner == LOST or all(end.program != program for end in self.mortal):
+        if inner == LOST or all(end.program not in programs for end in self.mortal):
             return [state], False
         marks = tuple(
-            mark if end.program != program else DISCONNECTS if end.disconnect else THROWS_AWAY
+            mark if end.program not in programs else DISCONNECTS if end.disconnect else THROWS_AWAY
             for mark, end in zip(marks, self.mortal)
         )
         found = self.left(inner, marks)
@@ -230,6 +230,7 @@ class Topic:
         policy: str,
         deliver_one: bool,
         mortal: set[int],
+        entries: int,
     ) -> None:
         self.name = name
         self.models = models
@@ -244,11 +245,11 @@ class Topic:
         if not all(model.has_actors for model in models):
             raise Refused(f"topic {name}: a model without actors")
         returns = any(model.actor(n) == "writer" for model in models for n in model.output_names)
-        self.keeps_caller = returns and bool(self.mortal) and len(writers) > 1
+        self.keeps_caller = returns and bool(self.mortal) and entries > 1
         self.ends = []
         for model in models:
             end = end_of(model, -1, "writer", 0, 1, {"reader"})
-            self.ends.append(replace(end, disconnect=end.disconnect if len(writers) == 1 else None))
+            self.ends.append(replace(end, disconnect=end.disconnect if entries == 1 else None))
         states = tuple(model.initial for model in models)
         self.initial = (states, (None,) * len(models), (NOTHING,) * len(models), None)
 
@@ -442,13 +443,12 @@ class Topic:
             if state[0][i] is not None and state[0][i] != LOST
         )
 
-    def died(self, state: tuple, program: int) -> tuple[list, bool]:
-        """(the states after the program died, whether the run is cut there): its model leaves, and
-        what is due to it is thrown away."""
-        if program in self.reader_of:
-            i = self.reader_of[program]
+    def died(self, state: tuple, programs: frozenset[int]) -> tuple[list, bool]:
+        """(the states after the programs died, whether the run is cut there): their models leave,
+        and what is due to them is thrown away."""
+        for i in {self.reader_of[p] for p in programs if p in self.reader_of}:
             state = self.with_reader(state, i, inner=None, collected=None, mark=NOTHING)
-        if program in self.writers and (not self.keeps_caller or state[3] == program):
+        if programs & self.writers and (not self.keeps_caller or state[3] in programs):
             for i in self.alive(state):
                 if state[0][i] == LOST:
                     continue

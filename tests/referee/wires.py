@@ -377,9 +377,8 @@ class Boxes(Line):
             state = self.with_line(state, k, ())
         return state
 
-    def disconnected(self, state: Way, program: int, ends: dict[int, End]) -> Way:
+    def disconnected(self, state: Way, entry: int, ends: dict[int, End]) -> Way:
         """The state after a writer died: its wires remember it, and `disconnect` goes on them."""
-        entry = self.entry_of[program]
         state = state._replace(dead=state.dead | {entry})
         for k in self.boxes_of.get(entry, []):
             i = self.wires[k].box
@@ -463,16 +462,16 @@ class TopicOnWires(Boxes, Topic):
         i = self.reader_of[program]
         return state.inners[i] is None or not self.models[i].outputs(state.inners[i])
 
-    def died(self, state: Way, program: int) -> tuple[list, bool]:
-        if program in self.reader_of:
-            i = self.reader_of[program]
+    def died(self, state: Way, programs: frozenset[int]) -> tuple[list, bool]:
+        for i in {self.reader_of[p] for p in programs if p in self.reader_of}:
             state = self.without_messages(state, i)
             state = self.with_box(state, i, inners=None, collected=None, debts=0)
-        if program in self.writers:
-            if not self.keeps_caller or state.caller == program:
-                state = state._replace(collected=(None,) * len(self.models))
-                state = state._replace(caller=DEAD if self.keeps_caller else state.caller)
-            state = self.disconnected(state, program, dict(enumerate(self.ends)))
+        writers = programs & self.writers
+        if writers and (not self.keeps_caller or state.caller in writers):
+            state = state._replace(collected=(None,) * len(self.models))
+            state = state._replace(caller=DEAD if self.keeps_caller else state.caller)
+        for entry in {self.entry_of[p] for p in writers}:
+            state = self.disconnected(state, entry, dict(enumerate(self.ends)))
         return self.settled(state), False
 
 
@@ -605,21 +604,21 @@ class ModelOnWires(Boxes, Instance):
             return self.returns(state) is None
         return state.inners[0] == LOST or not self.model.outputs(state.inners[0])
 
-    def died(self, state: Way, program: int) -> tuple[list, bool]:
-        inner_after, cut = Instance.died(self, self.at_rest(state), program)
-        if any(end.program == program for end in self.mortal):
+    def died(self, state: Way, programs: frozenset[int]) -> tuple[list, bool]:
+        inner_after, cut = Instance.died(self, self.at_rest(state), programs)
+        if any(end.program in programs for end in self.mortal):
             state = self.without_messages(state, 0)
+        writing = [end for p, end in self.writers_end.items() if p in programs]
         found = []
         for inner, marks in inner_after:
             now = state._replace(marks=marks)
-            end = self.writers_end.get(program)
-            ends = {} if end is None or len(self.writers_end) > 1 else {0: end}
-            if end is not None:
+            if writing:
                 now = now._replace(collected=(None,))
-            if any(now.lines[k] for k in self.boxes_of.get(self.entry_of[program], [])):
-                now = self.disconnected(now, program, ends)
-            elif end is not None:
-                now = self.disconnected(now, program, ends)
+            for entry in sorted({self.entry_of[p] for p in programs}):
+                own = [end for end in writing if self.entry_of[end.program] == entry]
+                ends = {0: own[0]} if own and len(self.writers_end) == 1 else {}
+                if own or any(now.lines[k] for k in self.boxes_of.get(entry, [])):
+                    now = self.disconnected(now, entry, ends)
             found += self.moved(now, 0, inner)
         return list(dict.fromkeys(found)), cut
 
@@ -645,7 +644,7 @@ class Stream:
         self.members = members
         self.uses = uses
 
-    def died(self, state: tuple, program: int) -> tuple[list, bool]:
+    def died(self, state: tuple, programs: frozenset[int]) -> tuple[list, bool]:
         """No death changes it."""
         return [state], False
 
