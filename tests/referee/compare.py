@@ -115,7 +115,7 @@ class Comparison:
             if "broken" in theirs:
                 return [("broken", f"Maide, reduction {reduction}: {theirs['broken']}")]
             if "error" in mine or "error" in theirs:
-                unbuilt = "not built yet" in theirs.get("error", "")
+                unbuilt = "not built" in theirs.get("error", "")
                 if ("error" in mine) != ("error" in theirs) and not unbuilt:
                     why = mine.get("error") or theirs.get("error").replace("maide: ", "")
                     words = " ".join(w for w in why.split("\n")[0].split()[:6] if w.isalpha())
