@@ -165,8 +165,8 @@ Statements (M: model, x: variable, e: expression; @name before one labels it):
     [when (e)] on M.input { }               an input without outputs
     [when (e)] on M!output { }              an output that is due, or `arrived`
     when (e) { }  otherwise { }  timeout MS { }  a condition; if all else waits
-  S.send;  S.receive -> answer;           a client; a callback says wait S
-  S.serve -> request;  S.answer;          a service's server
+  S.send;  S.receive -> answer;  wait S -> there;  a client; a callback: wait S
+  S.serve -> request;  S.answer;  offer S;  withdraw S;   a service's server
   idle STATEMENT                          may wait there for ever
   if (e) { } else if (e) { } else { }     by values
   if * { } else { }  if fair * { }  x = any e..e;  x = any fair e..e;   choices
@@ -174,9 +174,7 @@ Statements (M: model, x: variable, e: expression; @name before one labels it):
   var x: 0..3 = 1;  var ok: bool;  var m: {idle, busy};  var a[k in 0..9]: bool;
   x = e;  a[e] = e;                       no step, unless a variable is shared
   atomic { x = e; if (e) { } }            one step; `when (e) atomic { }` waits
-  call p(ARGUMENTS);  return;  stop;  skip;  unknown;   the latter: the run is cut
-  offer S;  withdraw S;  wait S -> there;  whether a service is there; S.there in (e)
-  run THREAD;  join THREAD;               in the code of a node that has threads:
+  call p(ARGUMENTS);  return;  stop;  skip;  unknown;  run THREAD;  join THREAD;
 Values:       M.write(e);  M.read -> message(x) sets x, message(var x) declares
               it, message(3) takes that one alone, message takes any.
 Expressions:  + - * / %   < <= > >= == !=   ! && ||   ( )   true false WORD
